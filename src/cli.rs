@@ -208,6 +208,18 @@ mod tests {
         Arguments::command().debug_assert();
     }
 
+    /// Without a display it draws instead of what needs one.
+    #[test]
+    fn the_script_that_runs_the_program_knows_every_command_as_one_without_a_window() {
+        let script = include_str!("../scripts/run");
+        let listed = script.lines().find(|line| line.trim_start().starts_with("still |")).unwrap_or_default();
+        let listed: Vec<&str> = listed.split([' ', '|', ')']).filter(|word| !word.is_empty()).collect();
+        let command = Arguments::command();
+        for name in command.get_subcommands().map(clap::Command::get_name).chain(["help"]) {
+            assert!(listed.contains(&name), "scripts/run opens a window for `mariana {name}`");
+        }
+    }
+
     #[test]
     fn every_subcommand_shows_examples() {
         for command in Arguments::command().get_subcommands() {

@@ -67,6 +67,6 @@ macro_rules! targets {
 }
 
 targets! {
-    syntax SYNTAX scene SCENE regions REGIONS tape TAPE differential DIFFERENTIAL decode DECODE lists LISTS settings SETTINGS
+    syntax SYNTAX scene SCENE regions REGIONS tape TAPE differential DIFFERENTIAL decode DECODE lists LISTS settings SETTINGS osc OSC midi MIDI
     phones PHONES
 }

@@ -4,6 +4,7 @@
 //! seeds and changed ones in every test run.
 
 mod bytes;
+mod control;
 mod expression;
 mod files;
 mod phones;
@@ -66,9 +67,16 @@ pub(crate) const SETTINGS: Target =
 pub(crate) const PHONES: Target =
     Target { name: "phones", run: phones::phones, seeds: seeds::phones, speaks: false, changes: 40_000 };
 
+/// A packet of OSC.
+pub(crate) const OSC: Target =
+    Target { name: "osc", run: control::osc, seeds: seeds::packets, speaks: false, changes: 4_000 };
+/// The bytes of a MIDI device.
+pub(crate) const MIDI: Target =
+    Target { name: "midi", run: control::midi, seeds: seeds::midi, speaks: false, changes: 4_000 };
+
 /// All of them.
-pub(crate) const TARGETS: [&Target; 9] =
-    [&SYNTAX, &SCENE, &REGIONS, &TAPE, &DIFFERENTIAL, &DECODE, &LISTS, &SETTINGS, &PHONES];
+pub(crate) const TARGETS: [&Target; 11] =
+    [&SYNTAX, &SCENE, &REGIONS, &TAPE, &DIFFERENTIAL, &DECODE, &LISTS, &SETTINGS, &OSC, &MIDI, &PHONES];
 
 /// What a libFuzzer program begins with. Where `MARIANA_FUZZ_SEEDS` names a folder, seeds and the dictionary are written
 /// there and the program ends.

@@ -167,6 +167,68 @@ pub(crate) fn wave(rate: u32, frames: u32) -> Vec<u8> {
     bytes
 }
 
+/// Text as OSC writes it: with a zero, to whole fours.
+fn osc_text(text: &str) -> Vec<u8> {
+    let mut bytes = text.as_bytes().to_vec();
+    bytes.resize((text.len() / 4 + 1) * 4, 0);
+    bytes
+}
+
+/// A message of OSC with these arguments behind their tags.
+fn osc_message(address: &str, tags: &str, arguments: &[u8]) -> Vec<u8> {
+    [osc_text(address), osc_text(tags), arguments.to_vec()].concat()
+}
+
+/// A bundle of OSC for a time.
+fn osc_bundle(time: [u32; 2], elements: &[Vec<u8>]) -> Vec<u8> {
+    let mut bytes = [osc_text("#bundle"), time.map(u32::to_be_bytes).concat()].concat();
+    for element in elements {
+        bytes.extend((element.len() as u32).to_be_bytes());
+        bytes.extend(element);
+    }
+    bytes
+}
+
+/// Packets of OSC.
+pub(crate) fn packets() -> Vec<Seed> {
+    let half = 0.5_f32.to_be_bytes();
+    let turn = osc_message("/param/size", ",ff", &[half, half].concat());
+    let next = osc_message("/next", ",", &[]);
+    let nested = osc_bundle(
+        [0, 1],
+        &[turn.clone(), osc_bundle([3_900_000_000, 7], std::slice::from_ref(&next)), next.clone()],
+    );
+    vec![
+        seed("turn", turn),
+        seed("share", osc_message("/share/size", ",d", &0.25_f64.to_be_bytes())),
+        seed("next", next),
+        seed("switch", osc_message("/pause", ",T", &[])),
+        seed("scene", osc_message("/scene", ",s", &osc_text("orb"))),
+        seed("number", osc_message("/scene", ",i", &3_u32.to_be_bytes())),
+        seed("question", osc_message("/query/params", ",", &[])),
+        seed("pattern", osc_message("/{param,share}/s[a-i!]*?", ",f", &half)),
+        seed("lists", osc_message("/tempo", ",[[f]]N", &half)),
+        seed("blob", osc_message("/tempo", ",b", &[0, 0, 0, 2, 1, 2, 0, 0])),
+        seed("nested", nested),
+    ]
+}
+
+/// What MIDI devices say.
+pub(crate) fn midi() -> Vec<Seed> {
+    let sysex = [&[0xF0, 0x7E][..], &[0x11; 40], &[0xF7]].concat();
+    let song = [&[0xFA][..], &[0xF8; 50], &[0xFC, 0xF2, 0x10, 0x02, 0xFB], &[0xF8; 30]].concat();
+    let interrupted = vec![0xB0, 7, 0xF8, 100, 8, 0xFE, 90, 0x90, 60, 0xF0, 1, 2, 0xF7, 64, 0x80, 60, 0];
+    let pressed = vec![0x90, 60, 100, 60, 0, 0xA3, 60, 20, 0xD4, 99, 0xF6, 0x91, 1];
+    vec![
+        seed("notes", pressed),
+        seed("fine", vec![0xB0, 1, 64, 33, 5, 1, 65, 33, 7, 0xB5, 98, 3, 99, 4, 6, 100, 38, 2]),
+        seed("bend", vec![0xE2, 0, 64, 127, 127, 0xC1, 5, 6, 7]),
+        seed("sysex", sysex),
+        seed("clock", song),
+        seed("interrupted", interrupted),
+    ]
+}
+
 /// Lists of all kinds. The first byte chooses the kind.
 pub(crate) fn lists() -> Vec<Seed> {
     let texts: [(&str, &str, &[u8]); 9] = [

@@ -67,6 +67,11 @@ impl Listening {
         self.paused
     }
 
+    /// Whether a song goes on. An input may fall silent at any time, and its time with it.
+    pub(super) fn runs(&mut self) -> bool {
+        !self.paused && self.with_song(|player| !player.status().ended).unwrap_or_default()
+    }
+
     /// Notes whether the user wants a pause.
     pub(super) fn want_paused(&mut self, paused: bool) {
         self.paused = paused;

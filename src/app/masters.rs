@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use crate::show::Picture;
+
 /// See the module.
 #[derive(Debug, Clone)]
 pub(super) struct Masters {
@@ -13,6 +15,8 @@ pub(super) struct Masters {
     /// How much light the blackout leaves, 0..1, and when that was so.
     light: (f32, Option<Instant>),
     is_frozen: bool,
+    /// What the show does besides.
+    shown: Picture,
 }
 
 impl Masters {
@@ -24,6 +28,7 @@ impl Masters {
             is_black: false,
             light: (1.0, None),
             is_frozen: false,
+            shown: Picture::PLAIN,
         };
         masters.set_brightness(brightness);
         masters.set_fade(fade);
@@ -66,15 +71,35 @@ impl Masters {
         self.is_frozen
     }
 
-    /// Whether the picture is held.
+    /// Whether a hand holds the picture.
     pub(super) fn is_frozen(&self) -> bool {
         self.is_frozen
+    }
+
+    /// From now on the show does this to pictures. Returns what it did before.
+    pub(super) fn follow_show(&mut self, shown: Picture) -> Picture {
+        std::mem::replace(&mut self.shown, shown)
+    }
+
+    /// Whether the picture is held, by a hand or by the show.
+    pub(super) fn hold(&self) -> bool {
+        self.is_frozen || self.shown.held.is_some_and(|held| held.share >= 1.0)
+    }
+
+    /// Whether the show has a share of a picture that is held.
+    pub(super) fn is_held_by_show(&self) -> bool {
+        self.shown.held.is_some()
+    }
+
+    /// Whether no hand does anything to a picture that is shown at `now`.
+    pub(super) fn are_idle(&self, now: Instant) -> bool {
+        !self.is_frozen && self.brightness >= 1.0 && self.light_at(now) >= 1.0
     }
 
     /// How much of its light a picture has that is shown at `now`, 0..1. A fade is even in light, not in the numbers of
     /// the screen.
     pub(super) fn gain(&self, now: Instant) -> f32 {
-        self.brightness * self.light_at(now)
+        self.brightness * self.light_at(now) * self.shown.brightness
     }
 
     fn light_at(&self, now: Instant) -> f32 {

@@ -9,7 +9,7 @@ use super::direction::OfTrack;
 use crate::config::PerformanceFiles;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::SceneSource;
-use crate::show::{Entrance, Move, OnStage, Performance, Turned, name_of, print};
+use crate::show::{Entrance, Finish, Move, OnStage, Performance, Turned, name_of, print};
 use mariana_field::lang::Way;
 
 /// How often a performance is written while it goes on.
@@ -23,14 +23,16 @@ pub(super) struct Performed<'a> {
     pub camera: Option<&'a str>,
     /// How it came and when that began, in seconds of the song, where a show says so.
     pub directed: Option<(Entrance, f64)>,
-    /// How many seconds a change takes that no show makes.
-    pub fade: f64,
+    /// How it came where no show says so, and when that began, in seconds of the song; none if it was cut.
+    pub faded: Option<(f64, f64)>,
     /// Its parameters.
     pub params: Vec<Turned<'a>>,
     /// What a show does with them.
     pub moves: &'a [Move],
     /// How the camera is moved by hand.
     pub hand: OrbitControls,
+    /// What is done to the whole picture.
+    pub picture: Finish,
 }
 
 /// A performance that goes on.
@@ -44,6 +46,8 @@ struct Take {
     shown: Option<Showing>,
     /// Whether it was told that there is no more room.
     told_full: bool,
+    /// Whether the picture that was noted last is held.
+    is_held: bool,
 }
 
 /// What is on.
@@ -112,7 +116,16 @@ impl Recording {
         let take = self.take.get_or_insert_with(|| {
             *count += 1;
             let (title, performance) = (title.to_owned(), Performance::default());
-            Take { number: *count, track, title, performance, kept: now, shown: None, told_full: false }
+            Take {
+                number: *count,
+                track,
+                title,
+                performance,
+                kept: now,
+                shown: None,
+                told_full: false,
+                is_held: false,
+            }
         });
         take.note(time, seen);
         if now.saturating_duration_since(take.kept) >= KEPT_EVERY {
@@ -120,6 +133,16 @@ impl Recording {
         }
         let is_news = take.performance.is_full() && !std::mem::replace(&mut take.told_full, true);
         is_news.then_some("the performance is longer than a show may be: what comes now is not recorded")
+    }
+
+    /// Notes that the picture of a track which was noted last still shows at `time` seconds, and what is done to it.
+    pub(super) fn note_picture(&mut self, track: OfTrack, time: f64, picture: &Finish, is_held: bool) {
+        let Some(take) = self.take.as_mut().filter(|take| take.track == track) else { return };
+        if is_held && !take.is_held {
+            take.performance.hold(picture);
+        }
+        take.is_held = is_held;
+        take.performance.note_picture(time, picture);
     }
 
     /// What became of a file, to be said.
@@ -141,9 +164,10 @@ impl Recording {
 
 impl Take {
     fn note(&mut self, time: f64, seen: Performed<'_>) {
-        let changes = |fade: f64| match fade > 0.0 {
-            true => Entrance::new(Way::Fade, fade),
-            false => Entrance::CUT,
+        self.is_held = false;
+        let changes = match seen.faded {
+            Some((seconds, start)) => (Entrance::new(Way::Fade, seconds), start),
+            None => (Entrance::CUT, time),
         };
         let (entrance, start) = match (&self.shown, seen.directed) {
             // What nobody directs any more stays as it is.
@@ -151,13 +175,13 @@ impl Take {
                 (shown.entrance, shown.start)
             }
             (None, None) => (Entrance::CUT, time),
-            (Some(_), None) => (changes(seen.fade), time),
+            (Some(_), None) => changes,
             // The show takes over in the middle of a scene.
             (Some(shown), Some((_, start))) if start < shown.start => {
                 if shown.source == *seen.source {
                     (shown.entrance, shown.start)
                 } else {
-                    (changes(seen.fade), time)
+                    changes
                 }
             }
             (_, Some(directed)) => directed,
@@ -166,9 +190,9 @@ impl Take {
             Some(shown) => shown.scene,
             None => named(seen.source),
         };
-        let Performed { source, camera, params, moves, hand, .. } = seen;
+        let Performed { source, camera, params, moves, hand, picture, .. } = seen;
         let turns = hand.turns();
-        let on_stage = OnStage { scene: &scene, camera, entrance, start, params, moves, turns };
+        let on_stage = OnStage { scene: &scene, camera, entrance, start, params, moves, turns, picture };
         self.performance.note(time, &on_stage);
         self.shown = Some(Showing { source: source.clone(), scene, entrance, start });
     }
@@ -210,10 +234,11 @@ mod tests {
             source,
             camera: None,
             directed,
-            fade: 0.5,
+            faded: None,
             params: Vec::new(),
             moves: &[],
             hand: OrbitControls::OFF,
+            picture: Finish::NOTHING,
         }
     }
 
@@ -226,9 +251,14 @@ mod tests {
         recording.note((Some(0), "one"), 1.0, seen(&orb, None), now);
         assert!(recording.take.is_none(), "nobody asked for it");
         assert!(recording.toggle(now));
-        for (time, scene) in [(2.0, &orb), (3.0, &orb), (4.0, &city), (5.0, &city)] {
-            recording.note((Some(0), "one"), time, seen(scene, None), now);
+        for (time, scene, faded) in
+            [(2.0, &orb, None), (3.0, &orb, None), (4.0, &city, Some((0.5, 3.75))), (5.0, &city, None)]
+        {
+            recording.note((Some(0), "one"), time, Performed { faded, ..seen(scene, None) }, now);
         }
+        let held = Finish { numbers: [0.5, 1.0], is_shown: false };
+        recording.note_picture(Some(0), 6.0, &held, true);
+        recording.note_picture(Some(2), 7.0, &Finish::NOTHING, false);
         let melt = (Entrance::new(Way::Melt, 2.0), 0.5);
         recording.note((Some(1), "two"), 1.5, seen(&heart, Some(melt)), now);
         recording.note((None, "an input"), 9.0, seen(&city, None), now);
@@ -236,7 +266,11 @@ mod tests {
         drop(recording);
         let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
         assert!(
-            text("one.show").ends_with("at 0:02  orb  cut\nat 0:04  city  fade over 0.5 s\n"),
+            text("one.show").ends_with(
+                "at 0:02     orb  cut\nat 0:03.75  city  fade over 0.5 s\n\
+                 \x20 set picture brightness = 1 -> 1 over 1.25 s -> 1 over 1 s -> 0.5 over 0 s\n\
+                 \x20 set picture freeze = 0 -> 0 over 1.25 s -> 1 over 0 s\n"
+            ),
             "{}",
             text("one.show")
         );

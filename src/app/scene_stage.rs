@@ -18,6 +18,7 @@ mod fading;
 mod hands;
 mod kept;
 mod mixing;
+mod preview;
 mod requests;
 mod scenery;
 mod told;
@@ -150,6 +151,8 @@ pub(super) struct SceneStage {
     pictures_seen: u64,
     /// The scene whose picture was finished last.
     pictured: Option<u64>,
+    /// How long that took.
+    picture_took: Duration,
     /// Counts the changes that make the same moment look different.
     revision: u64,
     /// The scene on the stage and its mode when they were last announced.
@@ -214,6 +217,7 @@ impl SceneStage {
             seen_picture: None,
             pictures_seen: 0,
             pictured: None,
+            picture_took: Duration::ZERO,
             revision: 0,
             announced: None,
             regions,
@@ -387,7 +391,9 @@ impl SceneStage {
 
     /// Whether the scene on the stage also moves without sound.
     pub(super) fn moves_by_itself(&self) -> bool {
-        self.is_moved_by_the_show() || self.on_stage.as_ref().is_none_or(|cast| cast.moves)
+        self.is_moved_by_the_show()
+            || self.fading.follows_song()
+            || self.on_stage.as_ref().is_none_or(|cast| cast.moves)
     }
 }
 

@@ -12,7 +12,7 @@ use super::sound::SHIFT_STEP_MS;
 #[cfg(doc)]
 use crate::config::StageChoices;
 use crate::config::{Choice, Choices, FollowChoice, QualityChoice};
-use crate::placement::Flip;
+use crate::placement::{Crop, Flip};
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
@@ -38,6 +38,8 @@ pub enum Fact {
     LastTracks,
     /// See [`Choices::hints`].
     Hints,
+    /// See [`Choices::next_scene`].
+    NextScene,
     /// The picture also fills the monitor with this name; none is the window alone.
     Screen(Option<String>),
     /// See [`StageChoices::brightness`].
@@ -46,6 +48,8 @@ pub enum Fact {
     BlackoutFade,
     /// See [`StageChoices::flip`].
     Flip,
+    /// See [`StageChoices::crop`].
+    Crop,
 }
 
 /// What there is to see and to change in a row.
@@ -110,6 +114,8 @@ pub enum SettingChange {
     LastTracks(bool),
     /// See [`Choices::hints`].
     Hints(bool),
+    /// See [`Choices::next_scene`].
+    NextScene(bool),
     /// To fill the monitor with this name with the picture, too, or none.
     Screen(Option<String>),
     /// See [`StageChoices::brightness`].
@@ -123,6 +129,8 @@ pub enum SettingChange {
     BlackoutFade(f64),
     /// See [`StageChoices::flip`].
     Flip(Flip),
+    /// See [`StageChoices::crop`].
+    Crop(Crop),
 }
 
 /// An output that songs can play on.
@@ -289,9 +297,11 @@ fn change_to(fact: &Fact, value: usize) -> Option<SettingChange> {
         Fact::Follow => SettingChange::Follow(at(value)?),
         Fact::LastTracks => SettingChange::LastTracks(at(value)?),
         Fact::Hints => SettingChange::Hints(at(value)?),
+        Fact::NextScene => SettingChange::NextScene(at(value)?),
         Fact::BlackoutFade => SettingChange::BlackoutFade(staging::fade(value)?),
         Fact::Screen(name) => SettingChange::Screen(name.clone()),
         Fact::Flip => SettingChange::Flip(at(value)?),
+        Fact::Crop => SettingChange::Crop(staging::crop(value)?),
     })
 }
 
@@ -379,6 +389,13 @@ fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
             now.hints,
             remembered.hints,
         ),
+        row_of(
+            Fact::NextScene,
+            "Next scene",
+            "A small picture of it in this window, too; beside a picture on another monitor it always shows",
+            now.next_scene,
+            remembered.next_scene,
+        ),
     ];
     let screens =
         staging::screens(&facts.monitors, now.stage.output.as_deref(), remembered.stage.output.as_deref());
@@ -464,7 +481,11 @@ pub(crate) mod tests {
         update(&mut panel, &off, None, &["usb", "tv"]);
         assert_eq!(press(&mut panel, Enter), Some(SettingChange::FlashLimiter(true)));
         (0..99).for_each(|_| drop(press(&mut panel, ArrowDown)));
-        assert_eq!(panel.rows()[panel.selected()].name, "Mirror");
+        assert_eq!(panel.rows()[panel.selected()].name, "Crop");
+        assert_eq!(
+            press(&mut panel, ArrowRight),
+            Some(SettingChange::Crop(Crop::try_from([1.0; 4]).unwrap()))
+        );
         for key in [Key::Character("q".into()), Key::Named(NamedKey::Escape), Key::Named(NamedKey::Space)] {
             assert_eq!(panel.take_key(&key), (false, None), "{key:?} is the show's");
         }

@@ -11,6 +11,7 @@ mod mastering;
 mod opening;
 mod outputs;
 mod panels;
+mod preview;
 mod probing;
 mod recording;
 mod sending;
@@ -24,6 +25,8 @@ use winit::event::WindowEvent;
 use cues::Cues;
 use desk::Desk;
 pub(super) use opening::{Opening, renewed};
+pub(super) use preview::NextScene;
+use preview::Preview;
 
 use super::accessibility::{Assistance, ControlsTeller};
 use super::announcer::TrackOrder;
@@ -76,6 +79,8 @@ pub(super) struct Stage {
     masters: Masters,
     /// Where pictures are sent.
     feeds: Feeds,
+    /// The scene that comes next, for the desk.
+    preview: Preview,
     reports: Reports,
     /// What is recorded of the show.
     recording: Recording,
@@ -379,6 +384,9 @@ impl Stage {
         let moment = self.moment();
         self.direct(moment);
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
+        if self.holds_picture() {
+            self.record_again(now);
+        }
         // A picture that is held changes no more.
         let changes = (moves || self.could_be_better(now)) && !self.holds_picture();
         let moving = changes
@@ -394,13 +402,19 @@ impl Stage {
         if !moving || !seen {
             // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
             // any time.
+            if seen {
+                self.update_preview(now, None)?;
+            }
             let idle = now + self.idle_interval(seen);
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
         } else if now >= self.pace.due() || self.scene.has_regions() {
+            self.update_preview(now, Some(Duration::ZERO))?;
             self.window.window().request_redraw();
             Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
         } else {
-            Ok(to_send.map_or(self.pace.due(), |due| due.min(self.pace.due())))
+            let due = self.pace.due();
+            self.update_preview(now, Some(due.saturating_duration_since(now)))?;
+            Ok(to_send.map_or(due, |sends| sends.min(due)))
         }
     }
 

@@ -101,6 +101,9 @@ pub struct Choices {
     /// Whether more shows over the picture than what was asked for and what is wrong.
     #[serde(with = "by_name", skip_serializing_if = "is_on")]
     pub hints: bool,
+    /// Whether the scene that comes next shows in a window that has no output beside it.
+    #[serde(with = "by_name", skip_serializing_if = "is_default")]
+    pub next_scene: bool,
     /// How pictures come onto screens.
     #[serde(skip_serializing_if = "is_default")]
     pub stage: StageChoices,
@@ -117,6 +120,7 @@ impl Default for Choices {
             follow_song: FollowChoice::default(),
             last_tracks: true,
             hints: true,
+            next_scene: false,
             stage: StageChoices::default(),
         }
     }
@@ -185,6 +189,7 @@ mod tests {
             follow_song: FollowChoice::On,
             last_tracks: false,
             hints: false,
+            next_scene: true,
             stage: StageChoices { brightness: 40, flip: Flip::Both, ..StageChoices::default() },
         };
         let text = toml::to_string(&chosen).unwrap();

@@ -1,7 +1,8 @@
 //! The file of what knobs turn, beside the settings.
 //!
 //! Each change is made in what the file holds at that moment, so that what another window or a hand has written meanwhile
-//! stays. A file that is damaged is kept aside before another one takes its place.
+//! stays. A file that is damaged is kept aside before another one takes its place. All that is done by a thread: what knobs
+//! turn has changed here before.
 
 use std::fs::{File, create_dir_all};
 use std::io::{ErrorKind, Read};
@@ -9,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
 
+use super::scribe::Scribe;
 use crate::atomic_file::AtomicFile;
 use mariana_control::limits::LIMITS as CONTROL_LIMITS;
 use mariana_control::midi::{Mapping, MappingFile, MappingsError};
@@ -27,12 +29,16 @@ pub enum KnobEdit {
 }
 
 /// See the module.
-#[derive(Debug)]
 pub struct KnobMemory {
     /// None where the system has no place for settings: then mappings last as long as the program.
-    path: Option<PathBuf>,
+    scribe: Option<Scribe<KnobEdit, Kept>>,
     file: MappingFile,
+    /// How many changes are not in the file yet.
+    waiting: usize,
 }
+
+/// What the file holds after a change.
+type Kept = Result<MappingFile, KnobsError>;
 
 /// Why mappings are not read or not kept: a sentence.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -73,7 +79,8 @@ impl KnobMemory {
             Some(Ok(file)) => (file, None),
             Some(Err(trouble)) => (MappingFile::default(), Some(trouble)),
         };
-        (Self { path, file }, trouble)
+        let keeper = |path: PathBuf| Scribe::start("knobs", move |edit| keep(&path, &edit));
+        (Self { scribe: path.map(keeper), file, waiting: 0 }, trouble)
     }
 
     /// What is remembered.
@@ -86,28 +93,45 @@ impl KnobMemory {
         &mut self.file
     }
 
-    /// Makes a change here and in the file.
+    /// Makes a change here, and soon in the file.
+    pub fn change(&mut self, edit: &KnobEdit) {
+        apply(&mut self.file, edit);
+        let is_kept = self.scribe.as_ref().is_some_and(|scribe| scribe.give(edit.clone()));
+        self.waiting += usize::from(is_kept);
+    }
+
+    /// What became of a change in the file: what stands there holds here, too.
     ///
     /// # Errors
     /// The file cannot be read or written; then the change lasts as long as the program.
-    pub fn change(&mut self, edit: &KnobEdit) -> Result<(), KnobsError> {
-        apply(&mut self.file, edit);
-        let Some(path) = &self.path else { return Ok(()) };
-        let mut after = match read(path) {
-            Ok(there) => there,
-            Err(KnobsError::Damaged { aside, .. }) => {
-                std::fs::rename(path, aside).map_err(|error| refused(path, "written", &error))?;
-                MappingFile::default()
-            }
-            Err(error) => return Err(error),
-        };
-        apply(&mut after, edit);
-        write(path, &after)?;
-        if after.mappings.list() != self.file.mappings.list() {
+    pub fn poll(&mut self) -> Option<Result<(), KnobsError>> {
+        let kept = self.scribe.as_ref()?.poll()?;
+        Some(self.take(kept))
+    }
+
+    fn take(&mut self, kept: Kept) -> Result<(), KnobsError> {
+        self.waiting = self.waiting.saturating_sub(1);
+        let after = kept?;
+        if self.waiting == 0 && after.mappings.list() != self.file.mappings.list() {
             self.file = after;
         }
         Ok(())
     }
+}
+
+/// Makes a change in the file.
+fn keep(path: &Path, edit: &KnobEdit) -> Kept {
+    let mut after = match read(path) {
+        Ok(there) => there,
+        Err(KnobsError::Damaged { aside, .. }) => {
+            std::fs::rename(path, aside).map_err(|error| refused(path, "written", &error))?;
+            MappingFile::default()
+        }
+        Err(error) => return Err(error),
+    };
+    apply(&mut after, edit);
+    write(path, &after)?;
+    Ok(after)
 }
 
 fn apply(file: &mut MappingFile, edit: &KnobEdit) {
@@ -176,6 +200,13 @@ mod tests {
         Mapping::learned("desk", Source::Control { channel: 0, number: 7 }, target)
     }
 
+    /// Makes a change and waits until it is in the file.
+    fn change(memory: &mut KnobMemory, edit: KnobEdit) -> Result<(), KnobsError> {
+        memory.change(&edit);
+        let kept = memory.scribe.as_ref().unwrap().wait().unwrap();
+        memory.take(kept)
+    }
+
     fn names(memory: &KnobMemory) -> Vec<String> {
         let name = |mapping: &Mapping| match &mapping.target {
             Target::Param { name, .. } => name.clone(),
@@ -190,14 +221,17 @@ mod tests {
         let path = folder.path().join("mariana/knobs.toml");
         let open = || KnobMemory::open(Some(path.clone())).0;
         let (mut one, mut other) = (open(), open());
-        one.change(&KnobEdit::Add(mapping("size"))).unwrap();
-        other.change(&KnobEdit::Add(mapping("glow"))).unwrap();
+        change(&mut one, KnobEdit::Add(mapping("size"))).unwrap();
+        change(&mut other, KnobEdit::Add(mapping("glow"))).unwrap();
+        assert_eq!(names(&other), ["size", "glow"]);
         assert_eq!(names(&open()), ["size", "glow"]);
         let mut inverted = mapping("size");
         inverted.invert();
-        one.change(&KnobEdit::Change(mapping("size"), inverted.clone())).unwrap();
-        one.change(&KnobEdit::Remove(mapping("glow"))).unwrap();
-        one.change(&KnobEdit::Clock(false)).unwrap();
+        // All of them are there when it is gone.
+        one.change(&KnobEdit::Change(mapping("size"), inverted.clone()));
+        one.change(&KnobEdit::Remove(mapping("glow")));
+        one.change(&KnobEdit::Clock(false));
+        drop(one);
         let last = open();
         assert_eq!((last.file().mappings.list(), last.file().clock), (&[inverted][..], false));
     }
@@ -213,7 +247,7 @@ mod tests {
             let said = trouble.unwrap().to_string();
             assert!(said.contains("knobs.toml cannot be understood") && said.contains(name), "{said}");
             assert_eq!(std::fs::read_to_string(&path).unwrap(), text, "reading changes nothing");
-            memory.change(&KnobEdit::Add(mapping("size"))).unwrap();
+            change(&mut memory, KnobEdit::Add(mapping("size"))).unwrap();
             assert_eq!(std::fs::read_to_string(folder.path().join(name)).unwrap(), text);
             assert_eq!(names(&KnobMemory::open(Some(path.clone())).0), ["size"]);
         }
@@ -224,10 +258,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("mariana"), "a file where the folder should be").unwrap();
         let (mut memory, _) = KnobMemory::open(Some(folder.path().join("mariana/knobs.toml")));
-        let refused = memory.change(&KnobEdit::Add(mapping("size"))).unwrap_err();
+        let refused = change(&mut memory, KnobEdit::Add(mapping("size"))).unwrap_err();
         assert!(refused.to_string().contains("cannot be"), "{refused}");
         assert_eq!(names(&memory), ["size"]);
         let (mut nowhere, trouble) = KnobMemory::open(None);
-        assert_eq!((nowhere.change(&KnobEdit::Clock(false)), trouble), (Ok(()), None));
+        nowhere.change(&KnobEdit::Clock(false));
+        assert_eq!((nowhere.file().clock, nowhere.poll(), trouble), (false, None, None));
     }
 }

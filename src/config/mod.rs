@@ -4,6 +4,7 @@ mod choices;
 mod knobs;
 mod last_show;
 mod performances;
+mod scribe;
 mod settings;
 mod stage_choices;
 mod understood;

@@ -3,11 +3,10 @@
 use std::collections::HashMap;
 use std::fs::create_dir_all;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::thread::JoinHandle;
 
 use directories::ProjectDirs;
 
+use super::scribe::Scribe;
 use crate::atomic_file::{AtomicFile, Unwritable};
 
 /// Longest name of a file, in characters, without what is added to it.
@@ -18,9 +17,8 @@ pub type Kept = Result<PathBuf, Unwritable>;
 
 /// See the module.
 pub struct PerformanceFiles {
-    jobs: Option<Sender<Job>>,
-    kept: Receiver<Kept>,
-    thread: Option<JoinHandle<()>>,
+    /// None where there is no folder.
+    scribe: Option<Scribe<Job, Kept>>,
 }
 
 /// A performance to be written: again, if there is one of that number.
@@ -40,42 +38,26 @@ impl PerformanceFiles {
 
     /// The same for another folder; without one nothing is kept.
     pub fn in_folder(folder: Option<PathBuf>) -> Self {
-        let (jobs, inbox) = channel::<Job>();
-        let (told, kept) = channel();
-        let work = move |folder: PathBuf| {
+        let start = |folder: PathBuf| {
             let mut paths = HashMap::new();
-            for Job { number, title, text } in inbox {
+            Scribe::start("performances", move |Job { number, title, text }| {
                 let path = paths.entry(number).or_insert_with(|| free_path(&folder, &title));
-                let _ = told.send(write(path, &text()));
-            }
+                write(path, &text())
+            })
         };
-        let start = |folder| {
-            std::thread::Builder::new().name("performances".to_owned()).spawn(move || work(folder)).ok()
-        };
-        let thread = folder.and_then(start);
-        Self { jobs: thread.is_some().then_some(jobs), kept, thread }
+        Self { scribe: folder.map(start) }
     }
 
     /// Writes a performance to music of this title; `text` is called on the thread. One that was written before under the
     /// same number is replaced. Returns whether there is anywhere to write it.
     pub fn keep(&self, number: u64, title: &str, text: impl FnOnce() -> String + Send + 'static) -> bool {
         let job = Job { number, title: title.to_owned(), text: Box::new(text) };
-        self.jobs.as_ref().is_some_and(|jobs| jobs.send(job).is_ok())
+        self.scribe.as_ref().is_some_and(|scribe| scribe.give(job))
     }
 
     /// What became of one that was to be written.
     pub fn poll(&self) -> Option<Kept> {
-        self.kept.try_recv().ok()
-    }
-}
-
-impl Drop for PerformanceFiles {
-    /// Nothing is lost that was to be written.
-    fn drop(&mut self) {
-        self.jobs = None;
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
+        self.scribe.as_ref()?.poll()
     }
 }
 
@@ -129,7 +111,7 @@ mod tests {
         std::fs::write(&place, "where the folder should be").unwrap();
         let files = PerformanceFiles::in_folder(Some(place.clone()));
         assert!(files.keep(1, "song", || "at start orb".to_owned()));
-        let told = files.kept.recv().unwrap().unwrap_err().to_string();
+        let told = files.scribe.unwrap().wait().unwrap().unwrap_err().to_string();
         assert!(told.contains("a file"), "{told}");
         assert!(!PerformanceFiles::in_folder(None).keep(1, "song", String::new));
     }

@@ -158,12 +158,38 @@ impl Easel {
     ) -> Result<(), ExportError> {
         if self.view.is_none() {
             self.draw(under.0, under.1)?;
+        }
+        self.draw_over(over.0, over.1, share)
+    }
+
+    /// Draws a scene with the share, 0..1, of the last picture in its light. Views stand for numbers and are not mixed.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn draw_over(&mut self, model: &Model, frame: Frame, share: f32) -> Result<(), ExportError> {
+        if self.view.is_none() {
             self.renderer.keep_light()?;
             self.renderer.set_fade(Some(share));
         }
-        let drawn = self.draw(over.0, over.1);
+        let drawn = self.draw(model, frame);
         self.renderer.set_fade(None);
         drawn
+    }
+
+    /// From now on [`Easel::dim`] takes effect.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn add_dimming(&mut self, shaders: &ShaderLibrary) -> Result<(), ExportError> {
+        Ok(self.renderer.add_dimming(shaders)?)
+    }
+
+    /// Leaves the picture that was drawn last this share of its light, 0..1.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn dim(&mut self, brightness: f32) -> Result<(), ExportError> {
+        Ok(self.renderer.dim(brightness)?)
     }
 
     /// From now on [`Easel::limit_flashes`] takes effect.

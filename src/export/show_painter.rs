@@ -10,7 +10,7 @@ use crate::frame::held_inputs::{HeldInputs, Setting};
 use crate::frame::orbit_controls::OrbitControls;
 use crate::frame::{Frame, Staging};
 use crate::scenes::{ReadyScene, SceneBlend, SceneError, SceneSource, camera_number};
-use crate::show::{Programme, Stay, blend_kind};
+use crate::show::{Held, Programme, Stay, blend_kind};
 use mariana_field::world::{BlendKind, World, blended_params};
 use mariana_music::Sound;
 
@@ -41,7 +41,12 @@ pub(super) struct ShowPainter {
     models: VecDeque<(Drawn, Rc<Model>)>,
     /// Blends that are refused: they fade.
     refused: Vec<Drawn>,
+    /// The moment and the size of the picture that is held and was drawn last.
+    held: Option<(f64, (u32, u32))>,
 }
+
+/// A moment of a song, and what it sounds like.
+pub(super) type Heard = (f64, Sound);
 
 impl ShowPainter {
     /// Reads all scenes of the show, so that none is refused in the middle. `choice` says how they are drawn.
@@ -65,7 +70,10 @@ impl ShowPainter {
         }
         let known: Vec<_> = scenes.iter().map(|(_, _, ready)| &ready.world.scene).collect();
         require_inputs(&known, set)?;
-        let easel = Easel::open(choice)?;
+        let mut easel = Easel::open(choice)?;
+        if programme.plan().dims() {
+            easel.add_dimming(&choice.shaders)?;
+        }
         let read = |(name, source, ready): (String, SceneSource, ReadyScene)| {
             if choice.alpha {
                 super::alpha::require_no_sky(&ready, &source.name())?;
@@ -75,7 +83,7 @@ impl ShowPainter {
         };
         let scenes = scenes.into_iter().map(read).collect::<Result<_, ExportError>>()?;
         let (models, refused) = (VecDeque::new(), Vec::new());
-        Ok(Self { easel, choice: choice.clone(), programme, scenes, models, refused })
+        Ok(Self { easel, choice: choice.clone(), programme, scenes, models, refused, held: None })
     }
 
     /// Whether one of the scenes reads numbers of the whole song.
@@ -88,12 +96,47 @@ impl ShowPainter {
         &mut self.easel
     }
 
-    /// Draws what is on at `time` seconds with the sound of that moment, `size` pixels large. Nothing is drawn if
-    /// nothing is on.
+    /// The picture that the show holds at `time` seconds.
+    pub(super) fn held_at(&self, time: f64) -> Option<Held> {
+        self.programme.plan().picture_at(time).held
+    }
+
+    /// Draws what is on at a moment, `size` pixels large, with what is held of the moment of [`ShowPainter::held_at`].
+    /// Nothing is drawn if nothing is on.
     ///
     /// # Errors
     /// What the driver refuses.
-    pub(super) fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
+    pub(super) fn draw(
+        &mut self,
+        (time, sound): Heard,
+        held: Option<(Held, Sound)>,
+        size: (u32, u32),
+    ) -> Result<(), ExportError> {
+        match held {
+            None => {
+                self.held = None;
+                self.draw_live(time, sound, size)?;
+            }
+            Some((held, then)) if held.share >= 1.0 => {
+                let wanted = (held.since, size);
+                if self.held.replace(wanted) != Some(wanted) {
+                    self.draw_live(held.since, then, size)?;
+                }
+            }
+            Some((held, then)) => {
+                self.held = None;
+                self.draw_live(held.since, then, size)?;
+                let programme = self.programme.clone();
+                let Some(moment) = programme.plan().at(time) else { return Ok(()) };
+                // As in the window, what fades away under it is not seen meanwhile.
+                let (over, frame) = self.frame(moment.stay, time, sound, size)?;
+                self.easel.draw_over(&over, frame, held.share)?;
+            }
+        }
+        self.easel.dim(self.programme.plan().picture_at(time).brightness)
+    }
+
+    fn draw_live(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
         let programme = self.programme.clone();
         let Some(moment) = programme.plan().at(time) else { return Ok(()) };
         let Some((leaving, share)) = moment.leaving else {
@@ -115,8 +158,6 @@ impl ShowPainter {
             return self.easel.draw(&model, frame);
         }
         let (under, under_frame) = self.frame(leaving, time, sound.clone(), size)?;
-        // A hand moves the camera of the scene that comes.
-        let under_frame = under_frame.by_hand(under.world(), OrbitControls::OFF);
         let (over, over_frame) = self.frame(moment.stay, time, sound, size)?;
         self.easel.draw_faded((&under, under_frame), (&over, over_frame), 1.0 - share)
     }

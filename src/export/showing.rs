@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use super::error::ExportError;
+use super::show_painter::ShowPainter;
 use super::song_features::SongFeatures;
 use crate::scenes::SceneSource;
-use crate::show::{Programme, ShowSource};
+use crate::show::{Held, Programme, ShowSource};
+use mariana_music::{Gain, Sound};
 
 /// See the module.
 #[derive(Debug, Clone)]
@@ -49,5 +51,47 @@ impl Showing {
             }
         };
         Ok(Arc::new(programme))
+    }
+}
+
+/// How far back a song that is decoded can be asked, in seconds.
+const KEPT: f64 = 1.0;
+
+/// What the picture sounded like that a show holds.
+pub(super) struct Holding {
+    /// Whether quiet and loud sound move the picture alike.
+    gain: Gain,
+    /// The moment from which on the song was opened, in seconds.
+    opened: f64,
+    last: Option<(f64, Sound)>,
+}
+
+impl Holding {
+    /// Nothing was held so far of a song that was opened for times from `opened` seconds on.
+    pub(super) fn new(gain: Gain, opened: f64) -> Self {
+        Self { gain, opened, last: None }
+    }
+
+    /// What `painter` holds at `time` seconds, and what that sounded like. Times must not step back.
+    ///
+    /// # Errors
+    /// The song is refused.
+    pub(super) fn at(
+        &mut self,
+        painter: &ShowPainter,
+        song: &mut SongFeatures,
+        time: f64,
+    ) -> Result<Option<(Held, Sound)>, ExportError> {
+        let Some(held) = painter.held_at(time) else { return Ok(None) };
+        if let Some((_, sound)) = self.last.as_ref().filter(|(since, _)| *since == held.since) {
+            return Ok(Some((held, sound.clone())));
+        }
+        // What was analysed lately is still there.
+        let sound = match held.since < self.opened || time - held.since > KEPT {
+            true => song.beside(held.since, self.gain)?.require(held.since)?,
+            false => song.require(held.since)?,
+        };
+        self.last = Some((held.since, sound.clone()));
+        Ok(Some((held, sound)))
     }
 }

@@ -61,6 +61,14 @@ impl SongFeatures {
         Ok(Self { decoder, name, analyzer, track, block, frames, ended: false, song, structure: None })
     }
 
+    /// The same song for times from another moment on, in seconds, and with as much knowledge of it.
+    ///
+    /// # Errors
+    /// What the decoder says about the file.
+    pub fn beside(&self, start: f64, gain: Gain) -> Result<Self, DecodeError> {
+        Ok(Self { structure: self.structure.clone(), ..Self::open_with(&self.song, start, gain)? })
+    }
+
     /// From now on sounds come with their places in the whole song, which is listened to first, unless it is known from
     /// an earlier run. Without this nothing of that is known.
     pub fn know_song(&mut self) {

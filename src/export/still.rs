@@ -12,7 +12,7 @@ use super::error::ExportError;
 use super::output::{Output, write_standard};
 use super::painter::{Painter, SceneChoice, require_inputs};
 use super::show_painter::ShowPainter;
-use super::showing::Showing;
+use super::showing::{Holding, Showing};
 use super::song_features::SongFeatures;
 use crate::atomic_file::AtomicFile;
 use crate::frame::Frame;
@@ -103,7 +103,8 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
                 song.know_song();
             }
             let sound = Sound { song: song.place_in_song(request.at), ..sound };
-            painter.draw(request.at, sound, request.size)?;
+            let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
+            painter.draw((request.at, sound), held, request.size)?;
             painter.easel().read()
         }
         None => drawn(request, &mut song, sound)?,

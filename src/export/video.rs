@@ -10,7 +10,7 @@ use super::error::ExportError;
 use super::output::Output;
 use super::painter::SceneChoice;
 use super::show_painter::ShowPainter;
-use super::showing::Showing;
+use super::showing::{Holding, Showing};
 use super::song_features::SongFeatures;
 use super::still::refuse_the_song;
 use crate::frame::held_inputs::Setting;
@@ -109,11 +109,13 @@ pub fn write_video(
         song.know_song();
     }
     let writer = FrameWriter::start(Sink::open(request)?)?;
+    let mut holding = Holding::new(request.gain, request.start);
     let (mut drawn, mut written) = (0, 0);
     while asked.is_none_or(|asked| drawn < asked) {
         let time = request.start + drawn as f64 / request.fps;
         let Some(sound) = song.sound_at(time)? else { break };
-        painter.draw(time, sound, request.size)?;
+        let held = holding.at(&painter, &mut song, time)?;
+        painter.draw((time, sound), held, request.size)?;
         painter.easel().limit_flashes(1.0 / request.fps)?;
         drawn += 1;
         let picture = painter.easel().read();

@@ -23,6 +23,7 @@ mod fade;
 mod making;
 mod placing;
 mod rehearsal;
+mod sketch;
 
 use std::rc::Rc;
 use std::time::Duration;
@@ -51,6 +52,7 @@ pub use making::Progress;
 use mariana_field::world::ToneMap;
 pub use placing::PLACING_SHADERS;
 use placing::Placing;
+pub use sketch::Sketch;
 
 /// Numbers in the `PassBlock` of `frame_block.glsl`.
 const PASS_BLOCK_NUMBERS: usize = 8 + 2 * 16;
@@ -184,8 +186,17 @@ impl Renderer {
     /// As [`Renderer::new`].
     pub fn prepare_for_window(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
         self.upscale = Some(LazyProgram::new(&self.gl, library, UPSCALE_SHADER, &Variant::default())?);
-        self.placing = Some(Placing::new(&self.gl, library)?);
+        self.add_dimming(library)?;
         self.time_pictures()
+    }
+
+    /// From now on [`Renderer::dim`] takes effect.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn add_dimming(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
+        self.placing = Some(Placing::new(&self.gl, library)?);
+        Ok(())
     }
 
     /// From now on a GPU's times of pictures are taken, so that their parts become smaller where pixels become dearer.

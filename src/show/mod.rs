@@ -14,6 +14,7 @@ mod director;
 mod live;
 mod parse;
 mod performance;
+mod picture;
 mod plan;
 mod programme;
 mod resolve;
@@ -24,9 +25,13 @@ pub use bar_lines::BarLines;
 pub use director::{SceneCard, direct};
 pub use live::{Hearing, LiveDirector};
 pub use parse::{Parsed, parse};
-pub use performance::{OnStage, Performance, Turned};
+pub use performance::{Finish, OnStage, Performance, Turned};
+pub use picture::{Held, Picture};
 pub use plan::{Entrance, Moment, Move, Moved, Plan, Stay, blend_kind};
 pub use programme::{Programme, ShowError, ShowSource, name_of, seed_of};
 pub use resolve::resolve;
-pub use script::{Anchor, CAMERA_TURNS, Entry, Length, Script, Setting, Step, Transition, UNTURNED, When};
+pub use script::{
+    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Script, Setting, Step, Transition,
+    UNTURNED, When,
+};
 pub use text::print;

@@ -14,7 +14,10 @@
 
 mod words;
 
-use super::script::{Anchor, CAMERA_TURNS, Entry, Length, Script, Setting, Step, Transition, When};
+use super::script::{
+    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, Script, Setting, Step, Transition, When,
+    is_of_no_scene,
+};
 use crate::limits::LIMITS;
 use mariana_field::lang::{Diagnostic, Sources, Span, Way, nearest, render_all};
 use mariana_field::world::{BlendKind, PortalShape};
@@ -198,7 +201,10 @@ impl<'a> Reader<'a> {
                 let wrong = Diagnostic::new(rest.span, "behind the colon stand seconds, below 60");
                 return Err(Box::new(wrong.hint("write `1:23.5` for a minute and 23.5 seconds")));
             }
-            seconds = 60.0 * seconds + number;
+            // So that it is the number nearest to what stands there.
+            let all = 60.0 * seconds + number;
+            let whole = (all * 1e3).round() / 1e3;
+            seconds = if (all - whole).abs() < 1e-9 { whole } else { all };
         } else {
             self.eat("s");
         }
@@ -241,21 +247,25 @@ impl<'a> Reader<'a> {
 
     fn setting(&mut self) -> Read<Setting> {
         let named = self.named("a parameter's name")?;
-        let turn = self.peek().map(|next| format!("{} {}", named.text, next.text));
-        let param = match turn.filter(|turn| CAMERA_TURNS.contains(&turn.as_str())) {
-            Some(turn) => {
+        let both = self.peek().map(|next| format!("{} {}", named.text, next.text));
+        let param = match both.filter(|both| is_of_no_scene(both)) {
+            Some(both) => {
                 self.at += 1;
-                turn
+                both
             }
             None => named.text.to_owned(),
         };
+        let is_share = PICTURE_NUMBERS.contains(&param.as_str());
         if !self.eat("=") {
-            return Err(self.missing("`=` and a value", "as in `set swell = 0.2 -> 0.5 over 8 bars`"));
+            let missing = self.missing("`=` and a value", "as in `set swell = 0.2 -> 0.5 over 8 bars`");
+            let words = format!("{} {}", named.text, self.peek().map_or("", |next| next.text));
+            let near = nearest(&words, CAMERA_TURNS.into_iter().chain(PICTURE_NUMBERS));
+            return Err(if near.is_some() { Box::new(missing.did_you_mean(near)) } else { missing });
         }
-        let from = self.signed()?;
+        let from = self.number(is_share)?;
         let mut steps = Vec::new();
         while self.eat("->") {
-            let to = self.signed()?;
+            let to = self.number(is_share)?;
             if !self.eat("over") {
                 return Err(self.missing("`over` and how long it takes", "as in `0.2 -> 0.5 over 8 bars`"));
             }
@@ -272,10 +282,16 @@ impl<'a> Reader<'a> {
         Ok(Setting { param, from, steps, after })
     }
 
-    fn signed(&mut self) -> Read<f32> {
+    /// A value of a parameter, or a share within 0..1.
+    fn number(&mut self, is_share: bool) -> Read<f32> {
         let sign = if self.eat("-") { -1.0 } else { 1.0 };
         let word = self.expect("a number", "the value of the parameter")?;
-        Ok((sign * self.value(word)?) as f32)
+        let number = (sign * self.value(word)?) as f32;
+        if is_share && !(0.0..=1.0).contains(&number) {
+            let beyond = format!("{number} is no share of a picture");
+            return Err(Box::new(Diagnostic::new(word.span, beyond).hint("write a number from 0 to 1")));
+        }
+        Ok(number)
     }
 
     fn length(&mut self) -> Read<Length> {

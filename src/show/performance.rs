@@ -6,7 +6,10 @@
 use std::collections::BTreeMap;
 
 use super::plan::{Entrance, Move};
-use super::script::{Anchor, CAMERA_TURNS, Entry, Length, Script, Setting, Step, Transition, UNTURNED, When};
+use super::script::{
+    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Script, Setting, Step, Transition,
+    UNTURNED, When,
+};
 use crate::limits::LIMITS;
 use mariana_field::lang::{Span, Way};
 
@@ -32,6 +35,22 @@ pub struct OnStage<'a> {
     pub moves: &'a [Move],
     /// How the camera is moved by hand: the values of [`CAMERA_TURNS`].
     pub turns: [f32; 3],
+    /// What is done to the whole picture.
+    pub picture: Finish,
+}
+
+/// What is done to a whole picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finish {
+    /// The values of [`PICTURE_NUMBERS`].
+    pub numbers: [f32; 2],
+    /// Whether only the show does it, and no hand.
+    pub is_shown: bool,
+}
+
+impl Finish {
+    /// Nothing.
+    pub const NOTHING: Self = Self { numbers: PLAIN_PICTURE, is_shown: true };
 }
 
 /// A parameter in a picture.
@@ -48,13 +67,15 @@ pub struct Turned<'a> {
 }
 
 /// See the module.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Performance {
     scenes: Vec<Played>,
     /// The last moment that was noted.
     last: Option<f64>,
     /// Whether there was more than a show may have.
     is_full: bool,
+    /// What was done to the whole picture then.
+    finish: [f32; 2],
 }
 
 /// A scene while it was on.
@@ -81,6 +102,12 @@ struct Line {
     points: Vec<(f64, f32)>,
 }
 
+impl Default for Performance {
+    fn default() -> Self {
+        Self { scenes: Vec::new(), last: None, is_full: false, finish: PLAIN_PICTURE }
+    }
+}
+
 impl Performance {
     /// Notes what is on at `time` seconds of the song.
     pub fn note(&mut self, time: f64, seen: &OnStage<'_>) {
@@ -97,11 +124,14 @@ impl Performance {
                 self.is_full = true;
                 return;
             }
+            // What comes stands behind what was there.
+            let earliest = self.scenes.last().map_or(0.0, |before| before.start);
             let (start, entrance) = match last {
                 // The same once more, because there is no room for more steps.
                 Some(_) => (time, Entrance::CUT),
-                None => (seen.start.min(time), seen.entrance),
+                None => (seen.start.min(time).max(earliest), seen.entrance),
             };
+            let is_first = self.scenes.is_empty();
             let (scene, camera) = (seen.scene.to_owned(), seen.camera.map(str::to_owned));
             let (begun, lines) = (seen.start, BTreeMap::new());
             self.scenes.push(Played {
@@ -113,7 +143,11 @@ impl Performance {
                 moves: seen.moves.to_vec(),
                 lines,
             });
+            if is_first {
+                self.begin_finish(&seen.picture);
+            }
         }
+        self.note_finish(time, before, &seen.picture);
         let Some(played) = self.scenes.last_mut() else { return };
         let turns = CAMERA_TURNS.into_iter().zip(seen.turns.into_iter().zip(UNTURNED));
         let is_moved = |name: &str| seen.moves.iter().any(|one| one.param == name);
@@ -142,6 +176,69 @@ impl Performance {
         }
     }
 
+    /// Notes what is done at `time` seconds to the picture that was noted last and still shows.
+    pub fn note_picture(&mut self, time: f64, picture: &Finish) {
+        if !time.is_finite() || time < 0.0 {
+            return;
+        }
+        if self.last.is_some_and(|last| time < last) {
+            self.forget_from(time);
+        }
+        let before = self.last.replace(time).unwrap_or(time);
+        self.note_finish(time, before, picture);
+    }
+
+    /// Notes that the picture which was noted last is held from its own moment on.
+    pub fn hold(&mut self, picture: &Finish) {
+        let [brightness, _] = self.finish;
+        let [_, share] = picture.numbers;
+        if let Some(last) = self.last {
+            self.note_picture(last, &Finish { numbers: [brightness, share], ..*picture });
+        }
+    }
+
+    /// The moment that was noted last, in seconds of the song.
+    pub fn last(&self) -> Option<f64> {
+        self.last
+    }
+
+    /// The first scene begins with a picture to which something is done.
+    fn begin_finish(&mut self, picture: &Finish) {
+        let Some(played) = self.scenes.last_mut().filter(|_| !picture.is_shown) else { return };
+        for ((name, plain), value) in PICTURE_NUMBERS.into_iter().zip(PLAIN_PICTURE).zip(picture.numbers) {
+            if value.to_bits() != plain.to_bits() {
+                played
+                    .lines
+                    .insert(name.to_owned(), Line { own: plain, points: vec![(played.start, value)] });
+            }
+        }
+        self.finish = picture.numbers;
+    }
+
+    /// Notes what is done to the whole picture. It stays from scene to scene, so only what changes is written.
+    fn note_finish(&mut self, time: f64, before: f64, picture: &Finish) {
+        let Some(played) = self.scenes.last_mut() else { return };
+        let known = PICTURE_NUMBERS.into_iter().zip(picture.numbers).zip(&mut self.finish);
+        for ((name, value), known) in known {
+            let last = std::mem::replace(known, value);
+            if !played.lines.contains_key(name) {
+                let is_moved = played.moves.iter().any(|one| one.param == name);
+                if (is_moved && picture.is_shown) || last.to_bits() == value.to_bits() {
+                    continue;
+                }
+                if played.lines.len() >= LIMITS.show_settings_max {
+                    self.is_full = true;
+                    continue;
+                }
+                let points = vec![if is_moved { (time, value) } else { (played.start, last) }];
+                played.lines.insert(name.to_owned(), Line { own: last, points });
+            }
+            if let Some(line) = played.lines.get_mut(name) {
+                line.note(time, before, value);
+            }
+        }
+    }
+
     /// Whether more happened than a show may have, so that what came last is missing.
     pub fn is_full(&self) -> bool {
         self.is_full
@@ -158,6 +255,10 @@ impl Performance {
             let kept = line.points.partition_point(|(moment, _)| *moment < time).max(1);
             line.points.truncate(kept);
         }
+        for ((known, name), plain) in self.finish.iter_mut().zip(PICTURE_NUMBERS).zip(PLAIN_PICTURE) {
+            let lines = self.scenes.iter().rev().filter_map(|played| played.lines.get(name)?.points.last());
+            *known = lines.map(|(_, value)| *value).next().unwrap_or(plain);
+        }
     }
 
     /// The show that does the same.
@@ -171,6 +272,14 @@ impl Line {
     fn note(&mut self, time: f64, before: f64, value: f32) {
         let Some(&(at, last)) = self.points.last() else { return };
         if last.to_bits() == value.to_bits() {
+            return;
+        }
+        if let [.., (earlier, _), (latest, last)] = self.points.as_mut_slice()
+            && *earlier == time
+            && *latest == time
+        {
+            // The song stands still: the last word counts.
+            *last = value;
             return;
         }
         if before > at {
@@ -229,8 +338,9 @@ impl Played {
     fn entry(&self) -> Entry {
         let Entrance { way, shape, seconds } = self.entrance;
         let length = if way == Way::Cut { Length::ZERO } else { Length::Seconds(seconds) };
-        // Texts tell moments to the millisecond.
-        let start = (self.start * 1e3).floor() / 1e3;
+        // Texts tell moments to the millisecond. One that is whole is kept, not made the one before by rounding.
+        let whole = (self.start * 1e3).round() / 1e3;
+        let start = if whole <= self.start { whole } else { (self.start * 1e3).floor() / 1e3 };
         let moves = self.moves.iter().map(|one| setting_of(one, start));
         let settings = moves.chain(self.lines.iter().filter_map(|(param, line)| line.setting(param, start)));
         Entry {
@@ -245,143 +355,4 @@ impl Played {
 }
 
 #[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-    use crate::show::{parse, print, resolve};
-    use mariana_music::SongStructure;
-
-    /// A picture: seconds since the one before, whether another scene comes, where a knob and the camera are.
-    type Picture = (f64, Option<u8>, f32, f32);
-
-    fn pictures() -> impl Strategy<Value = Vec<Picture>> {
-        let since = prop_oneof![0.001..0.04f64, 0.5..3.0f64];
-        let one = (since, proptest::option::weighted(0.1, 0..3u8), -2.0..2.0f32, -90.0..90.0f32);
-        // Often nothing is turned.
-        let one = (one, any::<bool>()).prop_map(|((since, scene, knob, yaw), still)| match still {
-            true => (since, scene, 0.5, 0.0),
-            false => (since, scene, knob, yaw),
-        });
-        proptest::collection::vec(one, 1..60)
-    }
-
-    proptest! {
-        #[test]
-        fn the_show_of_a_performance_has_each_picture_again(pictures in pictures(), back in 0usize..60) {
-            let mut performance = Performance::default();
-            let (mut time, mut scene, mut start) = (0.0, "first", 0.0);
-            let mut seen = Vec::new();
-            let begun = 7.25;
-            for (number, (since, change, knob, yaw)) in pictures.into_iter().enumerate() {
-                time += since;
-                if number == back {
-                    // Back to the middle: what came later is played over.
-                    time *= 0.5;
-                    seen.retain(|(at, ..): &(f64, &str, f32, [f32; 3])| *at < time);
-                    (scene, start) = ("again", time);
-                }
-                if let Some(change) = change {
-                    (scene, start) = (["first", "second", "third"][usize::from(change)], time);
-                }
-                let turns = [yaw, 0.0, 1.0];
-                performance.note(begun + time, &OnStage {
-                    scene,
-                    camera: None,
-                    entrance: Entrance::CUT,
-                    start: begun + start,
-                    params: vec![Turned { name: "knob", value: knob, own: 0.5, is_shown: false }],
-                    moves: &[],
-                    turns,
-                });
-                seen.push((time, scene, knob, turns));
-            }
-            let text = print(&performance.script(), &[]);
-            let script = parse("performed.show", &text).script;
-            prop_assert!(script.is_some(), "{text}");
-            let (plan, left_out) = resolve(&script.unwrap_or_default(), &SongStructure::default(), &[], |_, _| None);
-            prop_assert!(left_out.is_empty());
-            for (time, scene, knob, turns) in seen {
-                let moment = plan.at(begun + time);
-                prop_assert_eq!(moment.map(|moment| moment.stay.scene.as_str()), Some(scene), "{}", text);
-                let stay = moment.map(|moment| moment.stay.clone());
-                let params = stay.as_ref().map(|stay| stay.params_at(begun + time)).unwrap_or_default();
-                let found = params.iter().find(|(name, _)| *name == "knob").map_or(0.5, |(_, value)| *value);
-                prop_assert_eq!(found.to_bits(), knob.to_bits(), "{} at {}: {}", found, begun + time, text);
-                let turned = stay.map_or(UNTURNED, |stay| stay.turns_at(begun + time));
-                prop_assert_eq!(turned, turns, "{}", text);
-            }
-        }
-    }
-
-    #[test]
-    fn what_nobody_turns_is_not_written() {
-        let mut performance = Performance::default();
-        assert!(performance.is_empty());
-        for frame in 0..100 {
-            performance.note(
-                f64::from(frame) / 60.0,
-                &OnStage {
-                    scene: "orb",
-                    camera: Some("pole"),
-                    entrance: Entrance::new(Way::Melt, 2.0),
-                    start: 0.0,
-                    params: vec![Turned { name: "relief", value: 0.5, own: 0.5, is_shown: false }],
-                    moves: &[],
-                    turns: UNTURNED,
-                },
-            );
-        }
-        assert_eq!(print(&performance.script(), &[]), "at 0:00  orb  camera pole  melt over 2 s\n");
-    }
-
-    #[test]
-    fn what_a_show_moves_is_its_own_until_a_hand_takes_it() {
-        let mut performance = Performance::default();
-        let moves = [Move { param: "swell".to_owned(), start: 12.0, seconds: 8.0, from: 0.0, to: 1.0 }];
-        for frame in 0..=160 {
-            // Ten pictures a second; a hand takes it at 20 s.
-            let time = 10.0 + f64::from(frame) / 10.0;
-            let value = if time < 20.0 { 0.125 * (time - 12.0).clamp(0.0, 8.0) as f32 } else { 0.25 };
-            performance.note(
-                time,
-                &OnStage {
-                    scene: "orb",
-                    camera: None,
-                    entrance: Entrance::CUT,
-                    start: 10.0,
-                    params: vec![Turned { name: "swell", value, own: 0.5, is_shown: time < 20.0 }],
-                    moves: &moves,
-                    turns: UNTURNED,
-                },
-            );
-        }
-        let wanted =
-            "at 0:10  orb  cut\n  set swell = 0 -> 1 over 8 s after 2 s\n  set swell = 0.25 after 10 s\n";
-        assert_eq!(print(&performance.script(), &[]), wanted);
-    }
-
-    #[test]
-    fn a_long_performance_goes_on_in_another_entry() {
-        let mut performance = Performance::default();
-        let frames = LIMITS.show_steps_max as u32 + 5;
-        for frame in 0..frames {
-            performance.note(
-                f64::from(frame) / 60.0,
-                &OnStage {
-                    scene: "orb",
-                    camera: None,
-                    entrance: Entrance::CUT,
-                    start: 0.0,
-                    params: vec![Turned { name: "relief", value: frame as f32, own: 0.5, is_shown: false }],
-                    moves: &[],
-                    turns: UNTURNED,
-                },
-            );
-        }
-        let text = print(&performance.script(), &[]);
-        let read = parse("long.show", &text);
-        assert_eq!(read.script.map(|script| script.entries.len()), Some(2), "{:?}", read.diagnostics.first());
-        assert!(!performance.is_full());
-    }
-}
+mod tests;

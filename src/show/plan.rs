@@ -1,5 +1,6 @@
 //! A show in seconds.
 
+use super::picture::{Picture, Pictures};
 use super::script::{CAMERA_TURNS, UNTURNED};
 use mariana_field::lang::{Param, Scene, Way};
 use mariana_field::world::{BlendKind, PortalShape};
@@ -8,6 +9,8 @@ use mariana_field::world::{BlendKind, PortalShape};
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Plan {
     stays: Vec<Stay>,
+    /// What is done to whole pictures.
+    pictures: Pictures,
 }
 
 /// A scene for a while.
@@ -93,7 +96,18 @@ impl Plan {
             let is_cut = index == 0 || stay.entrance.way == Way::Cut;
             stay.entrance.seconds = if is_cut { 0.0 } else { stay.entrance.seconds.clamp(0.0, left) };
         }
-        Self { stays }
+        let pictures = Pictures::of(&stays);
+        Self { stays, pictures }
+    }
+
+    /// What is done to the whole picture at `time` seconds.
+    pub fn picture_at(&self, time: f64) -> Picture {
+        self.pictures.at(time)
+    }
+
+    /// Whether some picture has less than its light.
+    pub fn dims(&self) -> bool {
+        self.pictures.dim()
     }
 
     /// The stays in their order.
@@ -133,6 +147,30 @@ pub fn blend_kind(entrance: Entrance) -> Option<BlendKind> {
 /// At so many seconds from its ends a movement is at them: no picture is that short, and texts round.
 const EXACT: f64 = 1e-6;
 
+impl Move {
+    /// Whether it has begun at `time` seconds.
+    pub(super) fn has_begun(&self, time: f64) -> bool {
+        time - self.start >= -EXACT
+    }
+
+    /// Whether it goes nowhere.
+    pub(super) fn is_set_at_once(&self) -> bool {
+        self.seconds <= 0.0 && self.from == self.to
+    }
+
+    /// The value at `time` seconds; before it begins, the one with which it will.
+    pub(super) fn at(&self, time: f64) -> f32 {
+        let gone = time - self.start;
+        if gone >= self.seconds - EXACT && gone >= -EXACT {
+            self.to
+        } else if gone <= EXACT {
+            self.from
+        } else {
+            self.from + (self.to - self.from) * (gone / self.seconds) as f32
+        }
+    }
+}
+
 impl Stay {
     /// The parameters of its scene at `time` seconds of the song; those that it does not move are as `other` says.
     pub fn numbers_at(&self, scene: &Scene, time: f64, other: impl Fn(&Param) -> f32) -> Vec<f32> {
@@ -164,18 +202,10 @@ impl Stay {
         for one in &self.moves {
             // Before its first move a parameter is where that begins.
             let known = values.iter_mut().find(|known| known.name == one.param);
-            let is_set_at_once = one.seconds <= 0.0 && one.from == one.to;
-            let gone = time - one.start;
-            if gone < -EXACT && (known.is_some() || is_set_at_once) {
+            if !one.has_begun(time) && (known.is_some() || one.is_set_at_once()) {
                 continue;
             }
-            let value = if gone >= one.seconds - EXACT && gone >= -EXACT {
-                one.to
-            } else if gone <= EXACT {
-                one.from
-            } else {
-                one.from + (one.to - one.from) * (gone / one.seconds) as f32
-            };
+            let value = one.at(time);
             let part = self.start.to_bits().rotate_left(32) ^ one.start.to_bits();
             let moved = Moved { name: &one.param, value, part };
             match known {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::director::{SceneCard, direct};
 use super::plan::{Entrance, Plan, Stay};
 use super::resolve::resolve;
-use super::script::{CAMERA_TURNS, Script};
+use super::script::{Script, is_of_no_scene};
 use super::{parse, print};
 use crate::limits::LIMITS;
 use crate::scenes::{SceneBlend, SceneError, SceneSource, SeenScene};
@@ -108,7 +108,7 @@ impl Known {
 impl Known {
     /// Whether a show can move that.
     fn has(&self, param: &String) -> bool {
-        self.params.contains(param) || CAMERA_TURNS.contains(&param.as_str())
+        self.params.contains(param) || is_of_no_scene(param)
     }
 }
 

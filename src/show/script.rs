@@ -126,7 +126,7 @@ impl Transition {
 /// A parameter that moves, or is set; or a turn of the camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
-    /// Its name in the scene, or one of [`CAMERA_TURNS`].
+    /// Its name in the scene, or one of [`CAMERA_TURNS`] or [`PICTURE_NUMBERS`].
     pub param: String,
     /// Its value before.
     pub from: f32,
@@ -151,3 +151,16 @@ pub const CAMERA_TURNS: [&str; 3] = ["camera yaw", "camera pitch", "camera zoom"
 
 /// The values of [`CAMERA_TURNS`] of a scene's own camera.
 pub const UNTURNED: [f32; 3] = [0.0, 0.0, 1.0];
+
+/// What is done to whole pictures, whatever scene they show: the share of their light that is left, and the share of a
+/// picture that is held in those that come after it; both are within 0..1. No parameter has such a name. What a show sets
+/// here stays, through its scenes, until it sets it again.
+pub const PICTURE_NUMBERS: [&str; 2] = ["picture brightness", "picture freeze"];
+
+/// The values of [`PICTURE_NUMBERS`] of a picture to which nothing is done.
+pub const PLAIN_PICTURE: [f32; 2] = [1.0, 0.0];
+
+/// Whether a name that stands behind `set` belongs to no scene: its words are no parameter's name.
+pub(super) fn is_of_no_scene(name: &str) -> bool {
+    CAMERA_TURNS.contains(&name) || PICTURE_NUMBERS.contains(&name)
+}

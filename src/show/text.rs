@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::resolve::clock;
-use super::script::{Anchor, CAMERA_TURNS, Entry, Length, Script, Setting};
+use super::script::{Anchor, Entry, Length, Script, Setting, is_of_no_scene};
 use mariana_field::lang::Way;
 use mariana_field::world::{BlendKind, PortalShape};
 
@@ -62,8 +62,8 @@ fn moment(entry: &Entry) -> String {
 }
 
 fn set(setting: &Setting) -> String {
-    let is_turn = CAMERA_TURNS.contains(&setting.param.as_str());
-    let param = if is_turn { setting.param.clone() } else { name(&setting.param) };
+    let is_plain = is_of_no_scene(&setting.param);
+    let param = if is_plain { setting.param.clone() } else { name(&setting.param) };
     let mut text = format!("  set {param} = {}", setting.from);
     for step in &setting.steps {
         let _ = write!(text, " -> {} over {}", step.to, length(step.over));

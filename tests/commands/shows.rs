@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use crate::support::program::Workplace;
+use mariana::srgb::linear;
 
 const LOOK: [&str; 2] = ["--size", "48x27"];
 
@@ -64,6 +65,47 @@ fn a_video_of_a_show_is_made_of_the_stills_of_its_moments() {
 }
 
 #[test]
+fn a_show_dims_and_holds_pictures_whatever_scene_is_on() {
+    let place = place_with_balls();
+    place.write(
+        "dark.show",
+        "at start red.scene\n  set size = 0.5 -> 1.5 over 8 s\n  set picture freeze = 1 after 1 s\n  set picture freeze = 1 -> 0 over 2 s after 4 s\n\
+         at 3 s green.scene cut\nat 8 s blue.scene fade over 2 s\n\
+         \x20 set picture brightness = 1 -> 0 over 2 s after 3 s\nat 14 s green.scene cut\n\
+         \x20 set picture brightness = 1\n",
+    );
+    let video = |span: &[&str], to: &str| {
+        let ways = ["video", "--show", "dark.show", "--fps", "2", "--flash-limiter", "off", "-o", to];
+        place.run(&[&ways[..], span, &LOOK[..]].concat()).done();
+    };
+    video(&["--duration", "15"], "out/");
+    let frame = |time: f64| place.read(&format!("out/frame-{:05}.png", (2.0 * time) as usize));
+    let at = |time: f64| still(&place, &["--show", "dark.show", "--at", &time.to_string()]);
+    for time in [0.5, 1.0, 2.5, 3.5, 4.5, 5.5, 6.0, 9.0, 11.5, 12.0, 13.5, 14.0] {
+        assert!(frame(time) == at(time), "the moment {time}");
+    }
+    let alone = |scene: &str, time: &str| still(&place, &["--scene", scene, "--at", time]);
+    // The picture of its moment is held, also when another scene comes, and fades into what is on then.
+    let held = frame(1.0);
+    assert!(frame(0.5) != held && [1.0, 2.5, 3.5].iter().all(|time| frame(*time) == held));
+    assert!(frame(5.0) != held && frame(5.0) != alone("green.scene", "5"));
+    assert!(frame(6.5) == alone("green.scene", "6.5"));
+    video(&["--start", "2.5", "--duration", "1"], "late/");
+    assert!(place.read("late/frame-00000.png") == held, "a video may begin while a picture is held");
+    // Half the light is left half way, and none until it is set again.
+    let light = |picture: Vec<u8>| {
+        let picture = image::load_from_memory(&picture).unwrap().to_rgb8();
+        let sum =
+            |pixel: &image::Rgb<u8>| pixel.0.iter().map(|byte| linear(f32::from(*byte) / 255.0)).sum::<f32>();
+        picture.pixels().map(sum).sum::<f32>()
+    };
+    let share = light(frame(12.0)) / light(alone("blue.scene", "12"));
+    assert!((share - 0.5).abs() < 0.02, "{share} of the light is left");
+    assert_eq!(light(frame(13.5)), 0.0);
+    assert!(frame(14.0) == alone("green.scene", "14"));
+}
+
+#[test]
 fn what_the_director_chose_is_written_down_and_is_the_same_show() {
     let place = place_with_balls();
     let scenes = ["--scene", "red.scene", "--scene", "green.scene", "--scene", "blue.scene"];
@@ -94,6 +136,10 @@ fn what_is_wrong_with_a_show_is_told_with_its_place() {
     refused("at start red.scene\nat 3 s gren.scene\n", &["gren.scene"]);
     refused("at start red.scene mlet over 2 bars\n", &["bad.show:1:20", "did you mean `melt`?"]);
     refused("at start red.scene\n set siz = 3\n", &["`siz`", "its parameters are size"]);
+    refused(
+        "at start red.scene\n set picture brightness = 7\n",
+        &["bad.show:2:", "7 is no share of a picture"],
+    );
     refused("at start red.scene camera far\n", &["`far`", "its cameras are near"]);
     place.run(&["video", "--show", "none.show", "-o", "a.mp4"]).refused(&["none.show"]);
     // What the song does not have costs a sentence, not the video.

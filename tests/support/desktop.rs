@@ -420,6 +420,12 @@ impl App<'_> {
         self.wait(&format!("'{what}'"), |app| app.told().contains(what).then_some(()));
     }
 
+    /// Waits until the program has told something so many times.
+    pub(crate) fn wait_until_told_times(&mut self, what: &str, times: usize) {
+        let told = |app: &mut Self| (app.told().matches(what).count() >= times).then_some(());
+        self.wait(&format!("'{what}', {times} times"), told);
+    }
+
     /// Whether it runs.
     pub(crate) fn runs(&mut self) -> bool {
         self.process.ended().is_none()

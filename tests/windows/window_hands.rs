@@ -113,7 +113,7 @@ impl Sender {
     }
 
     /// Asks until the answer to `address` is as wanted; gives its bytes.
-    fn ask(&self, address: &str, wanted: impl Fn(&[u8]) -> bool) -> Vec<u8> {
+    pub(crate) fn ask(&self, address: &str, wanted: impl Fn(&[u8]) -> bool) -> Vec<u8> {
         let start = Instant::now();
         let mut buffer = [0; 2_048];
         loop {

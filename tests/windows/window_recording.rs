@@ -4,17 +4,20 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
+use std::net::UdpSocket;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop, PROGRAM, command_in};
 use crate::window_hands::Sender;
 use image::RgbaImage;
-use mariana_testing::process::{output_of, wait_until};
+use mariana_testing::process::{WAIT_LIMIT, output_of, wait_until};
 use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
 const MOMENTS: usize = 20;
+/// How long the song is.
+const SECONDS: f64 = 120.0;
 const QUIT_LIMIT: Duration = Duration::from_secs(60);
 
 /// A wall that fills the picture, wherever the camera turns a little, and whose light shows where it looks: so softly that
@@ -37,20 +40,90 @@ fn settled(app: &App<'_>, before: &RgbaImage, what: &str) -> RgbaImage {
     last
 }
 
+/// A song of silence, and scenes.
+struct Place {
+    desktop: Desktop,
+    song: PathBuf,
+    sender: Sender,
+    /// Where the program sends what it hears.
+    hearer: UdpSocket,
+}
+
+impl Place {
+    fn new() -> Self {
+        let desktop = Desktop::start();
+        let song = desktop.folder().join("song.wav");
+        write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * SECONDS as usize));
+        for (name, text) in [("wall", WALL.to_owned()), ("wool", WALL.replace("vec3(red", "vec3(1 - red"))] {
+            fs::write(desktop.folder().join(format!("{name}.scene")), text).unwrap();
+        }
+        let hearer = UdpSocket::bind("127.0.0.1:0").unwrap();
+        hearer.set_read_timeout(Some(WAIT_LIMIT)).unwrap();
+        Self { desktop, song, sender: Sender::new(), hearer }
+    }
+
+    fn open(&self, options: &[&str]) -> App<'_> {
+        let scene = self.desktop.folder().join("wall.scene");
+        let port = self.sender.port.to_string();
+        let to = self.hearer.local_addr().unwrap().to_string();
+        let usual = ["--silent", "-v", "--size", SIZE, "--scene", scene.to_str().unwrap()];
+        let network = ["--osc", &port, "--osc-send", &to];
+        self.desktop.open(&self.song, &[&usual[..], &network, options].concat())
+    }
+
+    /// Goes to a moment of the song.
+    fn go_to(&self, time: f64) {
+        let share = (time / SECONDS) as f32;
+        self.sender.send("/position", &[share]);
+        wait_until(&format!("the place at {time} s"), || (self.progress() - share).abs() < 1e-4);
+    }
+
+    /// Holds the picture that shows.
+    fn freeze(&self) {
+        self.sender.send("/freeze", &[1.0]);
+        self.sender.ask("/query/freeze", |answer| answer.starts_with(b"/freeze\0,i\0\0\0\0\0\x01"));
+    }
+
+    /// How much of the song is over, 0..1, in the next message that tells it.
+    fn progress(&self) -> f32 {
+        const ADDRESS: &[u8] = b"/sound/progress\0,f\0\0";
+        let mut buffer = [0; 4_096];
+        loop {
+            let (length, _) = self.hearer.recv_from(&mut buffer).unwrap();
+            let at = buffer[..length].windows(ADDRESS.len()).position(|part| part == ADDRESS);
+            if let Some(number) = at.and_then(|at| buffer[at + ADDRESS.len()..length].first_chunk()) {
+                return f32::from_be_bytes(*number);
+            }
+        }
+    }
+
+    /// Ends the recording and the program, and holds each picture to that of its moment in the recorded show. Returns the
+    /// show's text.
+    fn compare(&self, mut app: App<'_>, pictures: &[(f64, RgbaImage)]) -> String {
+        app.press(&["F9"]);
+        app.wait_until_told("recorded: ");
+        let told = app.told();
+        let path = told.lines().find_map(|line| line.split_once("recorded: ")?.1.split_once(';')).unwrap().0;
+        app.press(&["q"]);
+        assert!(app.wait_for_end(QUIT_LIMIT).0.success());
+        let show = fs::read_to_string(path).unwrap();
+        for (time, picture) in pictures {
+            let output = self.desktop.folder().join("still.png");
+            let mut still = command_in(PROGRAM, self.desktop.folder(), None);
+            still.arg("still").arg(&self.song).args(["--show", path, "--size", SIZE, "-o"]).arg(&output);
+            output_of(still.args(["--at", &time.to_string()]), "mariana").unwrap();
+            let found = image::open(&output).unwrap().to_rgba8();
+            assert!(found == *picture, "another picture at {time} s:\n{show}");
+        }
+        show
+    }
+}
+
 #[test]
 fn what_was_played_by_hand_is_rendered_again_bit_for_bit() {
-    let desktop = Desktop::start();
-    let song = desktop.folder().join("song.wav");
-    write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 120));
-    for (name, text) in [("wall", WALL.to_owned()), ("wool", WALL.replace("vec3(red", "vec3(1 - red"))] {
-        fs::write(desktop.folder().join(format!("{name}.scene")), text).unwrap();
-    }
-    let scene = desktop.folder().join("wall.scene");
-    let sender = Sender::new();
-    let port = sender.port.to_string();
-    let options =
-        ["--silent", "-v", "--size", SIZE, "--fade", "0", "--osc", &port, "--scene", scene.to_str().unwrap()];
-    let mut app = desktop.open(&song, &options);
+    let place = Place::new();
+    let sender = &place.sender;
+    let mut app = place.open(&["--fade", "0"]);
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     app.press(&["Left"; 3]);
@@ -74,22 +147,75 @@ fn what_was_played_by_hand_is_rendered_again_bit_for_bit() {
         let after = settled(&app, &before, &format!("hand {number}"));
         app.press(&["Right"]);
         settled(&app, &after, &format!("after {number}"));
-        pictures.push(after);
+        pictures.push((5.0 * number as f64, after));
     }
+    place.compare(app, &pictures);
+}
+
+#[test]
+fn fades_blackouts_and_held_pictures_are_rendered_again_bit_for_bit() {
+    let place = Place::new();
+    let mut app = place.open(&["--fade", "20", "--blackout-fade", "3"]);
+    app.wait_until_told("first picture");
     app.press(&["F9"]);
-    app.wait_until_told("recorded: ");
-    let told = app.told();
-    let path = told.lines().find_map(|line| line.split_once("recorded: ")?.1.split_once(';')).unwrap().0;
-    let path = PathBuf::from(path);
-    app.press(&["q"]);
-    assert!(app.wait_for_end(QUIT_LIMIT).0.success());
-    let show = fs::read_to_string(&path).unwrap();
-    for (number, picture) in pictures.iter().enumerate() {
-        let output = desktop.folder().join("still.png");
-        let mut still = command_in(PROGRAM, desktop.folder(), None);
-        still.arg("still").arg(&song).arg("--show").arg(&path).args(["--size", SIZE, "-o"]).arg(&output);
-        output_of(still.args(["--at", &(5 * number).to_string()]), "mariana").unwrap();
-        let found = image::open(&output).unwrap().to_rgba8();
-        assert!(found == *picture, "another picture at {} s:\n{show}", 5 * number);
+    // A fade of the user's own begins while the song plays; both scenes go on in it.
+    app.press(&["n"]);
+    app.wait_until_told("a fade begins");
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    let mut pictures: Vec<(f64, RgbaImage)> = Vec::new();
+    let mut last = app.picture();
+    for number in 2..=5 {
+        let time = 3.75 * f64::from(number);
+        place.go_to(time);
+        let there = settled(&app, &last, &format!("{time} s"));
+        place.sender.send("/param/red", &[0.15 * number as f32]);
+        last = settled(&app, &there, &format!("a knob at {time} s"));
+        pictures.push((time, last.clone()));
+    }
+    // Less light, while nothing else moves.
+    place.go_to(26.25);
+    let there = settled(&app, &last, "behind the fade");
+    place.sender.send("/brightness", &[0.4]);
+    let dim = settled(&app, &there, "less light");
+    pictures.push((26.25, dim.clone()));
+    place.go_to(27.5);
+    let dim = settled(&app, &dim, "less light at another moment");
+    place.sender.send("/brightness", &[1.0]);
+    let there = settled(&app, &dim, "all light");
+    // A picture is held while the song and a knob go on.
+    place.go_to(30.0);
+    let held = settled(&app, &there, "what will be held");
+    place.freeze();
+    place.sender.send("/param/width", &[3.0]);
+    place.go_to(33.75);
+    assert!(app.picture() == held);
+    pictures.push((31.875, held.clone()));
+    place.sender.send("/freeze", &[0.0]);
+    let last = settled(&app, &held, "what is let go");
+    pictures.push((33.75, last.clone()));
+    // Another one fades while the song plays.
+    place.go_to(45.0);
+    let last = settled(&app, &last, "what will be held");
+    place.freeze();
+    place.sender.send("/pause", &[0.0]);
+    place.sender.send("/freeze", &[0.0]);
+    app.wait_until_told_times("a fade begins", 3);
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    place.go_to(47.8125);
+    let fades = settled(&app, &last, "a picture that was held, and what comes after it");
+    pictures.push((47.8125, fades.clone()));
+    place.go_to(52.5);
+    let behind = settled(&app, &fades, "behind it");
+    pictures.push((52.5, behind.clone()));
+    place.go_to(56.25);
+    settled(&app, &behind, "before the blackout");
+    app.press(&["x"]);
+    wait_until("black", || app.picture().pixels().all(|pixel| pixel.0[..3] == [0; 3]));
+    pictures.push((56.25, app.picture()));
+    let show = place.compare(app, &pictures);
+    for part in ["fade over 20 s", "set picture freeze = ", "set picture brightness = "] {
+        assert!(show.contains(part), "no `{part}` in\n{show}");
     }
 }

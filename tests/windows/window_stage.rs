@@ -127,3 +127,36 @@ fn the_picture_is_mirrored_cropped_and_pulled_at_its_corners() {
     wait_for(&app, "the picture", |picture| is_red(at(picture, 0.02, 0.02)));
     quit(app);
 }
+
+#[test]
+fn the_desk_shows_the_scene_that_comes_next_where_it_costs_no_picture() {
+    let red = "vec3(0.5 + 0.1 * sin(t), 0.01, 0.01)";
+    let blue = "vec3(0.01, 0.01, 0.5 + 0.1 * sin(t))";
+    let place = Place::new(&[("a.scene", red), ("b.scene", blue)]);
+    let settings = place.path(".config/mariana/settings.toml");
+    std::fs::create_dir_all(settings.parent().unwrap()).unwrap();
+    std::fs::write(settings, "[choices]\nnext_scene = \"on\"\n").unwrap();
+    let mut app =
+        place.open("a.scene", &["--prepare-ahead", "on", "--sdf", "compiled", "-vv", "--fade", "0"]);
+    app.wait_until_told("b is ready ahead");
+    let corner = |picture: &RgbaImage| at(picture, 0.87, 0.15);
+    let first = wait_for(&app, "the next scene in the corner", |picture| is_blue(corner(picture)));
+    assert!(is_red(at(&first, 0.3, 0.5)), "the picture itself is another one");
+    // It shows the moment at which the song is. While that rests there is time, however slow the machine is.
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    let before = corner(&app.picture());
+    app.press(&["Right"]);
+    wait_for(&app, "another moment of it", |picture| {
+        is_blue(corner(picture)) && corner(picture) != before && corner(picture) != corner(&first)
+    });
+    // Once it is on, another one is the next.
+    app.press(&["n"]);
+    wait_for(&app, "that scene, and another one in the corner", |picture| {
+        is_blue(at(picture, 0.3, 0.5)) && !is_blue(corner(picture))
+    });
+    app.press(&["w"]);
+    wait_for(&app, "a clean picture", |picture| is_blue(corner(picture)));
+    let told = quit(app);
+    assert!(told.contains("the next scene in "), "{told}");
+}

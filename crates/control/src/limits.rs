@@ -20,6 +20,12 @@ pub struct Limits {
     pub osc_arguments_max: usize,
     /// Most answers to one packet.
     pub osc_answers_max: usize,
+    /// Most addresses that one pattern stands for; further ones are left out.
+    pub osc_matches_max: usize,
+    /// Furthest time of a bundle that is waited for, in seconds.
+    pub osc_ahead_seconds_max: f64,
+    /// Most messages that wait for their time; further ones are refused.
+    pub osc_waiting_max: usize,
     /// Lowest and highest rate at which OSC is sent, in packets a second.
     pub osc_rate_min: f64,
     /// See [`Limits::osc_rate_min`].
@@ -47,6 +53,9 @@ pub const LIMITS: Limits = Limits {
     osc_depth_max: 8,
     osc_arguments_max: 64,
     osc_answers_max: 1_024,
+    osc_matches_max: 256,
+    osc_ahead_seconds_max: 60.0,
+    osc_waiting_max: 1_024,
     osc_rate_min: 1.0,
     osc_rate_max: 240.0,
     moved_knobs_max: 4_096,

@@ -58,7 +58,7 @@ pub struct Refusals {
     pub unknown: u64,
     /// Values that are not numbers.
     pub not_numbers: u64,
-    /// Wishes beyond what one frame takes.
+    /// Wishes beyond what one frame takes, and messages for a time that nobody waits for.
     pub too_many: u64,
 }
 

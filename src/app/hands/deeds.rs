@@ -24,6 +24,13 @@ pub(in crate::app) enum Does {
         /// Whether it is on.
         is_on: fn(&mut Stage) -> bool,
     },
+    /// What no key changes over.
+    Turn {
+        /// What turns it on or off.
+        set: fn(&mut Stage, bool),
+        /// Whether it is on.
+        is_on: fn(&mut Stage) -> bool,
+    },
     /// Something that takes a number or a name.
     Set(SetFn),
     /// Something that takes a share, 0..1.
@@ -60,6 +67,21 @@ const TABLE: &[Row] = &[
         takes: Takes::Choice,
         meaning: "this scene, by its name or its number; marked ones come first",
         does: Does::Set(Stage::show_scene_named),
+    },
+    Row {
+        name: "cut",
+        takes: Takes::Switch,
+        meaning: "cut from scene to scene by hand, or fade",
+        does: Does::Turn {
+            set: |stage, on| stage.cut_by_hand(on),
+            is_on: |stage| stage.scene.is_cut_by_hand(),
+        },
+    },
+    Row {
+        name: "fade",
+        takes: Takes::Number,
+        meaning: "so many seconds for a fade from scene to scene by hand; 0 cuts",
+        does: Does::Set(Stage::set_fade),
     },
     switch("follow", Action::ToggleFollow, |stage| stage.follows()),
     switch("keep", Action::ToggleKeep, |stage| stage.scene.is_kept()),
@@ -108,7 +130,7 @@ pub(in crate::app) fn table() -> &'static [DeedRow] {
         let row = |row: &Row| {
             let of_key = match row.does {
                 Does::Key(action) | Does::Switch { action, .. } => binding_of(action),
-                Does::Set(_) | Does::Level { .. } => None,
+                Does::Turn { .. } | Does::Set(_) | Does::Level { .. } => None,
             };
             let meaning = of_key.map_or(row.meaning, |binding| binding.meaning);
             DeedRow { name: row.name, takes: row.takes, meaning }
@@ -120,7 +142,7 @@ pub(in crate::app) fn table() -> &'static [DeedRow] {
 /// The switches, by their names, and whether each is on.
 pub(in crate::app) fn switches(stage: &mut Stage) -> Vec<(&'static str, bool)> {
     let of = |row: &Row| match row.does {
-        Does::Switch { is_on, .. } => Some((row.name, is_on(stage))),
+        Does::Switch { is_on, .. } | Does::Turn { is_on, .. } => Some((row.name, is_on(stage))),
         Does::Key(_) | Does::Set(_) | Does::Level { .. } => None,
     };
     TABLE.iter().filter_map(of).collect()
@@ -136,7 +158,7 @@ pub(in crate::app) fn table_for_phones() -> &'static [DeedRow] {
 pub(in crate::app) fn levels(stage: &Stage) -> Vec<(&'static str, f32)> {
     let of = |row: &Row| match row.does {
         Does::Level { stands, .. } => Some((row.name, stands(stage)?)),
-        Does::Key(_) | Does::Switch { .. } | Does::Set(_) => None,
+        Does::Key(_) | Does::Switch { .. } | Does::Turn { .. } | Does::Set(_) => None,
     };
     TABLE.iter().filter_map(of).collect()
 }

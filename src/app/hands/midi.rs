@@ -43,6 +43,10 @@ impl Midi {
     /// What is new of devices: a sentence, and whether it is bad news.
     pub(super) fn news(&mut self) -> Option<(String, bool)> {
         self.look_at_devices();
+        while let Some(kept) = self.memory.poll() {
+            self.revision += 1;
+            self.news.extend(kept.err().map(|error| (error.to_string(), true)));
+        }
         (!self.news.is_empty()).then(|| self.news.remove(0))
     }
 
@@ -111,9 +115,7 @@ impl Midi {
 
     /// Changes what is mapped. What cannot be kept is told.
     pub(super) fn edit(&mut self, edit: &KnobEdit) {
-        if let Err(error) = self.memory.change(edit) {
-            self.news.push((error.to_string(), true));
-        }
+        self.memory.change(edit);
         self.revision += 1;
     }
 

@@ -12,6 +12,7 @@ use crate::app::file_browser::FileBrowser;
 use crate::app::hands::panel::HandsPanel;
 use crate::app::scene_browser::SceneBrowser;
 use crate::app::settings_panel::SettingsPanel;
+use crate::app::stage::NextScene;
 use mariana_control::Hand;
 
 /// What is shown over the picture; every part is optional, and by default there is none.
@@ -51,6 +52,8 @@ pub struct OverlayContent<'a> {
     pub learning: Option<&'a str>,
     /// The corners of the picture, while they are moved.
     pub corners: Option<CornerHands>,
+    /// The scene that comes next.
+    pub next: Option<&'a NextScene>,
     /// Whether the pointer is hidden while it is over the picture.
     pub hides_pointer: bool,
 }
@@ -197,6 +200,7 @@ impl OverlayContent<'_> {
             && self.editor.is_none()
             && self.hands.is_none()
             && self.corners.is_none()
+            && self.next.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
             && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
@@ -236,6 +240,7 @@ impl OverlayContent<'_> {
         self.editor.map(Editor::revision).hash(&mut hasher);
         (self.hands.map(HandsPanel::revision), self.learning).hash(&mut hasher);
         self.corners.map(|corners| corners.fingerprint()).hash(&mut hasher);
+        self.next.map(|next| next.revision).hash(&mut hasher);
         self.tracks.map(|tracks| (tracks.list.revision, tracks.present)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);

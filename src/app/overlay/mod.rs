@@ -24,6 +24,7 @@ mod now_playing;
 mod panels;
 mod params;
 mod pointer;
+mod preview;
 mod problem;
 mod requests;
 mod settings;

@@ -9,8 +9,8 @@ use super::content::{Notice, OverlayContent};
 use super::fonts::Fallback;
 use super::requests::Request;
 use super::{
-    assisted, bar, browser, corners, editor, files, hands, help, params, problem, settings, sources, style,
-    tracks, welcome,
+    assisted, bar, browser, corners, editor, files, hands, help, params, preview, problem, settings, sources,
+    style, tracks, welcome,
 };
 use crate::system_fonts::SystemFonts;
 
@@ -40,6 +40,7 @@ struct Kept {
     selected_file: Option<usize>,
     seen_setting: Option<settings::Seen>,
     seen_hand: Option<hands::Seen>,
+    next: preview::PreviewPicture,
 }
 
 /// What was laid out.
@@ -131,6 +132,9 @@ fn show(
     }
     if let Some(hands) = &content.corners {
         panels.extend(corners::show(context, screen, hands, requests));
+    }
+    if let Some(next) = content.next {
+        preview::show(context, space, next, &mut kept.next);
     }
     let mut left = space;
     if let Some(text) = content.corner {

@@ -168,6 +168,19 @@ impl Ahead {
         })
     }
 
+    /// What is prepared, the next one first.
+    pub(super) fn next_sources(&self) -> impl Iterator<Item = &SceneSource> {
+        self.all().filter_map(|neighbour| neighbour.source.as_ref())
+    }
+
+    /// The scenes that were drawn once, the next one first.
+    pub(super) fn rehearsed(&self) -> impl Iterator<Item = &Cast> {
+        self.all().filter_map(|neighbour| match &neighbour.state {
+            State::Loaded { cast, is_rehearsed: true, .. } => Some(&**cast),
+            _ => None,
+        })
+    }
+
     /// Gives a source away that is prepared and was drawn once.
     pub(super) fn give(&mut self, source: &SceneSource) -> Option<Cast> {
         let neighbour = self.all_mut().find(|neighbour| neighbour.source.as_ref() == Some(source))?;
@@ -287,7 +300,7 @@ impl SceneStage {
     }
 
     /// Whether there is nothing left to do for the scene that was asked for.
-    fn is_complete(&self) -> bool {
+    pub(super) fn is_complete(&self) -> bool {
         let Some(shown) = &self.on_stage else { return false };
         shown.source == self.source
             && self.pictured == Some(shown.id)

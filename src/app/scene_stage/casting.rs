@@ -127,6 +127,9 @@ impl SceneStage {
             } else if self.on_stage.as_ref().is_some_and(|cast| !cast.settles) {
                 self.edits.note(Instant::now());
             }
+            if let Some(left) = replaced.as_ref().filter(|_| is_another) {
+                self.note_left(left, self.picture_took);
+            }
             // There is no point in coming back to a scene that has shown nothing.
             if self.pictured == replaced.as_ref().map(|cast| cast.id) {
                 self.before = replaced;

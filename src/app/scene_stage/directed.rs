@@ -11,7 +11,7 @@ use super::{Cast, SceneStage};
 use crate::app::recording::Performed;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::{SceneSource, camera_number};
-use crate::show::{Programme, Stay, Turned, blend_kind};
+use crate::show::{Finish, Picture, Programme, Stay, Turned, blend_kind};
 use mariana_control::Hand;
 
 /// A scene that comes so much later than the show has it, in seconds, still comes as the show says.
@@ -172,7 +172,8 @@ impl SceneStage {
 
     /// Prepares the scene that goes, if it is not there although the song stands still in its fade.
     fn need_leaving(&mut self, programme: &Programme, leaving: &Stay, time: f64) {
-        let Some(source) = programme.source(&leaving.scene).filter(|_| self.under(time).is_none()) else {
+        let Some(source) = programme.source(&leaving.scene).filter(|_| self.under_of_show(time).is_none())
+        else {
             return;
         };
         match self.ahead.give(source) {
@@ -246,11 +247,17 @@ impl SceneStage {
             source,
             camera: stay.and_then(|stay| stay.camera.as_deref()),
             directed: stay.map(|stay| (stay.entrance, stay.start)),
-            fade: self.fading.seconds(),
+            faded: self.fading.of_scene_with_song(),
             params: params.collect(),
             moves: stay.map_or(&[], |stay| &stay.moves),
             hand: self.hand_at(time),
+            picture: Finish::NOTHING,
         })
+    }
+
+    /// What the show does to the whole picture at `time` seconds of the song.
+    pub(in crate::app) fn picture_of_show(&self, time: f64) -> Picture {
+        self.directed.programme().map_or(Picture::PLAIN, |programme| programme.plan().picture_at(time))
     }
 
     /// The same in a certain stay.

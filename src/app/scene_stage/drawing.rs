@@ -5,13 +5,13 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::fading::Begun;
 use super::mixing::Place;
 use super::scenery::Pictured;
 use super::{Cast, FirstTree, SceneStage};
 use crate::app::dynamic_resolution::Level;
 use crate::app::scene_regions::{Shown, Wishes};
 use crate::config::SdfChoice;
-use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::error::GpuError;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Progress, Renderer};
@@ -38,6 +38,8 @@ pub(crate) struct WantedPicture {
     pub aspect: f64,
     /// How it is drawn.
     pub level: Level,
+    /// Whether the song runs.
+    pub runs: bool,
 }
 
 /// A picture that was finished.
@@ -83,7 +85,7 @@ impl SceneStage {
             |making: &Making| (making.shown.size, making.shown.edges) == (size, edges) && making.of == now;
         if !self.making.as_ref().is_some_and(is_of_use) {
             self.making = None;
-            self.end_fade(picture.moment.song_time);
+            self.end_fade(&picture.moment);
         }
         let drawn = loop {
             if self.making.is_none() {
@@ -116,10 +118,11 @@ impl SceneStage {
         self.pictured = self.on_stage.as_ref().map(|cast| cast.id);
         self.seen_picture = self.begun_picture.take();
         self.pictures_seen += 1;
-        if self.fading.goes_on() {
+        self.picture_took = drawn.spent;
+        if self.fading.goes_on_by_itself() {
             self.revision += 1;
         }
-        self.let_go_of_the_one_before(drawn.shown.moment.song_time);
+        self.let_go_of_the_one_before(&drawn.shown.moment);
         Ok(Some(drawn))
     }
 
@@ -135,12 +138,13 @@ impl SceneStage {
         let wanted = Shown { moment, size, edges: level.edges, revision: self.revision };
         let (wanted, sound) = self.mixing.resume(wanted, picture.sound.clone());
         let time = wanted.moment.song_time;
-        let under = self.under(time);
+        let under = self.under(&wanted.moment);
         let lit = self.mixing.lit().filter(|_| under.is_some());
         // What fades away is drawn first.
         let beneath = under.as_ref().filter(|_| lit.is_none());
         if beneath.is_some() {
             self.mixing.begin(wanted, sound.clone());
+            self.fading.announce();
         }
         let place = beneath.map_or(Place::OnStage, |under| under.place);
         // By fields, so that the regions can change meanwhile.
@@ -149,10 +153,10 @@ impl SceneStage {
             return Ok(None);
         };
         let (params, camera) = match beneath {
-            Some(under) => self.staged_in(cast, &under.stay, time),
+            Some(under) => self.staged_under(cast, under, time),
             None => self.staged(cast, time),
         };
-        let hand = if beneath.is_some() { OrbitControls::OFF } else { self.hand_at(time) };
+        let hand = beneath.map_or_else(|| self.hand_at(time), |under| self.hand_under(under, time));
         self.shown_hand = hand;
         let wishes = Wishes { params: &params, camera, hand };
         let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
@@ -162,7 +166,6 @@ impl SceneStage {
             return Ok(None);
         }
         let frame = frame.in_window(cast.resources.world(), aspect, level.quality);
-        renderer.set_edge_samples(shown.edges);
         let making = |program| Making {
             of,
             under: beneath.map(|under| under.place),
@@ -173,14 +176,20 @@ impl SceneStage {
             spent: lit.unwrap_or_default(),
         };
         if beneath.is_some() {
+            renderer.set_edge_samples(shown.edges);
             renderer.begin_light(&frame, &cast.resources)?;
             return Ok(cast.program(mode).cloned().map(making));
         }
         self.own_pitch = frame.own_pitch();
         match &under {
-            Some(under) => renderer.set_fade(Some(under.share)),
-            None => self.fading.begin_picture(renderer, Instant::now()),
+            Some(under) if under.stay.is_some() => renderer.set_fade(Some(under.share)),
+            _ => {
+                let (now, runs, is_live) = (Instant::now(), picture.runs, under.is_some());
+                self.fading.begin_picture(renderer, Begun { now, moment: &wanted.moment, runs, is_live });
+            }
         }
+        // Only now: another number of samples leaves no light of the last picture to be kept.
+        renderer.set_edge_samples(shown.edges);
         let begun = match self.views.program(cast, mode) {
             None => {
                 renderer.begin(&frame, &cast.resources)?;
@@ -280,13 +289,33 @@ impl SceneStage {
         }
     }
 
-    /// Lets what shows fade into what comes next, for so many seconds. Views, and what a show mixes by itself, are cut.
-    pub(crate) fn fade_from_shown(&mut self, seconds: f64) {
-        if self.views.choice().is_none() && !self.fades_with_both() {
-            self.fading.next_takes(seconds);
-            self.fading.want();
+    /// Lets the picture that was held fade into what comes next, for so many seconds. Views, and what a show mixes by
+    /// itself, are cut.
+    pub(crate) fn fade_from_held(&mut self, seconds: f64) {
+        if self.views.choice().is_some() || self.fades_with_both() {
+            self.fading.cut();
+        } else {
+            self.fading.release(seconds);
         }
         self.revision += 1;
+    }
+
+    /// Mixes this share of the picture that a show holds into what comes next, or none of it any more.
+    pub(crate) fn mix_held(&mut self, share: Option<f32>) {
+        if self.views.choice().is_none() {
+            self.fading.tell(share);
+        }
+        self.revision += 1;
+    }
+
+    /// The share of a picture that was held in the last one.
+    pub(crate) fn share_held(&self) -> f32 {
+        self.fading.share_held()
+    }
+
+    /// Whether the next picture is the first one of a fade.
+    pub(crate) fn begins_fade(&self) -> bool {
+        self.fading.is_to_begin()
     }
 
     fn tell_dear(&mut self, dear: &Cast, why: &str) {

@@ -29,6 +29,11 @@ impl Hands {
         Self { model, begun, now: begun.elapsed().as_secs_f64(), song_time: 0.0 }
     }
 
+    /// The moment of what is shown, in seconds of the song.
+    pub(super) fn song_time(&self) -> f64 {
+        self.song_time
+    }
+
     /// What outlives the stage.
     pub(super) fn kept(self) -> (Model, Instant) {
         (self.model, self.begun)

@@ -1,21 +1,29 @@
-//! A show's fades: both scenes go on while one fades into the other, as in a video of the show.
+//! Fades, of a show and of the user: both scenes go on while one fades into the other, as in a video of the show.
 //!
 //! ```text
 //! the scene that goes, its light alone → kept → the scene that comes, with a share of that light
 //! ```
 //!
-//! Both are drawn at the same moment of the song, one after the other. Where the scene that goes is no longer there, its
-//! last picture fades instead ([`super::fading`]).
+//! Both are drawn at the same moment of the song, one after the other. Where the scene that goes is no longer there, or
+//! takes too long, its last picture fades instead ([`super::fading`]).
+//!
+//! A scene that the user leaves goes on as hands left it: they turn the one that comes.
 
 use std::time::Duration;
 
 use super::{Cast, SceneStage};
 use crate::app::scene_regions::Shown;
+use crate::frame::orbit_controls::OrbitControls;
+use crate::scenes::{SceneSource, camera_number};
 use crate::show::Stay;
+use mariana_control::Hand;
 use mariana_music::Sound;
+use mariana_player::Moment;
 
 /// A fade that was joined so late, as a share of it, begins with the picture that was on.
 const LATE_SHARE: f32 = 0.35;
+/// A scene whose picture takes longer than this stands still while it goes.
+const LIVE_MAX: Duration = Duration::from_millis(100);
 
 /// What the stage knows of a show's fade.
 #[derive(Default)]
@@ -24,6 +32,21 @@ pub(super) struct Mixing {
     leaving: Option<Cast>,
     /// The picture of which the scene that goes was begun.
     begun: Option<Begun>,
+    /// How the scene was left that the user left.
+    left: Option<Left>,
+    /// How the camera was moved by hand in the scene that goes.
+    hand: OrbitControls,
+}
+
+/// How a scene was left.
+struct Left {
+    source: SceneSource,
+    /// As a show had it on.
+    stay: Option<Stay>,
+    /// Its parameters.
+    numbers: Vec<f32>,
+    /// Places of those that the show moves on, with their names.
+    moved: Vec<(usize, String)>,
 }
 
 /// A picture of two scenes.
@@ -65,9 +88,9 @@ impl Place {
 #[derive(Debug, Clone)]
 pub(super) struct Under {
     pub(super) place: Place,
-    /// How it is staged.
-    pub(super) stay: Stay,
-    /// Its share of the picture, above 0 and below 1.
+    /// How a show stages it; none if the user left it.
+    pub(super) stay: Option<Stay>,
+    /// Its share of the picture, above 0; below 1 in a show's fade.
     pub(super) share: f32,
 }
 
@@ -121,11 +144,20 @@ impl Mixing {
 }
 
 impl SceneStage {
-    /// What fades away under the scene on the stage at `time` seconds of the song, if both are there.
-    pub(super) fn under(&self, time: f64) -> Option<Under> {
-        if self.view().is_some() || self.fading.goes_on() {
+    /// What fades away under the scene on the stage at a moment of the song, if both are there.
+    pub(super) fn under(&self, moment: &Moment) -> Option<Under> {
+        if self.view().is_some() {
             return None;
         }
+        if self.fading.goes_on() {
+            let (left, share) = self.mixing.left.as_ref().zip(self.fading.share_of_scene(moment))?;
+            return Some(Under { place: self.place_of(&left.source)?, stay: None, share });
+        }
+        self.under_of_show(moment.song_time)
+    }
+
+    /// The same in a show's fade, at `time` seconds of the song.
+    pub(super) fn under_of_show(&self, time: f64) -> Option<Under> {
         let programme = self.directed.programme()?;
         let moment = programme.plan().at(time)?;
         let (stay, share) = moment.leaving?;
@@ -135,19 +167,78 @@ impl SceneStage {
         {
             return None;
         }
-        let source = programme.source(&stay.scene)?;
+        let place = self.place_of(programme.source(&stay.scene)?)?;
+        Some(Under { place, stay: Some(stay.clone()), share: 1.0 - share })
+    }
+
+    /// Where a scene is found that can be drawn.
+    fn place_of(&self, source: &SceneSource) -> Option<Place> {
         let places = [Place::OnStage, Place::Before, Place::Leaving];
-        let is_there = |place: &Place| {
+        places.into_iter().find(|place| {
             let cast = self.cast_at(*place).filter(|cast| cast.source == *source);
             cast.is_some_and(|cast| self.mode_of(cast).is_some())
-        };
-        let place = places.into_iter().find(is_there)?;
-        Some(Under { place, stay: stay.clone(), share: 1.0 - share })
+        })
+    }
+
+    /// Notes how the scene that goes was left, of which the last picture took so long.
+    pub(super) fn note_left(&mut self, cast: &Cast, took: Duration) {
+        self.mixing.hand = self.hand;
+        let time = self.hands.song_time();
+        let (stays, share) = self.stays(cast, time);
+        if share.is_some() || took > LIVE_MAX {
+            self.mixing.left = None;
+            return;
+        }
+        let mut numbers = self.numbers(cast, &stays, time);
+        let mut moved = Vec::new();
+        for (slider, knob) in cast.sliders.iter().zip(&cast.knobs) {
+            if let Some(number) = numbers.get_mut(knob.place) {
+                // As they were in its last picture.
+                *number = slider.value;
+            }
+            if slider.hand == Hand::Show {
+                moved.push((knob.place, slider.name.clone()));
+            }
+        }
+        let stay = stays.first.cloned();
+        self.mixing.left = Some(Left { source: cast.source.clone(), stay, numbers, moved });
+    }
+
+    /// The parameters and the camera's number of what fades away, at `time` seconds of the song.
+    pub(super) fn staged_under(&self, cast: &Cast, under: &Under, time: f64) -> (Vec<f32>, Option<usize>) {
+        let world = cast.resources.world();
+        let camera = |stay: &Stay| camera_number(world, stay.camera.as_deref());
+        if let Some(stay) = &under.stay {
+            return self.staged_in(cast, stay, time);
+        }
+        let Some(left) = &self.mixing.left else { return Default::default() };
+        let mut numbers = left.numbers.clone();
+        let params = left.stay.as_ref().map(|stay| stay.params_at(time)).unwrap_or_default();
+        for (place, name) in &left.moved {
+            let value = params.iter().find(|(moved, _)| moved == name).map(|(_, value)| *value);
+            if let Some((number, value)) = numbers.get_mut(*place).zip(value) {
+                *number = value;
+            }
+        }
+        (numbers, left.stay.as_ref().and_then(camera))
+    }
+
+    /// How the camera is moved of what fades away, at `time` seconds of the song: as it was left, or as the show turns it.
+    pub(super) fn hand_under(&self, under: &Under, time: f64) -> OrbitControls {
+        let by_hand = if under.place == Place::OnStage { self.hand } else { self.mixing.hand };
+        let left = self.mixing.left.as_ref().and_then(|left| left.stay.as_ref());
+        match under.stay.as_ref().or(left) {
+            Some(stay) if by_hand == OrbitControls::OFF => OrbitControls::of_turns(stay.turns_at(time)),
+            _ => by_hand,
+        }
     }
 
     /// Whether a fade that is entered now shows both scenes.
     pub(super) fn fades_with_both(&self) -> bool {
-        let under = self.directed.last_time().and_then(|time| self.under(time));
+        if self.view().is_some() || self.fading.goes_on() {
+            return false;
+        }
+        let under = self.directed.last_time().and_then(|time| self.under_of_show(time));
         under.is_some_and(|under| under.share > 1.0 - LATE_SHARE || self.directed.stands_still())
     }
 
@@ -157,11 +248,11 @@ impl SceneStage {
     }
 
     /// A picture of the scene on the stage is finished: the one before it is kept for its fade, or as a neighbour.
-    pub(super) fn let_go_of_the_one_before(&mut self, time: f64) {
+    pub(super) fn let_go_of_the_one_before(&mut self, moment: &Moment) {
         if self.before.is_none() {
             return;
         }
-        let fades = self.under(time).is_some_and(|under| under.place == Place::Before);
+        let fades = self.under(moment).is_some_and(|under| under.place == Place::Before);
         let Some(before) = self.before.take() else { return };
         if fades {
             self.let_go_of_the_leaving();
@@ -172,9 +263,9 @@ impl SceneStage {
         }
     }
 
-    /// The scene that was kept for a fade is needed no longer, unless it still fades at `time`.
-    pub(super) fn end_fade(&mut self, time: f64) {
-        let fades = || self.under(time).is_some_and(|under| under.place == Place::Leaving);
+    /// The scene that was kept for a fade is needed no longer, unless it still fades at a moment.
+    pub(super) fn end_fade(&mut self, moment: &Moment) {
+        let fades = || self.under(moment).is_some_and(|under| under.place == Place::Leaving);
         if self.mixing.leaving.is_some() && !fades() {
             self.let_go_of_the_leaving();
         }

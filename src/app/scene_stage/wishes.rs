@@ -43,6 +43,29 @@ impl SceneStage {
         self.revision += 1;
     }
 
+    /// Lets fades from scene to scene take this many seconds from now on, and says so.
+    pub(crate) fn set_fade(&mut self, seconds: f64) -> String {
+        self.fading.set_seconds(seconds);
+        match seconds > 0.0 {
+            true => format!("scenes fade into each other for {seconds:.1} s"),
+            false => "scenes are cut".to_owned(),
+        }
+    }
+
+    /// Whether scenes are cut where hands change them.
+    pub(crate) fn is_cut_by_hand(&self) -> bool {
+        self.fading.cuts()
+    }
+
+    /// Cuts from scene to scene from now on, or fades as before, and says so.
+    pub(crate) fn cut_by_hand(&mut self, cuts: bool) -> String {
+        self.fading.set_cuts(cuts);
+        match cuts {
+            true => "scenes are cut".to_owned(),
+            false => self.set_fade(self.fading.seconds()),
+        }
+    }
+
     /// Asks for the next or the previous scene.
     pub(crate) fn go(&mut self, forward: bool) {
         let next = if forward { self.list.next(&self.source) } else { self.list.previous(&self.source) };

@@ -3,6 +3,7 @@
 use super::{Fact, SettingRow, Values, row_of};
 use crate::app::monitors::{Monitor, named};
 use crate::config::StageChoices;
+use crate::placement::Crop;
 
 /// Times of a fade that can be chosen, in seconds. The command line takes any.
 const FADES: [(f64, &str); 5] = [(0.0, "0 s"), (0.5, "0.5 s"), (1.0, "1 s"), (2.0, "2 s"), (5.0, "5 s")];
@@ -10,6 +11,15 @@ const FADES: [(f64, &str); 5] = [(0.0, "0 s"), (0.5, "0.5 s"), (1.0, "1 s"), (2.
 /// The time at a place of that list.
 pub(super) fn fade(place: usize) -> Option<f64> {
     FADES.get(place).map(|(seconds, _)| *seconds)
+}
+
+/// What each edge of the picture may lose, in percent. The command line takes any, and of each edge for itself.
+const CROPS: [(f64, &str); 6] =
+    [(0.0, "0 %"), (1.0, "1 %"), (2.0, "2 %"), (3.0, "3 %"), (5.0, "5 %"), (10.0, "10 %")];
+
+/// What the edges lose at a place of that list.
+pub(super) fn crop(place: usize) -> Option<Crop> {
+    CROPS.get(place).and_then(|(percent, _)| Crop::try_from([*percent; 4]).ok())
 }
 
 /// The rows of where the picture shows: with one monitor there is no choice.
@@ -36,7 +46,7 @@ pub(super) fn screens(monitors: &[Monitor], now: Option<&str>, remembered: Optio
 }
 
 /// The rows of how pictures come onto screens.
-pub(super) fn rows(now: &StageChoices, remembered: &StageChoices) -> [SettingRow; 3] {
+pub(super) fn rows(now: &StageChoices, remembered: &StageChoices) -> [SettingRow; 4] {
     [
         SettingRow {
             fact: Fact::Brightness,
@@ -69,6 +79,16 @@ pub(super) fn rows(now: &StageChoices, remembered: &StageChoices) -> [SettingRow
             now.flip,
             remembered.flip,
         ),
+        SettingRow {
+            fact: Fact::Crop,
+            name: "Crop".to_owned(),
+            meaning: "How much each edge of the picture loses, where a screen hides its edges; `--crop` takes each edge for itself".to_owned(),
+            values: Values::Names {
+                names: CROPS.iter().map(|(_, name)| *name).collect(),
+                present: (0..CROPS.len()).find(|place| crop(*place) == Some(now.crop)).unwrap_or(CROPS.len()),
+            },
+            for_this_run: now.crop != remembered.crop,
+        },
     ]
 }
 

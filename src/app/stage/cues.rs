@@ -28,7 +28,7 @@ pub(super) enum Pressed {
     /// Another scene comes.
     Cue {
         /// The show with it.
-        programme: Programme,
+        programme: Arc<Programme>,
         /// Which cue it is, from 1.
         number: usize,
         /// How many there are.
@@ -70,7 +70,7 @@ impl Cues {
         let Some(scene) = cues.get(self.pressed.len()) else { return Pressed::NoneLeft };
         self.pressed.push(time);
         Pressed::Cue {
-            programme: show.with_cues(song, &self.pressed),
+            programme: Arc::new(show.with_cues(song, &self.pressed)),
             number: self.pressed.len(),
             of: cues.len(),
             scene: (*scene).to_owned(),

@@ -52,6 +52,7 @@ impl Stage {
         }
         self.scene.follow(moment.song_time);
         self.scene.follow_hands(moment.song_time);
+        self.follow_masters(moment.song_time);
     }
 
     /// Brings what a show file holds for a key.
@@ -65,7 +66,7 @@ impl Stage {
                 }
                 Pressed::NoneLeft => "that was the last cue of the show".to_owned(),
                 Pressed::Cue { programme, number, of, scene } => {
-                    self.scene.extend_programme(Arc::new(programme), self.cues.next());
+                    self.scene.extend_programme(programme, self.cues.next());
                     format!("cue {number} of {of}: {scene}")
                 }
             },

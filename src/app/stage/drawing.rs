@@ -58,7 +58,8 @@ impl Stage {
             let Moment { features, song, .. } = moment;
             let sound = mariana_music::Sound { features, tables: curves, song };
             let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
-            let picture = WantedPicture { moment, sound, size: drawn, aspect, level };
+            let runs = self.scene.begins_fade() && self.listening.runs();
+            let picture = WantedPicture { moment, sound, size: drawn, aspect, level, runs };
             let drawn = self.scene.draw(&mut self.renderer, picture);
             new = self.without_room_smaller(drawn)?;
             if new.is_none() {
@@ -72,8 +73,10 @@ impl Stage {
             self.renderer.limit_flashes(self.pace.note_picture(begun))?;
             self.feeds.note_picture();
         }
-        if let Some(Drawn { shown, .. }) = new {
-            self.record(shown.moment);
+        match new {
+            Some(Drawn { shown, .. }) => self.record(shown.moment, begun),
+            None if dims => self.record_again(begun),
+            None => {}
         }
         let corner = self.corner_line(begun);
         let is_drawing = self.scene.is_drawing();
@@ -87,6 +90,7 @@ impl Stage {
         let seen = self.look_around_desk(begun);
         let mut content = self.scene.overlay(corner.as_deref(), self.desk.panels);
         self.desk.add_to(&mut content, &seen, &self.hands, &self.listening, &self.reports, begun);
+        content.next = self.preview.next().filter(|_| !self.desk.bare);
         let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else {
             return self.show_waiting(size).map(|()| false);
         };
@@ -160,6 +164,7 @@ impl Stage {
         let seen = self.look_around_desk(now);
         let mut content = self.scene.overlay(corner.as_deref(), self.desk.panels);
         self.desk.add_to(&mut content, &seen, &self.hands, &self.listening, &self.reports, now);
+        content.next = self.preview.next().filter(|_| !self.desk.bare);
         let due = self.overlay.due(&content, now);
         // The bar goes when the pointer has rested.
         let goes = self.pointer_rest.falls_asleep().filter(|_| seen.awake);

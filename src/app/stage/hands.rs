@@ -10,6 +10,7 @@ use crate::app::keys::Action;
 use crate::app::overlay::Panel;
 use crate::config::KnobEdit;
 use crate::export::print::tell;
+use crate::limits::LIMITS;
 use crate::scenes::SceneSource;
 use mariana_control::deed::{Deed, Given};
 use mariana_control::midi::{Outcome, Target};
@@ -93,6 +94,14 @@ impl Stage {
                 let is_so = wanted.is_some() && wanted == Some(is_on(self));
                 (!is_so).then_some(action)
             }
+            deeds::Does::Turn { set, is_on } => {
+                let wanted = match deed.given {
+                    Given::Number(number) => number >= 0.5,
+                    _ => !is_on(self),
+                };
+                set(self, wanted);
+                None
+            }
             deeds::Does::Set(set) | deeds::Does::Level { set, .. } => {
                 set(self, &deed.given);
                 None
@@ -175,6 +184,20 @@ impl Stage {
             // What is no number of a scene is beyond the list.
             Given::Number(number) => self.show_scene_at((number.round() as usize).wrapping_sub(1)),
             Given::Nothing => {}
+        }
+    }
+
+    /// Cuts from scene to scene where hands change them, or lets them fade.
+    pub(in crate::app) fn cut_by_hand(&mut self, cuts: bool) {
+        let words = self.scene.cut_by_hand(cuts);
+        self.reports.answer(words);
+    }
+
+    /// Lets a fade from scene to scene by hand take so many seconds.
+    pub(in crate::app) fn set_fade(&mut self, given: &Given) {
+        if let Given::Number(seconds) = given {
+            let words = self.scene.set_fade(f64::from(*seconds).clamp(0.0, LIMITS.fade_seconds_max));
+            self.reports.answer(words);
         }
     }
 

@@ -10,6 +10,7 @@ use crate::app::corner_hands::{CornerHands, Moved};
 use crate::app::overlay::{Panel, PanelSwitches};
 use crate::placement::{Corners, Placement};
 use crate::scenes::SceneSource;
+use crate::show::Picture;
 
 impl Stage {
     /// Lets the picture fade to black, or come back.
@@ -29,7 +30,7 @@ impl Stage {
                 "the picture is held: Z lets it go"
             }
             false => {
-                self.scene.fade_from_shown(self.masters.fade_seconds());
+                self.scene.fade_from_held(self.masters.fade_seconds());
                 "the picture goes on"
             }
         };
@@ -38,7 +39,23 @@ impl Stage {
 
     /// Whether the picture that shows is held.
     pub(super) fn holds_picture(&self) -> bool {
-        self.masters.is_frozen() && self.pace.shown().is_some()
+        self.masters.hold() && self.pace.shown().is_some()
+    }
+
+    /// Does to whole pictures what the show does to them at `time` seconds of the song.
+    pub(super) fn follow_masters(&mut self, time: f64) {
+        let shown = self.scene.picture_of_show(time);
+        let before = self.masters.follow_show(shown);
+        let share = |picture: Picture| picture.held.map(|held| held.share);
+        let (was, is) = (share(before), share(shown));
+        if was == is || self.masters.is_frozen() {
+            return;
+        }
+        match is {
+            // It is held as it is.
+            Some(1.0..) => self.scene.give_picture_up(),
+            share => self.scene.mix_held(share),
+        }
     }
 
     /// Whether the picture that shows is brighter or darker than it is to be.

@@ -12,6 +12,7 @@ use winit::event_loop::EventLoopProxy;
 use super::Stage;
 use super::desk::Desk;
 use super::drawing::paint_waiting;
+use super::preview::Preview;
 use crate::app::accessibility::{Assistance, ControlsTeller};
 use crate::app::announcer::Announcer;
 use crate::app::direction::Direction;
@@ -164,6 +165,7 @@ impl Opening<'_> {
             cues: Default::default(),
             pace: DrawingPace::new(choices.quality, fps, now),
             feeds: Feeds::of(sends),
+            preview: Preview::new(),
             masters: Masters::new(brightness, choices.stage.blackout_fade),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
             recording: Recording::new(PerformanceFiles::of_user()),
@@ -242,6 +244,7 @@ pub(in crate::app) fn renewed(
     drop(overlay);
     drop(old_renderer);
     stage.feeds.let_go();
+    stage.preview = Preview::new();
     stage.output.close(&window);
     let kept = old_scene.let_go();
     let Some(shown) = kept.shown else {

@@ -80,6 +80,15 @@ impl Stage {
                 self.output.look_different();
                 self.window.window().request_redraw();
             }
+            SettingChange::Crop(crop) => {
+                self.choose(move |choices| choices.stage.crop = crop);
+                self.output.look_different();
+                self.window.window().request_redraw();
+            }
+            SettingChange::NextScene(on) => {
+                self.choose(move |choices| choices.next_scene = on);
+                self.window.window().request_redraw();
+            }
             SettingChange::Hints(on) => {
                 self.desk.clean = !on;
                 self.choose(move |choices| choices.hints = on);

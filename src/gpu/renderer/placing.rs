@@ -23,7 +23,7 @@ pub(super) struct Placing {
     /// The share of the light that is left, 0..1.
     gain: f32,
     /// The finished picture with that share.
-    dimmed: Option<Target>,
+    pub(super) dimmed: Option<Target>,
     /// Whether [`Renderer`]'s copy without flashes is of what shows now.
     has_copy: bool,
 }
@@ -69,7 +69,8 @@ impl Renderer {
     }
 
     /// Leaves the picture that was finished last this share of its light, 0..1. It is to be called for each picture,
-    /// before its flashes are limited: they are those of what shows. Only a window's renderer does it.
+    /// before its flashes are limited: they are those of what shows. Only a renderer does it that was told to
+    /// ([`Renderer::add_dimming`]).
     ///
     /// # Errors
     /// No room for a copy of the picture.
@@ -166,7 +167,7 @@ impl Renderer {
 
     /// Whether the copy in which flashes are limited is of what shows. Without a window it always is.
     pub(super) fn is_copied(&self) -> bool {
-        self.placing.as_ref().is_none_or(|placing| placing.has_copy)
+        self.upscale.is_none() || self.placing.as_ref().is_none_or(|placing| placing.has_copy)
     }
 
     /// Makes the copy of what shows in which flashes are limited, if there is none and they are limited.

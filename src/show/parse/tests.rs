@@ -1,5 +1,5 @@
 use super::*;
-use crate::show::print;
+use crate::show::{CAMERA_TURNS, print};
 use proptest::prelude::*;
 
 fn script(text: &str) -> Script {
@@ -57,6 +57,9 @@ fn each_mistake_says_what_where_and_what_to_do() {
         ("at start x\nset a 3", "expected `=` and a value, found `3`", "set swell"),
         ("at start x\nset a = 3 -> 4", "expected `over`", "8 bars"),
         ("at start x\nset a = b", "a number is expected here, not `b`", ""),
+        ("at start x\nset picture brightness = 2", "2 is no share of a picture", "from 0 to 1"),
+        ("at start x\nset picture freeze = 1 -> -1 over 1 s", "-1 is no share of a picture", "from 0 to 1"),
+        ("at start x\nset picture frieze = 1", "expected `=` and a value, found `frieze`", "picture freeze"),
         ("at 99999999 x", "no song takes more than 86400 s", ""),
     ];
     for (text, message, hint) in cases {
@@ -100,8 +103,12 @@ prop_compose! {
         ],
         offset in length(), before in any::<bool>(),
         scene in "[a-z_]{1,8}|[a-z]{1,4}[ /.][a-z]{1,4}", camera in proptest::option::of("[a-z]{1,8}"),
-        way in 0usize..5, shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, proptest::collection::vec((-9i16..9, length()), 0..4), length(), 0usize..4)),
+        way in 0usize..5, shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, proptest::collection::vec((-9i16..9, length()), 0..4), length(), 0usize..6)),
     ) -> Entry {
+        let value = |number: i16, name: usize| {
+            let number = f32::from(number) / 8.0;
+            if name < CAMERA_TURNS.len() { number } else { number.abs().min(1.0) }
+        };
         let negative = |length| match length {
             Length::Seconds(number) => Length::Seconds(-number),
             Length::Beats(number) => Length::Beats(-number),
@@ -114,9 +121,9 @@ prop_compose! {
             length: if *way == Way::Cut { Length::ZERO } else { over },
         });
         let settings = swell.into_iter().map(|(from, steps, after, name)| Setting {
-            param: CAMERA_TURNS.get(name).copied().unwrap_or("swell").to_owned(),
-            from: f32::from(from) / 8.0,
-            steps: steps.into_iter().map(|(to, over)| Step { to: f32::from(to) / 8.0, over }).collect(),
+            param: CAMERA_TURNS.iter().chain(&PICTURE_NUMBERS).nth(name).copied().unwrap_or("swell").to_owned(),
+            from: value(from, name),
+            steps: steps.into_iter().map(|(to, over)| Step { to: value(to, name), over }).collect(),
             after: if after.number() == 0.0 { Length::ZERO } else { after },
         }).collect();
         Entry { when: When { anchor, offset }, scene, camera, transition, settings, span: Span::default() }

@@ -1,6 +1,6 @@
 //! A packet taken apart: bundles within bundles are walked without recursion, and bounded before anything is read.
 
-use rosc::{OscMessage, OscPacket};
+use rosc::{OscMessage, OscPacket, OscTime};
 
 use crate::limits::LIMITS;
 
@@ -9,21 +9,24 @@ const BUNDLE: &[u8] = b"#bundle\0";
 /// Length of what stands before a bundle's first element: its name and a time.
 const BUNDLE_HEAD: usize = 16;
 
+/// A message, and the time of the bundle that it is in.
+pub type Timed = (OscMessage, Option<OscTime>);
+
 /// The messages of a packet in their order, whatever bundles they are in, and how many pieces of it are rubbish: broken,
-/// nested too deeply, or too many. Times of bundles are not waited for.
-pub fn messages(packet: &[u8]) -> (Vec<OscMessage>, u64) {
+/// nested too deeply, or too many. The time of a message is that of the innermost bundle.
+pub fn messages(packet: &[u8]) -> (Vec<Timed>, u64) {
     let (mut found, mut rubbish) = (Vec::new(), 0);
     // Pieces that are still to be read, the next one last.
-    let mut pieces: Vec<(&[u8], usize)> = vec![(packet, 0)];
+    let mut pieces: Vec<(&[u8], usize, Option<OscTime>)> = vec![(packet, 0, None)];
     let mut elements = 0;
-    while let Some((piece, depth)) = pieces.pop() {
+    while let Some((piece, depth, time)) = pieces.pop() {
         elements += 1;
         if elements > LIMITS.osc_elements_max {
             return (found, rubbish + 1 + pieces.len() as u64);
         }
         if !piece.starts_with(BUNDLE) {
             match message(piece) {
-                Some(message) => found.push(message),
+                Some(message) => found.push((message, time)),
                 None => rubbish += 1,
             }
             continue;
@@ -32,14 +35,14 @@ pub fn messages(packet: &[u8]) -> (Vec<OscMessage>, u64) {
             rubbish += 1;
             continue;
         };
-        let first = pieces.len();
+        let (time, first) = (time_of(piece), pieces.len());
         while !rest.is_empty() {
             let Some((element, behind)) = element(rest) else {
                 rubbish += 1;
                 break;
             };
             if pieces.len() < LIMITS.osc_elements_max {
-                pieces.push((element, depth + 1));
+                pieces.push((element, depth + 1, time));
             } else {
                 rubbish += 1;
             }
@@ -50,6 +53,13 @@ pub fn messages(packet: &[u8]) -> (Vec<OscMessage>, u64) {
         }
     }
     (found, rubbish)
+}
+
+/// The time of a bundle.
+fn time_of(bundle: &[u8]) -> Option<OscTime> {
+    let (seconds, behind) = bundle.get(BUNDLE.len()..)?.split_first_chunk::<4>()?;
+    let (parts, _) = behind.split_first_chunk::<4>()?;
+    Some(OscTime { seconds: u32::from_be_bytes(*seconds), fractional: u32::from_be_bytes(*parts) })
 }
 
 /// The first element of a bundle, and what is behind it.
@@ -89,7 +99,7 @@ mod tests {
 
     fn addresses(packet: &OscPacket) -> (Vec<String>, u64) {
         let (found, rubbish) = messages(&encoder::encode(packet).unwrap());
-        (found.into_iter().map(|message| message.addr).collect(), rubbish)
+        (found.into_iter().map(|(message, _)| message.addr).collect(), rubbish)
     }
 
     #[test]
@@ -98,6 +108,20 @@ mod tests {
         let wanted = ["/a", "/b", "/c", "/d"].map(str::to_owned).to_vec();
         assert_eq!(addresses(&packet), (wanted, 0));
         assert_eq!(addresses(&bundle(Vec::new())), (Vec::new(), 0));
+    }
+
+    #[test]
+    fn a_message_has_the_time_of_its_bundle() {
+        let timetag = OscTime { seconds: 7, fractional: 9 };
+        let inner = OscPacket::Bundle(OscBundle { timetag, content: vec![sent("/b")] });
+        let packet = encoder::encode(&bundle(vec![sent("/a"), inner, sent("/c")])).unwrap();
+        let times: Vec<u32> =
+            messages(&packet).0.iter().filter_map(|(_, time)| time.map(|time| time.seconds)).collect();
+        assert_eq!(times, [0, 7, 0]);
+        assert_eq!(
+            messages(&encoder::encode(&sent("/a")).unwrap()).0.first().map(|(_, time)| *time),
+            Some(None)
+        );
     }
 
     #[test]

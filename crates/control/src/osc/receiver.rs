@@ -4,19 +4,23 @@ use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant, SystemTime};
 
 use rosc::{OscMessage, OscPacket, OscType, encoder};
 
-use super::address::{Asked, Query, Refused, understand};
+use super::address::{Asked, Query, Refused, fixed_addresses, understand};
 use super::packet::messages;
+use super::pattern::{Pattern, is_pattern};
 use super::place::Place;
+use super::waiting::{Waiting, When, when};
 use crate::deed::DeedRow;
 use crate::limits::LIMITS;
 use crate::{Board, Present, PresentParam, Wishes};
 
 /// How often the thread looks whether it is still wanted.
 const LOOK: Duration = Duration::from_millis(200);
+/// How long it waits at least.
+const LEAST_LOOK: Duration = Duration::from_millis(1);
 /// Most bytes of a UDP packet.
 const PACKET_MAX: usize = 65_535;
 
@@ -115,12 +119,26 @@ struct Hearing {
 impl Hearing {
     fn go_on(&self, socket: &UdpSocket, is_over: &AtomicBool) {
         let mut buffer = vec![0; PACKET_MAX];
+        let (mut waiting, mut waited) = (Waiting::default(), LOOK);
         while !is_over.load(Ordering::Relaxed) {
+            while let Some((message, from)) = waiting.take(Instant::now()) {
+                let mut answers = Vec::new();
+                self.obey(&message, &mut answers);
+                answers.into_iter().for_each(|answer| send(socket, answer, from));
+            }
+            // A timeout of nothing is none at all.
+            let patience = waiting.patience(Instant::now()).map_or(LOOK, |due| due.clamp(LEAST_LOOK, LOOK));
+            if patience != waited {
+                waited = patience;
+                let _ = socket.set_read_timeout(Some(patience));
+            }
             match socket.recv_from(&mut buffer) {
                 Ok((length, from)) => {
-                    for answer in self.hear(buffer.get(..length).unwrap_or_default()) {
-                        send(socket, answer, from);
-                    }
+                    let packet = buffer.get(..length).unwrap_or_default();
+                    let answers = self.hear(packet, SystemTime::now(), |ahead, message| {
+                        Instant::now().checked_add(ahead).is_some_and(|due| waiting.put(due, message, from))
+                    });
+                    answers.into_iter().for_each(|answer| send(socket, answer, from));
                 }
                 Err(error) if is_patience(&error) => {}
                 // Somebody who asked has gone; or the network has, and comes back.
@@ -133,29 +151,83 @@ impl Hearing {
         }
     }
 
-    /// Takes a packet, and returns what is answered.
-    fn hear(&self, packet: &[u8]) -> Vec<OscMessage> {
+    /// Takes a packet where the system's clock shows `now`, and returns what is answered. What is not due yet `waits`, which
+    /// tells whether there is room for it.
+    fn hear(
+        &self,
+        packet: &[u8],
+        now: SystemTime,
+        mut waits: impl FnMut(Duration, OscMessage) -> bool,
+    ) -> Vec<OscMessage> {
         let (messages, rubbish) = messages(packet);
         if rubbish > 0 {
             self.wishes.refuse(|refusals| refusals.rubbish += rubbish);
         }
         let mut answers = Vec::new();
-        for message in messages {
+        for (message, time) in messages {
             self.wishes.count();
-            match understand(&message, self.deeds) {
-                Ok(Asked::Turn(wish)) => self.wishes.turn(wish),
-                Ok(Asked::Act(deed)) => self.wishes.act(deed),
-                Ok(Asked::Tell(query)) => {
-                    answers.extend(self.board.read(|present| answers_to(&query, present, self.deeds)));
-                    answers.truncate(LIMITS.osc_answers_max);
+            let is_taken = match when(time, now) {
+                When::Now => {
+                    self.obey(&message, &mut answers);
+                    true
                 }
-                Ok(Asked::Nothing) => {}
-                Err(Refused::Unknown) => self.wishes.refuse(|refusals| refusals.unknown += 1),
-                Err(Refused::NotANumber) => self.wishes.refuse(|refusals| refusals.not_numbers += 1),
+                When::In(ahead) => waits(ahead, message),
+                When::TooLate => false,
+            };
+            if !is_taken {
+                self.wishes.refuse(|refusals| refusals.too_many += 1);
             }
         }
         answers
     }
+
+    /// Does what a message asks for, and adds what is answered. A pattern is a message to each address that it stands for.
+    fn obey(&self, message: &OscMessage, answers: &mut Vec<OscMessage>) {
+        if !is_pattern(&message.addr) {
+            return self.obey_one(message, answers);
+        }
+        let known = self.board.read(|present| addresses(present, self.deeds));
+        // Titles of scenes may have such signs in them.
+        if known.contains(&message.addr) {
+            return self.obey_one(message, answers);
+        }
+        let pattern = Pattern::read(&message.addr);
+        let meant =
+            known.into_iter().filter(|address| pattern.as_ref().is_some_and(|one| one.matches(address)));
+        let meant: Vec<String> = meant.take(LIMITS.osc_matches_max).collect();
+        if meant.is_empty() {
+            self.wishes.refuse(|refusals| refusals.unknown += 1);
+        }
+        for addr in meant {
+            self.obey_one(&OscMessage { addr, args: message.args.clone() }, answers);
+        }
+    }
+
+    fn obey_one(&self, message: &OscMessage, answers: &mut Vec<OscMessage>) {
+        match understand(message, self.deeds) {
+            Ok(Asked::Turn(wish)) => self.wishes.turn(wish),
+            Ok(Asked::Act(deed)) => self.wishes.act(deed),
+            Ok(Asked::Tell(query)) => {
+                answers.extend(self.board.read(|present| answers_to(&query, present, self.deeds)));
+                answers.truncate(LIMITS.osc_answers_max);
+            }
+            Ok(Asked::Nothing) => {}
+            Err(Refused::Unknown) => self.wishes.refuse(|refusals| refusals.unknown += 1),
+            Err(Refused::NotANumber) => self.wishes.refuse(|refusals| refusals.not_numbers += 1),
+        }
+    }
+}
+
+/// Every address that means something now.
+fn addresses(present: &Present, deeds: &[DeedRow]) -> Vec<String> {
+    let params = present.params.iter().map(|param| &param.name);
+    let turns = params.flat_map(|name| [format!("/param/{name}"), format!("/share/{name}")]);
+    let scenes = present.scenes.iter().map(|title| format!("/scene/{title}"));
+    let acts = deeds.iter().map(|row| format!("/{}", row.name));
+    let questions = fixed_addresses().iter().map(|(address, ..)| *address);
+    let questions = questions.filter(|address| address.starts_with("/query") && !address.contains("SWITCH"));
+    let switches = present.switches.iter().map(|(name, _)| format!("/query/{name}"));
+    turns.chain(scenes).chain(acts).chain(questions.map(str::to_owned)).chain(switches).collect()
 }
 
 /// Whether nothing came for a while.
@@ -212,117 +284,4 @@ fn answers_to(query: &Query, present: &Present, deeds: &[DeedRow]) -> Vec<OscMes
 }
 
 #[cfg(test)]
-mod tests {
-    use std::sync::mpsc::channel;
-
-    use super::*;
-    use crate::deed::Takes;
-    use crate::{Amount, Hand};
-
-    const DEEDS: &[DeedRow] = &[DeedRow { name: "pause", takes: Takes::Switch, meaning: "pause" }];
-
-    fn hearing() -> Hearing {
-        let board = Board::default();
-        let param = PresentParam {
-            name: "size".into(),
-            value: 2.0,
-            min: 0.0,
-            max: 4.0,
-            default: 1.0,
-            hand: Hand::Midi,
-        };
-        board.put(Present {
-            scene: "orb".into(),
-            scenes: vec!["city".into(), "orb".into()],
-            params: vec![param],
-            switches: vec![("pause", true)],
-            tempo: 120.0,
-            ..Present::default()
-        });
-        Hearing { deeds: DEEDS, wishes: Wishes::new(|| {}), board }
-    }
-
-    fn packet(addr: &str, args: Vec<OscType>) -> Vec<u8> {
-        encoder::encode(&OscPacket::Message(message(addr.to_owned(), args))).unwrap()
-    }
-
-    #[test]
-    fn questions_are_answered_from_the_board() {
-        let hearing = hearing();
-        let ask = |addr: &str| hearing.hear(&packet(addr, Vec::new()));
-        let numbers = [2.0, 0.0, 4.0, 1.0].map(OscType::Float);
-        let of_midi = numbers.into_iter().chain([OscType::String("MIDI".into())]).collect();
-        assert_eq!(ask("/param/size"), [message("/param/size".into(), of_midi)]);
-        assert_eq!(ask("/param/none"), []);
-        assert_eq!(ask("/query/pause"), [message("/pause".into(), vec![OscType::Int(1)])]);
-        let names: Vec<String> = ask("/query").into_iter().map(|answer| answer.addr).collect();
-        assert_eq!(names, ["/scene", "/tempo", "/param/size", "/pause"]);
-        assert_eq!(ask("/query/scenes").len(), 2);
-        assert_eq!(ask("/query/actions").len(), 1);
-    }
-
-    #[test]
-    fn questions_cost_no_more_answers_than_the_limit() {
-        let hearing = hearing();
-        hearing
-            .board
-            .put(Present { scenes: vec!["x".into(); LIMITS.osc_answers_max + 9], ..Present::default() });
-        assert_eq!(hearing.hear(&packet("/query/scenes", Vec::new())).len(), LIMITS.osc_answers_max);
-    }
-
-    #[test]
-    fn rubbish_is_counted_by_what_is_wrong_with_it_and_the_rest_of_a_packet_counts() {
-        let hearing = hearing();
-        assert_eq!(hearing.hear(b"no OSC at all"), []);
-        hearing.hear(&packet("/nothing", Vec::new()));
-        hearing.hear(&packet("/param/size", vec![OscType::Float(f32::NAN)]));
-        hearing.hear(&packet("/param/size", vec![OscType::Float(3.0)]));
-        let (messages, refusals) = hearing.wishes.counts();
-        assert_eq!((messages, refusals.rubbish, refusals.unknown, refusals.not_numbers), (3, 1, 1, 1));
-        assert_eq!(hearing.wishes.take().params[0].to, Amount::Value(3.0));
-    }
-
-    #[test]
-    fn a_port_that_another_program_has_costs_a_sentence() {
-        let other = UdpSocket::bind("127.0.0.1:0").unwrap();
-        let place: Place = other.local_addr().unwrap().to_string().parse().unwrap();
-        let (told, news) = channel();
-        let started = OscReceiver::start(place, DEEDS, Wishes::new(|| {}), Board::default(), move || {
-            let _ = told.send(());
-        });
-        let receiver = started.unwrap();
-        news.recv().unwrap();
-        let ReceiverState::Refused(why) = receiver.state() else { panic!("{:?}", receiver.state()) };
-        assert!(why.contains("another program has 127.0.0.1:") && why.contains("--osc"), "{why}");
-    }
-
-    #[test]
-    fn packets_come_through_a_real_socket_and_answers_go_back() {
-        let (told, news) = channel();
-        let free = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-        let (woken, wakes) = channel();
-        let woken = Mutex::new(woken);
-        let wishes = Wishes::new(move || {
-            let _ = woken.lock().unwrap().send(());
-        });
-        let board = hearing().board;
-        let place = free.to_string().parse().unwrap();
-        let started = OscReceiver::start(place, DEEDS, wishes.clone(), board, move || {
-            let _ = told.send(());
-        });
-        let receiver = started.unwrap();
-        news.recv().unwrap();
-        assert_eq!(receiver.state(), ReceiverState::Open(free));
-        let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
-        socket.send_to(&packet("/param/size", vec![OscType::Float(3.0)]), free).unwrap();
-        wakes.recv().unwrap();
-        assert_eq!(wishes.take().params[0].name, "size");
-        socket.send_to(&packet("/scene", Vec::new()), free).unwrap();
-        let mut answer = [0; 64];
-        let (length, from) = socket.recv_from(&mut answer).unwrap();
-        assert_eq!(
-            (from, &answer[..length]),
-            (free, &packet("/scene", vec![OscType::String("orb".into())])[..])
-        );
-    }
-}
+mod tests;

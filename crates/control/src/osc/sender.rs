@@ -117,6 +117,7 @@ mod tests {
             let mut buffer = [0; 1_500];
             let (length, _) = socket.recv_from(&mut buffer).unwrap();
             let (found, rubbish) = messages(&buffer[..length]);
+            let found: Vec<_> = found.into_iter().map(|(message, _)| message).collect();
             assert_eq!(rubbish, 0);
             assert_eq!(
                 (found[0].addr.as_str(), &found[0].args[..]),

@@ -1,0 +1,186 @@
+use std::sync::mpsc::channel;
+
+use rosc::{OscBundle, OscTime};
+
+use super::*;
+use crate::deed::{Given, Takes};
+use crate::{Amount, Hand};
+
+const DEEDS: &[DeedRow] = &[DeedRow { name: "pause", takes: Takes::Switch, meaning: "pause" }];
+
+fn hearing() -> Hearing {
+    let board = Board::default();
+    let param =
+        PresentParam { name: "size".into(), value: 2.0, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Midi };
+    board.put(Present {
+        scene: "orb".into(),
+        scenes: vec!["city".into(), "orb".into()],
+        params: vec![param],
+        switches: vec![("pause", true)],
+        tempo: 120.0,
+        ..Present::default()
+    });
+    Hearing { deeds: DEEDS, wishes: Wishes::new(|| {}), board }
+}
+
+fn packet(addr: &str, args: Vec<OscType>) -> Vec<u8> {
+    encoder::encode(&OscPacket::Message(message(addr.to_owned(), args))).unwrap()
+}
+
+/// What a packet is answered that may not wait.
+fn heard(hearing: &Hearing, packet: &[u8]) -> Vec<OscMessage> {
+    hearing.hear(packet, SystemTime::now(), |_, _| false)
+}
+
+/// A bundle of a message for a time.
+fn bundle(time: SystemTime, addr: &str, args: Vec<OscType>) -> Vec<u8> {
+    let timetag = OscTime::try_from(time).unwrap();
+    let content = vec![OscPacket::Message(message(addr.to_owned(), args))];
+    encoder::encode(&OscPacket::Bundle(OscBundle { timetag, content })).unwrap()
+}
+
+#[test]
+fn a_pattern_is_a_message_to_each_address_that_it_stands_for() {
+    let hearing = hearing();
+    let ask = |addr: &str| heard(&hearing, &packet(addr, Vec::new()));
+    let names = |answers: Vec<OscMessage>| answers.into_iter().map(|answer| answer.addr).collect::<Vec<_>>();
+    assert_eq!(names(ask("/param/*")), ["/param/size"]);
+    assert_eq!(names(ask("/query/{pause,scene}")), ["/scene", "/pause"]);
+    heard(&hearing, &packet("/{param,none}/s?z[a-e]", vec![OscType::Float(3.0)]));
+    heard(&hearing, &packet("/p*e", vec![OscType::Int(0)]));
+    let wished = hearing.wishes.take();
+    assert_eq!(wished.params.first().map(|wish| wish.to), Some(Amount::Value(3.0)));
+    assert_eq!(wished.deeds.first().map(|deed| deed.name), Some("pause"));
+    // What fits nothing, or is no pattern, is unknown.
+    for nothing in ["/none/*", "/param/[s", "/param/{size"] {
+        assert_eq!(ask(nothing), []);
+    }
+    assert_eq!(hearing.wishes.counts().1.unknown, 3);
+}
+
+#[test]
+fn a_pattern_stands_for_no_more_addresses_than_the_limit() {
+    let hearing = hearing();
+    let mut present = hearing.board.read(Present::clone);
+    let param = present.params.remove(0);
+    let name = |number| PresentParam { name: format!("p{number}"), ..param.clone() };
+    present.params = (0..LIMITS.osc_matches_max + 9).map(name).collect();
+    hearing.board.put(present);
+    assert_eq!(heard(&hearing, &packet("/param/*", Vec::new())).len(), LIMITS.osc_matches_max);
+}
+
+#[test]
+fn a_title_with_signs_of_patterns_in_it_is_a_title() {
+    let hearing = hearing();
+    let scenes = vec!["orb [2]".into(), "orb 2".into()];
+    hearing.board.put(Present { scenes, ..Present::default() });
+    let deeds = &[DeedRow { name: "scene", takes: Takes::Choice, meaning: "a scene" }];
+    let hearing = Hearing { deeds, ..hearing };
+    heard(&hearing, &packet("/scene/orb [2]", Vec::new()));
+    let deeds = hearing.wishes.take().deeds;
+    assert_eq!(
+        deeds.iter().map(|deed| deed.given.clone()).collect::<Vec<_>>(),
+        [Given::Text("orb [2]".into())]
+    );
+}
+
+#[test]
+fn what_is_not_due_waits_where_there_is_room_and_the_rest_is_counted() {
+    let (hearing, now) = (hearing(), SystemTime::now());
+    let half = [OscType::Float(3.0)];
+    let mut waits = Vec::new();
+    let later = bundle(now + Duration::from_secs(2), "/param/size", half.to_vec());
+    hearing.hear(&later, now, |ahead, message| {
+        waits.push((ahead.as_secs_f64().round(), message.addr));
+        true
+    });
+    assert_eq!(waits, [(2.0, "/param/size".to_owned())]);
+    hearing.hear(&later, now, |_, _| false);
+    let much_later = now + Duration::from_secs_f64(LIMITS.osc_ahead_seconds_max + 9.0);
+    hearing.hear(&bundle(much_later, "/param/size", half.to_vec()), now, |_, _| true);
+    assert!(hearing.wishes.take().is_empty());
+    assert_eq!(hearing.wishes.counts().1.too_many, 2);
+    hearing.hear(&bundle(now - Duration::from_secs(9), "/param/size", half.to_vec()), now, |_, _| false);
+    assert_eq!(hearing.wishes.take().params.len(), 1);
+}
+
+#[test]
+fn questions_are_answered_from_the_board() {
+    let hearing = hearing();
+    let ask = |addr: &str| heard(&hearing, &packet(addr, Vec::new()));
+    let numbers = [2.0, 0.0, 4.0, 1.0].map(OscType::Float);
+    let of_midi = numbers.into_iter().chain([OscType::String("MIDI".into())]).collect();
+    assert_eq!(ask("/param/size"), [message("/param/size".into(), of_midi)]);
+    assert_eq!(ask("/param/none"), []);
+    assert_eq!(ask("/query/pause"), [message("/pause".into(), vec![OscType::Int(1)])]);
+    let names: Vec<String> = ask("/query").into_iter().map(|answer| answer.addr).collect();
+    assert_eq!(names, ["/scene", "/tempo", "/param/size", "/pause"]);
+    assert_eq!(ask("/query/scenes").len(), 2);
+    assert_eq!(ask("/query/actions").len(), 1);
+}
+
+#[test]
+fn questions_cost_no_more_answers_than_the_limit() {
+    let hearing = hearing();
+    hearing.board.put(Present { scenes: vec!["x".into(); LIMITS.osc_answers_max + 9], ..Present::default() });
+    assert_eq!(heard(&hearing, &packet("/query/scenes", Vec::new())).len(), LIMITS.osc_answers_max);
+}
+
+#[test]
+fn rubbish_is_counted_by_what_is_wrong_with_it_and_the_rest_of_a_packet_counts() {
+    let hearing = hearing();
+    assert_eq!(heard(&hearing, b"no OSC at all"), []);
+    heard(&hearing, &packet("/nothing", Vec::new()));
+    heard(&hearing, &packet("/param/size", vec![OscType::Float(f32::NAN)]));
+    heard(&hearing, &packet("/param/size", vec![OscType::Float(3.0)]));
+    let (messages, refusals) = hearing.wishes.counts();
+    assert_eq!((messages, refusals.rubbish, refusals.unknown, refusals.not_numbers), (3, 1, 1, 1));
+    assert_eq!(hearing.wishes.take().params[0].to, Amount::Value(3.0));
+}
+
+#[test]
+fn a_port_that_another_program_has_costs_a_sentence() {
+    let other = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let place: Place = other.local_addr().unwrap().to_string().parse().unwrap();
+    let (told, news) = channel();
+    let started = OscReceiver::start(place, DEEDS, Wishes::new(|| {}), Board::default(), move || {
+        let _ = told.send(());
+    });
+    let receiver = started.unwrap();
+    news.recv().unwrap();
+    let ReceiverState::Refused(why) = receiver.state() else { panic!("{:?}", receiver.state()) };
+    assert!(why.contains("another program has 127.0.0.1:") && why.contains("--osc"), "{why}");
+}
+
+#[test]
+fn packets_come_through_a_real_socket_and_answers_go_back() {
+    let (told, news) = channel();
+    let free = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let (woken, wakes) = channel();
+    let woken = Mutex::new(woken);
+    let wishes = Wishes::new(move || {
+        let _ = woken.lock().unwrap().send(());
+    });
+    let board = hearing().board;
+    let place = free.to_string().parse().unwrap();
+    let started = OscReceiver::start(place, DEEDS, wishes.clone(), board, move || {
+        let _ = told.send(());
+    });
+    let receiver = started.unwrap();
+    news.recv().unwrap();
+    assert_eq!(receiver.state(), ReceiverState::Open(free));
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    socket.send_to(&packet("/param/size", vec![OscType::Float(3.0)]), free).unwrap();
+    wakes.recv().unwrap();
+    assert_eq!(wishes.take().params[0].name, "size");
+    // In a while.
+    let soon = SystemTime::now() + Duration::from_millis(300);
+    socket.send_to(&bundle(soon, "/share/size", vec![OscType::Float(0.5)]), free).unwrap();
+    wakes.recv().unwrap();
+    assert!(SystemTime::now() >= soon, "it came too early");
+    assert_eq!(wishes.take().params[0].to, Amount::Share(0.5));
+    socket.send_to(&packet("/scene", Vec::new()), free).unwrap();
+    let mut answer = [0; 64];
+    let (length, from) = socket.recv_from(&mut answer).unwrap();
+    assert_eq!((from, &answer[..length]), (free, &packet("/scene", vec![OscType::String("orb".into())])[..]));
+}

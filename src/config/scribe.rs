@@ -1,0 +1,70 @@
+//! What writes files on a thread of its own: a disk may be slow, and the show waits for none.
+
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
+
+/// Does jobs one after the other, and tells what became of each. All that were given are done before it is gone.
+pub(super) struct Scribe<Job, Done> {
+    jobs: Option<Sender<Job>>,
+    done: Receiver<Done>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl<Job: Send + 'static, Done: Send + 'static> Scribe<Job, Done> {
+    /// Does jobs by `work` from now on, on a thread of this name. Without a thread it does none.
+    pub(super) fn start(name: &str, mut work: impl FnMut(Job) -> Done + Send + 'static) -> Self {
+        let (jobs, inbox) = channel::<Job>();
+        let (told, done) = channel();
+        let go_on = move || {
+            for job in inbox {
+                let _ = told.send(work(job));
+            }
+        };
+        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(go_on).ok();
+        Self { jobs: thread.is_some().then_some(jobs), done, thread }
+    }
+
+    /// Gives it a job. Returns whether it will be done.
+    pub(super) fn give(&self, job: Job) -> bool {
+        self.jobs.as_ref().is_some_and(|jobs| jobs.send(job).is_ok())
+    }
+
+    /// What became of a job.
+    pub(super) fn poll(&self) -> Option<Done> {
+        self.done.try_recv().ok()
+    }
+
+    /// Waits for what becomes of a job.
+    #[cfg(test)]
+    pub(super) fn wait(&self) -> Option<Done> {
+        self.done.recv().ok()
+    }
+}
+
+impl<Job, Done> Drop for Scribe<Job, Done> {
+    /// Nothing is lost that was to be written.
+    fn drop(&mut self) {
+        self.jobs = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn jobs_are_done_in_their_order_and_before_it_is_gone() {
+        let (told, hears) = channel();
+        let scribe = Scribe::start("test", move |job: u32| {
+            let _ = told.send(job);
+            2 * job
+        });
+        assert!((1..=3).all(|job| scribe.give(job)));
+        assert_eq!(scribe.wait(), Some(2));
+        drop(scribe);
+        assert_eq!(hears.iter().collect::<Vec<_>>(), [1, 2, 3]);
+    }
+}
