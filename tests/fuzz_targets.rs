@@ -67,5 +67,10 @@ macro_rules! targets {
 }
 
 targets! {
+<<<<<<< HEAD
     syntax SYNTAX scene SCENE regions REGIONS tape TAPE differential DIFFERENTIAL decode DECODE lists LISTS settings SETTINGS osc OSC midi MIDI
+=======
+    syntax SYNTAX scene SCENE regions REGIONS tape TAPE differential DIFFERENTIAL decode DECODE lists LISTS settings SETTINGS
+    phones PHONES
+>>>>>>> main
 }

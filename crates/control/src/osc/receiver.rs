@@ -284,4 +284,121 @@ fn answers_to(query: &Query, present: &Present, deeds: &[DeedRow]) -> Vec<OscMes
 }
 
 #[cfg(test)]
+<<<<<<< HEAD
 mod tests;
+=======
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use super::*;
+    use crate::deed::Takes;
+    use crate::{Amount, Hand};
+
+    const DEEDS: &[DeedRow] = &[DeedRow { name: "pause", takes: Takes::Switch, meaning: "pause" }];
+
+    fn hearing() -> Hearing {
+        let board = Board::default();
+        let param = PresentParam {
+            name: "size".into(),
+            value: 2.0,
+            min: 0.0,
+            max: 4.0,
+            default: 1.0,
+            hand: Hand::Midi,
+        };
+        board.put(Present {
+            scene: "orb".into(),
+            scenes: vec!["city".into(), "orb".into()],
+            params: vec![param],
+            switches: vec![("pause", true)],
+            tempo: 120.0,
+            ..Present::default()
+        });
+        Hearing { deeds: DEEDS, wishes: Wishes::new(|| {}), board }
+    }
+
+    fn packet(addr: &str, args: Vec<OscType>) -> Vec<u8> {
+        encoder::encode(&OscPacket::Message(message(addr.to_owned(), args))).unwrap()
+    }
+
+    #[test]
+    fn questions_are_answered_from_the_board() {
+        let hearing = hearing();
+        let ask = |addr: &str| hearing.hear(&packet(addr, Vec::new()));
+        let numbers = [2.0, 0.0, 4.0, 1.0].map(OscType::Float);
+        let of_midi = numbers.into_iter().chain([OscType::String("MIDI".into())]).collect();
+        assert_eq!(ask("/param/size"), [message("/param/size".into(), of_midi)]);
+        assert_eq!(ask("/param/none"), []);
+        assert_eq!(ask("/query/pause"), [message("/pause".into(), vec![OscType::Int(1)])]);
+        let names: Vec<String> = ask("/query").into_iter().map(|answer| answer.addr).collect();
+        assert_eq!(names, ["/scene", "/tempo", "/param/size", "/pause"]);
+        assert_eq!(ask("/query/scenes").len(), 2);
+        assert_eq!(ask("/query/actions").len(), 1);
+    }
+
+    #[test]
+    fn questions_cost_no_more_answers_than_the_limit() {
+        let hearing = hearing();
+        hearing
+            .board
+            .put(Present { scenes: vec!["x".into(); LIMITS.osc_answers_max + 9], ..Present::default() });
+        assert_eq!(hearing.hear(&packet("/query/scenes", Vec::new())).len(), LIMITS.osc_answers_max);
+    }
+
+    #[test]
+    fn rubbish_is_counted_by_what_is_wrong_with_it_and_the_rest_of_a_packet_counts() {
+        let hearing = hearing();
+        assert_eq!(hearing.hear(b"no OSC at all"), []);
+        hearing.hear(&packet("/nothing", Vec::new()));
+        hearing.hear(&packet("/param/size", vec![OscType::Float(f32::NAN)]));
+        hearing.hear(&packet("/param/size", vec![OscType::Float(3.0)]));
+        let (messages, refusals) = hearing.wishes.counts();
+        assert_eq!((messages, refusals.rubbish, refusals.unknown, refusals.not_numbers), (3, 1, 1, 1));
+        assert_eq!(hearing.wishes.take().params[0].to, Amount::Value(3.0));
+    }
+
+    #[test]
+    fn a_port_that_another_program_has_costs_a_sentence() {
+        let other = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let place: Place = other.local_addr().unwrap().to_string().parse().unwrap();
+        let (told, news) = channel();
+        let started = OscReceiver::start(place, DEEDS, Wishes::new(|| {}), Board::default(), move || {
+            let _ = told.send(());
+        });
+        let receiver = started.unwrap();
+        news.recv().unwrap();
+        let ReceiverState::Refused(why) = receiver.state() else { panic!("{:?}", receiver.state()) };
+        assert!(why.contains("another program has 127.0.0.1:") && why.contains("--osc"), "{why}");
+    }
+
+    #[test]
+    fn packets_come_through_a_real_socket_and_answers_go_back() {
+        let (told, news) = channel();
+        let free = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        let (woken, wakes) = channel();
+        let woken = Mutex::new(woken);
+        let wishes = Wishes::new(move || {
+            let _ = woken.lock().unwrap().send(());
+        });
+        let board = hearing().board;
+        let place = free.to_string().parse().unwrap();
+        let started = OscReceiver::start(place, DEEDS, wishes.clone(), board, move || {
+            let _ = told.send(());
+        });
+        let receiver = started.unwrap();
+        news.recv().unwrap();
+        assert_eq!(receiver.state(), ReceiverState::Open(free));
+        let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+        socket.send_to(&packet("/param/size", vec![OscType::Float(3.0)]), free).unwrap();
+        wakes.recv().unwrap();
+        assert_eq!(wishes.take().params[0].name, "size");
+        socket.send_to(&packet("/scene", Vec::new()), free).unwrap();
+        let mut answer = [0; 64];
+        let (length, from) = socket.recv_from(&mut answer).unwrap();
+        assert_eq!(
+            (from, &answer[..length]),
+            (free, &packet("/scene", vec![OscType::String("orb".into())])[..])
+        );
+    }
+}
+>>>>>>> main
