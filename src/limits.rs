@@ -73,6 +73,8 @@ pub struct Limits {
     pub send_readers_max: usize,
     /// Most bytes of what such a program asks for.
     pub send_request_bytes_max: usize,
+    /// Most header fields of it.
+    pub send_request_fields_max: usize,
     /// Most places that pictures are sent to in a run.
     pub sends_max: usize,
     /// Time in seconds after which it is told that a driver is still compiling.
@@ -116,6 +118,7 @@ pub const LIMITS: Limits = Limits {
     fade_seconds_max: 60.0,
     send_readers_max: 8,
     send_request_bytes_max: 8_192,
+    send_request_fields_max: 64,
     sends_max: 8,
     compile_seconds_told: 20.0,
     picture_seconds_max: 10.0,

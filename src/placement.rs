@@ -210,7 +210,7 @@ fn square_to([[x0, y0], [x1, y1], [x2, y2], [x3, y3]]: [[f64; 2]; 4]) -> Map {
 }
 
 /// The way back, whose third number is positive where the map itself leads.
-fn inverse(m: &Map) -> Map {
+pub fn inverse(m: &Map) -> Map {
     let [[a, b, c], [d, e, f], [g, h, i]] = *m;
     let adjugate = [
         [e * i - f * h, c * h - b * i, b * f - c * e],

@@ -68,4 +68,5 @@ macro_rules! targets {
 
 targets! {
     syntax SYNTAX scene SCENE regions REGIONS tape TAPE differential DIFFERENTIAL decode DECODE lists LISTS settings SETTINGS osc OSC midi MIDI
+    phones PHONES
 }

@@ -7,6 +7,7 @@ mod bytes;
 mod control;
 mod expression;
 mod files;
+mod phones;
 #[allow(dead_code, reason = "tests/pictures/agreement.rs uses the rest")]
 #[path = "../../crates/field/tests/field/expression.rs"]
 mod random;
@@ -62,6 +63,9 @@ pub(crate) const LISTS: Target =
 /// The file of settings.
 pub(crate) const SETTINGS: Target =
     Target { name: "settings", run: files::settings, seeds: seeds::settings, speaks: false, changes: 300 };
+/// What a network sends to the page for phones.
+pub(crate) const PHONES: Target =
+    Target { name: "phones", run: phones::phones, seeds: seeds::phones, speaks: false, changes: 40_000 };
 
 /// A packet of OSC.
 pub(crate) const OSC: Target =
@@ -71,8 +75,8 @@ pub(crate) const MIDI: Target =
     Target { name: "midi", run: control::midi, seeds: seeds::midi, speaks: false, changes: 4_000 };
 
 /// All of them.
-pub(crate) const TARGETS: [&Target; 10] =
-    [&SYNTAX, &SCENE, &REGIONS, &TAPE, &DIFFERENTIAL, &DECODE, &LISTS, &SETTINGS, &OSC, &MIDI];
+pub(crate) const TARGETS: [&Target; 11] =
+    [&SYNTAX, &SCENE, &REGIONS, &TAPE, &DIFFERENTIAL, &DECODE, &LISTS, &SETTINGS, &OSC, &MIDI, &PHONES];
 
 /// What a libFuzzer program begins with. Where `MARIANA_FUZZ_SEEDS` names a folder, seeds and the dictionary are written
 /// there and the program ends.

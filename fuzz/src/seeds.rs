@@ -255,6 +255,28 @@ pub(crate) fn lists() -> Vec<Seed> {
     texts.iter().map(of).collect()
 }
 
+/// Heads of requests and messages of phones. The first byte chooses which.
+pub(crate) fn phones() -> Vec<Seed> {
+    let texts: [(&str, u8, &str); 10] = [
+        ("page", 0, "GET /35qf29r24hbredywj1tc8v84jb/ HTTP/1.1\r\nHost: 192.168.0.7:8080\r\n\r\n"),
+        (
+            "talk",
+            0,
+            "GET /35qf29r24hbredywj1tc8v84jb/hands HTTP/1.1\r\nHost: [fe80::1]:8080\r\nOrigin: http://[fe80::1]:8080\r\n\
+             Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\nrest",
+        ),
+        ("lines", 0, "\r\n\nGET / HTTP/1.0\nA:\nB: x\r\n y\r\n\r\n"),
+        ("twice", 0, "POST * HTTP/1.1\r\nHost: a\r\nhost: b\r\nContent-Length: 99999999999\r\n\r\n"),
+        ("next", 0, "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"),
+        ("turn", 1, r#"{"turn":"gr\u00f6\u00dfe","to":-1.5e3}"#),
+        ("do", 1, r#"{"do":"scene","with":"orb"}"#),
+        ("switch", 1, r#"{"with":true,"do":"pause"}"#),
+        ("large", 1, r#"{"turn":"","to":1e308}"#),
+        ("deep", 1, "[[[[[[[[[[[[[[[[{\"do\":[{\"turn\":null}]}"),
+    ];
+    texts.iter().map(|(name, kind, text)| seed(*name, [&[*kind], text.as_bytes()].concat())).collect()
+}
+
 /// Settings, good and broken.
 pub(crate) fn settings() -> Vec<Seed> {
     let good =

@@ -9,7 +9,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
 
 # One row per need: group, how to see that it is met, and the package of each manager (- where there is none to install).
 #   cmd:NAME a command · header:NAME a C header · pc:NAME a pkg-config file · lib:NAME a shared library · dri:NAME a Mesa driver
-#   libexec:NAME a program that only other programs start
+#   libexec:NAME a program that only other programs start · browser:NAME a browser under any of its commands' names
 needs() {
     cat <<'TABLE'
 # group check                     apt                dnf                  pacman            zypper               brew
@@ -43,6 +43,8 @@ test    cmd:ffmpeg                ffmpeg             ffmpeg-free          ffmpeg
 test    cmd:desktop-file-validate desktop-file-utils desktop-file-utils   desktop-file-utils desktop-file-utils  desktop-file-utils
 test    cmd:appstreamcli          appstream          appstream            appstream         AppStream            appstream
 test    cmd:update-mime-database  shared-mime-info   shared-mime-info     shared-mime-info  shared-mime-info     shared-mime-info
+test    browser:chromium          chromium-headless-shell chromium        chromium          chromium             chromium
+test    cmd:zbarimg               zbar-tools         zbar                 zbar              zbar                 zbar
 test    cmd:glslangValidator      glslang-tools      glslang              glslang           glslang-devel        glslang
 TABLE
 }
@@ -75,6 +77,7 @@ is_met() {
     local name=${1#*:}
     case $1 in
         cmd:*) have "$name" ;;
+        browser:*) have "$name-headless-shell" || have "$name" || have "$name-browser" || have google-chrome ;;
         header:*) [[ -e /usr/include/$name ]] ;;
         pc:*) have pkg-config && pkg-config --exists "$name" ;;
         libexec:*) [[ -x /usr/libexec/$name || -x /usr/lib/$name || -x /usr/lib/at-spi2-core/$name ]] ;;

@@ -355,7 +355,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("j")],
         written: "J",
         action: Action::TogglePanel(Panel::Hands),
-        meaning: "knobs from outside: MIDI and OSC, what they turn, learning",
+        meaning: "knobs from outside, learning them: MIDI, OSC, phones",
         repeats: false,
     },
     Binding {

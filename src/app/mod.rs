@@ -28,6 +28,7 @@ pub mod overlay;
 pub mod pacing;
 mod pointer;
 mod pointer_rest;
+mod probing;
 mod recording;
 mod region_builder;
 mod reports;

@@ -15,6 +15,8 @@ const NOTCH_PIXELS: f64 = 40.0;
 /// What the mouse did.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Gesture {
+    /// A click that moved nothing, at a place in pixels.
+    Click((f64, f64)),
     /// Two clicks in one place.
     DoubleClick,
     /// The movement with the button held, to the right and down, in pixels.
@@ -41,8 +43,8 @@ impl Pointer {
                 self.pressed(now)
             }
             WindowEvent::MouseInput { state: ElementState::Released, button: MouseButton::Left, .. } => {
-                self.held = None;
-                None
+                let (from, drags) = self.held.take()?;
+                (!drags).then_some(Gesture::Click((from.x, from.y)))
             }
             WindowEvent::MouseWheel { delta, .. } => {
                 let notches = match delta {
@@ -108,7 +110,8 @@ mod tests {
         let mut all = |events: &[&WindowEvent]| -> Vec<Option<Gesture>> {
             events.iter().map(|event| pointer.take(event, now)).collect()
         };
-        assert_eq!(all(&[&to(10.0, 10.0), &down, &to(12.0, 11.0), &up]), [None; 4], "a hand that shakes");
+        let click = [None, None, None, Some(Gesture::Click((10.0, 10.0)))];
+        assert_eq!(all(&[&to(10.0, 10.0), &down, &to(12.0, 11.0), &up]), click, "a hand that shakes");
         assert_eq!(all(&[&to(13.0, 10.0), &down]), [None, Some(Gesture::DoubleClick)]);
         assert_eq!(all(&[&to(90.0, 10.0), &up]), [None; 2], "the second click drags nothing");
         let drags = all(&[&down, &to(100.0, 13.0), &to(101.0, 13.0), &up, &to(0.0, 0.0)]);

@@ -20,6 +20,7 @@ mod kept;
 mod mixing;
 mod preview;
 mod requests;
+mod scenery;
 mod told;
 mod turning;
 mod universal;
@@ -39,7 +40,8 @@ use fading::Fading;
 use hands::{Hands, Knob};
 use kept::KeptPrograms;
 use mixing::Mixing;
-use turning::TurnedNumber;
+use scenery::Pictured;
+use turning::TurnedNumbers;
 use universal::UniversalInterpreters;
 use views::{Views, ViewsOf};
 
@@ -141,8 +143,12 @@ pub(super) struct SceneStage {
     awaited: Option<String>,
     /// Whether somebody writes its text, so that mistakes come and go.
     is_written: bool,
-    /// The number of a text that a hand turns.
-    turned: Option<TurnedNumber>,
+    /// The numbers of a text that a hand turns.
+    turned: Option<TurnedNumbers>,
+    /// The picture that was begun last, and the one that shows.
+    begun_picture: Option<Pictured>,
+    seen_picture: Option<Pictured>,
+    pictures_seen: u64,
     /// The scene whose picture was finished last.
     pictured: Option<u64>,
     /// How long that took.
@@ -207,6 +213,9 @@ impl SceneStage {
             awaited: None,
             is_written: false,
             turned: None,
+            begun_picture: None,
+            seen_picture: None,
+            pictures_seen: 0,
             pictured: None,
             picture_took: Duration::ZERO,
             revision: 0,

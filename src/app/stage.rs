@@ -12,6 +12,7 @@ mod opening;
 mod outputs;
 mod panels;
 mod preview;
+mod probing;
 mod recording;
 mod sending;
 mod settings;
@@ -93,6 +94,8 @@ pub(super) struct Stage {
     pub(super) desk: Desk,
     /// Texts that are edited, for those that load scenes.
     drafts: Drafts,
+    /// What looks into pictures for the editor.
+    probing: probing::Probing,
     /// How long keys of the editor took.
     typing_times: TypingTimes,
     /// What was chosen, for this run.
@@ -272,6 +275,7 @@ impl Stage {
                     self.scene.move_camera(|hand, own| hand.drag((way.0 / height, way.1 / height), own));
                 }
                 Wish::ZoomCamera(notches) => self.scene.move_camera(|hand, _| hand.zoom(notches)),
+                Wish::LookAt(place) => self.look_at(place),
             },
         }
         None
@@ -352,6 +356,7 @@ impl Stage {
         }
         self.scene.update()?;
         self.update_editor();
+        self.update_probing();
         if let (Some(browser), Some(thumbnails)) = (&mut self.desk.browser, &mut self.thumbnails) {
             browser.set_present(self.scene.shown_source());
             browser.take(thumbnails);

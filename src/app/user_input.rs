@@ -18,6 +18,8 @@ pub(super) enum Wish {
     TurnCamera((f64, f64)),
     /// To move the camera by notches of the wheel, positive nearer.
     ZoomCamera(f64),
+    /// To know what is at a place of the window, in pixels.
+    LookAt((f64, f64)),
 }
 
 /// The state of the keys and the mouse, from the events that are not the overlay's.
@@ -51,6 +53,7 @@ impl UserInput {
                 Gesture::DoubleClick => Wish::Act(Action::ToggleFullscreen),
                 Gesture::Drag(way) => Wish::TurnCamera(way),
                 Gesture::Zoom(notches) => Wish::ZoomCamera(notches),
+                Gesture::Click(place) => Wish::LookAt(place),
             }),
         }
     }
@@ -107,7 +110,8 @@ mod tests {
             let device_id = DeviceId::dummy();
             input.take(&WindowEvent::MouseInput { device_id, state, button: MouseButton::Left }, now)
         };
-        assert_eq!([click(ElementState::Pressed), click(ElementState::Released)], [None; 2]);
+        let first = [click(ElementState::Pressed), click(ElementState::Released)];
+        assert_eq!(first, [None, Some(Wish::LookAt((0.0, 0.0)))]);
         assert_eq!(click(ElementState::Pressed), Some(Wish::Act(Action::ToggleFullscreen)));
     }
 

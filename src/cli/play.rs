@@ -24,6 +24,7 @@ use crate::program_cache::ProgramCache;
 use mariana_control::osc::Place;
 use mariana_player::playlist::{Opened, Playlist};
 use mariana_player::track::Repeat;
+use mariana_remote::RemotePlace;
 
 #[derive(Args)]
 pub(super) struct PlayArguments {
@@ -105,6 +106,10 @@ pub(super) struct PlayArguments {
     /// Whether MIDI devices are heard; J maps them
     #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
     midi: bool,
+    /// Let phones on the network steer the show by a page on this port, or with ADDRESS:PORT of that address alone: J
+    /// shows the code to scan; docs/remote.md tells what is protected
+    #[arg(long, value_name = "PORT")]
+    remote: Option<RemotePlace>,
     /// Begin anew instead of where the last show ended, and leave nothing to the next one; what was chosen in the
     /// panel of settings still counts
     #[arg(long)]
@@ -188,6 +193,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
             osc_send: arguments.osc_send,
             osc_rate: arguments.osc_rate,
             midi: arguments.midi,
+            remote: arguments.remote,
         },
         sliders: BTreeMap::new(),
         remembered: !arguments.new && !arguments.gl_info,

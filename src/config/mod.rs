@@ -22,6 +22,7 @@ use crate::program_cache::ProgramCache;
 use crate::sending::SendWish;
 use crate::show::ShowSource;
 use mariana_control::osc::Place;
+use mariana_remote::RemotePlace;
 
 /// How a scene's expressions are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -95,6 +96,8 @@ pub struct HandSettings {
     pub osc_rate: f64,
     /// Whether MIDI is heard.
     pub midi: bool,
+    /// Where phones are listened to; none listens to none.
+    pub remote: Option<RemotePlace>,
 }
 
 /// How the window plays and shows a song, or what it listens to.

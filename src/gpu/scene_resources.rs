@@ -303,8 +303,8 @@ impl SceneResources {
         self.shortens.set(cells && mode == Mode::Interpreted);
     }
 
-    /// What the regions of a frame are built for.
-    pub fn region_request(&self, frame: &Frame) -> RegionRequest {
+    /// How the tree of a frame is built.
+    pub fn region_options(&self, frame: &Frame) -> RegionOptions {
         // A tree follows an eye among the surfaces, but not at every step.
         let eye = frame.camera.position.as_vec3();
         let near_eye = (CENTER_STEP * (eye / CENTER_STEP).round()).to_array();
@@ -315,7 +315,12 @@ impl SceneResources {
             }
         };
         let (cells, texels_max) = (self.with_cells.get(), self.texels_max);
-        let options = RegionOptions { cells, texels_max, center, eye };
+        RegionOptions { cells, texels_max, center, eye }
+    }
+
+    /// What the regions of a frame are built for.
+    pub fn region_request(&self, frame: &Frame) -> RegionRequest {
+        let options = self.region_options(frame);
         let programs = if self.shortens.get() && self.is_interpretable {
             self.worth.borrow().request(&self.buffers, &frame.inputs)
         } else {

@@ -33,8 +33,8 @@ pub struct DraftTexts {
     texts: Arc<BTreeMap<PathBuf, Arc<[u8]>>>,
     /// Grows with every change.
     version: u64,
-    /// The number that is turned in a file's text, if any.
-    turning: Option<(Arc<Path>, Turning)>,
+    /// The numbers that are turned in a file's text, if any.
+    turning: Option<(Arc<Path>, Arc<[Turning]>)>,
 }
 
 /// What the loader found in a scene, for whoever edits its text.
@@ -76,9 +76,9 @@ impl Drafts {
         self.change(|texts| Arc::make_mut(&mut texts.texts).remove(file))
     }
 
-    /// A number of a file's text is turned from now on: it gets a range; or none is any more.
-    pub fn turn(&self, turning: Option<(&Path, Turning)>) -> u64 {
-        self.change(|texts| texts.turning = turning.map(|(file, turning)| (file.into(), turning)))
+    /// Numbers of a file's text are turned from now on: they get ranges; or none is any more.
+    pub fn turn(&self, turning: Option<(&Path, &[Turning])>) -> u64 {
+        self.change(|texts| texts.turning = turning.map(|(file, turning)| (file.into(), turning.into())))
     }
 
     /// The texts as they are now.
@@ -120,9 +120,9 @@ impl DraftTexts {
         self.texts.get(file)
     }
 
-    /// The number that is turned in a file.
-    pub(super) fn turning(&self, file: &Path) -> Option<Turning> {
-        self.turning.as_ref().filter(|(of, _)| **of == *file).map(|(_, turning)| *turning)
+    /// The numbers that are turned in a file.
+    pub(super) fn turning(&self, file: &Path) -> &[Turning] {
+        self.turning.as_ref().filter(|(of, _)| **of == *file).map_or(&[], |(_, turning)| turning)
     }
 }
 
@@ -227,7 +227,7 @@ mod tests {
         std::fs::write(&file, "length(p) - 0.5").unwrap();
         let (source, drafts) = (SceneSource::File(file.clone()), Drafts::default());
         assert!(load(&source, &drafts).1.numbers.is_empty());
-        drafts.turn(Some((&file, Turning { place: 0, least: 0.1, most: 2.0 })));
+        drafts.turn(Some((&file, &[Turning { place: 0, least: 0.1, most: 2.0 }])));
         let (result, findings) = load(&source, &drafts);
         assert_eq!(findings.numbers, [12]);
         assert!(!result.unwrap().settles);

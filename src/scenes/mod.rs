@@ -187,7 +187,7 @@ impl SceneSource {
             Self::Blend(blend) => blend.to.source.compile_as(text, edits, drafts),
             Self::File(path) => {
                 let turning = drafts.turning(path);
-                let changing = edits.follow(self, text, turning.is_some());
+                let changing = edits.follow(self, text, !turning.is_empty());
                 let mut include = including(Folder::of(path), drafts);
                 lang::compile_while_changing(&name, text, &mut include, changing, turning)
             }

@@ -4,8 +4,8 @@
 //! A picture becomes a JPEG once, and only while somebody reads. Each reader has a thread that always writes the newest
 //! one. Nothing but this is answered, and nobody beyond the machine is.
 
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
+use std::io::Write;
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -16,6 +16,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use super::newest::{Newest, Picture};
 use super::{SendError, SendWish};
 use crate::limits::LIMITS;
+use mariana_remote::http::{Head, HeadBounds, answer_in_words, read_head};
 
 /// What separates parts.
 const BOUNDARY: &str = "mariana-picture";
@@ -23,8 +24,8 @@ const BOUNDARY: &str = "mariana-picture";
 const QUALITY: u8 = 90;
 /// How long a reader may take for its question.
 const QUESTION_TIME: Duration = Duration::from_secs(5);
-/// How long the rest of a question that is refused is waited for.
-const PARTING_TIME: Duration = Duration::from_millis(200);
+/// How long nobody is answered after the system could not give a connection.
+const AGAIN: Duration = Duration::from_millis(200);
 /// A reader that takes nothing of a picture for this long is left.
 const ANSWER_TIME: Duration = Duration::from_secs(30);
 
@@ -57,13 +58,14 @@ fn accept(listener: &TcpListener, newest: &Arc<Newest>) {
         }
         let Ok(stream) = stream else {
             // Such as too many open files: asked again at once, the system would say it again at once.
-            newest.rest(PARTING_TIME);
+            newest.rest(AGAIN);
             continue;
         };
         // Counted here, so that no more threads are started than there may be readers.
         if readers.count.fetch_add(1, Ordering::AcqRel) >= LIMITS.send_readers_max {
             readers.count.fetch_sub(1, Ordering::AcqRel);
-            refuse(stream, "503 Service Unavailable", "too many programs read this already: close one");
+            let words = "too many programs read this already: close one";
+            answer_in_words(&stream, "503 Service Unavailable", words, QUESTION_TIME);
             continue;
         }
         let place = Place(readers.clone());
@@ -84,28 +86,26 @@ impl Drop for Place {
     }
 }
 
-fn refuse(mut stream: TcpStream, status: &str, reason: &str) {
-    let answer = format!(
-        "HTTP/1.1 {status}\r\nContent-Type: text/plain; charset=utf-8\r\nContent-Length: {}\r\nConnection: \
-         close\r\n\r\n{reason}\n",
-        reason.len() + 1
-    );
-    // Whoever asked may have gone.
-    let _ = stream.set_write_timeout(Some(QUESTION_TIME));
-    let _ = stream.write_all(answer.as_bytes());
-    // A connection that is closed while a question waits in it takes the answer along.
-    let _ = stream.shutdown(Shutdown::Write);
-    let _ = stream.set_read_timeout(Some(PARTING_TIME));
-    let _ = std::io::copy(&mut stream.take(8 * LIMITS.send_request_bytes_max as u64), &mut std::io::sink());
-}
-
 /// Answers one reader until it goes.
 fn serve(stream: TcpStream, newest: &Newest, readers: &Readers) {
-    let _ = stream.set_read_timeout(Some(QUESTION_TIME));
-    match question(&stream) {
-        Ok(()) => {}
-        Err(None) => return,
-        Err(Some((status, reason))) => return refuse(stream, status, reason),
+    let bounds = HeadBounds {
+        bytes_max: LIMITS.send_request_bytes_max,
+        fields_max: LIMITS.send_request_fields_max,
+        time_max: QUESTION_TIME,
+    };
+    let refuse = |status: &str, words: &str| answer_in_words(&stream, status, words, QUESTION_TIME);
+    match read_head(&stream, &bounds) {
+        Ok((head, _)) => {
+            if let Err((status, words)) = judge(&head) {
+                return refuse(status, words);
+            }
+        }
+        Err(error) => {
+            if let Some(status) = error.status() {
+                refuse(status, &error.to_string());
+            }
+            return;
+        }
     }
     newest.has_receiver();
     tracing::info!("{} has a reader", newest.to());
@@ -115,49 +115,18 @@ fn serve(stream: TcpStream, newest: &Newest, readers: &Readers) {
     tracing::info!("a reader of {} has gone ({gone:?})", newest.to());
 }
 
-/// What is wrong with a question: an HTTP status and a sentence; none if nobody asks any more.
-type Wrong = Option<(&'static str, &'static str)>;
-
-/// Reads a question to its end, and judges it.
-fn question(stream: &TcpStream) -> Result<(), Wrong> {
-    // One byte more, to tell what is too long from what ends there.
-    let mut lines = BufReader::new(stream.take(LIMITS.send_request_bytes_max as u64 + 1));
-    let (mut bytes, mut first, mut host) = (0, None, None);
-    loop {
-        let mut line = Vec::new();
-        bytes += lines.read_until(b'\n', &mut line).map_err(|_| None)?;
-        if bytes > LIMITS.send_request_bytes_max {
-            return Err(Some(("431 Request Header Fields Too Large", "ask in fewer bytes")));
-        }
-        let malformed = Some(("400 Bad Request", "this is no HTTP: ask with GET / HTTP/1.1"));
-        let line = line.strip_suffix(b"\n").ok_or(if bytes == 0 { None } else { malformed })?;
-        let line = String::from_utf8_lossy(line.strip_suffix(b"\r").unwrap_or(line)).into_owned();
-        if first.is_none() {
-            let words: Vec<&str> = line.split(' ').collect();
-            let [method, path, version] = words[..] else { return Err(malformed) };
-            if !version.starts_with("HTTP/1.") {
-                return Err(malformed);
-            }
-            first = Some((method.to_owned(), path.to_owned()));
-        } else if line.is_empty() {
-            break;
-        } else if let Some((name, value)) = line.split_once(':')
-            && name.eq_ignore_ascii_case("host")
-        {
-            host = Some(value.trim().to_owned());
-        }
-    }
+/// What is wrong with a question that could be read, as an HTTP status and a sentence.
+fn judge(head: &Head) -> Result<(), (&'static str, &'static str)> {
     // A page of another place that a browser shows must not read it under a name of its own.
-    let name = host.as_deref().map(|host| host.rsplit_once(':').map_or(host, |(name, _)| name));
-    match (first, name) {
-        (_, Some(name)) if !["127.0.0.1", "localhost"].contains(&name) => {
-            Err(Some(("403 Forbidden", "only this machine is answered: ask 127.0.0.1")))
+    let host = head.field("Host");
+    let name = host.map(|host| host.rsplit_once(':').map_or(host, |(name, _)| name));
+    match (&*head.method, &*head.path) {
+        _ if head.has("Host") && !name.is_some_and(|name| ["127.0.0.1", "localhost"].contains(&name)) => {
+            Err(("403 Forbidden", "only this machine is answered: ask 127.0.0.1"))
         }
-        (Some((method, _)), _) if method != "GET" => {
-            Err(Some(("405 Method Not Allowed", "pictures can only be read: ask with GET")))
-        }
-        (Some((_, path)), _) if path != "/" => Err(Some(("404 Not Found", "the pictures are at /"))),
-        _ => Ok(()),
+        ("GET", "/") => Ok(()),
+        ("GET", _) => Err(("404 Not Found", "the pictures are at /")),
+        _ => Err(("405 Method Not Allowed", "pictures can only be read: ask with GET")),
     }
 }
 
@@ -203,6 +172,8 @@ impl Readers {
 
 #[cfg(test)]
 mod tests {
+    use std::io::{BufRead, BufReader, Read};
+
     use super::*;
 
     /// A send on a port that is free, and its port.
@@ -269,6 +240,8 @@ mod tests {
         let (newest, port) = sending();
         newest.put(picture(1));
         let long = format!("GET / HTTP/1.1\r\nX: {}\r\n\r\n", "x".repeat(LIMITS.send_request_bytes_max));
+        let fields =
+            format!("GET / HTTP/1.1\r\n{}\r\n", "X: y\r\n".repeat(LIMITS.send_request_fields_max + 1));
         for (question, status) in [
             ("GET /etc/passwd HTTP/1.1\r\n\r\n", "404"),
             ("POST / HTTP/1.1\r\n\r\n", "405"),
@@ -276,6 +249,7 @@ mod tests {
             ("hello\r\n\r\n", "400"),
             ("\0\u{1}\u{2}\n", "400"),
             (&long, "431"),
+            (&fields, "431"),
         ] {
             let mut stream = ask(port, question);
             let mut status_line = [0; 12];

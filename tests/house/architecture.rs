@@ -34,6 +34,20 @@ const CRATES: &[(&str, &[&str])] = &[
             "tracing",
         ],
     ),
+    (
+        "remote",
+        &[
+            "getrandom",
+            "httparse",
+            "mariana-control",
+            "qrcode",
+            "serde",
+            "serde_json",
+            "thiserror",
+            "tracing",
+            "tungstenite",
+        ],
+    ),
     ("testing", &["tempfile"]),
 ];
 

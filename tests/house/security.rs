@@ -25,7 +25,14 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 /// A row for each file that holds `unsafe`: how many places there are, and the reason that the file gives.
 fn rows() -> String {
     let mut files = Vec::new();
-    for folder in ["src", "crates/control/src", "crates/field/src", "crates/music/src", "crates/player/src"] {
+    for folder in [
+        "src",
+        "crates/control/src",
+        "crates/field/src",
+        "crates/music/src",
+        "crates/player/src",
+        "crates/remote/src",
+    ] {
         sources(&root().join(folder), &mut files);
     }
     files.sort();

@@ -15,6 +15,7 @@ mod window_panels;
 mod window_programs;
 mod window_quality;
 mod window_recording;
+mod window_remote;
 mod window_scenes;
 mod window_sends;
 mod window_settings;

@@ -167,6 +167,8 @@ fn keys_are_text_in_the_editor_and_the_shows_beside_it() {
     app.press(&["e"]);
     app.press(&["x", "ctrl+s"]);
     wait_until("one more letter", || place.saved().ends_with(" # quit, notx"));
+    // The click has also told what is there, which Esc closes first.
+    app.press(&["Escape"]);
     quit(app);
 }
 
@@ -279,5 +281,157 @@ fn a_shipped_scene_is_copied_by_one_key_and_the_copy_is_written() {
         app.press(&["ctrl+End", "numbersign", "ctrl+s"]);
         fs::read_to_string(&copy).is_ok_and(|text| text.trim_end().ends_with('#'))
     });
+    quit(app);
+}
+
+/// A ball that shines by itself at the right of the picture, where no editor is, before nothing.
+const BALL: &str = "\
+material m { color = 0  roughness = 1
+  emission = vec3(1, 0, 0) }
+object ball {
+  shape = sphere(p - vec3(3.5, 0, 5), 0.7)
+  material = m
+}
+light n { direction = vec3(0, -1, 0)  color = 0 }
+camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 60 }
+sky { color = 0  ambient = 0 }
+";
+/// Where its middle is in a window of [`SIZE`].
+const BALL_AT: (u32, u32) = (634, 210);
+
+/// The same part of a picture.
+fn part(picture: &RgbaImage, left: u32, top: u32, width: u32, height: u32) -> RgbaImage {
+    image::imageops::crop_imm(picture, left, top, width, height).to_image()
+}
+
+fn is_ball(app: &App, wanted: [bool; 3]) -> bool {
+    let pixel = app.picture().get_pixel(BALL_AT.0, BALL_AT.1).0;
+    [0, 1, 2].map(|channel| pixel[channel] > 120) == wanted
+}
+
+fn click(app: &App, x: u32, y: u32) {
+    let at = [x.to_string(), y.to_string()];
+    app.xdotool(&["mousemove", "--window", app.window(), &at[0], &at[1]]);
+    // egui looks where the pointer is before it is pressed.
+    std::thread::sleep(Duration::from_millis(150));
+    app.xdotool(&["click", "1"]);
+}
+
+#[test]
+fn a_click_in_the_picture_tells_what_is_there_and_leads_to_its_line() {
+    let place = Place::new(BALL);
+    let mut app = place.open(&["-vv"]);
+    write(&app);
+    wait_until("the ball", || is_ball(&app, RED));
+    click(&app, BALL_AT.0, BALL_AT.1);
+    app.wait_until_told("probed:");
+    let told = app.told();
+    let probed = told.lines().find(|line| line.contains("probed:")).unwrap_or_default();
+    assert!(probed.contains("object: \"ball\", material: \"m\""), "{probed}");
+    // The card shows, and a click on its line brings keys and cursor to where the ball is written.
+    wait_until("the card", || {
+        let right = part(&app.picture(), 510, 200, 250, 200);
+        group(&right, GRIP).is_some()
+    });
+    click(&app, 600, 343);
+    type_text(&app, "1 * ");
+    app.press(&["ctrl+s"]);
+    wait_until("the letters in the file", || place.saved() == BALL.replace("sphere(", "1 * sphere("));
+    // The sky is an answer, too.
+    click(&app, 740, 20);
+    app.wait_until_told("surface: None");
+    assert!(app.runs());
+    // Esc closes what is told, then the editor.
+    app.press(&["e", "Escape"]);
+    quit(app);
+}
+
+#[test]
+fn what_the_line_at_the_cursor_makes_is_lit_up_in_the_picture() {
+    let place = Place::new(BALL);
+    let app = place.open(&[]);
+    write(&app);
+    wait_until("the ball", || is_ball(&app, RED));
+    let blue = |app: &App| app.picture().get_pixel(BALL_AT.0, BALL_AT.1).0[2];
+    let before = blue(&app);
+    app.press(&["ctrl+Home", "ctrl+l"]);
+    let is_lit = |app: &App| blue(app) > before + 20;
+    // The first line is its material's.
+    wait_until("the ball in another colour", || is_lit(&app));
+    app.press(&["ctrl+End"]);
+    wait_until("the ball as it is", || !is_lit(&app));
+    assert_eq!(place.saved(), BALL);
+    quit(app);
+}
+
+#[test]
+fn a_colour_of_the_text_is_picked_and_saved() {
+    let place = Place::new(BALL);
+    let app = place.open(&[]);
+    write(&app);
+    wait_until("the ball", || is_ball(&app, RED));
+    // The swatch below the word.
+    let mut swatch = None;
+    wait_until("the swatch", || {
+        swatch = group(&part(&app.picture(), 0, 0, 480, 200), [255, 0, 0]);
+        swatch.is_some()
+    });
+    let (left, top, right, _) = swatch.unwrap();
+    click(&app, (left + right) / 2, top - 5);
+    // Green in the row of hues.
+    let mut green = None;
+    wait_until("the colours", || {
+        green = group(&part(&app.picture(), 0, top + 4, 500, 420 - top - 4), [0, 255, 0]);
+        green.is_some()
+    });
+    let (left, upper, right, _) = green.unwrap();
+    click(&app, (left + right) / 2, top + 4 + upper + 2);
+    wait_until("a green ball", || is_ball(&app, GREEN));
+    app.press(&["Escape", "ctrl+s"]);
+    wait_until("the colour in the file", || !place.saved().is_empty() && place.saved() != BALL);
+    let saved = place.saved();
+    let numbers = saved.split("emission = vec3(").nth(1).and_then(|rest| rest.split(')').next()).unwrap();
+    let numbers: Vec<f64> = numbers.split(", ").map(|number| number.parse().unwrap()).collect();
+    assert!(numbers[0] < 0.1 && numbers[1] > 0.9 && numbers[2] < 0.1, "{saved}");
+    app.press(&["ctrl+z", "ctrl+s"]);
+    wait_until("the colour as it was", || place.saved() == BALL);
+    quit(app);
+}
+
+#[test]
+fn a_position_is_dragged_in_the_picture_and_saved() {
+    /// The arm along x.
+    const ARM: [u8; 3] = [236, 96, 84];
+    let place = Place::new(&BALL.replace("vec3(1, 0, 0)", "vec3(0, 0, 1)"));
+    let app = place.open(&[]);
+    write(&app);
+    wait_until("the ball", || is_ball(&app, [false, false, true]));
+    app.press(&["ctrl+f"]);
+    type_text(&app, "3.5");
+    app.press(&["Return", "Escape"]);
+    let mut arm = None;
+    wait_until("the cross", || {
+        arm = group(&part(&app.picture(), 510, 0, 250, 420), ARM);
+        arm.is_some()
+    });
+    let (_, top, right, bottom) = arm.unwrap();
+    let tip = [(510 + right - 5).to_string(), ((top + bottom) / 2).to_string()];
+    app.xdotool(&["mousemove", "--window", app.window(), &tip[0], &tip[1]]);
+    std::thread::sleep(Duration::from_millis(150));
+    app.xdotool(&["mousedown", "1"]);
+    // To the left, so that the ball leaves its place.
+    wait_until("no ball in its place", || {
+        app.xdotool(&["mousemove_relative", "--", "-4", "0"]);
+        is_ball(&app, [false; 3])
+    });
+    app.xdotool(&["mouseup", "1"]);
+    app.press(&["ctrl+s"]);
+    wait_until("the position in the file", || {
+        !place.saved().is_empty() && !place.saved().contains("3.5, 0, 5")
+    });
+    let saved = place.saved();
+    let numbers = saved.split("p - vec3(").nth(1).and_then(|rest| rest.split(", ").next()).unwrap();
+    let x: f64 = numbers.parse().unwrap();
+    assert!(x < 3.0 && saved.contains(&format!("p - vec3({numbers}, 0, 5)")), "{saved}");
     quit(app);
 }

@@ -329,7 +329,7 @@ fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
     }
     // It stands elsewhere than the parameter: nothing jumps before it has passed.
     place.play("desk", &turned(90));
-    assert_eq!(colour(&app), [false, true, false]);
+    wait_for_colour(&app, "green, as before", [false, true, false]);
     place.play("desk", &turned(0));
     wait_until("the knob's hold", || {
         place.play("desk", &turned(127));

@@ -1,6 +1,6 @@
 # Print an optspec for argparse to handle cmd's options that are independent of any subcommand.
 function __fish_mariana_global_optspecs
-    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= quality= flash-limiter= fade= prepare-ahead= program-cache= fullscreen clean size= show= osc= osc-send= osc-rate= midi= new gl-info brightness= blackout-fade= flip= crop= corners= output= wallpaper send= send-size= send-fps= scene= view= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
+    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= quality= flash-limiter= fade= prepare-ahead= program-cache= fullscreen clean size= show= osc= osc-send= osc-rate= midi= remote= new gl-info brightness= blackout-fade= flip= crop= corners= output= wallpaper send= send-size= send-fps= scene= view= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
 end
 
 function __fish_mariana_needs_command
@@ -50,6 +50,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l osc-send -d 'Send what 
 complete -c mariana -n "__fish_mariana_needs_command" -l osc-rate -d 'How often a second it is sent' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l midi -d 'Whether MIDI devices are heard; J maps them' -r -f -a "on\t''
 off\t''"
+complete -c mariana -n "__fish_mariana_needs_command" -l remote -d 'Let phones on the network steer the show by a page on this port, or with ADDRESS:PORT of that address alone: J shows the code to scan; docs/remote.md tells what is protected' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l brightness -d 'How much of its light the picture has in the window, in percent [default: what was chosen there, at first 100]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l blackout-fade -d 'How many seconds a blackout (X) takes to come and to go, and a picture that was held (Z) to give way [default: what was chosen in the window, at first 0.5]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l flip -d 'Mirror the picture in the window, for projectors [default: what was chosen there, at first off]' -r -f -a "off\t''

@@ -61,7 +61,7 @@ fn osc(criterion: &mut Criterion) {
         let wishes = Wishes::new(|| {});
         bencher.iter(|| {
             for packet in black_box(&packets) {
-                for message in messages(packet).0 {
+                for (message, _) in messages(packet).0 {
                     if let Ok(Asked::Turn(wish)) = understand(&message, DEEDS) {
                         wishes.turn(wish);
                     }

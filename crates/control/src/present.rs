@@ -34,23 +34,34 @@ pub struct Present {
     pub params: Vec<PresentParam>,
     /// Switches by the names of their actions, and whether they are on.
     pub switches: Vec<(&'static str, bool)>,
+    /// Levels by the names of their actions, 0..1; one that there is not at present is left out.
+    pub levels: Vec<(&'static str, f32)>,
     /// Beats per minute; 0 while unknown.
     pub tempo: f32,
+    /// The name of the track; empty while an input is listened to.
+    pub track: String,
+    /// Its length in seconds; 0 while unknown.
+    pub length: f64,
 }
 
 /// Where the show puts up how it stands; copies are the same board.
 #[derive(Debug, Clone, Default)]
-pub struct Board(Arc<Mutex<Present>>);
+pub struct Board(Arc<Mutex<Arc<Present>>>);
 
 impl Board {
     /// Puts up how it stands now.
     pub fn put(&self, present: Present) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = present;
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(present);
+    }
+
+    /// What stands on the board. Whoever reads it long holds nobody who puts up.
+    pub fn newest(&self) -> Arc<Present> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Reads the board.
     pub fn read<T>(&self, read: impl FnOnce(&Present) -> T) -> T {
-        read(&self.0.lock().unwrap_or_else(PoisonError::into_inner))
+        read(&self.newest())
     }
 }
 

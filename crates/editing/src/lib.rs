@@ -18,6 +18,7 @@ mod history;
 pub mod limits;
 mod movement;
 mod numbers;
+mod triples;
 
 pub use buffer::Buffer;
 pub use colors::Colors;
@@ -28,3 +29,4 @@ pub use find::find;
 pub use history::Change;
 pub use movement::Move;
 pub use numbers::{Number, TurnSpeed, numbers_before};
+pub use triples::{Triple, TripleKind, triples, written_part};

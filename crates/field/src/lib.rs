@@ -49,6 +49,7 @@ pub mod lang;
 pub mod limits;
 pub mod rays;
 pub mod region;
+pub mod sight;
 pub mod tape;
 pub mod world;
 

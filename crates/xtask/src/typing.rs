@@ -29,7 +29,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         let log = folder.join(format!("{mode}.txt"));
         let mut child = Command::new(program)
             .args(["--silent", "--new", "--clean", "-v", "--prepare-ahead", "off", "--size", "640x360"])
-            .args(["--mode", mode, "--scene"])
+            .args(["--sdf", mode, "--scene"])
             .arg(&scene)
             .env("HOME", &folder)
             .env_remove("XDG_CONFIG_HOME")
@@ -42,7 +42,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         pressed?;
         let said = fs::read_to_string(&log)?;
         println!("{mode}, {keys} keys");
-        for part in [" frames", "work for a key"] {
+        for part in [" frames; ", "work for a key"] {
             let line = said.lines().rfind(|line| line.contains(part)).unwrap_or("nothing was told");
             println!("  {}", line.rsplit_once("app::show: ").map_or(line, |(_, words)| words));
         }

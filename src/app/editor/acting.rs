@@ -20,6 +20,9 @@ pub(crate) struct Press<'a> {
     pub repeat: bool,
 }
 
+/// Most letters that are shown while they are put together.
+const PREEDIT_MAX: usize = 64;
+
 /// What a scene's text says that cannot be changed.
 const READ_ONLY: &str =
     "this scene comes with Mariana: Ctrl+S copies it to your folder, and there it can be changed";
@@ -96,8 +99,15 @@ impl Editor {
         }
     }
 
+    /// Shows letters at the cursor that are being put together and are not typed yet.
+    pub(crate) fn set_preedit(&mut self, letters: &str) {
+        self.preedit = letters.chars().filter(|letter| !letter.is_control()).take(PREEDIT_MAX).collect();
+        self.revision += 1;
+    }
+
     /// Puts in letters that were typed.
     pub(crate) fn type_text(&mut self, text: &str) {
+        self.preedit.clear();
         if let Some(find) = self.find.as_mut().filter(|find| find.typing) {
             find.query.push_str(text);
             self.revision += 1;
@@ -143,6 +153,12 @@ impl Editor {
             EditorRequest::Grab(at) => self.grab(at),
             EditorRequest::Turn { points, speed } => self.turn(f64::from(points), speed),
             EditorRequest::LetGo => self.let_go(),
+            EditorRequest::PickColor(at) => self.pick_color(at),
+            EditorRequest::ClosePicker => {
+                self.close_picker();
+            }
+            EditorRequest::SetColor(color) => self.set_color(color),
+            EditorRequest::MovePlace(way) => self.move_place(way),
             EditorRequest::Scroll { lines, columns } => self.scroll(lines, columns),
             EditorRequest::Drawn { rows, columns } => {
                 let is_first = self.rows != rows || self.columns != columns;
@@ -154,6 +170,14 @@ impl Editor {
             }
             EditorRequest::Do(command) => self.act_with(command, false),
             EditorRequest::ShowText(number) => self.show_text(number),
+            EditorRequest::GoToProbed => self.go_to_probed(),
+            EditorRequest::CloseProbed => {
+                self.close_probed();
+            }
+            EditorRequest::GoTo { text, byte } => {
+                self.set_focus(true);
+                self.go_to_place(text, byte..byte);
+            }
             EditorRequest::Take(number) => self.take_proposal(number),
             EditorRequest::Answer { first } => self.take_answer(first),
         }
@@ -196,8 +220,10 @@ impl Editor {
             Command::New => self.begin_scene(),
             Command::NextText => self.next_text(),
             Command::NextMistake => self.next_mistake(),
+            Command::Light => self.toggle_light(),
+            Command::Profile => self.toggle_profile(),
             Command::Leave => {
-                let small = self.find.is_some();
+                let small = self.close_picker() || self.close_probed() || self.find.is_some();
                 self.close_small();
                 self.answer = None;
                 if !small {
@@ -212,6 +238,7 @@ impl Editor {
     pub(super) fn close_small(&mut self) {
         self.find = None;
         self.proposing = None;
+        self.close_picker();
         self.revision += 1;
     }
 

@@ -53,6 +53,8 @@ pub(crate) struct Document {
     pub question: Option<Question>,
     /// The mistakes of a version of the text.
     found: (u64, Vec<Mistake>),
+    /// The version of the text that was last found to be right: the picture shows it.
+    shown: u64,
     /// Which version of this text stood in the drafts from which version of those on.
     sent: VecDeque<(u64, u64)>,
     /// The version of which the change was passed on last.
@@ -85,6 +87,7 @@ impl Document {
             disk,
             question: None,
             found: (0, Vec::new()),
+            shown: 0,
             sent: VecDeque::from([(0, 0)]),
             noted: 0,
             view: (0.0, 0.0),
@@ -150,6 +153,16 @@ impl Document {
     pub(crate) fn take_mistakes(&mut self, drafts: u64, mistakes: Vec<Mistake>) {
         let sent = self.sent.iter().rev().find(|(version, _)| *version <= drafts);
         self.found = (sent.map_or(0, |(_, version)| *version), mistakes);
+    }
+
+    /// Notes that the version of which mistakes were taken last has none.
+    pub(crate) fn note_shown(&mut self) {
+        self.shown = self.found.0;
+    }
+
+    /// Where bytes of the text that the picture shows stand now; none if they were changed since.
+    pub(crate) fn place_as_shown(&self, range: Range<usize>) -> Option<Range<usize>> {
+        self.editing.place(self.shown, range)
     }
 
     /// The mistakes where they stand now; those that were changed since have gone.

@@ -34,6 +34,7 @@ impl Editor {
                 if let Some(document) = self.of(&file) {
                     document.disk = Some(holds);
                 }
+                self.reveal();
                 if let Some(found) = self.findings.clone() {
                     self.take_findings(found);
                 }

@@ -45,6 +45,10 @@ pub enum Command {
     NextText,
     /// To go to the next mistake.
     NextMistake,
+    /// To light up what the lines at the cursor make, or to stop.
+    Light,
+    /// To show what objects cost, or to stop.
+    Profile,
     /// To answer what is asked about the text.
     Answer {
         /// Whether the first answer is given.
@@ -123,6 +127,8 @@ pub const ROWS: &[Row] = &[
         Command::NextText,
         "the next text of this scene: those that it includes",
     ),
+    letter("l", "Ctrl+L", Command::Light, "light up in the picture what the line at the cursor makes"),
+    letter("k", "Ctrl+K", Command::Profile, "show what each object costs"),
     letter(
         "1",
         "Ctrl+1",
@@ -191,6 +197,8 @@ fn letter_at(physical: PhysicalKey) -> Option<&'static str> {
         (KeyCode::KeyP, "p"),
         (KeyCode::KeyE, "e"),
         (KeyCode::KeyN, "n"),
+        (KeyCode::KeyL, "l"),
+        (KeyCode::KeyK, "k"),
         (KeyCode::Slash, "/"),
     ];
     keys.into_iter().find(|(known, _)| *known == code).map(|(_, letter)| letter)

@@ -8,9 +8,12 @@ mod acting;
 mod document;
 mod files;
 pub mod keys;
+mod portraits;
+mod probed;
 mod proposing;
 #[cfg(test)]
 mod tests;
+mod triples;
 mod turning;
 
 use std::io;
@@ -22,6 +25,8 @@ pub(crate) use acting::Press;
 pub(crate) use document::{Document, Marked, Owner, Question};
 pub use keys::Command;
 use mariana_editing::{About, TurnSpeed};
+pub(crate) use portraits::{Portrait, SIDE as PORTRAIT_SIDE};
+pub(crate) use probed::Light;
 pub(crate) use proposing::Proposing;
 use turning::Turn;
 
@@ -41,14 +46,12 @@ pub(super) enum Effect {
     Reload,
     /// This scene is shown.
     Show(SceneSource),
-    /// The number whose digits begin at a byte of a file's text, as it was last loaded, has this value.
+    /// The numbers whose digits begin at these bytes of a file's text, as it was last loaded, have these values.
     Turn {
         /// The file.
         file: PathBuf,
-        /// The byte.
-        digits: usize,
-        /// The value.
-        value: f32,
+        /// The bytes and the values.
+        values: Vec<(usize, f32)>,
     },
     /// The editor closes.
     Close,
@@ -77,8 +80,16 @@ pub enum EditorRequest {
         /// How far that turns it.
         speed: TurnSpeed,
     },
-    /// It has let go of the number.
+    /// It has let go of the number, or of the three.
     LetGo,
+    /// To pick the colour whose three numbers are at a place.
+    PickColor(usize),
+    /// To pick no colour any more.
+    ClosePicker,
+    /// The colour that is picked, as it is in the text.
+    SetColor([f64; 3]),
+    /// To move the position at the cursor by so much.
+    MovePlace([f64; 3]),
     /// It scrolls by so many lines and columns.
     Scroll {
         /// Down.
@@ -97,6 +108,17 @@ pub enum EditorRequest {
     Do(Command),
     /// To show another text of the scene.
     ShowText(usize),
+    /// To go to what made the point of the picture that was clicked.
+    GoToProbed,
+    /// To close what is told of it.
+    CloseProbed,
+    /// To go to a byte of one of the scene's texts, as they were loaded.
+    GoTo {
+        /// The text.
+        text: usize,
+        /// The byte.
+        byte: usize,
+    },
     /// To take a proposal.
     Take(usize),
     /// An answer to what is asked about the text.
@@ -132,8 +154,15 @@ pub struct Editor {
     /// Whether a key is still held that was not meant for the text.
     ignores_repeats: bool,
     find: Option<Find>,
+    /// Letters that are being put together at the cursor.
+    preedit: String,
     proposing: Option<Proposing>,
+    portraits: portraits::Portraits,
     turn: Option<Turn>,
+    /// Where the colour stands that is picked.
+    picked: Option<usize>,
+    /// What it knows of the picture.
+    picture: probed::Picture,
     effects: Vec<Effect>,
     answer: Option<(String, Instant)>,
     /// Lines and columns that show.
@@ -163,7 +192,7 @@ impl Editor {
         Ok(Self {
             drafts,
             clerk: Clerk::start(kept, wake.clone())?,
-            clipboard: Clipboard::new(wake),
+            clipboard: Clipboard::new(wake.clone()),
             documents: Vec::new(),
             shown: 0,
             source: None,
@@ -172,8 +201,12 @@ impl Editor {
             focused: false,
             ignores_repeats: false,
             find: None,
+            preedit: String::new(),
             proposing: None,
+            portraits: portraits::Portraits::new(wake.clone()),
             turn: None,
+            picked: None,
+            picture: probed::Picture::default(),
             effects: Vec::new(),
             answer: None,
             rows: 20,
@@ -194,6 +227,7 @@ impl Editor {
         }
         self.let_go();
         self.close_small();
+        self.forget_picture();
         self.source = Some(source.clone());
         self.others.extend(self.findings.take());
         let known = self.others.iter().position(|found| found.source == *source);
@@ -235,6 +269,7 @@ impl Editor {
         for findings in self.drafts.take_findings() {
             self.take_findings(findings);
         }
+        self.want_portrait();
         if self.answer.as_ref().is_some_and(|(_, since)| since.elapsed() > ANSWER_STAYS) {
             self.answer = None;
             self.revision += 1;
@@ -252,6 +287,9 @@ impl Editor {
         for (number, file) in findings.texts.iter().enumerate() {
             if let Some(document) = self.documents.iter_mut().find(|one| one.file() == Some(file)) {
                 document.take_mistakes(findings.version, of_text(number));
+                if findings.mistakes.is_empty() {
+                    document.note_shown();
+                }
             }
         }
         if findings.texts.is_empty()
@@ -275,6 +313,7 @@ impl Editor {
         self.revision += u64::from(self.focused != focused);
         self.focused = focused;
         if !focused {
+            self.preedit.clear();
             self.close_small();
         }
     }
@@ -328,14 +367,24 @@ impl Editor {
         self.find.as_ref()
     }
 
+    /// The letters that are being put together at the cursor.
+    pub(super) fn preedit(&self) -> &str {
+        &self.preedit
+    }
+
     /// What may be written at the cursor.
     pub(super) fn proposing(&self) -> Option<&Proposing> {
         self.proposing.as_ref()
     }
 
-    /// Where the number stands that is being turned.
+    /// Where the number stands that is being turned, or the three.
     pub(super) fn turned(&self) -> Option<Range<usize>> {
         self.turn.as_ref().map(Turn::range)
+    }
+
+    /// Whether three numbers are turned together.
+    pub(super) fn turns_three(&self) -> bool {
+        self.turn.as_ref().is_some_and(Turn::is_triple)
     }
 
     /// The answer to the last key.

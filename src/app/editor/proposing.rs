@@ -3,7 +3,7 @@
 use mariana_editing::{Proposal, proposals};
 use winit::keyboard::{Key, ModifiersState, NamedKey};
 
-use super::Editor;
+use super::{Editor, Portrait};
 
 /// Proposals for the name at the cursor.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -18,7 +18,29 @@ pub(crate) struct Proposing {
     moved: bool,
 }
 
+impl Proposing {
+    /// The name of the selected one, if the language itself has it.
+    fn of_library(&self) -> Option<&str> {
+        let one = self.list.get(self.selected)?;
+        (one.about.is_function && !one.about.facts.is_empty()).then_some(one.name.as_str())
+    }
+}
+
 impl Editor {
+    /// Looks after the picture of the proposal that is selected.
+    pub(super) fn want_portrait(&mut self) {
+        let selected = self.proposing.as_ref().and_then(Proposing::of_library);
+        if let Some(name) = selected.map(str::to_owned) {
+            self.portraits.want(&name);
+        }
+        self.revision += u64::from(self.portraits.update());
+    }
+
+    /// The picture of the proposal that is selected, if it is there.
+    pub(in crate::app) fn portrait(&self) -> Option<&Portrait> {
+        self.portraits.of(self.proposing.as_ref()?.of_library()?)
+    }
+
     /// Looks what may be written at the cursor; what is `asked` for is told even if nothing was typed.
     pub(super) fn propose(&mut self, asked: bool) {
         self.proposing = None;

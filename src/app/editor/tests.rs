@@ -1,5 +1,7 @@
 //! The editor without a window: its keys, its files, and a loader that is called by hand.
 
+mod picture;
+
 use std::fs;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
@@ -260,7 +262,7 @@ fn while_a_number_is_turned_no_text_is_read() {
     }
     let effects = desk.effects();
     assert_eq!(effects.len(), 50, "no text is read: {effects:?}");
-    let last = Effect::Turn { file: desk.file(), digits: at, value: 0.7 };
+    let last = Effect::Turn { file: desk.file(), values: vec![(at, 0.7)] };
     assert_eq!(effects.last(), Some(&last));
     assert_eq!(desk.text(), BALL.replace("0.5", "0.7"));
     desk.editor.obey(EditorRequest::LetGo);
@@ -283,7 +285,13 @@ fn a_hand_that_leaves_the_room_of_a_number_goes_on_in_another() {
     assert!(desk.load());
     desk.editor.obey(EditorRequest::Turn { points: 100.0, speed: TurnSpeed::Usual });
     let effects = desk.effects();
-    assert!(matches!(effects[..], [Effect::Turn { value, .. }] if (value - 4.7).abs() < 1e-5), "{effects:?}");
+    let is = |effects: &[Effect], at: usize, wanted: f32| match effects {
+        [Effect::Turn { values, .. }] => {
+            matches!(values[..], [(digits, value)] if digits == at && (value - wanted).abs() < 1e-5)
+        }
+        _ => false,
+    };
+    assert!(is(&effects, at, 4.7), "{effects:?}");
     // Below nothing it has a sign of its own, and the digits stand behind it.
     desk.editor.obey(EditorRequest::Turn { points: -400.0, speed: TurnSpeed::Coarse });
     assert_eq!(desk.text(), BALL.replace("0.5", "-3.3"));
@@ -292,10 +300,7 @@ fn a_hand_that_leaves_the_room_of_a_number_goes_on_in_another() {
     let _ = desk.effects();
     desk.editor.obey(EditorRequest::Turn { points: 50.0, speed: TurnSpeed::Usual });
     let effects = desk.effects();
-    assert!(
-        matches!(effects[..], [Effect::Turn { value, digits, .. }] if digits == at + 1 && (value - 3.2).abs() < 1e-5),
-        "{effects:?}"
-    );
+    assert!(is(&effects, at + 1, 3.2), "{effects:?}");
 }
 
 #[test]

@@ -17,21 +17,30 @@ use crate::scenes::Findings;
 /// Points of the hand for a key.
 const POINTS_OF_KEY: f64 = 10.0;
 
-/// A number that is being turned.
+/// Numbers of one line that are being turned: one, or the three of a `vec3`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Turn {
     file: PathBuf,
-    number: Number,
-    /// Where the number stands now.
-    now: Range<usize>,
+    /// Each as it was taken, and where it stands now.
+    numbers: Vec<(Number, Range<usize>)>,
     /// How far the hand has moved, in points of the usual speed.
     hand: f64,
+    /// What three numbers are, before they are rounded to be written.
+    exact: [f64; 3],
     held: Option<Held>,
 }
 
-/// The number as an input of a frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The numbers as inputs of a frame.
+#[derive(Debug, Clone, PartialEq)]
 struct Held {
+    inputs: Vec<HeldNumber>,
+    /// The version of the drafts from which on they are.
+    since: u64,
+}
+
+/// A number as an input of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct HeldNumber {
     /// Its place among the numbers of the text.
     place: usize,
     /// Where its digits begin in the text that was loaded.
@@ -40,62 +49,99 @@ struct Held {
     negated: bool,
     /// From what to what a frame may set it.
     room: (f32, f32),
-    /// The version of the drafts from which on it is one.
-    since: u64,
 }
 
 impl Turn {
-    /// Where the number stands.
+    /// Where the numbers stand, from the first to the last.
     pub(super) fn range(&self) -> Range<usize> {
-        self.now.clone()
+        let ends = self.numbers.first().zip(self.numbers.last());
+        ends.map_or(0..0, |(first, last)| first.1.start..last.1.end)
+    }
+
+    /// Whether they are three.
+    pub(super) fn is_triple(&self) -> bool {
+        self.numbers.len() == 3
+    }
+
+    /// What the three are, exactly.
+    pub(super) fn exact(&self) -> [f64; 3] {
+        self.exact
     }
 }
 
 impl Editor {
     /// Takes the number at a place.
     pub(super) fn grab(&mut self, at: usize) {
-        self.let_go();
-        self.set_focus(true);
         self.close_small();
         let Some(document) = self.documents.get(self.shown) else { return };
+        let Some((number, line_start)) = document.number(at) else { return self.let_go() };
+        self.take_numbers(vec![number], line_start);
+    }
+
+    /// Takes numbers of a line that begins at a byte. Returns whether they can be turned.
+    pub(super) fn take_numbers(&mut self, numbers: Vec<Number>, line_start: usize) -> bool {
+        self.let_go();
+        self.set_focus(true);
+        let Some(document) = self.documents.get(self.shown) else { return false };
         let (true, Some(file)) = (document.is_open(), document.file()) else {
             // It says why not.
             self.edit(|_| Ok(()));
-            return;
+            return false;
         };
         let file = file.to_owned();
-        let Some((number, line_start)) = document.number(at) else { return };
-        let now = line_start + number.range.start..line_start + number.range.end;
         let is_main = self.source.as_ref().is_some_and(|source| document.is_of(source));
         let text = document.editing.buffer().bytes();
-        let place = numbers_before(text, line_start + number.digits).filter(|_| is_main);
-        let value = number.value;
-        self.turn = Some(Turn { file, number, now: now.clone(), hand: 0.0, held: None });
-        if let Some(place) = place {
-            self.hold(place, value);
+        let places: Vec<usize> = numbers
+            .iter()
+            .filter_map(|number| numbers_before(text, line_start + number.digits).filter(|_| is_main))
+            .collect();
+        let values: Vec<f64> = numbers.iter().map(|number| number.value).collect();
+        let exact = std::array::from_fn(|part| values.get(part).copied().unwrap_or_default());
+        let placed = |number: Number| {
+            let now = line_start + number.range.start..line_start + number.range.end;
+            (number, now)
+        };
+        let numbers: Vec<_> = numbers.into_iter().map(placed).collect();
+        let is_one = numbers.len() == 1;
+        let turn = Turn { file, numbers, hand: 0.0, exact, held: None };
+        let range = turn.range();
+        self.turn = Some(turn);
+        if places.len() == values.len() {
+            self.hold(&places, &values);
         }
-        if let Some(document) = self.document_mut() {
-            document.editing.select(now);
+        if let Some(document) = self.document_mut().filter(|_| is_one) {
+            document.editing.select(range);
         }
         self.revision += 1;
+        true
     }
 
-    /// Makes the number an input, with room around a value; the text is read for that.
-    fn hold(&mut self, place: usize, value: f64) {
+    /// Makes the numbers inputs, with room around their values; the text is read for that.
+    fn hold(&mut self, places: &[usize], values: &[f64]) {
         let Some(turn) = &mut self.turn else { return };
         let Some(document) = self.documents.get_mut(self.shown) else { return };
-        // A sign may have come or gone.
-        let start = turn.now.start;
-        let negated = document.editing.buffer().slice(start..start + 1) == b"-";
-        let room = Number::room(digits_value(value, negated));
-        let turning = Turning { place, least: room.0, most: room.1 };
-        let digits = start + usize::from(negated);
+        let mut inputs = Vec::new();
+        let is_triple = turn.is_triple();
+        for (((_, now), place), value) in turn.numbers.iter().zip(places).zip(values) {
+            // A sign may have come or gone.
+            let negated = document.editing.buffer().slice(now.start..now.start + 1) == b"-";
+            let digits = digits_value(*value, negated);
+            // What three numbers are is a colour or a place: no text divides by it, so it may pass 0.
+            let wide = 4.0 * digits.abs().max(1.0);
+            let room = if is_triple { (-wide, wide) } else { Number::room(digits) };
+            let digits = now.start + usize::from(negated);
+            inputs.push(HeldNumber { place: *place, digits, negated, room });
+        }
+        let turning: Vec<Turning> = inputs
+            .iter()
+            .map(|input| Turning { place: input.place, least: input.room.0, most: input.room.1 })
+            .collect();
         if document.is_dirty() {
             self.drafts.set(&turn.file, document.bytes());
         }
-        let since = self.drafts.turn(Some((&turn.file, turning)));
+        let since = self.drafts.turn(Some((&turn.file, &turning)));
         document.note_sent(since);
-        turn.held = Some(Held { place, digits, negated, room, since });
+        turn.held = Some(Held { inputs, since });
         self.effects.push(Effect::Reload);
     }
 
@@ -103,29 +149,52 @@ impl Editor {
     pub(super) fn turn(&mut self, points: f64, speed: TurnSpeed) {
         let Some(turn) = &mut self.turn else { return };
         turn.hand += points * speed.factor();
-        let value = turn.number.turned(turn.hand, speed);
-        let text = turn.number.written(value, speed);
-        let (range, held) = (turn.now.clone(), turn.held);
-        turn.now = range.start..range.start + text.len();
-        let written = text.parse::<f64>().unwrap_or(value);
-        self.write_turned(range, &text);
-        let (Some(held), Some(turn)) = (held, &self.turn) else { return };
-        let value = digits_value(written, held.negated);
-        if (held.room.0..=held.room.1).contains(&value) {
-            self.effects.push(Effect::Turn { file: turn.file.clone(), digits: held.digits, value });
-        } else {
-            // Read with the new text, as one that goes on from there.
-            self.hold(held.place, written);
-        }
+        let [(number, _)] = &turn.numbers[..] else { return };
+        let text = number.written(number.turned(turn.hand, speed), speed);
+        self.write_turned(&[text]);
     }
 
-    fn write_turned(&mut self, range: Range<usize>, text: &str) {
-        let Some(document) = self.documents.get_mut(self.shown) else { return };
-        let refused = document.editing.turn(range.clone(), text.as_bytes()).err();
-        document.editing.select_turned(range.start..range.start + text.len());
+    /// Gives the three numbers that are turned other values.
+    pub(super) fn turn_three(&mut self, values: [f64; 3]) {
+        let Some(turn) = self.turn.as_mut().filter(|turn| turn.is_triple()) else { return };
+        turn.exact = values;
+        self.write_turned(&values.map(mariana_editing::written_part));
+    }
+
+    /// Writes numbers in the place of those that are turned, and hands their values on.
+    fn write_turned(&mut self, texts: &[String]) {
+        let (Some(turn), Some(document)) = (&mut self.turn, self.documents.get_mut(self.shown)) else {
+            return;
+        };
+        let whole = turn.range();
+        let (mut new, mut behind) = (Vec::new(), whole.start);
+        for ((_, now), text) in turn.numbers.iter_mut().zip(texts) {
+            new.extend_from_slice(document.editing.buffer().slice(behind..now.start));
+            behind = now.end;
+            let start = whole.start + new.len();
+            new.extend_from_slice(text.as_bytes());
+            *now = start..start + text.len();
+        }
+        let (now, held, file) = (turn.range(), turn.held.clone(), turn.file.clone());
+        let is_one = texts.len() == 1;
+        let refused = document.editing.turn(whole, &new).err();
+        document.editing.select_turned(if is_one { now } else { now.end..now.end });
         self.note_change();
         if let Some(refused) = refused {
             self.say(refused.to_string());
+        }
+        let Some(held) = held else { return };
+        let values: Vec<f64> = texts.iter().map(|text| text.parse().unwrap_or_default()).collect();
+        let inputs = held.inputs.iter().zip(&values);
+        let of_frame: Vec<(HeldNumber, f32)> =
+            inputs.map(|(input, value)| (*input, digits_value(*value, input.negated))).collect();
+        if of_frame.iter().all(|(input, value)| (input.room.0..=input.room.1).contains(value)) {
+            let values = of_frame.into_iter().map(|(input, value)| (input.digits, value)).collect();
+            self.effects.push(Effect::Turn { file, values });
+        } else {
+            // Read with the new text, as numbers that go on from there.
+            let places: Vec<usize> = held.inputs.iter().map(|input| input.place).collect();
+            self.hold(&places, &values);
         }
     }
 
@@ -138,8 +207,9 @@ impl Editor {
     /// text is read for each value.
     pub(super) fn check_turn(&mut self, findings: &Findings) {
         let Some(turn) = &mut self.turn else { return };
-        let Some(held) = turn.held else { return };
-        if findings.version >= held.since && !findings.numbers.contains(&held.digits) {
+        let Some(held) = &turn.held else { return };
+        let are_inputs = held.inputs.iter().all(|input| findings.numbers.contains(&input.digits));
+        if findings.version >= held.since && !are_inputs {
             turn.held = None;
             self.drafts.turn(None);
             self.send_again();

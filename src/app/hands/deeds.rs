@@ -9,6 +9,9 @@ use crate::app::keys::{Action, binding_of};
 use crate::app::stage::Stage;
 use mariana_control::deed::{DeedRow, Takes};
 
+/// What takes something.
+type SetFn = fn(&mut Stage, &mariana_control::deed::Given);
+
 /// What is done.
 #[derive(Clone, Copy)]
 pub(in crate::app) enum Does {
@@ -29,7 +32,14 @@ pub(in crate::app) enum Does {
         is_on: fn(&mut Stage) -> bool,
     },
     /// Something that takes a number or a name.
-    Set(fn(&mut Stage, &mariana_control::deed::Given)),
+    Set(SetFn),
+    /// Something that takes a share, 0..1.
+    Level {
+        /// What sets it.
+        set: SetFn,
+        /// Where it stands; none while there is no such thing.
+        stands: fn(&Stage) -> Option<f32>,
+    },
 }
 
 struct Row {
@@ -90,7 +100,7 @@ const TABLE: &[Row] = &[
         name: "brightness",
         takes: Takes::Level,
         meaning: "this share of the light of every picture, from 0 to 1",
-        does: Does::Set(Stage::dim),
+        does: Does::Level { set: Stage::dim, stands: Stage::brightness },
     },
     switch("clean", Action::ToggleClean, |stage| stage.is_bare()),
     switch("pause", Action::TogglePause, |stage| stage.is_paused()),
@@ -100,13 +110,13 @@ const TABLE: &[Row] = &[
         name: "position",
         takes: Takes::Level,
         meaning: "this place in the track, from 0 at its start to 1 at its end",
-        does: Does::Set(Stage::seek_to_share),
+        does: Does::Level { set: Stage::seek_to_share, stands: Stage::song_share },
     },
     Row {
         name: "volume",
         takes: Takes::Level,
         meaning: "this volume, from 0 to 1",
-        does: Does::Set(Stage::set_volume),
+        does: Does::Level { set: Stage::set_volume, stands: Stage::volume },
     },
     switch("mute", Action::ToggleMute, |stage| stage.is_muted()),
     key("camera", Action::GiveCameraBack),
@@ -120,7 +130,7 @@ pub(in crate::app) fn table() -> &'static [DeedRow] {
         let row = |row: &Row| {
             let of_key = match row.does {
                 Does::Key(action) | Does::Switch { action, .. } => binding_of(action),
-                Does::Turn { .. } | Does::Set(_) => None,
+                Does::Turn { .. } | Does::Set(_) | Does::Level { .. } => None,
             };
             let meaning = of_key.map_or(row.meaning, |binding| binding.meaning);
             DeedRow { name: row.name, takes: row.takes, meaning }
@@ -133,7 +143,22 @@ pub(in crate::app) fn table() -> &'static [DeedRow] {
 pub(in crate::app) fn switches(stage: &mut Stage) -> Vec<(&'static str, bool)> {
     let of = |row: &Row| match row.does {
         Does::Switch { is_on, .. } | Does::Turn { is_on, .. } => Some((row.name, is_on(stage))),
-        Does::Key(_) | Does::Set(_) => None,
+        Does::Key(_) | Does::Set(_) | Does::Level { .. } => None,
+    };
+    TABLE.iter().filter_map(of).collect()
+}
+
+/// The table for phones: their requests reach no file, and what is recorded becomes one.
+pub(in crate::app) fn table_for_phones() -> &'static [DeedRow] {
+    static ROWS: OnceLock<Vec<DeedRow>> = OnceLock::new();
+    ROWS.get_or_init(|| table().iter().filter(|row| row.name != "record").copied().collect())
+}
+
+/// The levels that there are, by their names, and where each stands, 0..1.
+pub(in crate::app) fn levels(stage: &Stage) -> Vec<(&'static str, f32)> {
+    let of = |row: &Row| match row.does {
+        Does::Level { stands, .. } => Some((row.name, stands(stage)?)),
+        Does::Key(_) | Does::Switch { .. } | Does::Turn { .. } | Does::Set(_) => None,
     };
     TABLE.iter().filter_map(of).collect()
 }

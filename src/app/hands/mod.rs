@@ -8,12 +8,14 @@ mod midi;
 mod network;
 pub mod page;
 pub mod panel;
+mod phone;
 
 use std::time::{Duration, Instant};
 
 use midi::Midi;
 use network::Network;
 use panel::HandFacts;
+use phone::Phones;
 
 use super::frame_times::FrameTimes;
 use super::overlay::Slider;
@@ -37,6 +39,7 @@ pub(super) struct Hands {
     wishes: Wishes,
     board: Board,
     network: Network,
+    phones: Phones,
     midi: Midi,
     /// When wishes may be taken again.
     free: Instant,
@@ -60,12 +63,14 @@ impl Hands {
         let wishes = Wishes::new(move || of_wishes.wake());
         let board = Board::default();
         let network = Network::start(settings, &wishes, &board, waker);
+        let phones = Phones::start(settings, &wishes, &board, waker);
         let midi = Midi::start(settings, &wishes, waker);
         let now = Instant::now();
         Self {
             wishes,
             board,
             network,
+            phones,
             midi,
             free: now,
             unseen: None,
@@ -79,7 +84,7 @@ impl Hands {
 
     /// What is new of devices and networks: a sentence, and whether it is bad news.
     pub(super) fn news(&mut self) -> Option<(String, bool)> {
-        self.network.news().or_else(|| self.midi.news())
+        self.network.news().or_else(|| self.phones.news()).or_else(|| self.midi.news())
     }
 
     /// What is heard now, for those outside.
@@ -89,7 +94,8 @@ impl Hands {
 
     /// Whether the board is to be put up now; `turned` if something was turned or done.
     pub(super) fn board_is_due(&mut self, turned: bool, now: Instant) -> bool {
-        let is_due = self.network.is_asked() && (turned || now >= self.board_due);
+        let is_asked = self.network.is_asked() || self.phones.is_asked();
+        let is_due = is_asked && (turned || now >= self.board_due);
         if is_due {
             self.board_due = now + BOARD_AGE;
         }
@@ -106,13 +112,8 @@ impl Hands {
         self.scenes = (scene, titles);
     }
 
-    /// Puts up how the show stands.
-    pub(super) fn put_up(
-        &mut self,
-        scene: String,
-        sliders: &[Slider],
-        (switches, tempo): (Vec<(&'static str, bool)>, f32),
-    ) {
+    /// Puts up how the show stands, with these sliders.
+    pub(super) fn put_up(&mut self, present: Present, sliders: &[Slider]) {
         let param = |slider: &Slider| PresentParam {
             name: slider.name.clone(),
             value: slider.value,
@@ -122,7 +123,7 @@ impl Hands {
             hand: slider.hand,
         };
         let params = sliders.iter().map(param).collect();
-        self.board.put(Present { scene, scenes: self.scenes.1.clone(), params, switches, tempo });
+        self.board.put(Present { scenes: self.scenes.1.clone(), params, ..present });
     }
 
     /// What was wished for, if it is time to look.
@@ -183,6 +184,7 @@ impl Hands {
             scene,
             sliders,
             osc: self.network.state(),
+            phone: self.phones.facts(),
             midi: self.midi.state(),
             clock: self.midi.follows_clock(),
             clock_tempo: self.midi.clock().map(|(reading, _)| reading.tempo),
@@ -226,7 +228,9 @@ impl Hands {
     /// When there is something to do for hands.
     pub(super) fn due(&self) -> Option<Instant> {
         let wishes = self.wishes.has_any().then_some(self.free);
-        wishes.into_iter().chain(self.network.sample_due()).chain(self.midi.due()).min()
+        // What a phone has done is to be seen there also where nothing else wakes the show.
+        let board = self.phones.are_there().then_some(self.board_due);
+        wishes.into_iter().chain(board).chain(self.network.sample_due()).chain(self.midi.due()).min()
     }
 
     /// Counts what nothing here is meant by.

@@ -6,12 +6,16 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use winit::keyboard::{Key, NamedKey};
 
+use super::phone::PhoneFacts;
 use rows::rows_of;
 
 use crate::app::overlay::Slider;
 use mariana_control::midi::{Curve, Mapping, MidiState, Target};
+use mariana_remote::Invitation;
 
 /// A row of the panel.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +26,13 @@ pub enum HandRow {
         text: String,
         /// Whether they are bad news.
         is_bad: bool,
+    },
+    /// By what a phone comes.
+    Phone {
+        /// The address and its code.
+        invitation: Arc<Invitation>,
+        /// What there is to say of it.
+        about: String,
     },
     /// Whether a device's clock sets the tempo.
     Clock(bool),
@@ -142,6 +153,8 @@ pub(in crate::app) struct HandFacts<'a> {
     pub sliders: &'a [Slider],
     /// How it stands with OSC; none if it is not wanted.
     pub osc: Option<String>,
+    /// How it stands with the page for phones; none if it is not wanted.
+    pub phone: Option<PhoneFacts>,
     /// How it stands with MIDI; none if it is not wanted.
     pub midi: Option<MidiState>,
     /// Whether a device's clock sets the tempo.
@@ -225,7 +238,7 @@ impl HandsPanel {
                     Some(HandRow::Target { target, .. }) => Some(HandsRequest::Learn(target.clone())),
                     Some(HandRow::Clock(on)) => Some(HandsRequest::Clock(!on)),
                     Some(HandRow::Knob { mapping, stands, .. }) => self.field().request(mapping, *stands),
-                    Some(HandRow::Words { .. }) | None => None,
+                    Some(HandRow::Words { .. } | HandRow::Phone { .. }) | None => None,
                 };
                 return (true, request);
             }
@@ -265,5 +278,5 @@ fn is_same(a: &HandRow, b: &HandRow) -> bool {
 }
 
 fn is_changeable(row: &HandRow) -> bool {
-    !matches!(row, HandRow::Words { .. })
+    !matches!(row, HandRow::Words { .. } | HandRow::Phone { .. })
 }

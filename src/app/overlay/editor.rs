@@ -1,6 +1,11 @@
 //! The editor over the left of the picture: the scene's text between a line of names and buttons and what is to be told.
 
+mod card;
+mod cross;
+mod light;
+mod picker;
 mod popup;
+mod profile;
 mod text;
 
 use egui::{Id, Order, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
@@ -23,13 +28,14 @@ const AROUND: f32 = 112.0;
 /// Distance of the words from the panel's edge.
 const EDGE: f32 = 10.0;
 
-/// Draws the editor at the left of `space`; returns where it is.
+/// Draws the editor at the left of `space`, and over the picture what is told of it; returns where the editor is, and
+/// then what else belongs to it.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
     editor: &Editor,
     requests: &mut Vec<Request>,
-) -> Rect {
+) -> Vec<Rect> {
     let width = (WIDTH_SHARE * space.width()).clamp(WIDTH_MIN.min(space.width()), WIDTH_MAX);
     // As high as its text, so that it hides no more of the picture than it must.
     let font = context.layer_painter(egui::LayerId::background());
@@ -37,7 +43,10 @@ pub(super) fn show(
     let wanted = (lines + 2).max(LINES_MIN) as f32 * text::cell(&font).y + AROUND;
     let rect = Rect::from_min_size(space.min, vec2(width, wanted.min(space.height())));
     let mut ask = |request| requests.push(Request::Editor(request));
+    let screen = context.viewport_rect();
+    light::show(context, screen, editor);
     let area = style::area(Id::unique("editor"), Order::Middle).fixed_pos(rect.min);
+    let mut parts = vec![rect];
     area.show(context, |ui| {
         ui.set_clip_rect(rect);
         ui.allocate_rect(rect, Sense::click_and_drag());
@@ -47,9 +56,14 @@ pub(super) fn show(
         inner.min.y = header(ui, inner, editor, document, &mut ask);
         inner.min.y = question(ui, inner, document, &mut ask);
         inner.max.y = footer(ui, inner, editor, document);
-        text::show(ui, inner, editor, document, &mut ask);
+        inner.max.y = profile::show(ui, inner, editor, &mut ask);
+        parts.extend(text::show(ui, inner, editor, document, &mut ask));
     });
-    rect
+    parts.extend(cross::show(context, screen, rect, editor, &mut ask));
+    let mut beside = space;
+    beside.min.x = (rect.right() + 8.0).min(space.right() - 60.0);
+    parts.extend(card::show(context, screen, beside, editor, &mut ask));
+    parts
 }
 
 /// Names of the texts, and buttons; returns where what follows begins.
@@ -71,10 +85,16 @@ fn header(
         (_, true) => Some("save"),
         _ => None,
     };
-    let save = save.map(|words| (words, Command::Save));
-    for (words, command) in [save, Some(("new", Command::New))].into_iter().flatten() {
+    let save = save.map(|words| (words, Command::Save, false));
+    let (lights, profiles) = editor.switches();
+    let others = [
+        ("new", Command::New, false),
+        ("profile", Command::Profile, profiles),
+        ("light up", Command::Light, lights),
+    ];
+    for (words, command, is_on) in save.into_iter().chain(others) {
         let key = written_key(command);
-        let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key);
+        let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key, is_on);
         right = rect.left() - 6.0;
         if clicked {
             ask(EditorRequest::Do(command));
@@ -126,7 +146,7 @@ fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(Edit
     let mut right = line.right();
     for (words, is_first) in [(second, false), (first, true)] {
         let key = written_key(Command::Answer { first: is_first });
-        let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key);
+        let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key, false);
         right = rect.left() - 6.0;
         if clicked {
             ask(EditorRequest::Answer { first: is_first });
@@ -144,14 +164,19 @@ fn written_key(command: Command) -> &'static str {
 }
 
 /// A button with a word, for which there is a key, too, whose right edge is at a place; returns where it is and whether it was clicked.
-fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str) -> (Rect, bool) {
+/// `is_on`: it is a switch that is on.
+fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str, is_on: bool) -> (Rect, bool) {
     let color = style::ACCENT;
     let galley = style::line(ui.painter(), words, style::proportional(style::SMALL_SIZE), color, f32::MAX);
     let size = vec2(galley.size().x + 14.0, LINE - 4.0);
     let rect = Rect::from_min_size(right_center - vec2(size.x, 0.5 * size.y), size);
     let response = ui.interact(rect, Id::unique(("editor word", words)), Sense::click());
-    let color = if response.hovered() { style::TEXT } else { color };
-    ui.painter().rect_filled(rect, 4.0, style::RAIL);
+    let color = match (is_on, response.hovered()) {
+        (true, _) => style::ON_ACCENT,
+        (false, true) => style::TEXT,
+        (false, false) => color,
+    };
+    ui.painter().rect_filled(rect, 4.0, if is_on { style::ACCENT } else { style::RAIL });
     ui.painter().galley_with_override_text_color(rect.center() - 0.5 * galley.size(), galley, color);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, words));
     let clicked = response.clicked();
@@ -185,7 +210,8 @@ fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
         (Some(find), answer) => {
             let cursor = if find.typing { "|" } else { "" };
             let answer = answer.map_or(String::new(), |answer| format!("   {answer}"));
-            add(&format!("find: {}{cursor}{answer}", find.query), small, style::TEXT);
+            let letters = if find.typing { editor.preedit() } else { "" };
+            add(&format!("find: {}{letters}{cursor}{answer}", find.query), small, style::TEXT);
         }
         (None, Some(answer)) => {
             assisted::text(ui.ctx(), "answer", answer, true);

@@ -3,6 +3,7 @@
 use egui::{Color32, Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::icons;
+use super::invitation;
 use super::requests::Request;
 use super::style;
 use crate::app::hands::panel::{Field, HandRow, HandsPanel, HandsRequest};
@@ -40,8 +41,14 @@ pub(super) fn show(
             let mut ask = |request| requests.push(Request::Hands(request));
             heading(ui, &mut ask);
             let height = (space.height() - 2.0 * style::PADDING.y - LINE).max(LINE);
-            let moved = last_seen.replace(panel.selected()) != Some(panel.selected());
-            ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
+            let before = last_seen.replace(panel.selected());
+            let moved = before.is_some_and(|before| before != panel.selected());
+            let mut list = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+            if before.is_none() {
+                // It opens with what stands above everything that can be chosen.
+                list = list.vertical_scroll_offset(0.0);
+            }
+            list.show(ui, |ui| {
                 ui.set_width((ui.available_width() - LANE).max(0.0));
                 for (place, row) in panel.rows().iter().enumerate() {
                     let is_selected = place == panel.selected();
@@ -89,6 +96,7 @@ fn draw_row(
             response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, text));
             response
         }
+        HandRow::Phone { invitation, about } => invitation::show(ui, invitation, about),
         HandRow::Clock(on) => {
             let name = "MIDI clock sets the tempo";
             let response = two_words(

@@ -19,6 +19,7 @@ mod fonts;
 mod hands;
 mod help;
 mod icons;
+mod invitation;
 mod now_playing;
 mod panels;
 mod params;

@@ -150,9 +150,10 @@ fn show(
         leave_beside(&mut left, rect);
     }
     if let Some(text) = content.editor {
-        let rect = editor::show(context, space, text, requests);
-        panels.push(rect);
-        left.min.x = (rect.right() + style::MARGIN).min(left.right());
+        let parts = editor::show(context, space, text, requests);
+        let right = parts.first().map_or(left.left(), |rect| rect.right() + style::MARGIN);
+        panels.extend(parts);
+        left.min.x = right.min(left.right());
     }
     if let Some(list) = &content.tracks {
         let rect = tracks::show(context, space, list, requests);

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::fading::Begun;
 use super::mixing::Place;
+use super::scenery::Pictured;
 use super::{Cast, FirstTree, SceneStage};
 use crate::app::dynamic_resolution::Level;
 use crate::app::scene_regions::{Shown, Wishes};
@@ -116,6 +117,8 @@ impl SceneStage {
         }
         self.pictured = self.on_stage.as_ref().map(|cast| cast.id);
         self.picture_took = drawn.spent;
+        self.seen_picture = self.begun_picture.take();
+        self.pictures_seen += 1;
         if self.fading.goes_on_by_itself() {
             self.revision += 1;
         }
@@ -187,7 +190,7 @@ impl SceneStage {
         }
         // Only now: another number of samples leaves no light of the last picture to be kept.
         renderer.set_edge_samples(shown.edges);
-        Ok(match self.views.program(cast, mode) {
+        let begun = match self.views.program(cast, mode) {
             None => {
                 renderer.begin(&frame, &cast.resources)?;
                 cast.program(mode).cloned().map(making)
@@ -196,7 +199,9 @@ impl SceneStage {
                 let legend = self.views.begin(renderer, &frame, (cast, mode), view)?;
                 Some(Making { legend, ..making(program) })
             }
-        })
+        };
+        self.begun_picture = Some(Pictured::of(cast, frame));
+        Ok(begun)
     }
 
     /// Whether a picture was begun and is not finished.

@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 use super::{Cast, SceneStage};
 use crate::scenes::SceneSource;
 
-/// A number of a file's text, by where its digits begin in the text that was loaded.
+/// Numbers of a file's text, by where their digits begin in the text that was loaded.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct TurnedNumber {
+pub(super) struct TurnedNumbers {
     file: PathBuf,
-    digits: usize,
-    value: f32,
+    values: Vec<(usize, f32)>,
 }
 
 impl SceneStage {
@@ -35,25 +34,27 @@ impl SceneStage {
         self.is_written = written;
     }
 
-    /// Gives a number of a text a value, in a scene in which it has a range.
-    pub(crate) fn turn_number(&mut self, file: &Path, digits: usize, value: f32) {
-        self.turned = Some(TurnedNumber { file: file.to_owned(), digits, value });
+    /// Gives numbers of a text values, in a scene in which they have a range.
+    pub(crate) fn turn_numbers(&mut self, file: &Path, values: Vec<(usize, f32)>) {
+        self.turned = Some(TurnedNumbers { file: file.to_owned(), values });
         self.revision += 1;
     }
 
-    /// Puts the value of the number that a hand turns among the parameters of a scene, if it is one of them.
+    /// Puts the values of the numbers that a hand turns among the parameters of a scene, if they are some of them.
     pub(super) fn turn_in(&self, cast: &Cast, numbers: &mut [f32]) {
         let world = cast.resources.world();
         let Some(turned) = &self.turned else { return };
         if world.blended.is_some() || cast.source.file() != Some(&turned.file) {
             return;
         }
-        // Once the hand has let go, the number has no range.
-        let place = world.scene.params.iter().position(|param| {
-            param.is_number && param.span.start as usize == turned.digits && param.min < param.max
-        });
-        if let Some(number) = place.and_then(|place| numbers.get_mut(place)) {
-            *number = turned.value;
+        // Once the hand has let go, the numbers have no range.
+        for (digits, value) in &turned.values {
+            let place = world.scene.params.iter().position(|param| {
+                param.is_number && param.span.start as usize == *digits && param.min < param.max
+            });
+            if let Some(number) = place.and_then(|place| numbers.get_mut(place)) {
+                *number = *value;
+            }
         }
     }
 }

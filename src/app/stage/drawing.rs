@@ -82,6 +82,7 @@ impl Stage {
         let is_drawing = self.scene.is_drawing();
         let lay = Lay { placement, screen, is_held: held };
         let area = lay.area_in(size);
+        self.note_map(lay.map(&self.renderer, area));
         if let Some(hands) = &mut self.desk.corners {
             hands.set_area(area);
         }

@@ -15,7 +15,7 @@ impl Stage {
         self.is_edited() && self.desk.editor.as_ref().is_some_and(Editor::has_focus)
     }
 
-    fn is_edited(&self) -> bool {
+    pub(super) fn is_edited(&self) -> bool {
         self.desk.panels.open() == Some(Panel::Editor)
     }
 
@@ -41,6 +41,9 @@ impl Stage {
         self.window.window().set_ime_allowed(open);
         let Some(editor) = &mut self.desk.editor else { return };
         editor.set_focus(open);
+        if !open {
+            editor.close_probed();
+        }
         if open {
             editor.show_scene(self.scene.wanted_source());
         }
@@ -59,6 +62,10 @@ impl Stage {
             WindowEvent::MouseInput { state: ElementState::Pressed, .. } => {
                 editor.set_focus(false);
                 false
+            }
+            WindowEvent::Ime(Ime::Preedit(letters, _)) if editor.has_focus() => {
+                editor.set_preedit(letters);
+                true
             }
             WindowEvent::Ime(Ime::Commit(text)) if editor.has_focus() => {
                 editor.type_text(text);
@@ -124,7 +131,7 @@ impl Stage {
                         editor.show_scene(self.scene.wanted_source());
                     }
                 }
-                Effect::Turn { file, digits, value } => self.scene.turn_number(&file, digits, value),
+                Effect::Turn { file, values } => self.scene.turn_numbers(&file, values),
                 Effect::Close => {
                     if self.is_edited() {
                         self.toggle_panel(Panel::Editor);

@@ -12,9 +12,9 @@ use crate::config::KnobEdit;
 use crate::export::print::tell;
 use crate::limits::LIMITS;
 use crate::scenes::SceneSource;
-use mariana_control::Heard;
 use mariana_control::deed::{Deed, Given};
 use mariana_control::midi::{Outcome, Target};
+use mariana_control::{Heard, Present};
 
 impl Stage {
     /// Turns what hands wish to turn, and returns what they wish to be done.
@@ -64,14 +64,21 @@ impl Stage {
         if !self.hands.board_is_due(turned, now) {
             return;
         }
-        let switches = deeds::switches(self);
+        let (switches, levels) = (deeds::switches(self), deeds::levels(self));
         let tempo = self.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo);
         let scene = self.scene.name().unwrap_or_default();
         if self.hands.wants_titles(&scene) {
             let titles = self.numbered_scenes().iter().map(SceneSource::title).collect();
             self.hands.note_titles(scene.clone(), titles);
         }
-        self.hands.put_up(scene, self.scene.sliders(), (switches, tempo));
+        let playing = self.reports.playing();
+        let track = match &playing.artist {
+            Some(artist) => format!("{artist} – {}", playing.title),
+            None => playing.title.clone(),
+        };
+        let length = playing.duration.unwrap_or_default();
+        let present = Present { scene, switches, levels, tempo, track, length, ..Present::default() };
+        self.hands.put_up(present, self.scene.sliders());
     }
 
     /// Does what a hand wishes for, as far as it is no key's; else returns what that key does, if there is something to
@@ -95,7 +102,7 @@ impl Stage {
                 set(self, wanted);
                 None
             }
-            deeds::Does::Set(set) => {
+            deeds::Does::Set(set) | deeds::Does::Level { set, .. } => {
                 set(self, &deed.given);
                 None
             }
@@ -140,6 +147,22 @@ impl Stage {
     /// Whether no words and panels show.
     pub(in crate::app) fn is_bare(&self) -> bool {
         self.desk.bare
+    }
+
+    /// Which share of their light pictures have, 0..1.
+    pub(in crate::app) fn brightness(&self) -> Option<f32> {
+        Some(f32::from(self.choices.stage.brightness) / 100.0)
+    }
+
+    /// How much of the song has passed, 0..1.
+    pub(in crate::app) fn song_share(&self) -> Option<f32> {
+        self.reports.playing().share()
+    }
+
+    /// The volume of the song, 0..1.
+    pub(in crate::app) fn volume(&self) -> Option<f32> {
+        let playing = self.reports.playing();
+        (!playing.live).then_some(playing.volume)
     }
 
     /// Shows pictures with this share of their light, 0..1, in this run.

@@ -180,6 +180,7 @@ impl Opening<'_> {
             controls,
             desk: Desk::new(!choices.hints),
             drafts,
+            probing: Default::default(),
             typing_times: Default::default(),
             choices,
             names_output: settings.device.is_some() || settings.silent,

@@ -12,7 +12,7 @@ use crate::app::wallpaper::{Panel, Wallpaper};
 use crate::export::print::tell;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
-use crate::placement::{Area, Placement, WHOLE, fitted, product, within};
+use crate::placement::{Area, Map, Placement, WHOLE, fitted, product, within};
 
 /// How a picture lies on its screen.
 pub(super) struct Lay {
@@ -26,13 +26,22 @@ pub(super) struct Lay {
 impl Lay {
     /// Copies the picture to the current window of `size` pixels, whose part `area` is the screen.
     pub(super) fn show(&self, renderer: &mut Renderer, size: (u32, u32), area: Area) -> Result<(), GpuError> {
-        let shape = renderer.shape().filter(|_| self.is_held);
-        let inner = shape.map_or(WHOLE, |shape| fitted(self.placement.rest_of(shape), self.screen));
+        let inner = self.inner(renderer);
         if self.placement.is_plain() && inner == WHOLE && area == WHOLE {
             return renderer.show(size);
         }
-        let map = within(area, &within(inner, &self.placement.map()));
-        renderer.show_placed(size, &map, self.placement.part())
+        renderer.show_placed(size, &self.map(renderer, area), self.placement.part())
+    }
+
+    /// The part of the screen that the picture fills.
+    fn inner(&self, renderer: &Renderer) -> Area {
+        let shape = renderer.shape().filter(|_| self.is_held);
+        shape.map_or(WHOLE, |shape| fitted(self.placement.rest_of(shape), self.screen))
+    }
+
+    /// Leads from a place in a window, of which `area` is the screen, to the place in the picture, both as shares.
+    pub(super) fn map(&self, renderer: &Renderer, area: Area) -> Map {
+        within(area, &within(self.inner(renderer), &self.placement.map()))
     }
 
     /// The part of a window of `size` pixels that shows what the screen does.

@@ -31,7 +31,20 @@ impl FromStr for Place {
 
     /// `9000` is that port of this computer, which no other can reach; `ADDRESS:9000` is the port of an address.
     fn from_str(text: &str) -> Result<Self, PlaceError> {
-        let (host, port) = text.rsplit_once(':').unwrap_or((LOOPBACK, text));
+        match Self::parse(text, LOOPBACK)? {
+            Self { port: 0, .. } => Err(PlaceError::NoPort),
+            place => Ok(place),
+        }
+    }
+}
+
+impl Place {
+    /// The same with `host` where only a port is given. Port 0 is whichever is free.
+    ///
+    /// # Errors
+    /// [`PlaceError`].
+    pub fn parse(text: &str, host: &str) -> Result<Self, PlaceError> {
+        let (host, port) = text.rsplit_once(':').unwrap_or((host, text));
         let host = host.strip_prefix('[').and_then(|host| host.strip_suffix(']')).unwrap_or(host);
         if port.is_empty() || !port.bytes().all(|byte| byte.is_ascii_digit()) || host.is_empty() {
             return Err(PlaceError::Malformed);
@@ -39,14 +52,15 @@ impl FromStr for Place {
         if host.chars().any(|c| c.is_whitespace() || c.is_control() || c == '/') {
             return Err(PlaceError::Malformed);
         }
-        match port.parse() {
-            Ok(port @ 1..) => Ok(Self { host: host.to_owned(), port }),
-            _ => Err(PlaceError::NoPort),
-        }
+        let port = port.parse().map_err(|_| PlaceError::NoPort)?;
+        Ok(Self { host: host.to_owned(), port })
     }
-}
 
-impl Place {
+    /// The computer, as it was given.
+    pub fn host(&self) -> &str {
+        &self.host
+    }
+
     /// Its address. Asks the system for names, which may take long.
     ///
     /// # Errors
@@ -81,6 +95,13 @@ mod tests {
             assert_eq!(text.parse::<Place>().map(|place| place.to_string()), Ok(wanted.to_owned()));
         }
         assert!("9000".parse::<Place>().unwrap().resolve().unwrap().ip().is_loopback());
+    }
+
+    #[test]
+    fn a_port_that_is_to_be_found_is_only_one_where_it_may_be() {
+        let any = Place::parse("0", "0.0.0.0").unwrap();
+        assert_eq!((any.to_string(), any.host()), ("0.0.0.0:0".to_owned(), "0.0.0.0"));
+        assert_eq!("0".parse::<Place>(), Err(PlaceError::NoPort));
     }
 
     #[test]

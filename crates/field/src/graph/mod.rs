@@ -111,6 +111,11 @@ impl Graph {
         self.nodes.is_empty()
     }
 
+    /// Whether a node takes a clause of a tape: numbers and inputs do not.
+    pub fn is_clause(&self, id: NodeId) -> bool {
+        !matches!(self.node(id), Node::Constant(_) | Node::Input(_))
+    }
+
     /// The node with the given id, which must belong to this graph.
     #[inline(always)]
     pub fn node(&self, id: NodeId) -> Node {

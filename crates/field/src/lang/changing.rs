@@ -79,8 +79,8 @@ pub(super) struct ChangingNumbers {
     /// The first input that is a number of the text; those before it are parameters.
     first: usize,
     values: Vec<f32>,
-    /// Where the number begins that is turned, and its range.
-    turning: Option<(u32, Turning)>,
+    /// Where the numbers begin that are turned, and their ranges.
+    turning: Vec<(u32, Turning)>,
     /// Inputs whose value the meaning depends on: turned, the text has to be read again.
     depended_on: RefCell<BTreeSet<u16>>,
 }
@@ -96,20 +96,18 @@ pub(super) struct ChangingNumber {
 
 impl ChangingNumbers {
     /// Those of these places among the numbers of `text`, which is the first of the sources.
-    pub(super) fn of(text: &str, places: &BTreeSet<usize>, turning: Option<Turning>) -> Self {
-        if places.is_empty() && turning.is_none() {
+    pub(super) fn of(text: &str, places: &BTreeSet<usize>, turning: &[Turning]) -> Self {
+        if places.is_empty() && turning.is_empty() {
             return Self::default();
         }
         let tokens = tokens(text, &mut library::library().names.clone());
         let numbers = tokens.iter().filter(|token| token.kind == Kind::Number).enumerate();
-        let is_turned = |place: usize| turning.filter(|turning| turning.place == place);
+        let turned = |place: usize| turning.iter().find(|turning| turning.place == place);
         let mut this = Self::default();
         for (place, token) in numbers {
             let start = token.span.start;
-            if let Some(turning) = is_turned(place) {
-                this.turning = Some((start, turning));
-            }
-            if places.contains(&place) || is_turned(place).is_some() {
+            this.turning.extend(turned(place).map(|turning| (start, *turning)));
+            if places.contains(&place) || turned(place).is_some() {
                 this.offsets.push(start);
             }
         }
@@ -140,7 +138,7 @@ impl ChangingNumbers {
     pub(super) fn numbers(&self) -> impl Iterator<Item = ChangingNumber> {
         let fixed = self.depended_on.borrow().clone();
         self.inputs.iter().zip(&self.values).map(move |(&(offset, input), &value)| {
-            let turned = self.turning.filter(|(of, _)| *of == offset && !fixed.contains(&input));
+            let turned = self.turning.iter().find(|(of, _)| *of == offset && !fixed.contains(&input));
             let range = turned
                 .map_or((value, value), |(_, turning)| (turning.least.min(value), turning.most.max(value)));
             ChangingNumber { offset, value, range }
@@ -179,7 +177,7 @@ mod tests {
 
     fn changing(text: &str, places: &[usize]) -> Scene {
         let places = places.iter().copied().collect();
-        let compiled = compile_while_changing("test", text, &mut no_includes, &places, None);
+        let compiled = compile_while_changing("test", text, &mut no_includes, &places, &[]);
         compiled.scene.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics))
     }
 
@@ -242,8 +240,7 @@ mod tests {
     fn a_number_that_is_turned_has_a_range_and_its_place_in_the_text() {
         let text = "param k = 0.5 in 0 .. 1\nsphere(p, k) - 0.25";
         let turning = Turning { place: 3, least: 0.125, most: 1.0 };
-        let compiled =
-            compile_while_changing("test", text, &mut no_includes, &BTreeSet::new(), Some(turning));
+        let compiled = compile_while_changing("test", text, &mut no_includes, &BTreeSet::new(), &[turning]);
         let scene = compiled.scene.unwrap();
         let number = scene.params.last().unwrap();
         assert_eq!((number.is_number, number.default, number.min, number.max), (true, 0.25, 0.125, 1.0));
@@ -260,7 +257,7 @@ mod tests {
         for (place, has_range) in [(1, false), (2, true), (3, false)] {
             let turning = Turning { place, least: 0.01, most: 9.0 };
             let compiled =
-                compile_while_changing("test", text, &mut no_includes, &BTreeSet::new(), Some(turning));
+                compile_while_changing("test", text, &mut no_includes, &BTreeSet::new(), &[turning]);
             let params = compiled.scene.unwrap().params;
             assert_eq!(params.iter().any(|param| param.min < param.max), has_range, "{place}");
         }
@@ -283,7 +280,7 @@ mod tests {
         assert_eq!(distance(&scene, at), distance(&plain, at));
         assert_eq!(scene.params[0].max, 2.0);
         let zero = BTreeSet::from([0]);
-        let mistake = compile_while_changing("test", "length(p) / 0", &mut no_includes, &zero, None);
+        let mistake = compile_while_changing("test", "length(p) / 0", &mut no_includes, &zero, &[]);
         assert!(mistake.scene.is_none() && !mistake.diagnostics.is_empty());
     }
 

@@ -44,6 +44,14 @@ pub enum Holds {
     Shape,
 }
 
+impl Field {
+    /// Whether its three numbers are a colour: light, or what reflects it.
+    pub fn is_color(&self) -> bool {
+        let of_material = matches!(self.range, Some(MaterialRange::Reflectance | MaterialRange::Light));
+        self.holds == Holds::Vector && (of_material || matches!(self.name, "color" | "ambient"))
+    }
+}
+
 impl Holds {
     /// How many numbers it is.
     pub const fn parts(self) -> usize {

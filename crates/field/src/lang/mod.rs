@@ -31,6 +31,7 @@ mod library;
 mod load;
 mod lower;
 mod material;
+mod origins;
 mod parser;
 mod path;
 mod scene;
@@ -47,10 +48,11 @@ pub use about::{About, Way};
 pub use changing::{Turning, changed_numbers, number_place};
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use fields::{DefaultValue, Field, Holds, MaterialRange};
-pub use library::{Accuracy, Entry, entries, inputs};
+pub use library::{Accuracy, Entry, PICTURES, entries, inputs};
 pub use lower::section_fields;
 pub(crate) use material::material_members;
 pub use material::{Material, material_glsl};
+pub use origins::{Origins, TextPlace};
 pub use scene::{Camera, Light, LightKind, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap};
 pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;
@@ -102,16 +104,16 @@ pub fn compile(name: &str, text: &str, resolve: &mut Resolver<'_>) -> Compiled {
 }
 
 /// The same for a text in which the numbers of these places are being changed ([`changed_numbers`]): the expressions
-/// read them as inputs of a frame, behind the scene's parameters. One of them may be `turning`: it gets a range, in
-/// which a frame may set it without the text being read again.
+/// read them as inputs of a frame, behind the scene's parameters. Some of them may be `turning`: they get a range, in
+/// which a frame may set them without the text being read again.
 pub fn compile_while_changing(
     name: &str,
     text: &str,
     resolve: &mut Resolver<'_>,
     changing: &BTreeSet<usize>,
-    turning: Option<Turning>,
+    turning: &[Turning],
 ) -> Compiled {
-    if !changing.is_empty() || turning.is_some() {
+    if !changing.is_empty() || !turning.is_empty() {
         let compiled =
             compile_all(name, text, resolve, &LIMITS, ChangingNumbers::of(text, changing, turning));
         if compiled.scene.is_some() {

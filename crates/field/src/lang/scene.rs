@@ -5,11 +5,14 @@
 //! shape alone because a bound would cast shadows of things that do not exist (Abt 2022, figure 12); beyond the bound
 //! the estimate grows until it casts none.
 
+use std::sync::Arc;
+
 use super::about::About;
 use super::builtin::uses::{DIRECTION, EYE, FRAME, NOTHING, TEXTURE};
 use super::fields::DefaultValue::{Each, Library, Parts};
 use super::fields::section;
 use super::material::Material;
+use super::origins::Origins;
 use super::source::Span;
 use crate::graph::{Graph, NodeId};
 
@@ -44,6 +47,8 @@ pub struct Scene {
     pub textures: Vec<TextureRef>,
     /// Paths of the files that were included, in the order in which they were read.
     pub includes: Vec<String>,
+    /// Which parts of the text they come from; of a scene between two scenes nothing is known.
+    pub origins: Arc<Origins>,
 }
 
 /// A shape with its material.

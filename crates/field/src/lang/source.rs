@@ -110,6 +110,11 @@ impl Sources {
         Some((index, within(span.start)..within(span.end)))
     }
 
+    /// First offset and length of each file, in bytes.
+    pub(super) fn extents(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.files.iter().map(|file| (file.base, file.text.len() as u32))
+    }
+
     fn file_at(&self, offset: u32) -> Option<&SourceFile> {
         let index = self.files.partition_point(|file| file.base <= offset);
         self.files.get(index.checked_sub(1)?)

@@ -64,6 +64,19 @@ impl Regions {
         run_texels(self.texels.get(tape as usize..).unwrap_or(&[]), &mut registers, &[], frame)
     }
 
+    /// Clauses of the tape that begins at a texel.
+    pub fn clauses_of(&self, tape: u32) -> u64 {
+        let mut clauses = 0;
+        for texel in self.texels.get(tape as usize..).unwrap_or(&[]) {
+            let numbers = [texel[0], texel[2]].map(|word| word.to_le_bytes()[0]);
+            clauses += numbers.iter().take_while(|number| **number != opcode::END).count() as u64;
+            if numbers[1] == opcode::END {
+                break;
+            }
+        }
+        clauses
+    }
+
     /// Bound and estimate at a point, by its cell's tape.
     pub fn distance(&self, point: [f32; 3], penumbra: f32, frame: &FrameInputs) -> [f32; 2] {
         let tape = self.cell_at(point).map_or(self.whole_tape, |cell| cell.tape);

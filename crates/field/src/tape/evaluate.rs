@@ -19,9 +19,11 @@ pub(super) trait Domain {
     fn texture(&mut self, texture: u16, channel: u8, u: &Self::Value, v: &Self::Value) -> Self::Value;
 }
 
-/// The registers, the memory and the table of one run.
+/// The clauses, the registers, the memory and the table of one run.
 #[derive(Debug, Clone)]
 pub(super) struct Machine<V, E = f32> {
+    /// Decoded once: a tape is run at many places.
+    instructions: Vec<Instruction>,
     pub(super) registers: Vec<V>,
     memory: Vec<V>,
     table: Vec<E>,
@@ -37,17 +39,21 @@ impl<V: Copy> Machine<V> {
 
 impl<V: Copy, E: Copy> Machine<V, E> {
     pub(super) fn with_table(tape: &Tape, table: Vec<E>, zero: V) -> Self {
-        Self { registers: vec![zero; tape.registers.max(1)], memory: vec![zero; tape.memory], table }
+        Self {
+            instructions: tape.clauses.iter().filter_map(|clause| clause.decode()).collect(),
+            registers: vec![zero; tape.registers.max(1)],
+            memory: vec![zero; tape.memory],
+            table,
+        }
     }
 
     #[inline(always)]
-    pub(super) fn run(&mut self, tape: &Tape, domain: &mut impl Domain<Value = V, Entry = E>) {
-        let Self { registers, memory, table } = self;
+    pub(super) fn run(&mut self, domain: &mut impl Domain<Value = V, Entry = E>) {
+        let Self { instructions, registers, memory, table } = self;
         let mut page = 0;
         let mut selected = (0, 0);
-        for clause in &tape.clauses {
-            let Some(instruction) = clause.decode() else { continue };
-            match instruction {
+        for instruction in instructions.iter() {
+            match *instruction {
                 Instruction::End => break,
                 Instruction::Page(number) => page = usize::from(number) * 256,
                 Instruction::Load { output, entry } => {
@@ -146,7 +152,7 @@ impl<'a> PointEvaluator<'a> {
     /// The outputs at a point, bit for bit those of the graph.
     pub fn at(&mut self, point: &Point) -> &[f32] {
         let mut domain = Numbers { inputs: point.inputs(), frame: self.frame };
-        self.machine.run(self.tape, &mut domain);
+        self.machine.run(&mut domain);
         for (value, &register) in self.outputs.iter_mut().zip(&self.tape.outputs) {
             *value = self.machine.registers[usize::from(register)] + 0.0;
         }
@@ -258,7 +264,7 @@ impl<'a> Batch<'a> {
             self.tape.outputs.iter().map(|_| Vec::with_capacity(count)).collect();
         for start in (0..count).step_by(LANES) {
             let mut domain = Lanes { points, start, frame: self.frame };
-            self.machine.run(self.tape, &mut domain);
+            self.machine.run(&mut domain);
             let lanes = LANES.min(count - start);
             for (values, &register) in outputs.iter_mut().zip(&self.tape.outputs) {
                 let row = &self.machine.registers[usize::from(register)];
@@ -327,7 +333,7 @@ impl<'a> IntervalEvaluator<'a> {
         self.choices.clear();
         let inputs = [x, y, z, nx, ny, nz];
         let mut domain = Intervals { inputs, frame: self.frame, choices: &mut self.choices };
-        self.machine.run(self.tape, &mut domain);
+        self.machine.run(&mut domain);
         for (bounds, &register) in self.outputs.iter_mut().zip(&self.tape.outputs) {
             *bounds = self.machine.registers[usize::from(register)];
         }
@@ -406,7 +412,7 @@ impl<'a> GradientEvaluator<'a> {
     /// The outputs and their derivatives by the position, at a point.
     pub fn at(&mut self, point: &Point) -> &[Dual] {
         let mut domain = Duals { inputs: point.inputs(), frame: self.frame };
-        self.machine.run(self.tape, &mut domain);
+        self.machine.run(&mut domain);
         for (dual, &register) in self.outputs.iter_mut().zip(&self.tape.outputs) {
             *dual = self.machine.registers[usize::from(register)];
             dual.value += 0.0;

@@ -70,12 +70,12 @@ impl<'a> GradientIntervals<'a> {
     pub fn over(&mut self, position: [Interval; 3], normal: [Interval; 3]) -> &[GradientInterval] {
         let Self { tape, frame, machine, outputs, pieces } = self;
         pieces.clear();
-        machine.run(tape, &mut Slopes { position, normal, frame, jumps: Some(pieces) });
+        machine.run(&mut Slopes { position, normal, frame, jumps: Some(pieces) });
         for (bounds, &register) in outputs.iter_mut().zip(&tape.outputs) {
             *bounds = machine.registers[usize::from(register)];
         }
         for (number, &position) in pieces.of(position).iter().enumerate() {
-            machine.run(tape, &mut Slopes { position, normal, frame, jumps: None });
+            machine.run(&mut Slopes { position, normal, frame, jumps: None });
             for (bounds, &register) in outputs.iter_mut().zip(&tape.outputs) {
                 let piece = machine.registers[usize::from(register)];
                 // The value is that of the whole box because no piece contains the jumps themselves.

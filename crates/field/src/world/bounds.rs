@@ -2,7 +2,7 @@
 //!
 //! **Bounds of surfaces.** A cube that reaches about 1024 from the origin is cut into eight again and again, and
 //! slices are taken off it. Interval arithmetic over all sounds, times and parameters finds the parts that cannot
-//! hold a surface, and these are left out. This is done once for each scene and may take about 10 ms. Rays that miss
+//! hold a surface, and these are left out. This is done once for each text of a scene and may take about 10 ms. Rays that miss
 //! the box cost nothing. A scene that extends without end has no bounds and is traced up to a distance of 1000.
 
 use crate::graph::{FrameInputs, Interval};

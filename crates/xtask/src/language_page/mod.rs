@@ -5,12 +5,11 @@
 //! ```
 //!
 //! `FOLDER` defaults to `docs`: there `language.md` is written and, in `shapes/`, a picture of each function that
-//! [`pictures::PICTURES`] shows. What the reference says stands in the code (`mariana_field::lang::entries`) and in
+//! [`mariana_field::lang::PICTURES`] shows. What the reference says stands in the code (`mariana_field::lang::entries`) and in
 //! `intro.md` here. Every run writes the same bytes.
 
 mod draw;
 mod field;
-mod pictures;
 mod reference;
 
 use std::path::{Path, PathBuf};
@@ -20,7 +19,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use mariana_field::graph::FrameInputs;
 
-use pictures::PICTURES;
+use mariana_field::lang::PICTURES;
 
 /// Writes the page and draws its pictures.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use mariana_field::lang::{Accuracy, Entry, Holds, Material, entries, inputs};
 
-use super::pictures::PICTURES;
+use mariana_field::lang::PICTURES;
 
 /// `docs/language.md`.
 pub fn text() -> String {

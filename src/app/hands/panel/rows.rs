@@ -6,12 +6,16 @@ use crate::app::hands::midi::words_of;
 use mariana_control::Param;
 use mariana_control::deed::Takes;
 use mariana_control::midi::{Mapping, Target};
+use mariana_remote::RemoteState;
 
 /// All rows, from the top.
 pub(super) fn rows_of(facts: &HandFacts<'_>) -> Vec<HandRow> {
     let words = |text: String| HandRow::Words { text, is_bad: false };
     let osc = facts.osc.as_deref().unwrap_or("off; begin with --osc 9000");
-    let mut rows = vec![words(format!("OSC: {osc}"))];
+    // What is to be seen from afar comes first.
+    let mut rows = Vec::from_iter(invitation(facts));
+    rows.push(words(format!("OSC: {osc}")));
+    rows.extend(phone_words(facts));
     rows.extend(midi_words(facts));
     rows.extend(count_words(facts).map(words));
     if facts.midi.as_ref().is_some_and(|midi| midi.trouble.is_none()) {
@@ -65,6 +69,30 @@ pub(super) fn rows_of(facts: &HandFacts<'_>) -> Vec<HandRow> {
         stands: None,
     }));
     rows
+}
+
+/// The invitation of phones, while they can come.
+fn invitation(facts: &HandFacts<'_>) -> Option<HandRow> {
+    let phone = facts.phone.as_ref()?;
+    let RemoteState::Open(invitation) = &phone.state else { return None };
+    let about = match (phone.phones, invitation.is_local) {
+        (0, true) => "Only this computer can: it is in no other network.".to_owned(),
+        (0, false) => "It has to be in the same network.".to_owned(),
+        (1, _) => "One phone is there.".to_owned(),
+        (count, _) => format!("{count} phones are there."),
+    };
+    Some(HandRow::Phone { invitation: invitation.clone(), about })
+}
+
+/// How it stands with phones, while they cannot come.
+fn phone_words(facts: &HandFacts<'_>) -> Option<HandRow> {
+    let (text, is_bad) = match facts.phone.as_ref().map(|phone| &phone.state) {
+        None => ("Phone: off; begin with --remote 8080".to_owned(), false),
+        Some(RemoteState::Opening) => ("Phone: the port is being opened".to_owned(), false),
+        Some(RemoteState::Refused(why)) => (format!("Phone: {why}"), true),
+        Some(RemoteState::Open(_)) => return None,
+    };
+    Some(HandRow::Words { text, is_bad })
 }
 
 /// How many messages came of either kind, if any did.

@@ -4,6 +4,7 @@ use super::*;
 use crate::app::hands::deeds;
 use mariana_control::Hand;
 use mariana_control::midi::Source;
+use mariana_remote::RemoteState;
 
 fn slider() -> Slider {
     Slider { name: "size".into(), value: 1.0, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Midi }
@@ -24,6 +25,7 @@ fn panel(mappings: &[Mapping], learning: Option<&Target>) -> HandsPanel {
         scene: "orb".to_owned(),
         sliders: &[slider()],
         osc: None,
+        phone: None,
         midi: Some(midi),
         clock: true,
         clock_tempo: None,
@@ -103,6 +105,7 @@ fn a_row_that_moves_stays_selected() {
         scene: "city".to_owned(),
         sliders: &[],
         osc: None,
+        phone: None,
         midi: Some(MidiState { is_known: true, ..MidiState::default() }),
         clock: true,
         clock_tempo: None,
@@ -139,4 +142,35 @@ fn what_is_learned_says_what_to_do() {
     let panel = panel(&[], Some(&size()));
     let row = panel.rows().iter().find(|row| matches!(row, HandRow::Target { learns: true, .. }));
     assert!(matches!(row, Some(HandRow::Target { about, .. }) if about.contains("move a knob")), "{row:?}");
+}
+
+#[test]
+fn the_invitation_of_phones_comes_first_and_why_none_can_come_is_told() {
+    let panel_of = |state| {
+        let mut panel = HandsPanel::default();
+        panel.update(&HandFacts {
+            scene: "orb".to_owned(),
+            sliders: &[slider()],
+            osc: None,
+            phone: Some(PhoneFacts { state, phones: 2 }),
+            midi: None,
+            clock: false,
+            clock_tempo: None,
+            counts: (0, 0),
+            mappings: &[],
+            learning: None,
+        });
+        panel
+    };
+    let url = "http://192.168.0.7:8080/x/".to_owned();
+    let invitation = Invitation { code: mariana_remote::Code::of(&url), url, is_local: false };
+    let panel = panel_of(RemoteState::Open(Arc::new(invitation.clone())));
+    let Some(HandRow::Phone { invitation: shown, about }) = panel.rows().first() else {
+        panic!("{:?}", panel.rows().first())
+    };
+    assert_eq!((&**shown, &**about), (&invitation, "2 phones are there."));
+    assert!(panel.selected() > 0, "there is nothing to choose of it");
+    let panel = panel_of(RemoteState::Refused("why".to_owned()));
+    assert!(panel.rows().contains(&HandRow::Words { text: "Phone: why".to_owned(), is_bad: true }));
+    assert!(!panel.rows().iter().any(|row| matches!(row, HandRow::Phone { .. })));
 }

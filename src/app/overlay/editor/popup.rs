@@ -1,8 +1,13 @@
 //! What may be written at the cursor: a list of names, and what the selected one is.
 
-use egui::{Id, LayerId, Order, Pos2, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use std::sync::Arc;
 
-use crate::app::editor::{EditorRequest, Proposing};
+use egui::{
+    Color32, ColorImage, Context, Id, LayerId, Order, Pos2, Rect, Sense, TextureHandle, TextureId,
+    TextureOptions, Ui, WidgetInfo, pos2, vec2,
+};
+
+use crate::app::editor::{EditorRequest, PORTRAIT_SIDE, Portrait, Proposing};
 use crate::app::overlay::{assisted, style};
 
 /// Names that show at a time.
@@ -11,6 +16,8 @@ const ROWS: usize = 8;
 const ROW: f32 = 18.0;
 /// Width of the list.
 const WIDTH: f32 = 190.0;
+/// Side of the picture of a shape, in points.
+const PICTURE: f32 = 72.0;
 /// Greatest width of what the selected one is.
 const ABOUT_WIDTH: f32 = 330.0;
 
@@ -20,7 +27,7 @@ pub(super) fn show(
     space: Rect,
     at: Pos2,
     line: f32,
-    proposing: &Proposing,
+    (proposing, portrait): (&Proposing, Option<&Portrait>),
     ask: &mut impl FnMut(EditorRequest),
 ) {
     let painter = ui.ctx().layer_painter(LayerId::new(Order::Foreground, Id::unique("proposals")));
@@ -64,13 +71,47 @@ pub(super) fn show(
     let parts: Vec<_> = parts.into_iter().flatten().collect();
     let height: f32 = parts.iter().map(|part| part.size().y + 3.0).sum();
     let widest = parts.iter().map(|part| part.size().x).fold(0.0, f32::max);
-    let about = Rect::from_min_size(rect.right_top() + vec2(4.0, 0.0), vec2(widest + 16.0, height + 11.0));
+    let picture = portrait.map_or(0.0, |_| PICTURE + 6.0);
+    let size = vec2(widest.max(picture) + 16.0, height + picture + 11.0);
+    let about = Rect::from_min_size(rect.right_top() + vec2(4.0, 0.0), size);
     style::ground(&painter, about);
     style::ground(&painter, about);
     let mut y = about.top() + 6.0;
+    if let Some(portrait) = portrait {
+        let place = Rect::from_min_size(pos2(about.left() + 8.0, y + 1.0), vec2(PICTURE, PICTURE));
+        painter.rect_filled(place, 4.0, style::RAIL);
+        let (uv, white) = (Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
+        painter.image(texture(ui.ctx(), portrait), place, uv, white);
+        y += picture;
+    }
     for part in parts {
         let height = part.size().y;
         painter.galley(pos2(about.left() + 8.0, y), part, style::TEXT);
         y += height + 3.0;
     }
+}
+
+/// A picture that was uploaded.
+#[derive(Clone)]
+struct Uploaded {
+    of: Portrait,
+    texture: TextureHandle,
+}
+
+/// A picture as a texture, which stays until another one is shown.
+fn texture(context: &Context, portrait: &Portrait) -> TextureId {
+    let id = Id::unique("portrait of a proposal");
+    let known = context.data(|data| data.get_temp::<Uploaded>(id));
+    let uploaded = known.filter(|known| Arc::ptr_eq(&known.of, portrait)).unwrap_or_else(|| {
+        let colors = |[r, g, b, covers]: &[u8; 4]| Color32::from_rgba_unmultiplied(*r, *g, *b, *covers);
+        let mut image = ColorImage::filled([PORTRAIT_SIDE, PORTRAIT_SIDE], Color32::TRANSPARENT);
+        for (pixel, drawn) in image.pixels.iter_mut().zip(portrait.iter()) {
+            *pixel = colors(drawn);
+        }
+        let texture = context.load_texture("portrait", image, TextureOptions::LINEAR);
+        Uploaded { of: portrait.clone(), texture }
+    });
+    let texture = uploaded.texture.id();
+    context.data_mut(|data| data.insert_temp(id, uploaded));
+    texture
 }

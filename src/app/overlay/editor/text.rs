@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
-    Color32, CursorIcon, FontId, Galley, Id, Painter, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2, pos2,
-    vec2,
+    Color32, CursorIcon, FontId, Galley, Id, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui,
+    Vec2, pos2, vec2,
 };
-use mariana_editing::{Buffer, TurnSpeed, cells, column_of, offset_of};
+use mariana_editing::{Buffer, TripleKind, TurnSpeed, cells, column_of, offset_of};
 use mariana_field::lang::WordKind;
 
-use super::popup;
+use super::{picker, popup};
 use crate::app::editor::{Document, Editor, EditorRequest};
 use crate::app::overlay::{assisted, style};
 
@@ -85,14 +85,14 @@ pub(super) fn cell(painter: &Painter) -> Vec2 {
     })
 }
 
-/// Draws the text in `space`.
+/// Draws the text in `space`; returns where more of it is.
 pub(super) fn show(
     ui: &Ui,
     space: Rect,
     editor: &Editor,
     document: &Document,
     ask: &mut impl FnMut(EditorRequest),
-) {
+) -> Option<Rect> {
     let buffer = document.editing.buffer();
     let font = style::monospace(SIZE);
     let cell = cell(ui.painter());
@@ -109,13 +109,22 @@ pub(super) fn show(
     let painter = ui.painter().with_clip_rect(space.intersect(ui.clip_rect()));
     let seen = top as usize..((top + rows).ceil() as usize + 1).min(buffer.line_count());
     draw_ground(&painter, space, &page, document, &seen);
+    if let Some(line) = editor.probed_line().filter(|line| seen.contains(line)) {
+        // What made the point of the picture that was clicked.
+        let rect = Rect::from_min_size(pos2(space.left(), page.at(line, 0.0).y), vec2(3.0, cell.y));
+        painter.rect_filled(rect, 1.0, style::ACCENT);
+    }
     for line in seen.clone() {
         draw_number(&painter, space.left() + gutter - 1.5 * cell.x, &page, line, document);
         let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
         draw_line(&clipped, &page, document, line, &font);
+        draw_colors(&clipped, &page, document, line);
     }
     draw_mistakes(&painter, space, &page, document, &seen);
     draw_cursor(&painter, &page, document, editor.has_focus());
+    if editor.find_line().is_none_or(|find| !find.typing) {
+        draw_preedit(&painter, &page, document, editor.preedit(), &font);
+    }
     point(ui, &painter, &page, editor, document, &response, ask);
     lane(ui, space, document, rows, ask);
     let cursor = document.editing.cursor();
@@ -124,8 +133,10 @@ pub(super) fn show(
     assisted::text(ui.ctx(), "editor", &format!("{}, line {}: {words}", document.name(), line + 1), false);
     if let Some(proposing) = editor.proposing() {
         let at = page.rect_of(buffer, &(proposing.from..cursor)).left_bottom();
-        popup::show(ui, space, at, cell.y, proposing, ask);
+        popup::show(ui, space, at, cell.y, (proposing, editor.portrait()), ask);
     }
+    let (at, _) = editor.picked_color()?;
+    picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, ask)
 }
 
 /// The line of the cursor, and what is selected.
@@ -200,6 +211,23 @@ fn draw_line(painter: &Painter, page: &Page, document: &Document, line: usize, f
         }
     }
     run.flush(painter, page, line, font);
+}
+
+/// The colours of a line, each below its `vec3`.
+fn draw_colors(painter: &Painter, page: &Page, document: &Document, line: usize) {
+    let (triples, start) = document.triples(line);
+    for triple in triples.into_iter().filter(|triple| triple.kind == TripleKind::Color) {
+        let word = start + triple.word.start..start + triple.word.end;
+        let mut rect = page.rect_of(document.editing.buffer(), &word);
+        rect.min.y = rect.bottom() - 3.5;
+        painter.rect(
+            rect,
+            1.5,
+            picker::look(triple.values()),
+            Stroke::new(0.5, style::AHEAD),
+            StrokeKind::Outside,
+        );
+    }
 }
 
 /// Letters of ASCII that stand side by side.
@@ -291,6 +319,20 @@ fn draw_cursor(painter: &Painter, page: &Page, document: &Document, focused: boo
     }
 }
 
+/// Letters that are being put together, underlined over what stands behind the cursor.
+fn draw_preedit(painter: &Painter, page: &Page, document: &Document, letters: &str, font: &FontId) {
+    if letters.is_empty() {
+        return;
+    }
+    let cursor = document.editing.cursor();
+    let at = page.rect_of(document.editing.buffer(), &(cursor..cursor)).left_top();
+    let galley = style::line(painter, letters, font.clone(), style::TEXT, f32::MAX);
+    let rect = Rect::from_min_size(at, vec2(galley.size().x + 2.0, page.cell.y));
+    painter.rect_filled(rect, 0.0, style::ON_ACCENT);
+    painter.galley(at, galley, style::TEXT);
+    painter.hline(rect.x_range(), rect.bottom() - 1.5, Stroke::new(1.5, style::ACCENT));
+}
+
 /// What the pointer does to the text.
 fn point(
     ui: &Ui,
@@ -313,6 +355,13 @@ fn point(
             input.smooth_scroll_delta(),
         )
     });
+    if editor.turns_three() {
+        // What turns them lies elsewhere.
+        if !down {
+            ask(EditorRequest::LetGo);
+        }
+        return;
+    }
     if let Some(turned) = editor.turned() {
         let speed = match (modifiers.shift, modifiers.ctrl) {
             (true, _) => TurnSpeed::Fine,
@@ -339,12 +388,18 @@ fn point(
     if let Some(rect) = number.filter(|_| !response.dragged()) {
         draw_grip(painter, grip_of(rect), grips.is_some());
     }
-    let icon = if grips.is_some() { CursorIcon::ResizeHorizontal } else { CursorIcon::Text };
-    ui.ctx().set_cursor_icon(icon);
+    let color = color_at(page, document, at);
+    ui.ctx().set_cursor_icon(match (grips.is_some(), color.is_some()) {
+        (true, _) => CursorIcon::ResizeHorizontal,
+        (false, true) => CursorIcon::PointingHand,
+        (false, false) => CursorIcon::Text,
+    });
     if let Some(rect) = grips.filter(|_| pressed) {
         return ask(EditorRequest::Grab(page.offset(buffer, rect.center())));
     }
-    if pressed && response.contains_pointer() {
+    if let Some(color) = color.filter(|_| response.clicked() && !modifiers.shift) {
+        ask(EditorRequest::PickColor(color));
+    } else if pressed && response.contains_pointer() {
         ask(EditorRequest::Press { at: offset, clicks: 1, select: modifiers.shift });
     } else if response.triple_clicked() {
         ask(EditorRequest::Press { at: offset, clicks: 3, select: false });
@@ -373,6 +428,17 @@ fn number_at(page: &Page, document: &Document, at: Pos2) -> Option<Rect> {
         let (number, start) = document.number(offset)?;
         let rect = page.rect_of(buffer, &(start + number.range.start..start + number.range.end));
         (rect.contains(near) || grip_of(rect).contains(at)).then_some(rect)
+    })
+}
+
+/// The byte of the colour on whose `vec3` the pointer is.
+fn color_at(page: &Page, document: &Document, at: Pos2) -> Option<usize> {
+    let buffer = document.editing.buffer();
+    let (triples, start) = document.triples(buffer.line_of(page.offset(buffer, at)));
+    let mut words = triples.into_iter().filter(|triple| triple.kind == TripleKind::Color);
+    words.find_map(|triple| {
+        let word = start + triple.word.start..start + triple.word.end;
+        page.rect_of(buffer, &word).contains(at).then_some(word.start)
     })
 }
 

@@ -37,6 +37,7 @@ fn panel() -> HandsPanel {
         scene: "orb".to_owned(),
         sliders: &[slider],
         osc: Some("heard on 127.0.0.1:9000".to_owned()),
+        phone: None,
         midi: Some(MidiState { devices: vec!["desk".to_owned()], is_known: true, ..MidiState::default() }),
         clock: true,
         clock_tempo: None,
@@ -111,5 +112,44 @@ fn the_panel_of_knobs_fits_every_window() {
         let mut stage = Stage::new(screen);
         let laid_out = stage.frame(Vec::new(), OverlayContent { hands: Some(panel), ..Default::default() });
         assert!(screen.y < 100.0 || stage.screen.contains_rect(laid_out.panels[0]), "{screen:?}");
+    }
+}
+
+#[test]
+fn the_code_of_the_address_is_drawn_in_whole_pixels_at_any_scale() {
+    for scale in [1.0, 1.5, 2.0] {
+        let context = egui::Context::default();
+        context.set_pixels_per_point(scale);
+        let url = "http://192.168.100.100:65535/0123456789abcdefghjkmnpqrs/".to_owned();
+        let invitation =
+            mariana_remote::Invitation { code: mariana_remote::Code::of(&url), url, is_local: false };
+        let input = egui::RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(640.0, 360.0))),
+            ..Default::default()
+        };
+        // A new scale counts from the second picture on.
+        let mut shapes = Vec::new();
+        for _ in 0..2 {
+            let mut output = context.run_ui(input.clone(), |ui| {
+                super::super::invitation::show(ui, &invitation, "about");
+            });
+            output.textures_delta.clear();
+            shapes = output.shapes;
+        }
+        let mesh = shapes.iter().find_map(|shape| match &shape.shape {
+            egui::Shape::Mesh(mesh) => Some(mesh.clone()),
+            _ => None,
+        });
+        let mesh = mesh.unwrap();
+        let squares = invitation.code.as_ref().unwrap().dark().count() + 1;
+        assert_eq!(mesh.vertices.len(), 4 * squares);
+        for vertex in &mesh.vertices {
+            for at in [vertex.pos.x * scale, vertex.pos.y * scale] {
+                assert!((at - at.round()).abs() < 1e-2, "{at} is between pixels at {scale}");
+            }
+        }
+        let side = scale * (mesh.vertices[3].pos - mesh.vertices[0].pos).x;
+        let count = (invitation.code.as_ref().unwrap().side() + 2 * mariana_remote::Code::EDGE) as f32;
+        assert!(side / count >= 3.0, "squares of {} pixels are too small for a camera", side / count);
     }
 }

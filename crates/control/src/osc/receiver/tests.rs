@@ -18,6 +18,7 @@ fn hearing() -> Hearing {
         params: vec![param],
         switches: vec![("pause", true)],
         tempo: 120.0,
+        ..Present::default()
     });
     Hearing { deeds: DEEDS, wishes: Wishes::new(|| {}), board }
 }

@@ -4,7 +4,11 @@
 //! source]`, `[bound; source]` or `[source]`. *Exact*: the result is the distance to the surface. *Bound*: the result
 //! never exceeds that distance, so that a ray may step by it, but it may be less.
 
+mod pictures;
+
 use std::sync::LazyLock;
+
+pub use pictures::PICTURES;
 
 use super::ast::{Ast, Function, Item};
 use super::builtin::{BUILTINS, FOLDS, INPUTS};

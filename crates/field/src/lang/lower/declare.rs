@@ -1,11 +1,14 @@
 //! The scene as a whole: its items, the order in which they are lowered, and its defaults.
 
+use std::sync::Arc;
+
 use super::super::about::About;
-use super::super::ast::{ExprId, Item, Name, Section};
+use super::super::ast::{Entry, ExprId, Item, Name, Section};
 use super::super::builtin::{INPUTS, InputRow, InputValue, uses};
 use super::super::diagnostic::Diagnostic;
 use super::super::library;
 use super::super::material::Material;
+use super::super::origins::Stretch;
 use super::super::scene::{Camera, Light, LightKind, Object, Param, Picture, Scene, Sky};
 use super::super::source::{Sources, Span};
 use super::super::symbol::Symbol;
@@ -61,8 +64,10 @@ impl<'a> Lowering<'a> {
                 }
                 match item {
                     Item::Section { section, name, span, entries, broken } if wanted(section) => {
+                        let from = self.origins.mark();
                         let values = self.fields(*section, entries, *broken);
                         self.section(&mut parts, *section, *name, *span, &values);
+                        self.note_block(&parts, (*section, *span), entries, from, &values);
                     }
                     Item::Bare(value) if wanted(&Section::Object) => self.bare(&mut parts, *value),
                     _ => {}
@@ -104,6 +109,7 @@ impl<'a> Lowering<'a> {
                 span: Span::new(number.offset, number.offset),
             });
         }
+        self.origins.finish(sources);
         let unset = Values::default();
         let camera = parts.camera.unwrap_or_else(|| Camera::of(self.numbers(Camera::FIELDS, &unset)));
         let sky = parts.sky.unwrap_or_else(|| Sky::of(self.numbers(Sky::FIELDS, &unset)));
@@ -123,7 +129,28 @@ impl<'a> Lowering<'a> {
             params: self.params,
             textures: self.textures,
             includes,
+            origins: Arc::new(self.origins),
         })
+    }
+
+    /// Notes which text an object or a material is made of, of which the fields were noted from a mark on.
+    fn note_block(
+        &mut self,
+        parts: &Parts,
+        (section, span): (Section, Span),
+        entries: &[Entry],
+        from: u32,
+        values: &Values,
+    ) {
+        let inside = self.origins.since(from);
+        let fields = entries.iter().filter(|entry| !entry.is_let).map(|entry| entry.name.span);
+        let head = self.origins.head([span].into_iter().chain(fields), &values.beside_the_shape);
+        let whole = self.origins.head([].into_iter(), &[head, inside]);
+        match (section, parts.objects.len().checked_sub(1), parts.materials.len().checked_sub(1)) {
+            (Section::Object, Some(object), _) => self.origins.of_object(object, head, whole),
+            (Section::Material, _, Some(material)) => self.origins.of_material(material, whole),
+            _ => {}
+        }
     }
 
     fn bare(&mut self, parts: &mut Parts, value: ExprId) {
@@ -134,10 +161,13 @@ impl<'a> Lowering<'a> {
             self.report(second.hint("combine them: `union(a, b)`; or give this one a name with `let`"));
             return;
         }
+        let from = self.origins.mark();
         let shape = self.within(uses::POINT | uses::FRAME, "a shape", |this| this.expr(value));
+        let by = self.origins.since(from);
         if let Some(shape) = self.one_number(shape, "a shape", span) {
             let material = self.default_material(parts);
             self.add_object(parts, Object { name: BARE_NAME.to_owned(), span, shape, bound: None, material });
+            self.origins.of_object(parts.objects.len().saturating_sub(1), Stretch::default(), by);
         }
     }
 
@@ -202,7 +232,14 @@ impl<'a> Lowering<'a> {
                         let index = self.lets.len() as u32;
                         self.globals[name.symbol.index()].value = GlobalValue::Let(index);
                         let (name, span) = (name.symbol, name.span);
-                        self.lets.push(GlobalLet { name, span, value: *value, known: None, open: false });
+                        self.lets.push(GlobalLet {
+                            name,
+                            span,
+                            value: *value,
+                            known: None,
+                            by: Stretch::default(),
+                            open: false,
+                        });
                     }
                 }
                 Item::Fn(function) => {

@@ -15,13 +15,18 @@ impl Lowering<'_> {
     /// The value of an expression.
     pub(super) fn expr(&mut self, id: ExprId) -> Value {
         let base = self.spine.len();
+        let from = self.origins.mark();
         let mut inner = id;
         let mut value = loop {
             let span = self.ast.span(inner);
             if !self.step(span) {
                 break Value::Unknown;
             }
-            match self.ast.expr(inner) {
+            let expr = self.ast.expr(inner);
+            if self.library_call.is_none() && !matches!(expr, Expr::Name(_) | Expr::Number(_)) {
+                self.origins.begins(span);
+            }
+            match expr {
                 Expr::Binary(_, left, _) => {
                     self.spine.push(inner);
                     inner = left;
@@ -38,6 +43,7 @@ impl Lowering<'_> {
                 nested => break self.nested(nested, span),
             }
         };
+        self.note_made(value, inner, from);
         while self.spine.len() > base {
             let Some(outer) = self.spine.pop() else { break };
             let span = self.ast.span(outer);
@@ -49,8 +55,20 @@ impl Lowering<'_> {
                 Expr::Swizzle(_, components) => self.swizzle(value, components, span),
                 _ => Value::Unknown,
             };
+            self.note_made(value, outer, from);
         }
         value
+    }
+
+    /// Notes where a number comes from that was made since a mark.
+    #[inline]
+    fn note_made(&mut self, value: Value, id: ExprId, from: u32) {
+        if self.library_call.is_none()
+            && let Value::Vector(vector) = value
+            && vector.len() == 1
+        {
+            self.origins.makes(vector.first(), self.ast.span(id), from);
+        }
     }
 
     /// [`Lowering::expr`], one level deeper.
@@ -128,8 +146,10 @@ impl Lowering<'_> {
         let mark = self.scope.len();
         for index in 0..count {
             let symbol = Symbol(self.ast.extra(first + 2 * index));
+            let from = self.origins.mark();
             let value = self.expr_below(ExprId(self.ast.extra(first + 2 * index + 1)), span);
-            self.bind(symbol, value);
+            let by = self.origins.since(from);
+            self.bind_made(symbol, value, by);
         }
         let value = self.expr_below(result, span);
         self.unbind(mark);

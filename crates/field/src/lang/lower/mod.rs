@@ -20,6 +20,7 @@ use super::changing::ChangingNumbers;
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::library::{self, Library};
 use super::load::Loaded;
+use super::origins::{Origins, Stretch};
 use super::scene::{Param, Scene, TextureRef};
 use super::source::{Sources, Span};
 use super::symbol::{Interner, Symbol};
@@ -66,6 +67,7 @@ pub(super) fn lower(
         used: uses::NOTHING,
         spine: Vec::new(),
         arguments: Vec::new(),
+        origins: Origins::default(),
     };
     lowering.scene(&items, includes, sources)
 }
@@ -97,6 +99,8 @@ struct GlobalLet {
     value: ExprId,
     /// The value and which inputs it uses.
     known: Option<(Value, u8)>,
+    /// What took part in it.
+    by: Stretch,
     open: bool,
 }
 
@@ -112,6 +116,8 @@ struct Binding {
     /// The binding of the same name that it hides, or [`NO_BINDING`].
     hidden: u32,
     value: Value,
+    /// What took part in it, if it is a `let`.
+    by: Stretch,
 }
 
 const NO_BINDING: u32 = u32::MAX;
@@ -155,6 +161,8 @@ struct Lowering<'a> {
     spine: Vec<ExprId>,
     /// Arguments of the calls that are open.
     arguments: Vec<Value>,
+    /// Where what is made comes from.
+    origins: Origins,
 }
 
 /// Most calls that a diagnostic lists on the way to its place.
@@ -204,6 +212,9 @@ impl<'a> Lowering<'a> {
     fn written_number(&mut self, value: f32, id: ExprId) -> Value {
         // Only where a frame's inputs are known, and not in the library's texts, whose places are others.
         let may_change = self.allowed & uses::FRAME != 0 && std::ptr::eq(self.ast, self.scene_ast);
+        if self.library_call.is_none() {
+            self.origins.begins(self.ast.span(id));
+        }
         let (offset, declared) = (self.ast.span(id).start, self.params.len());
         let input = if may_change {
             self.changing.input(offset, value, declared, self.limits.scene_params_max)
@@ -239,9 +250,14 @@ impl<'a> Lowering<'a> {
 
     /// Binds a name until [`Lowering::unbind`].
     fn bind(&mut self, symbol: Symbol, value: Value) {
+        self.bind_made(symbol, value, Stretch::default());
+    }
+
+    /// The same of a value in which something took part.
+    fn bind_made(&mut self, symbol: Symbol, value: Value, by: Stretch) {
         let Some(innermost) = self.innermost.get_mut(symbol.index()) else { return };
         let hidden = std::mem::replace(innermost, self.scope.len() as u32);
-        self.scope.push(Binding { symbol, hidden, value });
+        self.scope.push(Binding { symbol, hidden, value, by });
     }
 
     /// Forgets all bindings from `mark` on.
@@ -255,20 +271,34 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    fn local(&self, symbol: Symbol) -> Option<Value> {
+    fn local(&self, symbol: Symbol) -> Option<(Value, Stretch)> {
         let index = *self.innermost.get(symbol.index())? as usize;
-        if index < self.frame { None } else { self.scope.get(index).map(|binding| binding.value) }
+        if index < self.frame {
+            None
+        } else {
+            self.scope.get(index).map(|binding| (binding.value, binding.by))
+        }
     }
 
     /// The value of a name.
     #[inline]
     fn lookup(&mut self, symbol: Symbol, span: Span) -> Value {
-        if let Some(value) = self.local(symbol) {
+        let is_noted = self.library_call.is_none();
+        if is_noted {
+            self.origins.begins(span);
+        }
+        if let Some((value, by)) = self.local(symbol) {
+            if is_noted {
+                self.origins.uses(by);
+            }
             return value;
         }
         if self.library_call.is_none() {
             match self.globals.get(symbol.index()).copied().unwrap_or_default() {
                 Global { value: GlobalValue::Param(index), .. } => {
+                    if let Some(param) = self.params.get(index as usize) {
+                        self.origins.begins(param.span);
+                    }
                     self.take_input(uses::FRAME, symbol, span);
                     return Value::scalar(self.graph.input(Input::Param(index as u16)));
                 }
@@ -350,23 +380,29 @@ impl<'a> Lowering<'a> {
         let Some(global) = self.lets.get_mut(index) else { return Value::Unknown };
         let name = global.name;
         if let Some((value, used)) = global.known {
+            let by = global.by;
+            self.origins.uses(by);
             self.take_input(used, name, span);
             return value;
         }
         if std::mem::replace(&mut global.open, true) {
             return self.circle(name, span);
         }
-        let expr = global.value;
+        let (expr, global_span) = (global.value, global.span);
         let outside = (self.used, self.allowed, self.frame, self.ast, self.library_call);
         (self.used, self.allowed, self.frame) = (uses::NOTHING, u8::MAX, self.scope.len());
         (self.ast, self.library_call) = (self.scene_ast, None);
         self.calls.push((name, span));
+        let from = self.origins.mark();
+        self.origins.begins(global_span);
         let value = self.expr(expr);
+        let by = self.origins.since(from);
         self.calls.pop();
         let used = self.used;
         (self.used, self.allowed, self.frame, self.ast, self.library_call) = outside;
         if let Some(global) = self.lets.get_mut(index) {
             global.known = Some((value, used));
+            global.by = by;
             global.open = false;
         }
         self.take_input(used, name, span);

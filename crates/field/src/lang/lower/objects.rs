@@ -74,6 +74,7 @@ impl Lowering<'_> {
             let share = self.graph.add(share, half);
             let share = self.graph.clamp(share, zero, one);
             let mixed = self.mixed(parts.materials.get(a.material)?, parts.materials.get(b.material)?, share);
+            self.origins.of_mixture(parts.materials.len(), [a.material, b.material]);
             parts.materials.push(mixed);
             parts.materials.len() - 1
         };

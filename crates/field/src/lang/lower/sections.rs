@@ -9,6 +9,7 @@ use super::super::builtin::uses::{FRAME, NOTHING, POINT};
 use super::super::diagnostic::Diagnostic;
 use super::super::fields::{DefaultValue, Field, Holds};
 use super::super::material::Material;
+use super::super::origins::Stretch;
 use super::super::scene::{Camera, Light, Picture, Sky, ToneMap};
 use super::super::source::Span;
 use super::super::suggest;
@@ -99,6 +100,8 @@ pub(super) struct Values {
     given: Vec<(&'static str, Value, Span)>,
     /// Index of the material that an object names.
     pub(super) material: Option<usize>,
+    /// What took part in its values, apart from an object's shape.
+    pub(super) beside_the_shape: Vec<Stretch>,
     /// Whether a field was wrong, so that the values are of no use.
     pub(super) broken: bool,
 }
@@ -192,9 +195,12 @@ impl Lowering<'_> {
         let outside = std::mem::replace(&mut self.frame, mark);
         let all = known.iter().fold(0, |all, field| all | field.uses);
         for entry in entries {
+            let from = self.origins.mark();
             if entry.is_let {
+                self.origins.begins(entry.name.span);
                 let value = self.within(all, place(section), |this| this.expr(entry.value));
-                self.bind(entry.name.symbol, value);
+                let by = self.origins.since(from);
+                self.bind_made(entry.name.symbol, value, by);
                 continue;
             }
             let text = self.name(entry.name.symbol);
@@ -241,6 +247,9 @@ impl Lowering<'_> {
                     self.field_value(value, field.holds, text, self.ast.span(entry.value))
                 }
             };
+            if field.holds != Holds::Number || field.name != "shape" {
+                values.beside_the_shape.push(self.origins.since(from));
+            }
             values.broken |= value == Value::Unknown;
             values.given.push((field.name, value, entry.name.span));
         }

@@ -181,6 +181,7 @@ impl World {
             params: params.chain([share]).collect(),
             textures: from.scene.textures.iter().chain(&to.scene.textures).cloned().collect(),
             includes: Vec::new(),
+            origins: Default::default(),
         };
         let has_planes = [&a, &b].iter().any(|side| !side.planes.is_empty());
         // Planes that are traced have no end.

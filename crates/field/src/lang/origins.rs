@@ -1,0 +1,288 @@
+//! Which parts of a scene's text its expressions come from.
+//!
+//! While a text is lowered, each expression leaves a note where it begins, in the order in which they are visited. What
+//! took part in a value is therefore a stretch of the notes: everything that was visited while it was made. A name that
+//! stands for a value notes the stretch of that value. The library's own texts leave no notes: what is made there belongs
+//! to the call.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+use super::source::{Sources, Span};
+use crate::graph::NodeId;
+
+/// Most notes, and most values with a stretch: 4 MiB. What comes after them is known by its object alone.
+const NOTES_MAX: usize = 1 << 18;
+
+/// A place in the text: the number of the file among those of the scene, and the byte.
+pub type TextPlace = (usize, usize);
+
+/// Notes from the first to the one behind the last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub(super) struct Stretch {
+    from: u32,
+    to: u32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Note {
+    /// Something begins here.
+    Begins(u32),
+    /// What these notes tell takes part, too.
+    Uses(Stretch),
+}
+
+/// A value with the expression that it is the value of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Made {
+    node: NodeId,
+    span: Span,
+    by: Stretch,
+}
+
+/// See the module.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Origins {
+    notes: Vec<Note>,
+    /// Sorted by node once the text is lowered; of one node in the order in which they were made.
+    made: Vec<Made>,
+    /// By object: its text apart from its shape, and all of its text.
+    objects: Vec<Vec<(Stretch, Stretch)>>,
+    /// By material.
+    materials: Vec<Vec<Stretch>>,
+    /// First offset and length of each file.
+    files: Vec<(u32, u32)>,
+}
+
+impl Origins {
+    /// Where the next note will stand.
+    pub(super) fn mark(&self) -> u32 {
+        self.notes.len() as u32
+    }
+
+    /// The notes since a mark.
+    pub(super) fn since(&self, from: u32) -> Stretch {
+        Stretch { from, to: self.mark() }
+    }
+
+    /// Notes that something begins here.
+    #[inline]
+    pub(super) fn begins(&mut self, span: Span) {
+        if self.notes.len() < NOTES_MAX {
+            self.notes.push(Note::Begins(span.start));
+        }
+    }
+
+    /// Notes that a value is used that was made by these.
+    #[inline]
+    pub(super) fn uses(&mut self, by: Stretch) {
+        if by.from < by.to && self.notes.len() < NOTES_MAX {
+            self.notes.push(Note::Uses(by));
+        }
+    }
+
+    /// Notes the head of a block, with the names of its fields and what took part in them: of each block, however much was
+    /// noted before.
+    pub(super) fn head(&mut self, begins: impl Iterator<Item = Span>, uses: &[Stretch]) -> Stretch {
+        let from = self.mark();
+        self.notes.extend(begins.map(|span| Note::Begins(span.start)));
+        self.notes.extend(uses.iter().map(|by| Note::Uses(*by)));
+        self.since(from)
+    }
+
+    /// Notes whose value a node is, made since a mark.
+    #[inline]
+    pub(super) fn makes(&mut self, node: NodeId, span: Span, from: u32) {
+        if self.made.len() < NOTES_MAX {
+            let by = self.since(from);
+            self.made.push(Made { node, span, by });
+        }
+    }
+
+    /// Notes a block of the object with this number: its text apart from its shape, and all of it.
+    pub(super) fn of_object(&mut self, object: usize, head: Stretch, whole: Stretch) {
+        if self.objects.len() <= object {
+            self.objects.resize_with(object + 1, Vec::new);
+        }
+        if let Some(blocks) = self.objects.get_mut(object) {
+            blocks.push((head, whole));
+        }
+    }
+
+    /// Notes the block of the material with this number.
+    pub(super) fn of_material(&mut self, material: usize, block: Stretch) {
+        if self.materials.len() <= material {
+            self.materials.resize_with(material + 1, Vec::new);
+        }
+        if let Some(blocks) = self.materials.get_mut(material) {
+            blocks.push(block);
+        }
+    }
+
+    /// Notes that a material is mixed of two others.
+    pub(super) fn of_mixture(&mut self, material: usize, parts: [usize; 2]) {
+        for part in parts {
+            for block in self.materials.get(part).cloned().unwrap_or_default() {
+                self.of_material(material, block);
+            }
+        }
+    }
+
+    /// The text is lowered.
+    pub(super) fn finish(&mut self, sources: &Sources) {
+        self.made.sort_by_key(|made| made.node);
+        self.files = sources.extents().collect();
+    }
+
+    fn made_of(&self, node: NodeId) -> &[Made] {
+        let from = self.made.partition_point(|made| made.node < node);
+        let to = self.made.partition_point(|made| made.node <= node);
+        self.made.get(from..to).unwrap_or(&[])
+    }
+
+    /// Whether a value is that of an expression of the text.
+    pub fn knows(&self, node: NodeId) -> bool {
+        !self.made_of(node).is_empty()
+    }
+
+    /// The file and the bytes of the innermost expression of which a node is the value.
+    pub fn written_at(&self, node: NodeId) -> Option<(usize, Range<usize>)> {
+        let span = self.made_of(node).first()?.span;
+        let (file, start) = self.place(span.start)?;
+        Some((file, start..start + (span.end - span.start) as usize))
+    }
+
+    /// The places of the text that take part in a surface, sorted, each once: of an object with a material, where `path`
+    /// leads from its shape to the value that decides there. If no part of the path is known, all of the object's text
+    /// takes part.
+    pub fn places(&self, object: usize, material: usize, path: &[NodeId]) -> Vec<TextPlace> {
+        let mut open: Vec<Stretch> = Vec::new();
+        let mut starts = BTreeSet::new();
+        let known: Vec<&[Made]> = path.iter().map(|node| self.made_of(*node)).collect();
+        let last = known.iter().rposition(|made| !made.is_empty());
+        for made in known.iter().take(last.unwrap_or(0)) {
+            starts.extend(made.iter().map(|made| made.span.start));
+        }
+        if let Some(made) = last.and_then(|last| known.get(last)) {
+            starts.extend(made.iter().map(|made| made.span.start));
+            open.extend(made.iter().map(|made| made.by));
+        }
+        for (head, whole) in self.objects.get(object).into_iter().flatten() {
+            open.push(if last.is_some() { *head } else { *whole });
+        }
+        open.extend(self.materials.get(material).into_iter().flatten());
+        let mut seen = BTreeSet::new();
+        while let Some(stretch) = open.pop() {
+            if !seen.insert(stretch) {
+                continue;
+            }
+            let notes = self.notes.get(stretch.from as usize..stretch.to as usize).unwrap_or(&[]);
+            for note in notes {
+                match note {
+                    Note::Begins(start) => {
+                        starts.insert(*start);
+                    }
+                    Note::Uses(stretch) => open.push(*stretch),
+                }
+            }
+        }
+        starts.into_iter().filter_map(|start| self.place(start)).collect()
+    }
+
+    /// The file and the byte of an offset over all files.
+    pub fn place(&self, offset: u32) -> Option<TextPlace> {
+        let file = self.files.partition_point(|(base, _)| *base <= offset).checked_sub(1)?;
+        let (base, length) = self.files.get(file)?;
+        Some((file, (offset - base).min(*length) as usize))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::graph::NodeId;
+    use crate::lang::{Scene, compile, no_includes};
+
+    fn scene(text: &str) -> Scene {
+        compile("test", text, &mut no_includes).scene.unwrap()
+    }
+
+    /// The lines, from 1, that take part in an object's part: the first operand of its union, or the second.
+    fn lines(text: &str, object: usize, path: &[NodeId], scene: &Scene) -> Vec<usize> {
+        let material = scene.objects[object].material;
+        let places = scene.origins.places(object, material, path);
+        let line = |byte: usize| 1 + text[..byte].matches('\n').count();
+        let mut lines: Vec<usize> = places.into_iter().map(|(_, byte)| line(byte)).collect();
+        lines.dedup();
+        lines
+    }
+
+    const TWO: &str = "\
+let far = 3
+fn ball(q) =
+  sphere(q, 1)
+material red { color = vec3(1, 0, 0) }
+object both {
+  material = red
+  let aside = p - vec3(far, 0, 0)
+  shape = union(
+    ball(p),
+    box(aside,
+      vec3(0.5)))
+}
+object floor { shape = y + 1 }";
+
+    #[test]
+    fn a_part_of_a_union_comes_from_its_own_lines() {
+        let scene = scene(TWO);
+        let root = scene.objects[0].shape;
+        let crate::graph::Node::Binary(crate::graph::Op::Min, a, b) = scene.graph.node(root) else {
+            panic!("the shape is no union");
+        };
+        let (ball, cube) = if scene.origins.written_at(a).unwrap().1.start < TWO.find("object").unwrap() {
+            (a, b)
+        } else {
+            (b, a)
+        };
+        // Its function, the call, the head of the object, and its material.
+        assert_eq!(lines(TWO, 0, &[root, ball], &scene), [3, 4, 5, 6, 8, 9]);
+        // What a name stands for, and the numbers of its lines.
+        assert_eq!(lines(TWO, 0, &[root, cube], &scene), [1, 4, 5, 6, 7, 8, 10, 11]);
+        assert_eq!(lines(TWO, 1, &[scene.objects[1].shape], &scene), [13]);
+        let (file, range) = scene.origins.written_at(ball).unwrap();
+        assert_eq!((file, &TWO[range]), (0, "sphere(q, 1)"));
+    }
+
+    #[test]
+    fn what_is_included_is_in_its_own_file() {
+        let mut texts = |path: &str| match path {
+            "part.scene" => Ok("# a part\nfn ball(q) = sphere(q, 1)\n".to_owned()),
+            _ => Err("there is none".to_owned()),
+        };
+        let main = "include \"part.scene\"\nobject one { shape = ball(p) }";
+        let scene = compile("main", main, &mut texts).scene.unwrap();
+        let (file, range) = scene.origins.written_at(scene.objects[0].shape).unwrap();
+        assert_eq!(
+            (file, range),
+            (1, "# a part\nfn ball(q) = ".len().."# a part\nfn ball(q) = sphere(q, 1)".len())
+        );
+        let places = scene.origins.places(0, scene.objects[0].material, &[scene.objects[0].shape]);
+        let files: std::collections::BTreeSet<usize> = places.iter().map(|place| place.0).collect();
+        assert_eq!(files.into_iter().collect::<Vec<_>>(), [0, 1]);
+    }
+
+    #[test]
+    fn objects_that_melt_come_from_the_text_of_both() {
+        let text = "object a { shape = sphere(p, 1) }\nobject b { shape = box(p, 0.9)\n  melt = 0.2 }";
+        let scene = scene(text);
+        assert_eq!(lines(text, 0, &[scene.objects[0].shape], &scene), [1, 2, 3]);
+    }
+
+    #[test]
+    fn more_text_than_is_noted_still_makes_a_scene() {
+        let text = "object o { shape = min(for i in 0..1000: sphere(p - vec3(i, sum(for k in 0..300: k * x), 0), 1)) }";
+        let compiled = compile("test", text, &mut no_includes);
+        let scene = compiled.scene.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
+        assert!(scene.origins.notes.len() >= super::NOTES_MAX);
+        assert!(!scene.origins.places(0, 0, &[scene.objects[0].shape]).is_empty());
+    }
+}

@@ -1,0 +1,76 @@
+//! Which part of a shape decides about it at a point: of a union the nearest operand, and so on inwards.
+
+use crate::graph::{FrameInputs, Graph, GraphError, Node, NodeId, Op, Order, Point};
+
+/// A shape of which parts are asked for.
+#[derive(Debug, Clone)]
+pub struct Deciding<'a> {
+    graph: &'a Graph,
+    root: NodeId,
+    order: Order,
+    /// By node: whether it depends on the point.
+    of_point: Vec<bool>,
+}
+
+impl<'a> Deciding<'a> {
+    /// That of a node of a graph.
+    ///
+    /// # Errors
+    /// Those of [`Graph::check`].
+    pub fn new(graph: &'a Graph, root: NodeId) -> Result<Self, GraphError> {
+        let order = graph.order(&[root])?;
+        let mut of_point = vec![false; root.index() + 1];
+        for id in &order.nodes {
+            of_point[id.index()] = match graph.node(*id) {
+                Node::Constant(_) => false,
+                Node::Input(input) => input.of_point().is_some(),
+                Node::Unary(_, a) => of_point[a.index()],
+                Node::Binary(_, a, b) => of_point[a.index()] || of_point[b.index()],
+                Node::Texture { .. } => true,
+            };
+        }
+        Ok(Self { graph, root, order, of_point })
+    }
+
+    /// Nodes that the shape needs: the clauses that it takes by itself, inputs and numbers left out.
+    pub fn clauses(&self) -> usize {
+        self.order.nodes.iter().filter(|id| self.graph.is_clause(**id)).count()
+    }
+
+    /// The way from the shape to the part that decides at a point: through minima and maxima, and through what only
+    /// shifts, scales or turns a value around.
+    pub fn path(&self, position: [f32; 3], frame: &FrameInputs) -> Vec<NodeId> {
+        if self.next(self.root, |_| 0.0).is_none() {
+            return vec![self.root];
+        }
+        let point = Point { position, normal: [0.0; 3] };
+        let values = self.graph.evaluate_in(&self.order, &self.order.nodes, &point, frame);
+        let mut by_node = vec![0.0; self.of_point.len()];
+        for (id, value) in self.order.nodes.iter().zip(values) {
+            by_node[id.index()] = value;
+        }
+        let mut path = vec![self.root];
+        let mut at = self.root;
+        while let Some(inner) = self.next(at, |id| by_node[id.index()]) {
+            path.push(inner);
+            at = inner;
+        }
+        path
+    }
+
+    /// The operand that decides about a node's value.
+    fn next(&self, id: NodeId, value: impl Fn(NodeId) -> f32) -> Option<NodeId> {
+        let of_point = |id: NodeId| self.of_point[id.index()];
+        match self.graph.node(id) {
+            Node::Unary(Op::Neg, a) => Some(a),
+            Node::Binary(Op::Min, a, b) => Some(if value(a) <= value(b) { a } else { b }),
+            Node::Binary(Op::Max, a, b) => Some(if value(a) >= value(b) { a } else { b }),
+            Node::Binary(Op::Add | Op::Sub | Op::Mul | Op::Div, a, b) => match (of_point(a), of_point(b)) {
+                (true, false) => Some(a),
+                (false, true) => Some(b),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! Rays against scenes whose surfaces are known, and against another tracer.
+
+use proptest::prelude::*;
+
+use super::{Deciding, Ray, Sight, Survey, SurveyOptions, Traced};
+use crate::graph::{FrameInputs, Point};
+use crate::region::{RegionOptions, RegionPlan};
+use crate::world::World;
+use crate::world::testing::{SPEAKERS, world_of};
+
+/// The spread of a ray that asks for a single point.
+const NARROW: f32 = 1e-4;
+
+fn frame_of(world: &World, time: f32) -> FrameInputs {
+    let params = world.scene.params.iter().map(|param| param.default).collect();
+    let mut frame = FrameInputs { time, params, ..FrameInputs::default() };
+    frame.eye = world.frame_tape.values(&frame).camera.position;
+    frame.hoisted = world.hoisted.values(&frame);
+    frame
+}
+
+fn with_sight<T>(world: &World, time: f32, cells: bool, look: impl FnOnce(&Sight<'_>) -> T) -> T {
+    let frame = frame_of(world, time);
+    let options = RegionOptions { cells: cells || world.steep, ..RegionOptions::default() };
+    let regions = RegionPlan::new(world).build(&frame, &options);
+    let planes = world.frame_tape.values(&frame).planes;
+    look(&Sight::new(world, &regions, &frame, &planes))
+}
+
+fn ray(origin: [f32; 3], to: [f32; 3]) -> Ray {
+    let way: [f32; 3] = std::array::from_fn(|axis| to[axis] - origin[axis]);
+    let length = way.iter().map(|part| part * part).sum::<f32>().sqrt();
+    Ray { origin, direction: way.map(|part| part / length), spread: NARROW }
+}
+
+fn near(a: [f32; 3], b: [f32; 3], by: f32) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= by)
+}
+
+const KNOWN: &str = "\
+object floor { shape = y + 1 }
+object ball {
+  shape = sphere(p - vec3(0, 0, 5), 1)
+}
+object pair { shape = union(
+  box(p - vec3(3, 0, 5), vec3(0.5)),
+  sphere(p - vec3(-3, 0, 5), 0.5)) }";
+
+#[test]
+fn a_ball_a_wall_a_floor_and_the_sky_are_where_they_are() {
+    let world = world_of(KNOWN);
+    for cells in [true, false] {
+        with_sight(&world, 0.0, cells, |sight| {
+            let looks = |to: [f32; 3], distance: f32, object: usize, normal: [f32; 3]| {
+                let ray = ray([0.0; 3], to);
+                let hit = sight.trace(&ray).hit.unwrap_or_else(|| panic!("nothing towards {to:?}"));
+                assert!((hit.distance - distance).abs() < 2e-3, "{hit:?}, not {distance}");
+                assert!(near(hit.position, ray.at(distance), 2e-3), "{hit:?}");
+                assert_eq!(hit.object, object, "{hit:?}");
+                let found = sight.normal(&ray, &hit);
+                assert!(near(found, normal, 5e-3), "{found:?}, not {normal:?}");
+            };
+            looks([0.0, 0.0, 5.0], 4.0, 1, [0.0, 0.0, -1.0]);
+            // The near face of the box is at z = 4.5.
+            let to = [3.0, 0.0, 4.5];
+            looks(to, (9.0_f32 + 4.5 * 4.5).sqrt(), 2, [0.0, 0.0, -1.0]);
+            looks([1.0, -1.0, 0.0], 2.0_f32.sqrt(), 0, [0.0, 1.0, 0.0]);
+            assert_eq!(sight.trace(&ray([0.0; 3], [0.0, 1.0, 0.2])).hit, None);
+        });
+    }
+}
+
+/// What the parts of a union are at points: the lines on which they stand.
+#[test]
+fn a_part_of_a_union_is_known_by_its_line() {
+    let world = world_of(KNOWN);
+    with_sight(&world, 0.0, true, |sight| {
+        let pair = Deciding::new(&world.scene.graph, world.scene.objects[2].shape).unwrap();
+        for (to, words) in [([3.0, 0.0, 5.0], "box(p"), ([-3.0, 0.0, 5.0], "sphere(p - vec3(-3")] {
+            let hit = sight.trace(&ray([0.0; 3], to)).hit.unwrap();
+            let path = sight.path(&hit, Some(&pair));
+            let (_, bytes) = world.scene.origins.written_at(*path.last().unwrap()).unwrap();
+            assert!(KNOWN[bytes.clone()].starts_with(words), "{}", &KNOWN[bytes]);
+        }
+        let floor = sight.trace(&ray([0.0; 3], [0.0, -1.0, 0.1])).hit.unwrap();
+        let path = sight.path(&floor, None);
+        let (_, bytes) = world.scene.origins.written_at(*path.last().unwrap()).unwrap();
+        assert_eq!(&KNOWN[bytes], "y + 1");
+    });
+}
+
+#[test]
+fn a_formula_that_is_no_distance_is_met_where_its_sign_changes() {
+    let world = world_of("x^2 + y^2 + 4 * z^2 - 1 + 0.2 * x * y");
+    assert!(world.steep, "the test is about steep formulas");
+    with_sight(&world, 0.0, true, |sight| {
+        let ray = ray([0.0, 0.0, -3.0], [0.0; 3]);
+        let hit = sight.trace(&ray).hit.unwrap();
+        assert!((hit.distance - 2.5).abs() < 1e-3, "{hit:?}");
+        assert!(near(sight.normal(&ray, &hit), [0.0, 0.0, -1.0], 1e-2));
+    });
+}
+
+/// The first surface along a ray by short steps through the graph's own evaluator, which shares nothing with the tree.
+fn marched(world: &World, frame: &FrameInputs, ray: &Ray, far: f32) -> Option<f32> {
+    let at = |t: f32| {
+        let [x, y, z] = ray.at(t);
+        world.scene.graph.evaluate(&[world.scene.distance], &Point::at(x, y, z), frame).unwrap()[0]
+    };
+    let step = 2e-3;
+    let mut t = 0.0;
+    while t < far {
+        let value = at(t);
+        if value < 0.0 {
+            let (mut outside, mut inside) = (t - step, t);
+            for _ in 0..20 {
+                let middle = 0.5 * (outside + inside);
+                if at(middle) < 0.0 { inside = middle } else { outside = middle }
+            }
+            return Some(inside);
+        }
+        t += step.max(0.5 * value);
+    }
+    None
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    /// Where a probe says that a surface is, the field is 0 and was not below before.
+    #[test]
+    fn a_surface_is_where_the_fields_own_evaluator_finds_it(
+        aim in prop::array::uniform3(-1.0..1.0_f32),
+        from in prop::array::uniform3(-4.0..4.0_f32),
+        cells in any::<bool>(),
+    ) {
+        let world = world_of(
+            "smooth_union(sphere(p - vec3(0.5, 0, 0), 0.8), box(p + vec3(0.6, 0.2, 0), vec3(0.5)), 0.2)",
+        );
+        let frame = frame_of(&world, 0.0);
+        let inside = |p: [f32; 3]| {
+            world.scene.graph.evaluate(&[world.scene.distance], &Point::at(p[0], p[1], p[2]), &frame).unwrap()[0] < 0.1
+        };
+        prop_assume!(!inside(from) && from != aim);
+        let ray = ray(from, aim);
+        let found = with_sight(&world, 0.0, cells, |sight| sight.trace(&ray).hit.map(|hit| hit.distance));
+        let wanted = marched(&world, &frame, &ray, 20.0);
+        match (found, wanted) {
+            (Some(found), Some(wanted)) => prop_assert!((found - wanted).abs() < 0.01, "{found}, not {wanted}"),
+            // A ray that grazes it may meet the cone of the pixel alone.
+            (Some(found), None) => {
+                let [x, y, z] = ray.at(found);
+                let value = world.scene.graph.evaluate(&[world.scene.distance], &Point::at(x, y, z), &frame).unwrap()[0];
+                prop_assert!(value < 2e-3, "{value}");
+            }
+            (None, Some(wanted)) => prop_assert!(false, "passed the surface at {wanted}"),
+            (None, None) => {}
+        }
+    }
+}
+
+fn surveyed(world: &World, columns: usize, rows: usize) -> Survey {
+    with_sight(world, 1.0, true, |sight| {
+        let eye = [0.0, 0.3, -1.0];
+        let ray_at = |x: f64, y: f64| {
+            let (x, y) = (2.0 * x as f32 - 1.0, 1.0 - 2.0 * y as f32);
+            Ray { spread: 0.01, ..ray(eye, [eye[0] + x, eye[1] + y, eye[2] + 1.0]) }
+        };
+        Survey::of(sight, SurveyOptions { columns, rows }, ray_at, || true).unwrap()
+    })
+}
+
+#[test]
+fn a_survey_counts_rays_and_clauses_by_object() {
+    let world = world_of(KNOWN);
+    let survey = surveyed(&world, 48, 32);
+    assert_eq!(survey.cells.len(), 48 * 32);
+    let rays: u32 = survey.objects.iter().map(|object| object.rays).sum();
+    assert_eq!((rays + survey.sky.0) as usize, 48 * 32);
+    for object in &survey.objects {
+        assert!(object.rays > 0 && object.clauses.0 > 0, "{object:?}");
+    }
+    let names: Vec<&str> = survey.objects.iter().map(|object| object.name.as_str()).collect();
+    assert_eq!(names, ["floor", "ball", "pair"]);
+    // The two parts of the pair are told apart by their lines.
+    let line = |byte: usize| KNOWN[..byte].matches('\n').count() + 1;
+    let of_pair: Vec<Vec<usize>> = survey
+        .parts
+        .iter()
+        .filter(|part| part.object == 2)
+        .map(|part| part.places.iter().map(|(_, byte)| line(*byte)).collect())
+        .collect();
+    assert!(
+        of_pair.len() == 2 && of_pair.iter().any(|lines| lines.contains(&6) && !lines.contains(&7)),
+        "{of_pair:?}"
+    );
+    // Right in the middle is the ball, and above it the sky.
+    let at = |row: usize| survey.cells[row * 48 + 24];
+    let ball = survey.parts.iter().position(|part| part.object == 1).unwrap() as u16 + 1;
+    assert_eq!((at(17), at(0)), (ball, 0));
+}
+
+#[test]
+fn what_is_not_wanted_any_more_is_given_up() {
+    let world = world_of(SPEAKERS);
+    with_sight(&world, 1.0, true, |sight| {
+        let ray_at = |_: f64, _: f64| ray([0.0, 3.0, -3.0], [0.0, 3.0, 10.0]);
+        let options = SurveyOptions { columns: 4, rows: 1_000_000_000 };
+        let rounds = std::cell::Cell::new(0);
+        let is_wanted = || {
+            rounds.set(rounds.get() + 1);
+            rounds.get() < 5
+        };
+        assert_eq!(Survey::of(sight, options, ray_at, is_wanted), None);
+    });
+}
+
+#[test]
+fn clauses_are_counted_where_they_are_run() {
+    let world = world_of("object a { shape = sphere(p - vec3(0, 0, 5), 1) }");
+    with_sight(&world, 0.0, false, |sight| {
+        let Traced { evaluations, clauses, .. } = sight.trace(&ray([0.0; 3], [0.0, 0.0, 1.0]));
+        let whole = sight.regions.clauses_of(sight.regions.whole_tape);
+        assert!(evaluations > 0 && whole > 0);
+        assert_eq!(clauses, u64::from(evaluations) * whole);
+    });
+}

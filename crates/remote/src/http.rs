@@ -1,0 +1,241 @@
+//! The little of HTTP that pages and pictures need: a head that is read within bounds, and answers behind which the
+//! connection ends.
+
+use std::io::{self, Read, Write};
+use std::net::{Shutdown, TcpStream};
+use std::time::{Duration, Instant};
+
+/// How long the rest of a question is waited for when it is answered already.
+const PARTING_TIME: Duration = Duration::from_millis(200);
+/// Most bytes of it that are read.
+const PARTING_BYTES_MAX: usize = 64 << 10;
+
+/// What a request begins with.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Head {
+    /// The method, such as `GET`.
+    pub method: String,
+    /// What is asked for, as it stands there.
+    pub path: String,
+    /// Names and values of the fields, in their order.
+    fields: Vec<(String, String)>,
+    /// How many bytes the head has.
+    pub length: usize,
+}
+
+/// Why there is no head.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum HeadError {
+    /// Nobody asks any more, or too slowly.
+    #[error("the connection ended before its question did")]
+    Gone,
+    /// It is no HTTP.
+    #[error("this is no HTTP: ask with GET / HTTP/1.1")]
+    Malformed,
+    /// It has more bytes or fields than are read.
+    #[error("ask in fewer bytes")]
+    TooLong,
+}
+
+impl HeadError {
+    /// The status to answer with; none if nobody is there to be answered.
+    pub fn status(self) -> Option<&'static str> {
+        match self {
+            Self::Gone => None,
+            Self::Malformed => Some("400 Bad Request"),
+            Self::TooLong => Some("431 Request Header Fields Too Large"),
+        }
+    }
+}
+
+impl Head {
+    /// The head that bytes begin with; none if its end has not come yet.
+    ///
+    /// # Errors
+    /// It is no HTTP, or has more than `fields_max` fields.
+    pub fn parse(bytes: &[u8], fields_max: usize) -> Result<Option<Self>, HeadError> {
+        let mut fields = vec![httparse::EMPTY_HEADER; fields_max];
+        let mut request = httparse::Request::new(&mut fields);
+        let length = match request.parse(bytes) {
+            Ok(httparse::Status::Complete(length)) => length,
+            Ok(httparse::Status::Partial) => return Ok(None),
+            Err(httparse::Error::TooManyHeaders) => return Err(HeadError::TooLong),
+            Err(_) => return Err(HeadError::Malformed),
+        };
+        let text = |text: Option<&str>| text.map(str::to_owned).ok_or(HeadError::Malformed);
+        let field = |field: &httparse::Header<'_>| {
+            (field.name.to_owned(), String::from_utf8_lossy(field.value).trim().to_owned())
+        };
+        Ok(Some(Self {
+            method: text(request.method)?,
+            path: text(request.path)?,
+            fields: request.headers.iter().map(field).collect(),
+            length,
+        }))
+    }
+
+    /// The value of a field, by its name in any case; none if it is missing or stands there twice.
+    pub fn field(&self, name: &str) -> Option<&str> {
+        let mut found = self.fields.iter().filter(|(one, _)| one.eq_ignore_ascii_case(name));
+        let value = found.next().map(|(_, value)| value.as_str());
+        value.filter(|_| found.next().is_none())
+    }
+
+    /// Whether a field of this name is there at all.
+    pub fn has(&self, name: &str) -> bool {
+        self.fields.iter().any(|(one, _)| one.eq_ignore_ascii_case(name))
+    }
+}
+
+/// What bounds the reading of a head.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeadBounds {
+    /// Most bytes.
+    pub bytes_max: usize,
+    /// Most fields.
+    pub fields_max: usize,
+    /// How long all of it may take.
+    pub time_max: Duration,
+}
+
+/// Reads a head, and gives what came behind it, too.
+///
+/// # Errors
+/// [`HeadError`].
+pub fn read_head(mut stream: &TcpStream, bounds: &HeadBounds) -> Result<(Head, Vec<u8>), HeadError> {
+    let end = Instant::now() + bounds.time_max;
+    let mut bytes = Vec::new();
+    let mut chunk = [0; 1_024];
+    loop {
+        let count = read_until(&mut stream, &mut chunk, end).map_err(|_| HeadError::Gone)?;
+        bytes.extend_from_slice(chunk.get(..count).unwrap_or_default());
+        match Head::parse(&bytes, bounds.fields_max)? {
+            Some(head) if head.length <= bounds.bytes_max => {
+                let rest = bytes.split_off(head.length);
+                return Ok((head, rest));
+            }
+            None if bytes.len() <= bounds.bytes_max && count > 0 => {}
+            None if bytes.is_empty() => return Err(HeadError::Gone),
+            None if count == 0 => return Err(HeadError::Malformed),
+            _ => return Err(HeadError::TooLong),
+        }
+    }
+}
+
+/// Reads what there is, which is nothing at the stream's end, until a moment.
+fn read_until(stream: &mut &TcpStream, chunk: &mut [u8], end: Instant) -> io::Result<usize> {
+    loop {
+        let left = end.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        stream.set_read_timeout(Some(left))?;
+        match stream.read(chunk) {
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            read => return read,
+        }
+    }
+}
+
+/// Answers with a body, and ends the connection. Whoever asked may have gone.
+pub fn answer(mut stream: &TcpStream, status: &str, fields: &[(&str, &str)], body: &[u8], within: Duration) {
+    let mut answer = format!("HTTP/1.1 {status}\r\n");
+    for (name, value) in fields {
+        answer.push_str(&format!("{name}: {value}\r\n"));
+    }
+    answer.push_str(&format!("Content-Length: {}\r\nConnection: close\r\n\r\n", body.len()));
+    let mut answer = answer.into_bytes();
+    answer.extend_from_slice(body);
+    let _ = stream.set_write_timeout(Some(within));
+    let _ = stream.write_all(&answer);
+    part(stream);
+}
+
+/// The same with one sentence.
+pub fn answer_in_words(stream: &TcpStream, status: &str, words: &str, within: Duration) {
+    let fields = [("Content-Type", "text/plain; charset=utf-8"), ("X-Content-Type-Options", "nosniff")];
+    answer(stream, status, &fields, format!("{words}\n").as_bytes(), within);
+}
+
+/// Ends a connection so that the last words arrive: one that is closed while a question waits in it takes them along.
+pub fn part(mut stream: &TcpStream) {
+    let _ = stream.shutdown(Shutdown::Write);
+    let end = Instant::now() + PARTING_TIME;
+    let mut chunk = [0; 1_024];
+    for _ in 0..PARTING_BYTES_MAX / chunk.len() {
+        match read_until(&mut stream, &mut chunk, end) {
+            Ok(1..) => {}
+            Ok(0) | Err(_) => break,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::TcpListener;
+
+    use super::*;
+
+    const BOUNDS: HeadBounds =
+        HeadBounds { bytes_max: 200, fields_max: 4, time_max: Duration::from_secs(60) };
+
+    /// What is read of what is sent, in pieces.
+    fn read(pieces: &[&[u8]]) -> Result<(Head, Vec<u8>), HeadError> {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let mut sender = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        sender.set_nodelay(true).unwrap();
+        let (stream, _) = listener.accept().unwrap();
+        for piece in pieces {
+            sender.write_all(piece).unwrap();
+        }
+        sender.shutdown(Shutdown::Write).unwrap();
+        read_head(&stream, &BOUNDS)
+    }
+
+    #[test]
+    fn a_head_is_read_however_it_comes_and_what_is_behind_it_is_kept() {
+        let (head, rest) = read(&[b"GET /a HT", b"TP/1.1\r\nHo", b"st:  x \r\n\r", b"\nmore"]).unwrap();
+        assert_eq!((&*head.method, &*head.path, head.field("host")), ("GET", "/a", Some("x")));
+        assert_eq!(rest, b"more");
+        assert_eq!((head.field("origin"), head.has("HOST"), head.has("origin")), (None, true, false));
+    }
+
+    #[test]
+    fn a_field_that_stands_there_twice_has_no_value() {
+        let (head, _) = read(&[b"GET / HTTP/1.1\r\nHost: a\r\nhost: b\r\n\r\n"]).unwrap();
+        assert_eq!((head.field("Host"), head.has("Host")), (None, true));
+    }
+
+    #[test]
+    fn malformed_and_too_long_heads_are_told_apart() {
+        let too_long = format!("GET / HTTP/1.1\r\nA: {}\r\n\r\n", "x".repeat(BOUNDS.bytes_max));
+        let endless = "x".repeat(BOUNDS.bytes_max + 1);
+        let endless = format!("GET /{endless}");
+        let fields = format!("GET / HTTP/1.1\r\n{}\r\n", "A: b\r\n".repeat(BOUNDS.fields_max + 1));
+        for (text, wanted) in [
+            ("", HeadError::Gone),
+            ("hello\r\n\r\n", HeadError::Malformed),
+            ("GET / HTTP/1.1\r\n", HeadError::Malformed),
+            ("PRI * HTTP/2.0\r\n\r\n", HeadError::Malformed),
+            ("\u{16}\u{3}\u{1}\u{2}", HeadError::Malformed),
+            (&too_long, HeadError::TooLong),
+            (&endless, HeadError::TooLong),
+            (&fields, HeadError::TooLong),
+        ] {
+            assert_eq!(read(&[text.as_bytes()]), Err(wanted), "{text:.40}");
+        }
+        let fits = "GET / HTTP/1.1\r\nA: ";
+        let fits = format!("{fits}{}\r\n\r\n", "x".repeat(BOUNDS.bytes_max - fits.len() - 4));
+        assert_eq!(read(&[fits.as_bytes()]).map(|(head, _)| head.length), Ok(BOUNDS.bytes_max));
+    }
+
+    #[test]
+    fn who_asks_too_slowly_is_gone() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let mut sender = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        let (stream, _) = listener.accept().unwrap();
+        sender.write_all(b"GET / HT").unwrap();
+        let hurry = HeadBounds { time_max: Duration::from_millis(30), ..BOUNDS };
+        assert_eq!(read_head(&stream, &hurry), Err(HeadError::Gone));
+    }
+}

@@ -1,0 +1,257 @@
+//! What a request is: for the page, for a conversation, or to be refused. Reads no clock and no network.
+
+use std::net::IpAddr;
+
+use crate::http::Head;
+use crate::page::{Asset, TALK_PATH, asset};
+use crate::token::Token;
+
+/// What a request with the right token is for.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// A text; with the host that it is asked of.
+    Text(&'static Asset, String),
+    /// The page, without the slash by which it finds its parts.
+    Slash,
+    /// A conversation, which this key begins.
+    Talk(String),
+}
+
+/// Why a request is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Refusal {
+    /// Something is to be changed by it.
+    Method,
+    /// It is asked of a name that is not known to be this computer's.
+    Host,
+    /// Nothing is there.
+    Nothing,
+    /// The token is wrong.
+    Guess,
+    /// It comes from another page.
+    Origin,
+    /// There is only a conversation there.
+    TalkOnly,
+    /// It begins no conversation of the one kind that there is.
+    Upgrade,
+}
+
+impl Refusal {
+    /// The status, and a sentence. Nothing of the request stands in it.
+    pub(crate) fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Method => ("405 Method Not Allowed", "this page can only be read: ask with GET"),
+            Self::Host => ("403 Forbidden", "ask by the address that Mariana's window shows, not by a name"),
+            Self::Nothing => {
+                ("404 Not Found", "nothing is here: open the address that Mariana's window shows")
+            }
+            Self::Guess => (
+                "403 Forbidden",
+                "this address is not valid any more: open the one that Mariana's window shows",
+            ),
+            Self::Origin => ("403 Forbidden", "another page has no business here"),
+            Self::TalkOnly => ("426 Upgrade Required", "only a WebSocket is here"),
+            Self::Upgrade => ("400 Bad Request", "this begins no WebSocket of version 13"),
+        }
+    }
+}
+
+/// The path behind the token, if the token is right; to be asked only of those who need not wait.
+fn behind_token<'a>(path: &'a str, token: &Token) -> Result<Option<&'a str>, Refusal> {
+    let path = path.split('?').next().unwrap_or_default().trim_start_matches('/');
+    let (guess, rest) = path.split_once('/').map_or((path, None), |(guess, rest)| (guess, Some(rest)));
+    // What browsers and people ask for by themselves is no guess.
+    if ["", "favicon.ico", "robots.txt"].contains(&guess) {
+        return Err(Refusal::Nothing);
+    }
+    if !token.is(guess) {
+        return Err(Refusal::Guess);
+    }
+    Ok(rest)
+}
+
+/// What a request asks for, besides what the token says.
+///
+/// # Errors
+/// [`Refusal`].
+pub(crate) fn admit<'a>(head: &'a Head, own_name: Option<&str>) -> Result<&'a str, Refusal> {
+    if head.method != "GET" {
+        return Err(Refusal::Method);
+    }
+    head.field("Host").filter(|host| is_this_computer(host, own_name)).ok_or(Refusal::Host)
+}
+
+/// What a request with a known host is for.
+///
+/// # Errors
+/// [`Refusal`].
+pub(crate) fn judge(head: &Head, host: &str, token: &Token) -> Result<Wanted, Refusal> {
+    let Some(rest) = behind_token(&head.path, token)? else { return Ok(Wanted::Slash) };
+    if rest != TALK_PATH {
+        return asset(rest).map(|asset| Wanted::Text(asset, host.to_owned())).ok_or(Refusal::Nothing);
+    }
+    let says = |name: &str, word: &str| {
+        let mut words = head.field(name).unwrap_or_default().split(',');
+        words.any(|one| one.trim().eq_ignore_ascii_case(word))
+    };
+    if !head.has("Upgrade") {
+        return Err(Refusal::TalkOnly);
+    }
+    // Pages of other places say where they are from, and browsers let none of them say otherwise.
+    let origin = head.field("Origin").unwrap_or_default();
+    if !origin.eq_ignore_ascii_case(&format!("http://{host}")) {
+        return Err(Refusal::Origin);
+    }
+    let key = head.field("Sec-WebSocket-Key").filter(|key| is_key(key));
+    match key {
+        Some(key)
+            if says("Upgrade", "websocket")
+                && says("Connection", "upgrade")
+                && head.field("Sec-WebSocket-Version") == Some("13") =>
+        {
+            Ok(Wanted::Talk(key.to_owned()))
+        }
+        _ => Err(Refusal::Upgrade),
+    }
+}
+
+/// Whether a host is an address, this computer's own name for itself, or the name that the user gave: whoever owns any
+/// other name could let it lead here, and read what it answers under theirs.
+fn is_this_computer(host: &str, own_name: Option<&str>) -> bool {
+    let (name, port) = match host.rsplit_once(':') {
+        Some((name, port)) if !host.ends_with(']') => (name, Some(port)),
+        _ => (host, None),
+    };
+    let is_port = port.is_none_or(|port| !port.is_empty() && port.bytes().all(|byte| byte.is_ascii_digit()));
+    let bare = name.strip_prefix('[').and_then(|name| name.strip_suffix(']'));
+    let is_address = match bare {
+        Some(bare) => bare.parse::<std::net::Ipv6Addr>().is_ok(),
+        None => name.parse::<IpAddr>().is_ok_and(|address| address.is_ipv4()),
+    };
+    let mut own_names = ["localhost"].into_iter().chain(own_name);
+    is_port && (is_address || own_names.any(|own| name.eq_ignore_ascii_case(own)))
+}
+
+/// 16 bytes in base 64.
+fn is_key(key: &str) -> bool {
+    let letters = key.strip_suffix("==").unwrap_or_default();
+    letters.len() == 22 && letters.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"+/".contains(&byte))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HOST: &str = "192.168.0.7:8080";
+
+    fn head(method: &str, path: &str, fields: &str) -> Head {
+        Head::parse(format!("{method} {path} HTTP/1.1\r\n{fields}\r\n").as_bytes(), 16).unwrap().unwrap()
+    }
+
+    fn judged(method: &str, path: &str, fields: &str, token: &Token) -> Result<Wanted, Refusal> {
+        let head = head(method, path, fields);
+        let host = admit(&head, Some("studio.local"))?;
+        judge(&head, host, token)
+    }
+
+    fn upgrade(host: &str, origin: &str) -> String {
+        format!(
+            "Host: {host}\r\nOrigin: {origin}\r\nConnection: keep-alive, Upgrade\r\nUpgrade: websocket\r\n\
+             Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+        )
+    }
+
+    #[test]
+    fn the_page_is_where_the_token_is_and_nothing_else_is_anywhere() {
+        let token = Token::new().unwrap();
+        let ask = |path: &str| judged("GET", path, &format!("Host: {HOST}\r\n"), &token);
+        let at = |rest: &str| format!("/{}{rest}", token.as_str());
+        assert_eq!([ask(&at("")), ask(&at("?x"))], [Ok(Wanted::Slash), Ok(Wanted::Slash)]);
+        for path in [at("/"), at("/?x=y"), at("/page.js"), at("/style.css")] {
+            assert!(matches!(ask(&path), Ok(Wanted::Text(_, host)) if host == HOST), "{path}");
+        }
+        assert_eq!(ask(&at("/hands")), Err(Refusal::TalkOnly));
+        for path in [at("/../page.js"), at("//etc/passwd"), at("/%2e%2e/x"), at("/page.js/"), at("/x")] {
+            assert_eq!(ask(&path), Err(Refusal::Nothing), "{path}");
+        }
+        for path in ["/", "/favicon.ico", "//", "/?x", "/robots.txt"] {
+            assert_eq!(ask(path), Err(Refusal::Nothing), "{path}");
+        }
+        for path in ["/etc/passwd", "/x", "/page.js", "/hands", "/%00", "*", "http://x/"] {
+            assert_eq!(ask(path), Err(Refusal::Guess), "{path}");
+        }
+    }
+
+    #[test]
+    fn only_reading_is_possible() {
+        let token = Token::new().unwrap();
+        for method in ["POST", "HEAD", "PUT", "DELETE", "OPTIONS", "get"] {
+            let path = format!("/{}/", token.as_str());
+            assert_eq!(judged(method, &path, &format!("Host: {HOST}\r\n"), &token), Err(Refusal::Method));
+        }
+    }
+
+    #[test]
+    fn names_of_others_for_this_computer_are_refused() {
+        let token = Token::new().unwrap();
+        let path = format!("/{}/", token.as_str());
+        let ask = |host: &str| judged("GET", &path, &format!("Host: {host}\r\n"), &token);
+        for host in
+            ["127.0.0.1", "10.0.0.1:80", "localhost:9", "[fe80::1]:8080", "[::1]", "Studio.local:8080"]
+        {
+            assert!(ask(host).is_ok(), "{host}");
+        }
+        for host in [
+            "example.org",
+            "127.0.0.1.example.org",
+            "localhost.example.org:80",
+            "",
+            "10.0.0.1:",
+            "[x]",
+            "::1",
+        ] {
+            assert_eq!(ask(host), Err(Refusal::Host), "{host}");
+        }
+        assert_eq!(judged("GET", &path, "", &token), Err(Refusal::Host), "none is named");
+        assert_eq!(judged("GET", &path, "Host: a\r\nHost: 10.0.0.1\r\n", &token), Err(Refusal::Host));
+        assert_eq!(judged("GET", &path, "Host: 10.0.0.1:8;x\r\n", &token), Err(Refusal::Host));
+    }
+
+    #[test]
+    fn only_the_page_itself_begins_a_conversation() {
+        let token = Token::new().unwrap();
+        let path = format!("/{}/hands", token.as_str());
+        let ask = |fields: &str| judged("GET", &path, fields, &token);
+        let own = format!("http://{HOST}");
+        assert_eq!(ask(&upgrade(HOST, &own)), Ok(Wanted::Talk("dGhlIHNhbXBsZSBub25jZQ==".to_owned())));
+        for origin in [
+            "http://example.org",
+            "null",
+            "",
+            "http://192.168.0.7",
+            "http://192.168.0.7:80801",
+            "https://192.168.0.7:8080",
+        ] {
+            assert_eq!(ask(&upgrade(HOST, origin)), Err(Refusal::Origin), "{origin}");
+        }
+        let whole = upgrade(HOST, &own);
+        assert_eq!(ask(&whole.replace("Origin", "X-Origin")), Err(Refusal::Origin));
+        for (part, other) in [
+            ("websocket", "h2c"),
+            ("keep-alive, Upgrade", "close"),
+            ("Version: 13", "Version: 8"),
+            ("dGhlIHNhbXBsZSBub25jZQ==", "short=="),
+            ("dGhlIHNhbXBsZSBub25jZQ==", "dGhlIHNhbXBsZSBub25j\u{1}Q=="),
+        ] {
+            // httparse refuses control characters by itself.
+            let fields = whole.replace(part, other);
+            let text = format!("GET {path} HTTP/1.1\r\n{fields}\r\n");
+            if let Ok(Some(_)) = Head::parse(text.as_bytes(), 16) {
+                assert_eq!(ask(&fields), Err(Refusal::Upgrade), "{other}");
+            }
+        }
+        let wrong = Token::new().unwrap();
+        let head = head("GET", &path, &whole);
+        assert_eq!(judge(&head, HOST, &wrong), Err(Refusal::Guess), "the token comes first");
+    }
+}

@@ -1,0 +1,35 @@
+//! A page for phones, by which they steer a show.
+//!
+//! ```text
+//! phone ─ GET /TOKEN/ ──────► page, style and script, which are part of the program
+//!       ─ GET /TOKEN/hands ─► WebSocket ─► wishes ─► the show
+//!                                       ◄─ board ◄─
+//! ```
+//!
+//! **Nobody who lacks the token learns or does anything.** It is new at each start and stands in the address, which the
+//! window shows as a code of squares. Whoever guesses waits longer after each guess ([`guesses`]). A page of another place
+//! that a browser shows is refused by its `Origin`, and one under another name for this computer by its `Host`.
+//!
+//! **No request reaches a file.** What is answered stands in a table of texts that are part of the program.
+//!
+//! **Nobody is waited for.** Each connection has a thread, bounded in number, bytes and time ([`limits`]); what phones
+//! wish for goes among the [`Wishes`](mariana_control::Wishes), and how the show stands comes from the
+//! [`Board`](mariana_control::Board). A phone that reads slowly gets only the newest state.
+
+pub mod guesses;
+pub mod http;
+mod invitation;
+mod judge;
+pub mod limits;
+pub mod message;
+mod news;
+mod page;
+mod pulse;
+mod seats;
+mod server;
+mod talk;
+mod token;
+
+pub use invitation::{Code, Invitation};
+pub use page::{PAGE_PATH, TALK_PATH, page_text};
+pub use server::{Remote, RemotePlace, RemoteState};

@@ -1,0 +1,177 @@
+//! What phones say: small texts of JSON, which mean the same as messages of OSC and keys do.
+//!
+//! ```text
+//! {"turn": "size", "to": 1.5}      turns a parameter of the scene on the stage, in its own units
+//! {"do": "next"}                   does something; with a number, a truth or a name where it takes one:
+//! {"do": "pause", "with": true}    {"do": "volume", "with": 0.8}    {"do": "scene", "with": "orb"}
+//! ```
+
+use mariana_control::deed::{Deed, DeedRow, Given, row_of};
+use mariana_control::limits::LIMITS as CONTROL_LIMITS;
+use mariana_control::{Amount, Hand, ParamWish};
+use serde::Deserialize;
+
+/// What a message asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Asked {
+    /// To turn a parameter.
+    Turn(ParamWish),
+    /// To do something.
+    Act(Deed),
+    /// Nothing: it is a number with which the action does nothing.
+    Nothing,
+}
+
+/// Why a message is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refused {
+    /// It is no JSON, or says something of another shape.
+    Rubbish,
+    /// Nothing here is meant by it.
+    Unknown,
+    /// A value of it is too large to be a number here.
+    NotANumber,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Message {
+    Turn(Turn),
+    Do(Do),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Turn {
+    turn: String,
+    to: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Do {
+    r#do: String,
+    #[serde(default)]
+    with: Option<With>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum With {
+    Switch(bool),
+    Number(f64),
+    Text(String),
+}
+
+/// What a message asks for, where those are the actions.
+///
+/// # Errors
+/// [`Refused`].
+pub fn understand(text: &str, deeds: &[DeedRow]) -> Result<Asked, Refused> {
+    match serde_json::from_str(text).map_err(|_| Refused::Rubbish)? {
+        Message::Turn(Turn { turn: name, to }) => {
+            if name.len() > CONTROL_LIMITS.name_bytes_max {
+                return Err(Refused::Unknown);
+            }
+            let to = Amount::Value(number(to)?);
+            Ok(Asked::Turn(ParamWish { name, to, seconds: 0.0, hand: Hand::Phone }))
+        }
+        Message::Do(Do { r#do: name, with }) => {
+            let row = row_of(deeds, &name).ok_or(Refused::Unknown)?;
+            let given = match with {
+                None => Given::Nothing,
+                Some(With::Switch(on)) => Given::Number(f32::from(u8::from(on))),
+                Some(With::Number(value)) => Given::Number(number(value)?),
+                Some(With::Text(text)) if text.len() <= CONTROL_LIMITS.name_bytes_max => Given::Text(text),
+                Some(With::Text(_)) => return Err(Refused::Unknown),
+            };
+            let is_number = matches!(given, Given::Number(_));
+            match row.wanted(given) {
+                Some(deed) => Ok(Asked::Act(deed)),
+                None if is_number => Ok(Asked::Nothing),
+                None => Err(Refused::Unknown),
+            }
+        }
+    }
+}
+
+/// A number as the show has them.
+fn number(value: f64) -> Result<f32, Refused> {
+    let value = value as f32;
+    if value.is_finite() { Ok(value) } else { Err(Refused::NotANumber) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mariana_control::deed::Takes;
+
+    const DEEDS: &[DeedRow] = &[
+        DeedRow { name: "next", takes: Takes::Press, meaning: "the next scene" },
+        DeedRow { name: "pause", takes: Takes::Switch, meaning: "pause" },
+        DeedRow { name: "scene", takes: Takes::Choice, meaning: "a scene" },
+        DeedRow { name: "volume", takes: Takes::Level, meaning: "a volume" },
+    ];
+
+    fn ask(text: &str) -> Result<Asked, Refused> {
+        understand(text, DEEDS)
+    }
+
+    fn act(name: &'static str, given: Given) -> Result<Asked, Refused> {
+        Ok(Asked::Act(Deed { name, given }))
+    }
+
+    #[test]
+    fn sliders_and_actions_are_understood() {
+        let wish =
+            ParamWish { name: "größe".to_owned(), to: Amount::Value(1.5), seconds: 0.0, hand: Hand::Phone };
+        assert_eq!(ask(r#"{"turn":"größe","to":1.5}"#), Ok(Asked::Turn(wish)));
+        assert_eq!(ask(r#"{"do":"next"}"#), act("next", Given::Nothing));
+        assert_eq!(ask(r#"{"do":"next","with":0}"#), Ok(Asked::Nothing));
+        assert_eq!(ask(r#"{"do":"pause","with":true}"#), act("pause", Given::Number(1.0)));
+        assert_eq!(ask(r#"{"do":"pause","with":null}"#), act("pause", Given::Nothing));
+        assert_eq!(ask(r#"{"do":"volume","with":7}"#), act("volume", Given::Number(1.0)));
+        assert_eq!(ask(r#"{"do":"volume","with":-1e9}"#), act("volume", Given::Number(0.0)));
+        assert_eq!(ask(r#"{"do":"scene","with":"orb"}"#), act("scene", Given::Text("orb".to_owned())));
+    }
+
+    #[test]
+    fn what_is_no_message_is_rubbish() {
+        for text in [
+            "",
+            "{",
+            "null",
+            "[]",
+            "7",
+            "\"next\"",
+            "{}",
+            r#"{"turn":"x"}"#,
+            r#"{"turn":"x","to":NaN}"#,
+            r#"{"turn":"x","to":Infinity}"#,
+            r#"{"turn":"x","to":1e999}"#,
+            r#"{"turn":"x","to":null}"#,
+            r#"{"turn":"x","to":"1"}"#,
+            r#"{"turn":"x","to":1,"path":"/etc/passwd"}"#,
+            r#"{"turn":"x","to":1,"do":"next"}"#,
+            r#"{"do":"next","with":[1]}"#,
+            r#"{"do":7}"#,
+            &"[".repeat(1_000),
+        ] {
+            assert_eq!(ask(text), Err(Refused::Rubbish), "{text:.60}");
+        }
+    }
+
+    #[test]
+    fn what_is_too_large_or_unknown_is_refused() {
+        assert_eq!(ask(r#"{"turn":"x","to":1e300}"#), Err(Refused::NotANumber));
+        assert_eq!(ask(r#"{"do":"volume","with":-1e300}"#), Err(Refused::NotANumber));
+        let long = "x".repeat(CONTROL_LIMITS.name_bytes_max + 1);
+        assert_eq!(ask(&format!(r#"{{"turn":"{long}","to":1}}"#)), Err(Refused::Unknown));
+        assert_eq!(ask(&format!(r#"{{"do":"scene","with":"{long}"}}"#)), Err(Refused::Unknown));
+        for text in
+            [r#"{"do":"quit"}"#, r#"{"do":""}"#, r#"{"do":"volume"}"#, r#"{"do":"pause","with":"on"}"#]
+        {
+            assert_eq!(ask(text), Err(Refused::Unknown), "{text}");
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! The word that makes an address a secret.
+
+use std::fmt::{self, Debug, Formatter};
+use std::io;
+
+/// How many letters it has.
+const LENGTH: usize = 26;
+/// Five bits each, and none that people take for another (Crockford's base 32).
+const LETTERS: &[u8; 32] = b"0123456789abcdefghjkmnpqrstvwxyz";
+
+/// 130 random bits as 26 letters.
+#[derive(Clone, PartialEq, Eq)]
+pub(crate) struct Token(String);
+
+impl Token {
+    /// A new one.
+    ///
+    /// # Errors
+    /// The system gives no random numbers.
+    pub(crate) fn new() -> io::Result<Self> {
+        let mut bytes = [0; LENGTH];
+        getrandom::fill(&mut bytes).map_err(io::Error::from)?;
+        let letter = |byte: &u8| LETTERS.get(usize::from(byte & 31)).copied().map_or('0', char::from);
+        Ok(Self(bytes.iter().map(letter).collect()))
+    }
+
+    /// Its letters.
+    pub(crate) fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// Whether a guess is right. How long that takes tells nothing of where it is wrong.
+    pub(crate) fn is(&self, guess: &str) -> bool {
+        let (own, guess) = (self.0.as_bytes(), guess.as_bytes());
+        let letter = |place: usize| guess.get(place).copied().unwrap_or_default();
+        let differences = own.iter().enumerate().fold(0, |sum, (place, own)| sum | (own ^ letter(place)));
+        std::hint::black_box(differences) == 0 && own.len() == guess.len()
+    }
+}
+
+impl Debug for Token {
+    /// It comes into no log.
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("Token")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tokens_are_long_enough_to_be_guessed_by_nobody_and_each_is_another() {
+        let tokens: Vec<Token> = (0..64).map(|_| Token::new().unwrap()).collect();
+        for (place, token) in tokens.iter().enumerate() {
+            assert!(token.as_str().len() * 5 >= 128 && token.as_str().bytes().all(|b| LETTERS.contains(&b)));
+            assert!(tokens[..place].iter().all(|other| other != token));
+        }
+        // Every letter comes at every place, so that all of its bits are random.
+        let seen = |place: usize| {
+            let letters = (0..2_000).map(|_| Token::new().unwrap().as_str().as_bytes()[place]);
+            letters.collect::<std::collections::BTreeSet<u8>>().len()
+        };
+        assert_eq!((seen(0), seen(LENGTH - 1)), (32, 32));
+    }
+
+    #[test]
+    fn only_the_whole_token_is_right() {
+        let token = Token::new().unwrap();
+        let text = token.as_str().to_owned();
+        assert!(token.is(&text));
+        let mut other = text.clone().into_bytes();
+        other[LENGTH - 1] = if other[LENGTH - 1] == b'0' { b'1' } else { b'0' };
+        let other = String::from_utf8(other).unwrap();
+        for guess in ["", &text[1..], &text[..LENGTH - 1], &format!("{text}0"), &other, &text.to_uppercase()]
+        {
+            assert!(!token.is(guess) || guess == text, "{guess}");
+        }
+        assert!(!token.is(&"\0".repeat(LENGTH)));
+        assert_eq!(format!("{token:?}"), "Token");
+    }
+}

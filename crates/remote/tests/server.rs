@@ -1,0 +1,452 @@
+//! Phones, and those who are none, as the network brings them: real connections on this computer.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+use mariana_control::deed::{DeedRow, Given, Takes};
+use mariana_control::{Amount, Board, Hand, Present, PresentParam, Wishes};
+use mariana_remote::limits::{LIMITS, Limits};
+use mariana_remote::{Remote, RemoteState, TALK_PATH};
+use tungstenite::client::{IntoClientRequest, client};
+use tungstenite::protocol::frame::coding::CloseCode;
+use tungstenite::{Error, Message, WebSocket};
+
+const DEEDS: &[DeedRow] = &[
+    DeedRow { name: "blackout", takes: Takes::Switch, meaning: "blackout" },
+    DeedRow { name: "scene", takes: Takes::Choice, meaning: "a scene" },
+];
+/// Longer than anything here takes.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A server, and what is heard of it.
+struct Place {
+    remote: Remote,
+    wishes: Wishes,
+    board: Board,
+    news: Receiver<()>,
+    address: SocketAddr,
+    /// `/TOKEN/`
+    path: String,
+}
+
+fn size(value: f32) -> PresentParam {
+    PresentParam { name: "size".into(), value, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Text }
+}
+
+fn present(value: f32) -> Present {
+    Present { scene: "orb".into(), params: vec![size(value)], ..Present::default() }
+}
+
+impl Place {
+    fn within(limits: Limits) -> Self {
+        let (told, news) = channel();
+        let (wishes, board) = (Wishes::new(|| {}), Board::default());
+        board.put(present(1.0));
+        let place = "127.0.0.1:0".parse().unwrap();
+        let remote = Remote::start_within(limits, place, DEEDS, wishes.clone(), board.clone(), move || {
+            let _ = told.send(());
+        })
+        .unwrap();
+        news.recv_timeout(PATIENCE).unwrap();
+        let RemoteState::Open(invitation) = remote.state() else { panic!("{:?}", remote.state()) };
+        let (address, token) =
+            invitation.url.strip_prefix("http://").and_then(|url| url.split_once('/')).unwrap();
+        let (address, path) = (address.parse().unwrap(), format!("/{token}"));
+        Self { remote, wishes, board, news, address, path }
+    }
+
+    fn new() -> Self {
+        Self::within(LIMITS)
+    }
+
+    fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect(self.address).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream
+    }
+
+    /// The whole answer to some bytes.
+    fn answer_to(&self, bytes: &[u8]) -> String {
+        let mut stream = self.connect();
+        // Whoever refuses may not read to the end.
+        let _ = stream.write_all(bytes);
+        let mut answer = Vec::new();
+        let _ = stream.read_to_end(&mut answer);
+        String::from_utf8_lossy(&answer).into_owned()
+    }
+
+    fn get(&self, path: &str) -> String {
+        self.answer_to(format!("GET {path} HTTP/1.1\r\nHost: {}\r\n\r\n", self.address).as_bytes())
+    }
+
+    /// The status of the answer to a path.
+    fn status(&self, path: &str) -> String {
+        status(&self.get(path))
+    }
+
+    /// A phone with this origin.
+    fn phone_from(&self, path: &str, origin: &str) -> Result<Phone, String> {
+        let url = format!("ws://{}{path}", self.address);
+        let mut request = url.into_client_request().unwrap();
+        request.headers_mut().insert("Origin", origin.parse().unwrap());
+        match client(request, self.connect()) {
+            Ok((socket, _)) => Ok(Phone(socket)),
+            Err(tungstenite::HandshakeError::Failure(Error::Http(answer))) => {
+                Err(answer.status().to_string())
+            }
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    fn phone(&self) -> Phone {
+        let path = format!("{}{TALK_PATH}", self.path);
+        self.phone_from(&path, &format!("http://{}", self.address)).unwrap()
+    }
+
+    /// Waits until as many messages were counted, and until those that were refused are as many.
+    fn wait_for_counts(&self, messages: u64, refused: u64) {
+        let end = Instant::now() + PATIENCE;
+        while (self.wishes.counts().0, self.wishes.counts().1.count()) != (messages, refused) {
+            assert!(Instant::now() < end, "{:?}", self.wishes.counts());
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    /// Waits until there are as many phones.
+    fn wait_for_phones(&self, count: usize) {
+        while self.remote.phones() != count {
+            self.news.recv_timeout(PATIENCE).unwrap();
+        }
+    }
+}
+
+fn status(answer: &str) -> String {
+    answer.split(' ').nth(1).unwrap_or_default().to_owned()
+}
+
+struct Phone(WebSocket<TcpStream>);
+
+impl Phone {
+    fn say(&mut self, text: &str) {
+        self.0.send(Message::text(text)).unwrap();
+    }
+
+    /// The next news in which something stands.
+    fn news_with(&mut self, part: &str) -> String {
+        let limit = Instant::now() + PATIENCE;
+        loop {
+            assert!(Instant::now() < limit, "nothing is told of {part}");
+            if let Message::Text(text) = self.0.read().unwrap()
+                && text.contains(part)
+            {
+                return text.to_string();
+            }
+        }
+    }
+
+    /// With what it is sent away.
+    fn end(&mut self) -> Option<CloseCode> {
+        let limit = Instant::now() + PATIENCE;
+        loop {
+            assert!(Instant::now() < limit, "it is not sent away");
+            match self.0.read() {
+                Ok(Message::Close(frame)) => return frame.map(|frame| frame.code),
+                Ok(_) => {}
+                Err(_) => return None,
+            }
+        }
+    }
+}
+
+#[test]
+fn the_page_comes_with_a_policy_that_lets_it_reach_nobody_else() {
+    let place = Place::new();
+    let page = place.get(&place.path);
+    assert_eq!(status(&page), "200");
+    for part in [
+        "default-src 'none'",
+        &format!("connect-src 'self' ws://{};", place.address),
+        "frame-ancestors 'none'",
+        "Cache-Control: no-store",
+        "Referrer-Policy: no-referrer",
+        "X-Content-Type-Options: nosniff",
+        "Connection: close",
+        "<!doctype html>",
+    ] {
+        assert!(page.contains(part), "{part} is missing in {page}");
+    }
+    for part in ["style.css", "page.js"] {
+        assert_eq!(place.status(&format!("{}{part}", place.path)), "200");
+    }
+    let without_slash = place.get(place.path.trim_end_matches('/'));
+    assert!(without_slash.contains(&format!("Location: {}\r\n", place.path)), "{without_slash}");
+}
+
+#[test]
+fn what_is_not_there_is_not_told_back() {
+    let place = Place::new();
+    for path in ["/<script>", "/favicon.ico", "/?<script>", &format!("{}<script>", place.path)] {
+        let answer = place.get(path);
+        assert!(
+            ["403", "404", "429"].contains(&&*status(&answer)) && !answer.contains("<script>"),
+            "{answer}"
+        );
+    }
+    for (question, wanted) in [
+        (format!("POST {} HTTP/1.1\r\nHost: {}\r\n\r\n", place.path, place.address), "405"),
+        (format!("GET {} HTTP/1.1\r\nHost: example.org\r\n\r\n", place.path), "403"),
+        (format!("GET {} HTTP/1.1\r\n\r\n", place.path), "403"),
+        ("hello\r\n\r\n".to_owned(), "400"),
+        (format!("GET / HTTP/1.1\r\nA: {}\r\n\r\n", "x".repeat(LIMITS.head_bytes_max)), "431"),
+        (format!("GET / HTTP/1.1\r\n{}\r\n", "A: b\r\n".repeat(LIMITS.head_fields_max + 1)), "431"),
+    ] {
+        assert_eq!(status(&place.answer_to(question.as_bytes())), wanted, "{question:.40}");
+    }
+}
+
+#[test]
+fn a_wrong_token_is_refused_and_costs_a_while_in_which_not_even_the_right_one_counts() {
+    let place = Place::within(Limits { guess_pause_min: PATIENCE, guess_pause_max: PATIENCE, ..LIMITS });
+    let wrong = format!("/{}/", "0".repeat(place.path.len() - 2));
+    assert_eq!(place.status(&place.path), "200");
+    assert_eq!(place.status(&wrong), "403");
+    assert_eq!(place.status(&wrong), "429");
+    let patience = place.get(&place.path);
+    assert!(status(&patience) == "429" && patience.contains("Retry-After: 60"), "{patience}");
+    let talk = format!("{}{TALK_PATH}", place.path);
+    let refused = place.phone_from(&talk, &format!("http://{}", place.address)).map(drop);
+    assert!(refused.unwrap_err().starts_with("429"));
+}
+
+#[test]
+fn after_the_while_the_right_token_counts_again() {
+    let pause = Duration::from_millis(40);
+    let place = Place::within(Limits { guess_pause_min: pause, guess_pause_max: pause, ..LIMITS });
+    assert_eq!(place.status(&format!("{}x/", place.path.trim_end_matches('/'))), "403");
+    while place.status(&place.path) != "200" {
+        std::thread::sleep(pause);
+    }
+}
+
+#[test]
+fn no_conversation_begins_from_another_page_or_without_the_token() {
+    let place = Place::new();
+    let own = format!("http://{}", place.address);
+    let talk = format!("{}{TALK_PATH}", place.path);
+    for origin in ["http://example.org", "null", "https://127.0.0.1"] {
+        assert!(place.phone_from(&talk, origin).map(drop).unwrap_err().starts_with("403"), "{origin}");
+    }
+    assert!(place.get(&talk).starts_with("HTTP/1.1 426"));
+    assert!(place.phone_from("/hands", &own).map(drop).unwrap_err().starts_with("403"));
+}
+
+#[test]
+fn a_phone_turns_acts_and_is_told_what_others_do() {
+    let place = Place::new();
+    let (mut phone, mut other) = (place.phone(), place.phone());
+    for one in [&mut phone, &mut other] {
+        let all = one.news_with("scene");
+        assert!(all.contains(r#""values":{"size":[1.0,"text"]}"#), "{all}");
+    }
+    phone.say(r#"{"turn":"size","to":3.5}"#);
+    phone.say(r#"{"do":"scene","with":"city"}"#);
+    place.wait_for_counts(2, 0);
+    let heard = place.wishes.take();
+    let turned = &heard.params[0];
+    assert_eq!((&*turned.name, turned.to, turned.hand), ("size", Amount::Value(3.5), Hand::Phone));
+    assert_eq!(heard.deeds[0].given, Given::Text("city".into()));
+    place.board.put(present(3.5));
+    assert_eq!(other.news_with("values"), r#"{"values":{"size":[3.5,"text"]}}"#);
+    assert_eq!(phone.news_with("values"), r#"{"values":{"size":[3.5,"text"]}}"#);
+    drop(phone);
+    place.wait_for_phones(1);
+}
+
+#[test]
+fn rubbish_is_counted_and_the_rest_goes_on() {
+    let place = Place::new();
+    let mut phone = place.phone();
+    let long = format!(r#"{{"turn":"{}","to":1}}"#, "x".repeat(300));
+    let rubbish = ["", "{", "null", r#"{"turn":"size","to":NaN}"#, r#"{"turn":"size","to":1e999}"#, "[[[[[["];
+    let unknown = [r#"{"do":"quit"}"#, r#"{"turn":"size","to":1e300}"#, &long];
+    for text in rubbish.iter().chain(&unknown) {
+        phone.say(text);
+    }
+    phone.say(r#"{"turn":"size","to":2}"#);
+    place.wait_for_counts(10, 9);
+    let refusals = place.wishes.counts().1;
+    assert_eq!((refusals.rubbish, refusals.unknown, refusals.not_numbers), (6, 2, 1));
+    assert_eq!(place.wishes.take().params.len(), 1);
+}
+
+#[test]
+fn a_message_that_is_too_large_ends_the_conversation_and_one_of_the_limit_does_not() {
+    let place = Place::new();
+    let mut phone = place.phone();
+    let sized = |bytes: usize| format!("{:bytes$}", r#"{"do":"blackout"}"#);
+    phone.say(&sized(LIMITS.message_bytes_max));
+    place.wait_for_counts(1, 0);
+    assert_eq!(place.wishes.take().deeds.len(), 1);
+    phone.say(&sized(LIMITS.message_bytes_max + 1));
+    assert_eq!(phone.end(), Some(CloseCode::Size));
+    // In pieces it is as large.
+    let mut phone = place.phone();
+    use tungstenite::protocol::frame::coding::{Data, OpCode};
+    let piece = |code, last| {
+        let bytes = vec![b' '; LIMITS.message_bytes_max / 2 + 1];
+        Message::Frame(tungstenite::protocol::frame::Frame::message(bytes, OpCode::Data(code), last))
+    };
+    phone.0.send(piece(Data::Text, false)).unwrap();
+    phone.0.send(piece(Data::Continue, true)).unwrap();
+    assert_eq!(phone.end(), Some(CloseCode::Size));
+}
+
+#[test]
+fn bytes_that_are_no_text_end_the_conversation() {
+    let place = Place::new();
+    let mut phone = place.phone();
+    phone.0.send(Message::binary(vec![0xFF; 10])).unwrap();
+    assert_eq!(phone.end(), Some(CloseCode::Unsupported));
+    let mut phone = place.phone();
+    phone.0.get_mut().write_all(&[0xFF; 64]).unwrap();
+    assert!(matches!(phone.end(), Some(CloseCode::Protocol) | None));
+    place.wait_for_phones(0);
+}
+
+#[test]
+fn a_flood_is_sent_away_and_others_are_heard() {
+    let place = Place::new();
+    let (mut flood, mut phone) = (place.phone(), place.phone());
+    for number in 0..100 * LIMITS.messages_per_second_max {
+        // It is sent away meanwhile.
+        if flood.0.send(Message::text(format!(r#"{{"turn":"size","to":{number}}}"#))).is_err() {
+            break;
+        }
+    }
+    // What it sent last may take the reason along.
+    assert!(matches!(flood.end(), Some(CloseCode::Policy) | None));
+    place.wait_for_phones(1);
+    assert_eq!(place.wishes.counts().1.too_many, 1);
+    place.wishes.take();
+    phone.say(r#"{"turn":"size","to":0.25}"#);
+    while place.wishes.take().params.iter().all(|wish| wish.to != Amount::Value(0.25)) {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn who_reads_nothing_is_given_up_and_holds_nobody() {
+    let limits = Limits { unread_time_max: Duration::from_millis(200), ..LIMITS };
+    let place = Place::within(limits);
+    let (_deaf, mut phone) = (place.phone(), place.phone());
+    place.wait_for_phones(2);
+    let names = |number: usize| (0..4_000).map(|name| format!("scene {name} of {number}")).collect();
+    let mut number = 0;
+    // Each state is larger than what a network holds for who does not read.
+    while place.remote.phones() == 2 {
+        number += 1;
+        place.board.put(Present { scenes: names(number), ..present(1.0) });
+        phone.news_with("scene 3999 of");
+    }
+    assert_eq!(place.remote.phones(), 1);
+    place.board.put(present(2.0));
+    phone.news_with(r#""size":[2.0"#);
+}
+
+#[test]
+fn who_reads_late_gets_the_newest_and_not_all_that_was() {
+    let limits = Limits {
+        news_interval: Duration::from_millis(5),
+        unread_time_max: PATIENCE,
+        silence_max: PATIENCE,
+        ..LIMITS
+    };
+    let place = Place::within(limits);
+    let (mut late, mut phone) = (place.phone(), place.phone());
+    // Half a megabyte each: a network holds some twenty of them for who does not read.
+    let states = 120;
+    for number in 1..=states {
+        let scenes = (0..20_000).map(|name| format!("scene {name} of {number}")).collect();
+        place.board.put(Present { scenes, ..present(1.0) });
+        phone.news_with(&format!("scene 19999 of {number}\""));
+    }
+    let mut count = 0;
+    while !late.news_with("scene 19999 of").contains(&format!("scene 19999 of {states}\"")) {
+        count += 1;
+    }
+    assert!(count < states / 4, "it was told {count} states");
+}
+
+#[test]
+fn who_says_nothing_is_given_up() {
+    let place = Place::within(Limits { silence_max: Duration::from_millis(300), ..LIMITS });
+    let (mut deaf, mut phone) = (place.phone(), place.phone());
+    place.wait_for_phones(2);
+    // A phone that reads answers what it is asked.
+    while place.remote.phones() == 2 {
+        phone.news_with("");
+    }
+    assert_eq!(place.remote.phones(), 1);
+    // Its answers to what it was asked may cross the reason on the way.
+    assert!(matches!(deaf.end(), Some(CloseCode::Policy) | None));
+    place.board.put(present(2.0));
+    phone.news_with(r#""size":[2.0"#);
+}
+
+#[test]
+fn no_more_phones_are_spoken_with_than_the_limit() {
+    let place = Place::new();
+    let mut phones: Vec<Phone> = (0..LIMITS.phones_max).map(|_| place.phone()).collect();
+    let (talk, own) = (format!("{}{TALK_PATH}", place.path), format!("http://{}", place.address));
+    assert!(place.phone_from(&talk, &own).map(drop).unwrap_err().starts_with("503"));
+    assert!(place.get(&talk).starts_with("HTTP/1.1 503"), "the page can ask why");
+    phones.pop();
+    place.wait_for_phones(LIMITS.phones_max - 1);
+    place.phone();
+}
+
+#[test]
+fn connections_that_ask_nothing_are_bounded_and_given_up() {
+    let limits = Limits { head_time_max: Duration::from_millis(500), ..LIMITS };
+    let place = Place::within(limits);
+    let mut idle: Vec<TcpStream> = (0..limits.connections_per_address_max).map(|_| place.connect()).collect();
+    // One more is cut off.
+    assert_eq!(place.get("/"), "");
+    // Those that ask nothing are, too, after their time, and then there is room again.
+    for stream in &mut idle {
+        assert_eq!(stream.read(&mut [0; 8]).unwrap_or_default(), 0);
+    }
+    while status(&place.get("/")) != "404" {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn a_port_that_another_program_has_costs_a_sentence() {
+    let other = TcpListener::bind("127.0.0.1:0").unwrap();
+    let (told, news) = channel();
+    let place = other.local_addr().unwrap().to_string().parse().unwrap();
+    let remote = Remote::start(place, DEEDS, Wishes::new(|| {}), Board::default(), move || {
+        let _ = told.send(());
+    });
+    let remote = remote.unwrap();
+    news.recv_timeout(PATIENCE).unwrap();
+    let RemoteState::Refused(why) = remote.state() else { panic!("{:?}", remote.state()) };
+    assert!(why.contains("another program has 127.0.0.1:") && why.contains("--remote"), "{why}");
+}
+
+#[test]
+fn with_the_show_phones_and_port_go() {
+    let place = Place::new();
+    let mut phone = place.phone();
+    let address = place.address;
+    drop(place.remote);
+    assert_eq!(phone.end(), Some(CloseCode::Away));
+    while TcpListener::bind(address).is_err() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}

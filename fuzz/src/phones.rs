@@ -1,0 +1,66 @@
+//! What a network sends to the page for phones: heads of requests, and messages.
+
+use mariana_control::Amount;
+use mariana_control::deed::{DeedRow, Given, Takes};
+use mariana_control::limits::LIMITS as CONTROL_LIMITS;
+use mariana_remote::http::Head;
+use mariana_remote::limits::LIMITS;
+use mariana_remote::message::{Asked, understand};
+
+use super::bytes::Bytes;
+
+const DEEDS: [DeedRow; 5] = [
+    DeedRow { name: "next", takes: Takes::Press, meaning: "" },
+    DeedRow { name: "pause", takes: Takes::Switch, meaning: "" },
+    DeedRow { name: "volume", takes: Takes::Level, meaning: "" },
+    DeedRow { name: "tempo", takes: Takes::Number, meaning: "" },
+    DeedRow { name: "scene", takes: Takes::Choice, meaning: "" },
+];
+
+/// The head of a request, or a message.
+pub(crate) fn phones(data: &[u8]) {
+    let mut bytes = Bytes(data);
+    match bytes.below(2) {
+        0 => head(bytes.0),
+        _ => message(&String::from_utf8_lossy(bytes.0)),
+    }
+}
+
+fn head(bytes: &[u8]) {
+    let Ok(Some(head)) = Head::parse(bytes, LIMITS.head_fields_max) else { return };
+    assert!((1..=bytes.len()).contains(&head.length), "{head:?}");
+    // What is behind it makes no difference, and less than it is none.
+    let whole = Head::parse(&bytes[..head.length], LIMITS.head_fields_max);
+    assert_eq!(whole, Ok(Some(head.clone())));
+    assert_eq!(Head::parse(&bytes[..head.length - 1], LIMITS.head_fields_max), Ok(None));
+    for text in [&*head.method, &*head.path] {
+        assert!(!text.is_empty() && !text.contains(['\r', '\n', ' ']), "{text:?}");
+    }
+    for name in ["host", "origin", "sec-websocket-key"] {
+        let value = head.field(name);
+        assert!(value.is_none() || head.has(name));
+        // What is told back of the host stands in a line of the answer.
+        assert!(value.is_none_or(|value| !value.contains(['\r', '\n'])), "{value:?}");
+    }
+}
+
+fn message(text: &str) {
+    let number = |number: f32| assert!(number.is_finite(), "{text}");
+    let short = |name: &str| assert!(name.len() <= CONTROL_LIMITS.name_bytes_max, "{text}");
+    match understand(text, &DEEDS) {
+        Ok(Asked::Turn(wish)) => {
+            let (Amount::Value(to) | Amount::Share(to)) = wish.to;
+            number(to);
+            short(&wish.name);
+        }
+        Ok(Asked::Act(deed)) => {
+            assert!(DEEDS.iter().any(|row| row.name == deed.name));
+            match deed.given {
+                Given::Nothing => {}
+                Given::Number(given) => number(given),
+                Given::Text(text) => short(&text),
+            }
+        }
+        Ok(Asked::Nothing) | Err(_) => {}
+    }
+}

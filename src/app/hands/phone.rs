@@ -1,0 +1,109 @@
+//! The page for phones, as the command line wants it.
+
+use super::deeds;
+use crate::app::window_thread::Waker;
+use crate::config::HandSettings;
+use mariana_control::{Board, Wishes};
+use mariana_remote::{Remote, RemoteState};
+
+/// What there is to say of it.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::app) struct PhoneFacts {
+    /// How it stands.
+    pub state: RemoteState,
+    /// How many phones there are.
+    pub phones: usize,
+}
+
+/// See the module.
+pub(super) struct Phones {
+    remote: Option<Remote>,
+    /// What was told of it.
+    told: RemoteState,
+    /// What went wrong at the start, until it is told.
+    trouble: Option<String>,
+}
+
+impl Phones {
+    /// Starts what the settings ask for.
+    pub(super) fn start(settings: &HandSettings, wishes: &Wishes, board: &Board, waker: &Waker) -> Self {
+        let mut trouble = None;
+        let remote = settings.remote.clone().and_then(|place| {
+            let waker = waker.clone();
+            let table = deeds::table_for_phones();
+            let started = Remote::start(place, table, wishes.clone(), board.clone(), move || waker.wake());
+            let words = |error| trouble = Some(format!("phones are not listened to: {error}"));
+            started.map_err(words).ok()
+        });
+        Self { remote, told: RemoteState::default(), trouble }
+    }
+
+    /// Whether anybody wants to know how the show stands.
+    pub(super) fn are_there(&self) -> bool {
+        self.remote.as_ref().is_some_and(|remote| remote.phones() > 0)
+    }
+
+    /// Whether anybody may come who wants to know.
+    pub(super) fn is_asked(&self) -> bool {
+        self.remote.is_some()
+    }
+
+    /// What is new: a sentence, and whether it is bad news.
+    pub(super) fn news(&mut self) -> Option<(String, bool)> {
+        if let Some(trouble) = self.trouble.take() {
+            return Some((trouble, true));
+        }
+        self.told = self.remote.as_ref().map(Remote::state).filter(|now| *now != self.told)?;
+        match &self.told {
+            RemoteState::Opening => None,
+            RemoteState::Open(invitation) => {
+                let url = &invitation.url;
+                let only = if invitation.is_local { "; only this computer can" } else { "" };
+                Some((format!("a phone can open {url} or the code behind J{only}"), false))
+            }
+            RemoteState::Refused(why) => Some((why.clone(), true)),
+        }
+    }
+
+    /// How it stands; none if it is not wanted.
+    pub(super) fn facts(&self) -> Option<PhoneFacts> {
+        let remote = self.remote.as_ref()?;
+        Some(PhoneFacts { state: remote.state(), phones: remote.phones() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mariana_control::deed::Takes;
+
+    /// The values of an attribute in the page, with the rest of their elements.
+    fn elements(attribute: &str) -> Vec<(&'static str, &'static str)> {
+        let parts = mariana_remote::page_text().split(attribute).skip(1);
+        parts.filter_map(|part| part.split_once('"')).collect()
+    }
+
+    #[test]
+    fn the_buttons_and_sliders_of_the_page_are_actions_of_the_table() {
+        let row = |name: &str| deeds::table_for_phones().iter().find(|row| row.name == name);
+        let buttons = elements("data-do=\"");
+        assert!(buttons.len() > 8, "{buttons:?}");
+        for (name, rest) in buttons {
+            let is_switch = rest.split('>').next().is_some_and(|rest| rest.contains("switch"));
+            let takes = if is_switch { Takes::Switch } else { Takes::Press };
+            assert_eq!(row(name).map(|row| row.takes), Some(takes), "{name}");
+        }
+        let levels = elements("data-level=\"");
+        assert_eq!(levels.len(), 3);
+        for (name, _) in levels {
+            assert_eq!(row(name).map(|row| row.takes), Some(Takes::Level), "{name}");
+        }
+        assert!(row("scene").is_some());
+    }
+
+    #[test]
+    fn phones_cause_no_file_to_be_written() {
+        assert!(deeds::table().iter().any(|row| row.name == "record"));
+        assert!(deeds::table_for_phones().iter().all(|row| row.name != "record"));
+    }
+}

@@ -1,0 +1,215 @@
+//! A browser without a window, which a test leads by its DevTools protocol: pages of a phone's size that fingers touch.
+
+use std::io::{BufRead, BufReader};
+use std::net::TcpStream;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+use tungstenite::{Message, WebSocket};
+
+use mariana_testing::process::{LOOK_PERIOD, Process, WAIT_LIMIT, private_folder, session_environment};
+
+/// What Chromium without a window is called by those who package it.
+const PROGRAMS: [&str; 4] = ["chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"];
+/// What a phone's window measures, in its points.
+pub(crate) const PHONE: (u32, u32) = (390, 844);
+
+/// The browser. It ends when dropped.
+pub(crate) struct Browser {
+    process: Process,
+    /// Where it is told what to do, and where all of it is.
+    address: String,
+    whole: String,
+    _folder: TempDir,
+}
+
+impl Browser {
+    /// Starts it with a profile of its own.
+    pub(crate) fn start() -> Self {
+        let folder = private_folder();
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        let is_there = |name: &&str| std::env::split_paths(&path).any(|folder| folder.join(name).is_file());
+        let program = PROGRAMS.into_iter().find(is_there);
+        let program = program.expect("there is no Chromium: install the package chromium-headless-shell");
+        let mut command = Command::new(program);
+        command.envs(session_environment(folder.path())).args([
+            "--headless",
+            // Whoever runs tests as root has no sandbox; the only pages are the program's own.
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-dev-shm-usage",
+            "--no-first-run",
+            "--disable-background-networking",
+            "--remote-debugging-port=0",
+        ]);
+        command.arg(format!("--user-data-dir={}", folder.path().display())).arg("about:blank");
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+        let mut process = Process::start(&mut command, program);
+        let mut lines = BufReader::new(process.child().stderr.take().unwrap()).lines();
+        let mut told = String::new();
+        let (address, whole) = loop {
+            let line = lines.next().unwrap_or_else(|| panic!("{program} has ended: {told}")).unwrap();
+            if let Some(address) = line.strip_prefix("DevTools listening on ws://") {
+                let (address, path) = address.trim().split_once('/').unwrap();
+                break (address.to_owned(), format!("/{path}"));
+            }
+            told.push_str(&line);
+        };
+        // What it tells later must go somewhere.
+        std::thread::spawn(move || lines.count());
+        Self { process, address, whole, _folder: folder }
+    }
+
+    /// Opens a page in a phone's window.
+    pub(crate) fn open(&self, url: &str) -> Page {
+        assert!(self.process.id() > 0);
+        let mut page = Page { socket: self.socket(&self.whole), number: 0 };
+        let target = page.ask("Target.createTarget", json!({ "url": "about:blank" }));
+        let target = target["targetId"].as_str().unwrap().to_owned();
+        page = Page { socket: self.socket(&format!("/devtools/page/{target}")), number: 0 };
+        page.resize(PHONE);
+        page.ask("Emulation.setTouchEmulationEnabled", json!({ "enabled": true, "maxTouchPoints": 5 }));
+        page.ask("Page.navigate", json!({ "url": url }));
+        page
+    }
+
+    fn socket(&self, path: &str) -> WebSocket<TcpStream> {
+        let stream = TcpStream::connect(&self.address).unwrap();
+        stream.set_read_timeout(Some(WAIT_LIMIT)).unwrap();
+        tungstenite::client(format!("ws://{}{path}", self.address), stream).unwrap().0
+    }
+}
+
+/// A page of it.
+pub(crate) struct Page {
+    socket: WebSocket<TcpStream>,
+    number: u64,
+}
+
+impl Page {
+    /// Gives the page's window another size, in points.
+    pub(crate) fn resize(&mut self, (width, height): (u32, u32)) {
+        let size = json!({ "width": width, "height": height, "deviceScaleFactor": 2, "mobile": true });
+        self.ask("Emulation.setDeviceMetricsOverride", size);
+    }
+
+    /// What an expression of JavaScript is.
+    pub(crate) fn value(&mut self, expression: &str) -> Value {
+        let asked = json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
+        let answer = self.ask("Runtime.evaluate", asked);
+        assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
+        answer["result"]["value"].clone()
+    }
+
+    /// The text of the first element of a selector, or nothing.
+    pub(crate) fn text(&mut self, selector: &str) -> String {
+        let text = self.value(&format!("document.querySelector({})?.textContent", json!(selector)));
+        text.as_str().unwrap_or_default().to_owned()
+    }
+
+    /// Waits until an expression is true.
+    pub(crate) fn wait_until(&mut self, what: &str, expression: &str) {
+        let start = Instant::now();
+        while self.value(expression) != json!(true) {
+            if start.elapsed() > WAIT_LIMIT {
+                let state = self.value("typeof show === 'undefined' ? null : show");
+                panic!("{what} did not come: '{}' {state}", self.text("body p"));
+            }
+            std::thread::sleep(LOOK_PERIOD);
+        }
+    }
+
+    /// Waits until the text of an element is this.
+    pub(crate) fn wait_for_text(&mut self, selector: &str, wanted: &str) {
+        let (selector, text) = (json!(selector), json!(wanted));
+        self.wait_until(wanted, &format!("document.querySelector({selector})?.textContent === {text}"));
+    }
+
+    /// Touches the element at one share of its width, goes to another, and lets go; all of it in its middle line.
+    pub(crate) fn drag(&mut self, selector: &str, from: f64, to: f64) {
+        let (place, width) = self.bring_into_view(selector);
+        let at = |share: f64| (place.0 + share * width, place.1);
+        self.touch("touchStart", Some(at(from)));
+        for step in 1..=4 {
+            self.touch("touchMove", Some(at(from + (to - from) * f64::from(step) / 4.0)));
+        }
+        self.touch("touchEnd", None);
+    }
+
+    /// Touches the middle of an element, goes up or down so far, and lets go.
+    pub(crate) fn push(&mut self, selector: &str, far: f64) {
+        let (place, width) = self.bring_into_view(selector);
+        let at = |share: f64| (place.0 + 0.5 * width, place.1 + share * far);
+        self.touch("touchStart", Some(at(0.0)));
+        (1..=8).for_each(|step| self.touch("touchMove", Some(at(f64::from(step) / 8.0))));
+        self.touch("touchMove", Some(at(1.0)));
+        self.touch("touchEnd", None);
+    }
+
+    /// Touches the middle of an element, as a finger that presses a button.
+    pub(crate) fn tap(&mut self, selector: &str) {
+        let (place, width) = self.bring_into_view(selector);
+        self.touch("touchStart", Some((place.0 + 0.5 * width, place.1)));
+        self.touch("touchEnd", None);
+    }
+
+    /// What the page shows, as a PNG.
+    pub(crate) fn picture(&mut self) -> Vec<u8> {
+        let answer = self.ask("Page.captureScreenshot", json!({ "format": "png" }));
+        let letters = answer["data"].as_str().unwrap().bytes().filter(|byte| *byte != b'=');
+        let six_bits = |letter| match letter {
+            b'A'..=b'Z' => letter - b'A',
+            b'a'..=b'z' => letter - b'a' + 26,
+            b'0'..=b'9' => letter - b'0' + 52,
+            b'+' => 62,
+            _ => 63,
+        };
+        let (mut bytes, mut rest, mut bits) = (Vec::new(), 0_u32, 0);
+        for letter in letters {
+            (rest, bits) = (rest << 6 | u32::from(six_bits(letter)), bits + 6);
+            if bits >= 8 {
+                bits -= 8;
+                bytes.push((rest >> bits) as u8);
+            }
+        }
+        bytes
+    }
+
+    /// Scrolls an element into view until nothing scrolls any more, and gives its left end in the middle of its height, and its width.
+    fn bring_into_view(&mut self, selector: &str) -> ((f64, f64), f64) {
+        let name = json!(selector);
+        let place = self.value(&format!(
+            "(async () => {{ const e = document.querySelector({name}); if (!e) return null; \
+             const picture = () => new Promise(requestAnimationFrame); let at; \
+             do {{ e.scrollIntoView({{ block: 'center', behavior: 'instant' }}); at = scrollY; await picture(); \
+             await picture(); }} while (scrollY !== at); const b = e.getBoundingClientRect(); \
+             return [b.left, b.top + b.height / 2, b.width]; }})()"
+        ));
+        let number = |at: usize| place[at].as_f64().unwrap_or_else(|| panic!("there is no {selector}"));
+        ((number(0), number(1)), number(2))
+    }
+
+    fn touch(&mut self, kind: &str, at: Option<(f64, f64)>) {
+        let points: Vec<Value> = at.iter().map(|(x, y)| json!({ "x": x, "y": y })).collect();
+        self.ask("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));
+    }
+
+    /// Tells the browser something and gives its answer.
+    fn ask(&mut self, method: &str, params: Value) -> Value {
+        self.number += 1;
+        let message = json!({ "id": self.number, "method": method, "params": params });
+        self.socket.send(Message::text(message.to_string())).unwrap();
+        let start = Instant::now();
+        loop {
+            assert!(start.elapsed() < WAIT_LIMIT + Duration::from_secs(1), "{method} is not answered");
+            let Message::Text(text) = self.socket.read().unwrap() else { continue };
+            let mut answer: Value = serde_json::from_str(&text).unwrap();
+            if answer["id"] == json!(self.number) {
+                assert!(answer.get("error").is_none(), "{method}: {answer}");
+                return answer["result"].take();
+            }
+        }
+    }
+}

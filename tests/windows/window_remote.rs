@@ -1,0 +1,210 @@
+//! A phone that steers the show: the page in a browser without a window, touched by fingers.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::fs;
+use std::process::Command;
+use std::time::Duration;
+
+use crate::support::browser::{Browser, Page};
+use crate::support::desktop::{App, Desktop};
+use mariana_testing::process::{output_of, wait_until};
+use mariana_testing::wave::write_wav;
+
+const QUIT_LIMIT: Duration = Duration::from_secs(60);
+
+/// A wall whose red and green are parameters.
+const WALL: &str = "param red = 0 in 0 .. 2\nparam green = 1 in 0 .. 1\n\
+    material paint { color = 0  roughness = 1  emission = vec3(red, green, 0) }\n\
+    object wall { shape = 5 - p.z  material = paint }\n\
+    light none { direction = vec3(0, -1, 0)  color = 0 }\n\
+    camera { position = vec3(0)  target = vec3(0, 0, 5) }\nsky { color = 0  ambient = 0 }\n";
+
+/// The program with a wall, a song and a page for phones; and the page's address.
+fn open<'d>(desktop: &'d Desktop, options: &[&str]) -> (App<'d>, String) {
+    open_at(desktop, "127.0.0.1:0", options)
+}
+
+/// The same with the page at a place.
+fn open_at<'d>(desktop: &'d Desktop, place: &str, options: &[&str]) -> (App<'d>, String) {
+    let song = desktop.folder().join("quiet.wav");
+    write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 100));
+    let scene = desktop.folder().join("wall.scene");
+    fs::write(&scene, WALL).unwrap();
+    fs::write(desktop.folder().join("wool.scene"), WALL.replace("vec3(red, green, 0)", "vec3(0, 0, 1)"))
+        .unwrap();
+    let own = ["--silent", "--midi", "off", "--blackout-fade", "0", "--fade", "0", "--scene"];
+    let all = [&own[..], &[scene.to_str().unwrap(), "--remote", place], options].concat();
+    let mut app = desktop.open(&song, &all);
+    app.wait_until_told("a phone can open http://127.0.0.1:");
+    let url = url_in(&app.told());
+    (app, url)
+}
+
+fn url_in(told: &str) -> String {
+    let from = told.find("http://").unwrap();
+    told[from..].split(' ').next().unwrap().to_owned()
+}
+
+/// A phone that has come.
+fn phone(browser: &Browser, url: &str) -> Page {
+    let mut page = browser.open(url);
+    page.wait_until("the connection", "document.getElementById('status')?.textContent === ''");
+    page
+}
+
+fn value_of(name: &str) -> String {
+    format!("[data-param=\"{name}\"] .value")
+}
+
+fn rail_of(name: &str) -> String {
+    format!("[data-param=\"{name}\"] .rail")
+}
+
+fn wait_for_colour(app: &App, what: &str, wanted: [bool; 3]) {
+    wait_until(what, || {
+        let [red, green, blue, _] = app.picture().get_pixel(20, 80).0;
+        [red, green, blue].map(|channel| channel > 120) == wanted
+    });
+}
+
+fn quit(app: App) {
+    app.press(&["q"]);
+    let (status, told) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success(), "{status}: {told}");
+    assert!(!told.contains("panicked"), "{told}");
+}
+
+#[test]
+fn fingers_on_a_phone_turn_the_picture_and_other_phones_see_it() {
+    let desktop = Desktop::start();
+    let (app, url) = open(&desktop, &["--size", "160x90"]);
+    wait_for_colour(&app, "green", [false, true, false]);
+    let browser = Browser::start();
+    let (mut page, mut other) = (phone(&browser, &url), phone(&browser, &url));
+    page.wait_for_text("#scene", "wall");
+    page.wait_for_text(&value_of("green"), "1.00");
+    // To the right end, beyond which there is nothing.
+    page.drag(&rail_of("red"), 0.1, 1.1);
+    wait_for_colour(&app, "yellow", [true, true, false]);
+    other.wait_for_text(&value_of("red"), "2.00");
+    other.wait_for_text("[data-param=\"red\"] .held", "phone");
+    other.drag(&rail_of("green"), 0.9, -0.1);
+    wait_for_colour(&app, "red", [true, false, false]);
+    page.wait_for_text(&value_of("green"), "0.00");
+    // A finger that goes up moves the page; a tap turns the slider.
+    page.push(&rail_of("red"), -120.0);
+    page.tap(&rail_of("green"));
+    other.wait_for_text(&value_of("green"), "0.50");
+    assert_eq!((other.text(&value_of("red")), page.text(&value_of("red"))), ("2.00".into(), "2.00".into()));
+    page.tap("[data-param=\"red\"] .back");
+    other.wait_for_text(&value_of("red"), "0.00");
+    page.tap("[data-do=blackout]");
+    wait_for_colour(&app, "black", [false, false, false]);
+    other.wait_until("blackout", "document.querySelector('[data-do=blackout]').ariaPressed === 'true'");
+    other.tap("[data-do=blackout]");
+    page.wait_until("light", "document.querySelector('[data-do=blackout]').ariaPressed === 'false'");
+    page.drag("[data-level=brightness] .rail", 0.9, -0.1);
+    other.wait_for_text("[data-level=brightness] .value", "0 %");
+    wait_for_colour(&app, "no light", [false, false, false]);
+    quit(app);
+    page.wait_until("the end", "document.getElementById('status').textContent.startsWith('Connection lost')");
+    assert_eq!(page.value("document.getElementById('hands').inert"), true);
+}
+
+#[test]
+fn what_is_done_in_the_window_shows_on_the_phone_and_its_scenes_and_song_are_steered() {
+    let desktop = Desktop::start();
+    let (app, url) = open(&desktop, &["--size", "160x90"]);
+    let browser = Browser::start();
+    let mut page = phone(&browser, &url);
+    page.wait_for_text("#scene", "wall");
+    page.wait_for_text("#track", "quiet.wav");
+    app.press(&["space"]);
+    page.wait_until("the pause", "document.querySelector('[data-do=pause]').ariaPressed === 'true'");
+    app.press(&["x"]);
+    page.wait_until("blackout", "document.querySelector('[data-do=blackout]').ariaPressed === 'true'");
+    app.press(&["x", "n"]);
+    page.wait_for_text("#scene", "wool");
+    // By its name in the grid, and by the buttons beside it.
+    page.wait_until(
+        "this scene in the grid",
+        "document.querySelector('#scenes [aria-current=true]')?.textContent === 'wool'",
+    );
+    page.value(
+        "[...document.querySelectorAll('#scenes button')].find(b => b.textContent === 'wall').id = 'wanted'",
+    );
+    page.tap("#wanted");
+    page.wait_for_text("#scene", "wall");
+    wait_for_colour(&app, "the wall", [false, true, false]);
+    page.tap("[data-do=next]");
+    page.wait_for_text("#scene", "wool");
+    page.tap("[data-do=previous]");
+    page.wait_for_text("#scene", "wall");
+    // The song: where it is, how loud, whether it plays.
+    page.drag("[data-level=position] .rail", 0.3, 0.5);
+    page.wait_for_text("[data-level=position] .value", "0:50 / 1:40");
+    page.drag("[data-level=volume] .rail", 0.9, 0.25);
+    page.wait_for_text("[data-level=volume] .value", "25 %");
+    page.tap("[data-do=pause]");
+    page.wait_until("it plays", "document.querySelector('[data-do=pause]').ariaPressed === 'false'");
+    page.wait_until("time goes by", "show.levels.position > 0.505");
+    quit(app);
+}
+
+#[test]
+fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_once_and_no_more() {
+    let desktop = Desktop::start();
+    let (app, url) = open(&desktop, &["--size", "640x360"]);
+    app.press(&["j"]);
+    let path = desktop.folder().join("window.png");
+    let mut read = String::new();
+    wait_until("the code", || {
+        app.picture().save(&path).unwrap();
+        let mut command = Command::new("zbarimg");
+        command.args(["--quiet", "--raw"]).arg(&path);
+        // It fails where there is no code yet.
+        read = output_of(&mut command, "zbar-tools")
+            .map(|text| String::from_utf8_lossy(&text).trim().to_owned())
+            .unwrap_or_default();
+        !read.is_empty()
+    });
+    assert_eq!(read, url);
+    let browser = Browser::start();
+    let mut page = phone(&browser, &url);
+    // The page stays open while the program is started again, with the same port and another token.
+    quit(app);
+    page.wait_until("the end", "document.getElementById('status').textContent.startsWith('Connection lost')");
+    let port = url.split(['/', ':']).nth(4).unwrap();
+    let (app, newer) = open_at(&desktop, &format!("127.0.0.1:{port}"), &["--size", "160x90"]);
+    assert_ne!(newer, url);
+    page.wait_until(
+        "what is wrong with it",
+        "document.getElementById('status').textContent.startsWith('This address is not valid any more')",
+    );
+    // It has asked once and asks no more, so the newer address is soon answered there.
+    wait_until("the newer page", || {
+        page = browser.open(&newer);
+        page.wait_until("an answer", "document.readyState === 'complete' && document.body !== null");
+        page.value("document.querySelector('h1') !== null") == true
+    });
+    page.wait_for_text("#scene", "wall");
+    quit(app);
+}
+
+#[test]
+fn a_port_that_is_taken_costs_a_sentence_and_the_show_goes_on() {
+    let desktop = Desktop::start();
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let song = desktop.folder().join("quiet.wav");
+    write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
+    let scene = desktop.folder().join("wall.scene");
+    fs::write(&scene, WALL).unwrap();
+    let place = taken.local_addr().unwrap().to_string();
+    let options = ["--silent", "--size", "160x90", "--scene", scene.to_str().unwrap(), "--remote", &place];
+    let mut app = desktop.open(&song, &options);
+    app.wait_until_told(&format!("phones are not listened to: another program has {place}"));
+    wait_for_colour(&app, "green", [false, true, false]);
+    quit(app);
+}
