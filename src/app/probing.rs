@@ -16,6 +16,8 @@ use mariana_field::world::World;
 
 /// How long an answer may take: then the scene is too large for it.
 const PATIENCE: Duration = Duration::from_secs(5);
+/// Between surveys the processors are the show's for as long as one took, but for no longer than this.
+const REST_MAX: Duration = Duration::from_secs(1);
 /// Rays of a survey side by side.
 const COLUMNS: usize = 160;
 /// Share of a pixel that the ray of a probe is wide.
@@ -80,7 +82,7 @@ struct State {
     point: Option<(Scenery, [f64; 2])>,
     survey: Option<Scenery>,
     answers: Vec<Answer>,
-    /// Whether a survey is being made.
+    /// Whether a survey is being made, or was a moment ago.
     surveys: bool,
     over: bool,
 }
@@ -124,7 +126,7 @@ impl Prober {
         self.0.changed.notify_one();
     }
 
-    /// Whether a survey is on its way.
+    /// Whether a survey is on its way, or its thread rests.
     pub(super) fn surveys(&self) -> bool {
         let state = self.0.lock();
         state.surveys || state.survey.is_some()
@@ -176,15 +178,22 @@ fn work(shared: &Shared, wake: &dyn Fn()) {
         let what = if is_asked { "a point" } else { "a grid" };
         tracing::debug!("looked at {what} of the picture in {:.1} ms", 1e3 * begun.elapsed().as_secs_f64());
         let mut state = shared.lock();
-        state.surveys = false;
         match answer {
             Ok(Some(answer)) => state.answers.push(answer),
             Ok(None) if begun.elapsed() >= PATIENCE => state.answers.push(Answer::TooLong),
             Ok(None) => {}
             Err(_) => tracing::error!("probing ended with a panic"),
         }
+        let surveyed = state.surveys;
         drop(state);
         wake();
+        if surveyed {
+            let rest = begun.elapsed().min(REST_MAX);
+            let is_idle = |state: &mut State| state.point.is_none() && !state.over;
+            let rested = shared.changed.wait_timeout_while(shared.lock(), rest, is_idle);
+            rested.unwrap_or_else(PoisonError::into_inner).0.surveys = false;
+            wake();
+        }
     }
 }
 
