@@ -151,8 +151,8 @@ pub(super) struct SceneStage {
     pictures_seen: u64,
     /// The scene whose picture was finished last.
     pictured: Option<u64>,
-    /// How long that took.
-    picture_took: Duration,
+    /// How long that took, and the one before it.
+    pictures_took: [Duration; 2],
     /// Counts the changes that make the same moment look different.
     revision: u64,
     /// The scene on the stage and its mode when they were last announced.
@@ -217,7 +217,7 @@ impl SceneStage {
             seen_picture: None,
             pictures_seen: 0,
             pictured: None,
-            picture_took: Duration::ZERO,
+            pictures_took: [Duration::ZERO; 2],
             revision: 0,
             announced: None,
             regions,

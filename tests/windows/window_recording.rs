@@ -157,6 +157,8 @@ fn fades_blackouts_and_held_pictures_are_rendered_again_bit_for_bit() {
     let place = Place::new();
     let mut app = place.open(&["--fade", "20", "--blackout-fade", "3"]);
     app.wait_until_told("first picture");
+    // Several pictures tell that both scenes can be drawn.
+    wait_until("a second of the song", || f64::from(place.progress()) * SECONDS > 1.0);
     app.press(&["F9"]);
     // A fade of the user's own begins while the song plays; both scenes go on in it.
     app.press(&["n"]);

@@ -128,7 +128,8 @@ impl SceneStage {
                 self.edits.note(Instant::now());
             }
             if let Some(left) = replaced.as_ref().filter(|_| is_another) {
-                self.note_left(left, self.picture_took);
+                // A single one may have waited for a driver, or for the processors.
+                self.note_left(left, self.pictures_took.into_iter().min().unwrap_or_default());
             }
             // There is no point in coming back to a scene that has shown nothing.
             if self.pictured == replaced.as_ref().map(|cast| cast.id) {

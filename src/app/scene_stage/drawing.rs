@@ -118,7 +118,7 @@ impl SceneStage {
         self.pictured = self.on_stage.as_ref().map(|cast| cast.id);
         self.seen_picture = self.begun_picture.take();
         self.pictures_seen += 1;
-        self.picture_took = drawn.spent;
+        self.pictures_took = [drawn.spent, self.pictures_took[0]];
         if self.fading.goes_on_by_itself() {
             self.revision += 1;
         }
