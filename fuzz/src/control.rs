@@ -1,13 +1,13 @@
 //! What comes from outside while a show runs: packets of OSC, and the bytes of MIDI devices.
 
-use mariana_control::deed::{DeedRow, Given, Takes};
+use mariana_control::deed::{Deed, DeedRow, Given, Takes};
 use mariana_control::limits::LIMITS;
 use mariana_control::midi::{Clock, Device, Said};
 use mariana_control::osc::{Asked, Pattern, messages, understand};
-use mariana_control::{Amount, midi::Message};
+use mariana_control::{Amount, ParamWish, midi::Message};
 
 /// An action of each kind.
-const DEEDS: &[DeedRow] = &[
+pub(crate) const DEEDS: &[DeedRow] = &[
     DeedRow { name: "next", takes: Takes::Press, meaning: "" },
     DeedRow { name: "pause", takes: Takes::Switch, meaning: "" },
     DeedRow { name: "volume", takes: Takes::Level, meaning: "" },
@@ -26,19 +26,27 @@ pub(crate) fn osc(data: &[u8]) {
             let _ = (pattern.matches("/param/size"), pattern.matches(&message.addr), pattern.matches(""));
         }
         match understand(message, DEEDS) {
-            Ok(Asked::Turn(wish)) => {
-                let (Amount::Value(to) | Amount::Share(to)) = wish.to;
-                assert!(
-                    to.is_finite() && wish.seconds.is_finite() && wish.name.len() <= LIMITS.name_bytes_max
-                );
-            }
-            Ok(Asked::Act(deed)) => match deed.given {
-                Given::Number(number) => assert!(number.is_finite(), "{deed:?}"),
-                Given::Text(text) => assert!(text.len() <= LIMITS.name_bytes_max),
-                Given::Nothing => {}
-            },
+            Ok(Asked::Turn(wish)) => check_turn(&wish),
+            Ok(Asked::Act(deed)) => check_act(&deed),
             Ok(Asked::Tell(_) | Asked::Nothing) | Err(_) => {}
         }
+    }
+}
+
+/// A turn has numbers and a name within limits.
+pub(crate) fn check_turn(wish: &ParamWish) {
+    let (Amount::Value(to) | Amount::Share(to)) = wish.to;
+    assert!(to.is_finite() && wish.seconds.is_finite(), "{wish:?}");
+    assert!(wish.name.len() <= LIMITS.name_bytes_max, "{wish:?}");
+}
+
+/// An action stands in the table, with a number or a name within limits.
+pub(crate) fn check_act(deed: &Deed) {
+    assert!(DEEDS.iter().any(|row| row.name == deed.name), "{deed:?}");
+    match &deed.given {
+        Given::Number(number) => assert!(number.is_finite(), "{deed:?}"),
+        Given::Text(text) => assert!(text.len() <= LIMITS.name_bytes_max, "{deed:?}"),
+        Given::Nothing => {}
     }
 }
 

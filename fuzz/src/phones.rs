@@ -1,21 +1,11 @@
 //! What a network sends to the page for phones: heads of requests, and messages.
 
-use mariana_control::Amount;
-use mariana_control::deed::{DeedRow, Given, Takes};
-use mariana_control::limits::LIMITS as CONTROL_LIMITS;
 use mariana_remote::http::Head;
 use mariana_remote::limits::LIMITS;
 use mariana_remote::message::{Asked, understand};
 
 use super::bytes::Bytes;
-
-const DEEDS: [DeedRow; 5] = [
-    DeedRow { name: "next", takes: Takes::Press, meaning: "" },
-    DeedRow { name: "pause", takes: Takes::Switch, meaning: "" },
-    DeedRow { name: "volume", takes: Takes::Level, meaning: "" },
-    DeedRow { name: "tempo", takes: Takes::Number, meaning: "" },
-    DeedRow { name: "scene", takes: Takes::Choice, meaning: "" },
-];
+use super::control::{DEEDS, check_act, check_turn};
 
 /// The head of a request, or a message.
 pub(crate) fn phones(data: &[u8]) {
@@ -45,22 +35,9 @@ fn head(bytes: &[u8]) {
 }
 
 fn message(text: &str) {
-    let number = |number: f32| assert!(number.is_finite(), "{text}");
-    let short = |name: &str| assert!(name.len() <= CONTROL_LIMITS.name_bytes_max, "{text}");
-    match understand(text, &DEEDS) {
-        Ok(Asked::Turn(wish)) => {
-            let (Amount::Value(to) | Amount::Share(to)) = wish.to;
-            number(to);
-            short(&wish.name);
-        }
-        Ok(Asked::Act(deed)) => {
-            assert!(DEEDS.iter().any(|row| row.name == deed.name));
-            match deed.given {
-                Given::Nothing => {}
-                Given::Number(given) => number(given),
-                Given::Text(text) => short(&text),
-            }
-        }
+    match understand(text, DEEDS) {
+        Ok(Asked::Turn(wish)) => check_turn(&wish),
+        Ok(Asked::Act(deed)) => check_act(&deed),
         Ok(Asked::Nothing) | Err(_) => {}
     }
 }

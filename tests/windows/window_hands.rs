@@ -6,7 +6,7 @@
 use std::fs;
 use std::net::UdpSocket;
 use std::os::unix::net::UnixDatagram;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::support::desktop::{App, Desktop};
@@ -17,11 +17,19 @@ const QUIT_LIMIT: Duration = Duration::from_secs(60);
 const SIZE: &str = "160x90";
 
 /// A wall whose red and green are parameters.
-const WALL: &str = "param red = 0 in 0 .. 2\nparam green = 1 in 0 .. 1\n\
+pub(crate) const WALL: &str = "param red = 0 in 0 .. 2\nparam green = 1 in 0 .. 1\n\
     material paint { color = 0  roughness = 1  emission = vec3(red, green, 0) }\n\
     object wall { shape = 5 - p.z  material = paint }\n\
     light none { direction = vec3(0, -1, 0)  color = 0 }\n\
     camera { position = vec3(0)  target = vec3(0, 0, 5) }\nsky { color = 0  ambient = 0 }\n";
+
+/// Writes the wall, and one of another colour; returns where the wall is.
+pub(crate) fn write_wall(folder: &Path) -> PathBuf {
+    let wall = folder.join("wall.scene");
+    fs::write(&wall, WALL).unwrap();
+    fs::write(folder.join("wool.scene"), WALL.replace("vec3(red, green, 0)", "vec3(0, 0, 1)")).unwrap();
+    wall
+}
 
 struct Place {
     desktop: Desktop,
@@ -33,9 +41,7 @@ impl Place {
         let desktop = Desktop::start();
         let song = desktop.folder().join("quiet.wav");
         write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
-        fs::write(desktop.folder().join("wall.scene"), WALL).unwrap();
-        fs::write(desktop.folder().join("wool.scene"), WALL.replace("vec3(red, green, 0)", "vec3(0, 0, 1)"))
-            .unwrap();
+        write_wall(desktop.folder());
         Self { desktop, song }
     }
 
@@ -162,11 +168,12 @@ fn colour(app: &App) -> [bool; 3] {
     [red, green, blue].map(|channel| channel > 120)
 }
 
-fn wait_for_colour(app: &App, what: &str, wanted: [bool; 3]) {
+/// Waits until the wall has this colour: which channels are bright.
+pub(crate) fn wait_for_colour(app: &App, what: &str, wanted: [bool; 3]) {
     wait_until(what, || colour(app) == wanted);
 }
 
-fn quit(app: App) {
+pub(crate) fn quit(app: App) {
     app.press(&["q"]);
     let (status, told) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success(), "{status}: {told}");

@@ -5,21 +5,12 @@
 
 use std::fs;
 use std::process::Command;
-use std::time::Duration;
 
 use crate::support::browser::{Browser, Page};
 use crate::support::desktop::{App, Desktop};
+use crate::window_hands::{WALL, quit, wait_for_colour, write_wall};
 use mariana_testing::process::{output_of, wait_until};
 use mariana_testing::wave::write_wav;
-
-const QUIT_LIMIT: Duration = Duration::from_secs(60);
-
-/// A wall whose red and green are parameters.
-const WALL: &str = "param red = 0 in 0 .. 2\nparam green = 1 in 0 .. 1\n\
-    material paint { color = 0  roughness = 1  emission = vec3(red, green, 0) }\n\
-    object wall { shape = 5 - p.z  material = paint }\n\
-    light none { direction = vec3(0, -1, 0)  color = 0 }\n\
-    camera { position = vec3(0)  target = vec3(0, 0, 5) }\nsky { color = 0  ambient = 0 }\n";
 
 /// The program with a wall, a song and a page for phones; and the page's address.
 fn open<'d>(desktop: &'d Desktop, options: &[&str]) -> (App<'d>, String) {
@@ -30,10 +21,7 @@ fn open<'d>(desktop: &'d Desktop, options: &[&str]) -> (App<'d>, String) {
 fn open_at<'d>(desktop: &'d Desktop, place: &str, options: &[&str]) -> (App<'d>, String) {
     let song = desktop.folder().join("quiet.wav");
     write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 100));
-    let scene = desktop.folder().join("wall.scene");
-    fs::write(&scene, WALL).unwrap();
-    fs::write(desktop.folder().join("wool.scene"), WALL.replace("vec3(red, green, 0)", "vec3(0, 0, 1)"))
-        .unwrap();
+    let scene = write_wall(desktop.folder());
     let own = ["--silent", "--midi", "off", "--blackout-fade", "0", "--fade", "0", "--scene"];
     let all = [&own[..], &[scene.to_str().unwrap(), "--remote", place], options].concat();
     let mut app = desktop.open(&song, &all);
@@ -60,20 +48,6 @@ fn value_of(name: &str) -> String {
 
 fn rail_of(name: &str) -> String {
     format!("[data-param=\"{name}\"] .rail")
-}
-
-fn wait_for_colour(app: &App, what: &str, wanted: [bool; 3]) {
-    wait_until(what, || {
-        let [red, green, blue, _] = app.picture().get_pixel(20, 80).0;
-        [red, green, blue].map(|channel| channel > 120) == wanted
-    });
-}
-
-fn quit(app: App) {
-    app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-    assert!(!told.contains("panicked"), "{told}");
 }
 
 #[test]
