@@ -412,12 +412,12 @@ impl Stage {
             }
             let idle = now + self.idle_interval(seen);
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
-        } else if now >= self.pace.due() || self.scene.has_regions() {
+        } else if now >= self.pace.due(self.hands.are_unseen()) || self.scene.has_regions() {
             self.update_preview(now, Some(Duration::ZERO))?;
             self.window.window().request_redraw();
             Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
         } else {
-            let due = self.pace.due();
+            let due = self.pace.due(self.hands.are_unseen());
             self.update_preview(now, Some(due.saturating_duration_since(now)))?;
             Ok(to_send.map_or(due, |sends| sends.min(due)))
         }

@@ -28,7 +28,7 @@ impl Stage {
         let begun = Instant::now();
         // A picture whose regions have come was due before.
         if !self.scene.has_regions() && !self.scene.is_drawing() {
-            self.pace.begun(begun);
+            self.pace.begun(begun, self.hands.are_unseen());
         }
         let size = self.window.size();
         let placement = self.placement();
