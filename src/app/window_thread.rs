@@ -20,6 +20,7 @@ use super::accessibility::{Accessibility, Assistance};
 use super::error::AppError;
 use super::keys::{self, Action};
 use super::monitors::Monitor;
+use super::wallpaper::Layers;
 use super::window::{OpenWindow, WindowWishes, open_output};
 use crate::ending::{self, Signal};
 use crate::export::print::tell;
@@ -99,7 +100,7 @@ pub(super) enum Told {
 pub(super) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), AppError> + Send>;
 
 /// Opens a window, runs `play` in it on a thread of its own, and hands it the window's events through `waker`, until
-/// one of the two ends. `typing` tells whether keys are text.
+/// one of the two ends. `typing` tells whether keys are text. `layers` show the picture instead of the window.
 ///
 /// # Errors
 /// What the show ended with, no window, or no thread.
@@ -108,6 +109,7 @@ pub(super) fn run(
     wishes: WindowWishes,
     waker: &Waker,
     typing: Typing,
+    layers: Option<Layers>,
     play: Play,
 ) -> Result<(), AppError> {
     let on_signal = event_loop.create_proxy();
@@ -127,6 +129,7 @@ pub(super) fn run(
         held: ModifiersState::empty(),
         monitors: Vec::new(),
         typing,
+        layers,
         result: Ok(()),
     };
     #[cfg(all(unix, not(target_os = "macos")))]
@@ -152,6 +155,7 @@ struct Front {
     /// Those of Wayland.
     monitors: Vec<Monitor>,
     typing: Typing,
+    layers: Option<Layers>,
     result: Result<(), AppError>,
 }
 
@@ -312,6 +316,8 @@ impl ApplicationHandler<Told> for Front {
             let reason = "the show ended with a panic; please report the message above".to_owned();
             Err(AppError::Window { doing: "to continue", reason })
         });
+        // After the show, which draws into them.
+        drop(self.layers.take());
         drop(accessibility);
         drop(output);
         drop(window);
