@@ -5,10 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::layers::Sheets;
-use super::power;
 #[cfg(any(test, all(unix, not(target_os = "macos"))))]
 use super::Rect;
+use super::layers::Sheets;
+use super::power;
 #[cfg(all(unix, not(target_os = "macos")))]
 use super::windows;
 use crate::app::window_thread::Waker;

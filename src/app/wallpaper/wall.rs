@@ -43,7 +43,9 @@ impl Wall {
         self.hung.retain(|hung| present.iter().any(|sheet| Arc::ptr_eq(sheet, &hung.sheet)));
         for sheet in present {
             let Some(extent) = sheet.extent() else { continue };
-            match self.hung.iter_mut().find(|hung| Arc::ptr_eq(&hung.sheet, &sheet)) {
+            let hung = self.hung.iter_mut().find(|hung| Arc::ptr_eq(&hung.sheet, &sheet));
+            let before = hung.as_ref().map(|hung| hung.extent);
+            match hung {
                 Some(hung) if hung.extent == extent => continue,
                 Some(hung) => {
                     (hung.extent, hung.is_stale, hung.is_blank) = (extent, true, true);
@@ -54,8 +56,10 @@ impl Wall {
                 None => self.hung.push(hang(&sheet, extent, window)),
             }
             sheet.fit(extent);
-            let (width, height) = extent.pixels;
-            tracing::info!("the wallpaper is on {} ({width}x{height})", sheet.name());
+            if before.is_none_or(|before| before.pixels != extent.pixels) {
+                let (width, height) = extent.pixels;
+                tracing::info!("the wallpaper is on {} ({width}x{height})", sheet.name());
+            }
         }
     }
 
