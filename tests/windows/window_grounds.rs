@@ -73,18 +73,26 @@ fn on_wayland_a_wallpaper_rests_while_nobody_sees_it() {
 }
 
 #[test]
-fn on_wayland_a_wallpaper_outlives_monitors_that_are_pulled_out() {
+fn on_wayland_a_wallpaper_takes_no_input_and_outlives_monitors_that_are_pulled_out() {
     let compositor = Compositor::sway_in_windows(
         "output X11-1 resolution 320x180\noutput X11-2 resolution 200x240\noutput X11-3 resolution 240x160\n",
     );
-    let mut show = wallpaper(&compositor, TWO_COLOURS, &[]);
+    // It tells all that the compositor says to it.
+    let mut show = wallpaper(&compositor, TWO_COLOURS, &[("WAYLAND_DEBUG", "client")]);
+    assert!(show.told().contains(".get_pointer("), "there is no pointer: {}", show.told());
+    compositor.order("seat * cursor set 40 40");
+    compositor.order("seat * cursor set 60 90");
     compositor.order("create_output");
     for output in ["X11-1", "X11-2"] {
         compositor.wait_for_screen(output, "the wallpaper", fills);
     }
+    let told = show.told();
+    assert!(!told.lines().any(|line| line.contains("wl_pointer") && line.contains(".enter(")), "{told}");
     compositor.pull("X11-2");
+    show.wait_until_told("the wallpaper leaves X11-2");
     compositor.wait_for_screen("X11-1", "the wallpaper that is left", fills);
     compositor.pull("X11-1");
+    show.wait_until_told("the wallpaper leaves X11-1");
     // None is left; the next one has it.
     compositor.order("create_output");
     compositor.wait_for_screen("X11-3", "the wallpaper", |screen| {

@@ -40,7 +40,13 @@ impl Wall {
     /// Takes in which surfaces there are, and how large.
     pub(super) fn update(&mut self, window: &GlWindowContext) {
         let present = self.sheets.present();
-        self.hung.retain(|hung| present.iter().any(|sheet| Arc::ptr_eq(sheet, &hung.sheet)));
+        self.hung.retain(|hung| {
+            let stays = present.iter().any(|sheet| Arc::ptr_eq(sheet, &hung.sheet));
+            if !stays {
+                tracing::info!("the wallpaper leaves {}", hung.sheet.name());
+            }
+            stays
+        });
         for sheet in present {
             let Some(extent) = sheet.extent() else { continue };
             let hung = self.hung.iter_mut().find(|hung| Arc::ptr_eq(&hung.sheet, &sheet));
