@@ -98,7 +98,8 @@ impl Stage {
         let handing_over = Instant::now();
         // Without a new picture there is something to show only if the overlay or the window changes.
         let waits = new.is_none() && !dims && (shown != wanted || is_drawing);
-        let has_words = self.overlay.due(&content, begun).is_some_and(|due| due <= begun);
+        let has_words = self.overlay.due(&content, begun).is_some_and(|due| due <= begun)
+            && self.wallpaper.as_ref().is_none_or(Wallpaper::shows_words);
         let ground_is_due = self.wallpaper.as_ref().is_some_and(Wallpaper::is_due);
         if waits && !self.output.is_stale() && !ground_is_due && !has_words {
             return Ok(false);
