@@ -382,6 +382,11 @@ impl Stage {
         self.scene.rehearse(&mut self.renderer);
         let shows_words = self.wallpaper.as_ref().is_none_or(Wallpaper::shows_words);
         let overlay_due = self.overlay_due(now).filter(|_| shows_words);
+        if let Some(until) = self.scene.awaits_edit(now)
+            && overlay_due.is_none_or(|due| due > now)
+        {
+            return Ok(until);
+        }
         let moment = self.moment();
         self.direct(moment);
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
