@@ -4,15 +4,15 @@
 //! that obeys it. The show draws into them ([`super::wall`]); each asks the compositor when it wants the next picture. A
 //! surface that nobody sees is never answered.
 
+mod sheet;
+
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
 
-use raw_window_handle::{RawWindowHandle, WaylandWindowHandle};
 use smithay_client_toolkit::compositor::{CompositorHandler, CompositorState, Region};
-use smithay_client_toolkit::output::{OutputHandler, OutputInfo, OutputState};
+use smithay_client_toolkit::output::{OutputHandler, OutputState};
 use smithay_client_toolkit::reexports::calloop::{EventLoop, LoopSignal};
 use smithay_client_toolkit::reexports::calloop_wayland_source::WaylandSource;
 use smithay_client_toolkit::reexports::protocols::wp::viewporter::client::{wp_viewport, wp_viewporter};
@@ -27,178 +27,21 @@ use smithay_client_toolkit::{
 use wayland_client::globals::registry_queue_init;
 use wayland_client::protocol::wl_output::{Transform, WlOutput};
 use wayland_client::protocol::wl_surface::WlSurface;
-use wayland_client::{Connection, EventQueue, Proxy, QueueHandle, delegate_noop};
+use wayland_client::{Connection, EventQueue, QueueHandle, delegate_noop};
 use winit::event_loop::{EventLoop as Windows, OwnedDisplayHandle};
+
+use sheet::Borne;
+pub(in crate::app) use sheet::{Extent, Sheet, Sheets};
 
 use crate::app::error::AppError;
 use crate::app::window::wayland_connection;
 use crate::app::window_thread::{Told, Waker};
-
-/// A surface that waits longer than this for its next picture to be wanted is not seen. Slow monitors have 24 pictures
-/// a second.
-const UNSEEN: Duration = Duration::from_secs(1);
 
 /// Whether windows of this session are Wayland's. winit decides by the same.
 pub(in crate::app) fn is_wayland() -> bool {
     ["WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
         .into_iter()
         .any(|name| std::env::var(name).is_ok_and(|value| !value.is_empty()))
-}
-
-/// How large a surface is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::app) struct Extent {
-    /// Width and height of its pictures, in pixels.
-    pub(in crate::app) pixels: (u32, u32),
-    /// The same in the compositor's units.
-    units: (u32, u32),
-    /// Pixels in one of these, where the compositor stretches no pictures.
-    scale: u32,
-}
-
-impl Extent {
-    /// Of a surface of this many units on an output with a `mode` of so many pixels, where that is known, and whole
-    /// pixels per unit. Whoever can be stretched has the output's own pixels, be they a fraction of a unit.
-    fn of(units: (u32, u32), mode: Option<(u32, u32)>, scale: u32, is_stretched: bool) -> Self {
-        let units = (units.0.max(1), units.1.max(1));
-        let scale = scale.max(1);
-        let whole = (units.0.saturating_mul(scale), units.1.saturating_mul(scale));
-        let pixels = mode.filter(|mode| is_stretched && mode.0 > 0 && mode.1 > 0).unwrap_or(whole);
-        Self { pixels, units, scale }
-    }
-}
-
-/// A surface on an output. Drop what draws into it before.
-#[derive(Debug)]
-pub(in crate::app) struct Sheet {
-    output: WlOutput,
-    name: String,
-    viewport: Option<wp_viewport::WpViewport>,
-    layer: LayerSurface,
-    queue: QueueHandle<Desk>,
-    state: Mutex<State>,
-    // Last: whatever stands above is nothing without it.
-    _display: OwnedDisplayHandle,
-}
-
-#[derive(Debug, Default)]
-struct State {
-    /// Width and height that the compositor gives it, in its units; none before.
-    units: Option<(u32, u32)>,
-    extent: Option<Extent>,
-    /// Since when it waits for the compositor to want another picture; none if it does.
-    waits_since: Option<Instant>,
-}
-
-impl Sheet {
-    /// What the compositor calls its output.
-    pub(in crate::app) fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// How large it is; none before the compositor has said so.
-    pub(in crate::app) fn extent(&self) -> Option<Extent> {
-        self.state().extent
-    }
-
-    /// Whether the compositor wants another picture.
-    pub(in crate::app) fn is_ready(&self) -> bool {
-        let state = self.state();
-        state.extent.is_some() && state.waits_since.is_none()
-    }
-
-    /// What drivers draw into.
-    pub(in crate::app) fn handle(&self) -> Option<RawWindowHandle> {
-        let surface = std::ptr::NonNull::new(self.surface().id().as_ptr().cast())?;
-        Some(WaylandWindowHandle::new(surface).into())
-    }
-
-    /// Lets pictures of this extent fill it, from the next one on.
-    pub(in crate::app) fn fit(&self, extent: Extent) {
-        let units = |side: u32| i32::try_from(side).unwrap_or(i32::MAX);
-        match &self.viewport {
-            Some(viewport) => viewport.set_destination(units(extent.units.0), units(extent.units.1)),
-            None => self.surface().set_buffer_scale(units(extent.scale)),
-        }
-    }
-
-    /// Asks to be told when a picture after the next one is wanted. To be called before each is shown.
-    pub(in crate::app) fn ask(&self) {
-        self.state().waits_since = Some(Instant::now());
-        self.surface().frame(&self.queue, self.surface().clone());
-    }
-
-    fn surface(&self) -> &WlSurface {
-        self.layer.wl_surface()
-    }
-
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Takes what is known of its output, and the units that it has been given. Returns whether its extent is another.
-    fn measure(&self, info: Option<&OutputInfo>) -> bool {
-        let mut state = self.state();
-        let Some(units) = state.units else { return false };
-        let mode = info.and_then(|info| {
-            let (width, height) = info.modes.iter().find(|mode| mode.current)?.dimensions;
-            let turned = matches!(
-                info.transform,
-                Transform::_90 | Transform::_270 | Transform::Flipped90 | Transform::Flipped270
-            );
-            let (width, height) = (u32::try_from(width).ok()?, u32::try_from(height).ok()?);
-            Some(if turned { (height, width) } else { (width, height) })
-        });
-        let scale = info.and_then(|info| u32::try_from(info.scale_factor).ok()).unwrap_or(1);
-        let extent = Extent::of(units, mode, scale, self.viewport.is_some());
-        let is_new = state.extent != Some(extent);
-        if is_new {
-            // Seen or not, it has to have a picture of that size.
-            (state.extent, state.waits_since) = (Some(extent), None);
-        }
-        is_new
-    }
-}
-
-impl Drop for Sheet {
-    fn drop(&mut self) {
-        // Of the surface that is dropped after this.
-        if let Some(viewport) = &self.viewport {
-            viewport.destroy();
-        }
-    }
-}
-
-/// The surfaces that there are.
-#[derive(Debug, Clone, Default)]
-pub(in crate::app) struct Sheets(Arc<Mutex<Vec<Arc<Sheet>>>>);
-
-impl Sheets {
-    /// All of them.
-    pub(in crate::app) fn present(&self) -> Vec<Arc<Sheet>> {
-        self.list().clone()
-    }
-
-    /// Whether none of them is seen at `now`, as far as the compositor tells.
-    pub(in crate::app) fn are_unseen(&self, now: Instant) -> bool {
-        let unseen = |sheet: &Arc<Sheet>| {
-            let since = sheet.state().waits_since;
-            since.is_some_and(|since| now.saturating_duration_since(since) >= UNSEEN)
-        };
-        self.list().iter().all(unseen)
-    }
-
-    fn list(&self) -> MutexGuard<'_, Vec<Arc<Sheet>>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn of_surface(&self, surface: &WlSurface) -> Option<Arc<Sheet>> {
-        self.list().iter().find(|sheet| sheet.surface() == surface).cloned()
-    }
-
-    fn of_output(&self, output: &WlOutput) -> Option<Arc<Sheet>> {
-        self.list().iter().find(|sheet| sheet.output == *output).cloned()
-    }
 }
 
 /// What makes the surfaces and hears of them, until it is dropped.
@@ -337,26 +180,19 @@ impl Desk {
         layer.set_keyboard_interactivity(KeyboardInteractivity::None);
         layer.commit();
         let name = self.outputs.info(&output).and_then(|info| info.name);
-        let sheet = Sheet {
-            output,
-            name: name.unwrap_or_else(|| "a monitor without a name".to_owned()),
-            viewport,
-            layer,
-            queue: queue.clone(),
-            state: Mutex::default(),
-            _display: self.display.clone(),
-        };
-        self.sheets.list().push(Arc::new(sheet));
+        let name = name.unwrap_or_else(|| "a monitor without a name".to_owned());
+        let borne = Borne { output, layer, viewport, display: self.display.clone() };
+        self.sheets.add(Sheet::new(name, borne, queue.clone()));
     }
 
     /// Takes surfaces away. Each is gone when nothing draws into it any more.
     fn take_down(&self, is_gone: impl Fn(&Sheet) -> bool) {
-        self.sheets.list().retain(|sheet| !is_gone(sheet));
+        self.sheets.remove(is_gone);
         self.waker.wake();
     }
 
     fn measure(&self, sheet: &Sheet) {
-        if sheet.measure(self.outputs.info(&sheet.output).as_ref()) {
+        if sheet.measure(self.outputs.info(sheet.output()).as_ref()) {
             self.waker.wake();
         }
     }
@@ -365,7 +201,7 @@ impl Desk {
 impl CompositorHandler for Desk {
     fn frame(&mut self, _: &Connection, _: &QueueHandle<Self>, surface: &WlSurface, _: u32) {
         if let Some(sheet) = self.sheets.of_surface(surface) {
-            sheet.state().waits_since = None;
+            sheet.answer();
             self.waker.wake();
         }
     }
@@ -395,13 +231,13 @@ impl OutputHandler for Desk {
     }
 
     fn output_destroyed(&mut self, _: &Connection, _: &QueueHandle<Self>, output: WlOutput) {
-        self.take_down(|sheet| sheet.output == output);
+        self.take_down(|sheet| *sheet.output() == output);
     }
 }
 
 impl LayerShellHandler for Desk {
     fn closed(&mut self, _: &Connection, _: &QueueHandle<Self>, layer: &LayerSurface) {
-        self.take_down(|sheet| sheet.layer == *layer);
+        self.take_down(|sheet| sheet.is_of(layer));
     }
 
     fn configure(
@@ -413,7 +249,7 @@ impl LayerShellHandler for Desk {
         _: u32,
     ) {
         if let Some(sheet) = self.sheets.of_surface(layer.wl_surface()) {
-            sheet.state().units = Some(configure.new_size);
+            sheet.give(configure.new_size);
             self.measure(&sheet);
         }
     }
@@ -433,20 +269,3 @@ delegate_output!(Desk);
 delegate_registry!(Desk);
 delegate_noop!(Desk: wp_viewporter::WpViewporter);
 delegate_noop!(Desk: wp_viewport::WpViewport);
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_picture_has_the_pixels_of_its_output_where_it_can_be_stretched() {
-        let pixels = |units, mode, scale, stretched| Extent::of(units, mode, scale, stretched).pixels;
-        // One and a half pixels for each unit, of which the compositor tells 2.
-        assert_eq!(pixels((1280, 720), Some((1920, 1080)), 2, true), (1920, 1080));
-        assert_eq!(pixels((1280, 720), Some((1920, 1080)), 2, false), (2560, 1440));
-        assert_eq!(pixels((1280, 720), None, 2, true), (2560, 1440));
-        assert_eq!(pixels((1280, 720), Some((0, 9)), 1, true), (1280, 720));
-        assert_eq!(pixels((0, 0), None, 0, false), (1, 1), "nothing has no pixels");
-        assert_eq!(pixels((u32::MAX, 1), None, 3, false), (u32::MAX, 3));
-    }
-}
