@@ -187,6 +187,25 @@ impl Front {
         Ok(())
     }
 
+    /// Leaves if the end takes too long: after it winit waits for a last answer of the compositor, and one that stands still
+    /// gives none.
+    fn leave_in_time(&self) {
+        let words = self.result.as_ref().err().map(ToString::to_string);
+        let leave = move || {
+            std::thread::sleep(END_WAIT);
+            let leaving = ending::begin_to_leave();
+            let asked = ending::asked_to_end().map_or(0, Signal::exit_code);
+            let code = words.map_or(asked, |words| {
+                tell(&words);
+                1
+            });
+            leaving.leave(code)
+        };
+        if let Err(error) = std::thread::Builder::new().name("end".into()).spawn(leave) {
+            tracing::info!("the end waits for the window system: {error}");
+        }
+    }
+
     /// Asks the show to end. The window disappears at once: whatever still waits for a driver does so unseen.
     fn end(&mut self, event_loop: &ActiveEventLoop) {
         if self.ends_by.is_some() {
@@ -321,6 +340,7 @@ impl ApplicationHandler<Told> for Front {
         drop(accessibility);
         drop(output);
         drop(window);
+        self.leave_in_time();
     }
 }
 

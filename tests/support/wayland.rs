@@ -168,6 +168,11 @@ impl Compositor {
         self.process.kill();
     }
 
+    /// Lets it stand still until it ends.
+    pub(crate) fn stop(&self) {
+        signal(&self.process, "-STOP");
+    }
+
     /// The program.
     pub(crate) fn open(&self, variables: &[(&str, &str)], options: &[&str]) -> Show {
         let mut command = self.command(PROGRAM);
@@ -204,9 +209,14 @@ impl Show {
         self.process.ended().is_none()
     }
 
+    /// Asks it to end.
+    pub(crate) fn ask_to_end(&self) {
+        signal(&self.process, "-TERM");
+    }
+
     /// Asks it to end, and waits until it has: what it has told.
     pub(crate) fn end(self) -> String {
-        output_of(Command::new("kill").args(["-TERM", &self.process.id().to_string()]), "procps").unwrap();
+        self.ask_to_end();
         let (_, told) = self.wait_for_end();
         assert!(!told.contains("panicked"), "{told}");
         told
@@ -220,4 +230,8 @@ impl Show {
         wait_until("its last words", || self.told().is_empty() || self.told().ends_with('\n'));
         (status, self.told())
     }
+}
+
+fn signal(process: &Process, signal: &str) {
+    output_of(Command::new("kill").args([signal, &process.id().to_string()]), "procps").unwrap();
 }

@@ -50,6 +50,18 @@ fn a_wayland_compositor_that_was_killed_left_a_show_that_never_ended() {
 }
 
 #[test]
+fn a_wayland_compositor_that_stood_still_kept_a_show_that_was_to_end() {
+    let compositor = Compositor::weston();
+    let mut show = compositor.open(&[], &SMALL[1..]);
+    show.wait_until_told("first picture");
+    compositor.stop();
+    show.ask_to_end();
+    let (status, told) = show.wait_for_end();
+    assert_eq!(status.code(), Some(128 + 15), "{told}");
+    assert!(!told.contains("panicked"), "{told}");
+}
+
+#[test]
 fn a_gibibyte_of_address_space_killed_the_program_within_a_driver() {
     let desktop = Desktop::start();
     let song = desktop.folder().join("song.wav");
