@@ -376,17 +376,17 @@ impl Stage {
         if edited || !self.scene.is_drawing() {
             self.pace.set_edited(edited);
         }
+        if let Some(until) = self.scene.awaits_edit(now)
+            && self.overlay_due(now).is_none_or(|due| due > now)
+        {
+            return Ok(until);
+        }
         if self.scene.is_drawing() {
             return Ok(now);
         }
         self.scene.rehearse(&mut self.renderer);
         let shows_words = self.wallpaper.as_ref().is_none_or(Wallpaper::shows_words);
         let overlay_due = self.overlay_due(now).filter(|_| shows_words);
-        if let Some(until) = self.scene.awaits_edit(now)
-            && overlay_due.is_none_or(|due| due > now)
-        {
-            return Ok(until);
-        }
         let moment = self.moment();
         self.direct(moment);
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
