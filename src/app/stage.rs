@@ -385,7 +385,8 @@ impl Stage {
             return Ok(now);
         }
         self.scene.rehearse(&mut self.renderer);
-        let overlay_due = self.overlay_due(now);
+        let shows_words = self.wallpaper.as_ref().is_none_or(Wallpaper::shows_words);
+        let overlay_due = self.overlay_due(now).filter(|_| shows_words);
         let moment = self.moment();
         self.direct(moment);
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
@@ -397,6 +398,7 @@ impl Stage {
         let moving = changes
             || self.is_dimming(now)
             || self.output.is_stale()
+            || self.wallpaper.as_ref().is_some_and(Wallpaper::is_due)
             || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
         let rests = self.wallpaper.as_ref().is_some_and(Wallpaper::rests);
