@@ -26,6 +26,8 @@ pub enum Fault {
     SlowInterpreter,
     /// The driver compiles a long program for an hour.
     EndlessCompiler,
+    /// The first tree of regions of a changed text takes longer than anyone waits.
+    SlowTree,
 }
 
 impl Fault {
@@ -39,6 +41,7 @@ impl Fault {
             "slow-compiler" => Some(Self::SlowCompiler),
             "slow-interpreter" => Some(Self::SlowInterpreter),
             "endless-compiler" => Some(Self::EndlessCompiler),
+            "slow-tree" => Some(Self::SlowTree),
             _ => None,
         }
     }

@@ -150,6 +150,23 @@ fn what_is_typed_shows_in_the_picture_and_a_mistake_leaves_it() {
 }
 
 #[test]
+fn a_changed_text_whose_tree_takes_too_long_gives_the_last_picture_back() {
+    let ball = |emission| wall(emission).replace("5 - p.z", "sphere(p - vec3(0, 0, 30 + 0.1 * sin(t)), 25)");
+    let place = Place::new(&ball("vec3(1, 0, 0)"));
+    let scene = place.file().to_str().unwrap().to_owned();
+    let options = ["--silent", "--size", SIZE, "--sdf", "interpreted", "--scene", &scene];
+    let mut app = place.desktop.open_with(&[("MARIANA_FAULT", "slow-tree@0")], &place.song, &options);
+    app.wait_for_title("a scene", |title| title.contains(" - Mariana ("));
+    wait_for_color(&app, "a red ball", RED);
+    write(&app);
+    app.press(&["ctrl+a"]);
+    app.xdotool(&["type", "--delay", "2", &ball("vec3(0, 1, 0)")]);
+    wait_until("what is said of it", || app.told().contains("main is too much for this machine"));
+    assert_eq!(color(&app), RED);
+    quit(app);
+}
+
+#[test]
 fn keys_are_text_in_the_editor_and_the_shows_beside_it() {
     let place = Place::new(&wall("vec3(1, 0, 0)"));
     let mut app = place.open(&[]);
