@@ -59,7 +59,13 @@ fn each_mistake_says_what_where_and_what_to_do() {
         ("at start x\nset a = b", "a number is expected here, not `b`", ""),
         ("at start x\nset picture brightness = 2", "2 is no share of a picture", "from 0 to 1"),
         ("at start x\nset picture freeze = 1 -> -1 over 1 s", "-1 is no share of a picture", "from 0 to 1"),
-        ("at start x\nset picture frieze = 1", "expected `=` and a value, found `frieze`", "picture freeze"),
+        ("at start x\nset picture frieze = 1", "there is no `frieze` in `set picture`", "did you mean `freeze`"),
+        ("at start x\nset picture glow = 1", "there is no `glow` in `set picture`", "`brightness`, `freeze`"),
+        ("at start x\nset camera roll = 1", "there is no `roll` in `set camera`", "`yaw`, `pitch`, `zoom`"),
+        ("at start x\nset pictur freeze = 1", "there is no `pictur freeze`", "did you mean `picture freeze`"),
+        ("at start x\nset picture 3", "expected `=` and a value, found `3`", "set swell"),
+        ("at start x portal bal over 2 bars", "`bal` is no shape of a portal", "did you mean `ball`"),
+        ("at start x portal square over 2 bars", "`square` is no shape", "`ball`, `plane`, `shape`"),
         ("at 99999999 x", "no song takes more than 86400 s", ""),
     ];
     for (text, message, hint) in cases {
