@@ -245,7 +245,8 @@ impl<'a> Reader<'a> {
             },
         };
         let length = if self.eat("over") { self.length()? } else { Length::Bars(1.0) };
-        Ok(Some(Transition { way, shape, length }))
+        let unfinished = self.eat("unfinished");
+        Ok(Some(Transition { way, shape, length, unfinished }))
     }
 
     fn setting(&mut self) -> Read<Setting> {

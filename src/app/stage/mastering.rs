@@ -51,6 +51,10 @@ impl Stage {
         if was == is || self.masters.is_frozen() {
             return;
         }
+        let since = |picture: Picture| picture.held.map(|held| held.since);
+        if since(before) != since(shown) {
+            self.scene.hold_anew();
+        }
         match is {
             // It is held as it is.
             Some(1.0..) => self.scene.give_picture_up(),

@@ -109,7 +109,7 @@ prop_compose! {
         ],
         offset in length(), before in any::<bool>(),
         scene in "[a-z_]{1,8}|[a-z]{1,4}[ /.][a-z]{1,4}", camera in proptest::option::of("[a-z]{1,8}"),
-        way in 0usize..5, shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, proptest::collection::vec((-9i16..9, length()), 0..4), length(), 0usize..6)),
+        (way, unfinished) in (0usize..5, any::<bool>()), shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, proptest::collection::vec((-9i16..9, length()), 0..4), length(), 0usize..6)),
     ) -> Entry {
         let value = |number: i16, name: usize| {
             let number = f32::from(number) / 8.0;
@@ -125,6 +125,7 @@ prop_compose! {
             way: *way,
             shape: if *way == Way::Portal { SHAPES[shape] } else { PortalShape::Ball },
             length: if *way == Way::Cut { Length::ZERO } else { over },
+            unfinished: unfinished && *way != Way::Cut,
         });
         let settings = swell.into_iter().map(|(from, steps, after, name)| Setting {
             param: CAMERA_TURNS.iter().chain(&PICTURE_NUMBERS).nth(name).copied().unwrap_or("swell").to_owned(),
