@@ -262,7 +262,12 @@ mod tests {
         for (time, scene, faded) in
             [(2.0, &orb, None), (3.0, &orb, None), (4.0, &city, Some((0.5, 3.75))), (5.0, &city, None)]
         {
-            recording.note((Some(0), "one"), time, Performed { faded, fades: faded.is_some(), ..seen(scene, None) }, now);
+            recording.note(
+                (Some(0), "one"),
+                time,
+                Performed { faded, fades: faded.is_some(), ..seen(scene, None) },
+                now,
+            );
         }
         let held = Finish { numbers: [0.5, 1.0], is_shown: false };
         recording.note_picture(Some(0), 6.0, &held, true);

@@ -224,9 +224,7 @@ impl<'a> Reader<'a> {
                 Diagnostic::new(word.span, format!("{} is no way from scene to scene", word.shown()));
             return Err(Box::new(match near {
                 Some(_) => unknown.did_you_mean(near),
-                None => {
-                    unknown.hint(format!("the ways are {}", quoted(ways.into_iter())))
-                }
+                None => unknown.hint(format!("the ways are {}", quoted(ways.into_iter()))),
             }));
         };
         self.at += 1;

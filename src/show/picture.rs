@@ -194,6 +194,10 @@ mod tests {
         }
         let held = plan(&text).held_at(1_000.0);
         assert_eq!(held.len(), LIMITS.show_held_max);
-        assert_eq!(held.first().map(|held| held.since), Some(LIMITS.show_held_max as f64 + 5.0), "the last ones");
+        assert_eq!(
+            held.first().map(|held| held.since),
+            Some(LIMITS.show_held_max as f64 + 5.0),
+            "the last ones"
+        );
     }
 }

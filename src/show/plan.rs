@@ -250,7 +250,8 @@ mod tests {
         assert_eq!(at(10.5), (1, Some((0.0, 0.25))));
         assert_eq!((at(12.0), at(1e9)), ((2, None), (2, None)));
         let broken_off = Entrance { unfinished: true, ..Entrance::new(Way::Fade, 4.0) };
-        let stays = vec![stay(0.0, Way::Cut, 0.0), Stay { entrance: broken_off, ..stay(10.0, Way::Fade, 4.0) }];
+        let stays =
+            vec![stay(0.0, Way::Cut, 0.0), Stay { entrance: broken_off, ..stay(10.0, Way::Fade, 4.0) }];
         let plan = Plan::new([stays, vec![stay(11.0, Way::Cut, 0.0)]].concat());
         let share = |time| plan.at(time).and_then(|moment| moment.leaving).map(|(_, share)| share);
         assert_eq!((share(10.5), share(11.0)), (Some(0.125), None), "it goes at its own pace");

@@ -117,7 +117,8 @@ pub struct Transition {
 
 impl Transition {
     /// At once.
-    pub const CUT: Self = Self { way: Way::Cut, shape: PortalShape::Ball, length: Length::ZERO, unfinished: false };
+    pub const CUT: Self =
+        Self { way: Way::Cut, shape: PortalShape::Ball, length: Length::ZERO, unfinished: false };
 
     /// In a way that takes some time; a portal is a ball.
     pub fn new(way: Way, length: Length) -> Self {

@@ -67,7 +67,8 @@ impl Place {
         let port = self.sender.port.to_string();
         let to = self.hearer.local_addr().unwrap().to_string();
         // With all pixels, however busy the machine is.
-        let usual = ["--silent", "-v", "--size", SIZE, "--quality", "best", "--scene", scene.to_str().unwrap()];
+        let usual =
+            ["--silent", "-v", "--size", SIZE, "--quality", "best", "--scene", scene.to_str().unwrap()];
         let network = ["--osc", &port, "--osc-send", &to];
         self.desktop.open(&self.song, &[&usual[..], &network, options].concat())
     }
@@ -322,7 +323,9 @@ fn scenes_that_change_and_come_back_behind_a_held_picture_are_rendered_again_bit
     place.rest(&mut app);
     let mut last = app.picture();
     let mut pictures = Vec::new();
-    for (number, (time, keys)) in [(15.0, &["n"][..]), (30.0, &["p"]), (45.0, &["n", "p"])].into_iter().enumerate() {
+    for (number, (time, keys)) in
+        [(15.0, &["n"][..]), (30.0, &["p"]), (45.0, &["n", "p"])].into_iter().enumerate()
+    {
         place.go_to(time);
         last = settled(&app, &last, "what will be held");
         pictures.push((time, last.clone()));

@@ -339,6 +339,6 @@ mod tests {
         assert_eq!(place("8080").as_deref(), Ok("0.0.0.0:8080"));
         assert_eq!(place("127.0.0.1:0").as_deref(), Ok("127.0.0.1:0"));
         assert_eq!(place("x"), Err(PlaceError::Malformed));
-        assert_eq!(place("70000"), Err(PlaceError::NoPort));
+        assert_eq!(place("70000"), Err(PlaceError::NoPortNorAny));
     }
 }

@@ -81,7 +81,7 @@ impl Stage {
         let corner = self.corner_line(begun);
         let is_drawing = self.scene.is_drawing();
         let lay = Lay { placement, screen, is_held: held };
-        let area = lay.area_in(size);
+        let area = self.note_area(&lay, size);
         self.note_map(lay.map(&self.renderer, area));
         if let Some(hands) = &mut self.desk.corners {
             hands.set_area(area);
@@ -101,7 +101,8 @@ impl Stage {
         {
             return Ok(false);
         }
-        Self::show_picture(&mut self.renderer, self.wallpaper.as_ref(), &lay, size)?;
+        let part = (size, area, self.desk.picture.is_some());
+        Self::show_picture(&mut self.renderer, (&self.window, self.wallpaper.as_ref()), &lay, part)?;
         let laying_out = Instant::now();
         let painted = self.overlay.paint(self.window.window(), size, content)?;
         let laid_out = laying_out.elapsed();
@@ -260,7 +261,7 @@ pub(super) fn paint_waiting(
     content: OverlayContent<'_>,
 ) -> Result<(), AppError> {
     let words = format!("Mariana is preparing {title}");
-    window.gl().clear_window(size)?;
+    window.gl().clear_window(size, [0.0; 3])?;
     overlay.paint(window.window(), size, OverlayContent { hint: Some(&words), ..content })?;
     window.swap()
 }

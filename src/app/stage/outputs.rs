@@ -6,9 +6,11 @@ use winit::event::WindowEvent;
 use winit::window::Window;
 
 use super::Stage;
+use crate::app::desk_picture::{AROUND, is_within, small_in};
 use crate::app::error::AppError;
 use crate::app::monitors::Monitor;
 use crate::app::wallpaper::{Panel, Wallpaper};
+use crate::app::window::GlWindowContext;
 use crate::export::print::tell;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
@@ -98,19 +100,38 @@ impl Stage {
         }
     }
 
-    /// Shows the picture on every monitor, if it is the desktop's ground, and in the window as `lay` says otherwise.
+    /// Where in the window of `size` pixels the picture lies: as large as it can, or small beside the panels while an output
+    /// shows it. It is large there, too, while its corners are moved, and where nothing else is to be seen.
+    pub(super) fn note_area(&mut self, lay: &Lay, size: (u32, u32)) -> Area {
+        let is_small = self.output.size().is_some() && !self.desk.bare && self.desk.corners.is_none();
+        self.desk.picture = is_small.then(|| small_in(size, lay.screen));
+        self.desk.picture.unwrap_or_else(|| lay.area_in(size))
+    }
+
+    /// Whether what the pointer does at a place of the window, in pixels, is meant for the picture.
+    pub(super) fn is_for_picture(&self, place: (f64, f64)) -> bool {
+        let size = self.window.size().unwrap_or_default();
+        self.desk.picture.is_none_or(|area| is_within(area, size, place))
+    }
+
+    /// Shows the picture on every monitor, if it is the desktop's ground, and otherwise in a part of the window, with its size
+    /// in pixels, as `lay` says; if it is small there, on a ground that is no part of it.
     ///
     /// # Errors
     /// What the driver refuses.
     pub(super) fn show_picture(
         renderer: &mut Renderer,
-        ground: Option<&Wallpaper>,
+        (window, ground): (&GlWindowContext, Option<&Wallpaper>),
         lay: &Lay,
-        size: (u32, u32),
+        (size, area, is_small): ((u32, u32), Area, bool),
     ) -> Result<(), GpuError> {
+        if is_small {
+            window.gl().clear_window(size, AROUND)?;
+            return renderer.show_in_part(size, area, &lay.map(renderer, area), lay.placement.part());
+        }
         let panels = ground.map(|ground| ground.panels(lay.screen)).unwrap_or_default();
         if panels.is_empty() {
-            return lay.show(renderer, size, lay.area_in(size));
+            return lay.show(renderer, size, area);
         }
         let map = lay.placement.map();
         for Panel { area, map: of_panel, part } in panels {

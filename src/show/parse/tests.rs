@@ -59,7 +59,11 @@ fn each_mistake_says_what_where_and_what_to_do() {
         ("at start x\nset a = b", "a number is expected here, not `b`", ""),
         ("at start x\nset picture brightness = 2", "2 is no share of a picture", "from 0 to 1"),
         ("at start x\nset picture freeze = 1 -> -1 over 1 s", "-1 is no share of a picture", "from 0 to 1"),
-        ("at start x\nset picture frieze = 1", "there is no `frieze` in `set picture`", "did you mean `freeze`"),
+        (
+            "at start x\nset picture frieze = 1",
+            "there is no `frieze` in `set picture`",
+            "did you mean `freeze`",
+        ),
         ("at start x\nset picture glow = 1", "there is no `glow` in `set picture`", "`brightness`, `freeze`"),
         ("at start x\nset camera roll = 1", "there is no `roll` in `set camera`", "`yaw`, `pitch`, `zoom`"),
         ("at start x\nset pictur freeze = 1", "there is no `pictur freeze`", "did you mean `picture freeze`"),
