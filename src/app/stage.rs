@@ -359,10 +359,7 @@ impl Stage {
         self.scene.update()?;
         self.update_editor();
         self.update_probing();
-        if let (Some(browser), Some(thumbnails)) = (&mut self.desk.browser, &mut self.thumbnails) {
-            browser.set_present(self.scene.shown_source());
-            browser.take(thumbnails);
-        }
+        self.update_thumbnails();
         if let Some(files) = &mut self.desk.files {
             files.update();
         }
