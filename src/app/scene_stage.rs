@@ -40,6 +40,7 @@ use fading::Fading;
 use hands::{Hands, Knob};
 use kept::KeptPrograms;
 use mixing::Mixing;
+use preview::Sketching;
 use scenery::Pictured;
 use turning::TurnedNumbers;
 use universal::UniversalInterpreters;
@@ -128,6 +129,7 @@ pub(super) struct SceneStage {
     directed: Directed,
     fading: Fading,
     mixing: Mixing,
+    sketching: Sketching,
     edits: Edits,
     /// The picture that is being drawn.
     making: Option<Making>,
@@ -200,6 +202,7 @@ impl SceneStage {
             directed: Directed::default(),
             fading: Fading::of(ways.fade),
             mixing: Mixing::default(),
+            sketching: Sketching::default(),
             edits: Edits::default(),
             making: None,
             // Without threads it would be compiled between frames, which then come late.
