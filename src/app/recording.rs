@@ -289,4 +289,32 @@ mod tests {
         );
         assert!(text("two.show").ends_with("\nat 0:00.5  heart  melt over 2 s\n"), "{}", text("two.show"));
     }
+
+    #[test]
+    fn what_ends_a_fade_or_looks_from_elsewhere_begins_a_part_of_its_own() {
+        let now = Instant::now();
+        let orb = SceneSource::Shipped("orb".to_owned());
+        let city = SceneSource::Shipped("city".to_owned());
+        let told = |pictures: &[(f64, &SceneSource, Option<(f64, f64)>, bool, Option<&'static str>)]| {
+            let mut recording = Recording::new(PerformanceFiles::in_folder(None));
+            recording.toggle(now);
+            for (time, scene, faded, fades, camera) in pictures.iter().copied() {
+                let seen = Performed { faded, fades, camera, ..seen(scene, None) };
+                recording.note((Some(0), "one"), time, seen, now);
+            }
+            let script = recording.take.map(|take| take.performance.script()).unwrap_or_default();
+            print(&script, &[]).lines().map(str::to_owned).collect::<Vec<_>>()
+        };
+        let fade = Some((4.0, 2.0));
+        let begins = [(1.0, &orb, None, false, None), (2.0, &city, fade, true, None)];
+        let with = |more: &[_]| told(&[&begins[..], more].concat());
+        let usual = ["at 0:01  orb  cut", "at 0:02  city  fade over 4 s"];
+        assert_eq!(with(&[(3.0, &city, fade, true, None), (7.0, &city, None, false, None)]), usual);
+        // A show's fade goes on though nobody directs any more.
+        assert_eq!(with(&[(3.0, &city, None, true, None)]), usual);
+        let held = with(&[(3.0, &city, None, false, None), (4.0, &city, None, false, None)]);
+        assert_eq!(held, [usual[0], "at 0:02  city  fade over 4 s unfinished", "at 0:03  city  cut"]);
+        let aside = with(&[(7.0, &city, None, false, Some("low")), (8.0, &city, None, false, Some("low"))]);
+        assert_eq!(aside, [usual[0], usual[1], "at 0:07  city  camera low  cut"]);
+    }
 }

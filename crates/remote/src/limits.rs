@@ -63,7 +63,7 @@ pub const LIMITS: Limits = Limits {
     guess_pause_min: Duration::from_secs(1),
     guess_pause_max: Duration::from_secs(60),
     pictures_max: 512,
-    picture_bytes_max: 64 << 10,
+    picture_bytes_max: 128 << 10,
     guess_memory: Duration::from_secs(600),
     guessers_max: 256,
 };
