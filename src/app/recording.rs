@@ -295,7 +295,8 @@ mod tests {
         let now = Instant::now();
         let orb = SceneSource::Shipped("orb".to_owned());
         let city = SceneSource::Shipped("city".to_owned());
-        let told = |pictures: &[(f64, &SceneSource, Option<(f64, f64)>, bool, Option<&'static str>)]| {
+        type Seen<'a> = (f64, &'a SceneSource, Option<(f64, f64)>, bool, Option<&'static str>);
+        let told = |pictures: &[Seen<'_>]| {
             let mut recording = Recording::new(PerformanceFiles::in_folder(None));
             recording.toggle(now);
             for (time, scene, faded, fades, camera) in pictures.iter().copied() {

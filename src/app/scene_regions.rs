@@ -45,6 +45,8 @@ pub(super) struct Wishes<'a> {
     pub camera: Option<usize>,
     /// How the camera was moved by hand.
     pub hand: OrbitControls,
+    /// Whether no tree was ever built for the scene, so that one that takes too long is given up.
+    pub is_untried: bool,
 }
 
 /// The builder's requests, and whether trees are waited for.
@@ -67,6 +69,8 @@ pub(super) struct SceneRegions {
     waited: bool,
     /// How long the last tree took.
     tree_time: Duration,
+    /// The scene whose picture was given up because its tree takes too long.
+    given_up: Option<u64>,
 }
 
 impl SceneRegions {
@@ -86,6 +90,7 @@ impl SceneRegions {
             waited_for: None,
             waited: false,
             tree_time: Duration::ZERO,
+            given_up: None,
         })
     }
 
@@ -116,13 +121,21 @@ impl SceneRegions {
             return Some((frame, wanted));
         }
         let tag = (id, wanted);
+        if self.asked.is_some_and(|(of, _)| of != id) {
+            // Nobody waits for another scene's, which may take long.
+            self.builder.forget();
+        }
         if self.asked != Some(tag) {
-            let (maker, patience) = (scene.region_maker(), Duration::MAX);
+            let patience = if wishes.is_untried { longest_wait() } else { Duration::MAX };
+            let maker = scene.region_maker();
             self.builder.request(TreeJob { tag, frame, maker, request, patience });
             self.asked = Some(tag);
         }
         let BuiltTree { tag, mut frame, regions } = self.builder.poll()?;
         let (of, mut shown) = tag;
+        if regions.is_none() {
+            (self.given_up, self.asked) = (Some(of), None);
+        }
         let regions = regions.filter(|regions| of == id && regions.request.options.cells == cells)?;
         if shown.size != wanted.size {
             shown.size = wanted.size;
@@ -153,9 +166,9 @@ impl SceneRegions {
         scene.set_cells(self.wish != CellUse::Never || scene.world().steep, Mode::Interpreted);
         let frame = Frame::new(scene.world(), 0.0, Features::SILENCE, TRIAL_SIZE);
         let request = scene.region_request(&frame);
-        let patience = Duration::from_secs_f64(LIMITS.picture_seconds_max);
         self.trials.forget();
-        self.trials.request(TreeJob { tag: id, frame, maker: scene.region_maker(), request, patience });
+        let (maker, patience) = (scene.region_maker(), longest_wait());
+        self.trials.request(TreeJob { tag: id, frame, maker, request, patience });
     }
 
     /// A first tree that was requested, and its scene; no tree if it takes longer than anyone waits.
@@ -172,6 +185,11 @@ impl SceneRegions {
     /// A tree that was requested so, with its scene and its frame; no tree if it took too long.
     pub(super) fn sketched_tree(&self) -> Option<(u64, Frame, Option<Arc<BuiltRegions>>)> {
         self.sketches.poll().map(|BuiltTree { tag, frame, regions }| (tag, frame, regions))
+    }
+
+    /// Whether a picture of this scene was given up because its tree takes too long; says so once.
+    pub(super) fn has_given_up(&mut self, id: u64) -> bool {
+        self.given_up.take_if(|given_up| *given_up == id).is_some()
     }
 
     /// Draws a compiled scene without a tree, from its first picture on.
@@ -244,6 +262,11 @@ impl SceneRegions {
             None => "regions are being built".to_owned(),
         }
     }
+}
+
+/// Longer than this nobody waits for a picture.
+fn longest_wait() -> Duration {
+    Duration::from_secs_f64(LIMITS.picture_seconds_max)
 }
 
 fn milliseconds(time: Duration) -> f64 {

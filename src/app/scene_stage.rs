@@ -9,6 +9,7 @@
 //! scene that is broken or slow to compile never costs the present one.
 
 mod ahead;
+mod awaited_edit;
 mod casting;
 mod changed_numbers;
 mod context_change;
@@ -32,6 +33,7 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use ahead::Ahead;
+use awaited_edit::AwaitedEdit;
 pub(super) use context_change::{DrawingWays, LoadedScene, SceneLoaders};
 use directed::Directed;
 use drawing::Making;
@@ -96,6 +98,8 @@ struct Cast {
 enum FirstTree {
     /// It is being built.
     Coming,
+    /// It is built with the first picture, because that of the last version of the text took no time.
+    Untried,
     /// It is there.
     There,
     /// It takes longer than anyone waits for a picture.
@@ -131,6 +135,7 @@ pub(super) struct SceneStage {
     mixing: Mixing,
     sketching: Sketching,
     edits: Edits,
+    awaited_edit: AwaitedEdit,
     /// The picture that is being drawn.
     making: Option<Making>,
     universal: UniversalInterpreters,
@@ -204,6 +209,7 @@ impl SceneStage {
             mixing: Mixing::default(),
             sketching: Sketching::default(),
             edits: Edits::default(),
+            awaited_edit: AwaitedEdit::default(),
             making: None,
             // Without threads it would be compiled between frames, which then come late.
             universal: UniversalInterpreters::new(!gl.info().software && compiler.has_threads()),
@@ -275,6 +281,7 @@ impl SceneStage {
         if loaded.source != self.source {
             return Ok(());
         }
+        self.awaited_edit.note_loaded(loaded.took);
         match loaded.value {
             Ok(ready) => {
                 self.problem = None;

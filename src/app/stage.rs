@@ -380,6 +380,11 @@ impl Stage {
         }
         self.scene.rehearse(&mut self.renderer);
         let overlay_due = self.overlay_due(now);
+        if let Some(until) = self.scene.awaits_edit(now)
+            && overlay_due.is_none_or(|due| due > now)
+        {
+            return Ok(until);
+        }
         let moment = self.moment();
         self.direct(moment);
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);

@@ -36,6 +36,8 @@ pub struct Loaded<T> {
     pub value: T,
     /// The files that cause it to be loaded again when they change.
     pub files: Vec<PathBuf>,
+    /// How long that function took.
+    pub took: Duration,
 }
 
 /// A thread that loads one source at a time and watches its files. Dropping it ends the thread as soon as that is not
@@ -286,7 +288,9 @@ where
         let Current { source, mut seen } = current;
         let began = SystemTime::now().checked_sub(FILE_CLOCK_STEP).unwrap_or(SystemTime::UNIX_EPOCH);
         let load = &mut self.load;
+        let begun = Instant::now();
         let outcome = catch_unwind(AssertUnwindSafe(|| load(&source)));
+        let took = begun.elapsed();
         let files = match &outcome {
             Ok((_, files)) => files.clone(),
             Err(_) => seen.keys().cloned().collect(),
@@ -307,7 +311,7 @@ where
         }
         self.current = Some(Current { source: source.clone(), seen: looks });
         match outcome {
-            Ok((value, files)) => (self.publish)(Loaded { source, value, files }),
+            Ok((value, files)) => (self.publish)(Loaded { source, value, files, took }),
             Err(_) => tracing::error!("loading {} failed: this is a bug in Mariana", source.name()),
         }
     }

@@ -19,7 +19,10 @@ const SHOWN_AT_ONCE_BY_SOFTWARE_MAX: usize = 48;
 impl SceneStage {
     /// Uploads a scene and requests its programs.
     pub(super) fn prepare(&mut self, source: SceneSource, ready: ReadyScene) -> Result<(), GpuError> {
-        let cast = self.make_cast(source, ready)?;
+        let mut cast = self.make_cast(source, ready)?;
+        if self.needs_no_trial(&cast) {
+            cast.tree = FirstTree::Untried;
+        }
         self.bring(cast);
         Ok(())
     }

@@ -26,6 +26,9 @@ use mariana_player::Moment;
 /// How long one go draws before the show looks whether anything has happened.
 const GO: Duration = Duration::from_millis(100);
 
+/// What is told of a scene that is not shown because of its tree.
+const TREE_TOO_LONG: &str = "its tree of regions would take too long for each picture";
+
 /// The picture that should be shown next.
 pub(crate) struct WantedPicture {
     /// The moment of the song.
@@ -158,9 +161,15 @@ impl SceneStage {
         };
         let hand = beneath.map_or_else(|| self.hand_at(time), |under| self.hand_under(under, time));
         self.shown_hand = hand;
-        let wishes = Wishes { params: &params, camera, hand };
+        let is_untried = cast.tree == FirstTree::Untried;
+        let wishes = Wishes { params: &params, camera, hand, is_untried };
         let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
-        let Some((frame, shown)) = drawable else { return Ok(None) };
+        let Some((frame, shown)) = drawable else {
+            if self.regions.has_given_up(of.0) {
+                self.take_back(TREE_TOO_LONG);
+            }
+            return Ok(None);
+        };
         if under.is_some() && shown != wanted {
             // An older tree has come; both scenes are drawn at one moment.
             return Ok(None);
@@ -219,9 +228,9 @@ impl SceneStage {
         self.making = None;
     }
 
-    /// Takes a scene from the stage whose first picture would take this many seconds, and brings the previous one
-    /// back, if there is one. If a program of the other mode is being made, the scene is drawn in that mode.
-    pub(crate) fn take_back(&mut self, seconds: f64) {
+    /// Takes a scene from the stage whose first picture would take too long, and brings the previous one back, if there
+    /// is one. If a program of the other mode is being made, the scene is drawn in that mode. `why` begins a sentence.
+    pub(crate) fn take_back(&mut self, why: &str) {
         let Some((mode, before)) = self.mode().zip(self.before.take()) else { return };
         let Some(mut dear) = self.on_stage.replace(before) else { return };
         self.making = None;
@@ -237,7 +246,7 @@ impl SceneStage {
         }
         self.forget_obsolete();
         self.recast();
-        self.tell_dear(&dear, &format!("a picture of this window would take about {seconds:.0} s"));
+        self.tell_dear(&dear, why);
     }
 
     /// Takes the first tree of the scene that is coming, or the fact that there is none.
@@ -262,7 +271,7 @@ impl SceneStage {
         if needs_tree || !has_program {
             if let Some(dear) = self.coming.take() {
                 self.forget_obsolete();
-                self.tell_dear(&dear, "its tree of regions would take too long for each picture");
+                self.tell_dear(&dear, TREE_TOO_LONG);
             }
             return;
         }

@@ -23,12 +23,6 @@ impl SceneStage {
         self.on_stage.as_ref().map(|cast| cast.id)
     }
 
-    /// Loads the scene again, because its text has changed without its file.
-    pub(crate) fn load_again(&mut self) {
-        tracing::debug!("{} is loaded again for its draft", self.source.title());
-        self.loader.load_again();
-    }
-
     /// Notes whether somebody writes the scene's text.
     pub(crate) fn set_written(&mut self, written: bool) {
         self.is_written = written;

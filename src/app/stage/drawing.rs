@@ -51,7 +51,8 @@ impl Stage {
         let held = self.holds_picture();
         let wanted = self.pace.shown().filter(|_| held).unwrap_or(wanted);
         let (mut new, gain) = (None, self.masters.gain(begun));
-        if self.pace.shown() != Some(wanted) || self.scene.is_drawing() {
+        let waits_for_text = self.scene.awaits_edit(begun).is_some() && !self.scene.is_drawing();
+        if (self.pace.shown() != Some(wanted) || self.scene.is_drawing()) && !waits_for_text {
             // The curves take longer than all other inputs of a frame, so they are only computed for scenes that read
             // them.
             let curves = if self.scene.hears_curves() { self.listening.curves() } else { Default::default() };
@@ -216,7 +217,9 @@ impl Stage {
         match self.pace.weigh(level, seconds, now) {
             Verdict::GoOn => {}
             Verdict::DrawSmaller => self.scene.give_picture_up(),
-            Verdict::TakeBack => self.scene.take_back(seconds),
+            Verdict::TakeBack => {
+                self.scene.take_back(&format!("a picture of this window would take about {seconds:.0} s"));
+            }
         }
     }
 
