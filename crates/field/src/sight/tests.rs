@@ -193,6 +193,14 @@ fn a_survey_counts_rays_and_clauses_by_object() {
         of_pair.len() == 2 && of_pair.iter().any(|lines| lines.contains(&6) && !lines.contains(&7)),
         "{of_pair:?}"
     );
+    // And so are their costs.
+    let [floor, ball, pair] = &survey.objects[..] else { panic!("{:?}", survey.objects) };
+    assert_eq!([floor, ball].map(|object| object.parts.len()), [1, 1]);
+    let written: Vec<&str> = pair.parts.iter().map(|part| &KNOWN[part.written.1.clone()]).collect();
+    assert!(written.len() == 2 && written.contains(&"box(p - vec3(3, 0, 5), vec3(0.5))"), "{written:?}");
+    assert_eq!(pair.rays, pair.parts.iter().map(|part| part.rays).sum::<u32>());
+    assert_eq!(pair.run, pair.parts.iter().map(|part| part.run).sum::<u64>());
+    assert!(pair.parts[0].run >= pair.parts[1].run && pair.parts[1].rays > 0, "{:?}", pair.parts);
     // Right in the middle is the ball, and above it the sky.
     let at = |row: usize| survey.cells[row * 48 + 24];
     let ball = survey.parts.iter().position(|part| part.object == 1).unwrap() as u16 + 1;

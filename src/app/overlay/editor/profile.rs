@@ -7,8 +7,9 @@ use crate::app::overlay::{assisted, style};
 
 /// Height of a row.
 const ROW: f32 = 16.0;
-/// Most objects that are told one by one.
+/// Most objects that are told one by one, and most parts of one of them.
 const OBJECTS_MAX: usize = 7;
+const PARTS_MAX: usize = 3;
 /// What is counted, as words under the pointer.
 const COUNTED: &str = "shape, material: operations of the object's own formula, as if it stood alone. seen: share of \
                        the picture where it is seen first. steps: distances that a ray takes on its way there. work: \
@@ -75,21 +76,27 @@ fn rows(editor: &Editor) -> Vec<Row> {
     };
     let (all, run) = (survey.cells.len().max(1) as f64, survey.run().max(1) as f64);
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-    let mut rows: Vec<Row> = objects
-        .iter()
-        .take(OBJECTS_MAX)
-        .map(|object| {
-            let steps = object.evaluations as f64 / f64::from(object.rays.max(1));
-            let cells = [
-                object.clauses.0.to_string(),
-                object.clauses.1.to_string(),
-                percent(f64::from(object.rays) / all),
-                format!("{steps:.1}"),
-                percent(object.run as f64 / run),
-            ];
-            Row { name: object.name.clone(), cells, place: object.place }
-        })
-        .collect();
+    let counted = |rays: u32, evaluations: u64, run_of_it: u64| {
+        let steps = evaluations as f64 / f64::from(rays.max(1));
+        [percent(f64::from(rays) / all), format!("{steps:.1}"), percent(run_of_it as f64 / run)]
+    };
+    let mut rows = Vec::new();
+    for object in objects.iter().take(OBJECTS_MAX) {
+        let [seen, steps, work] = counted(object.rays, object.evaluations, object.run);
+        let [shape, material] = [object.clauses.0, object.clauses.1].map(|clauses| clauses.to_string());
+        let cells = [shape, material, seen, steps, work];
+        rows.push(Row { name: object.name.clone(), cells, place: object.place });
+        for (number, words, part) in editor.parts_of(object).into_iter().take(PARTS_MAX) {
+            let [seen, steps, work] = counted(part.rays, part.evaluations, part.run);
+            let cells = [String::new(), String::new(), seen, steps, work];
+            let (file, bytes) = part.written;
+            rows.push(Row {
+                name: format!("    line {number}: {words}"),
+                cells,
+                place: Some((file, bytes.start)),
+            });
+        }
+    }
     let mut add = |name: String, rays: u32, of_it: u64| {
         let mut cells: [String; 5] = nothing();
         (cells[2], cells[4]) = (percent(f64::from(rays) / all), percent(of_it as f64 / run));
