@@ -375,16 +375,16 @@ impl Stage {
         if edited || !self.scene.is_drawing() {
             self.pace.set_edited(edited);
         }
+        if let Some(until) = self.scene.awaits_edit(now)
+            && self.overlay_due(now).is_none_or(|due| due > now)
+        {
+            return Ok(until);
+        }
         if self.scene.is_drawing() {
             return Ok(now);
         }
         self.scene.rehearse(&mut self.renderer);
         let overlay_due = self.overlay_due(now);
-        if let Some(until) = self.scene.awaits_edit(now)
-            && overlay_due.is_none_or(|due| due > now)
-        {
-            return Ok(until);
-        }
         let moment = self.moment();
         self.direct(moment);
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);

@@ -267,6 +267,11 @@ impl SceneResources {
         &self.world
     }
 
+    /// Expects that its pixels cost what those of its last version cost, or a good deal more.
+    pub fn expect_costs_of(&self, last: &Self) {
+        self.costs.expect(&last.costs);
+    }
+
     /// What its pixels cost.
     pub(super) fn costs(&self) -> &Costs {
         &self.costs

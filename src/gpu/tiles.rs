@@ -25,6 +25,8 @@ pub(super) const PART_SECONDS: f64 = 0.12;
 const OVERHEAD: f64 = 0.001;
 /// How much dearer than all others a part may be to be believed.
 const OUTLIER: f64 = 4.0;
+/// How many times what a scene's pixels cost those of its next version are thought to cost.
+const WARY: f64 = 4.0;
 /// Probes along each side of a picture, each a square of [`GRAIN`] pixels to a side.
 const PROBES: u32 = 6;
 /// The sides of parts are multiples of this many pixels, because renderers draw neighbours together.
@@ -129,6 +131,15 @@ impl Costs {
             .get()
             .filter(|(of, _)| *of == program.number())
             .map_or_else(PixelCost::default, |(_, cost)| cost)
+    }
+
+    /// Expects of a scene what is known of its last version, and a good deal more: it may have become dearer.
+    pub(super) fn expect(&self, of_last_version: &Self) {
+        let expected = of_last_version
+            .0
+            .get()
+            .map(|(program, cost)| (program, PixelCost { last: WARY * cost.greatest(), this: [0.0; 2] }));
+        self.0.set(expected);
     }
 
     /// Remembers what has been learnt.
@@ -306,6 +317,24 @@ mod tests {
                 assert!(seen.iter().all(|count| *count == 1), "{size:?} at {cost}");
             }
         }
+    }
+
+    #[test]
+    fn a_changed_scene_is_not_probed_and_its_parts_are_no_longer_if_it_is_four_times_as_dear() {
+        let (last, next) = (Costs::default(), Costs::default());
+        next.expect(&last);
+        assert_eq!(next.0.get(), None, "nothing is known of either");
+        let mut cost = PixelCost::default();
+        cost.note(64, Duration::from_millis(20));
+        last.0.set(Some((7, cost)));
+        next.expect(&last);
+        let Some((7, expected)) = next.0.get() else { panic!("{next:?}") };
+        let size = (640, 360);
+        let mut parts = Parts::of(vec![Part::whole(size)], size, expected);
+        assert!(!parts.warms_up && parts.probes == 0);
+        let part = parts.next(expected).unwrap();
+        let dearest = 4.0 * cost.seconds(part.pixels());
+        assert!((0.5 * PART_SECONDS..=PART_SECONDS).contains(&dearest), "{dearest}");
     }
 
     #[test]

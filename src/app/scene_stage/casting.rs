@@ -20,7 +20,8 @@ impl SceneStage {
     /// Uploads a scene and requests its programs.
     pub(super) fn prepare(&mut self, source: SceneSource, ready: ReadyScene) -> Result<(), GpuError> {
         let mut cast = self.make_cast(source, ready)?;
-        if self.needs_no_trial(&cast) {
+        if let Some(last) = self.last_version(&cast) {
+            cast.resources.expect_costs_of(&last.resources);
             cast.tree = FirstTree::Untried;
         }
         self.bring(cast);
@@ -118,7 +119,7 @@ impl SceneStage {
             };
             let has_program =
                 cast.compiled.is_some() || (cast.interpreted.is_some() && !(waits && cast.compilable));
-            has_program && cast.tree != FirstTree::Coming
+            has_program && cast.tree != FirstTree::Coming && !self.must_wait_for_the_picture(cast)
         });
         if can_be_drawn {
             let replaced = std::mem::replace(&mut self.on_stage, self.coming.take());

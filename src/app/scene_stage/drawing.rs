@@ -23,9 +23,6 @@ use crate::view::legend::LegendPicture;
 use mariana_music::Sound;
 use mariana_player::Moment;
 
-/// How long one go draws before the show looks whether anything has happened.
-const GO: Duration = Duration::from_millis(100);
-
 /// What is told of a scene that is not shown because of its tree.
 const TREE_TOO_LONG: &str = "its tree of regions would take too long for each picture";
 
@@ -87,7 +84,9 @@ impl SceneStage {
         let is_of_use =
             |making: &Making| (making.shown.size, making.shown.edges) == (size, edges) && making.of == now;
         if !self.making.as_ref().is_some_and(is_of_use) {
-            self.making = None;
+            if self.making.take().is_some_and(|making| making.of.0 != id) {
+                self.awaited_edit.note_picture(true);
+            }
             self.end_fade(&picture.moment);
         }
         let drawn = loop {
@@ -97,7 +96,7 @@ impl SceneStage {
             let Some(Making { under, program, .. }) = &self.making else { return Ok(None) };
             let (under, cast) = (*under, under.map_or(self.on_stage.as_ref(), |place| self.cast_at(place)));
             let Some(cast) = cast else { return Ok(None) };
-            let progress = renderer.go_on(&cast.resources, program, GO)?;
+            let progress = renderer.go_on(&cast.resources, program, self.length_of_go())?;
             let Some(making) = &mut self.making else { return Ok(None) };
             match (progress, under) {
                 (Progress::Finished { spent }, Some(_)) => {
@@ -115,6 +114,7 @@ impl SceneStage {
             }
         };
         self.mixing.end();
+        self.awaited_edit.note_picture(false);
         if let Some(Making { legend, .. }) = self.making.take() {
             renderer.put_legend(legend.as_deref())?;
         }

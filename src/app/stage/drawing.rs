@@ -51,7 +51,7 @@ impl Stage {
         let held = self.holds_picture();
         let wanted = self.pace.shown().filter(|_| held).unwrap_or(wanted);
         let (mut new, gain) = (None, self.masters.gain(begun));
-        let waits_for_text = self.scene.awaits_edit(begun).is_some() && !self.scene.is_drawing();
+        let waits_for_text = self.scene.awaits_edit(begun).is_some();
         if (self.pace.shown() != Some(wanted) || self.scene.is_drawing()) && !waits_for_text {
             // The curves take longer than all other inputs of a frame, so they are only computed for scenes that read
             // them.
