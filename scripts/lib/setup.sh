@@ -32,6 +32,8 @@ test    cmd:xdotool               xdotool            xdotool              xdotoo
 test    cmd:openbox               openbox            openbox              openbox           openbox              -
 test    cmd:wmctrl                wmctrl             wmctrl               wmctrl            wmctrl               -
 test    cmd:weston                weston             weston               weston            weston               -
+test    cmd:sway                  sway               sway                 sway              sway                 -
+test    cmd:grim                  grim               grim                 grim              grim                 -
 test    cmd:xwd                   x11-apps           xwd                  xorg-xwd          xwd                  -
 test    cmd:import                imagemagick        ImageMagick          imagemagick       ImageMagick          imagemagick
 test    cmd:pulseaudio            pulseaudio         pulseaudio           pulseaudio        pulseaudio           -

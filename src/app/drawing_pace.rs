@@ -109,14 +109,14 @@ impl DrawingPace {
         &self.times
     }
 
-    /// When the next frame is due.
-    pub(super) fn due(&self) -> Instant {
-        self.pacing.due()
+    /// When the next frame is due, perhaps one that answers a hand.
+    pub(super) fn due(&self, answers: bool) -> Instant {
+        self.pacing.due(answers)
     }
 
     /// Notes a frame that was begun at `now`, when it was due.
-    pub(super) fn begun(&mut self, now: Instant) {
-        self.pacing.begun(now);
+    pub(super) fn begun(&mut self, now: Instant, answers: bool) {
+        self.pacing.begun(now, answers);
     }
 
     /// Notes the window's size at a drawing; none while it has no area.

@@ -20,6 +20,16 @@ pub enum AppError {
         "the window is gone because its display ended or closed the connection: start Mariana in a running session"
     )]
     DisplayLost,
+    /// A wallpaper on Wayland without the protocol for it.
+    #[error(
+        "this Wayland compositor gives no place below its windows (it lacks the protocol zwlr_layer_shell_v1), which \
+         --wallpaper needs: start Mariana in an X11 session, or in one of KDE Plasma, Sway, Hyprland or another \
+         compositor with that protocol"
+    )]
+    NoLayerShell,
+    /// A wallpaper without a monitor.
+    #[error("there is no monitor: connect one")]
+    NoMonitor,
     /// The system gives no thread.
     #[error(
         "the system cannot start another thread ({0}): close other programs, or allow more memory or processes \

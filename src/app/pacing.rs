@@ -17,16 +17,19 @@ impl Pacing {
         Self { interval, due: now }
     }
 
-    /// When the next frame is due.
-    pub fn due(&self) -> Instant {
-        self.due
+    /// When the next frame is due; one that answers a hand may be begun as soon as the one before it was due, in the
+    /// place of the next one.
+    pub fn due(&self, answers: bool) -> Instant {
+        let early = if answers { self.interval } else { Duration::ZERO };
+        self.due.checked_sub(early).unwrap_or(self.due)
     }
 
     /// Notes a frame that was begun at `now`. A late frame delays the following ones: no burst makes up for it.
     /// Frames outside the rhythm, such as those drawn while a window is resized, delay the next one by at most an
-    /// interval.
-    pub fn begun(&mut self, now: Instant) {
-        self.due = (self.due + self.interval).clamp(now, now + self.interval);
+    /// interval; one that `answers` a hand takes the place of the next one, which may be two intervals later.
+    pub fn begun(&mut self, now: Instant, answers: bool) {
+        let latest = now + if answers { 2 * self.interval } else { self.interval };
+        self.due = (self.due + self.interval).clamp(now, latest);
     }
 }
 
@@ -39,16 +42,16 @@ mod tests {
         let start = Instant::now();
         let mut pacing = Pacing::new(100.0, start);
         let ms = |n: u64| start + Duration::from_millis(n);
-        pacing.begun(ms(0));
-        assert_eq!(pacing.due(), ms(10));
+        pacing.begun(ms(0), false);
+        assert_eq!(pacing.due(false), ms(10));
         // A little late: the grid stays.
-        pacing.begun(ms(12));
-        assert_eq!(pacing.due(), ms(20));
+        pacing.begun(ms(12), false);
+        assert_eq!(pacing.due(false), ms(20));
         // Very late: the next frame is due at once, and only one.
-        pacing.begun(ms(95));
-        assert_eq!(pacing.due(), ms(95));
-        pacing.begun(ms(95));
-        assert_eq!(pacing.due(), ms(105));
+        pacing.begun(ms(95), false);
+        assert_eq!(pacing.due(false), ms(95));
+        pacing.begun(ms(95), false);
+        assert_eq!(pacing.due(false), ms(105));
     }
 
     #[test]
@@ -56,8 +59,29 @@ mod tests {
         let start = Instant::now();
         let mut pacing = Pacing::new(2.0, start);
         for _ in 0..30 {
-            pacing.begun(start);
+            pacing.begun(start, false);
         }
-        assert_eq!(pacing.due(), start + Duration::from_millis(500));
+        assert_eq!(pacing.due(false), start + Duration::from_millis(500));
+    }
+
+    #[test]
+    fn a_knob_is_answered_at_once_and_no_more_frames_are_drawn_than_without() {
+        let start = Instant::now();
+        let ms = |n: u64| start + Duration::from_millis(n);
+        let mut pacing = Pacing::new(100.0, start);
+        pacing.begun(ms(0), false);
+        assert_eq!((pacing.due(true), pacing.due(false)), (ms(0), ms(10)));
+        // In the place of the frame at 10.
+        pacing.begun(ms(3), true);
+        assert_eq!((pacing.due(true), pacing.due(false)), (ms(10), ms(20)));
+        // A knob that never rests has a frame for each interval, like a picture that moves.
+        let mut frames = 0;
+        for now in 3..1000 {
+            if ms(now) >= pacing.due(true) {
+                pacing.begun(ms(now), true);
+                frames += 1;
+            }
+        }
+        assert_eq!(frames, 99);
     }
 }

@@ -19,7 +19,7 @@ use super::monitors;
 use super::overlay::Request;
 use super::scene_stage::{LoadedScene, SceneLoader, SceneLoaders};
 use super::stage::{Opening, Stage, renewed};
-use super::wallpaper::{FPS, around, of_screen_saver};
+use super::wallpaper::{FPS, Layers, around, is_wayland, of_screen_saver};
 use super::window::{Ground, OpenWindow, WindowWishes};
 use super::window_thread::{self, Message, Typing, Waker, inbox};
 use crate::config::{Memory, PlaySettings};
@@ -70,6 +70,11 @@ pub fn run(
         }
         Err(error) => return Err(AppError::NoDisplay(reason(&error.to_string()).to_owned()).into()),
     };
+    let layers = match ground {
+        Some(Ground::Layers) => Some(Layers::start(&event_loop, &waker)?),
+        _ => None,
+    };
+    let sheets = layers.as_ref().map(Layers::sheets);
     let name = tracks.as_ref().map_or("live", |tracks| tracks.first.info.name.as_str());
     let wishes = WindowWishes {
         title: format!("{name} - Mariana"),
@@ -98,6 +103,7 @@ pub fn run(
             drafts,
             proxy,
             sends,
+            sheets,
         };
         let stage = opening.stage(window, &of_show)?;
         let mut show = Show { settings, started, stage, typing: of_window.clone(), over: false };
@@ -124,7 +130,7 @@ pub fn run(
             }
         }
     };
-    Ok(window_thread::run(event_loop, wishes, &waker, typing, Box::new(play))?)
+    Ok(window_thread::run(event_loop, wishes, &waker, typing, layers, Box::new(play))?)
 }
 
 /// The settings of a run whose window is the desktop's ground, or in a screen saver's window; others as they are.
@@ -132,24 +138,20 @@ pub fn run(
 /// # Errors
 /// There is nothing to draw on.
 fn on_ground(mut settings: PlaySettings) -> anyhow::Result<(PlaySettings, Option<Ground>)> {
-    let ground = if settings.wallpaper {
+    let ground = if settings.wallpaper && is_wayland() {
         // A window of XWayland is no ground of a Wayland desktop.
-        let is_wayland = std::env::var_os("WAYLAND_DISPLAY").is_some_and(|display| !display.is_empty());
-        anyhow::ensure!(
-            !is_wayland,
-            "a wallpaper needs X11, and this session is one of Wayland: start Mariana in an X11 session"
-        );
+        Some(Ground::Layers)
+    } else if settings.wallpaper {
         let monitors =
             monitors::present().map_err(|reason| anyhow::anyhow!("{reason}: start Mariana there"))?;
-        let place = around(&monitors).ok_or_else(|| anyhow::anyhow!("there is no monitor: connect one"))?;
-        Some(Ground::Desktop(place))
+        Some(Ground::Desktop(around(&monitors).ok_or(AppError::NoMonitor)?))
     } else {
         of_screen_saver().map_err(anyhow::Error::msg)?.map(|(window, size)| Ground::Within(window, size))
     };
     if let Some(ground) = &ground {
-        settings.size = match ground {
-            Ground::Desktop((_, size)) | Ground::Within(_, size) => *size,
-        };
+        if let Ground::Desktop((_, size)) | Ground::Within(_, size) = ground {
+            settings.size = *size;
+        }
         settings.fps_cap = settings.fps_cap.or(Some(FPS));
         settings.choices.hints = false;
         settings.choices.stage.output = None;

@@ -384,7 +384,8 @@ impl Stage {
             return Ok(now);
         }
         self.scene.rehearse(&mut self.renderer);
-        let overlay_due = self.overlay_due(now);
+        let shows_words = self.wallpaper.as_ref().is_none_or(Wallpaper::shows_words);
+        let overlay_due = self.overlay_due(now).filter(|_| shows_words);
         let moment = self.moment();
         self.direct(moment);
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
@@ -396,6 +397,7 @@ impl Stage {
         let moving = changes
             || self.is_dimming(now)
             || self.output.is_stale()
+            || self.wallpaper.as_ref().is_some_and(Wallpaper::is_due)
             || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
         let rests = self.wallpaper.as_ref().is_some_and(Wallpaper::rests);
@@ -411,12 +413,12 @@ impl Stage {
             }
             let idle = now + self.idle_interval(seen);
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
-        } else if now >= self.pace.due() || self.scene.has_regions() {
+        } else if now >= self.pace.due(self.hands.are_unseen()) || self.scene.has_regions() {
             self.update_preview(now, Some(Duration::ZERO))?;
             self.window.window().request_redraw();
             Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
         } else {
-            let due = self.pace.due();
+            let due = self.pace.due(self.hands.are_unseen());
             self.update_preview(now, Some(due.saturating_duration_since(now)))?;
             Ok(to_send.map_or(due, |sends| sends.min(due)))
         }

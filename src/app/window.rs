@@ -3,6 +3,8 @@
 #![expect(unsafe_code, reason = "creating contexts from window handles is unsafe in glutin")]
 
 mod second;
+#[cfg(all(unix, not(target_os = "macos")))]
+mod wayland;
 
 use std::cell::Cell;
 use std::num::NonZeroU32;
@@ -31,6 +33,8 @@ use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use second::grounded;
 pub(super) use second::{Ground, SecondSurface, open_output};
+#[cfg(all(unix, not(target_os = "macos")))]
+pub(super) use wayland::wayland_connection;
 
 /// Which window to open.
 pub(super) struct WindowWishes {

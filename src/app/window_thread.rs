@@ -20,6 +20,7 @@ use super::accessibility::{Accessibility, Assistance};
 use super::error::AppError;
 use super::keys::{self, Action};
 use super::monitors::Monitor;
+use super::wallpaper::Layers;
 use super::window::{OpenWindow, WindowWishes, open_output};
 use crate::ending::{self, Signal};
 use crate::export::print::tell;
@@ -99,7 +100,7 @@ pub(super) enum Told {
 pub(super) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), AppError> + Send>;
 
 /// Opens a window, runs `play` in it on a thread of its own, and hands it the window's events through `waker`, until
-/// one of the two ends. `typing` tells whether keys are text.
+/// one of the two ends. `typing` tells whether keys are text. `layers` show the picture instead of the window.
 ///
 /// # Errors
 /// What the show ended with, no window, or no thread.
@@ -108,6 +109,7 @@ pub(super) fn run(
     wishes: WindowWishes,
     waker: &Waker,
     typing: Typing,
+    layers: Option<Layers>,
     play: Play,
 ) -> Result<(), AppError> {
     let on_signal = event_loop.create_proxy();
@@ -127,6 +129,7 @@ pub(super) fn run(
         held: ModifiersState::empty(),
         monitors: Vec::new(),
         typing,
+        layers,
         result: Ok(()),
     };
     #[cfg(all(unix, not(target_os = "macos")))]
@@ -152,6 +155,7 @@ struct Front {
     /// Those of Wayland.
     monitors: Vec<Monitor>,
     typing: Typing,
+    layers: Option<Layers>,
     result: Result<(), AppError>,
 }
 
@@ -181,6 +185,25 @@ impl Front {
         let show = thread.spawn(show).map_err(|error| AppError::NoThread(error.to_string()))?;
         self.running = Some(Running { show, accessibility, window, config, output: None });
         Ok(())
+    }
+
+    /// Leaves if the end takes too long: after it winit waits for a last answer of the compositor, and one that stands still
+    /// gives none.
+    fn leave_in_time(&self) {
+        let words = self.result.as_ref().err().map(ToString::to_string);
+        let leave = move || {
+            std::thread::sleep(END_WAIT);
+            let leaving = ending::begin_to_leave();
+            let asked = ending::asked_to_end().map_or(0, Signal::exit_code);
+            let code = words.map_or(asked, |words| {
+                tell(&words);
+                1
+            });
+            leaving.leave(code)
+        };
+        if let Err(error) = std::thread::Builder::new().name("end".into()).spawn(leave) {
+            tracing::info!("the end waits for the window system: {error}");
+        }
     }
 
     /// Asks the show to end. The window disappears at once: whatever still waits for a driver does so unseen.
@@ -312,9 +335,12 @@ impl ApplicationHandler<Told> for Front {
             let reason = "the show ended with a panic; please report the message above".to_owned();
             Err(AppError::Window { doing: "to continue", reason })
         });
+        // After the show, which draws into them.
+        drop(self.layers.take());
         drop(accessibility);
         drop(output);
         drop(window);
+        self.leave_in_time();
     }
 }
 

@@ -35,8 +35,9 @@ pub(super) struct StagingArguments {
     /// there are, 'off' fills none [default: what was chosen in the window]
     #[arg(long, value_name = "MONITOR")]
     output: Option<String>,
-    /// Be the desktop's ground on X11: below every window, on every monitor, for the eyes alone; at most 30 frames a second
-    /// unless --fps-cap says otherwise. It rests while windows cover it, and on battery. Media keys pause the song
+    /// Be the desktop's ground, on X11 or on Wayland with layer shell: below every window, on every monitor, for the eyes
+    /// alone; at most 30 frames a second unless --fps-cap says otherwise. It rests while nobody sees it, and on battery.
+    /// Media keys pause the song
     #[arg(long, conflicts_with_all = ["output", "fullscreen", "size"])]
     wallpaper: bool,
     /// Send the picture to another program: y4m:FIFO, y4m:- (standard output), mjpeg:PORT (HTTP on this machine, for OBS

@@ -42,10 +42,11 @@ struct Places {
 }
 
 /// A place for a desktop, free again when dropped.
-struct Place;
+pub(crate) struct Place;
 
 impl Place {
-    fn wait_for() -> Self {
+    /// Waits for one.
+    pub(crate) fn wait_for() -> Self {
         let free = PLACES.free.lock().unwrap_or_else(PoisonError::into_inner);
         let mut free =
             PLACES.freed.wait_while(free, |free| *free == 0).unwrap_or_else(PoisonError::into_inner);
@@ -76,18 +77,7 @@ impl Desktop {
     pub(crate) fn start() -> Self {
         let place = Place::wait_for();
         let folder = private_folder();
-        let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
-        let mut server = Process::start(
-            Command::new("Xvfb")
-                // Without a reset when the first to ask, which may be wmctrl, leaves: it would take the manager along.
-                .args(["-displayfd", "1", "-noreset", "-nolisten", "tcp", "-screen", "0", &screen])
-                .stdout(Stdio::piped())
-                .stderr(Stdio::null()),
-            "xvfb",
-        );
-        let number = collect(server.stdout());
-        wait_until("the X server's display", || lock(&number).ends_with('\n'));
-        let display = format!(":{}", lock(&number).trim());
+        let (server, display) = start_x_server();
         let manager = Process::start(
             command_in("openbox", folder.path(), Some(&display)).stdout(Stdio::null()).stderr(Stdio::null()),
             "openbox",
@@ -236,6 +226,23 @@ impl Desktop {
         });
         app
     }
+}
+
+/// Starts an X server without a window manager on a display that is free: its process and the display's name.
+pub(crate) fn start_x_server() -> (Process, String) {
+    let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
+    let mut server = Process::start(
+        Command::new("Xvfb")
+            // Without a reset when the first to ask, which may be wmctrl, leaves: it would take the manager along.
+            .args(["-displayfd", "1", "-noreset", "-nolisten", "tcp", "-screen", "0", &screen])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null()),
+        "xvfb",
+    );
+    let number = collect(server.stdout());
+    wait_until("the X server's display", || lock(&number).ends_with('\n'));
+    let display = format!(":{}", lock(&number).trim());
+    (server, display)
 }
 
 /// A command for the session in `folder`, with a display or without.
@@ -460,10 +467,10 @@ impl App<'_> {
 }
 
 /// What a program has printed so far.
-type Text = Arc<Mutex<String>>;
+pub(crate) type Text = Arc<Mutex<String>>;
 
 /// Reads until the end on a thread of its own.
-fn collect(mut stream: impl Read + Send + 'static) -> Text {
+pub(crate) fn collect(mut stream: impl Read + Send + 'static) -> Text {
     let text = Text::default();
     let collected = text.clone();
     std::thread::spawn(move || {
@@ -475,7 +482,7 @@ fn collect(mut stream: impl Read + Send + 'static) -> Text {
     text
 }
 
-fn lock(text: &Mutex<String>) -> MutexGuard<'_, String> {
+pub(crate) fn lock(text: &Mutex<String>) -> MutexGuard<'_, String> {
     text.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

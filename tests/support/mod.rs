@@ -19,3 +19,5 @@ pub(crate) mod pings;
 pub(crate) mod program;
 pub(crate) mod shader_folder;
 pub(crate) mod studio;
+#[cfg(target_os = "linux")]
+pub(crate) mod wayland;

@@ -9,16 +9,17 @@ use std::os::unix::fs::symlink;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use crate::support::desktop::{Desktop, PROGRAM, command_in};
+use crate::support::desktop::{Desktop, PROGRAM};
 use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
-use mariana_testing::process::{Process, output_of, private_folder, wait_until};
+use crate::support::wayland::Compositor;
+use mariana_testing::process::output_of;
 use mariana_testing::wave::write_wav;
 
 /// A small window with a scene that is there at once.
 const SMALL: [&str; 5] = ["--silent", "--size", "160x90", "--scene", "length(p) - 1"];
 
 /// What is said of a display that goes.
-const DISPLAY_LOST: &str = "mariana: the window is gone because its display ended or closed the connection: start \
+pub(crate) const DISPLAY_LOST: &str = "mariana: the window is gone because its display ended or closed the connection: start \
                             Mariana in a running session\n";
 
 /// How long the program may take to find that out.
@@ -38,30 +39,26 @@ fn an_x_server_that_was_killed_ended_the_show_by_xlibs_words_and_exit() {
 
 #[test]
 fn a_wayland_compositor_that_was_killed_left_a_show_that_never_ended() {
-    let session = private_folder();
-    let mut compositor = Process::start(
-        command_in("weston", session.path(), None)
-            .args(["--backend=headless-backend.so", "--socket=test", "--width=640", "--height=360"])
-            .stdout(Stdio::null())
-            .stderr(Stdio::null()),
-        "weston",
-    );
-    wait_until("the compositor's socket", || session.path().join("test").exists());
-    let mut program = command_in(PROGRAM, session.path(), None);
+    let mut compositor = Compositor::weston();
     // The demo track; what it logs tells when it shows.
-    program.args(SMALL).arg("-v").env("WAYLAND_DISPLAY", "test");
-    let log = tempfile::NamedTempFile::new().unwrap();
-    let told = || std::fs::read_to_string(log.path()).unwrap();
-    program.stdout(Stdio::null()).stderr(log.reopen().unwrap());
-    let mut show = Process::start(&mut program, "mariana");
-    wait_until("the first picture", || {
-        assert!(show.ended().is_none(), "{}", told());
-        told().contains("first picture")
-    });
+    let mut show = compositor.open(&[], &SMALL[1..]);
+    show.wait_until_told("first picture");
     compositor.kill();
-    wait_until("the end", || show.ended().is_some());
-    assert_eq!(show.ended().unwrap().code(), Some(1), "{}", told());
-    assert!(told().ends_with(DISPLAY_LOST), "{}", told());
+    let (status, told) = show.wait_for_end();
+    assert_eq!(status.code(), Some(1), "{told}");
+    assert!(told.ends_with(DISPLAY_LOST), "{told}");
+}
+
+#[test]
+fn a_wayland_compositor_that_stood_still_kept_a_show_that_was_to_end() {
+    let compositor = Compositor::weston();
+    let mut show = compositor.open(&[], &SMALL[1..]);
+    show.wait_until_told("first picture");
+    compositor.stop();
+    show.ask_to_end();
+    let (status, told) = show.wait_for_end();
+    assert_eq!(status.code(), Some(128 + 15), "{told}");
+    assert!(!told.contains("panicked"), "{told}");
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod window;
 mod window_assisted;
 mod window_changes;
 mod window_editor;
+mod window_grounds;
 mod window_hands;
 mod window_live;
 mod window_outputs;

@@ -72,6 +72,14 @@ pub(crate) fn is_blue([red, _, blue]: [u8; 3]) -> bool {
     blue > 100 && red < 60
 }
 
+/// Whether [`TWO_COLOURS`] fill a whole picture.
+pub(crate) fn fills(picture: &RgbaImage) -> bool {
+    is_red(at(picture, 0.0, 0.0))
+        && is_red(at(picture, 0.49, 1.0))
+        && is_blue(at(picture, 0.51, 0.0))
+        && is_blue(at(picture, 1.0, 1.0))
+}
+
 pub(crate) fn is_black(color: [u8; 3]) -> bool {
     color == [0; 3]
 }

@@ -4,12 +4,15 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
-use crate::support::desktop::{App, PROGRAM, SCREEN, command_in};
-use crate::walls::{BREATHES, Place, QUIT_LIMIT, TWO_COLOURS, at, is_black, is_blue, is_red, quit, wait_for};
+use crate::support::desktop::{App, PROGRAM, SCREEN};
+use crate::support::wayland::Compositor;
+use crate::walls::{
+    BREATHES, Place, QUIT_LIMIT, TWO_COLOURS, at, fills, is_black, is_blue, is_red, quit, wait_for,
+};
 use image::RgbaImage;
-use mariana_testing::process::{Process, output_of, private_folder, wait_until};
+use mariana_testing::process::{output_of, wait_until};
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt as _, CreateWindowAux, WindowClass};
 
@@ -25,14 +28,6 @@ fn wait_for_half(place: &Place, right: bool, what: &str, wanted: impl Fn(&RgbaIm
         is_there
     });
     found.unwrap()
-}
-
-/// Two colours that fill a whole picture.
-fn fills(half: &RgbaImage) -> bool {
-    is_red(at(half, 0.0, 0.0))
-        && is_red(at(half, 0.49, 1.0))
-        && is_blue(at(half, 0.51, 0.0))
-        && is_blue(at(half, 1.0, 1.0))
 }
 
 /// Where the small picture of two colours is on a desk, in pixels: left, top, right, bottom.
@@ -275,29 +270,12 @@ fn a_screen_saver_s_window_is_drawn_into_and_its_end_is_the_end() {
 
 #[test]
 fn on_wayland_an_output_is_a_full_screen_window_too() {
-    let session = private_folder();
-    let _compositor = Process::start(
-        command_in("weston", session.path(), None)
-            .args(["--backend=headless-backend.so", "--socket=test", "--width=640", "--height=360"])
-            .stdout(Stdio::null())
-            .stderr(Stdio::null()),
-        "weston",
-    );
-    wait_until("the compositor's socket", || session.path().join("test").exists());
-    let mut program = command_in(PROGRAM, session.path(), None);
-    program.args(["--silent", "-v", "--new", "--size", "160x90", "--prepare-ahead", "off"]);
-    program.args(["--scene", "length(p) - 1", "--output", "headless"]).env("WAYLAND_DISPLAY", "test");
-    let log = tempfile::NamedTempFile::new().unwrap();
-    let told = || std::fs::read_to_string(log.path()).unwrap();
-    program.stdout(Stdio::null()).stderr(log.reopen().unwrap());
-    let mut show = Process::start(&mut program, "mariana");
+    let compositor = Compositor::weston();
+    let mut show =
+        compositor.open(&[], &["--size", "160x90", "--scene", "length(p) - 1", "--output", "headless"]);
     for what in ["the output is on headless (640x360)", "first picture after"] {
-        wait_until(what, || {
-            assert!(show.ended().is_none(), "{}", told());
-            told().contains(what)
-        });
+        show.wait_until_told(what);
     }
-    output_of(Command::new("kill").args(["-TERM", &show.id().to_string()]), "procps").unwrap();
-    wait_until("its end", || show.ended().is_some());
-    assert!(!told().contains("panicked") && !told().contains("no output on another monitor"), "{}", told());
+    let told = show.end();
+    assert!(!told.contains("no output on another monitor"), "{told}");
 }

@@ -87,7 +87,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l fullscreen -d 'Start in
 complete -c mariana -n "__fish_mariana_needs_command" -l clean -d 'Show nothing over the picture but what was asked for and what is wrong: no first words, answers or bar'
 complete -c mariana -n "__fish_mariana_needs_command" -l new -d 'Begin anew instead of where the last show ended, and leave nothing to the next one; what was chosen in the panel of settings still counts'
 complete -c mariana -n "__fish_mariana_needs_command" -l gl-info -d 'Print which OpenGL is available, and exit'
-complete -c mariana -n "__fish_mariana_needs_command" -l wallpaper -d 'Be the desktop\'s ground on X11: below every window, on every monitor, for the eyes alone; at most 30 frames a second unless --fps-cap says otherwise. It rests while windows cover it, and on battery. Media keys pause the song'
+complete -c mariana -n "__fish_mariana_needs_command" -l wallpaper -d 'Be the desktop\'s ground, on X11 or on Wayland with layer shell: below every window, on every monitor, for the eyes alone; at most 30 frames a second unless --fps-cap says otherwise. It rests while nobody sees it, and on battery. Media keys pause the song'
 complete -c mariana -n "__fish_mariana_needs_command" -s v -l verbose -d 'Log what happens; twice for more'
 complete -c mariana -n "__fish_mariana_needs_command" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c mariana -n "__fish_mariana_needs_command" -s V -l version -d 'Print version'

@@ -223,6 +223,11 @@ impl Hands {
         self.midi.clock()
     }
 
+    /// Whether messages have changed the scene and no picture shows it yet.
+    pub(super) fn are_unseen(&self) -> bool {
+        self.unseen.is_some()
+    }
+
     /// Wishes that came first at `since` have changed the scene, which shows them from this revision on.
     pub(super) fn note_turned(&mut self, since: Option<Instant>, revision: u64) {
         self.unseen = self.unseen.or(since.map(|since| (since, revision)));

@@ -4,13 +4,14 @@ use std::time::{Duration, Instant};
 
 use super::Stage;
 use super::desk::Seen;
-use super::outputs::Lay;
+use super::outputs::{Canvas, Lay};
 use crate::app::drawing_pace::{Verdict, drawn_size};
 use crate::app::dynamic_resolution::Level;
 use crate::app::error::AppError;
 use crate::app::overlay::{Overlay, OverlayContent, Panel, PanelSwitches};
 use crate::app::scene_regions::Shown;
 use crate::app::scene_stage::{Drawn, WantedPicture};
+use crate::app::wallpaper::Wallpaper;
 use crate::app::window::GlWindowContext;
 use crate::gpu::error::GpuError;
 use mariana_player::Moment;
@@ -28,7 +29,7 @@ impl Stage {
         let begun = Instant::now();
         // A picture whose regions have come was due before.
         if !self.scene.has_regions() && !self.scene.is_drawing() {
-            self.pace.begun(begun);
+            self.pace.begun(begun, self.hands.are_unseen());
         }
         let size = self.window.size();
         let placement = self.placement();
@@ -98,17 +99,26 @@ impl Stage {
         let handing_over = Instant::now();
         // Without a new picture there is something to show only if the overlay or the window changes.
         let waits = new.is_none() && !dims && (shown != wanted || is_drawing);
-        if waits && !self.output.is_stale() && self.overlay.due(&content, begun).is_none_or(|due| due > begun)
-        {
+        let has_words = self.overlay.due(&content, begun).is_some_and(|due| due <= begun)
+            && self.wallpaper.as_ref().is_none_or(Wallpaper::shows_words);
+        let ground_is_due = self.wallpaper.as_ref().is_some_and(Wallpaper::is_due);
+        if waits && !self.output.is_stale() && !ground_is_due && !has_words {
             return Ok(false);
         }
-        let part = (size, area, self.desk.picture.is_some());
-        Self::show_picture(&mut self.renderer, (&self.window, self.wallpaper.as_ref()), &lay, part)?;
-        let laying_out = Instant::now();
-        let painted = self.overlay.paint(self.window.window(), size, content)?;
-        let laid_out = laying_out.elapsed();
-        let painting = handing_over.elapsed();
-        self.window.swap()?;
+        let canvas = Canvas {
+            renderer: &mut self.renderer,
+            wallpaper: self.wallpaper.as_mut(),
+            window: &self.window,
+            size,
+            small: self.desk.picture,
+        };
+        let mut laid_out = Duration::ZERO;
+        let (painted, painting) = canvas.show(&lay, new.is_some() || dims || has_words, |size| {
+            let laying_out = Instant::now();
+            let painted = self.overlay.paint(self.window.window(), size, content);
+            laid_out = laying_out.elapsed();
+            painted
+        })?;
         self.show_on_output(&lay, new.is_some() || dims)?;
         let first = self.pace.show(shown);
         self.typing_times.note_shown(self.scene.shown_id(), new.is_some(), laid_out, Instant::now());
@@ -138,6 +148,9 @@ impl Stage {
     /// # Errors
     /// What the driver refuses.
     pub(super) fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), AppError> {
+        if self.hides_window() {
+            return Ok(());
+        }
         let now = Instant::now();
         let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
         if self.waited.is_none_or(is_stale) {

@@ -31,7 +31,7 @@ use crate::app::reports::Reports;
 use crate::app::scene_stage::{DrawingWays, LoadedScene, SceneLoaders, SceneStage};
 use crate::app::sound::{Sound, Start};
 use crate::app::user_input::UserInput;
-use crate::app::wallpaper::Wallpaper;
+use crate::app::wallpaper::{Sheets, Wallpaper};
 use crate::app::window::{GlWindowContext, OpenWindow};
 use crate::app::window_thread::{Told, Waker};
 use crate::config::{Choices, DEFAULT_DEVICE, Memory, PerformanceFiles, PlaySettings};
@@ -72,6 +72,8 @@ pub(in crate::app) struct Opening<'a> {
     pub(in crate::app) proxy: EventLoopProxy<Told>,
     /// Where pictures are sent.
     pub(in crate::app) sends: Sends,
+    /// What shows the picture instead of the window.
+    pub(in crate::app) sheets: Option<Sheets>,
 }
 
 impl Opening<'_> {
@@ -80,7 +82,8 @@ impl Opening<'_> {
     /// # Errors
     /// What the driver or the system refuses.
     pub(in crate::app) fn stage(self, window: OpenWindow, waker: &Waker) -> Result<Stage, AppError> {
-        let Self { tracks, settings, scene, memory, loaders, first, controls, drafts, proxy, sends } = self;
+        let Self { tracks, settings, scene, memory, loaders, first, controls, drafts, proxy, sends, sheets } =
+            self;
         let choices = settings.choices.clone();
         tracing::info!("what holds in this run: {choices:?}");
         // First of all, so that the song is known before its first picture.
@@ -94,7 +97,7 @@ impl Opening<'_> {
         }
         let of_fonts = waker.clone();
         let mut overlay = Overlay::new(window.gl(), window.window(), move || of_fonts.wake());
-        if let Some(size) = window.size() {
+        if let Some(size) = window.size().filter(|_| sheets.is_none()) {
             paint_waiting(&window, &mut overlay, size, &first.source.title(), OverlayContent::default())?;
             tracing::info!("the window says what it prepares");
         }
@@ -155,7 +158,7 @@ impl Opening<'_> {
         let brightness = f32::from(choices.stage.brightness) / 100.0;
         Ok(Stage {
             grounded_at: None,
-            wallpaper: settings.wallpaper.then(|| Wallpaper::start(waker)),
+            wallpaper: settings.wallpaper.then(|| Wallpaper::start(sheets, waker)),
             output: Output::new(choices.stage.output.clone(), proxy, waker),
             listening: Listening::new(sound, songs),
             renderer,
@@ -246,6 +249,9 @@ pub(in crate::app) fn renewed(
     stage.feeds.let_go();
     stage.preview = Preview::new();
     stage.output.close(&window);
+    if let Some(wallpaper) = &mut stage.wallpaper {
+        wallpaper.let_go();
+    }
     let kept = old_scene.let_go();
     let Some(shown) = kept.shown else {
         return Err(GpuError::ContextLost { doing: "preparing the first scene" }.into());

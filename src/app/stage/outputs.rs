@@ -1,6 +1,7 @@
 //! The output on another monitor: when its window opens and closes, and what it shows.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use winit::event::WindowEvent;
 use winit::window::Window;
@@ -9,7 +10,8 @@ use super::Stage;
 use crate::app::desk_picture::{AROUND, is_within, small_in};
 use crate::app::error::AppError;
 use crate::app::monitors::Monitor;
-use crate::app::wallpaper::{Panel, Wallpaper};
+use crate::app::overlay::Painted;
+use crate::app::wallpaper::{Panel, Wallpaper, filling};
 use crate::app::window::GlWindowContext;
 use crate::export::print::tell;
 use crate::gpu::error::GpuError;
@@ -41,6 +43,14 @@ impl Lay {
         shape.map_or(WHOLE, |shape| fitted(self.placement.rest_of(shape), self.screen))
     }
 
+    /// Fills a part of the current window of `size` pixels with the picture.
+    fn show_panel(&self, renderer: &mut Renderer, size: (u32, u32), panel: Panel) -> Result<(), GpuError> {
+        let Panel { area, map, part } = panel;
+        let part = if self.placement.is_plain() { part } else { self.placement.part() };
+        let map = within(area, &product(&self.placement.map(), &map));
+        renderer.show_in_part(size, area, &map, part)
+    }
+
     /// Leads from a place in a window, of which `area` is the screen, to the place in the picture, both as shares.
     pub(super) fn map(&self, renderer: &Renderer, area: Area) -> Map {
         within(area, &within(self.inner(renderer), &self.placement.map()))
@@ -52,11 +62,75 @@ impl Lay {
     }
 }
 
+/// What shows the picture first: the desktop's ground, or else the window.
+pub(super) struct Canvas<'a> {
+    pub(super) renderer: &'a mut Renderer,
+    pub(super) wallpaper: Option<&'a mut Wallpaper>,
+    pub(super) window: &'a GlWindowContext,
+    /// The window's, in pixels.
+    pub(super) size: (u32, u32),
+    /// The part of the window in which the picture lies small, on a ground that is no part of it.
+    pub(super) small: Option<Area>,
+}
+
+impl Canvas<'_> {
+    /// Shows the picture, which looks different if `is_new`, with what `paint` paints over so many pixels. Returns what was
+    /// painted, and how long it took until the window system was to show it.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn show(
+        self,
+        lay: &Lay,
+        is_new: bool,
+        paint: impl FnOnce((u32, u32)) -> Result<Painted, AppError>,
+    ) -> Result<(Painted, Duration), AppError> {
+        let begun = Instant::now();
+        let Self { renderer, wallpaper, window, size, small } = self;
+        let mut painted = Painted::default();
+        match wallpaper {
+            Some(wallpaper) if wallpaper.hides_window() => {
+                let mut paint = Some(paint);
+                wallpaper.show(window, is_new, |pixels, has_words| {
+                    if lay.screen == pixels {
+                        lay.show(renderer, pixels, WHOLE)?;
+                    } else {
+                        lay.show_panel(renderer, pixels, filling(lay.screen, pixels, WHOLE))?;
+                    }
+                    if let Some(paint) = paint.take_if(|_| has_words) {
+                        painted = paint(pixels)?;
+                    }
+                    Ok(())
+                })?;
+                return Ok((painted, begun.elapsed()));
+            }
+            Some(wallpaper) if !wallpaper.panels(lay.screen).is_empty() => {
+                for panel in wallpaper.panels(lay.screen) {
+                    lay.show_panel(renderer, size, panel)?;
+                }
+            }
+            _ => match small {
+                Some(area) => {
+                    window.gl().clear_window(size, AROUND)?;
+                    let map = lay.map(renderer, area);
+                    renderer.show_in_part(size, area, &map, lay.placement.part())?;
+                }
+                None => lay.show(renderer, size, lay.area_in(size))?,
+            },
+        }
+        painted = paint(size)?;
+        let painting = begun.elapsed();
+        window.swap()?;
+        Ok((painted, painting))
+    }
+}
+
 impl Stage {
     /// The size that pictures are drawn for, in pixels: of the output, else of the window.
     pub(super) fn screen_size(&self) -> Option<(u32, u32)> {
         let of_ground = self.wallpaper.as_ref().and_then(Wallpaper::screen);
-        self.output.size().or(of_ground).or(self.window.size())
+        let of_window = self.window.size().filter(|_| !self.hides_window());
+        self.output.size().or(of_ground).or(of_window)
     }
 
     /// Takes the monitors of a window system that tells them by itself.
@@ -82,8 +156,16 @@ impl Stage {
         }
     }
 
-    /// Opens and closes the output as monitors come and go.
+    /// Whether the window shows nothing, because surfaces of a Wayland desktop do.
+    pub(super) fn hides_window(&self) -> bool {
+        self.wallpaper.as_ref().is_some_and(Wallpaper::hides_window)
+    }
+
+    /// Opens and closes the output as monitors come and go, and takes in where the desktop's ground is.
     pub(super) fn update_output(&mut self) {
+        if let Some(wallpaper) = &mut self.wallpaper {
+            wallpaper.update(&self.window);
+        }
         if let Some(place) = self.wallpaper.as_ref().and_then(Wallpaper::place)
             && self.grounded_at != Some(place)
         {
@@ -114,34 +196,6 @@ impl Stage {
         self.desk.picture.is_none_or(|area| is_within(area, size, place))
     }
 
-    /// Shows the picture on every monitor, if it is the desktop's ground, and otherwise in a part of the window, with its size
-    /// in pixels, as `lay` says; if it is small there, on a ground that is no part of it.
-    ///
-    /// # Errors
-    /// What the driver refuses.
-    pub(super) fn show_picture(
-        renderer: &mut Renderer,
-        (window, ground): (&GlWindowContext, Option<&Wallpaper>),
-        lay: &Lay,
-        (size, area, is_small): ((u32, u32), Area, bool),
-    ) -> Result<(), GpuError> {
-        if is_small {
-            window.gl().clear_window(size, AROUND)?;
-            return renderer.show_in_part(size, area, &lay.map(renderer, area), lay.placement.part());
-        }
-        let panels = ground.map(|ground| ground.panels(lay.screen)).unwrap_or_default();
-        if panels.is_empty() {
-            return lay.show(renderer, size, area);
-        }
-        let map = lay.placement.map();
-        for Panel { area, map: of_panel, part } in panels {
-            let part = if lay.placement.is_plain() { part } else { lay.placement.part() };
-            let map = within(area, &product(&map, &of_panel));
-            renderer.show_in_part(size, area, &map, part)?;
-        }
-        Ok(())
-    }
-
     /// Moves the output to another monitor, or to none.
     pub(super) fn choose_output_monitor(&mut self, name: Option<String>) {
         self.output.want(name.clone());
@@ -155,6 +209,6 @@ impl Stage {
     pub(super) fn show_on_output(&mut self, lay: &Lay, is_new: bool) -> Result<(), AppError> {
         let Some(surface) = self.output.due(is_new) else { return Ok(()) };
         let (renderer, size) = (&mut self.renderer, surface.size());
-        self.window.draw_on(surface, || lay.show(renderer, size, WHOLE))
+        self.window.draw_on(surface, || Ok(lay.show(renderer, size, WHOLE)?))
     }
 }

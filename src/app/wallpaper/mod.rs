@@ -1,17 +1,28 @@
 //! The picture as the desktop's ground: below every window, on every monitor, for nobody's hands. And in the window that a
 //! screen saver gives.
 //!
-//! **It rests where nobody sees it,** and where it would empty a battery: a thread of its own asks the X server which
-//! windows cover monitors, and the system where its power comes from.
+//! On X11 it is one window, on Wayland a surface on each output ([`layers`]).
+//!
+//! **It rests where nobody sees it,** and where it would empty a battery ([`rest`]).
 
+#[cfg(all(unix, not(target_os = "macos")))]
+mod layers;
+#[cfg(not(all(unix, not(target_os = "macos"))))]
+#[path = "no_layers.rs"]
+mod layers;
 mod power;
+mod rest;
+mod wall;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod windows;
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+pub(super) use layers::{Layers, Sheet, Sheets, is_wayland};
+use rest::Rest;
+use wall::Wall;
 
+use super::error::AppError;
 use super::monitors::{Monitor, MonitorWatch};
+use super::window::GlWindowContext;
 use super::window_thread::Waker;
 use crate::placement::{Area, Map};
 
@@ -34,8 +45,16 @@ pub(super) fn around(monitors: &[Monitor]) -> Option<Rect> {
 
 /// See the module.
 pub(super) struct Wallpaper {
-    monitors: MonitorWatch,
-    rests: Arc<AtomicBool>,
+    ground: Shown,
+    rest: Rest,
+}
+
+/// Where it is shown.
+enum Shown {
+    /// In a window of X11, over these monitors.
+    Window(MonitorWatch),
+    /// On a Wayland desktop.
+    Wall(Wall),
 }
 
 /// A part of the wallpaper's window, and the part of the picture that fills it.
@@ -50,76 +69,105 @@ pub(super) struct Panel {
 }
 
 impl Wallpaper {
-    /// Looks at monitors, windows and power from now on.
-    pub(super) fn start(waker: &Waker) -> Self {
-        let mut monitors = MonitorWatch::default();
-        let (of_monitors, of_windows) = (waker.clone(), waker.clone());
-        monitors.begin(move || of_monitors.wake());
-        let rests = Arc::new(AtomicBool::new(false));
-        let told = Arc::downgrade(&rests);
-        let watch = move || {
-            let mut looks = Looks::new();
-            while let Some(rests) = told.upgrade() {
-                let rest = looks.at_rest();
-                if rests.swap(rest, Ordering::Relaxed) != rest {
-                    tracing::info!("the wallpaper {}", if rest { "rests" } else { "goes on" });
-                    of_windows.wake();
-                }
-                drop(rests);
-                std::thread::sleep(LOOK_PERIOD);
+    /// Looks at monitors, windows and power from now on; on Wayland the compositor tells of both of the former.
+    pub(super) fn start(sheets: Option<Sheets>, waker: &Waker) -> Self {
+        let rest = Rest::start(sheets.clone(), waker);
+        let ground = match sheets {
+            Some(sheets) => Shown::Wall(Wall::new(sheets)),
+            None => {
+                let mut monitors = MonitorWatch::default();
+                let waker = waker.clone();
+                monitors.begin(move || waker.wake());
+                Shown::Window(monitors)
             }
         };
-        if let Err(error) = std::thread::Builder::new().name("wallpaper".into()).spawn(watch) {
-            tracing::warn!("the wallpaper never rests: {error}");
-        }
-        Self { monitors, rests }
+        Self { ground, rest }
     }
 
-    /// Whether nobody sees it, or it should spare a battery.
+    /// Takes in which surfaces there are to draw into.
+    pub(super) fn update(&mut self, window: &GlWindowContext) {
+        if let Shown::Wall(wall) = &mut self.ground {
+            wall.update(window);
+        }
+    }
+
+    /// Lets everything go that belongs to the context.
+    pub(super) fn let_go(&mut self) {
+        if let Shown::Wall(wall) = &mut self.ground {
+            wall.let_go();
+        }
+    }
+
+    /// Shows what is to be shown, which looks different everywhere if `is_new`, on the surfaces that are there instead of a
+    /// window. `draw` gets the size of each in pixels, and whether words belong over it.
+    ///
+    /// # Errors
+    /// What `draw` reports, or a lost surface.
+    pub(super) fn show(
+        &mut self,
+        window: &GlWindowContext,
+        is_new: bool,
+        draw: impl FnMut((u32, u32), bool) -> Result<(), AppError>,
+    ) -> Result<(), AppError> {
+        let Shown::Wall(wall) = &mut self.ground else { return Ok(()) };
+        if is_new {
+            wall.look_different();
+        }
+        wall.show(window, draw)
+    }
+
+    /// Whether the window shows nothing.
+    pub(super) fn hides_window(&self) -> bool {
+        matches!(self.ground, Shown::Wall(_))
+    }
+
+    /// Whether something is to be shown, and somebody sees it.
+    pub(super) fn is_due(&self) -> bool {
+        matches!(&self.ground, Shown::Wall(wall) if wall.is_due())
+    }
+
+    /// Whether nobody sees it, or it should spare a battery. A monitor that shows nothing yet is no time to rest.
     pub(super) fn rests(&self) -> bool {
-        self.rests.load(Ordering::Relaxed)
+        match &self.ground {
+            Shown::Wall(wall) => !wall.has_blank() && (self.rest.is_on() || !wall.is_ready()),
+            Shown::Window(_) => self.rest.is_on(),
+        }
+    }
+
+    /// Whether words over the picture would be shown now.
+    pub(super) fn shows_words(&self) -> bool {
+        match &self.ground {
+            Shown::Wall(wall) => wall.shows_words(),
+            Shown::Window(_) => true,
+        }
     }
 
     /// Where its window belongs, once that is known.
     pub(super) fn place(&self) -> Option<Rect> {
-        around(&self.monitors.known()?)
+        around(&self.monitors()?)
     }
 
     /// The size that the picture is drawn for: that of the largest monitor.
     pub(super) fn screen(&self) -> Option<(u32, u32)> {
         let pixels = |size: (u32, u32)| u64::from(size.0) * u64::from(size.1);
-        self.monitors.known()?.iter().map(|monitor| monitor.size).max_by_key(|size| pixels(*size))
-    }
-
-    /// What shows of a picture of `shape` pixels on each monitor.
-    pub(super) fn panels(&self, shape: (u32, u32)) -> Vec<Panel> {
-        panels(&self.monitors.known().unwrap_or_default(), shape)
-    }
-}
-
-/// How often windows and power are looked at.
-const LOOK_PERIOD: std::time::Duration = std::time::Duration::from_millis(500);
-
-/// What decides whether it rests.
-struct Looks {
-    #[cfg(all(unix, not(target_os = "macos")))]
-    windows: Option<windows::Windows>,
-}
-
-impl Looks {
-    fn new() -> Self {
-        Self {
-            #[cfg(all(unix, not(target_os = "macos")))]
-            windows: windows::Windows::connect(),
+        match &self.ground {
+            Shown::Wall(wall) => wall.screen(),
+            Shown::Window(_) => {
+                self.monitors()?.iter().map(|monitor| monitor.size).max_by_key(|size| pixels(*size))
+            }
         }
     }
 
-    fn at_rest(&mut self) -> bool {
-        #[cfg(all(unix, not(target_os = "macos")))]
-        let covered = self.windows.as_ref().is_some_and(windows::Windows::cover_everything);
-        #[cfg(not(all(unix, not(target_os = "macos"))))]
-        let covered = false;
-        covered || power::is_from_battery(std::path::Path::new(power::FOLDER))
+    /// What shows of a picture of `shape` pixels on each monitor that its window is over.
+    pub(super) fn panels(&self, shape: (u32, u32)) -> Vec<Panel> {
+        panels(&self.monitors().unwrap_or_default(), shape)
+    }
+
+    fn monitors(&self) -> Option<Vec<Monitor>> {
+        match &self.ground {
+            Shown::Window(monitors) => monitors.known(),
+            Shown::Wall(_) => None,
+        }
     }
 }
 
@@ -131,27 +179,20 @@ fn panels(monitors: &[Monitor], shape: (u32, u32)) -> Vec<Panel> {
         let y = f64::from(monitor.place.1 - top) / height;
         let [across, down] = [monitor.size.0, monitor.size.1].map(f64::from);
         let area = [x, y, x + across / width, y + down / height];
-        // The picture fills the monitor, and loses what sticks out.
-        let scale = (across / f64::from(shape.0.max(1))).max(down / f64::from(shape.1.max(1)));
-        let share = |side: f64, of: u32| (side / (f64::from(of.max(1)) * scale)).min(1.0);
-        let (w, h) = (share(across, shape.0), share(down, shape.1));
-        let (x, y) = (0.5 - 0.5 * w, 0.5 - 0.5 * h);
-        Panel { area, map: [[w, 0.0, x], [0.0, h, y], [0.0, 0.0, 1.0]], part: [x, y, x + w, y + h] }
+        filling(shape, monitor.size, area)
     };
     monitors.iter().map(panel).collect()
 }
 
-/// Whether each of these monitors is covered by one of these windows.
-fn are_covered(monitors: &[Rect], windows: &[Rect]) -> bool {
-    let end = |from: i32, length: u32| i64::from(from) + i64::from(length);
-    let covers = |(window, size): &Rect, (monitor, extent): &Rect| {
-        window.0 <= monitor.0
-            && window.1 <= monitor.1
-            && end(window.0, size.0) >= end(monitor.0, extent.0)
-            && end(window.1, size.1) >= end(monitor.1, extent.1)
-    };
-    !monitors.is_empty()
-        && monitors.iter().all(|monitor| windows.iter().any(|window| covers(window, monitor)))
+/// The part of a window, which is a monitor of `size` pixels, filled with a picture of `shape` pixels, which loses what
+/// sticks out.
+pub(super) fn filling(shape: (u32, u32), size: (u32, u32), area: Area) -> Panel {
+    let [across, down] = [size.0, size.1].map(f64::from);
+    let scale = (across / f64::from(shape.0.max(1))).max(down / f64::from(shape.1.max(1)));
+    let share = |side: f64, of: u32| (side / (f64::from(of.max(1)) * scale)).min(1.0);
+    let (w, h) = (share(across, shape.0), share(down, shape.1));
+    let (x, y) = (0.5 - 0.5 * w, 0.5 - 0.5 * h);
+    Panel { area, map: [[w, 0.0, x], [0.0, h, y], [0.0, 0.0, 1.0]], part: [x, y, x + w, y + h] }
 }
 
 /// A window of another program: its number, and its size in pixels.
@@ -199,17 +240,6 @@ mod tests {
         assert_eq!((tall.area, tall.part), ([0.8, 0.0, 1.0, 0.8], [0.375, 0.0, 0.625, 1.0]));
         assert_eq!(crate::placement::led(&tall.map, [1.0, 0.5]), Some([0.625, 0.5]));
         assert!(panels(&[], (8, 4)).is_empty() && around(&[]).is_none());
-    }
-
-    #[test]
-    fn it_is_covered_when_every_monitor_is() {
-        let monitors = [((0, 0), (800, 600)), ((800, 0), (640, 480))];
-        let full = ((0, 0), (800, 600));
-        assert!(!are_covered(&monitors, &[full]));
-        assert!(are_covered(&monitors, &[full, ((790, -20), (700, 520))]));
-        assert!(!are_covered(&monitors, &[full, ((800, 0), (640, 479))]));
-        assert!(are_covered(&monitors, &[((0, 0), (1440, 600))]));
-        assert!(!are_covered(&[], &[full]));
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! Windows besides the first: the output on another monitor, into which the same context draws, and what a window is like
-//! that is for the eyes alone.
+//! Windows besides the first, into which the same context draws: the output on another monitor, and the ground of a
+//! Wayland desktop; and what a window is like that is for the eyes alone.
 
 #![expect(unsafe_code, reason = "creating surfaces from window handles is unsafe in glutin")]
 
@@ -9,7 +9,9 @@ use std::sync::Arc;
 use glutin::context::PossiblyCurrentGlContext;
 use glutin::display::{GetGlDisplay, GlDisplay};
 use glutin::error::ErrorKind;
-use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
+use glutin::surface::{
+    GlSurface, Surface, SurfaceAttributes, SurfaceAttributesBuilder, SwapInterval, WindowSurface,
+};
 use glutin_winit::GlWindow;
 use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event_loop::ActiveEventLoop;
@@ -19,28 +21,36 @@ use super::GlWindowContext;
 use crate::app::error::AppError;
 use crate::app::identity;
 use crate::app::monitors::Monitor;
-use crate::app::wallpaper::Rect;
+use crate::app::wallpaper::{Rect, Sheet};
 use crate::gpu::error::GpuError;
 
 /// A window for the eyes alone.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::app) enum Ground {
+    /// None of it is seen: surfaces of a Wayland desktop, below all its windows, show the picture.
+    Layers,
     /// Below all windows of the desktop, on this rectangle of it.
     Desktop(Rect),
     /// Within another program's window of X11, which has this size in pixels.
     Within(u32, (u32, u32)),
 }
 
-/// Another window that the same context draws into.
+/// Another window, or what is like one, that the same context draws into.
 pub(in crate::app) struct SecondSurface {
-    // The surface before its window.
+    // The surface before what it lies on.
     surface: Surface<WindowSurface>,
-    window: Arc<Window>,
+    lies_on: Bearer,
     size: (u32, u32),
 }
 
+/// What pictures lie on.
+enum Bearer {
+    Window(Arc<Window>),
+    Sheet(Arc<Sheet>),
+}
+
 impl SecondSurface {
-    /// Width and height of its window, in pixels.
+    /// Width and height of its pictures, in pixels.
     pub(in crate::app) fn size(&self) -> (u32, u32) {
         self.size
     }
@@ -61,24 +71,50 @@ impl GlWindowContext {
     /// # Errors
     /// The driver refuses.
     pub(in crate::app) fn second_surface(&self, window: Arc<Window>) -> Result<SecondSurface, AppError> {
-        let refused = |error: &dyn std::fmt::Display| AppError::Window {
-            doing: "a second window",
-            reason: error.to_string(),
-        };
+        let refused = |error: &dyn std::fmt::Display| refused("a second window", error);
         let attributes =
             window.build_surface_attributes(Default::default()).map_err(|error| refused(&error))?;
-        // SAFETY: the window outlives the surface (see the fields' order).
-        let surface = unsafe { self.config.display().create_window_surface(&self.config, &attributes) };
-        let surface = surface.map_err(|error| refused(&error))?;
-        let (width, height) = window.inner_size().into();
-        let second = SecondSurface { surface, window, size: (width, height) };
-        self.context.make_current(&second.surface).map_err(|error| refused(&error))?;
-        let waits = second.surface.set_swap_interval(&self.context, SwapInterval::Wait(NonZeroU32::MIN));
-        if let Err(error) = waits {
-            tracing::info!("no vertical sync on the output ({error})");
-        }
-        self.context.make_current(&self.surface).map_err(|error| refused(&error))?;
+        let size = window.inner_size().into();
+        let vertical_sync = SwapInterval::Wait(NonZeroU32::MIN);
+        let second = self.surface_on(Bearer::Window(window), &attributes, size, vertical_sync)?;
         self.wait_for_monitor(false);
+        Ok(second)
+    }
+
+    /// A surface of a part of the ground of a Wayland desktop, for pictures of `size` pixels. Showing one waits for
+    /// nothing: the compositor says when it wants the next one ([`Sheet::is_ready`]).
+    ///
+    /// # Errors
+    /// The driver refuses.
+    pub(in crate::app) fn surface_of_sheet(
+        &self,
+        sheet: Arc<Sheet>,
+        size: (u32, u32),
+    ) -> Result<SecondSurface, AppError> {
+        let handle = sheet.handle().ok_or_else(|| refused("a wallpaper", &"the surface is gone"))?;
+        let side = |side: u32| NonZeroU32::new(side).unwrap_or(NonZeroU32::MIN);
+        let attributes =
+            SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side(size.0), side(size.1));
+        self.surface_on(Bearer::Sheet(sheet), &attributes, size, SwapInterval::DontWait)
+    }
+
+    /// A surface of `size` pixels by the attributes of what it lies on.
+    fn surface_on(
+        &self,
+        lies_on: Bearer,
+        attributes: &SurfaceAttributes<WindowSurface>,
+        size: (u32, u32),
+        interval: SwapInterval,
+    ) -> Result<SecondSurface, AppError> {
+        let refused = |error: glutin::error::Error| refused("a second surface", &error);
+        // SAFETY: what it lies on outlives the surface (see the fields' order).
+        let surface = unsafe { self.config.display().create_window_surface(&self.config, attributes) };
+        let second = SecondSurface { surface: surface.map_err(refused)?, lies_on, size };
+        self.context.make_current(&second.surface).map_err(refused)?;
+        if let Err(error) = second.surface.set_swap_interval(&self.context, interval) {
+            tracing::info!("a second surface waits for its monitor as the driver likes ({error})");
+        }
+        self.context.make_current(&self.surface).map_err(refused)?;
         Ok(second)
     }
 
@@ -95,22 +131,29 @@ impl GlWindowContext {
     ///
     /// # Errors
     /// What `draw` reports, or a lost surface.
-    pub(in crate::app) fn draw_on(
+    pub(in crate::app) fn draw_on<T>(
         &self,
         second: &SecondSurface,
-        draw: impl FnOnce() -> Result<(), GpuError>,
-    ) -> Result<(), AppError> {
+        draw: impl FnOnce() -> Result<T, AppError>,
+    ) -> Result<T, AppError> {
         let failed = |error: glutin::error::Error| match error.error_kind() {
             ErrorKind::ContextLost => GpuError::ContextLost { doing: "showing a frame" }.into(),
             _ => AppError::Window { doing: "to show a frame on the output", reason: error.to_string() },
         };
         self.context.make_current(&second.surface).map_err(failed)?;
-        let drawn = draw().map_err(AppError::from);
-        second.window.pre_present_notify();
+        let drawn = draw();
+        match &second.lies_on {
+            Bearer::Window(window) => window.pre_present_notify(),
+            Bearer::Sheet(sheet) => sheet.ask(),
+        }
         let shown = second.surface.swap_buffers(&self.context).map_err(failed);
         self.context.make_current(&self.surface).map_err(failed)?;
-        drawn.and(shown)
+        drawn.and_then(|drawn| shown.map(|()| drawn))
     }
+}
+
+fn refused(doing: &'static str, error: &dyn std::fmt::Display) -> AppError {
+    AppError::Window { doing, reason: error.to_string() }
 }
 
 /// The attributes of a window for the eyes alone.
@@ -121,6 +164,7 @@ pub(super) fn grounded(attributes: WindowAttributes, ground: Option<Ground>) -> 
     {
         use winit::platform::x11::{WindowAttributesExtX11, WindowType};
         match ground {
+            Ground::Layers => attributes,
             Ground::Desktop(((x, y), _)) => attributes
                 .with_position(PhysicalPosition::new(x, y))
                 .with_x11_window_type(vec![WindowType::Desktop]),

@@ -1,0 +1,124 @@
+//! When the wallpaper rests: a thread of its own asks the X server which windows cover monitors, and the system where its
+//! power comes from. A Wayland compositor does not say what covers the picture; it wants no more pictures then.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+#[cfg(any(test, all(unix, not(target_os = "macos"))))]
+use super::Rect;
+use super::layers::Sheets;
+use super::power;
+#[cfg(all(unix, not(target_os = "macos")))]
+use super::windows;
+use crate::app::window_thread::Waker;
+
+/// How often windows and power are looked at.
+const LOOK_PERIOD: Duration = Duration::from_millis(500);
+
+/// See the module.
+pub(super) struct Rest(Arc<AtomicBool>);
+
+impl Rest {
+    /// Looks from now on, until this is dropped. The wallpaper is on `sheets`, or else in a window of X11.
+    pub(super) fn start(sheets: Option<Sheets>, waker: &Waker) -> Self {
+        let is_on = Arc::new(AtomicBool::new(false));
+        let (told, waker) = (Arc::downgrade(&is_on), waker.clone());
+        let watch = move || {
+            let mut looks = Looks::new(sheets);
+            let mut rested = false;
+            while let Some(is_on) = told.upgrade() {
+                let look = looks.look();
+                let rests = look.is_covered || look.is_unseen || look.spares_battery;
+                if std::mem::replace(&mut rested, rests) != rests {
+                    tracing::info!("the wallpaper {}", if rests { "rests" } else { "goes on" });
+                }
+                // What the compositor tells needs no order to be obeyed.
+                let ordered = look.is_covered || look.spares_battery;
+                if is_on.swap(ordered, Ordering::Relaxed) != ordered {
+                    waker.wake();
+                }
+                drop(is_on);
+                std::thread::sleep(LOOK_PERIOD);
+            }
+        };
+        if let Err(error) = std::thread::Builder::new().name("wallpaper".into()).spawn(watch) {
+            tracing::warn!("the wallpaper never rests: {error}");
+        }
+        Self(is_on)
+    }
+
+    /// Whether there is a reason to draw nothing.
+    pub(super) fn is_on(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// What can be seen of the reasons.
+struct Look {
+    /// Windows cover all monitors.
+    is_covered: bool,
+    /// The compositor wants no pictures.
+    is_unseen: bool,
+    spares_battery: bool,
+}
+
+/// What decides whether it rests.
+struct Looks {
+    sheets: Option<Sheets>,
+    #[cfg(all(unix, not(target_os = "macos")))]
+    windows: Option<windows::Windows>,
+}
+
+impl Looks {
+    fn new(sheets: Option<Sheets>) -> Self {
+        Self {
+            // Those of an X server within a Wayland compositor are not all.
+            #[cfg(all(unix, not(target_os = "macos")))]
+            windows: if sheets.is_none() { windows::Windows::connect() } else { None },
+            sheets,
+        }
+    }
+
+    fn look(&mut self) -> Look {
+        #[cfg(all(unix, not(target_os = "macos")))]
+        let is_covered = self.windows.as_ref().is_some_and(windows::Windows::cover_everything);
+        #[cfg(not(all(unix, not(target_os = "macos"))))]
+        let is_covered = false;
+        Look {
+            is_covered,
+            is_unseen: self.sheets.as_ref().is_some_and(|sheets| sheets.are_unseen(Instant::now())),
+            spares_battery: power::is_from_battery(std::path::Path::new(power::FOLDER)),
+        }
+    }
+}
+
+#[cfg(any(test, all(unix, not(target_os = "macos"))))]
+/// Whether each of these monitors is covered by one of these windows.
+pub(super) fn are_covered(monitors: &[Rect], windows: &[Rect]) -> bool {
+    let end = |from: i32, length: u32| i64::from(from) + i64::from(length);
+    let covers = |(window, size): &Rect, (monitor, extent): &Rect| {
+        window.0 <= monitor.0
+            && window.1 <= monitor.1
+            && end(window.0, size.0) >= end(monitor.0, extent.0)
+            && end(window.1, size.1) >= end(monitor.1, extent.1)
+    };
+    !monitors.is_empty()
+        && monitors.iter().all(|monitor| windows.iter().any(|window| covers(window, monitor)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_covered_when_every_monitor_is() {
+        let monitors = [((0, 0), (800, 600)), ((800, 0), (640, 480))];
+        let full = ((0, 0), (800, 600));
+        assert!(!are_covered(&monitors, &[full]));
+        assert!(are_covered(&monitors, &[full, ((790, -20), (700, 520))]));
+        assert!(!are_covered(&monitors, &[full, ((800, 0), (640, 479))]));
+        assert!(are_covered(&monitors, &[((0, 0), (1440, 600))]));
+        assert!(!are_covered(&[], &[full]));
+    }
+}

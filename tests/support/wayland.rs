@@ -1,0 +1,237 @@
+//! Wayland compositors of the test's own, and the program on them: sway, which knows layers, and weston, which does not.
+
+use std::fs::Permissions;
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
+use std::path::Path;
+use std::process::{Command, ExitStatus, Stdio};
+
+use image::RgbaImage;
+use tempfile::TempDir;
+use x11rb::connection::Connection;
+use x11rb::protocol::xproto::{ClientMessageEvent, ConnectionExt as _, EventMask};
+
+use super::desktop::{PROGRAM, Place, Text, collect, command_in, lock, start_x_server};
+use mariana_testing::process::{Process, output_of, private_folder, wait_until};
+
+/// Who runs what must not run as the system's administrator: "nobody", under its usual number.
+const NOBODY: u32 = 65_534;
+
+/// What every sway is told first: nothing but what a test asks for shows.
+const PLAIN: &str = "xwayland disable\ndefault_border none\n";
+
+/// How its windows are known on X11, and how they are asked to close.
+const X11_NAMES: [&str; 4] = ["_NET_WM_NAME", "UTF8_STRING", "WM_PROTOCOLS", "WM_DELETE_WINDOW"];
+
+/// A compositor, and a folder for its session. Both end when dropped.
+pub(crate) struct Compositor {
+    // In this order: the compositor goes before the X server whose windows are its screens.
+    process: Process,
+    x_server: Option<(Process, String)>,
+    folder: TempDir,
+    socket: &'static str,
+    _place: Place,
+}
+
+impl Compositor {
+    /// Sway without any screen. `outputs` are lines of its configuration; the first output is HEADLESS-1.
+    pub(crate) fn sway(outputs: &str) -> Self {
+        Self::start_sway(outputs, None)
+    }
+
+    /// Sway whose screens are windows of an X server, and can be pulled out. The first output is X11-1.
+    pub(crate) fn sway_in_windows(outputs: &str) -> Self {
+        let (server, display) = start_x_server();
+        let (connection, _) = x11rb::connect(Some(&display)).unwrap();
+        for name in X11_NAMES {
+            // It looks for names that somebody has used, such as a window manager.
+            connection.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap();
+        }
+        Self::start_sway(outputs, Some((server, display)))
+    }
+
+    fn start_sway(outputs: &str, x_server: Option<(Process, String)>) -> Self {
+        let place = Place::wait_for();
+        let folder = private_folder();
+        let configuration = folder.path().join("sway.conf");
+        std::fs::write(&configuration, format!("{PLAIN}{outputs}")).unwrap();
+        let is_administrator = std::fs::metadata(folder.path()).unwrap().uid() == 0;
+        let display = x_server.as_ref().map(|(_, display)| display.as_str());
+        let mut command = if is_administrator {
+            // Sway refuses to run for that one, who may use its socket all the same.
+            std::os::unix::fs::chown(folder.path(), Some(NOBODY), Some(NOBODY)).unwrap();
+            std::fs::set_permissions(&configuration, Permissions::from_mode(0o644)).unwrap();
+            let number = NOBODY.to_string();
+            let mut command = command_in("setpriv", folder.path(), display);
+            command.args(["--reuid", &number, "--regid", &number, "--clear-groups", "sway"]);
+            command
+        } else {
+            command_in("sway", folder.path(), display)
+        };
+        command.arg("-c").arg(&configuration);
+        command.env("SWAYSOCK", folder.path().join("orders")).env("WLR_RENDERER", "pixman");
+        command.env("WLR_BACKENDS", if x_server.is_some() { "x11" } else { "headless" });
+        command.env("WLR_LIBINPUT_NO_DEVICES", "1").stdout(Stdio::null()).stderr(Stdio::null());
+        let process = Process::start(&mut command, "sway");
+        let mut compositor = Self { process, x_server, folder, socket: "wayland-1", _place: place };
+        compositor.wait_for_sockets(&["wayland-1", "orders"]);
+        compositor
+    }
+
+    /// Weston with one screen that is not there, of 640 times 360 pixels. It has no layers.
+    pub(crate) fn weston() -> Self {
+        let place = Place::wait_for();
+        let folder = private_folder();
+        let process = Process::start(
+            command_in("weston", folder.path(), None)
+                .args(["--backend=headless-backend.so", "--socket=test", "--width=640", "--height=360"])
+                .stdout(Stdio::null())
+                .stderr(Stdio::null()),
+            "weston",
+        );
+        let mut compositor = Self { process, x_server: None, folder, socket: "test", _place: place };
+        compositor.wait_for_sockets(&["test"]);
+        compositor
+    }
+
+    fn wait_for_sockets(&mut self, names: &[&str]) {
+        wait_until("the compositor's socket", || {
+            assert!(self.process.ended().is_none(), "the compositor has ended");
+            names.iter().all(|name| self.folder().join(name).exists())
+        });
+    }
+
+    /// The session's folder, for scenes too.
+    pub(crate) fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// A command that runs in this session.
+    pub(crate) fn command(&self, name: &str) -> Command {
+        let mut command = command_in(name, self.folder(), None);
+        command.env("WAYLAND_DISPLAY", self.socket).env("SWAYSOCK", self.folder().join("orders"));
+        command
+    }
+
+    /// Gives sway an order.
+    pub(crate) fn order(&self, words: &str) {
+        let words = words.split_whitespace();
+        output_of(self.command("swaymsg").args(words), "sway").unwrap_or_else(|error| panic!("{error}"));
+    }
+
+    /// What an output shows; none if it is not there.
+    pub(crate) fn screen(&self, output: &str) -> Option<RgbaImage> {
+        let path = self.folder().join("screen.png");
+        output_of(self.command("grim").args(["-o", output]).arg(&path), "grim").ok()?;
+        Some(image::open(&path).unwrap().to_rgba8())
+    }
+
+    /// Waits until an output looks as wanted.
+    pub(crate) fn wait_for_screen(
+        &self,
+        output: &str,
+        what: &str,
+        wanted: impl Fn(&RgbaImage) -> bool,
+    ) -> RgbaImage {
+        let mut found = None;
+        wait_until(&format!("{what} on {output}"), || {
+            found = self.screen(output).filter(|screen| wanted(screen));
+            found.is_some()
+        });
+        found.unwrap()
+    }
+
+    /// Pulls an output out whose screen is a window.
+    pub(crate) fn pull(&self, output: &str) {
+        let (_, display) = self.x_server.as_ref().expect("its screens are windows");
+        let (server, number) = x11rb::connect(Some(display)).unwrap();
+        let root = server.setup().roots[number].root;
+        let [name, text, protocols, closes] =
+            X11_NAMES.map(|name| server.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom);
+        let title = |window: u32| {
+            let told = server.get_property(false, window, name, text, 0, 64).unwrap().reply().unwrap();
+            String::from_utf8_lossy(&told.value).into_owned()
+        };
+        let mut window = None;
+        wait_until(&format!("the window of {output}"), || {
+            let windows = server.query_tree(root).unwrap().reply().unwrap().children;
+            window = windows.into_iter().find(|window| title(*window).ends_with(output));
+            window.is_some()
+        });
+        let window = window.unwrap();
+        let closes = ClientMessageEvent::new(32, window, protocols, [closes, 0, 0, 0, 0]);
+        server.send_event(false, window, EventMask::NO_EVENT, closes).unwrap().check().unwrap();
+        wait_until("the end of an output", || self.screen(output).is_none());
+    }
+
+    /// Ends it without asking.
+    pub(crate) fn kill(&mut self) {
+        self.process.kill();
+    }
+
+    /// Lets it stand still until it ends.
+    pub(crate) fn stop(&self) {
+        signal(&self.process, "-STOP");
+    }
+
+    /// The program.
+    pub(crate) fn open(&self, variables: &[(&str, &str)], options: &[&str]) -> Show {
+        let mut command = self.command(PROGRAM);
+        command.envs(variables.iter().copied()).args(["--silent", "-v", "--new", "--prepare-ahead", "off"]);
+        command.args(options).stdout(Stdio::null()).stderr(Stdio::piped());
+        let mut process = Process::start(&mut command, "mariana");
+        let told = collect(process.child().stderr.take().unwrap());
+        Show { process, told }
+    }
+}
+
+/// The program on Wayland. It ends when dropped.
+pub(crate) struct Show {
+    process: Process,
+    told: Text,
+}
+
+impl Show {
+    /// What it has printed on standard error.
+    pub(crate) fn told(&self) -> String {
+        lock(&self.told).clone()
+    }
+
+    /// Waits until it has told something.
+    pub(crate) fn wait_until_told(&mut self, what: &str) {
+        wait_until(what, || {
+            assert!(self.runs(), "it has ended before '{what}': {}", self.told());
+            self.told().contains(what)
+        });
+    }
+
+    /// Whether it runs.
+    pub(crate) fn runs(&mut self) -> bool {
+        self.process.ended().is_none()
+    }
+
+    /// Asks it to end.
+    pub(crate) fn ask_to_end(&self) {
+        signal(&self.process, "-TERM");
+    }
+
+    /// Asks it to end, and waits until it has: what it has told.
+    pub(crate) fn end(self) -> String {
+        self.ask_to_end();
+        let (_, told) = self.wait_for_end();
+        assert!(!told.contains("panicked"), "{told}");
+        told
+    }
+
+    /// Waits for its end.
+    pub(crate) fn wait_for_end(mut self) -> (ExitStatus, String) {
+        wait_until("its end", || !self.runs());
+        // All that was written before is in the pipe, and its last words are a line.
+        let status = self.process.ended().unwrap();
+        wait_until("its last words", || self.told().is_empty() || self.told().ends_with('\n'));
+        (status, self.told())
+    }
+}
+
+fn signal(process: &Process, signal: &str) {
+    output_of(Command::new("kill").args([signal, &process.id().to_string()]), "procps").unwrap();
+}

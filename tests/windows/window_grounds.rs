@@ -1,0 +1,136 @@
+//! The picture as the ground of a Wayland desktop.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use crate::hostile::DISPLAY_LOST;
+use crate::support::wayland::{Compositor, Show};
+use crate::walls::{BREATHES, TWO_COLOURS, at, fills, is_blue, is_red, wall};
+
+/// The wallpaper with a scene of one wall that shines in these colours, when its first picture shows.
+fn wallpaper(compositor: &Compositor, emission: &str, variables: &[(&str, &str)]) -> Show {
+    let scene = compositor.folder().join("wallpaper.scene");
+    std::fs::write(&scene, wall(emission)).unwrap();
+    let options = ["--wallpaper", "--quality", "best", "--fps-cap", "10", "--scene", scene.to_str().unwrap()];
+    let mut show = compositor.open(variables, &options);
+    show.wait_until_told("first picture after");
+    show
+}
+
+#[test]
+fn on_wayland_a_wallpaper_fills_every_monitor_with_its_own_pixels() {
+    let compositor = Compositor::sway(
+        "output HEADLESS-1 resolution 320x180 position 0 0\n\
+         output HEADLESS-2 resolution 300x240 scale 1.5 position 320 0\n",
+    );
+    let mut show = wallpaper(&compositor, TWO_COLOURS, &[]);
+    compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| {
+        screen.dimensions() == (320, 180) && fills(screen)
+    });
+    // A monitor that is plugged in, with one and a half pixels for each unit.
+    compositor.order("create_output");
+    compositor.wait_for_screen("HEADLESS-2", "the wallpaper", |screen| {
+        screen.dimensions() == (300, 240) && fills(screen)
+    });
+    show.wait_until_told("the wallpaper is on HEADLESS-2 (300x240)");
+    // One that is turned.
+    compositor.order("output HEADLESS-1 transform 90");
+    compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| {
+        screen.dimensions() == (180, 320) && fills(screen)
+    });
+    show.wait_until_told("the wallpaper is on HEADLESS-1 (180x320)");
+    // A window is above it.
+    compositor.order("workspace 1");
+    let scene = compositor.folder().join("other.scene");
+    std::fs::write(&scene, wall(TWO_COLOURS)).unwrap();
+    let options = ["--clean", "--flip", "horizontal", "--scene", scene.to_str().unwrap()];
+    let window = compositor.open(&[], &options);
+    compositor.wait_for_screen("HEADLESS-1", "a window above the wallpaper", |screen| {
+        is_blue(at(screen, 0.1, 0.5)) && is_red(at(screen, 0.9, 0.5))
+    });
+    window.end();
+    compositor.wait_for_screen("HEADLESS-1", "the wallpaper", fills);
+    assert!(!show.end().contains("the window system refuses"));
+}
+
+#[test]
+fn on_wayland_a_wallpaper_rests_while_nobody_sees_it() {
+    let compositor = Compositor::sway("output HEADLESS-1 resolution 320x180\n");
+    let mut show = wallpaper(&compositor, BREATHES, &[]);
+    let first =
+        compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| at(screen, 0.5, 0.5)[0] > 60);
+    compositor.wait_for_screen("HEADLESS-1", "another picture", |screen| *screen != first);
+    assert!(!show.told().contains("the wallpaper rests"), "{}", show.told());
+    let options = ["--clean", "--fullscreen", "--scene", "length(p) - 1"];
+    let window = compositor.open(&[], &options);
+    // It says so when no picture was shown for a second.
+    show.wait_until_told("the wallpaper rests");
+    window.end();
+    show.wait_until_told("the wallpaper goes on");
+    let first = compositor.screen("HEADLESS-1").unwrap();
+    compositor.wait_for_screen("HEADLESS-1", "another picture", |screen| *screen != first);
+    show.end();
+}
+
+#[test]
+fn on_wayland_a_wallpaper_takes_no_input_and_outlives_monitors_that_are_pulled_out() {
+    let compositor = Compositor::sway_in_windows(
+        "output X11-1 resolution 320x180\noutput X11-2 resolution 200x240\noutput X11-3 resolution 240x160\n",
+    );
+    // It tells all that the compositor says to it.
+    let mut show = wallpaper(&compositor, TWO_COLOURS, &[("WAYLAND_DEBUG", "client")]);
+    assert!(show.told().contains(".get_pointer("), "there is no pointer: {}", show.told());
+    compositor.order("seat * cursor set 40 40");
+    compositor.order("seat * cursor set 60 90");
+    compositor.order("create_output");
+    for output in ["X11-1", "X11-2"] {
+        compositor.wait_for_screen(output, "the wallpaper", fills);
+    }
+    let told = show.told();
+    assert!(!told.lines().any(|line| line.contains("wl_pointer") && line.contains(".enter(")), "{told}");
+    compositor.pull("X11-2");
+    show.wait_until_told("the wallpaper leaves X11-2");
+    compositor.wait_for_screen("X11-1", "the wallpaper that is left", fills);
+    compositor.pull("X11-1");
+    show.wait_until_told("the wallpaper leaves X11-1");
+    // None is left; the next one has it.
+    compositor.order("create_output");
+    compositor.wait_for_screen("X11-3", "the wallpaper", |screen| {
+        screen.dimensions() == (240, 160) && fills(screen)
+    });
+    assert!(show.runs());
+    show.end();
+}
+
+#[test]
+fn on_wayland_a_wallpaper_outlives_a_lost_context() {
+    let compositor = Compositor::sway("output HEADLESS-1 resolution 320x180\n");
+    let mut show = wallpaper(&compositor, BREATHES, &[("MARIANA_FAULT", "context-lost@4")]);
+    show.wait_until_told("the driver has lost its context");
+    let lit = |[red, ..]: [u8; 3]| red > 60;
+    let first = compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| lit(at(screen, 0.5, 0.5)));
+    compositor.wait_for_screen("HEADLESS-1", "another picture", |screen| *screen != first);
+    show.end();
+}
+
+#[test]
+fn a_wallpaper_says_that_its_compositor_has_gone() {
+    let mut compositor = Compositor::sway("output HEADLESS-1 resolution 320x180\n");
+    let show = wallpaper(&compositor, BREATHES, &[]);
+    compositor.kill();
+    let (status, told) = show.wait_for_end();
+    assert_eq!(status.code(), Some(1), "{told}");
+    assert!(told.ends_with(DISPLAY_LOST), "{told}");
+}
+
+#[test]
+fn a_compositor_without_layers_has_no_place_for_a_wallpaper() {
+    let compositor = Compositor::weston();
+    let show = compositor.open(&[], &["--wallpaper", "--scene", "length(p) - 1"]);
+    let (status, told) = show.wait_for_end();
+    assert_eq!(status.code(), Some(1), "{told}");
+    let last = told.lines().last().unwrap();
+    for part in ["this Wayland compositor", "zwlr_layer_shell_v1", "start Mariana in"] {
+        assert!(last.contains(part), "{told}");
+    }
+}
