@@ -67,6 +67,8 @@ pub struct Limits {
     pub show_settings_max: usize,
     /// Most steps of one of their movements.
     pub show_steps_max: usize,
+    /// Pictures of a show of which one is held while another gives way, that are mixed into one.
+    pub show_held_max: usize,
     /// Longest fade from one scene to another, in seconds.
     pub fade_seconds_max: f64,
     /// Most programs that are sent pictures over one port at a time.
@@ -115,6 +117,7 @@ pub const LIMITS: Limits = Limits {
     show_entries_max: 10_000,
     show_settings_max: 64,
     show_steps_max: 20_000,
+    show_held_max: 8,
     fade_seconds_max: 60.0,
     send_readers_max: 8,
     send_request_bytes_max: 8_192,

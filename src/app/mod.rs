@@ -5,6 +5,7 @@ mod accessibility;
 mod announcer;
 mod clipboard;
 pub mod corner_hands;
+mod desk_picture;
 mod direction;
 mod drawing_pace;
 mod dynamic_resolution;

@@ -32,6 +32,8 @@ pub(super) struct Pointer {
     last_click: Option<(Instant, PhysicalPosition<f64>)>,
     /// While the button is held: where the movement began, and whether it is a drag already.
     held: Option<(PhysicalPosition<f64>, bool)>,
+    /// Where the button was pressed last.
+    pressed_at: PhysicalPosition<f64>,
 }
 
 impl Pointer {
@@ -61,6 +63,11 @@ impl Pointer {
         }
     }
 
+    /// Where what it does began, in pixels: where the button was pressed that is held, else where it is.
+    pub(super) fn began(&self) -> (f64, f64) {
+        if self.held.is_some() { self.pressed_at.into() } else { self.place.into() }
+    }
+
     fn moved(&mut self, to: PhysicalPosition<f64>) -> Option<Gesture> {
         self.place = to;
         let (from, drags) = self.held?;
@@ -81,6 +88,7 @@ impl Pointer {
         self.last_click = if double { None } else { Some((now, self.place)) };
         // The window changes its size under the pointer.
         self.held = (!double).then_some((self.place, false));
+        self.pressed_at = self.place;
         double.then_some(Gesture::DoubleClick)
     }
 }
@@ -119,6 +127,19 @@ mod tests {
         assert_eq!(drags, ways);
         assert_eq!(all(&[&to(101.0, 13.0), &down])[1], None, "a drag is no click");
         assert_eq!(all(&[&WindowEvent::Focused(false), &to(0.0, 0.0)]), [None; 2]);
+    }
+
+    #[test]
+    fn what_the_pointer_does_began_where_it_was_pressed_or_where_it_is() {
+        let (mut pointer, now) = (Pointer::default(), Instant::now());
+        let mut after = |event: &WindowEvent| {
+            let _ = pointer.take(event, now);
+            pointer.began()
+        };
+        assert_eq!(after(&to(5.0, 6.0)), (5.0, 6.0));
+        assert_eq!(after(&button(ElementState::Pressed)), (5.0, 6.0));
+        assert_eq!(after(&to(70.0, 80.0)), (5.0, 6.0));
+        assert_eq!(after(&button(ElementState::Released)), (70.0, 80.0));
     }
 
     #[test]

@@ -25,6 +25,8 @@ pub(super) struct Performed<'a> {
     pub directed: Option<(Entrance, f64)>,
     /// How it came where no show says so, and when that began, in seconds of the song; none if it was cut.
     pub faded: Option<(f64, f64)>,
+    /// Whether another scene fades away in it.
+    pub fades: bool,
     /// Its parameters.
     pub params: Vec<Turned<'a>>,
     /// What a show does with them.
@@ -55,6 +57,8 @@ struct Showing {
     source: SceneSource,
     /// What shows call it.
     scene: String,
+    /// One of its cameras.
+    camera: Option<String>,
     entrance: Entrance,
     /// Since when, in seconds of the song.
     start: f64,
@@ -170,21 +174,13 @@ impl Take {
             None => (Entrance::CUT, time),
         };
         let (entrance, start) = match (&self.shown, seen.directed) {
-            // What nobody directs any more stays as it is.
-            (Some(shown), None) if shown.source == *seen.source && shown.start <= time => {
-                (shown.entrance, shown.start)
-            }
+            (None, Some(directed)) => directed,
+            (Some(shown), Some(directed)) if directed.1 >= shown.start => directed,
             (None, None) => (Entrance::CUT, time),
-            (Some(_), None) => changes,
-            // The show takes over in the middle of a scene.
-            (Some(shown), Some((_, start))) if start < shown.start => {
-                if shown.source == *seen.source {
-                    (shown.entrance, shown.start)
-                } else {
-                    changes
-                }
-            }
-            (_, Some(directed)) => directed,
+            // What nobody directs any more stays as it is; so does what the show takes over in the middle of a scene.
+            (Some(shown), _) if shown.goes_on_in(&seen, time) => (shown.entrance, shown.start),
+            (Some(shown), _) if shown.source == *seen.source => (Entrance::CUT, time),
+            (Some(_), _) => changes,
         };
         let scene = match self.shown.take().filter(|shown| shown.source == *seen.source) {
             Some(shown) => shown.scene,
@@ -194,7 +190,18 @@ impl Take {
         let turns = hand.turns();
         let on_stage = OnStage { scene: &scene, camera, entrance, start, params, moves, turns, picture };
         self.performance.note(time, &on_stage);
-        self.shown = Some(Showing { source: source.clone(), scene, entrance, start });
+        let camera = camera.map(str::to_owned);
+        self.shown = Some(Showing { source: source.clone(), scene, camera, entrance, start });
+    }
+}
+
+impl Showing {
+    /// Whether a picture at `time` shows the same in the same way.
+    fn goes_on_in(&self, seen: &Performed<'_>, time: f64) -> bool {
+        let is_same = self.source == *seen.source && self.camera.as_deref() == seen.camera;
+        // A picture that is held ends a fade by hand: behind it the scene is alone.
+        let fades = self.entrance.way == Way::Fade && time < self.start + self.entrance.seconds;
+        is_same && self.start <= time && (seen.directed.is_some() || seen.fades || !fades)
     }
 }
 
@@ -235,6 +242,7 @@ mod tests {
             camera: None,
             directed,
             faded: None,
+            fades: false,
             params: Vec::new(),
             moves: &[],
             hand: OrbitControls::OFF,
@@ -254,7 +262,12 @@ mod tests {
         for (time, scene, faded) in
             [(2.0, &orb, None), (3.0, &orb, None), (4.0, &city, Some((0.5, 3.75))), (5.0, &city, None)]
         {
-            recording.note((Some(0), "one"), time, Performed { faded, ..seen(scene, None) }, now);
+            recording.note(
+                (Some(0), "one"),
+                time,
+                Performed { faded, fades: faded.is_some(), ..seen(scene, None) },
+                now,
+            );
         }
         let held = Finish { numbers: [0.5, 1.0], is_shown: false };
         recording.note_picture(Some(0), 6.0, &held, true);
@@ -275,5 +288,34 @@ mod tests {
             text("one.show")
         );
         assert!(text("two.show").ends_with("\nat 0:00.5  heart  melt over 2 s\n"), "{}", text("two.show"));
+    }
+
+    #[test]
+    fn what_ends_a_fade_or_looks_from_elsewhere_begins_a_part_of_its_own() {
+        let now = Instant::now();
+        let orb = SceneSource::Shipped("orb".to_owned());
+        let city = SceneSource::Shipped("city".to_owned());
+        type Seen<'a> = (f64, &'a SceneSource, Option<(f64, f64)>, bool, Option<&'static str>);
+        let told = |pictures: &[Seen<'_>]| {
+            let mut recording = Recording::new(PerformanceFiles::in_folder(None));
+            recording.toggle(now);
+            for (time, scene, faded, fades, camera) in pictures.iter().copied() {
+                let seen = Performed { faded, fades, camera, ..seen(scene, None) };
+                recording.note((Some(0), "one"), time, seen, now);
+            }
+            let script = recording.take.map(|take| take.performance.script()).unwrap_or_default();
+            print(&script, &[]).lines().map(str::to_owned).collect::<Vec<_>>()
+        };
+        let fade = Some((4.0, 2.0));
+        let begins = [(1.0, &orb, None, false, None), (2.0, &city, fade, true, None)];
+        let with = |more: &[_]| told(&[&begins[..], more].concat());
+        let usual = ["at 0:01  orb  cut", "at 0:02  city  fade over 4 s"];
+        assert_eq!(with(&[(3.0, &city, fade, true, None), (7.0, &city, None, false, None)]), usual);
+        // A show's fade goes on though nobody directs any more.
+        assert_eq!(with(&[(3.0, &city, None, true, None)]), usual);
+        let held = with(&[(3.0, &city, None, false, None), (4.0, &city, None, false, None)]);
+        assert_eq!(held, [usual[0], "at 0:02  city  fade over 4 s unfinished", "at 0:03  city  cut"]);
+        let aside = with(&[(7.0, &city, None, false, Some("low")), (8.0, &city, None, false, Some("low"))]);
+        assert_eq!(aside, [usual[0], usual[1], "at 0:07  city  camera low  cut"]);
     }
 }

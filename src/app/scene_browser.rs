@@ -175,16 +175,16 @@ impl SceneBrowser {
     }
 
     /// Takes in what was found out about scenes.
-    pub(super) fn take(&mut self, thumbnails: &mut Thumbnails) {
+    pub(super) fn take(&mut self, found: Vec<Looked>) {
         let mut described = false;
-        while let Some(Looked { source, about }) = thumbnails.poll() {
+        for Looked { source, about } in found {
             let Some(tile) = self.tiles.iter_mut().find(|tile| tile.source == source) else { continue };
             match about {
                 About::Comment(comment) => {
                     tile.comment = comment;
                     described = true;
                 }
-                About::Picture(image) => tile.picture = TilePicture::There(image),
+                About::Picture(image, _) => tile.picture = TilePicture::There(image),
                 About::NoPicture(reason) => tile.picture = TilePicture::Missing(reason),
             }
             self.revision += 1;

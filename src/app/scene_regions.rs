@@ -58,6 +58,8 @@ pub(super) struct SceneRegions {
     builder: RegionBuilder<(u64, Shown)>,
     /// Builds the first trees of scenes that are coming onto the stage.
     trials: RegionBuilder<u64>,
+    /// Builds trees for small pictures of the scene that comes next.
+    sketches: RegionBuilder<u64>,
     /// The scene and the picture for which a tree was last requested.
     asked: Option<(u64, Shown)>,
     /// The compiled scene that is drawn faster than its tree is built, and is therefore drawn without.
@@ -82,7 +84,8 @@ impl SceneRegions {
             wish,
             insists: false,
             builder: RegionBuilder::start(wake.clone())?,
-            trials: RegionBuilder::start(wake)?,
+            trials: RegionBuilder::start(wake.clone())?,
+            sketches: RegionBuilder::start(wake)?,
             asked: None,
             late_for: None,
             waited_for: None,
@@ -176,6 +179,17 @@ impl SceneRegions {
     /// A first tree that was requested, and its scene; no tree if it takes longer than anyone waits.
     pub(super) fn tried_tree(&self) -> Option<(u64, Option<Arc<BuiltRegions>>)> {
         self.trials.poll().map(|built| (built.tag, built.regions))
+    }
+
+    /// Requests the tree of a frame of a scene that is not on the stage, which may take so long.
+    pub(super) fn sketch_tree(&self, id: u64, scene: &SceneResources, frame: Frame, patience: Duration) {
+        let request = scene.region_request(&frame);
+        self.sketches.request(TreeJob { tag: id, frame, maker: scene.region_maker(), request, patience });
+    }
+
+    /// A tree that was requested so, with its scene and its frame; no tree if it took too long.
+    pub(super) fn sketched_tree(&self) -> Option<(u64, Frame, Option<Arc<BuiltRegions>>)> {
+        self.sketches.poll().map(|BuiltTree { tag, frame, regions }| (tag, frame, regions))
     }
 
     /// Whether a picture of this scene was given up because its tree takes too long; says so once.

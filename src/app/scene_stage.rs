@@ -42,6 +42,7 @@ use fading::Fading;
 use hands::{Hands, Knob};
 use kept::KeptPrograms;
 use mixing::Mixing;
+use preview::Sketching;
 use scenery::Pictured;
 use turning::TurnedNumbers;
 use universal::UniversalInterpreters;
@@ -132,6 +133,7 @@ pub(super) struct SceneStage {
     directed: Directed,
     fading: Fading,
     mixing: Mixing,
+    sketching: Sketching,
     edits: Edits,
     awaited_edit: AwaitedEdit,
     /// The picture that is being drawn.
@@ -205,6 +207,7 @@ impl SceneStage {
             directed: Directed::default(),
             fading: Fading::of(ways.fade),
             mixing: Mixing::default(),
+            sketching: Sketching::default(),
             edits: Edits::default(),
             awaited_edit: AwaitedEdit::default(),
             making: None,

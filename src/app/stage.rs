@@ -270,8 +270,10 @@ impl Stage {
             WindowEvent::Occluded(occluded) => self.occluded = *occluded,
             _ => match self.input.take(event, Instant::now())? {
                 Wish::Act(action) => return Some(action),
+                Wish::TurnCamera(_) | Wish::ZoomCamera(_) if !self.is_for_picture(self.input.began()) => {}
                 Wish::TurnCamera(way) => {
                     let height = f64::from(self.window.size().map_or(1, |(_, height)| height));
+                    let height = height * self.desk.picture.map_or(1.0, |[_, top, _, bottom]| bottom - top);
                     self.scene.move_camera(|hand, own| hand.drag((way.0 / height, way.1 / height), own));
                 }
                 Wish::ZoomCamera(notches) => self.scene.move_camera(|hand, _| hand.zoom(notches)),
@@ -357,10 +359,7 @@ impl Stage {
         self.scene.update()?;
         self.update_editor();
         self.update_probing();
-        if let (Some(browser), Some(thumbnails)) = (&mut self.desk.browser, &mut self.thumbnails) {
-            browser.set_present(self.scene.shown_source());
-            browser.take(thumbnails);
-        }
+        self.update_thumbnails();
         if let Some(files) = &mut self.desk.files {
             files.update();
         }

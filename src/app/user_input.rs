@@ -81,6 +81,11 @@ impl UserInput {
         self.held
     }
 
+    /// Where the pointer began what it does, in pixels.
+    pub(super) fn began(&self) -> (f64, f64) {
+        self.pointer.began()
+    }
+
     /// Whether a shift key is held.
     pub(super) fn shift_held(&self) -> bool {
         self.held.shift_key()

@@ -96,9 +96,9 @@ impl ShowPainter {
         &mut self.easel
     }
 
-    /// The picture that the show holds at `time` seconds.
-    pub(super) fn held_at(&self, time: f64) -> Option<Held> {
-        self.programme.plan().picture_at(time).held
+    /// What the show holds at `time` seconds, as [`Plan::held_at`](crate::show::Plan::held_at) has it.
+    pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
+        self.programme.plan().held_at(time)
     }
 
     /// Draws what is on at a moment, `size` pixels large, with what is held of the moment of [`ShowPainter::held_at`].
@@ -109,31 +109,42 @@ impl ShowPainter {
     pub(super) fn draw(
         &mut self,
         (time, sound): Heard,
-        held: Option<(Held, Sound)>,
+        held: Vec<(Held, Sound)>,
         size: (u32, u32),
     ) -> Result<(), ExportError> {
-        match held {
-            None => {
-                self.held = None;
-                self.draw_live(time, sound, size)?;
-            }
-            Some((held, then)) if held.share >= 1.0 => {
-                let wanted = (held.since, size);
-                if self.held.replace(wanted) != Some(wanted) {
-                    self.draw_live(held.since, then, size)?;
-                }
-            }
-            Some((held, then)) => {
-                self.held = None;
-                self.draw_live(held.since, then, size)?;
-                let programme = self.programme.clone();
-                let Some(moment) = programme.plan().at(time) else { return Ok(()) };
-                // As in the window, what fades away under it is not seen meanwhile.
-                let (over, frame) = self.frame(moment.stay, time, sound, size)?;
-                self.easel.draw_over(&over, frame, held.share)?;
-            }
+        // What is held alone is drawn once.
+        let alone = held.first().filter(|(held, _)| held.share >= 1.0).map(|(held, _)| (held.since, size));
+        if alone.is_none() || self.held != alone {
+            self.draw_anew((time, sound), held, size)?;
         }
+        self.held = alone;
         self.easel.dim(self.programme.plan().picture_at(time).brightness)
+    }
+
+    /// The oldest picture that is held, over which those come that came after it.
+    fn draw_anew(
+        &mut self,
+        (time, sound): Heard,
+        mut held: Vec<(Held, Sound)>,
+        size: (u32, u32),
+    ) -> Result<(), ExportError> {
+        let Some((Held { since, mut share }, then)) = held.pop() else {
+            return self.draw_live(time, sound, size);
+        };
+        self.draw_live(since, then, size)?;
+        while let Some((later, then)) = held.pop() {
+            self.draw_over((later.since, then), share, size)?;
+            share = later.share;
+        }
+        if share < 1.0 { self.draw_over((time, sound), share, size) } else { Ok(()) }
+    }
+
+    /// Draws a moment with a share of the last picture. As in the window, what fades away under it is not seen meanwhile.
+    fn draw_over(&mut self, (time, sound): Heard, share: f32, size: (u32, u32)) -> Result<(), ExportError> {
+        let programme = self.programme.clone();
+        let Some(moment) = programme.plan().at(time) else { return Ok(()) };
+        let (over, frame) = self.frame(moment.stay, time, sound, size)?;
+        self.easel.draw_over(&over, frame, share)
     }
 
     fn draw_live(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {

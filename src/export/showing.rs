@@ -63,16 +63,17 @@ pub(super) struct Holding {
     gain: Gain,
     /// The moment from which on the song was opened, in seconds.
     opened: f64,
-    last: Option<(f64, Sound)>,
+    last: Vec<(Held, Sound)>,
 }
 
 impl Holding {
     /// Nothing was held so far of a song that was opened for times from `opened` seconds on.
     pub(super) fn new(gain: Gain, opened: f64) -> Self {
-        Self { gain, opened, last: None }
+        Self { gain, opened, last: Vec::new() }
     }
 
-    /// What `painter` holds at `time` seconds, and what that sounded like. Times must not step back.
+    /// What `painter` holds at `time` seconds, as [`ShowPainter::held_at`] has it, and what that sounded like. Times must
+    /// not step back.
     ///
     /// # Errors
     /// The song is refused.
@@ -81,17 +82,19 @@ impl Holding {
         painter: &ShowPainter,
         song: &mut SongFeatures,
         time: f64,
-    ) -> Result<Option<(Held, Sound)>, ExportError> {
-        let Some(held) = painter.held_at(time) else { return Ok(None) };
-        if let Some((_, sound)) = self.last.as_ref().filter(|(since, _)| *since == held.since) {
-            return Ok(Some((held, sound.clone())));
+    ) -> Result<Vec<(Held, Sound)>, ExportError> {
+        let mut all = Vec::new();
+        for held in painter.held_at(time) {
+            let known = self.last.iter().find(|(known, _)| known.since == held.since);
+            let sound = match known {
+                Some((_, sound)) => sound.clone(),
+                // What was analysed lately is still there.
+                None if held.since >= self.opened && time - held.since <= KEPT => song.require(held.since)?,
+                None => song.beside(held.since, self.gain)?.require(held.since)?,
+            };
+            all.push((held, sound));
         }
-        // What was analysed lately is still there.
-        let sound = match held.since < self.opened || time - held.since > KEPT {
-            true => song.beside(held.since, self.gain)?.require(held.since)?,
-            false => song.require(held.since)?,
-        };
-        self.last = Some((held.since, sound.clone()));
-        Ok(Some((held, sound)))
+        self.last.clone_from(&all);
+        Ok(all)
     }
 }

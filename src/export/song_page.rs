@@ -251,7 +251,7 @@ fn scenes(svg: &mut String, show: &Plan, seconds: f64, x: &dyn Fn(f64) -> f64) {
         if number == names.len() {
             names.push(&stay.scene);
         }
-        let (left, right, whole) = (x(stay.start), x(end), x(stay.start + stay.entrance.seconds));
+        let (left, right, whole) = (x(stay.start), x(end), x((stay.start + stay.entrance.seconds).min(end)));
         let name = escaped(stay.scene.rsplit('/').next().unwrap_or(&stay.scene));
         let _ = write!(
             svg,

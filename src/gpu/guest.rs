@@ -22,16 +22,16 @@ impl Gl {
         Ok(drawn)
     }
 
-    /// Makes the window's framebuffer of `size` pixels black.
+    /// Fills the window's framebuffer of `size` pixels with a colour as the screen has it, 0..1.
     ///
     /// # Errors
     /// An error that the driver reports.
-    pub fn clear_window(&self, size: (u32, u32)) -> Result<(), GpuError> {
+    pub fn clear_window(&self, size: (u32, u32), [red, green, blue]: [f32; 3]) -> Result<(), GpuError> {
         self.lend_window("clearing the window", || {
             // SAFETY: plain state and a clear of what is bound.
             unsafe {
                 self.viewport(0, 0, size.0.cast_signed(), size.1.cast_signed());
-                self.clear_color(0.0, 0.0, 0.0, 1.0);
+                self.clear_color(red, green, blue, 1.0);
                 self.clear(glow::COLOR_BUFFER_BIT);
             }
         })

@@ -27,7 +27,9 @@ impl FromStr for SendWish {
             ("y4m", path) => Ok(Self::Y4m(Some(path.into()))),
             ("v4l2", path) => Ok(Self::V4l2(path.into())),
             ("mjpeg", port) => match port.parse() {
-                Ok(0) | Err(_) => Err(format!("'{port}' is no port: choose one from 1024 to 65535")),
+                Ok(0) | Err(_) => {
+                    Err(format!("'{port}' is no port: choose one from 1 to 65535, such as 8090"))
+                }
                 Ok(port) => Ok(Self::Mjpeg(port)),
             },
             _ => Err(format!("there is no '{kind}' to send: {kinds}")),

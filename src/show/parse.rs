@@ -224,9 +224,7 @@ impl<'a> Reader<'a> {
                 Diagnostic::new(word.span, format!("{} is no way from scene to scene", word.shown()));
             return Err(Box::new(match near {
                 Some(_) => unknown.did_you_mean(near),
-                None => {
-                    unknown.hint(format!("the ways are {}", ways.map(|way| format!("`{way}`")).join(", ")))
-                }
+                None => unknown.hint(format!("the ways are {}", quoted(ways.into_iter()))),
             }));
         };
         self.at += 1;
@@ -239,10 +237,14 @@ impl<'a> Reader<'a> {
                 self.at += 1;
                 shape
             }
-            _ => PortalShape::default(),
+            _ => match self.peek().filter(|word| way == Way::Portal && word.kind == Kind::Name) {
+                Some(word) if word.text != "over" => return Err(no_shape(word)),
+                _ => PortalShape::default(),
+            },
         };
         let length = if self.eat("over") { self.length()? } else { Length::Bars(1.0) };
-        Ok(Some(Transition { way, shape, length }))
+        let unfinished = self.eat("unfinished");
+        Ok(Some(Transition { way, shape, length, unfinished }))
     }
 
     fn setting(&mut self) -> Read<Setting> {
@@ -257,10 +259,11 @@ impl<'a> Reader<'a> {
         };
         let is_share = PICTURE_NUMBERS.contains(&param.as_str());
         if !self.eat("=") {
-            let missing = self.missing("`=` and a value", "as in `set swell = 0.2 -> 0.5 over 8 bars`");
-            let words = format!("{} {}", named.text, self.peek().map_or("", |next| next.text));
-            let near = nearest(&words, CAMERA_TURNS.into_iter().chain(PICTURE_NUMBERS));
-            return Err(if near.is_some() { Box::new(missing.did_you_mean(near)) } else { missing });
+            let next = self.peek().filter(|next| next.kind == Kind::Name);
+            return Err(match next.and_then(|next| no_second_word(named, next)) {
+                Some(unknown) => unknown,
+                None => self.missing("`=` and a value", "as in `set swell = 0.2 -> 0.5 over 8 bars`"),
+            });
         }
         let from = self.number(is_share)?;
         let mut steps = Vec::new();
@@ -380,6 +383,40 @@ impl<'a> Reader<'a> {
         };
         Box::new(Diagnostic::new(span, format!("expected {what}, found {found}")).hint(hint))
     }
+}
+
+/// What is said of a shape that no portal has.
+fn no_shape(word: Word<'_>) -> Box<Diagnostic> {
+    let shapes = || BlendKind::ALL.into_iter().filter(|(kind, ..)| matches!(kind, BlendKind::Portal(_)));
+    let unknown = Diagnostic::new(word.span, format!("{} is no shape of a portal", word.shown()));
+    Box::new(match nearest(word.text, shapes().map(|(_, name, _)| name).chain(["over"])) {
+        near @ Some(_) => unknown.did_you_mean(near),
+        None => unknown.hint(format!("the shapes are {}", quoted(shapes().map(|(_, name, _)| name)))),
+    })
+}
+
+/// What is said of `set first second` where names of two words are like that; none where none is.
+fn no_second_word(first: Word<'_>, second: Word<'_>) -> Option<Box<Diagnostic>> {
+    let names = || CAMERA_TURNS.into_iter().chain(PICTURE_NUMBERS);
+    let pairs = || names().filter_map(|name| name.split_once(' '));
+    let words = || pairs().filter(|(group, _)| *group == first.text).map(|(_, word)| word);
+    if words().next().is_none() {
+        let both = format!("{} {}", first.text, second.text);
+        let near = nearest(&both, names())?;
+        let unknown = Diagnostic::new(first.span.to(second.span), format!("there is no `{both}`"));
+        return Some(Box::new(unknown.did_you_mean(Some(near))));
+    }
+    let unknown = format!("there is no {} in `set {}`", second.shown(), first.text);
+    let unknown = Diagnostic::new(second.span, unknown);
+    Some(Box::new(match nearest(second.text, words()) {
+        near @ Some(_) => unknown.did_you_mean(near),
+        None => unknown.hint(format!("there are {}", quoted(words()))),
+    }))
+}
+
+/// These names, with commas between.
+fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

@@ -15,6 +15,8 @@ use mariana_field::lang::{Span, Way};
 
 /// A value that stays for longer than this, in seconds, stays until it changes; else it is on its way.
 const REST: f64 = 0.1;
+/// A transition that ends so many seconds late ends in time.
+const EXACT: f64 = 1e-6;
 /// Steps from moment to moment are whole billionths of a second, which a text holds exactly.
 const TICKS: f64 = 1e9;
 
@@ -190,10 +192,15 @@ impl Performance {
 
     /// Notes that the picture which was noted last is held from its own moment on.
     pub fn hold(&mut self, picture: &Finish) {
-        let [brightness, _] = self.finish;
+        let [_, name] = PICTURE_NUMBERS;
+        let [brightness, given_way] = self.finish;
         let [_, share] = picture.numbers;
-        if let Some(last) = self.last {
-            self.note_picture(last, &Finish { numbers: [brightness, share], ..*picture });
+        let Some(last) = self.last else { return };
+        self.note_picture(last, &Finish { numbers: [brightness, share], ..*picture });
+        if given_way > 0.0
+            && let Some(line) = self.scenes.last_mut().and_then(|played| played.lines.get_mut(name))
+        {
+            line.leap_from(given_way);
         }
     }
 
@@ -263,7 +270,15 @@ impl Performance {
 
     /// The show that does the same.
     pub fn script(&self) -> Script {
-        Script { entries: self.scenes.iter().map(Played::entry).collect() }
+        let mut entries: Vec<Entry> = self.scenes.iter().map(Played::entry).collect();
+        for ((played, next), entry) in self.scenes.iter().zip(self.scenes.iter().skip(1)).zip(&mut entries) {
+            // What a show made quick enough to be complete ends where the next one begins.
+            let breaks_off = next.start < played.start + played.entrance.seconds - EXACT;
+            if let Some(transition) = entry.transition.as_mut().filter(|one| one.way != Way::Cut) {
+                transition.unfinished = breaks_off;
+            }
+        }
+        Script { entries }
     }
 }
 
@@ -291,6 +306,18 @@ impl Line {
             self.points.push((time, last));
         }
         self.points.push((time, value));
+    }
+
+    /// Before it came to where it is now, it was here at the same moment.
+    fn leap_from(&mut self, value: f32) {
+        let at = |time| (time, value);
+        if let Some(&(time, now)) = self.points.last()
+            && now.to_bits() != value.to_bits()
+            && self.points.iter().nth_back(1) != Some(&at(time))
+        {
+            self.points.pop();
+            self.points.extend([at(time), (time, now)]);
+        }
     }
 
     /// What it does, from `start` on; nothing if it never leaves what the text says.
@@ -336,7 +363,7 @@ impl Played {
     }
 
     fn entry(&self) -> Entry {
-        let Entrance { way, shape, seconds } = self.entrance;
+        let Entrance { way, shape, seconds, .. } = self.entrance;
         let length = if way == Way::Cut { Length::ZERO } else { Length::Seconds(seconds) };
         // Texts tell moments to the millisecond. One that is whole is kept, not made the one before by rounding.
         let whole = (self.start * 1e3).round() / 1e3;
@@ -347,7 +374,7 @@ impl Played {
             when: When { anchor: Anchor::Time(start), offset: Length::ZERO },
             scene: self.scene.clone(),
             camera: self.camera.clone(),
-            transition: Some(Transition { way, shape, length }),
+            transition: Some(Transition { way, shape, length, unfinished: false }),
             settings: settings.collect(),
             span: Span::default(),
         }

@@ -2,6 +2,7 @@
 
 use super::plan::{Move, Stay};
 use super::script::{PICTURE_NUMBERS, PLAIN_PICTURE};
+use crate::limits::LIMITS;
 
 /// Moments in texts are whole billionths of a second: a moment that is the sum of several is rounded to those.
 const TICKS: f64 = 1e9;
@@ -51,12 +52,18 @@ impl Pictures {
     pub(super) fn at(&self, time: f64) -> Picture {
         let [brightness, freeze] = &self.moves;
         let [light, _] = PLAIN_PICTURE;
-        let share = last_at(freeze, time).map_or(0.0, |(_, share)| share);
-        let since = || (begin_of_hold(freeze, time) * TICKS).round() / TICKS;
         Picture {
             brightness: last_at(brightness, time).map_or(light, |(_, brightness)| brightness),
-            held: (share > 0.0).then(|| Held { since: since(), share }),
+            held: held_at(freeze, time).next(),
         }
+    }
+
+    /// What is held at `time` seconds, as [`Plan::held_at`] has it.
+    ///
+    /// [`Plan::held_at`]: super::Plan::held_at
+    pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
+        let [_, freeze] = &self.moves;
+        held_at(freeze, time).take(LIMITS.show_held_max).collect()
     }
 }
 
@@ -85,19 +92,31 @@ fn last_at(moves: &[Move], time: f64) -> Option<(usize, f32)> {
     moves.get(place).map(|one| (place, one.at(time)))
 }
 
-/// Since when the picture is held that is held at `time`: since the share of one rose from nothing, or leapt up.
-fn begin_of_hold(freeze: &[Move], time: f64) -> f64 {
-    let (last, _) = last_at(freeze, time).unwrap_or_default();
+/// The picture that is held at `time`, the one that gave way when that began to be held, and so on.
+fn held_at(freeze: &[Move], time: f64) -> impl Iterator<Item = Held> {
+    let mut next = last_at(freeze, time).map(|(last, share)| (last, share, time));
+    std::iter::from_fn(move || {
+        let (last, share, time) = next.take().filter(|(_, share, _)| *share > 0.0)?;
+        let (since, begin) = begin_of_hold(freeze, last, time);
+        let before = begin.and_then(|begin| begin.checked_sub(1));
+        next = before.and_then(|before| Some((before, freeze.get(before)?.at(since), since)));
+        Some(Held { since: (since * TICKS).round() / TICKS, share })
+    })
+}
+
+/// Since when the picture is held that is held at `time`, of which the movement at the place `last` has begun: since the
+/// share of one rose from nothing, or leapt up. And the place of the movement with which that began; none at the start.
+fn begin_of_hold(freeze: &[Move], last: usize, time: f64) -> (f64, Option<usize>) {
     for (place, one) in freeze.iter().enumerate().take(last + 1).rev() {
         let before = place.checked_sub(1).and_then(|before| freeze.get(before));
         let before = before.map_or(0.0, |before| before.at(one.start));
         // A movement of no length is at its end at once.
         let first = if one.seconds > 0.0 { one.from } else { one.to };
         if (before <= 0.0 && first.max(one.to) > 0.0) || first > before {
-            return one.start;
+            return (one.start, Some(place));
         }
     }
-    time
+    (time, None)
 }
 
 #[cfg(test)]
@@ -148,5 +167,37 @@ mod tests {
         let at = |time| plan.picture_at(time).held.map(|held| (held.since, held.share));
         assert_eq!([at(1.5), at(2.5)], [Some((0.0, 0.75)), Some((2.0, 1.0))]);
         assert_eq!(Plan::default().picture_at(1.0), Picture::PLAIN);
+    }
+
+    #[test]
+    fn a_picture_that_is_held_has_a_share_of_those_that_gave_way_to_it() {
+        let plan = plan(
+            "at 0 one\n set picture freeze = 1 -> 0 over 4 s -> 1 over 0 s after 1 s\n\
+             at 3 s two cut\n set picture freeze = 0.5 -> 1 over 0 s -> 0 over 4 s\n\
+             at 5 s three cut\n set picture freeze = 0.5 -> 0.75 over 0 s -> 0 over 6 s",
+        );
+        let at = |time| -> Vec<(f64, f32)> {
+            plan.held_at(time).iter().map(|held| (held.since, held.share)).collect()
+        };
+        assert_eq!(at(2.0), [(0.0, 0.75)]);
+        assert_eq!([at(3.0), at(4.0)], [vec![(3.0, 1.0), (0.0, 0.5)], vec![(3.0, 0.75), (0.0, 0.5)]]);
+        assert_eq!(at(7.0), [(5.0, 0.5), (3.0, 0.5), (0.0, 0.5)]);
+        assert_eq!(at(11.5), []);
+        assert_eq!(plan.picture_at(7.0).held, plan.held_at(7.0).first().copied());
+    }
+
+    #[test]
+    fn no_more_pictures_are_mixed_into_one_than_the_limit_says() {
+        let mut text = "at 0 one\n set picture freeze = 1".to_owned();
+        for _ in 0..LIMITS.show_held_max + 5 {
+            text.push_str(" -> 0.5 over 1 s -> 1 over 0 s");
+        }
+        let held = plan(&text).held_at(1_000.0);
+        assert_eq!(held.len(), LIMITS.show_held_max);
+        assert_eq!(
+            held.first().map(|held| held.since),
+            Some(LIMITS.show_held_max as f64 + 5.0),
+            "the last ones"
+        );
     }
 }

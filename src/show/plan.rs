@@ -1,6 +1,6 @@
 //! A show in seconds.
 
-use super::picture::{Picture, Pictures};
+use super::picture::{Held, Picture, Pictures};
 use super::script::{CAMERA_TURNS, UNTURNED};
 use mariana_field::lang::{Param, Scene, Way};
 use mariana_field::world::{BlendKind, PortalShape};
@@ -37,11 +37,13 @@ pub struct Entrance {
     pub shape: PortalShape,
     /// How long it takes, in seconds.
     pub seconds: f64,
+    /// Whether it breaks off where the next stay begins sooner; else it takes no longer than until then.
+    pub unfinished: bool,
 }
 
 impl Entrance {
     /// At once.
-    pub const CUT: Self = Self { way: Way::Cut, shape: PortalShape::Ball, seconds: 0.0 };
+    pub const CUT: Self = Self { way: Way::Cut, shape: PortalShape::Ball, seconds: 0.0, unfinished: false };
 
     /// In a way that takes some seconds; a portal is a ball.
     pub fn new(way: Way, seconds: f64) -> Self {
@@ -87,14 +89,15 @@ pub struct Moment<'a> {
 }
 
 impl Plan {
-    /// Of stays that follow each other. A transition ends before the next one begins.
+    /// Of stays that follow each other. A transition ends before the next one begins, or breaks off there.
     pub(super) fn new(mut stays: Vec<Stay>) -> Self {
         stays.sort_by(|a, b| a.start.total_cmp(&b.start));
         let ends: Vec<f64> = stays.iter().skip(1).map(|stay| stay.start).collect();
         for (index, stay) in stays.iter_mut().enumerate() {
             let left = ends.get(index).map_or(f64::INFINITY, |end| end - stay.start);
             let is_cut = index == 0 || stay.entrance.way == Way::Cut;
-            stay.entrance.seconds = if is_cut { 0.0 } else { stay.entrance.seconds.clamp(0.0, left) };
+            let most = if stay.entrance.unfinished { f64::INFINITY } else { left };
+            stay.entrance.seconds = if is_cut { 0.0 } else { stay.entrance.seconds.clamp(0.0, most) };
         }
         let pictures = Pictures::of(&stays);
         Self { stays, pictures }
@@ -103,6 +106,13 @@ impl Plan {
     /// What is done to the whole picture at `time` seconds.
     pub fn picture_at(&self, time: f64) -> Picture {
         self.pictures.at(time)
+    }
+
+    /// What is held at `time` seconds: the picture of [`Plan::picture_at`]; the one that still had a share of that picture
+    /// when it began to be held, with this share; and so on. Empty if nothing is held; those that gave way longest ago are
+    /// left out above [`LIMITS`](crate::limits::LIMITS).
+    pub fn held_at(&self, time: f64) -> Vec<Held> {
+        self.pictures.held_at(time)
     }
 
     /// Whether some picture has less than its light.
@@ -239,6 +249,12 @@ mod tests {
         // It ends where the next one begins.
         assert_eq!(at(10.5), (1, Some((0.0, 0.25))));
         assert_eq!((at(12.0), at(1e9)), ((2, None), (2, None)));
+        let broken_off = Entrance { unfinished: true, ..Entrance::new(Way::Fade, 4.0) };
+        let stays =
+            vec![stay(0.0, Way::Cut, 0.0), Stay { entrance: broken_off, ..stay(10.0, Way::Fade, 4.0) }];
+        let plan = Plan::new([stays, vec![stay(11.0, Way::Cut, 0.0)]].concat());
+        let share = |time| plan.at(time).and_then(|moment| moment.leaving).map(|(_, share)| share);
+        assert_eq!((share(10.5), share(11.0)), (Some(0.125), None), "it goes at its own pace");
         assert_eq!(Plan::default().at(1.0), None);
     }
 

@@ -59,7 +59,12 @@ pub fn resolve(
             start,
             scene: entry.scene.clone(),
             camera: entry.camera.clone(),
-            entrance: Entrance { way: transition.way, shape: transition.shape, seconds },
+            entrance: Entrance {
+                way: transition.way,
+                shape: transition.shape,
+                seconds,
+                unfinished: transition.unfinished,
+            },
             moves,
         });
     }

@@ -111,11 +111,14 @@ pub struct Transition {
     pub shape: PortalShape,
     /// How long it takes; nothing for a cut.
     pub length: Length,
+    /// Whether it breaks off where what comes next begins sooner; else it is quicker then, and complete.
+    pub unfinished: bool,
 }
 
 impl Transition {
     /// At once.
-    pub const CUT: Self = Self { way: Way::Cut, shape: PortalShape::Ball, length: Length::ZERO };
+    pub const CUT: Self =
+        Self { way: Way::Cut, shape: PortalShape::Ball, length: Length::ZERO, unfinished: false };
 
     /// In a way that takes some time; a portal is a ball.
     pub fn new(way: Way, length: Length) -> Self {

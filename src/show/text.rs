@@ -30,6 +30,7 @@ pub fn print(script: &Script, comments: &[String]) -> String {
             }
             if transition.way != Way::Cut {
                 let _ = write!(text, " over {}", length(transition.length));
+                text.push_str(if transition.unfinished { " unfinished" } else { "" });
             }
         }
         text.push('\n');

@@ -17,7 +17,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use directories::ProjectDirs;
-use image::{ImageReader, RgbaImage};
+use image::codecs::jpeg::JpegEncoder;
+use image::{ExtendedColorType, ImageEncoder as _, ImageReader, RgbaImage};
 
 use crate::atomic_file::AtomicFile;
 use crate::limits::LIMITS;
@@ -29,6 +30,8 @@ const SIZE: (u32, u32) = (320, 180);
 const MOMENT: &str = "47.3";
 /// Goes up when pictures of the same scene look different than before.
 const VERSION: u32 = 1;
+/// Quality of a picture as a JPEG, of 100: a few steps of it fit into what a phone loads at once.
+const JPEG_QUALITY: u8 = 82;
 /// How often a process is looked at.
 const INTERVAL: Duration = Duration::from_millis(20);
 
@@ -46,8 +49,8 @@ pub struct Looked {
 pub enum About {
     /// What it says about itself.
     Comment(String),
-    /// Its picture.
-    Picture(Arc<RgbaImage>),
+    /// Its picture, and the same as a JPEG for those who are not in this window.
+    Picture(Arc<RgbaImage>, Arc<[u8]>),
     /// Why there is no picture.
     NoPicture(String),
 }
@@ -133,6 +136,14 @@ impl Thumbnails {
         self.wishes.changed.notify_one();
     }
 
+    /// Wants pictures once nobody wants anything else: the first of these first, behind those that were wanted so earlier.
+    pub fn ask_for_pictures_later(&mut self, sources: Vec<SceneSource>) {
+        let mut waiting = self.wishes.lock();
+        sources.into_iter().map(Wish::Picture).for_each(|wish| waiting.push_front(wish));
+        drop(waiting);
+        self.wishes.changed.notify_one();
+    }
+
     /// What was found out next, if anything.
     pub fn poll(&mut self) -> Option<Looked> {
         self.looked.try_recv().ok()
@@ -168,7 +179,10 @@ fn picture_of(source: &SceneSource, folder: Option<&Path>, wishes: &Wishes) -> A
         Ok(image)
     };
     match found() {
-        Ok(image) => About::Picture(Arc::new(image)),
+        Ok(image) => {
+            let jpeg = jpeg_of(&image).into();
+            About::Picture(Arc::new(image), jpeg)
+        }
         Err(reason) => About::NoPicture(reason),
     }
 }
@@ -264,6 +278,15 @@ fn decode(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
     Ok(reader.decode()?.into_rgba8())
 }
 
+/// A picture as a JPEG; empty if it cannot be one.
+fn jpeg_of(image: &RgbaImage) -> Vec<u8> {
+    let rgb: Vec<u8> = image.pixels().flat_map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2]]).collect();
+    let mut jpeg = Vec::new();
+    let encoder = JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY);
+    let written = encoder.write_image(&rgb, image.width(), image.height(), ExtendedColorType::Rgb8);
+    if written.is_ok() { jpeg } else { Vec::new() }
+}
+
 /// Keeps a picture for the next run. One that cannot be kept is drawn again then.
 fn keep(path: &Path, bytes: &[u8]) {
     let written = path.parent().map_or(Ok(()), fs::create_dir_all).map_err(|error| error.to_string());
@@ -321,6 +344,22 @@ mod tests {
         };
         assert_eq!(decode(&encoded(SIZE.0, SIZE.1)).unwrap().dimensions(), SIZE);
         assert!(decode(&encoded(5_000, 10)).is_err(), "larger than any that was kept");
+    }
+
+    #[test]
+    fn a_picture_for_phones_is_a_jpeg_of_few_bytes() {
+        let noise = RgbaImage::from_fn(SIZE.0, SIZE.1, |x, y| {
+            let hash = (x * 7_919 + y * 104_729).wrapping_mul(2_654_435_761);
+            image::Rgba([(hash >> 8) as u8, (hash >> 16) as u8, (hash >> 24) as u8, 255])
+        });
+        let jpeg = jpeg_of(&noise);
+        assert!(
+            jpeg.len() <= mariana_remote::limits::LIMITS.picture_bytes_max,
+            "{} bytes of noise",
+            jpeg.len()
+        );
+        let read = image::load_from_memory_with_format(&jpeg, image::ImageFormat::Jpeg).unwrap();
+        assert_eq!((read.width(), read.height()), SIZE);
     }
 
     #[test]

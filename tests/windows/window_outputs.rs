@@ -30,6 +30,27 @@ fn wait_for_half(place: &Place, right: bool, what: &str, wanted: impl Fn(&RgbaIm
     found.unwrap()
 }
 
+/// Where the small picture of two colours is on a desk, in pixels: left, top, right, bottom.
+fn small_picture(desk: &RgbaImage) -> Option<[u32; 4]> {
+    let mut found: Option<[u32; 4]> = None;
+    for (x, y, pixel) in desk.enumerate_pixels() {
+        let colour = [pixel[0], pixel[1], pixel[2]];
+        if is_red(colour) || is_blue(colour) {
+            let [left, top, right, bottom] = found.unwrap_or([x, y, x + 1, y + 1]);
+            found = Some([left.min(x), top.min(y), right.max(x + 1), bottom.max(y + 1)]);
+        }
+    }
+    let is_small = |[left, _, right, _]: &[u32; 4]| right - left < desk.width() / 2;
+    // Red at the left, blue at the right.
+    found.filter(is_small).filter(|[left, top, right, bottom]| {
+        let row = (top + bottom) / 2;
+        let colour = |x: u32| desk.get_pixel(x, row).0;
+        let [first, last] =
+            [colour(left + 1), colour(right - 2)].map(|[red, green, blue, _]| [red, green, blue]);
+        is_red(first) && is_blue(last)
+    })
+}
+
 fn is_dark(half: &RgbaImage) -> bool {
     half.pixels().all(|pixel| pixel.0[..3].iter().all(|value| *value < 80))
 }
@@ -43,25 +64,43 @@ fn an_output_fills_its_monitor_cleanly_and_comes_back_with_it() {
     let mut app = place.open("two.scene", &["--output", "RIGHT"]);
     app.xdotool(&["windowmove", "--sync", app.window(), "20", "60"]);
     let clean = wait_for_half(&place, true, "the output", fills);
-    // The desk shows the same picture in its own shape, with bars beside it.
+    // The desk shows the same picture small, in its own shape, and nothing beside it.
     let (width, height) = app.size();
-    let shown = f64::from(height) * f64::from(half) / f64::from(SCREEN.1) / f64::from(width);
-    let edge = 0.5 - 0.5 * shown as f32;
-    wait_for(&app, "the desk", |picture| {
-        is_black(at(picture, edge - 0.03, 0.5))
-            && is_red(at(picture, edge + 0.03, 0.5))
-            && is_blue(at(picture, 0.97 - edge, 0.5))
-            && is_black(at(picture, 1.03 - edge, 0.5))
-    });
-    // Words and panels are the desk's alone, and so is the keyboard.
+    let desk = wait_for(&app, "the desk", |picture| small_picture(picture).is_some());
+    let [left, top, right, bottom] = small_picture(&desk).unwrap();
+    let shape = f64::from(right - left) / f64::from(bottom - top);
+    assert!((shape - f64::from(half) / f64::from(SCREEN.1)).abs() < 0.03, "{left}..{right}, {top}..{bottom}");
+    assert!(
+        3 * left >= 2 * width && right < width && top > 0 && 2 * bottom < height,
+        "{left}..{right}, {top}..{bottom}"
+    );
+    let around = at(&desk, 0.3, 0.5);
+    assert!(around == at(&desk, 0.99, 0.9) && !is_black(around) && around.iter().all(|part| *part < 40));
+    // Words and panels are the desk's alone, beside the picture, and so is the keyboard.
     app.press(&["h"]);
-    wait_for(&app, "the keys", |picture| !is_red(at(picture, 0.45, 0.5)));
+    let keys =
+        wait_for(&app, "the keys", |picture| picture.pixels().any(|pixel| pixel.0[..3] > [180; 3][..]));
+    assert_eq!(small_picture(&keys), Some([left, top, right, bottom]));
     let still_clean = wait_for_half(&place, true, "the output", fills);
     assert!(still_clean == clean, "something stands over the output");
     app.press(&["h", "x"]);
     wait_for_half(&place, true, "black", is_dark);
     app.press(&["x"]);
     wait_for_half(&place, true, "the output", fills);
+    // It is as large as it can be where nothing else is to be seen, and while its corners are moved.
+    let shown = f64::from(height) * f64::from(half) / f64::from(SCREEN.1) / f64::from(width);
+    let edge = 0.5 - 0.5 * shown as f32;
+    for key in ["w", "y"] {
+        app.press(&[key]);
+        wait_for(&app, "the large picture", |picture| {
+            is_black(at(picture, edge - 0.03, 0.4))
+                && is_red(at(picture, edge + 0.05, 0.4))
+                && is_blue(at(picture, 0.95 - edge, 0.4))
+                && is_black(at(picture, 1.03 - edge, 0.4))
+        });
+        app.press(&[key]);
+        wait_for(&app, "the desk", |picture| small_picture(picture) == Some([left, top, right, bottom]));
+    }
     for _ in 0..2 {
         place.desktop.pull_monitor("right");
         app.wait_until_told("the monitor RIGHT is gone: its picture comes back with it");
@@ -73,6 +112,54 @@ fn an_output_fills_its_monitor_cleanly_and_comes_back_with_it() {
     }
     let told = quit(app);
     assert_eq!(told.matches("the monitor RIGHT is gone").count(), 2, "{told}");
+}
+
+#[test]
+fn what_is_aimed_at_the_small_picture_of_a_desk_is_aimed_right() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let half = SCREEN.0 as u16 / 2;
+    place.desktop.plug_monitor("left", 0, half);
+    place.desktop.plug_monitor("right", half as i16, half);
+    let mut app = place.open("two.scene", &["--output", "right", "-vv"]);
+    app.xdotool(&["windowmove", "--sync", app.window(), "0", "100"]);
+    wait_for_half(&place, true, "the output", fills);
+    let desk = wait_for(&app, "the desk", |picture| small_picture(picture).is_some());
+    let [left, top, right, bottom] = small_picture(&desk).unwrap();
+    let to = |app: &App<'_>, x: u32, y: u32| {
+        app.xdotool(&["mousemove", "--window", app.window(), &x.to_string(), &y.to_string()]);
+    };
+    // A drag beside the picture moves nothing; one on it turns the camera, by as much as on a large one.
+    let drag = |app: &App<'_>, from: (u32, u32), way: u32| {
+        to(app, from.0, from.1);
+        app.xdotool(&["mousedown", "1"]);
+        to(app, from.0 + way / 2, from.1);
+        to(app, from.0 + way, from.1);
+        app.xdotool(&["mouseup", "1"]);
+    };
+    drag(&app, (30, 50), right - left - 8);
+    app.press(&["x"]);
+    wait_for_half(&place, true, "black, and so all that came before", is_dark);
+    app.press(&["x"]);
+    wait_for_half(&place, true, "the same view", fills);
+    drag(&app, (left + 4, (top + bottom) / 2), right - left - 8);
+    wait_for_half(&place, true, "another view", |half| !fills(half));
+    app.press(&["Home"]);
+    wait_for_half(&place, true, "the scene's own view", fills);
+    // The probe of the editor finds the wall where it is seen.
+    app.press(&["e"]);
+    let (middle, quarter) = ((left + right) / 2, (right - left) / 4);
+    for (number, x) in [middle - quarter, middle + quarter].into_iter().enumerate() {
+        to(&app, x, (top + bottom) / 2);
+        app.xdotool(&["click", "1"]);
+        app.wait_until_told_times("probed: Probed", number + 1);
+        let told = app.told();
+        let probed = told.lines().filter(|line| line.contains("probed: Probed")).nth(number).unwrap();
+        let (_, position) = probed.split_once("position: [").unwrap();
+        let wall: Vec<f64> = position.split([',', ']']).map_while(|part| part.trim().parse().ok()).collect();
+        // A quarter of the picture's width from its middle, on the wall at z = 5.
+        assert!(wall[0].signum() == [-1.0, 1.0][number] && wall[1].abs() < 0.4, "{probed}");
+    }
+    quit(app);
 }
 
 #[test]

@@ -128,6 +128,45 @@ fn what_is_done_in_the_window_shows_on_the_phone_and_its_scenes_and_song_are_ste
 }
 
 #[test]
+fn a_phone_sees_small_pictures_of_the_scenes_and_does_without_them() {
+    let desktop = Desktop::start();
+    let (app, url) = open(&desktop, &["--size", "160x90"]);
+    // A scene with a mistake has none.
+    fs::write(desktop.folder().join("wrong.scene"), "object").unwrap();
+    app.press(&["n"]);
+    let browser = Browser::start();
+    let mut page = phone(&browser, &url);
+    page.wait_until("the scenes", "document.querySelectorAll('#scenes button').length > 3");
+    // What stands in the middle of a picture: red, green and blue.
+    page.value(
+        "window.colour = (name) => { \
+           const button = [...document.querySelectorAll('#scenes button')].find(b => b.textContent === name); \
+           const image = button.querySelector('img'); \
+           if (!image.complete || image.naturalWidth !== 320) return ''; \
+           const canvas = document.createElement('canvas').getContext('2d'); \
+           canvas.drawImage(image, 0, 0); \
+           return [...canvas.getImageData(160, 90, 1, 1).data].slice(0, 3).map(part => part > 100).join(); \
+         }; 1",
+    );
+    page.wait_until("the wall's picture", "colour('wall') === 'false,true,false'");
+    page.wait_until("the wool's picture", "colour('wool') === 'false,false,true'");
+    assert_eq!(page.value("colour('wrong')"), "");
+    // The scene without one is asked for like the others: nothing of the page waits for pictures.
+    page.value(
+        "[...document.querySelectorAll('#scenes button')].find(b => b.textContent === 'wall').id = 'wanted'",
+    );
+    page.tap("#wanted");
+    page.wait_for_text("#scene", "wall");
+    // Who comes later has them at once.
+    let mut other = phone(&browser, &url);
+    other.wait_until(
+        "the pictures",
+        "[...document.querySelectorAll('#scenes img')].slice(0, 2).every(image => image.naturalWidth === 320)",
+    );
+    quit(app);
+}
+
+#[test]
 fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_once_and_no_more() {
     let desktop = Desktop::start();
     let (app, url) = open(&desktop, &["--size", "640x360"]);

@@ -129,6 +129,31 @@ fn the_picture_is_mirrored_cropped_and_pulled_at_its_corners() {
 }
 
 #[test]
+fn the_scene_that_comes_next_moves_on_the_desk_though_it_is_interpreted() {
+    let place = Place::new(&[
+        ("a.scene", "vec3(0.5, 0.01, 0.01)"),
+        ("b.scene", "vec3(0.01, 0.01, 0.5 + 0.1 * sin(t))"),
+    ]);
+    let settings = place.path(".config/mariana/settings.toml");
+    std::fs::create_dir_all(settings.parent().unwrap()).unwrap();
+    std::fs::write(settings, "[choices]\nnext_scene = \"on\"\n").unwrap();
+    let mut app = place.open("a.scene", &["--prepare-ahead", "on", "--sdf", "interpreted", "--fade", "0"]);
+    app.wait_until_told("b is ready ahead");
+    let corner = |picture: &RgbaImage| at(picture, 0.87, 0.15);
+    let mut last =
+        corner(&wait_for(&app, "the next scene in the corner", |picture| is_blue(corner(picture))));
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    for _ in 0..2 {
+        app.press(&["Right"]);
+        last = corner(&wait_for(&app, "another moment of it", |picture| {
+            is_blue(corner(picture)) && corner(picture) != last
+        }));
+    }
+    quit(app);
+}
+
+#[test]
 fn the_desk_shows_the_scene_that_comes_next_where_it_costs_no_picture() {
     let red = "vec3(0.5 + 0.1 * sin(t), 0.01, 0.01)";
     let blue = "vec3(0.01, 0.01, 0.5 + 0.1 * sin(t))";

@@ -155,6 +155,7 @@ function take(news) {
   for (const name in news.levels || {}) sliders.get("level:" + name)?.see(news.levels[name]);
   if ("length" in news) sliders.get("level:position").see(show.levels.position);
   if (news.switches) showSwitches();
+  if ("pictures" in news) askForPictures(news.pictures);
   if ("tempo" in news) at("tempo").textContent = show.tempo > 0 ? show.tempo.toFixed(1) : "tempo";
   if ("track" in news) at("track").textContent = show.track;
   at("song").hidden = typeof show.levels.volume !== "number";
@@ -167,12 +168,30 @@ function showScenes() {
   const is = [...grid.children].map((button) => button.textContent);
   if (is.length !== show.scenes.length || is.some((name, place) => name !== show.scenes[place])) {
     grid.replaceChildren(...show.scenes.map((name) => {
-      const button = make("button", "", name);
+      const button = make("button", "");
+      button.append(picture(name), make("span", "", name));
       press(button, () => say({ do: "scene", with: name }));
       return button;
     }));
   }
   for (const button of grid.children) button.setAttribute("aria-current", String(button.textContent === show.scene));
+}
+
+// A picture is loaded when it is about to be seen. One that is not made yet is asked for again when others have come.
+function picture(name) {
+  const image = make("img");
+  image.alt = "";
+  image.loading = "lazy";
+  image.decoding = "async";
+  image.draggable = false;
+  image.onload = () => image.classList.remove("missing");
+  image.onerror = () => image.classList.add("missing");
+  image.src = "picture/" + encodeURIComponent(name);
+  return image;
+}
+
+function askForPictures(count) {
+  for (const image of document.querySelectorAll("#scenes img.missing")) image.src = image.src.split("?")[0] + "?" + count;
 }
 
 function showSwitches() {

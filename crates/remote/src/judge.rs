@@ -3,7 +3,7 @@
 use std::net::IpAddr;
 
 use crate::http::Head;
-use crate::page::{Asset, TALK_PATH, asset};
+use crate::page::{Asset, PICTURE_PATH, TALK_PATH, asset};
 use crate::token::Token;
 
 /// What a request with the right token is for.
@@ -13,6 +13,8 @@ pub(crate) enum Wanted {
     Text(&'static Asset, String),
     /// The page, without the slash by which it finds its parts.
     Slash,
+    /// The picture of the scene with this title.
+    Picture(String),
     /// A conversation, which this key begins.
     Talk(String),
 }
@@ -87,6 +89,9 @@ pub(crate) fn admit<'a>(head: &'a Head, own_name: Option<&str>) -> Result<&'a st
 /// [`Refusal`].
 pub(crate) fn judge(head: &Head, host: &str, token: &Token) -> Result<Wanted, Refusal> {
     let Some(rest) = behind_token(&head.path, token)? else { return Ok(Wanted::Slash) };
+    if let Some(scene) = rest.strip_prefix(PICTURE_PATH) {
+        return unescaped(scene).map(Wanted::Picture).ok_or(Refusal::Nothing);
+    }
     if rest != TALK_PATH {
         return asset(rest).map(|asset| Wanted::Text(asset, host.to_owned())).ok_or(Refusal::Nothing);
     }
@@ -113,6 +118,22 @@ pub(crate) fn judge(head: &Head, host: &str, token: &Token) -> Result<Wanted, Re
         }
         _ => Err(Refusal::Upgrade),
     }
+}
+
+/// A part of a path as it was before signs of it were written as `%` and two digits; none if that gives no text.
+fn unescaped(part: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(part.len());
+    let mut rest = part.bytes();
+    while let Some(byte) = rest.next() {
+        bytes.push(match byte {
+            b'%' => {
+                let mut digit = || char::from(rest.next()?).to_digit(16);
+                (16 * digit()? + digit()?) as u8
+            }
+            byte => byte,
+        });
+    }
+    String::from_utf8(bytes).ok()
 }
 
 /// Whether a host is an address, this computer's own name for itself, or the name that the user gave: whoever owns any
@@ -179,6 +200,28 @@ mod tests {
         }
         for path in ["/etc/passwd", "/x", "/page.js", "/hands", "/%00", "*", "http://x/"] {
             assert_eq!(ask(path), Err(Refusal::Guess), "{path}");
+        }
+    }
+
+    #[test]
+    fn a_picture_is_asked_for_by_the_title_of_its_scene() {
+        let token = Token::new().unwrap();
+        let ask = |rest: &str| {
+            judged(
+                "GET",
+                &format!("/{}/picture/{rest}", token.as_str()),
+                &format!("Host: {HOST}\r\n"),
+                &token,
+            )
+        };
+        let is = |title: &str| Ok(Wanted::Picture(title.to_owned()));
+        assert_eq!(ask("orb"), is("orb"));
+        assert_eq!(ask("first%5Fsteps?3"), is("first_steps"));
+        assert_eq!(ask("gr%C3%B6%C3%9fe"), is("größe"));
+        // A title and no path: whoever has no scene of that name has nothing.
+        assert_eq!(ask("..%2F..%2fetc/passwd"), is("../../etc/passwd"));
+        for rest in ["%", "%4", "%zz", "%ff", "%+1"] {
+            assert_eq!(ask(rest), Err(Refusal::Nothing), "{rest}");
         }
     }
 

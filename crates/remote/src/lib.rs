@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! phone ─ GET /TOKEN/ ──────► page, style and script, which are part of the program
+//!       ─ GET /TOKEN/picture/SCENE ─► album ◄─ small pictures that the program made
 //!       ─ GET /TOKEN/hands ─► WebSocket ─► wishes ─► the show
 //!                                       ◄─ board ◄─
 //! ```
@@ -10,12 +11,14 @@
 //! window shows as a code of squares. Whoever guesses waits longer after each guess ([`guesses`]). A page of another place
 //! that a browser shows is refused by its `Origin`, and one under another name for this computer by its `Host`.
 //!
-//! **No request reaches a file.** What is answered stands in a table of texts that are part of the program.
+//! **No request reaches a file.** What is answered stands in a table of texts that are part of the program, or in the
+//! [`Album`], which is in memory.
 //!
 //! **Nobody is waited for.** Each connection has a thread, bounded in number, bytes and time ([`limits`]); what phones
 //! wish for goes among the [`Wishes`](mariana_control::Wishes), and how the show stands comes from the
 //! [`Board`](mariana_control::Board). A phone that reads slowly gets only the newest state.
 
+mod album;
 pub mod guesses;
 pub mod http;
 mod invitation;
@@ -30,6 +33,7 @@ mod server;
 mod talk;
 mod token;
 
+pub use album::Album;
 pub use invitation::{Code, Invitation};
 pub use page::{PAGE_PATH, TALK_PATH, page_text};
 pub use server::{Remote, RemotePlace, RemoteState};

@@ -36,6 +36,10 @@ pub struct Limits {
     pub guess_pause_min: Duration,
     /// The longest such wait.
     pub guess_pause_max: Duration,
+    /// Most small pictures that phones can look at.
+    pub pictures_max: usize,
+    /// Most bytes of one.
+    pub picture_bytes_max: usize,
     /// After this time without a wrong guess an address begins anew.
     pub guess_memory: Duration,
     /// Of how many addresses wrong guesses are remembered; of the others the oldest are forgotten.
@@ -58,6 +62,8 @@ pub const LIMITS: Limits = Limits {
     news_interval: Duration::from_millis(50),
     guess_pause_min: Duration::from_secs(1),
     guess_pause_max: Duration::from_secs(60),
+    pictures_max: 512,
+    picture_bytes_max: 128 << 10,
     guess_memory: Duration::from_secs(600),
     guessers_max: 256,
 };

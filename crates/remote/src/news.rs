@@ -3,7 +3,7 @@
 //! ```text
 //! {"scene": "orb", "scenes": ["city", "orb"], "params": [{"name": "size", "min": 0, "max": 4, "default": 1}],
 //!  "values": {"size": [1.5, "MIDI"]}, "switches": {"pause": false}, "levels": {"volume": 0.8},
-//!  "tempo": 120, "track": "Hadal Lanterns", "length": 61.5}
+//!  "tempo": 120, "track": "Hadal Lanterns", "length": 61.5, "pictures": 3}
 //! ```
 
 use std::collections::BTreeMap;
@@ -45,20 +45,25 @@ struct News<'a> {
     track: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     length: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pictures: Option<u64>,
 }
 
-/// What one phone knows.
+/// What one phone knows: how the show stands, and how many pictures have come.
 #[derive(Debug, Default)]
-pub(crate) struct Told(Option<Arc<Present>>);
+pub(crate) struct Told(Option<Arc<Present>>, u64);
 
 impl Told {
-    /// What it does not know yet; none if it knows all. From then on it does.
-    pub(crate) fn news(&mut self, now: &Arc<Present>) -> Option<String> {
-        if self.0.as_ref().is_some_and(|before| Arc::ptr_eq(before, now)) {
+    /// What it does not know yet of how the show stands, and of how many pictures have come; none if it knows all. From
+    /// then on it does.
+    pub(crate) fn news(&mut self, now: &Arc<Present>, pictures: u64) -> Option<String> {
+        let are_known = self.1 == pictures;
+        if are_known && self.0.as_ref().is_some_and(|before| Arc::ptr_eq(before, now)) {
             return None;
         }
-        let text = serde_json::to_string(&news(self.0.as_deref(), now)).ok();
-        self.0 = Some(now.clone());
+        let news = News { pictures: (!are_known).then_some(pictures), ..news(self.0.as_deref(), now) };
+        let text = serde_json::to_string(&news).ok();
+        *self = Self(Some(now.clone()), pictures);
         text.filter(|text| text != "{}")
     }
 }
@@ -102,6 +107,7 @@ fn news<'a>(before: Option<&Present>, now: &'a Present) -> News<'a> {
         tempo: (!was(|a, b| tenths(a.tempo) == tenths(b.tempo))).then_some(tenths(now.tempo)),
         track: (!was(|a, b| a.track == b.track)).then_some(&now.track),
         length: (!was(|a, b| a.length == b.length)).then_some(now.length),
+        pictures: None,
     }
 }
 
@@ -148,15 +154,15 @@ mod tests {
     /// What is told after a change.
     fn told(change: impl FnOnce(&mut Present)) -> Option<String> {
         let mut told = Told::default();
-        told.news(&Arc::new(present()));
+        told.news(&Arc::new(present()), 0);
         let mut now = present();
         change(&mut now);
-        told.news(&Arc::new(now))
+        told.news(&Arc::new(now), 0)
     }
 
     #[test]
     fn the_first_time_everything_is_told() {
-        let text = Told::default().news(&Arc::new(present())).unwrap();
+        let text = Told::default().news(&Arc::new(present()), 0).unwrap();
         assert_eq!(
             text,
             "{\"scene\":\"orb\",\"scenes\":[\"city\",\"orb\"],\
@@ -182,6 +188,14 @@ mod tests {
             r#"{"params":[{"name":"size","min":0.0,"max":8.0,"default":1.0}],"values":{"size":[1.5,"MIDI"]}}"#,
         );
         is(|now| (now.scene, now.params) = ("city".into(), Vec::new()), r#"{"scene":"city","params":[]}"#);
+    }
+
+    #[test]
+    fn pictures_that_came_are_told_though_the_show_stands_as_it_did() {
+        let (mut told, stands) = (Told::default(), Arc::new(present()));
+        told.news(&stands, 0);
+        assert_eq!(told.news(&stands, 2).as_deref(), Some(r#"{"pictures":2}"#));
+        assert_eq!(told.news(&stands, 2), None);
     }
 
     #[test]

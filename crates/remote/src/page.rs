@@ -5,6 +5,9 @@ pub const PAGE_PATH: &str = "";
 /// Where the WebSocket is, behind the token.
 pub const TALK_PATH: &str = "hands";
 
+/// What the path of a scene's picture begins with, behind the token; the scene's title follows.
+pub(crate) const PICTURE_PATH: &str = "picture/";
+
 /// One text that is answered.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Asset {
@@ -30,11 +33,11 @@ pub fn page_text() -> &'static str {
     ASSETS[0].text
 }
 
-/// What a browser may do with the page: show it with its own style and script, and speak with the host that it came from.
+/// What a browser may do with the page: show it with its own style, script and pictures, and speak with the host that it came from.
 pub(crate) fn policy(host: &str) -> String {
     // Some browsers do not count a socket among what is the page's own.
     format!(
-        "default-src 'none'; style-src 'self'; script-src 'self'; connect-src 'self' ws://{host}; img-src data:; \
+        "default-src 'none'; style-src 'self'; script-src 'self'; connect-src 'self' ws://{host}; img-src 'self' data:; \
          base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     )
 }

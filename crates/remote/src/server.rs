@@ -11,6 +11,7 @@ use mariana_control::deed::DeedRow;
 use mariana_control::osc::{Place, PlaceError};
 use mariana_control::{Board, Wishes};
 
+use crate::album::Album;
 use crate::guesses::Guesses;
 use crate::http::{self, HeadBounds};
 use crate::invitation::Invitation;
@@ -62,6 +63,7 @@ pub(crate) struct Shared {
     pub deeds: &'static [DeedRow],
     pub wishes: Wishes,
     pub board: Board,
+    pub album: Album,
     pub limits: Limits,
     state: Mutex<RemoteState>,
     guesses: Mutex<Guesses>,
@@ -73,7 +75,8 @@ pub(crate) struct Shared {
 
 impl Remote {
     /// Listens at `place` from now on. What phones wish for, by the table of actions, goes among the wishes; they are told
-    /// what stands on the board. `wake` is called when the state or the number of phones has changed.
+    /// what stands on the board, and shown what is in the album. `wake` is called when the state or the number of phones has
+    /// changed, and when a picture is wanted.
     ///
     /// # Errors
     /// There is no thread, or no random number.
@@ -81,10 +84,10 @@ impl Remote {
         place: RemotePlace,
         deeds: &'static [DeedRow],
         wishes: Wishes,
-        board: Board,
+        (board, album): (Board, Album),
         wake: impl Fn() + Send + Sync + 'static,
     ) -> io::Result<Self> {
-        Self::start_within(LIMITS, place, deeds, wishes, board, wake)
+        Self::start_within(LIMITS, place, deeds, wishes, (board, album), wake)
     }
 
     /// The same within other limits.
@@ -96,7 +99,7 @@ impl Remote {
         RemotePlace(place): RemotePlace,
         deeds: &'static [DeedRow],
         wishes: Wishes,
-        board: Board,
+        (board, album): (Board, Album),
         wake: impl Fn() + Send + Sync + 'static,
     ) -> io::Result<Self> {
         let shared = Arc::new(Shared {
@@ -105,6 +108,7 @@ impl Remote {
             deeds,
             wishes,
             board,
+            album,
             limits,
             state: Mutex::default(),
             guesses: Mutex::new(Guesses::new(limits)),
@@ -242,17 +246,24 @@ impl Shared {
         }
         match judge(&head, host, &self.token) {
             Ok(Wanted::Text(asset, host)) => {
-                let policy = policy(&host);
-                let fields = [
-                    ("Content-Type", asset.kind),
-                    ("Content-Security-Policy", &policy),
-                    ("Cache-Control", "no-store"),
-                    ("Referrer-Policy", "no-referrer"),
-                    ("X-Content-Type-Options", "nosniff"),
-                    ("Cross-Origin-Resource-Policy", "same-origin"),
-                ];
-                http::answer(&stream, "200 OK", &fields, asset.text.as_bytes(), within);
+                let policy = ("Content-Security-Policy", &*policy(&host));
+                answer_own(&stream, (asset.kind, asset.text.as_bytes()), &[policy], within);
             }
+            Ok(Wanted::Picture(scene)) => match self.album.find(&scene) {
+                Some(jpeg) => answer_own(&stream, ("image/jpeg", &jpeg), &[], within),
+                None => {
+                    let is_one = self.board.read(|present| present.scenes.contains(&scene));
+                    if is_one && self.album.want(&scene) {
+                        (self.wake)();
+                    }
+                    http::answer_in_words(
+                        &stream,
+                        "404 Not Found",
+                        "there is no picture of that yet",
+                        within,
+                    );
+                }
+            },
             Ok(Wanted::Slash) => {
                 let to = format!("/{}/", self.token.as_str());
                 let fields =
@@ -302,6 +313,18 @@ impl Drop for PhonePlace<'_> {
     }
 }
 
+/// Answers with what is the program's own: a kind and its bytes.
+fn answer_own(stream: &TcpStream, (kind, bytes): (&str, &[u8]), more: &[(&str, &str)], within: Duration) {
+    let fields = [
+        ("Content-Type", kind),
+        ("Cache-Control", "no-store"),
+        ("Referrer-Policy", "no-referrer"),
+        ("X-Content-Type-Options", "nosniff"),
+        ("Cross-Origin-Resource-Policy", "same-origin"),
+    ];
+    http::answer(stream, "200 OK", &[&fields[..], more].concat(), bytes, within);
+}
+
 fn turn_away(stream: &TcpStream, within: Duration) {
     let words = "as many phones as there may be are here already: close the page on one of them";
     http::answer_in_words(stream, "503 Service Unavailable", words, within);
@@ -339,6 +362,6 @@ mod tests {
         assert_eq!(place("8080").as_deref(), Ok("0.0.0.0:8080"));
         assert_eq!(place("127.0.0.1:0").as_deref(), Ok("127.0.0.1:0"));
         assert_eq!(place("x"), Err(PlaceError::Malformed));
-        assert_eq!(place("70000"), Err(PlaceError::NoPort));
+        assert_eq!(place("70000"), Err(PlaceError::NoPortNorAny));
     }
 }

@@ -94,7 +94,7 @@ impl<'a> Talk<'a> {
             // What it has not taken is not added to: when it has, it gets what is newest then.
             return self.flush();
         }
-        let news = self.told.news(&self.shared.board.newest());
+        let news = self.told.news(&self.shared.board.newest(), self.shared.album.count());
         match (self.pulse.due(now), news) {
             (Due::GiveUp, _) => Err(self.close(CloseCode::Policy, "nothing was heard for too long")),
             (Due::Ask, news) => {

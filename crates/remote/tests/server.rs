@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use mariana_control::deed::{DeedRow, Given, Takes};
 use mariana_control::{Amount, Board, Hand, Present, PresentParam, Wishes};
 use mariana_remote::limits::{LIMITS, Limits};
-use mariana_remote::{Remote, RemoteState, TALK_PATH};
+use mariana_remote::{Album, Remote, RemoteState, TALK_PATH};
 use tungstenite::client::{IntoClientRequest, client};
 use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::{Error, Message, WebSocket};
@@ -27,6 +27,7 @@ struct Place {
     remote: Remote,
     wishes: Wishes,
     board: Board,
+    album: Album,
     news: Receiver<()>,
     address: SocketAddr,
     /// `/TOKEN/`
@@ -44,10 +45,11 @@ fn present(value: f32) -> Present {
 impl Place {
     fn within(limits: Limits) -> Self {
         let (told, news) = channel();
-        let (wishes, board) = (Wishes::new(|| {}), Board::default());
+        let (wishes, board, album) = (Wishes::new(|| {}), Board::default(), Album::default());
         board.put(present(1.0));
         let place = "127.0.0.1:0".parse().unwrap();
-        let remote = Remote::start_within(limits, place, DEEDS, wishes.clone(), board.clone(), move || {
+        let shown = (board.clone(), album.clone());
+        let remote = Remote::start_within(limits, place, DEEDS, wishes.clone(), shown, move || {
             let _ = told.send(());
         })
         .unwrap();
@@ -56,7 +58,7 @@ impl Place {
         let (address, token) =
             invitation.url.strip_prefix("http://").and_then(|url| url.split_once('/')).unwrap();
         let (address, path) = (address.parse().unwrap(), format!("/{token}"));
-        Self { remote, wishes, board, news, address, path }
+        Self { remote, wishes, board, album, news, address, path }
     }
 
     fn new() -> Self {
@@ -230,6 +232,33 @@ fn after_the_while_the_right_token_counts_again() {
     while place.status(&place.path) != "200" {
         std::thread::sleep(pause);
     }
+}
+
+#[test]
+fn a_picture_is_wanted_by_who_asks_for_a_scene_that_there_is_and_then_shown() {
+    let place = Place::new();
+    let scenes = vec!["first steps".to_owned(), "größe".to_owned()];
+    place.board.put(Present { scenes, ..present(1.0) });
+    let at = |title: &str| format!("{}picture/{title}", place.path);
+    for nothing in ["orb", "..%2F..%2Fetc%2Fpasswd", "", "page.js", "%"] {
+        assert_eq!(place.status(&at(nothing)), "404", "{nothing}");
+    }
+    assert!(place.album.take_wanted().is_empty(), "only pictures of scenes are wanted");
+    assert_eq!(place.status(&at("gr%C3%B6%C3%9Fe")), "404");
+    // It is told that something is wanted, once.
+    place.news.recv_timeout(PATIENCE).unwrap();
+    assert_eq!(place.album.take_wanted(), ["größe"]);
+    let mut phone = place.phone();
+    phone.news_with("scene");
+    assert!(place.album.put("größe", std::sync::Arc::from(&b"a picture"[..])));
+    assert_eq!(phone.news_with("pictures"), r#"{"pictures":1}"#);
+    let answer = place.get(&at("gr%C3%B6%C3%9Fe?1"));
+    assert!(answer.starts_with("HTTP/1.1 200 OK") && answer.ends_with("\r\n\r\na picture"), "{answer}");
+    for field in ["Content-Type: image/jpeg", "Cache-Control: no-store", "X-Content-Type-Options: nosniff"] {
+        assert!(answer.contains(field), "no {field} in {answer}");
+    }
+    // Nobody without the token learns whether there is one.
+    assert_eq!(place.status("/picture/gr%C3%B6%C3%9Fe"), "403");
 }
 
 #[test]
@@ -430,7 +459,7 @@ fn a_port_that_another_program_has_costs_a_sentence() {
     let other = TcpListener::bind("127.0.0.1:0").unwrap();
     let (told, news) = channel();
     let place = other.local_addr().unwrap().to_string().parse().unwrap();
-    let remote = Remote::start(place, DEEDS, Wishes::new(|| {}), Board::default(), move || {
+    let remote = Remote::start(place, DEEDS, Wishes::new(|| {}), Default::default(), move || {
         let _ = told.send(());
     });
     let remote = remote.unwrap();

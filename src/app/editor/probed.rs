@@ -9,7 +9,7 @@ use super::{Document, Editor};
 use crate::app::probing::{Answer, Probed};
 use crate::frame::camera::Camera;
 use crate::placement::Map;
-use mariana_field::sight::{ObjectShare, Survey};
+use mariana_field::sight::{ObjectShare, PartShare, Survey};
 
 /// See the module.
 #[derive(Default)]
@@ -242,5 +242,30 @@ impl Editor {
         let mut objects = survey.objects.clone();
         objects.sort_by_key(|object| std::cmp::Reverse(object.run));
         Some((survey.clone(), objects))
+    }
+
+    /// What the lines cost that make parts of an object, the dearest first, with their numbers and words. Nothing of an
+    /// object that one line makes.
+    pub(in crate::app) fn parts_of(&self, object: &ObjectShare) -> Vec<(usize, String, PartShare)> {
+        let mut lines: Vec<(usize, String, PartShare)> = Vec::new();
+        for part in &object.parts {
+            let (file, bytes) = part.written.clone();
+            let Some((_, number, words)) = self.line_at(file, bytes) else { continue };
+            let is_it =
+                |known: &&mut (usize, String, PartShare)| known.0 == number && known.2.written.0 == file;
+            match lines.iter_mut().find(is_it) {
+                Some((_, _, known)) => {
+                    known.rays += part.rays;
+                    known.evaluations += part.evaluations;
+                    known.run += part.run;
+                }
+                None => lines.push((number, words, part.clone())),
+            }
+        }
+        if lines.len() < 2 {
+            lines.clear();
+        }
+        lines.sort_by_key(|(_, _, part)| std::cmp::Reverse(part.run));
+        lines
     }
 }

@@ -23,6 +23,7 @@ use super::scene_stage::SceneStage;
 use super::window_thread::Waker;
 use crate::config::{HandSettings, KnobEdit};
 use crate::scenes::SceneSource;
+use crate::thumbnails::Looked;
 use mariana_control::midi::{ClockReading, KnobMove, Outcome, Target};
 use mariana_control::{Board, Heard, Present, PresentParam, Wishes};
 use mariana_music::{Features, SongMoment};
@@ -52,8 +53,8 @@ pub(super) struct Hands {
     /// When the panel is brought up to date again, and what it knew of mappings.
     panel_due: Instant,
     panel_revision: u64,
-    /// The titles of all scenes, as they were when this scene came on.
-    scenes: (String, Vec<String>),
+    /// All scenes with their titles, as they were when this scene came on.
+    scenes: (String, Vec<(String, SceneSource)>),
 }
 
 impl Hands {
@@ -102,14 +103,27 @@ impl Hands {
         is_due
     }
 
-    /// Whether the titles of all scenes are to be noted, because another one is on the stage.
-    pub(super) fn wants_titles(&self, scene: &str) -> bool {
+    /// Whether all scenes are to be noted, because another one is on the stage.
+    pub(super) fn wants_scenes(&self, scene: &str) -> bool {
         self.scenes.0 != scene || self.scenes.1.is_empty()
     }
 
-    /// Notes the titles of all scenes, in the order of their numbers, while this one is on the stage.
-    pub(super) fn note_titles(&mut self, scene: String, titles: Vec<String>) {
-        self.scenes = (scene, titles);
+    /// Notes all scenes, in the order of their numbers, while this one is on the stage.
+    pub(super) fn note_scenes(&mut self, scene: String, scenes: Vec<SceneSource>) {
+        self.scenes = (scene, scenes.into_iter().map(|source| (source.title(), source)).collect());
+    }
+
+    /// The scenes of which phones want small pictures that nobody looks for yet.
+    pub(super) fn wanted_pictures(&mut self) -> Vec<SceneSource> {
+        let all = &self.scenes.1;
+        let of =
+            |title: String| all.iter().find(|(known, _)| *known == title).map(|(_, source)| source.clone());
+        self.phones.wanted_pictures().into_iter().filter_map(of).collect()
+    }
+
+    /// Takes in what was found out about a scene, for phones.
+    pub(super) fn note_picture(&mut self, looked: &Looked) {
+        self.phones.note_picture(looked);
     }
 
     /// Puts up how the show stands, with these sliders.
@@ -123,7 +137,8 @@ impl Hands {
             hand: slider.hand,
         };
         let params = sliders.iter().map(param).collect();
-        self.board.put(Present { scenes: self.scenes.1.clone(), params, ..present });
+        let scenes = self.scenes.1.iter().map(|(title, _)| title.clone()).collect();
+        self.board.put(Present { scenes, params, ..present });
     }
 
     /// What was wished for, if it is time to look.

@@ -3,8 +3,9 @@
 use super::deeds;
 use crate::app::window_thread::Waker;
 use crate::config::HandSettings;
+use crate::thumbnails::{About, Looked};
 use mariana_control::{Board, Wishes};
-use mariana_remote::{Remote, RemoteState};
+use mariana_remote::{Album, Remote, RemoteState};
 
 /// What there is to say of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +19,8 @@ pub(in crate::app) struct PhoneFacts {
 /// See the module.
 pub(super) struct Phones {
     remote: Option<Remote>,
+    /// Pictures of scenes that they can look at.
+    album: Album,
     /// What was told of it.
     told: RemoteState,
     /// What went wrong at the start, until it is told.
@@ -28,14 +31,37 @@ impl Phones {
     /// Starts what the settings ask for.
     pub(super) fn start(settings: &HandSettings, wishes: &Wishes, board: &Board, waker: &Waker) -> Self {
         let mut trouble = None;
+        let album = Album::default();
         let remote = settings.remote.clone().and_then(|place| {
             let waker = waker.clone();
             let table = deeds::table_for_phones();
-            let started = Remote::start(place, table, wishes.clone(), board.clone(), move || waker.wake());
+            let shown = (board.clone(), album.clone());
+            let started = Remote::start(place, table, wishes.clone(), shown, move || waker.wake());
             let words = |error| trouble = Some(format!("phones are not listened to: {error}"));
             started.map_err(words).ok()
         });
-        Self { remote, told: RemoteState::default(), trouble }
+        Self { remote, album, told: RemoteState::default(), trouble }
+    }
+
+    /// The titles of scenes of which they want pictures that nobody looks for yet.
+    pub(super) fn wanted_pictures(&self) -> Vec<String> {
+        self.album.take_wanted()
+    }
+
+    /// Takes in what was found out about a scene, if they can come.
+    pub(super) fn note_picture(&self, looked: &Looked) {
+        if self.remote.is_none() {
+            return;
+        }
+        let title = looked.source.title();
+        let is_there = match &looked.about {
+            About::Picture(_, jpeg) => self.album.put(&title, jpeg.clone()),
+            About::NoPicture(_) => false,
+            About::Comment(_) => return,
+        };
+        if !is_there {
+            self.album.miss(&title);
+        }
     }
 
     /// Whether anybody wants to know how the show stands.

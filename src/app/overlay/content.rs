@@ -13,6 +13,7 @@ use crate::app::hands::panel::HandsPanel;
 use crate::app::scene_browser::SceneBrowser;
 use crate::app::settings_panel::SettingsPanel;
 use crate::app::stage::NextScene;
+use crate::placement::Area;
 use mariana_control::Hand;
 
 /// What is shown over the picture; every part is optional, and by default there is none.
@@ -52,6 +53,8 @@ pub struct OverlayContent<'a> {
     pub learning: Option<&'a str>,
     /// The corners of the picture, while they are moved.
     pub corners: Option<CornerHands>,
+    /// The part of the window in which the picture lies small, if the window is the desk of an output.
+    pub picture: Option<Area>,
     /// The scene that comes next.
     pub next: Option<&'a NextScene>,
     /// Whether the pointer is hidden while it is over the picture.
@@ -241,6 +244,7 @@ impl OverlayContent<'_> {
         (self.hands.map(HandsPanel::revision), self.learning).hash(&mut hasher);
         self.corners.map(|corners| corners.fingerprint()).hash(&mut hasher);
         self.next.map(|next| next.revision).hash(&mut hasher);
+        self.picture.map(|area| area.map(f64::to_bits)).hash(&mut hasher);
         self.tracks.map(|tracks| (tracks.list.revision, tracks.present)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);
@@ -283,7 +287,7 @@ mod tests {
             [Slider { name: "size".into(), value: 1.0, min: 0.0, max: 2.0, default: 1.0, hand: Hand::Text }];
         let mut seen = std::collections::BTreeSet::new();
         let list = |present| SourceList { names: vec!["a".into(), "b".into()], present };
-        let contents: [OverlayContent<'_>; 9] = [
+        let contents: [OverlayContent<'_>; 10] = [
             OverlayContent::default(),
             OverlayContent { corner: Some("a"), ..Default::default() },
             OverlayContent { corner: Some("b"), ..Default::default() },
@@ -293,6 +297,7 @@ mod tests {
                 ..Default::default()
             },
             OverlayContent { help: true, ..Default::default() },
+            OverlayContent { picture: Some([0.5, 0.0, 1.0, 0.5]), ..Default::default() },
             OverlayContent { hint: Some("a"), ..Default::default() },
             OverlayContent { sources: Some(list(None)), ..Default::default() },
             OverlayContent { sources: Some(list(Some(1))), ..Default::default() },

@@ -11,6 +11,7 @@ mod text;
 use egui::{Id, Order, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::requests::Request;
+use super::rooms::Rooms;
 use super::{assisted, icons, style};
 use crate::app::editor::keys::written_rows;
 use crate::app::editor::{Command, Document, Editor, EditorRequest, Owner, Question};
@@ -28,15 +29,17 @@ const AROUND: f32 = 112.0;
 /// Distance of the words from the panel's edge.
 const EDGE: f32 = 10.0;
 
-/// Draws the editor at the left of `space`, and over the picture what is told of it; returns where the editor is, and
+/// Draws the editor at the left of its room, and over the picture what is told of it; returns where the editor is, and
 /// then what else belongs to it.
 pub(super) fn show(
     context: &egui::Context,
-    space: Rect,
+    rooms: &Rooms,
     editor: &Editor,
     requests: &mut Vec<Request>,
 ) -> Vec<Rect> {
-    let width = (WIDTH_SHARE * space.width()).clamp(WIDTH_MIN.min(space.width()), WIDTH_MAX);
+    let space = rooms.main;
+    let share = if rooms.is_desk { 1.0 } else { WIDTH_SHARE };
+    let width = (share * space.width()).clamp(WIDTH_MIN.min(space.width()), WIDTH_MAX);
     // As high as its text, so that it hides no more of the picture than it must.
     let font = context.layer_painter(egui::LayerId::background());
     let lines = editor.document().map_or(0, |document| document.editing.buffer().line_count());
@@ -60,8 +63,10 @@ pub(super) fn show(
         parts.extend(text::show(ui, inner, editor, document, &mut ask));
     });
     parts.extend(cross::show(context, screen, rect, editor, &mut ask));
-    let mut beside = space;
-    beside.min.x = (rect.right() + 8.0).min(space.right() - 60.0);
+    let mut beside = rooms.side;
+    if !rooms.is_desk {
+        beside.min.x = (rect.right() + 8.0).min(space.right() - 60.0);
+    }
     parts.extend(card::show(context, screen, beside, editor, &mut ask));
     parts
 }

@@ -27,6 +27,7 @@ mod pointer;
 mod preview;
 mod problem;
 mod requests;
+mod rooms;
 mod settings;
 mod sources;
 mod style;

@@ -8,6 +8,7 @@ use super::browser::TilePictures;
 use super::content::{Notice, OverlayContent};
 use super::fonts::Fallback;
 use super::requests::Request;
+use super::rooms::Rooms;
 use super::{
     assisted, bar, browser, corners, editor, files, hands, help, params, preview, problem, settings, sources,
     style, tracks, welcome,
@@ -133,8 +134,17 @@ fn show(
     if let Some(hands) = &content.corners {
         panels.extend(corners::show(context, screen, hands, requests));
     }
+    let mut rooms = Rooms::of(space, screen, content.picture);
     if let Some(next) = content.next {
-        preview::show(context, space, next, &mut kept.next);
+        let rect = preview::show(context, &rooms, next, &mut kept.next);
+        if rooms.is_desk {
+            rooms.below(rect);
+        }
+    }
+    let Rooms { main: space, mut side, is_desk } = rooms;
+    if is_desk {
+        // Below the picture and the next scene, along their left edge.
+        side.set_width(params::width(side.width() + 2.0 * style::MARGIN));
     }
     let mut left = space;
     if let Some(text) = content.corner {
@@ -144,13 +154,13 @@ fn show(
     let mut changed = false;
     let help = content.help.then(|| help::draw(&front, space));
     if let Some(sliders) = content.params.as_deref_mut().filter(|sliders| !sliders.is_empty()) {
-        let (rect, moved) = params::show(context, space, help, (sliders, content.learning), requests);
+        let (rect, moved) = params::show(context, side, help, (sliders, content.learning), requests);
         panels.push(rect);
         changed = moved;
         leave_beside(&mut left, rect);
     }
     if let Some(text) = content.editor {
-        let parts = editor::show(context, space, text, requests);
+        let parts = editor::show(context, &rooms, text, requests);
         let right = parts.first().map_or(left.left(), |rect| rect.right() + style::MARGIN);
         panels.extend(parts);
         left.min.x = right.min(left.right());

@@ -5,14 +5,13 @@ use std::sync::Arc;
 use egui::{Color32, Id, LayerId, Order, Rect, TextureHandle, TextureOptions, pos2, vec2};
 use image::RgbaImage;
 
+use super::rooms::Rooms;
 use super::{assisted, style};
 use crate::app::stage::NextScene;
 
 /// Width of the picture in points, and the share of the window that it may have.
 const WIDTH: f32 = 160.0;
 const SHARE: f32 = 0.3;
-/// Distance from the window's edges.
-const MARGIN: f32 = 10.0;
 /// Height of what shows the level.
 const LEVEL: f32 = 4.0;
 
@@ -39,23 +38,26 @@ fn pixels(image: &RgbaImage) -> egui::ColorImage {
     egui::ColorImage::from_rgba_unmultiplied(size, image.as_raw())
 }
 
-/// Draws it in the upper right corner of `space`.
-pub(super) fn show(context: &egui::Context, space: Rect, next: &NextScene, picture: &mut PreviewPicture) {
+/// Draws it in the upper right corner of the picture, or below a small one; returns where it is.
+pub(super) fn show(
+    context: &egui::Context,
+    rooms: &Rooms,
+    next: &NextScene,
+    picture: &mut PreviewPicture,
+) -> Rect {
     let painter = context.layer_painter(LayerId::new(Order::Background, Id::unique("next scene")));
-    let width = WIDTH.min(SHARE * space.width());
+    let (place, width) = rooms.small(WIDTH, SHARE);
     let font = style::proportional(style::SMALL_SIZE);
     let words = format!("next: {}", next.title);
     let name = style::line(&painter, &words, font, style::TEXT, width);
-    let place = Rect::from_min_size(
-        pos2(space.right() - MARGIN - width, space.top() + MARGIN),
-        vec2(width, width * 9.0 / 16.0),
-    );
+    let place = Rect::from_min_size(place, vec2(width, width * 9.0 / 16.0));
     let below = place.bottom() + 4.0;
     let bottom = below + name.size().y + 4.0 + LEVEL;
-    style::ground(&painter, Rect::from_min_max(place.min, pos2(place.right(), bottom)).expand(5.0));
+    let whole = Rect::from_min_max(place.min, pos2(place.right(), bottom)).expand(5.0);
+    style::ground(&painter, whole);
     if let Some(image) = &next.picture {
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(picture.of(context, image), place, whole, Color32::WHITE);
+        let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        painter.image(picture.of(context, image), place, all, Color32::WHITE);
     }
     let beat = pos2(place.right() - 5.0, below + 0.5 * name.size().y);
     painter.galley(pos2(place.left(), below), name, style::TEXT);
@@ -66,4 +68,5 @@ pub(super) fn show(context: &egui::Context, space: Rect, next: &NextScene, pictu
     let share = vec2(rail.width() * next.level.clamp(0.0, 1.0), rail.height());
     painter.rect_filled(Rect::from_min_size(rail.min, share), 1.0, style::ACCENT);
     assisted::text(context, "next scene", &words, true);
+    whole
 }

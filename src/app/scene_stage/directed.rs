@@ -230,24 +230,28 @@ impl SceneStage {
         let cast = self.on_stage.as_ref()?;
         let (stays, _) = self.stays(cast, time);
         let split = cast.resources.world().blended.unwrap_or(0);
+        let overruled = self.directed.entered.is_some_and(|(index, _)| self.directed.is_overruled(index));
+        let staged = stays.second.or(stays.first);
+        // The show goes on to turn a scene to which somebody came back, or which somebody keeps.
+        let stay = staged.filter(|_| !overruled && !self.directed.is_locked);
         let params = cast.sliders.iter().zip(&cast.knobs).filter(|(_, knob)| knob.place >= split);
         let params = params.map(|(slider, _)| Turned {
             name: &slider.name,
             value: slider.value,
             own: slider.default,
-            is_shown: slider.hand == Hand::Show,
+            is_shown: slider.hand == Hand::Show && stay.is_some(),
         });
         let source = match &cast.source {
             SceneSource::Blend(blend) => &blend.to.source,
             source => source,
         };
-        let overruled = self.directed.entered.is_some_and(|(index, _)| self.directed.is_overruled(index));
-        let stay = stays.second.or(stays.first).filter(|_| !overruled && !self.directed.is_locked);
+        let faded = self.fading.of_scene_with_song();
         Some(Performed {
             source,
-            camera: stay.and_then(|stay| stay.camera.as_deref()),
+            camera: staged.and_then(|stay| stay.camera.as_deref()),
             directed: stay.map(|stay| (stay.entrance, stay.start)),
-            faded: self.fading.of_scene_with_song(),
+            faded,
+            fades: faded.is_some() || (!self.fading.goes_on() && self.under_of_show(time).is_some()),
             params: params.collect(),
             moves: stay.map_or(&[], |stay| &stay.moves),
             hand: self.hand_at(time),

@@ -309,6 +309,11 @@ impl SceneStage {
         self.revision += 1;
     }
 
+    /// The show holds another picture than before: the last one.
+    pub(crate) fn hold_anew(&mut self) {
+        self.fading.hold_anew();
+    }
+
     /// Mixes this share of the picture that a show holds into what comes next, or none of it any more.
     pub(crate) fn mix_held(&mut self, share: Option<f32>) {
         if self.views.choice().is_none() {

@@ -135,6 +135,13 @@ impl Fading {
         }
     }
 
+    /// The show holds another picture than before: the last one that was drawn, in which the one before has its share.
+    pub(super) fn hold_anew(&mut self) {
+        if let State::Told(_, kept) = &mut self.state {
+            *kept = false;
+        }
+    }
+
     /// The next change takes this many seconds instead.
     pub(super) fn next_takes(&mut self, seconds: f64) {
         self.next = Some(Duration::try_from_secs_f64(seconds).unwrap_or_default());
@@ -348,6 +355,9 @@ mod tests {
         assert_eq!(fading.share_held(), 0.0);
         fading.tell(Some(0.25));
         assert_eq!(fading.step(begun(now, &at(4.0), true)), None, "no light of it is kept");
+        fading.state = State::Told(0.25, true);
+        fading.hold_anew();
+        assert_eq!(fading.state, State::Told(0.25, false), "the light of another picture is to be kept");
         fading.tell(None);
         assert!(!fading.goes_on());
     }

@@ -1,7 +1,10 @@
 //! A small picture of the scene that comes next, which is prepared already.
 //!
 //! It is drawn at the moment that shows. A scene whose tree of regions belongs to a moment is drawn at the moment of its
-//! first tree instead: a tree for each small picture would cost more than the picture.
+//! first tree at first, and then about once a second: a thread builds a tree for each such picture, unless that takes so
+//! long that the show would feel it. Then the picture stands still.
+
+use std::time::{Duration, Instant};
 
 use super::{Cast, SceneStage};
 use crate::app::scene_stage::hands::Stays;
@@ -10,8 +13,46 @@ use crate::gpu::error::GpuError;
 use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::renderer::{Renderer, Sketch};
 use crate::gpu::scene_program::Mode;
+use crate::gpu::scene_resources::CellUse;
 use crate::scenes::SceneSource;
 use mariana_music::{Features, Sound};
+
+/// How often a picture is drawn that needs a tree of its own.
+const TREE_EVERY: Duration = Duration::from_secs(1);
+/// How long such a tree may take.
+const TREE_PATIENCE: Duration = Duration::from_millis(150);
+
+/// What is known of trees for these pictures.
+#[derive(Default)]
+pub(super) struct Sketching {
+    /// The scene for which one was requested last, and when.
+    asked: Option<(u64, Instant)>,
+    /// The scene whose trees take too long.
+    too_dear: Option<u64>,
+}
+
+impl Sketching {
+    /// Whether a tree is to be requested for a scene now; then it is noted.
+    fn asks(&mut self, id: u64, now: Instant) -> bool {
+        let has_just =
+            self.asked.is_some_and(|(of, at)| of == id && now.saturating_duration_since(at) < TREE_EVERY);
+        let asks = !has_just && self.too_dear != Some(id);
+        if asks {
+            self.asked = Some((id, now));
+        }
+        asks
+    }
+}
+
+/// A frame of the scene that comes next.
+enum Next {
+    /// It can be drawn.
+    Now(Frame),
+    /// It is that of the scene's first tree, which is there.
+    First(Frame),
+    /// Its tree is needed first.
+    WithTree(Frame),
+}
 
 impl SceneStage {
     /// The title of the scene that comes next, once it is known.
@@ -39,23 +80,74 @@ impl SceneStage {
             return Ok(None);
         };
         let Some(program) = cast.program(mode).cloned() else { return Ok(None) };
-        let frame = self.frame_of_next(cast, mode, (time, sound), reader.size());
+        let (id, title) = (cast.id, cast.source.title());
+        let mut came = None;
+        while let Some((of, frame, regions)) = self.regions.sketched_tree() {
+            match regions {
+                Some(regions) if of == id => came = Some((frame, regions)),
+                Some(_) => {}
+                None => self.sketching.too_dear = Some(of),
+            }
+        }
+        let Some(cast) = self.ahead.rehearsed().find(|cast| cast.id == id) else { return Ok(None) };
+        let frame = match came {
+            Some((frame, regions)) => {
+                cast.resources.take_regions(regions);
+                frame
+            }
+            None => match self.frame_of_next(cast, mode, (time, sound), reader.size()) {
+                Next::Now(frame) => frame,
+                Next::First(frame) => {
+                    // The next one in a second.
+                    self.sketching.asked = Some((id, Instant::now()));
+                    frame
+                }
+                Next::WithTree(frame) => {
+                    if self.sketching.asks(id, Instant::now()) {
+                        self.regions.sketch_tree(id, &cast.resources, frame, TREE_PATIENCE);
+                    }
+                    return Ok(None);
+                }
+            },
+        };
         let sent = renderer.sketch(sketch, &frame, (&cast.resources, &program), reader)?;
-        Ok(sent.then(|| cast.source.title()))
+        Ok(sent.then_some(title))
     }
 
-    fn frame_of_next(&self, cast: &Cast, mode: Mode, (time, sound): (f64, Sound), size: (u32, u32)) -> Frame {
+    fn frame_of_next(&self, cast: &Cast, mode: Mode, (time, sound): (f64, Sound), size: (u32, u32)) -> Next {
         let world = cast.resources.world();
-        if world.steep || mode == Mode::Interpreted {
-            return Frame::new(world, 0.0, Features::SILENCE, size);
+        let needs_tree = world.steep || mode == Mode::Interpreted;
+        if needs_tree && self.sketching.asked.is_none_or(|(of, _)| of != cast.id) {
+            let first = Frame::new(world, 0.0, Features::SILENCE, size);
+            let request = cast.resources.region_request(&first);
+            if cast.resources.regions().is_some_and(|built| built.request == request) {
+                return Next::First(first);
+            }
         }
         // Without a tree it is right at any moment.
-        cast.resources.set_cells(false, mode);
+        let cells = needs_tree && (world.steep || self.regions.wish() != CellUse::Never);
+        cast.resources.set_cells(cells, mode);
         let params = self.numbers(cast, &Stays::default(), time);
-        Frame::with_params(world, time, sound, size, &params)
+        let frame = Frame::with_params(world, time, sound, size, &params);
+        if needs_tree { Next::WithTree(frame) } else { Next::Now(frame) }
     }
 }
 
 fn is_blend(source: &SceneSource) -> bool {
     matches!(source, SceneSource::Blend(_))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn trees_are_requested_once_a_second_and_not_again_where_they_take_too_long() {
+        let (mut sketching, now) = (Sketching::default(), Instant::now());
+        let at = |ms| now + Duration::from_millis(ms);
+        assert!(sketching.asks(7, at(0)) && !sketching.asks(7, at(900)) && sketching.asks(7, at(1_000)));
+        assert!(sketching.asks(8, at(1_100)), "another scene comes next");
+        sketching.too_dear = Some(8);
+        assert!(!sketching.asks(8, at(9_000)) && sketching.asks(7, at(9_100)));
+    }
 }

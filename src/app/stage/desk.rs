@@ -13,6 +13,7 @@ use crate::app::overlay::{Bar, OverlayContent, Panel, PanelSwitches, Tracks, Wel
 use crate::app::reports::Reports;
 use crate::app::scene_browser::SceneBrowser;
 use crate::app::settings_panel::SettingsPanel;
+use crate::placement::Area;
 use crate::scenes::SceneSource;
 use mariana_music::SongStructure;
 use mariana_player::{ListedTracks, LoudnessShape};
@@ -37,6 +38,8 @@ pub(in crate::app) struct Desk {
     pub(super) hands: Option<HandsPanel>,
     /// The corners of the picture, while they are moved.
     pub(super) corners: Option<CornerHands>,
+    /// The part of the window in which the picture lies small, beside the panels, if an output shows it.
+    pub(super) picture: Option<Area>,
     /// Whether nothing shows over the picture but what was asked for and what is wrong.
     pub(super) clean: bool,
     /// Whether only panels show that were opened since.
@@ -70,6 +73,7 @@ impl Desk {
             editor: None,
             hands: None,
             corners: None,
+            picture: None,
             clean,
             bare: false,
         }
@@ -105,6 +109,7 @@ impl Desk {
         content.learning = hands.learning_param(self.placed_scene.as_ref().map(|(scene, _)| scene));
         content.tracks = seen.tracks.as_deref().map(|list| Tracks { list, present: playing.place.0 });
         content.corners = self.corners;
+        content.picture = self.picture;
         content.hides_pointer =
             (self.is_quiet() || !seen.awake) && open.is_none() && content.params.is_none();
         if self.bare {

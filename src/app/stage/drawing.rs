@@ -83,7 +83,7 @@ impl Stage {
         let corner = self.corner_line(begun);
         let is_drawing = self.scene.is_drawing();
         let lay = Lay { placement, screen, is_held: held };
-        let area = lay.area_in(size);
+        let area = self.note_area(&lay, size);
         self.note_map(lay.map(&self.renderer, area));
         if let Some(hands) = &mut self.desk.corners {
             hands.set_area(area);
@@ -110,6 +110,7 @@ impl Stage {
             wallpaper: self.wallpaper.as_mut(),
             window: &self.window,
             size,
+            small: self.desk.picture,
         };
         let mut laid_out = Duration::ZERO;
         let (painted, painting) = canvas.show(&lay, new.is_some() || dims || has_words, |size| {
@@ -276,7 +277,7 @@ pub(super) fn paint_waiting(
     content: OverlayContent<'_>,
 ) -> Result<(), AppError> {
     let words = format!("Mariana is preparing {title}");
-    window.gl().clear_window(size)?;
+    window.gl().clear_window(size, [0.0; 3])?;
     overlay.paint(window.window(), size, OverlayContent { hint: Some(&words), ..content })?;
     window.swap()
 }

@@ -11,7 +11,6 @@ use crate::app::overlay::Panel;
 use crate::config::KnobEdit;
 use crate::export::print::tell;
 use crate::limits::LIMITS;
-use crate::scenes::SceneSource;
 use mariana_control::deed::{Deed, Given};
 use mariana_control::midi::{Outcome, Target};
 use mariana_control::{Heard, Present};
@@ -67,9 +66,9 @@ impl Stage {
         let (switches, levels) = (deeds::switches(self), deeds::levels(self));
         let tempo = self.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo);
         let scene = self.scene.name().unwrap_or_default();
-        if self.hands.wants_titles(&scene) {
-            let titles = self.numbered_scenes().iter().map(SceneSource::title).collect();
-            self.hands.note_titles(scene.clone(), titles);
+        if self.hands.wants_scenes(&scene) {
+            let scenes = self.numbered_scenes();
+            self.hands.note_scenes(scene.clone(), scenes);
         }
         let playing = self.reports.playing();
         let track = match &playing.artist {

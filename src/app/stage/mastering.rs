@@ -51,6 +51,10 @@ impl Stage {
         if was == is || self.masters.is_frozen() {
             return;
         }
+        let since = |picture: Picture| picture.held.map(|held| held.since);
+        if since(before) != since(shown) {
+            self.scene.hold_anew();
+        }
         match is {
             // It is held as it is.
             Some(1.0..) => self.scene.give_picture_up(),
@@ -66,6 +70,7 @@ impl Stage {
     /// Hides every word and panel until this is called again.
     pub(in crate::app) fn toggle_clean(&mut self) {
         self.desk.bare = !self.desk.bare;
+        self.window.window().request_redraw();
         if self.desk.bare {
             self.desk.panels = PanelSwitches::default();
             self.leave_panels();
@@ -119,6 +124,7 @@ impl Stage {
     /// Lets the corners be moved, or no longer.
     pub(super) fn show_corners(&mut self, open: bool) {
         self.desk.corners = open.then(|| CornerHands::new(self.choices.stage.corners));
+        self.window.window().request_redraw();
     }
 
     /// Moves a corner of the picture to a place of its screen, and remembers it once that is `settled`. A place at which

@@ -7,6 +7,7 @@ use winit::event::WindowEvent;
 use winit::window::Window;
 
 use super::Stage;
+use crate::app::desk_picture::{AROUND, is_within, small_in};
 use crate::app::error::AppError;
 use crate::app::monitors::Monitor;
 use crate::app::overlay::Painted;
@@ -68,6 +69,8 @@ pub(super) struct Canvas<'a> {
     pub(super) window: &'a GlWindowContext,
     /// The window's, in pixels.
     pub(super) size: (u32, u32),
+    /// The part of the window in which the picture lies small, on a ground that is no part of it.
+    pub(super) small: Option<Area>,
 }
 
 impl Canvas<'_> {
@@ -83,7 +86,7 @@ impl Canvas<'_> {
         paint: impl FnOnce((u32, u32)) -> Result<Painted, AppError>,
     ) -> Result<(Painted, Duration), AppError> {
         let begun = Instant::now();
-        let Self { renderer, wallpaper, window, size } = self;
+        let Self { renderer, wallpaper, window, size, small } = self;
         let mut painted = Painted::default();
         match wallpaper {
             Some(wallpaper) if wallpaper.hides_window() => {
@@ -106,7 +109,14 @@ impl Canvas<'_> {
                     lay.show_panel(renderer, size, panel)?;
                 }
             }
-            _ => lay.show(renderer, size, lay.area_in(size))?,
+            _ => match small {
+                Some(area) => {
+                    window.gl().clear_window(size, AROUND)?;
+                    let map = lay.map(renderer, area);
+                    renderer.show_in_part(size, area, &map, lay.placement.part())?;
+                }
+                None => lay.show(renderer, size, lay.area_in(size))?,
+            },
         }
         painted = paint(size)?;
         let painting = begun.elapsed();
@@ -170,6 +180,20 @@ impl Stage {
         if self.output.size() != was {
             self.window.window().request_redraw();
         }
+    }
+
+    /// Where in the window of `size` pixels the picture lies: as large as it can, or small beside the panels while an output
+    /// shows it. It is large there, too, while its corners are moved, and where nothing else is to be seen.
+    pub(super) fn note_area(&mut self, lay: &Lay, size: (u32, u32)) -> Area {
+        let is_small = self.output.size().is_some() && !self.desk.bare && self.desk.corners.is_none();
+        self.desk.picture = is_small.then(|| small_in(size, lay.screen));
+        self.desk.picture.unwrap_or_else(|| lay.area_in(size))
+    }
+
+    /// Whether what the pointer does at a place of the window, in pixels, is meant for the picture.
+    pub(super) fn is_for_picture(&self, place: (f64, f64)) -> bool {
+        let size = self.window.size().unwrap_or_default();
+        self.desk.picture.is_none_or(|area| is_within(area, size, place))
     }
 
     /// Moves the output to another monitor, or to none.

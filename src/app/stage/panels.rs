@@ -107,13 +107,7 @@ impl Stage {
         if !open {
             return;
         }
-        if self.thumbnails.is_none() {
-            let waker = self.waker.clone();
-            match Thumbnails::start(move || waker.wake()) {
-                Ok(thumbnails) => self.thumbnails = Some(thumbnails),
-                Err(error) => tracing::warn!("there are no pictures of scenes ({error})"),
-            }
-        }
+        self.look_for_thumbnails();
         let scenes = self.scene.all_sources();
         let favourites = self.listening.settings().favourite_scenes.clone();
         let browser = SceneBrowser::new(scenes, self.scene.shown_source(), favourites);
@@ -121,6 +115,35 @@ impl Stage {
             browser.ask_for_comments(thumbnails);
         }
         self.desk.browser = Some(browser);
+    }
+
+    /// Has something that finds pictures of scenes.
+    fn look_for_thumbnails(&mut self) {
+        if self.thumbnails.is_none() {
+            let waker = self.waker.clone();
+            match Thumbnails::start(move || waker.wake()) {
+                Ok(thumbnails) => self.thumbnails = Some(thumbnails),
+                Err(error) => tracing::warn!("there are no pictures of scenes ({error})"),
+            }
+        }
+    }
+
+    /// Gives what was found out about scenes to whoever looks at them, and asks for what phones want to see.
+    pub(super) fn update_thumbnails(&mut self) {
+        let wanted = self.hands.wanted_pictures();
+        if !wanted.is_empty() {
+            self.look_for_thumbnails();
+        }
+        let Some(thumbnails) = &mut self.thumbnails else { return };
+        if !wanted.is_empty() {
+            thumbnails.ask_for_pictures_later(wanted);
+        }
+        let found: Vec<_> = std::iter::from_fn(|| thumbnails.poll()).collect();
+        found.iter().for_each(|looked| self.hands.note_picture(looked));
+        if let Some(browser) = &mut self.desk.browser {
+            browser.set_present(self.scene.shown_source());
+            browser.take(found);
+        }
     }
 
     /// Does what was chosen in the list of scenes.

@@ -59,7 +59,17 @@ fn each_mistake_says_what_where_and_what_to_do() {
         ("at start x\nset a = b", "a number is expected here, not `b`", ""),
         ("at start x\nset picture brightness = 2", "2 is no share of a picture", "from 0 to 1"),
         ("at start x\nset picture freeze = 1 -> -1 over 1 s", "-1 is no share of a picture", "from 0 to 1"),
-        ("at start x\nset picture frieze = 1", "expected `=` and a value, found `frieze`", "picture freeze"),
+        (
+            "at start x\nset picture frieze = 1",
+            "there is no `frieze` in `set picture`",
+            "did you mean `freeze`",
+        ),
+        ("at start x\nset picture glow = 1", "there is no `glow` in `set picture`", "`brightness`, `freeze`"),
+        ("at start x\nset camera roll = 1", "there is no `roll` in `set camera`", "`yaw`, `pitch`, `zoom`"),
+        ("at start x\nset pictur freeze = 1", "there is no `pictur freeze`", "did you mean `picture freeze`"),
+        ("at start x\nset picture 3", "expected `=` and a value, found `3`", "set swell"),
+        ("at start x portal bal over 2 bars", "`bal` is no shape of a portal", "did you mean `ball`"),
+        ("at start x portal square over 2 bars", "`square` is no shape", "`ball`, `plane`, `shape`"),
         ("at 99999999 x", "no song takes more than 86400 s", ""),
     ];
     for (text, message, hint) in cases {
@@ -103,7 +113,7 @@ prop_compose! {
         ],
         offset in length(), before in any::<bool>(),
         scene in "[a-z_]{1,8}|[a-z]{1,4}[ /.][a-z]{1,4}", camera in proptest::option::of("[a-z]{1,8}"),
-        way in 0usize..5, shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, proptest::collection::vec((-9i16..9, length()), 0..4), length(), 0usize..6)),
+        (way, unfinished) in (0usize..5, any::<bool>()), shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, proptest::collection::vec((-9i16..9, length()), 0..4), length(), 0usize..6)),
     ) -> Entry {
         let value = |number: i16, name: usize| {
             let number = f32::from(number) / 8.0;
@@ -119,6 +129,7 @@ prop_compose! {
             way: *way,
             shape: if *way == Way::Portal { SHAPES[shape] } else { PortalShape::Ball },
             length: if *way == Way::Cut { Length::ZERO } else { over },
+            unfinished: unfinished && *way != Way::Cut,
         });
         let settings = swell.into_iter().map(|(from, steps, after, name)| Setting {
             param: CAMERA_TURNS.iter().chain(&PICTURE_NUMBERS).nth(name).copied().unwrap_or("swell").to_owned(),

@@ -189,6 +189,49 @@ fn a_picture_that_is_held_is_held_from_its_moment_on_while_scenes_change() {
 }
 
 #[test]
+fn a_picture_that_is_held_while_another_gives_way_keeps_that_one_s_share() {
+    let mut performance = Performance::default();
+    note_orb(&mut performance, 1.0, "orb", PLAIN_PICTURE);
+    performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
+    for (time, share) in [(2.0, 1.0), (2.0625, 0.75), (2.125, 0.5)] {
+        note_orb(&mut performance, time, "orb", [1.0, share]);
+    }
+    // Once with the song running, once while it rests, in the picture that is noted for another moment.
+    performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
+    note_orb(&mut performance, 3.0, "orb", [1.0, 1.0]);
+    note_orb(&mut performance, 8.0, "orb", [1.0, 0.25]);
+    performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
+    let text = print(&performance.script(), &[]);
+    let script = parse("performed.show", &text).script.unwrap();
+    let (plan, _) = resolve(&script, &SongStructure::default(), &[], |_, _| None);
+    let at = |time| -> Vec<(f64, f32)> {
+        plan.held_at(time).iter().map(|held| (held.since, held.share)).collect()
+    };
+    assert_eq!(at(2.0625), [(1.0, 0.75)], "{text}");
+    assert_eq!(at(2.5), [(2.125, 1.0), (1.0, 0.5)], "{text}");
+    assert_eq!(at(9.0), [(8.0, 1.0), (2.125, 0.25), (1.0, 0.5)], "{text}");
+}
+
+#[test]
+fn only_a_transition_that_broke_off_is_unfinished() {
+    let mut performance = Performance::default();
+    for (time, scene, start, seconds) in
+        [(1.0, "one", 1.0, 0.0), (3.0, "two", 2.0, 8.0), (7.0, "three", 6.0, 1.5), (9.0, "four", 7.5, 3.0)]
+    {
+        let entrance = if seconds > 0.0 { Entrance::new(Way::Fade, seconds) } else { Entrance::CUT };
+        let picture = Finish::NOTHING;
+        let params = Vec::new();
+        performance.note(
+            time,
+            &OnStage { scene, camera: None, entrance, start, params, moves: &[], turns: UNTURNED, picture },
+        );
+    }
+    let wanted = "at 0:01    one  cut\nat 0:02    two  fade over 8 s unfinished\nat 0:06    three  fade over 1.5 s\n\
+                  at 0:07.5  four  fade over 3 s\n";
+    assert_eq!(print(&performance.script(), &[]), wanted);
+}
+
+#[test]
 fn a_light_that_was_low_from_the_start_is_set_once() {
     let mut performance = Performance::default();
     for frame in 0..=60 {

@@ -21,6 +21,9 @@ pub enum PlaceError {
     /// Ports have other numbers.
     #[error("a port is a number from 1 to 65535")]
     NoPort,
+    /// Ports have other numbers, where [any free one](Place::parse) may be asked for.
+    #[error("a port is a number from 1 to 65535, or 0 for any that is free")]
+    NoPortNorAny,
 }
 
 /// This computer alone.
@@ -31,9 +34,9 @@ impl FromStr for Place {
 
     /// `9000` is that port of this computer, which no other can reach; `ADDRESS:9000` is the port of an address.
     fn from_str(text: &str) -> Result<Self, PlaceError> {
-        match Self::parse(text, LOOPBACK)? {
-            Self { port: 0, .. } => Err(PlaceError::NoPort),
-            place => Ok(place),
+        match Self::parse(text, LOOPBACK) {
+            Ok(Self { port: 0, .. }) | Err(PlaceError::NoPortNorAny) => Err(PlaceError::NoPort),
+            place => place,
         }
     }
 }
@@ -52,7 +55,7 @@ impl Place {
         if host.chars().any(|c| c.is_whitespace() || c.is_control() || c == '/') {
             return Err(PlaceError::Malformed);
         }
-        let port = port.parse().map_err(|_| PlaceError::NoPort)?;
+        let port = port.parse().map_err(|_| PlaceError::NoPortNorAny)?;
         Ok(Self { host: host.to_owned(), port })
     }
 
@@ -102,6 +105,15 @@ mod tests {
         let any = Place::parse("0", "0.0.0.0").unwrap();
         assert_eq!((any.to_string(), any.host()), ("0.0.0.0:0".to_owned(), "0.0.0.0"));
         assert_eq!("0".parse::<Place>(), Err(PlaceError::NoPort));
+    }
+
+    #[test]
+    fn a_port_that_is_too_large_is_told_from_where_0_may_be_asked_for() {
+        let told = |read: Result<Place, PlaceError>| read.unwrap_err().to_string();
+        assert!(
+            told(Place::parse("99999", "0.0.0.0")).ends_with("from 1 to 65535, or 0 for any that is free")
+        );
+        assert!(told("99999".parse()).ends_with("from 1 to 65535"));
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Which part of a shape decides about it at a point: of a union the nearest operand, and so on inwards.
+//! Which part of a shape decides about it at a point: of a union the nearest operand, also of one whose operands flow
+//! together, and so on inwards.
 
 use crate::graph::{FrameInputs, Graph, GraphError, Node, NodeId, Op, Order, Point};
 
@@ -65,12 +66,28 @@ impl<'a> Deciding<'a> {
             Node::Unary(Op::Neg, a) => Some(a),
             Node::Binary(Op::Min, a, b) => Some(if value(a) <= value(b) { a } else { b }),
             Node::Binary(Op::Max, a, b) => Some(if value(a) >= value(b) { a } else { b }),
-            Node::Binary(Op::Add | Op::Sub | Op::Mul | Op::Div, a, b) => match (of_point(a), of_point(b)) {
-                (true, false) => Some(a),
-                (false, true) => Some(b),
-                _ => None,
-            },
+            Node::Binary(op @ (Op::Add | Op::Sub | Op::Mul | Op::Div), a, b) => {
+                match (of_point(a), of_point(b)) {
+                    (true, false) => Some(a),
+                    (false, true) => Some(b),
+                    // Parts that flow together: the nearest, and what is between them taken off or added.
+                    (true, true) if matches!(op, Op::Add | Op::Sub) => {
+                        match (self.is_choice(a), self.is_choice(b)) {
+                            (true, false) => Some(a),
+                            (false, true) => Some(b),
+                            _ => None,
+                        }
+                    }
+                    _ => None,
+                }
+            }
             _ => None,
         }
+    }
+
+    /// Whether a value is one of two that both depend on the point.
+    fn is_choice(&self, id: NodeId) -> bool {
+        let of_point = |id: NodeId| self.of_point[id.index()];
+        matches!(self.graph.node(id), Node::Binary(Op::Min | Op::Max, a, b) if of_point(a) && of_point(b))
     }
 }

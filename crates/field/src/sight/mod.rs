@@ -15,7 +15,7 @@ use std::collections::HashMap;
 
 pub use deciding::Deciding;
 pub use portrait::portrait;
-pub use survey::{ObjectShare, Part, Survey, SurveyOptions};
+pub use survey::{ObjectShare, Part, PartShare, Survey, SurveyOptions};
 
 use crate::graph::{FrameInputs, NodeId};
 use crate::lang::TextPlace;

@@ -1,8 +1,10 @@
 //! A survey of a picture: rays on a coarse grid, which part of the scene each meets, and what they cost.
 
+use std::cmp::Reverse;
 use std::collections::HashMap;
+use std::ops::Range;
 
-use super::{Deciding, Ray, Sight};
+use super::{Deciding, Ray, Sight, Traced};
 use crate::graph::NodeId;
 use crate::lang::TextPlace;
 
@@ -54,6 +56,37 @@ pub struct ObjectShare {
     pub run: u64,
     /// Where it is declared.
     pub place: Option<TextPlace>,
+    /// Its parts that rays end on, the dearest first: each is what one expression makes, with its file and bytes.
+    pub parts: Vec<PartShare>,
+}
+
+/// What a part of an object costs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PartShare {
+    /// The file and the bytes of the expression that makes it.
+    pub written: (usize, Range<usize>),
+    /// Rays that end on it.
+    pub rays: u32,
+    /// How often the distance was evaluated for these.
+    pub evaluations: u64,
+    /// Clauses that were run for these evaluations.
+    pub run: u64,
+}
+
+impl ObjectShare {
+    /// Counts a ray that ends on the part that an expression makes.
+    fn count_part(&mut self, written: (usize, Range<usize>), traced: &Traced) {
+        let known = self.parts.iter().position(|part| part.written == written);
+        let place = known.unwrap_or(self.parts.len());
+        if known.is_none() {
+            self.parts.push(PartShare { written, rays: 0, evaluations: 0, run: 0 });
+        }
+        if let Some(part) = self.parts.get_mut(place) {
+            part.rays += 1;
+            part.evaluations += u64::from(traced.evaluations);
+            part.run += traced.clauses;
+        }
+    }
 }
 
 impl Survey {
@@ -108,6 +141,10 @@ impl Survey {
                     object.run += traced.clauses;
                 }
                 let path = sight.path(&hit, deciding.get(hit.object).and_then(Option::as_ref));
+                let written = path.last().and_then(|node| scene.origins.written_at(*node));
+                if let Some((object, written)) = survey.objects.get_mut(hit.object).zip(written) {
+                    object.count_part(written, &traced);
+                }
                 let next = survey.parts.len() as u16;
                 let part = *known.entry((hit.object, path)).or_insert_with_key(|(object, path)| {
                     if next == u16::MAX - 1 {
@@ -118,6 +155,9 @@ impl Survey {
                 });
                 survey.cells.push(part + 1);
             }
+        }
+        for object in &mut survey.objects {
+            object.parts.sort_by_key(|part| Reverse(part.run));
         }
         Some(survey)
     }

@@ -193,10 +193,49 @@ fn a_survey_counts_rays_and_clauses_by_object() {
         of_pair.len() == 2 && of_pair.iter().any(|lines| lines.contains(&6) && !lines.contains(&7)),
         "{of_pair:?}"
     );
+    // And so are their costs.
+    let [floor, ball, pair] = &survey.objects[..] else { panic!("{:?}", survey.objects) };
+    assert_eq!([floor, ball].map(|object| object.parts.len()), [1, 1]);
+    let written: Vec<&str> = pair.parts.iter().map(|part| &KNOWN[part.written.1.clone()]).collect();
+    assert!(written.len() == 2 && written.contains(&"box(p - vec3(3, 0, 5), vec3(0.5))"), "{written:?}");
+    assert_eq!(pair.rays, pair.parts.iter().map(|part| part.rays).sum::<u32>());
+    assert_eq!(pair.run, pair.parts.iter().map(|part| part.run).sum::<u64>());
+    assert!(pair.parts[0].run >= pair.parts[1].run && pair.parts[1].rays > 0, "{:?}", pair.parts);
     // Right in the middle is the ball, and above it the sky.
     let at = |row: usize| survey.cells[row * 48 + 24];
     let ball = survey.parts.iter().position(|part| part.object == 1).unwrap() as u16 + 1;
     assert_eq!((at(17), at(0)), (ball, 0));
+}
+
+#[test]
+fn parts_that_flow_together_are_told_apart_by_the_nearer_one() {
+    let text = "object one { shape = smooth_union(\n  box(p - vec3(1.5, 0, 5), vec3(1)),\n  \
+                sphere(p - vec3(-1.5, 0, 5), 1),\n  sphere(p - vec3(0, 1.5, 5), 0.5), 0.8) }\n\
+                object dented { shape = smooth_subtract(box(p - vec3(0, -4, 5), vec3(1)),\n  \
+                sphere(p - vec3(0, -4, 4), 0.6), 0.1) }\n\
+                let q = abs(p - vec3(0, 4, 5)) - 1\n\
+                object by_hand { shape = length(max(q, vec3(0))) + min(max(q.x, q.y, q.z), 0) }";
+    let world = world_of(text);
+    let written = |to: [f32; 3]| {
+        with_sight(&world, 0.0, true, |sight| {
+            let hit = sight.trace(&ray([0.0; 3], to)).hit.unwrap_or_else(|| panic!("nothing towards {to:?}"));
+            let deciding = Deciding::new(&world.scene.graph, world.scene.objects[hit.object].shape).unwrap();
+            let path = sight.path(&hit, Some(&deciding));
+            let known = path.iter().rev().find_map(|node| world.scene.origins.written_at(*node));
+            text[known.unwrap_or_else(|| panic!("nothing is known of {to:?}")).1].to_owned()
+        })
+    };
+    for (to, words) in [
+        ([1.5, 0.0, 5.0], "box(p - vec3(1.5, 0, 5), vec3(1))"),
+        ([-1.5, 0.0, 5.0], "sphere(p - vec3(-1.5, 0, 5), 1)"),
+        ([0.0, 1.5, 5.0], "sphere(p - vec3(0, 1.5, 5), 0.5)"),
+        ([0.8, -4.0, 4.0], "box(p - vec3(0, -4, 5), vec3(1))"),
+        ([0.0, -4.0, 4.5], "sphere(p - vec3(0, -4, 4), 0.6)"),
+        // A sum of which one part chooses among numbers is no union.
+        ([0.0, 4.0, 5.0], "length(max(q, vec3(0))) + min(max(q.x, q.y, q.z), 0)"),
+    ] {
+        assert_eq!(written(to), words, "{to:?}");
+    }
 }
 
 #[test]

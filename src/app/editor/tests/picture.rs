@@ -129,6 +129,29 @@ fn the_dearest_object_is_told_first() {
     assert_eq!(line_of_cursor(&desk), 6);
 }
 
+#[test]
+fn lines_that_make_parts_of_an_object_are_told_with_it() {
+    let text = "object two { shape = smooth_union(sphere(p - vec3(1, 0, 0), 0.8),\n  \
+                sphere(p + vec3(1, 0, 0), 0.8), sphere(p + vec3(1, 1, 0), 0.5),\n  0.3) }\n\
+                object one { shape = union(sphere(p - vec3(0, 2, 0), 0.4), sphere(p + vec3(0, 2, 0), 0.4)) }\n\
+                camera { position = vec3(0, 0, -6)  target = vec3(0) }\n";
+    let mut desk = Desk::new(text.as_bytes());
+    assert!(desk.load());
+    desk.ctrl("k");
+    let survey = surveyed(&scenery_of(desk.source()));
+    desk.editor.take_answer_about_the_picture(Answer::Survey(desk.source(), survey.into()));
+    let (_, objects) = desk.editor.profile().unwrap();
+    let named = |name: &str| objects.iter().find(|object| object.name == name).unwrap();
+    let parts = desk.editor.parts_of(named("two"));
+    let mut lines: Vec<usize> = parts.iter().map(|(line, ..)| *line).collect();
+    assert!(parts[0].2.run >= parts[1].2.run, "{parts:?}");
+    assert_eq!(named("two").run, parts.iter().map(|(_, _, part)| part.run).sum::<u64>());
+    lines.sort_unstable();
+    assert_eq!(lines, [1, 2], "{parts:?}");
+    // Both balls of the other one stand on one line.
+    assert!(named("one").parts.len() == 2 && desk.editor.parts_of(named("one")).is_empty());
+}
+
 /// What the effects of a hand were: how often the text was read, and the values that went into the frame.
 fn turned(desk: &mut Desk) -> (usize, Vec<Vec<f32>>) {
     let (mut reads, mut all) = (0, Vec::new());

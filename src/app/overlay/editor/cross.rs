@@ -43,9 +43,11 @@ pub(super) fn show(
     let Some(middle) = seen(place).filter(|at| screen.contains(*at) && !hidden.contains(*at)) else {
         return Vec::new();
     };
-    // As long as it is seen from everywhere.
+    // As long as it is seen from everywhere, however small the picture is.
     let depth = (place - camera.position).dot(camera.forward);
     let length = f64::from(ARM / (0.5 * screen.height())) * depth * camera.tan_half.1;
+    let upwards = seen(place + length * camera.up).map_or(ARM, |tip| (tip - middle).length());
+    let length = length * f64::from(ARM / upwards.max(1.0));
     let way = |along: DVec3| seen(place + length * along).map(|tip| (tip - middle, length * along));
     let plane: Vec<_> = [camera.right, camera.up].into_iter().filter_map(way).collect();
     let mut handles = vec![Handle { name: "middle", at: middle, ways: plane }];
