@@ -9,9 +9,9 @@
 //! (`gpu::tiles`), and each pass is cut so that no part takes longer than a quarter of a second. In the window a
 //! picture takes as many goes as it needs. Between two goes the show handles its keys, and the previous picture
 //! stays. A picture that would take far too long is begun again with fewer pixels. The first tree of a scene is built
-//! before it comes onto the stage, and the previous scene stays until the first picture is finished: if either takes
-//! more than `picture_seconds_max`, the new scene is refused with the reason why it is expensive. Most pictures are
-//! one part; in parts they are the same bit for bit.
+//! before it comes onto the stage, but for an edit of what is there, and the previous scene stays until the first
+//! picture is finished: if either takes more than `picture_seconds_max`, the new scene is refused with the reason why it
+//! is expensive. Most pictures are one part; in parts they are the same bit for bit.
 
 use std::cell::Cell;
 use std::time::Duration;
