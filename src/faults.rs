@@ -1,4 +1,4 @@
-//! Faults that tests cause: failures of drivers, at a moment that a test chooses.
+//! Faults that tests cause: failures of drivers and what takes too long, at a moment that a test chooses.
 //!
 //! In builds with debug assertions the variable `MARIANA_FAULT` names a fault and after how many seconds it strikes,
 //! `context-lost@3`; most strike once. In other builds none of this is compiled.

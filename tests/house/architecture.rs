@@ -101,6 +101,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "thumbnails",
             "system_fonts",
             "ending",
+            "faults",
             "limits",
             "placement",
             "sending",
