@@ -26,7 +26,7 @@ pub enum Fault {
     SlowInterpreter,
     /// The driver compiles a long program for an hour.
     EndlessCompiler,
-    /// The first tree of regions of a changed text takes longer than anyone waits.
+    /// The first tree of regions of a changed text takes longer than anyone waits, and that of the last text did not.
     SlowTree,
 }
 

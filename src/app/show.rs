@@ -246,7 +246,7 @@ impl Show {
                 }
             }
             self.stage.follow_editor();
-            if redraws || self.stage.scene.is_drawing() {
+            if redraws || self.stage.is_to_be_continued() {
                 self.draw()?;
             }
         }
