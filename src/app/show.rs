@@ -246,7 +246,7 @@ impl Show {
                 }
             }
             self.stage.follow_editor();
-            if redraws || self.stage.is_to_be_continued() {
+            if redraws || self.stage.scene.is_drawing() {
                 self.draw()?;
             }
         }

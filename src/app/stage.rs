@@ -86,8 +86,6 @@ pub(super) struct Stage {
     recording: Recording,
     hands: Hands,
     input: UserInput,
-    /// Whether the last picture that was wanted waits for its tree.
-    awaits_tree: bool,
     /// Whether nothing of the window can be seen.
     occluded: bool,
     pointer_rest: PointerRest,

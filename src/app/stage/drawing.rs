@@ -64,7 +64,6 @@ impl Stage {
             let picture = WantedPicture { moment, sound, size: drawn, aspect, level, runs };
             let drawn = self.scene.draw(&mut self.renderer, picture);
             new = self.without_room_smaller(drawn)?;
-            self.awaits_tree = new.is_none() && !self.scene.is_drawing();
             if new.is_none() {
                 self.weigh_picture(level, begun);
             }
@@ -142,12 +141,6 @@ impl Stage {
             self.listening.follow_wish();
         }
         Ok(first)
-    }
-
-    /// Whether there is more to be drawn of what the window was last drawn for: a part of a picture, or a picture whose
-    /// tree has come. Asking the window for another redraw would take a detour of some milliseconds.
-    pub(in crate::app) fn is_to_be_continued(&self) -> bool {
-        self.scene.is_drawing() || (self.awaits_tree && self.scene.has_regions())
     }
 
     /// Says in a window without a picture what is being prepared: an unpainted window looks broken.

@@ -174,7 +174,6 @@ impl Opening<'_> {
             recording: Recording::new(PerformanceFiles::of_user()),
             hands: Hands::start(&settings.hands, waker),
             input: UserInput::default(),
-            awaits_tree: false,
             occluded: false,
             pointer_rest: PointerRest::default(),
             requests: Vec::new(),
