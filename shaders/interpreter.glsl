@@ -3,8 +3,9 @@
 // `crates/field/src/tape/interpreter.rs`, which writes operators.glsl.
 //
 // A texel holds two clauses, each followed by its immediate, which a compound reads besides its two registers. The
-// second clause of the last texel is END, with the registers of two results in its bytes 2 and 3. At the start the registers hold x, y, z and the normal; for a
-// region's tape, the place of the normal's x holds the distance beyond which a surface casts no shadow.
+// second clause of the last texel is END, with the registers of two results in its bytes 2 and 3; it assigns the first
+// one to itself. At the start the registers hold x, y, z and the normal; for a region's tape, the place of the normal's x
+// holds the distance beyond which a surface casts no shadow.
 //
 // There are two loops over clauses. EVERY_CASE is for renderers that never skip a branch: both clauses of a texel stand
 // one after the other, and rare operators, which stand only in the second place, are computed between runs of texels,
@@ -28,13 +29,10 @@ float count_surface_clauses = 0.0;  // those of materials and light
 #define BYTE(word, place) ((word >> (8 * place)) & 255u)
 #define HAS(word, place, bit) ((word & (1u << (8 * place + bit))) != 0u)
 
-bool a_is_immediate(uint word) {
+// Whether an operand is the immediate, by the form of the clause: its byte says so where registers are at most 128.
+bool form_is_immediate(uint word, const int place) {
     // LOAD has the number 2.
-    return (word & 192u) == 192u || (word & 255u) == 2u;
-}
-
-bool b_is_immediate(uint word) {
-    return (word & 192u) == 128u;
+    return place == 2 ? (word & 192u) == 192u || (word & 255u) == 2u : (word & 192u) == 128u;
 }
 
 // The operator's number without the form of its operands; numbers below 16 are not operators.
@@ -54,11 +52,6 @@ int operator_number(uint word) {
 #define CLAUSE_PLACE bool
 #endif
 
-// The register that a clause writes. END assigns the register in its byte 2 to itself.
-uint written_register(uint word, CLAUSE_PLACE last) {
-    return last && (word & 255u) == 0u ? BYTE(word, 2) : BYTE(word, 1);
-}
-
 // Before a run, a GPU's compiler is told that nothing of a file is kept from the last one: else its registers would be
 // held all the while between runs. A processor keeps them in memory, where clearing costs time.
 #ifdef EVERY_CASE
@@ -72,12 +65,11 @@ uint written_register(uint word, CLAUSE_PLACE last) {
 float region_file[REGION_REGISTERS];
 
 // Runs a clause; with EVERY_CASE except for rare operators, which run_region computes from their operands a and b.
-void region_clause(uint word, uint immediate, CLAUSE_PLACE last, out float a, out float b) {
-    a = a_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 2);
-    b = b_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 3);
+void region_clause(uint word, uint immediate, out float a, out float b) {
+    a = REGION_OPERAND(word, 2, immediate);
+    b = REGION_OPERAND(word, 3, immediate);
     float r = region_common(word, a, b, uintBitsToFloat(immediate));
-    uint at = written_register(word, last);
-    REGION_WRITE(at, r);
+    REGION_WRITE(BYTE(word, 1), r);
 }
 
 // The results of a region's tape at a point: bound and estimate, or an object.
@@ -92,12 +84,14 @@ vec2 run_region(int first, vec3 p, float penumbra) {
     float a;
     float b;
 #ifdef EVERY_CASE
+    // llvmpipe needs a second way out of the loop: without one, what the first lanes to end have read is lost.
+    int end = first + TEXELS_MAX;
     for (int round = 0; round < TEXELS_MAX; ++round) {
-        for (int i = 0; i < TEXELS_MAX; ++i) {
+        while (texel < end) {
             words = texelFetch(regions, texel++);
             COUNT_CLAUSES(clauses, 2.0);
-            region_clause(words.x, words.y, false, a, b);
-            region_clause(words.z, words.w, true, a, b);
+            region_clause(words.x, words.y, a, b);
+            region_clause(words.z, words.w, a, b);
             if ((words.z & 255u) == 0u || region_is_rare(operator_number(words.z))) break;
         }
         if ((words.z & 255u) == 0u) break;
@@ -109,7 +103,7 @@ vec2 run_region(int first, vec3 p, float penumbra) {
         bool last = (i & 1) != 0;
         if (last) { words.xy = words.zw; } else { words = texelFetch(regions, texel++); }
         COUNT_CLAUSES(clauses, 1.0);
-        region_clause(words.x, words.y, last, a, b);
+        region_clause(words.x, words.y, a, b);
         if (last && (words.x & 255u) == 0u) break;
     }
 #endif
@@ -130,14 +124,13 @@ float sampled[4 * SAMPLES];
 // Like region_clause.
 void tape_clause(uint word, uint immediate, CLAUSE_PLACE last, vec3 p, vec3 n, out float a, out float b) {
     int number = operator_number(word);
-    a = a_is_immediate(word) ? uintBitsToFloat(immediate) : READ(word, 2);
-    b = b_is_immediate(word) ? uintBitsToFloat(immediate) : READ(word, 3);
+    a = OPERAND(word, 2, immediate);
+    b = OPERAND(word, 3, immediate);
     float r = tape_common(word, a, b, uintBitsToFloat(immediate));
 #ifdef INPUT_CLAUSES
     r = number == 8 ? p.x : number == 9 ? p.y : number == 10 ? p.z : r;
     r = number == 11 ? n.x : number == 12 ? n.y : number == 13 ? n.z : r;
 #endif
-    uint at = written_register(word, last);
 #if MEMORY > 0
     if (last) {
         uint place = (word >> 16) & uint(MEMORY - 1);
@@ -151,7 +144,7 @@ void tape_clause(uint word, uint immediate, CLAUSE_PLACE last, vec3 p, vec3 n, o
 #if SAMPLES > 0
     if (last && number == TEXTURE) r = sampled[min(immediate, uint(4 * SAMPLES - 1))];
 #endif
-    WRITE(at, r);
+    WRITE(BYTE(word, 1), r);
 }
 
 // Runs a tape at a point. The results stay in their registers; the first two are returned.
@@ -168,8 +161,10 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
     float a;
     float b;
 #ifdef EVERY_CASE
+    // llvmpipe needs a second way out of the loop: without one, what the first lanes to end have read is lost.
+    int end = first + TEXELS_MAX;
     for (int round = 0; round < TEXELS_MAX; ++round) {
-        for (int i = 0; i < TEXELS_MAX; ++i) {
+        while (texel < end) {
             words = texelFetch(tape, texel++);
             COUNT_CLAUSES(surface_clauses, 2.0);
             tape_clause(words.x, words.y, false, p, n, a, b);

@@ -13,8 +13,8 @@
 
 use super::program::{Arg, Form, Program, Step, refill};
 use crate::graph::{Compound, Compounds, Operation, Uses, Values};
-use crate::tape::interpreter::is_rare;
-use crate::tape::{Instruction, opcode};
+use crate::tape::interpreter::{IMMEDIATE, is_rare};
+use crate::tape::opcode;
 
 /// Most registers of a region's tape.
 pub(super) const REGISTERS_MAX: usize = 256;
@@ -183,7 +183,8 @@ impl Encoder {
             };
             highest = highest.max(usize::from(output) + 1);
             self.register[clause.at as usize] = output;
-            let (a, b) = (a * u8::from(clause.reads[0]), b * u8::from(clause.reads[1]));
+            let a = if clause.reads[0] { a } else { IMMEDIATE };
+            let b = if clause.reads[1] { b } else { IMMEDIATE };
             let word = u32::from_le_bytes([clause.opcode, output, a, b]);
             self.write(word, clause.number, clause.rare, &mut half);
         }
@@ -203,7 +204,7 @@ impl Encoder {
                     None => {
                         let output = free.take()?;
                         highest = highest.max(usize::from(output) + 1);
-                        let load = Instruction::Load { output, entry: 0 }.encode().word();
+                        let load = u32::from_le_bytes([opcode::LOAD, output, IMMEDIATE, 0]);
                         self.write(load, number, false, &mut half);
                         numbers.push((number.to_bits(), output));
                         output
@@ -318,7 +319,7 @@ impl Encoder {
     }
 
     fn end(&mut self, [first, second]: [u8; 2], half: bool) {
-        let end = u32::from_le_bytes([opcode::END, 0, first, second]);
+        let end = u32::from_le_bytes([opcode::END, first, first, second]);
         match self.texels.last_mut() {
             Some(last) if half => last[2] = end,
             _ => self.texels.push([0, 0, end, 0]),

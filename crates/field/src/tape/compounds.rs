@@ -1,7 +1,7 @@
 //! Compounds in a tape whose registers are allocated already.
 
 use super::allocate::PAGE;
-use super::interpreter::is_second;
+use super::interpreter::{IMMEDIATE, is_second};
 use super::{Instruction, Operand, Tape};
 use crate::graph::{Arg, Compounds, Found, Operation, Values};
 
@@ -46,6 +46,7 @@ impl RunClauses {
         for (word, instruction) in tape.run_clauses() {
             let number = |entry: u8| table.get(page + usize::from(entry)).copied().unwrap_or(0.0);
             let (mut immediate, mut operation) = (0, None);
+            let mut bytes = word.to_le_bytes();
             let output = match instruction {
                 Instruction::End => continue,
                 Instruction::Page(number) => {
@@ -64,6 +65,7 @@ impl RunClauses {
                 }
                 Instruction::Load { output, entry } => {
                     immediate = number(entry).to_bits();
+                    bytes[2] = IMMEDIATE;
                     Some(output)
                 }
                 Instruction::Store { register, .. } => {
@@ -77,10 +79,11 @@ impl RunClauses {
                     Some(output)
                 }
                 Instruction::Binary { op, output, a, b } => {
-                    let [a, b] = [a, b].map(|operand| match operand {
+                    let [a, b] = [(2, a), (3, b)].map(|(place, operand)| match operand {
                         Operand::Register(register) => Arg::Value(run.read(register)),
                         Operand::Immediate(entry) => {
                             immediate = number(entry).to_bits();
+                            bytes[place] = IMMEDIATE;
                             Arg::Number(number(entry))
                         }
                     });
@@ -92,7 +95,7 @@ impl RunClauses {
                 run.held[usize::from(output)] = run.uses.len() as u32;
             }
             run.uses.push(0);
-            let second = is_second(instruction);
+            let (word, second) = (u32::from_le_bytes(bytes), is_second(instruction));
             run.clauses.push(Clause { word, immediate, second, output, operation, absorbed: false });
         }
         run

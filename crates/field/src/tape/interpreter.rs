@@ -1,7 +1,7 @@
 //! The input of the interpreter in `shaders/interpreter.glsl`: tapes as texels, and the text of a variant.
 //!
 //! **Texels.** [`Tape::append_texels`] writes two clauses into a texel, each followed by its immediate: the number,
-//! as float bits, of the operand that is an entry of the tape's table. The shader therefore needs no pages and no
+//! as float bits, of the operand that is an entry of the tape's table; [`IMMEDIATE`] stands in the operand's place. The shader therefore needs no pages and no
 //! table, and LOAD means register := immediate. The immediate of a TEXTURE is four times the number of its texture
 //! plus its channel; the clause reads what was sampled before. Inputs of the point are left out if the interpreter
 //! starts with them in the right registers. A first clause that is 0 does nothing. The last texel's second clause is
@@ -36,6 +36,11 @@ use super::{Instruction, Tape, opcode};
 use crate::graph::{Compound, Compounds, Op, Properties, Uses};
 use crate::limits::LIMITS;
 
+/// In a texel, the place of an operand that is the clause's immediate. It has a bit that the number of a register has
+/// only where there are more than [`REGISTERS_WITHOUT_BIT`], so that the operand's byte alone says what it is.
+pub(crate) const IMMEDIATE: u8 = 0x80;
+/// Most registers of which none has a number with that bit.
+pub(super) const REGISTERS_WITHOUT_BIT: usize = IMMEDIATE as usize;
 /// A number that no rule knows.
 const TYPICAL: f32 = 0.618_034;
 
@@ -65,7 +70,7 @@ impl Tape {
         }
         let [word, its] = first.unwrap_or_default();
         let output = |place: usize| self.outputs().get(place).copied().unwrap_or(0);
-        texels.push([word, its, u32::from_le_bytes([opcode::END, 0, output(0), output(1)]), 0]);
+        texels.push([word, its, u32::from_le_bytes([opcode::END, output(0), output(0), output(1)]), 0]);
     }
 
     /// The compounds that pay in these tapes, whatever the numbers of their tables are.
@@ -118,7 +123,7 @@ pub struct Variant {
     pub operators: BTreeSet<Op>,
     /// Compounds that the text contains.
     pub compounds: Compounds,
-    /// Registers, 8 to 256: a power of two, or where every case is computed a multiple of four up to 16.
+    /// Registers, 8 to 256: a power of two, or where every case is computed a multiple of two up to 20.
     pub registers: usize,
     /// Memory in values: 0 or a power of two.
     pub memory: usize,
@@ -232,7 +237,7 @@ impl Variant {
         let selected_max = if self.every_case { select::SELECTED_MAX } else { SELECTED_BY_GPUS_MAX };
         for (names, count) in [(("REGION_", "region_file"), region_registers), (("", "tape_file"), registers)]
         {
-            select::write_registers(text, names, count, count <= selected_max);
+            select::write_registers(text, names, count, (count <= selected_max, self.every_case));
         }
         // A texel may hold only one clause.
         let _ = writeln!(text, "const int TEXELS_MAX = {};", LIMITS.tape_clauses_max + 1);

@@ -5,18 +5,22 @@
 //! half the instructions of n comparisons with as many selections. llvmpipe reads an array that is indexed by a variable
 //! lane by lane, and writes it with a branch for each lane: some sixty instructions, where a selected register of a file
 //! of twelve takes two for each of them.
+//!
+//! Selections are written with `mix`: of nested `?:` Mesa makes branches, so that llvmpipe computes a mask of lanes for
+//! each of them. Compilers for GPUs make selections of branches where that pays.
 
 use std::fmt::Write as _;
 
+use super::interpreter::{IMMEDIATE, REGISTERS_WITHOUT_BIT};
 use crate::graph::FIRST_BINARY;
 
 /// Most registers that are variables. More are an array.
-pub(super) const SELECTED_MAX: usize = 16;
+pub(super) const SELECTED_MAX: usize = 20;
 
-/// The number of registers in a variant whose tapes need this many: a multiple of four where registers are variables,
+/// The number of registers in a variant whose tapes need this many: a multiple of two where registers are variables,
 /// else a power of two, so that few variants serve many scenes.
 pub(crate) fn rounded_registers(needed: usize) -> usize {
-    if needed <= SELECTED_MAX { needed.next_multiple_of(4) } else { needed.next_power_of_two() }
+    if needed <= SELECTED_MAX { needed.next_multiple_of(2) } else { needed.next_power_of_two() }
 }
 
 /// Defines how the registers of `file` are read and written: `NAMEREAD(word, place)` is that of a byte of a clause's
@@ -25,19 +29,31 @@ pub(super) fn write_registers(
     text: &mut String,
     (name, file): (&str, &str),
     count: usize,
-    as_variables: bool,
+    (as_variables, every_case): (bool, bool),
 ) {
     let (read, put) = if as_variables {
         let last_bit = count.next_power_of_two().trailing_zeros();
         let put: Vec<String> =
-            (0..count).map(|i| format!("{file}[{i}] = (at) == {i}u ? (value) : {file}[{i}]")).collect();
+            (0..count).map(|i| format!("{file}[{i}] = mix({file}[{i}], (value), (at) == {i}u)")).collect();
         (register(file, count, 0, last_bit), put.join("; "))
     } else {
         let mask = count - 1;
         (format!("{file}[BYTE(word, place) & {mask}u]"), format!("{file}[(at) & {mask}u] = (value)"))
     };
+    let is_immediate = if count <= REGISTERS_WITHOUT_BIT {
+        format!("HAS(word, place, {})", IMMEDIATE.trailing_zeros())
+    } else {
+        "form_is_immediate(word, place)".to_owned()
+    };
     // Writing to a String cannot fail.
     let _ = writeln!(text, "#define {name}READ(word, place) ({read})\n#define {name}WRITE(at, value) {put}");
+    let (number, register) = ("uintBitsToFloat(immediate)", format!("{name}READ(word, place)"));
+    let operand = if every_case {
+        format!("mix({register}, {number}, {is_immediate})")
+    } else {
+        format!("({is_immediate} ? {number} : {register})")
+    };
+    let _ = writeln!(text, "#define {name}OPERAND(word, place, immediate) {operand}");
 }
 
 /// The register whose number begins with that of `first`, above its lowest `bits` bits.
@@ -47,7 +63,7 @@ fn register(file: &str, count: usize, first: usize, bits: u32) -> String {
     if middle >= count {
         return low;
     }
-    format!("(HAS(word, place, {bit}) ? {} : {low})", register(file, count, middle, bit))
+    format!("mix({low}, {}, HAS(word, place, {bit}))", register(file, count, middle, bit))
 }
 
 /// The expression for the operator of `word` among `cases`, of which there is one at least: numbers in rising order, with
@@ -56,7 +72,7 @@ pub(super) fn operator(cases: &[(u8, String)]) -> String {
     let split = cases.partition_point(|(number, _)| *number < FIRST_BINARY);
     let (unary, binary) = cases.split_at(split);
     match (by_bits(unary, 5), by_bits(binary, 5)) {
-        (Some(unary), Some(binary)) => format!("((word & 192u) != 0u ? {binary} : {unary})"),
+        (Some(unary), Some(binary)) => format!("mix({unary}, {binary}, (word & 192u) != 0u)"),
         (one, other) => one.or(other).unwrap_or_else(|| "a".to_owned()),
     }
 }
@@ -70,7 +86,7 @@ fn by_bits(cases: &[(u8, String)], bit: u32) -> Option<String> {
     let (zeros, ones) = cases.split_at(split);
     let below = bit.saturating_sub(1);
     match (by_bits(zeros, below), by_bits(ones, below)) {
-        (Some(zeros), Some(ones)) => Some(format!("(HAS(word, 0, {bit}) ? {ones} : {zeros})")),
+        (Some(zeros), Some(ones)) => Some(format!("mix({zeros}, {ones}, HAS(word, 0, {bit}))")),
         (one, other) => one.or(other),
     }
 }
@@ -79,12 +95,21 @@ fn by_bits(cases: &[(u8, String)], bit: u32) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// The value of an expression of `HAS(word, place, bit)` and selections, for a word.
+    /// The value of an expression of `mix(zero, one, condition)` with `HAS(word, place, bit)`, for a word.
     fn value_of(expression: &str, word: u32) -> &str {
-        let Some(inner) = expression.strip_prefix('(') else { return expression };
+        let Some(inner) = expression.strip_prefix("mix(") else { return expression };
         let inner = inner.strip_suffix(')').unwrap();
-        let (test, rest) = inner.split_once(" ? ").unwrap();
-        let is_set = match test.strip_prefix("HAS(word, ") {
+        let mut depth = 0;
+        let commas: Vec<usize> = inner
+            .char_indices()
+            .filter(|(_, letter)| {
+                depth += i32::from(*letter == '(') - i32::from(*letter == ')');
+                *letter == ',' && depth == 0
+            })
+            .map(|(at, _)| at)
+            .collect();
+        let [first, second] = commas[..] else { panic!("{expression}") };
+        let is_set = match inner[second + 1..].trim().strip_prefix("HAS(word, ") {
             Some(at) => {
                 let (place, bit) = at.trim_end_matches(')').split_once(", ").unwrap();
                 let place = if place == "place" { 0 } else { place.parse::<u32>().unwrap() };
@@ -92,29 +117,38 @@ mod tests {
             }
             None => word & 192 != 0,
         };
-        // The colon of this selection is the first outside of brackets.
-        let mut depth = 0;
-        let is_colon = |(_, letter): &(usize, char)| {
-            depth += i32::from(*letter == '(') - i32::from(*letter == ')');
-            *letter == ':' && depth == 0
-        };
-        let (colon, _) = rest.char_indices().find(is_colon).unwrap();
-        value_of(if is_set { rest[..colon].trim() } else { rest[colon + 1..].trim() }, word)
+        value_of(if is_set { inner[first + 1..second].trim() } else { inner[..first].trim() }, word)
     }
 
     #[test]
     fn each_register_is_selected_by_its_number() {
-        for count in [4, 8, 12, 16] {
+        for count in [4, 8, 10, 12, 16, 20] {
             let mut text = String::new();
-            write_registers(&mut text, ("", "file"), count, true);
-            let (read, written) = text.split_once('\n').unwrap();
-            let read = read.strip_prefix("#define READ(word, place) ").unwrap();
-            let read = read.strip_prefix('(').unwrap().strip_suffix(')').unwrap();
+            write_registers(&mut text, ("", "file"), count, (true, true));
+            let [read, written, operand] = text.lines().collect::<Vec<_>>()[..] else { panic!("{text}") };
+            let read = read.strip_prefix("#define READ(word, place) (").unwrap();
+            let read = read.strip_suffix(')').unwrap();
             for number in 0..count {
                 assert_eq!(value_of(read, number as u32), format!("file[{number}]"), "{count}");
-                assert!(written.contains(&format!("file[{number}] = (at) == {number}u ? (value)")));
+                assert!(
+                    written.contains(&format!(
+                        "file[{number}] = mix(file[{number}], (value), (at) == {number}u)"
+                    ))
+                );
             }
-            assert_eq!(written.matches("? (value)").count(), count);
+            assert_eq!(written.matches("(value)").count(), count);
+            assert!(
+                operand.ends_with("mix(READ(word, place), uintBitsToFloat(immediate), HAS(word, place, 7))")
+            );
+        }
+    }
+
+    #[test]
+    fn with_more_registers_than_the_bit_of_immediates_allows_the_form_tells_them() {
+        for (count, by_form) in [(128, false), (256, true)] {
+            let mut text = String::new();
+            write_registers(&mut text, ("", "file"), count, (false, true));
+            assert_eq!(text.contains("form_is_immediate"), by_form, "{count}");
         }
     }
 
@@ -135,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn few_registers_are_a_multiple_of_four_and_many_a_power_of_two() {
-        assert_eq!([1, 4, 5, 9, 16, 17, 33].map(rounded_registers), [4, 4, 8, 12, 16, 32, 64]);
+    fn few_registers_are_a_multiple_of_two_and_many_a_power_of_two() {
+        assert_eq!([1, 4, 5, 9, 16, 17, 21, 33].map(rounded_registers), [2, 4, 6, 10, 16, 18, 32, 64]);
     }
 }

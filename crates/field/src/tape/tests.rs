@@ -76,8 +76,9 @@ fn words_are_those_of_the_module_s_table() {
     let pairs = [
         [expected[2], 0, expected[3], 0],
         [expected[4], 0, expected[5], 0],
-        [expected[6], one, expected[7], half],
-        [expected[8], 0, 0x00_01_00_00, 0],
+        // Immediates have the bit 0x80 in the place of their entry.
+        [0x80_01_00_81, one, 0x01_80_01_C1, half],
+        [expected[8], 0, 0x00_01_01_00, 0],
     ];
     assert_eq!(texels, pairs);
     let op = Op::Less;
@@ -440,9 +441,9 @@ fn glsl_is_written_from_the_operators() {
     let values: String =
         cases.iter().map(|(number, value)| format!("    float v{number} = ({value});\n")).collect();
     // END and LOAD, whose numbers are 0 and 2, give the first operand.
-    let unary = "(HAS(word, 0, 4) ? (HAS(word, 0, 0) ? v25 : v24) : (HAS(word, 0, 1) ? a : a))";
-    let binary = "(HAS(word, 0, 2) ? v69 : (HAS(word, 0, 0) ? v65 : v64))";
-    let selection = format!("{values}    r = ((word & 192u) != 0u ? {binary} : {unary});\n");
+    let unary = "mix(mix(a, a, HAS(word, 0, 1)), mix(v24, v25, HAS(word, 0, 0)), HAS(word, 0, 4))";
+    let binary = "mix(mix(v64, v65, HAS(word, 0, 0)), v69, HAS(word, 0, 2))";
+    let selection = format!("{values}    r = mix({unary}, {binary}, (word & 192u) != 0u);\n");
     for (every_case, expected) in [(false, search), (true, selection)] {
         let text = interpreter::Variant::of([&tape], every_case).text(&tape.operators(), Compounds::NONE, 8);
         assert_eq!(text.matches(&expected).count(), 2, "for materials and for regions: {text}");
