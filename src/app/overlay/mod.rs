@@ -42,6 +42,7 @@ use std::time::Instant;
 use egui::accesskit::TreeUpdate;
 use egui::{ClippedPrimitive, CursorIcon, Event, PlatformOutput, RawInput, Rect, Vec2};
 use egui_glow::Painter;
+use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event::WindowEvent;
 use winit::window::Window;
 
@@ -70,6 +71,8 @@ pub struct Overlay {
     painter: Option<Painter>,
     pointer: Pointer,
     pointer_shown: bool,
+    /// Where letters are typed, as the system was told, in pixels.
+    typed_at: Option<Rect>,
     shown: Option<Shown>,
     /// Whether assistive technology is told what there is.
     assisted: bool,
@@ -115,6 +118,7 @@ impl Overlay {
             painter: None,
             pointer: Pointer::default(),
             pointer_shown: true,
+            typed_at: None,
             shown: None,
             assisted: false,
         }
@@ -235,6 +239,8 @@ impl Overlay {
             output.platform_output.cursor_icon = CursorIcon::None;
         }
         self.pointer_shown = !content.hides_pointer;
+        let typed_at = output.platform_output.ime.take().map(|ime| ime.cursor_rect * output.pixels_per_point);
+        self.place_input_method(window, typed_at);
         self.input.handle_platform_output(window, output.platform_output);
 
         let mut textures = output.textures_delta;
@@ -267,6 +273,17 @@ impl Overlay {
             changes_at: own.into_iter().chain(fades).chain(goes).chain(answer).min(),
         });
         Ok(Painted { params_changed: laid_out.params_changed, requests: laid_out.requests, controls })
+    }
+
+    /// Tells the system where letters are typed, in pixels: an input method shows its proposals there. Whether it is
+    /// asked at all is the editor's business (`app::stage::editing`).
+    fn place_input_method(&mut self, window: &Window, at: Option<Rect>) {
+        if let Some(rect) = at.filter(|rect| rect.is_finite() && self.typed_at != at) {
+            let place = PhysicalPosition::new(rect.left(), rect.top());
+            window
+                .set_ime_cursor_area(place, PhysicalSize::new(rect.width().max(1.0), rect.height().max(1.0)));
+            self.typed_at = at;
+        }
     }
 
     /// Shows the pointer over the picture, or hides it.

@@ -1,5 +1,6 @@
 //! The panels as a user meets them, in an imaginary window.
 
+use std::fs;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
@@ -11,13 +12,17 @@ use super::{
     Bar, Notice, NowPlaying, OverlayContent, Panel, Problem, Request, SettingRequest, Slider, SourceList,
     TrackRequest, Tracks, style,
 };
+use crate::app::editor::Editor;
 use crate::app::keys::Action;
 use crate::app::settings_panel::SettingsPanel;
 use crate::config::{Choices, QualityChoice};
+use crate::documents::KeptTexts;
+use crate::scenes::{Drafts, SceneSource};
 use crate::system_fonts::SystemFonts;
 use crate::system_fonts::tiny_font::{TinyFont, folder_of};
 use mariana_control::Hand;
 use mariana_player::{ListedTrack, ListedTracks};
+use mariana_testing::process::wait_until;
 
 mod hands;
 
@@ -529,4 +534,33 @@ fn songs_had_no_level_beside_the_sign_of_what_is_heard() {
     };
     assert_eq!(lit(0.0), 0.0);
     assert!(lit(0.5) > 5.0 && (lit(1.0) - 2.0 * lit(0.5)).abs() < 1e-3, "{} {}", lit(0.5), lit(1.0));
+}
+
+#[test]
+fn an_input_method_did_not_know_where_letters_are_typed() {
+    let (folder, waker) = (tempfile::tempdir().unwrap(), channel().0);
+    let (kept, file) = (KeptTexts::in_folder(folder.path()), folder.path().join("own.scene"));
+    fs::write(&file, "object ball { shape = sphere(p, 1) }").unwrap();
+    let mut editor =
+        Editor::start(Drafts::default(), kept, move || waker.send(()).unwrap_or_default()).unwrap();
+    editor.show_scene(&SceneSource::File(file));
+    let mut stage = Stage::new(SCREEN);
+    let mut typed_at = |editor: &Editor| {
+        let laid_out = stage.frame(vec![], OverlayContent { editor: Some(editor), ..Default::default() });
+        laid_out.output.platform_output.ime.map(|ime| ime.cursor_rect)
+    };
+    assert_eq!(typed_at(&editor), None, "keys are the show's");
+    editor.set_focus(true);
+    wait_until("the text", || {
+        editor.update();
+        editor.document().is_some_and(|document| document.disk.is_some())
+    });
+    let before = typed_at(&editor).unwrap();
+    editor.type_text("abc");
+    let after = typed_at(&editor).unwrap();
+    assert!(after.left() > before.left() + 3.0 && after.top() == before.top(), "{before:?} {after:?}");
+    assert!(
+        after.height() > 5.0 && Rect::from_min_size(Pos2::ZERO, SCREEN).contains_rect(after),
+        "{after:?}"
+    );
 }

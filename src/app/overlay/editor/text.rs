@@ -3,10 +3,11 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use egui::output::IMEOutput;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
-    Color32, CursorIcon, FontId, Galley, Id, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui,
-    Vec2, pos2, vec2,
+    Color32, CursorIcon, FontId, Galley, IMEPurpose, Id, Painter, Pos2, Rect, Response, Sense, Stroke,
+    StrokeKind, Ui, Vec2, pos2, vec2,
 };
 use mariana_editing::{Buffer, TripleKind, TurnSpeed, cells, column_of, offset_of};
 use mariana_field::lang::WordKind;
@@ -316,6 +317,15 @@ fn draw_cursor(painter: &Painter, page: &Page, document: &Document, focused: boo
     if rect.left() >= page.rect.left() - 1.0 {
         let color = if focused { style::TEXT } else { style::AHEAD };
         painter.vline(rect.left(), rect.y_range(), Stroke::new(1.6, color));
+    }
+    if focused {
+        // An input method shows beside it what its letters may become.
+        let cursor_rect = rect.intersect(page.rect);
+        let (purpose, should_interrupt_composition) = (IMEPurpose::Normal, false);
+        painter.ctx().output_mut(|output| {
+            output.ime =
+                Some(IMEOutput { purpose, rect: page.rect, cursor_rect, should_interrupt_composition });
+        });
     }
 }
 
