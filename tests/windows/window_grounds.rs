@@ -120,7 +120,8 @@ fn a_wallpaper_says_that_its_compositor_has_gone() {
     compositor.kill();
     let (status, told) = show.wait_for_end();
     assert_eq!(status.code(), Some(1), "{told}");
-    assert!(told.ends_with(DISPLAY_LOST), "{told}");
+    // The wall's thread may note that it hears no more a moment later.
+    assert_eq!(told.matches(DISPLAY_LOST).count(), 1, "{told}");
 }
 
 #[test]
