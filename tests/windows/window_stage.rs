@@ -130,9 +130,10 @@ fn the_picture_is_mirrored_cropped_and_pulled_at_its_corners() {
 
 #[test]
 fn the_scene_that_comes_next_moves_on_the_desk_though_it_is_interpreted() {
+    // No two moments have the same colour.
     let place = Place::new(&[
         ("a.scene", "vec3(0.5, 0.01, 0.01)"),
-        ("b.scene", "vec3(0.01, 0.01, 0.5 + 0.1 * sin(t))"),
+        ("b.scene", "vec3(0.01, 0.01, 0.35 + 0.008 * t)"),
     ]);
     let settings = place.path(".config/mariana/settings.toml");
     std::fs::create_dir_all(settings.parent().unwrap()).unwrap();
@@ -155,8 +156,8 @@ fn the_scene_that_comes_next_moves_on_the_desk_though_it_is_interpreted() {
 
 #[test]
 fn the_desk_shows_the_scene_that_comes_next_where_it_costs_no_picture() {
-    let red = "vec3(0.5 + 0.1 * sin(t), 0.01, 0.01)";
-    let blue = "vec3(0.01, 0.01, 0.5 + 0.1 * sin(t))";
+    let red = "vec3(0.35 + 0.008 * t, 0.01, 0.01)";
+    let blue = "vec3(0.01, 0.01, 0.35 + 0.008 * t)";
     let place = Place::new(&[("a.scene", red), ("b.scene", blue)]);
     let settings = place.path(".config/mariana/settings.toml");
     std::fs::create_dir_all(settings.parent().unwrap()).unwrap();

@@ -123,6 +123,11 @@ impl Stage {
 
     /// Lets the corners be moved, or no longer.
     pub(super) fn show_corners(&mut self, open: bool) {
+        if !open && self.desk.corners.is_some() {
+            // One may still be held.
+            let corners = self.choices.stage.corners;
+            self.choose(move |choices| choices.stage.corners = corners);
+        }
         self.desk.corners = open.then(|| CornerHands::new(self.choices.stage.corners));
         self.window.window().request_redraw();
     }
