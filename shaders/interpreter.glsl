@@ -161,7 +161,6 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
     float a;
     float b;
 #ifdef EVERY_CASE
-    // llvmpipe needs a second way out of the loop: without one, what the first lanes to end have read is lost.
     int end = first + TEXELS_MAX;
     for (int round = 0; round < TEXELS_MAX; ++round) {
         while (texel < end) {

@@ -129,6 +129,33 @@ fn the_picture_is_mirrored_cropped_and_pulled_at_its_corners() {
 }
 
 #[test]
+fn a_corner_that_was_held_when_its_panel_closed_was_forgotten() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let is_pulled = |picture: &RgbaImage| is_black(at(picture, 0.1, 0.05));
+    let app = place.open("two.scene", &[]);
+    wait_for(&app, "the picture", |picture| is_red(at(picture, 0.1, 0.1)));
+    app.press(&["y"]);
+    wait_for(&app, "what says how", |picture| !is_red(at(picture, 0.4, 0.5)));
+    let move_to = |x: &str, y: &str| {
+        app.xdotool(&["mousemove", "--window", app.window(), x, y]);
+        std::thread::sleep(Duration::from_millis(200));
+    };
+    move_to("10", "10");
+    wait_for(&app, "the corner under the pointer", |picture| at(picture, 0.02, 0.02)[2] > 150);
+    app.xdotool(&["mousedown", "1"]);
+    move_to("10", "10");
+    move_to("70", "30");
+    move_to("130", "50");
+    wait_for(&app, "the corner", is_pulled);
+    app.press(&["y"]);
+    quit(app);
+    place.desktop.command("xdotool").args(["mouseup", "1"]).status().unwrap();
+    let app = place.open("two.scene", &[]);
+    wait_for(&app, "the corner", is_pulled);
+    quit(app);
+}
+
+#[test]
 fn the_scene_that_comes_next_moves_on_the_desk_though_it_is_interpreted() {
     // No two moments have the same colour.
     let place = Place::new(&[

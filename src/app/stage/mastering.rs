@@ -125,8 +125,7 @@ impl Stage {
     pub(super) fn show_corners(&mut self, open: bool) {
         if !open && self.desk.corners.is_some() {
             // One may still be held.
-            let corners = self.choices.stage.corners;
-            self.choose(move |choices| choices.stage.corners = corners);
+            self.remember_corners();
         }
         self.desk.corners = open.then(|| CornerHands::new(self.choices.stage.corners));
         self.window.window().request_redraw();
@@ -145,10 +144,15 @@ impl Stage {
             hands.take(corner, corners);
         }
         if settled {
-            self.choose(move |choices| choices.stage.corners = corners);
+            self.remember_corners();
         }
         self.output.look_different();
         self.window.window().request_redraw();
+    }
+
+    fn remember_corners(&mut self) {
+        let corners = self.choices.stage.corners;
+        self.choose(move |choices| choices.stage.corners = corners);
     }
 
     /// Does what a key asks of the corners, while they are moved. Returns whether it was one of theirs.

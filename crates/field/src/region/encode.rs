@@ -13,7 +13,7 @@
 
 use super::program::{Arg, Form, Program, Step, refill};
 use crate::graph::{Compound, Compounds, Operation, Uses, Values};
-use crate::tape::interpreter::{IMMEDIATE, is_rare};
+use crate::tape::interpreter::{IMMEDIATE, end_of, is_rare};
 use crate::tape::opcode;
 
 /// Most registers of a region's tape.
@@ -318,8 +318,8 @@ impl Encoder {
         *half = !*half;
     }
 
-    fn end(&mut self, [first, second]: [u8; 2], half: bool) {
-        let end = u32::from_le_bytes([opcode::END, first, first, second]);
+    fn end(&mut self, outputs: [u8; 2], half: bool) {
+        let end = end_of(outputs);
         match self.texels.last_mut() {
             Some(last) if half => last[2] = end,
             _ => self.texels.push([0, 0, end, 0]),

@@ -85,7 +85,7 @@ pub struct RegionVariant {
     pub operators: BTreeSet<Op>,
     /// The compounds that may occur.
     pub compounds: Compounds,
-    /// Registers: a multiple of two up to 20, or a power of two up to 256. GPUs round up to powers of two.
+    /// Registers, up to 256: what [`rounded_registers`] gives. GPUs round up to powers of two.
     pub registers: usize,
     /// Whether rays need the cells' bounds of the gradient.
     pub steep: bool,

@@ -1,8 +1,8 @@
 //! The input of the interpreter in `shaders/interpreter.glsl`: tapes as texels, and the text of a variant.
 //!
 //! **Texels.** [`Tape::append_texels`] writes two clauses into a texel, each followed by its immediate: the number,
-//! as float bits, of the operand that is an entry of the tape's table; [`IMMEDIATE`] stands in the operand's place. The shader therefore needs no pages and no
-//! table, and LOAD means register := immediate. The immediate of a TEXTURE is four times the number of its texture
+//! as float bits, of the operand that is an entry of the tape's table; [`IMMEDIATE`] stands in the operand's place. The
+//! shader therefore needs no pages and no table, and LOAD means register := immediate. The immediate of a TEXTURE is four times the number of its texture
 //! plus its channel; the clause reads what was sampled before. Inputs of the point are left out if the interpreter
 //! starts with them in the right registers. A first clause that is 0 does nothing. The last texel's second clause is
 //! END, with the registers of the first two outputs in its bytes 2 and 3. Rare operators ([`is_rare`]) come second in
@@ -46,12 +46,15 @@ const TYPICAL: f32 = 0.618_034;
 
 /// Numbers that are no operators and give their first operand.
 const KEPT: [u8; 2] = [opcode::END, opcode::LOAD];
-/// On GPUs, registers are variables where there are no more than this.
-const SELECTED_BY_GPUS_MAX: usize = 8;
 
 /// Whether an operator costs several times an addition: those stand second in a texel.
 pub const fn is_rare(op: Op) -> bool {
     op.properties().has(Properties::DEAR)
+}
+
+/// The clause END of a tape with the first two of its results in these registers: it assigns the first to itself.
+pub(crate) fn end_of([first, second]: [u8; 2]) -> u32 {
+    u32::from_le_bytes([opcode::END, first, first, second])
 }
 
 impl Tape {
@@ -70,7 +73,7 @@ impl Tape {
         }
         let [word, its] = first.unwrap_or_default();
         let output = |place: usize| self.outputs().get(place).copied().unwrap_or(0);
-        texels.push([word, its, u32::from_le_bytes([opcode::END, output(0), output(0), output(1)]), 0]);
+        texels.push([word, its, end_of([output(0), output(1)]), 0]);
     }
 
     /// The compounds that pay in these tapes, whatever the numbers of their tables are.
@@ -123,7 +126,7 @@ pub struct Variant {
     pub operators: BTreeSet<Op>,
     /// Compounds that the text contains.
     pub compounds: Compounds,
-    /// Registers, 8 to 256: a power of two, or where every case is computed a multiple of two up to 20.
+    /// Registers, 8 to 256: a power of two, or where every case is computed what [`rounded_registers`] gives.
     pub registers: usize,
     /// Memory in values: 0 or a power of two.
     pub memory: usize,
@@ -234,10 +237,9 @@ impl Variant {
         for (name, _) in flags.iter().filter(|(_, set)| *set) {
             let _ = writeln!(text, "#define {name}");
         }
-        let selected_max = if self.every_case { select::SELECTED_MAX } else { SELECTED_BY_GPUS_MAX };
         for (names, count) in [(("REGION_", "region_file"), region_registers), (("", "tape_file"), registers)]
         {
-            select::write_registers(text, names, count, (count <= selected_max, self.every_case));
+            select::write_registers(text, names, count, self.every_case);
         }
         // A texel may hold only one clause.
         let _ = writeln!(text, "const int TEXELS_MAX = {};", LIMITS.tape_clauses_max + 1);

@@ -14,8 +14,10 @@ use std::fmt::Write as _;
 use super::interpreter::{IMMEDIATE, REGISTERS_WITHOUT_BIT};
 use crate::graph::FIRST_BINARY;
 
-/// Most registers that are variables. More are an array.
-pub(super) const SELECTED_MAX: usize = 20;
+/// Most registers that are variables where every case is computed. More are an array.
+const SELECTED_MAX: usize = 20;
+/// The same on GPUs.
+const SELECTED_BY_GPUS_MAX: usize = 8;
 
 /// The number of registers in a variant whose tapes need this many: a multiple of two where registers are variables,
 /// else a power of two, so that few variants serve many scenes.
@@ -25,13 +27,9 @@ pub(crate) fn rounded_registers(needed: usize) -> usize {
 
 /// Defines how the registers of `file` are read and written: `NAMEREAD(word, place)` is that of a byte of a clause's
 /// word, `NAMEWRITE(at, value)` puts a value into one.
-pub(super) fn write_registers(
-    text: &mut String,
-    (name, file): (&str, &str),
-    count: usize,
-    (as_variables, every_case): (bool, bool),
-) {
-    let (read, put) = if as_variables {
+pub(super) fn write_registers(text: &mut String, (name, file): (&str, &str), count: usize, every_case: bool) {
+    let selected_max = if every_case { SELECTED_MAX } else { SELECTED_BY_GPUS_MAX };
+    let (read, put) = if count <= selected_max {
         let last_bit = count.next_power_of_two().trailing_zeros();
         let put: Vec<String> =
             (0..count).map(|i| format!("{file}[{i}] = mix({file}[{i}], (value), (at) == {i}u)")).collect();
@@ -124,7 +122,7 @@ mod tests {
     fn each_register_is_selected_by_its_number() {
         for count in [4, 8, 10, 12, 16, 20] {
             let mut text = String::new();
-            write_registers(&mut text, ("", "file"), count, (true, true));
+            write_registers(&mut text, ("", "file"), count, true);
             let [read, written, operand] = text.lines().collect::<Vec<_>>()[..] else { panic!("{text}") };
             let read = read.strip_prefix("#define READ(word, place) (").unwrap();
             let read = read.strip_suffix(')').unwrap();
@@ -147,7 +145,7 @@ mod tests {
     fn with_more_registers_than_the_bit_of_immediates_allows_the_form_tells_them() {
         for (count, by_form) in [(128, false), (256, true)] {
             let mut text = String::new();
-            write_registers(&mut text, ("", "file"), count, (false, true));
+            write_registers(&mut text, ("", "file"), count, true);
             assert_eq!(text.contains("form_is_immediate"), by_form, "{count}");
         }
     }
