@@ -27,7 +27,8 @@ layout(std140) uniform FrameBlock {
 layout(std140) uniform PassBlock {
     vec4 pass_sample;       // z 0 for each pixel's first sample, at its centre; 1 for a further one, xy from the centre, w
                             // its number from 0; 2 for those of the pixels in edge_pixels, side by side
-    vec4 pass_list;         // xy size of a block in texels: one texel for each sample of a pixel
+    vec4 pass_list;         // xy size of a block in texels: one texel for each sample of a pixel; z radius of the beam
+                            // around each sample's ray, in half widths of a pixel
     vec4 pass_places[8];    // xy and zw: places of samples from their pixel's centre
 };
 

@@ -1,6 +1,6 @@
 // The place in the picture to which a sample belongs.
 
-uniform usampler2D edge_pixels;     // the pixel of each block of samples
+uniform usampler2D edge_pixels;     // the pixel of each block of samples, and the bits of how far its beam is free
 
 // The number of a texel among the further samples of its block.
 int block_sample() {
@@ -15,12 +15,22 @@ float sample_number() {
     return 1.0 + (pass_sample.z > 1.5 ? float(block_sample()) : pass_sample.w);
 }
 
+uvec4 listed_pixel() {
+    return texelFetch(edge_pixels, ivec2(gl_FragCoord.xy) / ivec2(pass_list.xy), 0);
+}
+
 // In pixels from the picture's lower left corner.
 vec2 sample_place() {
     if (pass_sample.z < 0.5) return gl_FragCoord.xy;
     if (pass_sample.z < 1.5) return gl_FragCoord.xy + pass_sample.xy;
-    ivec2 square = ivec2(gl_FragCoord.xy) / ivec2(pass_list.xy);
     int number = block_sample();
     vec4 pair = pass_places[number >> 1];
-    return vec2(texelFetch(edge_pixels, square, 0).xy) + 0.5 + ((number & 1) == 0 ? pair.xy : pair.zw);
+    return vec2(listed_pixel().xy) + 0.5 + ((number & 1) == 0 ? pair.xy : pair.zw);
+}
+
+// Bits of where the ray of this sample begins (sphere_tracing.glsl).
+uint sample_start() {
+    if (pass_sample.z < 1.5) return 0u;
+    uvec2 halves = listed_pixel().zw;
+    return (halves.x << 16) | halves.y;
 }

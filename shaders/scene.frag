@@ -37,6 +37,16 @@ float spread_at(float nearness) {
     return clamp(picture_lens.x * (picture_lens.y - nearness) / (2.0 * camera_position.w), -limit, limit);
 }
 #endif
+#if defined(BEAMS) && !defined(VIEWS)
+// How far the pixel's beam is free. The last of the outputs (src/gpu/renderer.rs).
+#if defined(COUNT_EVALUATIONS)
+layout(location = 4) out float sample_beam;
+#elif defined(LENS)
+layout(location = 2) out float sample_beam;
+#else
+layout(location = 1) out float sample_beam;
+#endif
+#endif
 // 1 / distance of the first surface, along the camera's axis.
 float seen_nearness = 0.0;
 
@@ -203,11 +213,21 @@ void main() {
     scene_load();
     vec2 place = 2.0 * sample_place() * viewport.zw - 1.0;
     vec3 direction = normalize(camera_forward.xyz + place.x * camera_right.xyz + place.y * camera_up.xyz);
+#ifdef BEAMS
+    beam_spread = pass_list.z * camera_position.w;
+    uint start = sample_start();
+    ray_start = uintBitsToFloat(start & ~STEPS_BITS);
+    ray_steps = int(start & STEPS_BITS);
+#endif
     vec3 color = scene_color(camera_position.xyz, direction);
 #ifdef VIEWS
     sample_color = vec4(light_of(view_color(direction)), 1.0);
 #else
     sample_color = stored_sample(color, surface_key + seen_rough, pass_sample.z > 0.5);
+#ifdef BEAMS
+    // Its last bits are those of the steps.
+    sample_beam = uintBitsToFloat((floatBitsToUint(beam_free) & ~STEPS_BITS) | uint(min(beam_steps, int(STEPS_BITS))));
+#endif
 #endif
 #if defined(LENS) && !defined(COUNT_EVALUATIONS)
     sample_spread = spread_at(seen_nearness);

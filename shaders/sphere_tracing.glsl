@@ -43,6 +43,38 @@ Hit trace_planes(vec3 origin, vec3 direction, float start) {
     return hit;
 }
 
+// On llvmpipe, further samples of a pixel do not begin at the eye: its first ray knows how far all of the pixel's rays,
+// its beam, are free of surfaces. At a distance t they are within a radius of the first one. Where no surface is nearer
+// than twice that, the free ball around a step holds the whole beam and meets the ball of the step before. (A GPU would
+// hold one more register during all of the shading, which takes away waves; its pictures have fewer pixels at edges.)
+#ifdef SOFTWARE
+#define BEAMS
+#endif
+#ifdef BEAMS
+// How many radii a cell's bound must have to carry a beam. Where it has fewer, the distance may have more.
+const float BEAM_BOUND = 3.5;
+
+// In the bits of a number with both.
+const uint STEPS_BITS = 127u;
+
+// Where this sample's ray from the eye begins, as there is no surface before, and the steps that it took up to there.
+float ray_start = 0.0;
+int ray_steps = 0;
+// The radius of the beam around it at distance 1; 0 if there are no more samples to come.
+float beam_spread = 0.0;
+// How far the beam is free, and the steps of this ray up to there.
+float beam_free = 0.0;
+int beam_steps = 0;
+
+// How far a beam is free after a step to t; negative once it did not stay free. No surface is nearer than `nearest` to
+// the place that the step began at, or to the cell that it skips.
+float free_after(float free, float nearest, float t) {
+    float radius = beam_spread * t;
+    float stays = nearest >= 2.0 * radius ? t - radius : -free;
+    return free > 0.0 ? stays : free;
+}
+#endif
+
 #ifdef STEEP
 #include "steep.glsl"
 #else
@@ -51,12 +83,21 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     Hit behind = trace_planes(origin, direction, start);
     vec2 span = traced_span(origin, direction, 0.0);
     float end = min(span.y, behind.t);
+#ifdef BEAMS
+    // Other rays of a beam may enter the bounds earlier.
+    if (!reflected) span.x = traced_span(origin, direction, beam_spread * max(span.x, 0.0)).x;
+    start = reflected ? start : ray_start;
+    float free = reflected ? -1.0 : 1e-6;
+    int first = reflected ? 0 : ray_steps;
+#else
+    const int first = 0;
+#endif
     float t = max(span.x, start);
     if (t >= end) return behind;
     Walk walk = walk_of(origin, direction);
     float d = 0.0;
     float before = 0.0;     // the distance at the previous step; 0 if cells were skipped since
-    for (int i = 0; i < STEPS_MAX; i++) {
+    for (int i = first; i < STEPS_MAX; i++) {
         float reach = HIT_SHARE + HIT_SHARE_GROWTH * float(max(i - STEPS_MANY, 0));
         // Skips cells that hold no surface, up to the place where the distance must be evaluated.
         Cell cell;
@@ -64,9 +105,16 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
             vec3 q = place_on(walk, t);
             cell = cell_at(q);
             COUNT(lookups);
-            if (!(cell.bound > reach * (cone + spread * t))) break;
+            float least = reach * (cone + spread * t);
+#ifdef BEAMS
+            if (free > 0.0) least = max(least, BEAM_BOUND * beam_spread * t);
+#endif
+            if (!(cell.bound > least)) break;
             before = 0.0;
             t = max(max(t + cell.bound, past(t)), exit_of(cell, walk, q, t));
+#ifdef BEAMS
+            free = free_after(free, cell.bound, t);
+#endif
             if (t >= end) break;
         }
         if (t >= end) break;
@@ -78,9 +126,16 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         // Not d >= reach, so that NaN also ends the ray.
         if (!(d >= reach * (cone + spread * t))) break;
         t += d;
+#ifdef BEAMS
+        free = free_after(free, d, t);
+        if (free > 0.0) beam_steps = i + 1;
+#endif
         before = d;
         if (t >= end) break;
     }
+#ifdef BEAMS
+    if (!reflected) beam_free = abs(free);
+#endif
     // A ray that used up its steps far from any surface has met none. (One way out of the loop needs fewer registers.)
     if (t >= end || d > CAPPED_SHARE * (cone + spread * t)) return behind;
     // The last step goes onto the surface, so that the hit point hardly depends on the steps before: as far as the

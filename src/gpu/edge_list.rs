@@ -62,8 +62,8 @@ impl EdgeList {
             block,
             rows_max,
             marks: Target::new(gl, size, &[Texel::R8], None)?,
-            pixels: index_texture(gl, (no_power_of_two(row), no_power_of_two(rows_max)))?,
-            squares: index_texture(gl, size)?,
+            pixels: index_texture(gl, (no_power_of_two(row), no_power_of_two(rows_max)), 4)?,
+            squares: index_texture(gl, size, 2)?,
             samples: Target::new(gl, (1, 1), texels, None)?,
         };
         list.reserve(size.1 / 4)?;
@@ -98,12 +98,12 @@ impl EdgeList {
         Ok(())
     }
 
-    /// Lists the marked pixels and returns the areas of the target in which their samples are to be drawn; the rest
-    /// of it is empty.
+    /// Lists the marked pixels, each with how far its beam is free (`beams`, of all pixels), and returns the areas of
+    /// the target in which their samples are to be drawn; the rest of it is empty.
     ///
     /// # Errors
     /// No room for the samples.
-    pub(super) fn prepare(&mut self) -> Result<Vec<Part>, GpuError> {
+    pub(super) fn prepare(&mut self, beams: &[f32]) -> Result<Vec<Part>, GpuError> {
         let marks = self.marks.read_red();
         let listed = listed_pixels(&marks, self.size);
         let row = self.row() as usize;
@@ -119,8 +119,12 @@ impl EdgeList {
                 *square = [number % row + 1, number / row + 1].map(|place| place as u16);
             }
         }
-        let mut pixels = listed.to_vec();
-        pixels.resize(listed.len().next_multiple_of(row), [0; 2]);
+        let with_beam = |[x, y]: &[u16; 2]| {
+            let bits = beams.get(usize::from(*y) * width + usize::from(*x)).map_or(0, |free| free.to_bits());
+            [*x, *y, (bits >> 16) as u16, bits as u16]
+        };
+        let mut pixels: Vec<[u16; 4]> = listed.iter().map(with_beam).collect();
+        pixels.resize(listed.len().next_multiple_of(row), [0; 4]);
         self.upload(&self.squares, self.size, &squares);
         self.upload(&self.pixels, (row as u32, (pixels.len() / row) as u32), &pixels);
 
@@ -155,7 +159,8 @@ impl EdgeList {
         }
     }
 
-    fn upload(&self, texture: &Texture, size: (u32, u32), texels: &[[u16; 2]]) {
+    fn upload<const N: usize>(&self, texture: &Texture, size: (u32, u32), texels: &[[u16; N]]) {
+        let (_, format) = index_formats(N);
         let bytes: Vec<u8> = texels.as_flattened().iter().flat_map(|value| value.to_ne_bytes()).collect();
         // SAFETY: the texture is ours, and there are as many texels as its size says.
         unsafe {
@@ -169,7 +174,7 @@ impl EdgeList {
                 0,
                 size.0.cast_signed(),
                 size.1.cast_signed(),
-                glow::RG_INTEGER,
+                format,
                 glow::UNSIGNED_SHORT,
                 glow::PixelUnpackData::Slice(Some(&bytes)),
             );
@@ -183,20 +188,26 @@ fn no_power_of_two(side: u32) -> u32 {
     if side.is_power_of_two() { side + 1 } else { side }
 }
 
-/// A texture with two integers in each texel.
-fn index_texture(gl: &Gl, size: (u32, u32)) -> Result<Texture, GpuError> {
+/// The formats of texels of two or four 16-bit integers: as stored and as given.
+fn index_formats(numbers: usize) -> (u32, u32) {
+    if numbers == 2 { (glow::RG16UI, glow::RG_INTEGER) } else { (glow::RGBA16UI, glow::RGBA_INTEGER) }
+}
+
+/// A texture with two or four integers in each texel.
+fn index_texture(gl: &Gl, size: (u32, u32), numbers: usize) -> Result<Texture, GpuError> {
     let texture = Texture::new(gl)?;
+    let (stored, format) = index_formats(numbers);
     // SAFETY: the texture is ours.
     unsafe {
         gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
         gl.tex_image_2d(
             glow::TEXTURE_2D,
             0,
-            glow::RG16UI.cast_signed(),
+            stored.cast_signed(),
             size.0.cast_signed(),
             size.1.cast_signed(),
             0,
-            glow::RG_INTEGER,
+            format,
             glow::UNSIGNED_SHORT,
             glow::PixelUnpackData::Slice(None),
         );

@@ -322,7 +322,7 @@ impl Renderer {
         for number in 0..REFERENCE_SIDE * REFERENCE_SIDE {
             let place = [number % REFERENCE_SIDE, number / REFERENCE_SIDE];
             let place = place.map(|at| (at as f32 + 0.5) / REFERENCE_SIDE as f32 - 0.5);
-            self.draw_sample(place, number as f32, FURTHER_SAMPLE);
+            self.draw_sample(place, number as f32, FURTHER_SAMPLE, 0.0);
             self.gl.finish();
         }
         // SAFETY: plain state.
@@ -436,16 +436,21 @@ impl Targets {
             (Counting::Off, true) => &[Texel::Rgba16F, Texel::R16F],
             (Counting::Off, false) => &[Texel::Rgba16F],
         };
+        let mut texels = texels.to_vec();
+        if gl.info().software {
+            // How far the beams of first samples are free (shaders/sphere_tracing.glsl).
+            texels.push(Texel::R32F);
+        }
         Target::check_size(gl, size)?;
         let (stencil, edges) = if gl.info().software {
-            (None, Edges::List(EdgeList::new(gl, size, texels, samples)?))
+            (None, Edges::List(EdgeList::new(gl, size, &texels, samples)?))
         } else {
             let stencil = Rc::new(Stencil::new(gl, size)?);
-            (Some(stencil.clone()), Edges::Stencil(Target::new(gl, size, texels, Some(stencil))?))
+            (Some(stencil.clone()), Edges::Stencil(Target::new(gl, size, &texels, Some(stencil))?))
         };
         Ok(Self {
             has_lens,
-            first: Target::new(gl, size, texels, stencil)?,
+            first: Target::new(gl, size, &texels, stencil)?,
             edges,
             post: PostTargets::new(gl, size, has_lens && counting == Counting::Off, size)?,
         })

@@ -28,6 +28,8 @@ pub enum Texel {
     R8,
     /// A 16-bit float.
     R16F,
+    /// A 32-bit float.
+    R32F,
     /// Four bytes, stored as they are written.
     Rgba8,
     /// Four 16-bit floats.
@@ -41,6 +43,7 @@ impl Texel {
         match self {
             Texel::R8 => glow::R8,
             Texel::R16F => glow::R16F,
+            Texel::R32F => glow::R32F,
             Texel::Rgba8 => glow::RGBA8,
             Texel::Rgba16F => glow::RGBA16F,
             Texel::Rgba32F => glow::RGBA32F,
@@ -261,6 +264,13 @@ impl Target {
         self.read(index, glow::RGBA, glow::UNSIGNED_BYTE, &mut bytes);
         flip_rows(&mut bytes, row);
         bytes
+    }
+
+    /// Reads the red of the last colour attachment as floats, the lowest row first.
+    pub fn read_last_red32f(&self) -> Vec<f32> {
+        let mut bytes = vec![0; self.size.0 as usize * 4 * self.size.1 as usize];
+        self.read(self.colors.len().saturating_sub(1) as u32, glow::RED, glow::FLOAT, &mut bytes);
+        bytes.as_chunks::<4>().0.iter().map(|word| f32::from_ne_bytes(*word)).collect()
     }
 
     /// Reads the red of colour attachment 0 as bytes, the lowest row first.

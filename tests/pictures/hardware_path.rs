@@ -3,7 +3,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::compare::{TIGHT, assert_alike};
+use std::path::Path;
+
+use crate::support::compare::{LOOSE, TIGHT, assert_alike};
 use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
 use crate::support::studio::{Studio, driver, loud_sound, ready};
 use mariana::gpu::renderer::Counting;
@@ -25,34 +27,80 @@ fn run(place: &Workplace, hardware: bool, arguments: &[&str]) -> String {
     Outcome::of(&mut command, RUN_LIMIT).done()
 }
 
+/// The shaders without beams: the further samples of a software renderer begin at the eye, as those of a GPU do.
+fn shaders_without_beams(place: &Workplace) -> String {
+    let folder = place.path("shaders");
+    std::fs::create_dir(&folder).unwrap();
+    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders")).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let is_tracing = path.ends_with("sphere_tracing.glsl");
+        assert_eq!(is_tracing, text.contains(BEAMS), "{}", path.display());
+        std::fs::write(folder.join(path.file_name().unwrap()), text.replace(BEAMS, "")).unwrap();
+    }
+    folder.to_str().unwrap().to_owned()
+}
+
+const BEAMS: &str = "#define BEAMS\n";
+
 #[test]
 fn a_gpu_would_show_the_same_pictures() {
     let place = Workplace::new();
     let info = run(&place, true, &["--gl-info"]);
     assert!(info.contains("software renderer    no"), "the hardware path is not taken: {info}");
+    let without_beams = shaders_without_beams(&place);
     for scene in SCENES {
-        let still = |hardware, mode| {
+        let still = |hardware, mode, more: &[&str]| {
+            let arguments = ["still", "--scene", scene, "--sdf", mode, "--at", "62", "--size", "96x54"];
+            run(&place, hardware, &[&arguments[..], more, &["-o", "still.png"]].concat());
+            image::open(place.path("still.png")).unwrap().to_rgba8()
+        };
+        for mode in ["compiled", "interpreted"] {
+            let actual = still(true, mode, &[]);
+            let expected = still(false, mode, &["--shaders", &without_beams]);
+            assert_alike(&format!("hardware-{scene}-{mode}"), &actual, &expected, TIGHT);
+            // Rays that begin elsewhere end elsewhere in the last quarter of a pixel.
+            let with_beams = still(false, mode, &[]);
+            assert_alike(&format!("hardware-{scene}-{mode}-beams"), &actual, &with_beams, LOOSE);
+        }
+    }
+}
+
+/// Rods of a fifth of a pixel in front of a ball, and a block that fills its bounds: what further samples miss if they
+/// begin too far from the eye.
+const THIN: [&str; 2] = [
+    "material white { color = vec3(1) }\n\
+     material red { color = vec3(0.8, 0.1, 0.1) }\n\
+     object rods { shape = length(vec2(mod(p.x + 0.1, 0.2) - 0.1, p.z + 1.5)) - 0.004  material = white }\n\
+     object ball { shape = sphere(p, 1)  material = red }\n\
+     camera { position = vec3(0.3, 0.6, -5)  target = vec3(0) }",
+    "object block { shape = box(p, vec3(1, 0.6, 0.8)) }\n\
+     object pin { shape = box(p - vec3(0, 0.9, -0.79), vec3(0.004, 0.3, 0.004)) }\n\
+     camera { position = vec3(2.5, 1.4, -4)  target = vec3(0) }",
+];
+
+#[test]
+fn further_samples_miss_nothing_that_is_thinner_than_a_pixel() {
+    let place = Workplace::new();
+    for (number, scene) in THIN.into_iter().enumerate() {
+        place.write("thin.scene", scene);
+        let [beams, all] = [false, true].map(|hardware| {
             let arguments = [
                 "still",
                 "--scene",
-                scene,
+                "thin.scene",
                 "--sdf",
-                mode,
-                "--at",
-                "62",
+                "compiled",
                 "--size",
-                "96x54",
+                "160x90",
                 "-o",
                 "still.png",
             ];
             run(&place, hardware, &arguments);
             image::open(place.path("still.png")).unwrap().to_rgba8()
-        };
-        for mode in ["compiled", "interpreted"] {
-            let expected = still(false, mode);
-            let actual = still(true, mode);
-            assert_alike(&format!("hardware-{scene}-{mode}"), &actual, &expected, TIGHT);
-        }
+        });
+        // A GPU's samples begin at the eye.
+        assert_alike(&format!("beams-{number}"), &beams, &all, TIGHT);
     }
 }
 

@@ -67,6 +67,9 @@ enum Pass {
     Post,
 }
 
+/// The radius of the beam that holds all rays of a pixel, in half widths of it: half the diagonal, and a little more.
+const BEAM: f32 = 1.4143;
+
 /// Share of a picture's time that goes into its further samples, if nothing else is known.
 const FURTHER_SHARE: f64 = 0.3;
 
@@ -336,7 +339,7 @@ impl Renderer {
             }
             (Pass::First, Edges::List(list)) => {
                 self.mark_in_list(&targets.first, list.marks())?;
-                let areas = list.prepare()?;
+                let areas = list.prepare(&targets.first.read_last_red32f())?;
                 (Pass::Listed, Parts::of(areas, list.samples().size(), *cost))
             }
             (Pass::Post, _) => return Ok(true),
@@ -385,10 +388,12 @@ impl Renderer {
         match making.pass {
             Pass::Further(sample) => {
                 let place = self.edge_samples.offsets().nth(sample).unwrap_or_default();
-                self.draw_sample(place, sample as f32, FURTHER_SAMPLE);
+                self.draw_sample(place, sample as f32, FURTHER_SAMPLE, 0.0);
             }
-            Pass::Listed => self.draw_sample([0.0; 2], 0.0, LISTED_SAMPLES),
-            _ => self.draw_sample([0.0; 2], 0.0, FIRST_SAMPLE),
+            Pass::Listed => self.draw_sample([0.0; 2], 0.0, LISTED_SAMPLES, 0.0),
+            // A view has no further samples.
+            _ if making.is_view => self.draw_sample([0.0; 2], 0.0, FIRST_SAMPLE, 0.0),
+            _ => self.draw_sample([0.0; 2], 0.0, FIRST_SAMPLE, BEAM),
         }
         // SAFETY: plain state.
         unsafe {
@@ -470,10 +475,11 @@ impl Renderer {
         }
     }
 
-    /// Draws a sample everywhere: `place` in the pixel, `number` among the further ones, and `kind`.
-    pub(super) fn draw_sample(&self, place: [f32; 2], number: f32, kind: f32) {
+    /// Draws a sample everywhere: `place` in the pixel, `number` among the further ones, `kind`, and the radius of its
+    /// `beam`, in half widths of a pixel.
+    pub(super) fn draw_sample(&self, place: [f32; 2], number: f32, kind: f32, beam: f32) {
         let (across, down) = self.edge_samples.block();
-        let head = [place[0], place[1], kind, number, across as f32, down as f32, 0.0, 0.0];
+        let head = [place[0], place[1], kind, number, across as f32, down as f32, beam, 0.0];
         let mut block = head.into_iter().chain(self.edge_samples.offsets().flatten()).collect::<Vec<f32>>();
         block.resize(PASS_BLOCK_NUMBERS, 0.0);
         self.pass_block.set(&block);
