@@ -20,6 +20,10 @@ struct Cell {
 #endif
 };
 
+#ifdef NO_CELLS
+// For a compiled scene that is drawn without a tree: nothing is known anywhere.
+const Cell NO_CELL = Cell(0.0, 0, SEVERAL, 0.0);
+#else
 // The cell at a point in root coordinates.
 Cell cell_at(vec3 q) {
     bool inside = region_low.w > 0.5 && all(greaterThanEqual(q, vec3(0.0))) && all(lessThan(q, vec3(ROOT_SIDE)));
@@ -44,6 +48,7 @@ Cell cell_at(vec3 q) {
 #endif
     return cell;
 }
+#endif
 
 // A point in root coordinates: root cells as the unit.
 vec3 in_root(vec3 p) {

@@ -42,10 +42,15 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     float previous = 1e4;
     float stride = 1e4;
     if (t >= end) return 1.0;
+#ifndef NO_CELLS
     Walk walk = walk_of(origin, to_light);
+#endif
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
-        // Skips cells whose surfaces are too far away to take any more light.
+#ifdef NO_CELLS
+        Cell cell = NO_CELL;
+#else
         Cell cell;
+        // Skips cells whose surfaces are too far away to take any more light.
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             vec3 q = place_on(walk, t);
             cell = cell_at(q);
@@ -62,6 +67,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
             if (t >= end) break;
         }
         if (t >= end) break;
+#endif
         vec2 nearest = scene_distance(cell, origin + t * to_light, t / sharpness);
 #ifdef STEEP
         nearest = steep_nearest(cell, walk, t, to_light, nearest);

@@ -94,13 +94,18 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
 #endif
     float t = max(span.x, start);
     if (t >= end) return behind;
+#ifndef NO_CELLS
     Walk walk = walk_of(origin, direction);
+#endif
     float d = 0.0;
     float before = 0.0;     // the distance at the previous step; 0 if cells were skipped since
     for (int i = first; i < STEPS_MAX; i++) {
         float reach = HIT_SHARE + HIT_SHARE_GROWTH * float(max(i - STEPS_MANY, 0));
-        // Skips cells that hold no surface, up to the place where the distance must be evaluated.
+#ifdef NO_CELLS
+        Cell cell = NO_CELL;
+#else
         Cell cell;
+        // Skips cells that hold no surface, up to the place where the distance must be evaluated.
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             vec3 q = place_on(walk, t);
             cell = cell_at(q);
@@ -118,6 +123,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
             if (t >= end) break;
         }
         if (t >= end) break;
+#endif
         d = scene_distance(cell, origin + t * direction, 0.0).x;
 #ifdef COUNT_EVALUATIONS
         if (reflected) { COUNT(reflection); } else { COUNT(primary); }

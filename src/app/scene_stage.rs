@@ -75,6 +75,8 @@ struct Cast {
     interpreter: Option<Interpreter>,
     interpreted: Option<Rc<Program>>,
     compiled: Option<Rc<Program>>,
+    /// Whether that one can look up the cells of a tree.
+    has_cells: bool,
     tree: FirstTree,
     /// Whether no compiler has refused it so far.
     compilable: bool,
@@ -108,7 +110,12 @@ enum FirstTree {
 
 /// The purpose of a program that is being made.
 enum Task {
-    Compiled(u64),
+    Compiled {
+        /// The scene.
+        id: u64,
+        /// Whether it is to look up the cells of a tree.
+        has_cells: bool,
+    },
     Interpreter(Interpreter),
     Universal {
         /// Whether it is for formulas that are no distances.
@@ -258,10 +265,12 @@ impl SceneStage {
                     tracing::info!("an interpreter is ready");
                     self.interpreters.add(interpreter, program);
                 }
-                (Task::Compiled(id), Ok(program)) => {
+                (Task::Compiled { id, has_cells }, Ok(program)) => {
                     if let Some(cast) = self.cast_mut(id) {
                         cast.compiled = Some(Rc::new(program));
+                        cast.has_cells = has_cells;
                     }
+                    self.ask_for_cells();
                 }
                 (task, Err(error)) => self.take_failure(&task, error)?,
             }

@@ -18,12 +18,13 @@ use super::painter::SceneChoice;
 use super::song_features::SongFeatures;
 use crate::config::SdfChoice;
 use crate::frame::Frame;
+use crate::gpu::cell_use::CellUse;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Evaluations, Renderer};
-use crate::gpu::scene_program::{Interpreter, Mode, link_scene, variant_of};
-use crate::gpu::scene_resources::{BuiltRegions, CellUse, RegionMaker, SceneResources};
+use crate::gpu::scene_program::{Interpreter, Mode, drawing_variant_of, link_scene, variant_of};
+use crate::gpu::scene_resources::{BuiltRegions, RegionMaker, SceneResources};
 use crate::gpu::shader_source::{ShaderLibrary, Variant};
 use crate::gpu::timer::GpuTimer;
 use crate::scenes::ReadyScene;
@@ -86,14 +87,21 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let mut renderer = Renderer::new(gl, library, Counting::Off)?;
     let mut runs: Vec<Run> = Vec::new();
     for mode in modes {
-        let start = Instant::now();
-        let variant = variant_of(&world, &buffers, &plan, mode, gl.info(), Counting::Off)?;
-        let program = Rc::new(link_scene(gl, library, &variant)?);
-        let shader_ms = milliseconds(start.elapsed());
-        let mut again = None;
+        // Interpreted, both ways have one program.
+        let mut made: Option<(Variant, Rc<Program>, f64, Option<[f64; 2]>)> = None;
         let ways: &[bool] =
             if request.both { &[true, false] } else { &[request.scene.cells != CellUse::Never] };
         for &regions in ways {
+            let start = Instant::now();
+            let cells = if regions { CellUse::Always } else { CellUse::Never };
+            let variant = drawing_variant_of(&world, &buffers, &plan, (mode, cells), gl.info())?;
+            let (program, shader_ms, again) = match made.take().filter(|(known, ..)| *known == variant) {
+                Some((_, program, shader_ms, again)) => (program, shader_ms, again),
+                None => {
+                    let program = Rc::new(link_scene(gl, library, &variant)?);
+                    (program, milliseconds(start.elapsed()), None)
+                }
+            };
             let (built, build_ms) = build(&resources, &frame, regions, mode);
             resources.take_regions(built.clone());
             let start = Instant::now();
@@ -102,9 +110,9 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
             let first_draw_ms = milliseconds(start.elapsed());
             let again = match again {
                 Some(known) => known,
-                None => *again.insert(first_draw(&mut renderer, (&frame, &resources), library, &variant)?),
+                None => first_draw(&mut renderer, (&frame, &resources), library, &variant)?,
             };
-            let program = program.clone();
+            made = Some((variant, program.clone(), shader_ms, Some(again)));
             let (wall, cpu, gpu) = Default::default();
             runs.push(Run {
                 mode,

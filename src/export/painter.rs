@@ -5,15 +5,17 @@ use super::error::ExportError;
 use crate::config::SdfChoice;
 use crate::frame::held_inputs::{HeldInputs, InputNames, Setting};
 use crate::frame::{Frame, Staging};
+use crate::gpu::cell_use::CellUse;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::gl::{Gl, GlInfo};
 use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{
-    COMPILED_BY_ITSELF_MAX, Interpreter, Mode, as_coverage, as_views, link_scene, variant_of, without_sky,
+    COMPILED_BY_ITSELF_MAX, Interpreter, Mode, as_coverage, as_views, drawing_variant_of, link_scene,
+    variant_of, without_sky,
 };
-use crate::gpu::scene_resources::{CellUse, SceneResources};
+use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
@@ -108,11 +110,10 @@ impl Easel {
         let gl = self.context.gl();
         let ReadyScene { world, buffers, plan, .. } = ready;
         let mode = mode_on(choice.sdf, &buffers, &plan, gl.info());
-        let counting = if choice.view.is_some() { Counting::On } else { Counting::Off };
-        let mut variant = variant_of(&world, &buffers, &plan, mode, gl.info(), counting)?;
-        if choice.view.is_some() {
-            variant = as_views(variant);
-        }
+        let mut variant = match choice.view {
+            Some(_) => as_views(variant_of(&world, &buffers, &plan, mode, gl.info(), Counting::On)?),
+            None => drawing_variant_of(&world, &buffers, &plan, (mode, choice.cells), gl.info())?,
+        };
         let mut coverage = None;
         if choice.alpha {
             coverage = Some(link_scene(gl, &choice.shaders, &as_coverage(variant.clone()))?);

@@ -4,6 +4,7 @@
 pub mod address_space;
 pub mod background;
 mod bloom;
+pub mod cell_use;
 #[cfg(target_os = "linux")]
 pub mod driver_cache;
 mod edge_list;

@@ -9,6 +9,7 @@
 //! never skips a branch would compute textures and rare operators for every clause; so they are computed between
 //! loops over the rest.
 
+use super::cell_use::CellUse;
 use super::error::GpuError;
 use super::gl::{Gl, GlInfo};
 use super::program::Program;
@@ -211,6 +212,29 @@ pub fn variant_of(
             Ok(Interpreter::for_scene(world.traits, buffers, plan, info).variant(counting))
         }
     }
+}
+
+/// The variant of a compiled scene that is drawn without cells ([`CellUse::divides`]): it holds no code that looks them
+/// up, and draws the same picture in less time. No scene whose value is not a distance has one.
+pub fn without_cells(mut variant: Variant) -> Variant {
+    variant.defines.push("NO_CELLS 1".to_owned());
+    variant
+}
+
+/// The variant that draws a world's pictures in a mode, with the code for cells if they are used.
+///
+/// # Errors
+/// As [`variant_of`].
+pub fn drawing_variant_of(
+    world: &World,
+    buffers: &TapeBuffers,
+    plan: &RegionPlan,
+    (mode, cells): (Mode, CellUse),
+    info: &GlInfo,
+) -> Result<Variant, GpuError> {
+    let variant = variant_of(world, buffers, plan, mode, info, Counting::Off)?;
+    let is_divided = mode == Mode::Interpreted || cells.divides(world, buffers, mode);
+    Ok(if is_divided { variant } else { without_cells(variant) })
 }
 
 /// The variant that draws views, made from one that counts.

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use glow::HasContext;
 use image::RgbaImage;
 
+use super::cell_use::CellUse;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::Texture;
@@ -28,23 +29,6 @@ use mariana_field::region::{Part, RegionKey, RegionOptions, RegionPlan, Regions,
 use mariana_field::world::{
     ShortPrograms, ShortenOptions, ShortenRequest, TapeBuffers, World, WorthShortening,
 };
-
-/// When space is divided into cells. The picture is the same.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum CellUse {
-    /// Where a frame costs less with them: interpreted, and compiled if the distance is long.
-    #[default]
-    WhereTheyPay,
-    /// Wherever it is possible.
-    Always,
-    /// Only where the formula is not a distance.
-    Never,
-}
-
-/// A compiled distance of fewer clauses is evaluated as soon as its cells are looked up, and their tree need not be
-/// built. On the software renderer the two kinds of frames cost the same at 1,000 clauses, and with them all shipped
-/// scenes, which have fewer; on AMD, by instructions, at about 600.
-const CELLS_PAY_FROM: usize = 1_000;
 
 /// A world, uploaded.
 pub struct SceneResources {
@@ -290,14 +274,7 @@ impl SceneResources {
     /// Whether space is divided into cells for a mode, if that is wanted. A formula that is not a distance cannot do
     /// without them.
     pub fn uses_cells(&self, wish: CellUse, mode: Mode) -> bool {
-        self.world.steep
-            || match wish {
-                CellUse::Always => true,
-                CellUse::Never => false,
-                CellUse::WhereTheyPay => {
-                    mode == Mode::Interpreted || self.buffers.cost.distance >= CELLS_PAY_FROM
-                }
-            }
+        wish.divides(&self.world, &self.buffers, mode)
     }
 
     /// Chooses whether space is divided into cells, of which empty ones are skipped, or the whole tape holds

@@ -8,11 +8,13 @@ use crate::support::studio::{Studio, driver, loud_music, loud_sound, ready, sile
 use image::RgbaImage;
 use mariana::config::SdfChoice;
 use mariana::export::painter::{Painter, SceneChoice, mode_on};
+use mariana::gpu::cell_use::CellUse;
 use mariana::gpu::gl::GlInfo;
 use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, Evaluations};
-use mariana::gpu::scene_program::{DoesNotFit, Interpreter, Mode, compiled_variant};
-use mariana::gpu::scene_resources::CellUse;
+use mariana::gpu::scene_program::{
+    DoesNotFit, Interpreter, Mode, compiled_variant, compiled_variant_of, without_cells,
+};
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana_music::{Sound, Tables};
@@ -114,6 +116,11 @@ fn assert_modes_agree_at(
 ) {
     let mut studio = Studio::of(scene, Mode::Compiled, Counting::On);
     let programs = [Mode::Compiled, Mode::Interpreted].map(|mode| studio.program_of(mode, Counting::On));
+    let steep = studio.resources.world().steep;
+    let without_code = (!steep).then(|| {
+        let variant = compiled_variant_of(studio.world(), Counting::On).unwrap();
+        studio.link(&ShaderLibrary::embedded(), &without_cells(variant))
+    });
     let mut first: Option<RgbaImage> = None;
     for &time in times {
         studio.resources.set_cells(true, Mode::Interpreted);
@@ -129,12 +136,21 @@ fn assert_modes_agree_at(
         }
         let (fewer, all) = (short.1, interpreted.1);
         // Where the distance is none, there are cells whatever is asked for.
-        let steep = studio.resources.world().steep;
         assert!(
             steep || (fewer.total() <= all.total() && fewer.clauses < all.clauses),
             "{name}: {fewer:?}, but {all:?}"
         );
         assert_alike(&format!("{name}-at-{time}"), &interpreted.0, &compiled.0, tolerance);
+        if let Some(program) = &without_code {
+            let bare = drawn(&mut studio, program, time, loud_sound(), size);
+            assert_alike(&format!("{name}-at-{time}-without-code"), &bare.0, &compiled.0, TIGHT);
+            assert_eq!(
+                kinds(&bare.1),
+                kinds(&compiled.1),
+                "{name} at {time} s: code for cells that are not there"
+            );
+            assert_eq!(bare.1.lookups, 0.0);
+        }
         let (a, b) = (interpreted.1, compiled.1);
         assert!(b.primary > 0.0 && b.normal > 0.0, "{name}: nothing was counted: {b:?}");
         for (a_kind, b_kind) in kinds(&a).into_iter().zip(kinds(&b)) {

@@ -15,7 +15,9 @@ use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
 use mariana::gpu::renderer::{Counting, EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
 use mariana::gpu::samplers::SAMPLERS_SHADER;
-use mariana::gpu::scene_program::{Mode, SCENE_SHADER, as_coverage, as_views, variant_of, without_sky};
+use mariana::gpu::scene_program::{
+    Mode, SCENE_SHADER, as_coverage, as_views, variant_of, without_cells, without_sky,
+};
 use mariana::gpu::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble};
 use mariana::scenes::{ReadyScene, SceneSource};
 
@@ -107,6 +109,10 @@ fn cases() -> Vec<Case> {
             cases.push(scene_case(&scene, mode, false, Counting::Off));
             cases.push(scene_case(&scene, mode, true, Counting::On));
             cases.push(changed_case(scene_case(&scene, mode, true, Counting::On), as_views));
+            if mode == Mode::Compiled && text != STEEP {
+                cases.push(changed_case(scene_case(&scene, mode, false, Counting::Off), without_cells));
+                cases.push(changed_case(scene_case(&scene, mode, true, Counting::On), without_cells));
+            }
             for change in [without_sky, as_coverage] {
                 cases.push(changed_case(scene_case(&scene, mode, true, Counting::Off), change));
             }
@@ -134,7 +140,9 @@ fn every_define_is_in_some_case_in_both_modes() {
     for interpreted in [false, true] {
         let of_mode = cases().into_iter().filter(|case| case.interpreted == interpreted);
         let given: Vec<String> = of_mode.flat_map(|case| case.variant.defines).collect();
-        for define in DEFINES {
+        // Interpreted scenes always have code for cells.
+        let of_compiled = (!interpreted).then_some("NO_CELLS");
+        for define in DEFINES.into_iter().chain(of_compiled) {
             assert!(
                 given.iter().any(|given| given.split(' ').next() == Some(define)),
                 "no case has {define}, interpreted: {interpreted}"

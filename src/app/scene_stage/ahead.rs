@@ -106,7 +106,7 @@ impl Ahead {
     /// Gives up preparing the scene that a program was meant for, or all that need an interpreter.
     pub(super) fn leave(&mut self, task: &Task) {
         self.leave_where(|cast| match task {
-            Task::Compiled(id) => *id == cast.id,
+            Task::Compiled { id, .. } => *id == cast.id,
             Task::Interpreter(variant) => {
                 cast.interpreted.is_none()
                     && cast.interpreter.as_ref().is_some_and(|needed| variant.covers(needed))

@@ -70,7 +70,7 @@ impl SceneStage {
         let graph = &ready.world.scene.graph;
         let (moves, hears_curves) = (graph.moves_by_itself(), graph.reads_curves());
         let id = self.fresh_id();
-        let compiled = self.inherited_program(id, &ready.world);
+        let (compiled, has_cells) = self.inherited_program(id, &ready.world).unzip();
         let last = self.on_stage.as_ref().map(|cast| &cast.resources);
         let resources = SceneResources::upload_after(last, &self.gl, ready.world, ready.buffers, ready.plan)?;
         Ok(Cast {
@@ -80,6 +80,7 @@ impl SceneStage {
             interpreter,
             interpreted: None,
             compiled,
+            has_cells: has_cells.unwrap_or_default(),
             tree: FirstTree::Coming,
             compilable: true,
             moves,

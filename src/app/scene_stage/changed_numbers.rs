@@ -20,14 +20,15 @@ fn is_changing(cast: &Cast) -> bool {
 impl SceneStage {
     /// The program of a scene that is there and differs from this one in nothing that is compiled. If that program is
     /// still being made, it is made for the scene with the number `id` from now on.
-    pub(super) fn inherited_program(&mut self, id: u64, world: &World) -> Option<Rc<Program>> {
+    /// Also tells whether it can look up the cells of a tree.
+    pub(super) fn inherited_program(&mut self, id: u64, world: &World) -> Option<(Rc<Program>, bool)> {
         let alike: Vec<&Cast> =
             self.casts().filter(|cast| cast.resources.world().is_compiled_like(world)).collect();
-        let program = alike.iter().find_map(|cast| cast.compiled.clone());
+        let program = alike.iter().find_map(|cast| Some((cast.compiled.clone()?, cast.has_cells)));
         if program.is_none() {
             let alike: Vec<u64> = alike.iter().map(|cast| cast.id).collect();
             for task in self.tasks.values_mut() {
-                if let Task::Compiled(of) = task
+                if let Task::Compiled { id: of, .. } = task
                     && alike.contains(of)
                 {
                     *of = id;

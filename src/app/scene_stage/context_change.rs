@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::hands::Hands;
 use super::{SceneLoader, SceneStage};
 use crate::config::SdfChoice;
-use crate::gpu::scene_resources::CellUse;
+use crate::gpu::cell_use::CellUse;
 use crate::scenes::{ReadyScene, SceneList, SceneSource};
 use crate::view::ViewChoice;
 use mariana_control::Model;

@@ -9,11 +9,11 @@ use std::time::{Duration, Instant};
 use super::{Cast, SceneStage};
 use crate::app::scene_stage::hands::Stays;
 use crate::frame::Frame;
+use crate::gpu::cell_use::CellUse;
 use crate::gpu::error::GpuError;
 use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::renderer::{Renderer, Sketch};
 use crate::gpu::scene_program::Mode;
-use crate::gpu::scene_resources::CellUse;
 use crate::scenes::SceneSource;
 use mariana_music::{Features, Sound};
 

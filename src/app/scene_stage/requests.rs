@@ -7,7 +7,7 @@ use crate::frame::block::RegionTree;
 use crate::gpu::background::ProgramJob;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Counting;
-use crate::gpu::scene_program::{Interpreter, Mode, compiled_variant_of};
+use crate::gpu::scene_program::{Interpreter, Mode, compiled_variant_of, without_cells};
 use crate::gpu::shader_source::Variant;
 use crate::gpu::stand_ins::SceneShape;
 
@@ -20,7 +20,9 @@ impl SceneStage {
         let mut affected = Vec::new();
         for cast in [&mut self.on_stage, &mut self.coming].into_iter().flatten() {
             match task {
-                Task::Compiled(id) if *id == cast.id => cast.compilable = false,
+                // It is drawn by the program that it has.
+                Task::Compiled { id, .. } if *id == cast.id && cast.compiled.is_some() => continue,
+                Task::Compiled { id, .. } if *id == cast.id => cast.compilable = false,
                 Task::Interpreter(variant)
                     if cast.interpreted.is_none()
                         && cast.interpreter.as_ref().is_some_and(|needed| variant.covers(needed)) =>
@@ -68,7 +70,7 @@ impl SceneStage {
     pub(super) fn forget_obsolete(&mut self) {
         let kept: Vec<u64> = self.casts().map(|cast| cast.id).collect();
         self.tasks.retain(|_, task| match task {
-            Task::Compiled(id) | Task::Views(ViewsOf::Compiled(id)) => kept.contains(id),
+            Task::Compiled { id, .. } | Task::Views(ViewsOf::Compiled(id)) => kept.contains(id),
             Task::Interpreter(_) | Task::Universal { .. } | Task::Views(_) => true,
         });
         self.views.keep(|id| kept.contains(&id));
@@ -79,11 +81,35 @@ impl SceneStage {
         let asked = self.in_the_making(id, Mode::Compiled);
         let Some(cast) = self.cast_mut(id).filter(|cast| !asked && cast.compiled.is_none()) else { return };
         cast.compilable = true;
+        self.request_compiled(id);
+    }
+
+    /// Requests the program of the scene on the stage once more, if it cannot look up cells and that is wanted. Until it
+    /// comes, the one that is there goes on.
+    pub(super) fn ask_for_cells(&mut self) {
+        let Some(cast) = self.on_stage.as_ref().filter(|cast| cast.compiled.is_some()) else { return };
+        let id = cast.id;
+        if !cast.has_cells && self.wants_cells(cast) && !self.in_the_making(id, Mode::Compiled) {
+            self.request_compiled(id);
+        }
+    }
+
+    /// Whether a scene's compiled program is to look up the cells of a tree.
+    fn wants_cells(&self, cast: &Cast) -> bool {
+        cast.resources.uses_cells(self.regions.wish(), Mode::Compiled)
+    }
+
+    fn request_compiled(&mut self, id: u64) {
         let Some(cast) = self.cast(id) else { return };
+        let has_cells = self.wants_cells(cast);
         let world = cast.resources.world().clone();
-        let job = self.job(cast, move || compiled_variant_of(&world, Counting::Off));
-        tracing::info!("{} is requested, compiled", cast.source.title());
-        self.submit(job, Task::Compiled(id));
+        let job = self.job(cast, move || {
+            let variant = compiled_variant_of(&world, Counting::Off)?;
+            Ok(if has_cells { variant } else { without_cells(variant) })
+        });
+        let how = if has_cells { ", with cells" } else { "" };
+        tracing::info!("{} is requested, compiled{how}", cast.source.title());
+        self.submit(job, Task::Compiled { id, has_cells });
     }
 
     pub(super) fn ask_for_interpreter(&mut self, id: u64) {
@@ -141,7 +167,7 @@ impl SceneStage {
     pub(super) fn in_the_making(&self, id: u64, mode: Mode) -> bool {
         let needed = self.cast(id).and_then(|cast| cast.interpreter.as_ref());
         self.tasks.values().any(|task| match task {
-            Task::Compiled(asked) => mode == Mode::Compiled && *asked == id,
+            Task::Compiled { id: asked, .. } => mode == Mode::Compiled && *asked == id,
             Task::Interpreter(asked) => {
                 mode == Mode::Interpreted && needed.is_some_and(|needed| asked.covers(needed))
             }

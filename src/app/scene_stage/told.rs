@@ -59,11 +59,12 @@ impl SceneStage {
         for id in self.compiler.slow() {
             let Some(task) = self.tasks.get(&id) else { continue };
             // Nobody waits for what is prepared ahead.
-            if matches!(task, Task::Compiled(of) if self.ahead.casts().any(|cast| cast.id == *of)) {
+            if matches!(task, Task::Compiled { id: of, .. } if self.ahead.casts().any(|cast| cast.id == *of))
+            {
                 continue;
             }
             let what = match task {
-                Task::Compiled(of) => self.cast(*of).map(|cast| cast.source.title()),
+                Task::Compiled { id: of, .. } => self.cast(*of).map(|cast| cast.source.title()),
                 Task::Views(ViewsOf::Compiled(of)) => {
                     self.cast(*of).map(|cast| format!("the views of {}", cast.source.title()))
                 }

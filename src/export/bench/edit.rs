@@ -7,7 +7,7 @@ use crate::export::error::ExportError;
 use crate::frame::Frame;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::scene_program::{Interpreter, Mode, link_scene, variant_of};
+use crate::gpu::scene_program::{Interpreter, Mode, drawing_variant_of, link_scene};
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::ReadyScene;
 use mariana_music::Sound;
@@ -63,7 +63,8 @@ pub(super) fn measure_edit(
         });
     }
     let start = Instant::now();
-    let variant = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off)?;
+    let how = (Mode::Compiled, request.scene.cells);
+    let variant = drawing_variant_of(&world, &buffers, &plan, how, gl.info())?;
     let compiled_ms = draw(&link_scene(&gl, &request.scene.shaders, &variant)?, start)?;
     Ok(EditReport { interpreted_ms, new_interpreter, compiled_ms })
 }

@@ -17,7 +17,7 @@ use mariana::config::SdfChoice;
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::painter::{Painter, SceneChoice};
 use mariana::export::song_features::SongFeatures;
-use mariana::gpu::scene_resources::CellUse;
+use mariana::gpu::cell_use::CellUse;
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana_music::Sound;

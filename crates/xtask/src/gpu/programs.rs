@@ -4,12 +4,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::{Context as _, bail};
 use mariana::ending::begin_to_leave;
+use mariana::gpu::cell_use::CellUse;
 use mariana::gpu::flash_pass::FLASH_SHADERS;
 use mariana::gpu::headless::Headless;
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
-use mariana::gpu::scene_program::{Interpreter, Mode, SCENE_SHADER, as_views, variant_of};
+use mariana::gpu::scene_program::{
+    Interpreter, Mode, SCENE_SHADER, as_views, drawing_variant_of, variant_of,
+};
 use mariana::gpu::shader_source::{ShaderLibrary, Variant};
 use mariana::scenes::{SceneSource, shipped_names};
 use rustix::time::{ClockId, clock_gettime};
@@ -76,8 +79,13 @@ fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wan
         }
         let ready = source.ready().with_context(|| name.clone())?;
         for (name, mode, counting) in kinds {
-            let variant = variant_of(&ready.world, &ready.buffers, &ready.plan, mode, gl.info(), counting)?;
-            let variant = if counting == Counting::On { as_views(variant) } else { variant };
+            let (world, buffers, plan) = (&ready.world, &ready.buffers, &ready.plan);
+            let variant = match counting {
+                Counting::On => as_views(variant_of(world, buffers, plan, mode, gl.info(), counting)?),
+                Counting::Off => {
+                    drawing_variant_of(world, buffers, plan, (mode, CellUse::WhereTheyPay), gl.info())?
+                }
+            };
             found.push(Wanted { name, file: SCENE_SHADER, variant });
         }
     }
