@@ -124,12 +124,13 @@ impl RegionMaker {
         is_wanted: &(dyn Fn() -> bool + Sync),
     ) -> BuiltRegions {
         let start = Instant::now();
-        let last = self.last.as_ref().filter(|last| last.request.has_tree_of(&request));
-        let regions = last.map_or_else(
+        let same = self.last.as_ref().filter(|last| last.request.has_tree_of(&request));
+        let before = self.last.as_ref().map(|last| &*last.regions);
+        let regions = same.map_or_else(
             || {
                 let parts = if self.plan.whole_texels() < SMALL_TAPE { 1 } else { processors() };
                 let run = |parts: &mut [Part]| build_side_by_side(parts, is_wanted);
-                Arc::new(self.plan.build_in_parts(&frame.inputs, &request.options, parts, run))
+                Arc::new(self.plan.build_in_parts((before, &frame.inputs), &request.options, parts, run))
             },
             |last| last.regions.clone(),
         );

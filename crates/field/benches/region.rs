@@ -1,5 +1,5 @@
-//! How long the tree of a frame takes, on one thread: of some shipped scenes, and of a scene of over 11,000
-//! clauses.
+//! How long the trees of frames in a row take, on one thread: of some shipped scenes, and of a scene of over 11,000
+//! clauses. `first` is a tree after none, `next` one of frames 1/60 s apart with music that changes, after the one before.
 
 use mariana_field::graph::{SoundInput, SoundInputs};
 use std::hint::black_box;
@@ -18,21 +18,26 @@ let balls = smooth_union(for i in 0..100: sphere(p - place(i + 1000), 0.4 + 0.2 
 min(boxes, balls)
 ";
 
-const SCENES: [(&str, &str); 6] = [
+const SCENES: [(&str, &str); 8] = [
     ("speakers", include_str!("../../../assets/scenes/speakers.scene")),
     ("gyroid", include_str!("../../../assets/scenes/gyroid.scene")),
     ("lattice", include_str!("../../../assets/scenes/lattice.scene")),
     ("tunnel", include_str!("../../../assets/scenes/tunnel.scene")),
     ("terrain", include_str!("../../../assets/scenes/terrain.scene")),
+    ("city", include_str!("../../../assets/scenes/city.scene")),
+    ("letters", include_str!("../../../assets/scenes/letters.scene")),
     ("many", MANY),
 ];
 
-/// A moment of loud music.
-fn inputs_of(world: &World) -> FrameInputs {
+/// After so many frames the first one follows.
+const FRAMES: usize = 64;
+
+/// A frame in loud music.
+fn inputs_of(world: &World, frame: usize) -> FrameInputs {
     let mut inputs = FrameInputs {
-        time: 31.0,
+        time: 31.0 + frame as f32 / 60.0,
         sound: SoundInputs::with(&[(SoundInput::VolumeLeft, 0.18), (SoundInput::VolumeRight, 0.12)]),
-        bands: std::array::from_fn(|band| 0.3 + 0.3 * (1.7 * band as f32).sin()),
+        bands: std::array::from_fn(|band| 0.3 + 0.3 * (1.7 * band as f32 + 0.1 * frame as f32).sin()),
         params: world.scene.params.iter().map(|param| param.default).collect(),
         ..FrameInputs::default()
     };
@@ -46,13 +51,25 @@ fn trees(criterion: &mut Criterion) {
     for (name, text) in SCENES {
         let Some(scene) = compile(name, text, &mut no_includes).scene else { continue };
         let Ok(world) = World::new(name, scene, Vec::new()) else { continue };
-        let inputs = inputs_of(&world);
+        let frames: Vec<FrameInputs> = (0..FRAMES).map(|frame| inputs_of(&world, frame)).collect();
+        let inputs = frames[0].clone();
         let center = world.frame_tape.values(&inputs).camera.position;
         let eye = world.bounds.is_some_and(|bounds| !world.steep && bounds.hold(center)).then_some(center);
         let options = RegionOptions { cells: true, texels_max: 1 << 22, center, eye };
         let plan = RegionPlan::new(&world);
-        eprintln!("{name}: {:?}", plan.build(&inputs, &options).stats);
-        group.bench_function(name, |bencher| bencher.iter(|| black_box(plan.build(&inputs, &options))));
+        group.bench_function(format!("{name}, first"), |bencher| {
+            bencher.iter(|| black_box(plan.build(&inputs, &options)))
+        });
+        let mut last = plan.build(&inputs, &options);
+        eprintln!("{name}: {:?}", last.stats);
+        let mut frame = 0;
+        group.bench_function(format!("{name}, next"), |bencher| {
+            bencher.iter(|| {
+                frame = (frame + 1) % FRAMES;
+                last = black_box(plan.build_after(Some(&last), &frames[frame], &options));
+            })
+        });
+        eprintln!("{name}: {:?}", last.stats);
     }
     group.finish();
 }

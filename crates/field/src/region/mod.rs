@@ -47,6 +47,7 @@ mod part;
 mod program;
 mod prune;
 mod read;
+mod reuse;
 pub(crate) mod surface;
 mod tree;
 
@@ -251,21 +252,31 @@ impl RegionPlan {
 
     /// The tree of a frame.
     pub fn build(&self, inputs: &FrameInputs, options: &RegionOptions) -> Regions {
-        self.build_in_parts(inputs, options, 1, |parts| parts.iter_mut().for_each(Part::build))
+        self.build_after(None, inputs, options)
     }
 
-    /// The tree of a frame, built in `parts` parts: `run` must call [`Part::build`] of each, on several threads if it
+    /// The tree of a frame after that of another one (`last`), from which it takes over what is the same.
+    pub fn build_after(
+        &self,
+        last: Option<&Regions>,
+        inputs: &FrameInputs,
+        options: &RegionOptions,
+    ) -> Regions {
+        self.build_in_parts((last, inputs), options, 1, |parts| parts.iter_mut().for_each(Part::build))
+    }
+
+    /// [`RegionPlan::build_after`], built in `parts` parts: `run` must call [`Part::build`] of each, on several threads if it
     /// likes. The tree is the same, except that equal tapes of different parts are not shared.
     pub fn build_in_parts(
         &self,
-        inputs: &FrameInputs,
+        (last, inputs): (Option<&Regions>, &FrameInputs),
         options: &RegionOptions,
         parts: usize,
         run: impl FnOnce(&mut [Part]),
     ) -> Regions {
         let program = self.folded(&Numbers::Of(inputs), inputs);
         let has_rest = self.has_rest && (self.runs || self.steep);
-        let traced = tree::Traced { has_rest, variant: &self.variant };
+        let traced = tree::Traced { has_rest, variant: &self.variant, last };
         tree::build(program, self.bounds, traced, (inputs, options), parts, run)
     }
 
@@ -324,5 +335,7 @@ fn fold(
     places
 }
 
+#[cfg(test)]
+mod reuse_tests;
 #[cfg(test)]
 mod tests;

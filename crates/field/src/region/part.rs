@@ -2,13 +2,14 @@
 //! texels that are written for each.
 
 use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
+use std::hash::BuildHasherDefault;
 
 use super::encode::{Encoder, Texel};
 use super::gradient::Gradients;
 use super::lanes::{CELLS, Lanes, mask};
 use super::program::{Arg, BOUND, ESTIMATE, OBJECT, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
+use super::reuse::{Hashed, Memory, is_of_place, key_of, spread};
 use super::tree::{AROUND, Block, RegionStats, Trunk, bound_cells, cells_of, place_in};
 use super::{DIVIDED, OBJECT_UNKNOWN};
 use crate::graph::Interval;
@@ -25,7 +26,7 @@ const GROUPS_MANY: usize = 16;
 const OBJECT_REACH: f32 = 0.25;
 
 /// The bits of a cell's second word that hold an address.
-const ADDRESS: u32 = (1 << 24) - 1;
+pub(super) const ADDRESS: u32 = (1 << 24) - 1;
 
 /// The cells of a block.
 type Cells = [Texel; CELLS];
@@ -55,6 +56,8 @@ pub struct Part<'a> {
     texels: Vec<Texel>,
     /// Positions in `texels` at which bricks begin, and those of the texels before tapes.
     bricks: Vec<usize>,
+    /// The keys of bricks that a later tree may copy, and their positions.
+    keys: Vec<(u64, usize)>,
     heads: Vec<usize>,
     /// Blocks of the root, by number.
     blocks: Vec<(usize, Cells)>,
@@ -78,6 +81,7 @@ impl<'a> Part<'a> {
             room: trunk.options.texels_max.saturating_sub(trunk.texels.len()) / parts,
             texels: Vec::new(),
             bricks: Vec::new(),
+            keys: Vec::new(),
             heads: Vec::new(),
             blocks: Vec::new(),
             encoder: trunk.encoder(),
@@ -132,9 +136,16 @@ impl<'a> Part<'a> {
     }
 
     /// Takes the result: the blocks of the root and the texels, for a tree in which `before` texels of other parts
-    /// come first.
-    pub(super) fn finish(mut self, before: usize) -> (Vec<(usize, Cells)>, Vec<Texel>, RegionStats) {
+    /// come first. What a later tree may copy is added to `memory`.
+    pub(super) fn finish(
+        mut self,
+        before: usize,
+        memory: &mut Memory,
+    ) -> (Vec<(usize, Cells)>, Vec<Texel>, RegionStats) {
         let (start, shift) = (self.trunk.texels.len() as u32, before as u32);
+        memory.programs.extend(self.known.iter().map(|(program, second)| (spread(second + shift), *program)));
+        memory.seconds.extend(self.known.iter().map(|(program, second)| (*program, second + shift)));
+        memory.bricks.extend(self.keys.iter().map(|(key, at)| (*key, start + shift + *at as u32)));
         if shift > 0 {
             let moved = |address: u32| if address & ADDRESS >= start { address + shift } else { address };
             for (_, cells) in &mut self.blocks {
@@ -205,8 +216,10 @@ impl<'a> Part<'a> {
             let slopes = self.slopes(&level, depth, group & surface);
             let mut divided =
                 if depth == 1 { self.divisible(&level.short, &block, group & surface) } else { 0 };
+            let mut program_hash = None;
             if divided != 0 {
                 level.structure.look_at(&level.short);
+                program_hash = is_of_place(&level.short).then(|| level.short.hash());
             }
             for cell in cells_of(divided) {
                 let Some(address) = self.address(CELLS) else {
@@ -217,7 +230,12 @@ impl<'a> Part<'a> {
                 self.bricks.push(brick);
                 self.texels.resize(brick + CELLS, [0; 4]);
                 let inner = block.child(place_in(cell));
-                let children = self.cells(&level.short, &level.structure, inner, depth + 1);
+                let key = program_hash.map(|program| key_of(program, &inner));
+                self.keys.extend(key.map(|key| (key, brick)));
+                let children = match key.and_then(|key| self.brick_of_before(key)) {
+                    Some(children) => children,
+                    None => self.cells(&level.short, &level.structure, inner, depth + 1),
+                };
                 self.texels[brick..brick + CELLS].copy_from_slice(&children);
                 cells[cell] = [DIVIDED, address, 0, 0];
             }
@@ -305,6 +323,10 @@ impl<'a> Part<'a> {
         if let Some(second) = self.known.get(&hash) {
             return *second;
         }
+        let before = self.trunk.before.and_then(|before| before.second_of(hash));
+        if let Some(second) = before.and_then(|second| self.tape_of_before(second)) {
+            return second;
+        }
         let Some(second) = self.new_tape(program) else {
             self.stats.overflowed += cells;
             return self.trunk.whole_tape | OBJECT_UNKNOWN << 24;
@@ -328,6 +350,59 @@ impl<'a> Part<'a> {
         Some(tape | object << 24)
     }
 
+    /// The cells of a brick that the tree of the frame before has, with their tapes; `None` also if there is no room.
+    fn brick_of_before(&mut self, key: u64) -> Option<Cells> {
+        let before = self.trunk.before?;
+        let mut cells = [[0; 4]; CELLS];
+        // Neighbours mostly have the same tape.
+        let mut last = None;
+        for (cell, old) in cells.iter_mut().zip(before.brick(key)?) {
+            let [bound, second, z, w] = *old;
+            let second = match last {
+                Some((of, moved)) if of == second => moved,
+                _ => {
+                    let moved = self.tape_of_before(second)?;
+                    last = Some((second, moved));
+                    moved
+                }
+            };
+            *cell = [bound, second, z, w];
+        }
+        self.stats.cells += CELLS;
+        self.stats.copied += 1;
+        Some(cells)
+    }
+
+    /// The second word of a cell for one that the tree of the frame before has, with its tape.
+    fn tape_of_before(&mut self, second: u32) -> Option<u32> {
+        let tape = self.trunk.before?.tape(second)?;
+        if let Some(known) = self.known.get(&tape.program) {
+            return Some(*known);
+        }
+        let object_tape = match tape.object_tape {
+            None => self.trunk.whole_object,
+            Some(texels) => {
+                let at = self.address(texels.len())?;
+                self.texels.extend_from_slice(texels);
+                at
+            }
+        };
+        let at = self.address(1 + tape.texels.len())?;
+        self.heads.push(self.texels.len());
+        self.texels.push([object_tape, 0, 0, 0]);
+        self.texels.extend_from_slice(tape.texels);
+        let is_clause = |word: &&u32| **word & 255 != 0;
+        self.stats.tapes += 1;
+        self.stats.clauses += tape
+            .texels
+            .iter()
+            .map(|[first, _, second, _]| [first, second].iter().filter(|word| is_clause(word)).count())
+            .sum::<usize>();
+        let second = (at + 1) | tape.object << 24;
+        self.known.insert(tape.program, second);
+        Some(second)
+    }
+
     /// The address of a new tape, which stands behind the texel that names the tape of its object.
     fn stored(&mut self, program: &Program, roots: &[usize], object_tape: Option<u32>) -> Option<u32> {
         let before = usize::from(object_tape.is_some());
@@ -339,24 +414,6 @@ impl<'a> Part<'a> {
         }
         self.texels.extend_from_slice(self.encoder.texels());
         Some(at + before as u32)
-    }
-}
-
-/// Keys that are hashes already.
-#[derive(Debug, Default)]
-struct Hashed(u64);
-
-impl Hasher for Hashed {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        self.0 = bytes.iter().fold(self.0, |hash, byte| hash << 8 | u64::from(*byte));
-    }
-
-    fn write_u64(&mut self, hash: u64) {
-        self.0 = hash;
     }
 }
 

@@ -7,7 +7,7 @@ use crate::tape::{PointEvaluator, Tape, TapeOptions, opcode};
 use crate::world::testing::{SPEAKERS, world_of};
 
 /// A frame of a world with some sound.
-fn inputs_of(world: &World, time: f32, loud: f32) -> FrameInputs {
+pub(super) fn inputs_of(world: &World, time: f32, loud: f32) -> FrameInputs {
     let mut inputs = FrameInputs {
         time,
         sound: SoundInputs::with(&[
@@ -25,7 +25,7 @@ fn inputs_of(world: &World, time: f32, loud: f32) -> FrameInputs {
 }
 
 /// Points spread over the tree's box and a little around it; the same number always gives the same point.
-fn point(regions: &Regions, number: u32) -> [f32; 3] {
+pub(super) fn point(regions: &Regions, number: u32) -> [f32; 3] {
     let places = [0.754_877_67, 0.569_840_3, 0.438_579_22_f64];
     std::array::from_fn(|axis| {
         let share = (f64::from(number) * places[axis] + 0.5).fract() as f32;
@@ -78,7 +78,7 @@ fn the_speakers_are_the_same_in_every_cell() {
 }
 
 /// Boxes, and balls that flow together, as two objects.
-const MANY: &str = "
+pub(super) const MANY: &str = "
 fn place(i) = vec3(5 * sin(12.9898 * i), 3 + 3 * sin(78.233 * i), 5 * sin(37.719 * i))
 object boxes { shape = union(for i in 0..60: box(p - place(i), vec3(0.2 + 0.1 * sin(i), 0.3, 0.25))) }
 object balls { shape = smooth_union(for i in 0..20: sphere(p - place(i + 1000), 0.4 + 0.2 * band(0)), 0.3) }
@@ -92,7 +92,7 @@ fn many_shapes_are_the_same_in_every_cell() {
 }
 
 /// Balls and bars in cells of 4, each node with a size of its own, as far as 22 from the eye in the middle.
-const LATTICE: &str = "
+pub(super) const LATTICE: &str = "
 fn node(p) = round(p / 4)
 object frame {
   shape = if length(p) < 22 then lattice(p) else 100
@@ -174,7 +174,7 @@ fn a_tree_in_parts_is_the_same_tree() {
         let options = RegionOptions { texels_max: 1 << 22, center, ..Default::default() };
         let whole = plan.build(&inputs, &options);
         for count in [2, 3] {
-            let tree = plan.build_in_parts(&inputs, &options, count, |parts| {
+            let tree = plan.build_in_parts((None, &inputs), &options, count, |parts| {
                 assert_eq!(parts.len(), count);
                 parts.iter_mut().rev().for_each(Part::build);
             });
@@ -189,7 +189,8 @@ fn a_tree_in_parts_is_the_same_tree() {
             }
         }
         let narrow = RegionOptions { texels_max: 17_000, ..options };
-        let tree = plan.build_in_parts(&inputs, &narrow, 2, |parts| parts.iter_mut().for_each(Part::build));
+        let tree =
+            plan.build_in_parts((None, &inputs), &narrow, 2, |parts| parts.iter_mut().for_each(Part::build));
         assert!(tree.texels.len() <= narrow.texels_max, "{:?}", tree.stats);
         for number in 0..3_000 {
             let at = point(&tree, number);

@@ -9,6 +9,7 @@ use super::lanes::{CELLS, Lanes, bound};
 use super::part::Part;
 use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
 use super::prune::ChoiceTrace;
+use super::reuse::{Before, Memory};
 use super::{BRICK_SIDE, ROOT_SIDE, RegionVariant};
 use crate::graph::{FrameInputs, Interval};
 
@@ -39,6 +40,8 @@ pub struct RegionStats {
     pub cells: usize,
     /// Passes, each of which bounds 64 cells at once.
     pub passes: usize,
+    /// Groups of 64 cells that are copied from the tree of the frame before.
+    pub copied: usize,
     /// Distinct tapes.
     pub tapes: usize,
     /// Clauses of the whole tape.
@@ -66,6 +69,8 @@ pub struct Regions {
     pub whole_tape: u32,
     /// The sizes of the tree.
     pub stats: RegionStats,
+    /// What the tree of the next frame needs to copy from this one.
+    pub(super) memory: Memory,
 }
 
 /// Most passes that shrink the bounds of a frame.
@@ -105,6 +110,8 @@ pub(super) struct Trunk<'a> {
     /// The root, which is still empty, and the whole tapes.
     pub(super) texels: Vec<Texel>,
     pub(super) variant: &'a RegionVariant,
+    /// The tree of the frame before, if anything can be copied from it.
+    pub(super) before: Option<Before<'a>>,
     /// Whether the tree lies around the eye.
     pub(super) unbounded: bool,
     pub(super) margin: f32,
@@ -121,13 +128,15 @@ pub(super) struct Traced<'a> {
     pub(super) has_rest: bool,
     /// What the tapes may demand.
     pub(super) variant: &'a RegionVariant,
+    /// The tree of another frame.
+    pub(super) last: Option<&'a Regions>,
 }
 
 /// Builds the tree of a program with the frame's numbers folded in. `run` has to build the given number of parts.
 pub(super) fn build(
     program: Program,
     bounds: Option<([f32; 3], [f32; 3])>,
-    Traced { has_rest, variant }: Traced,
+    Traced { has_rest, variant, last }: Traced,
     (frame, options): (&FrameInputs, &RegionOptions),
     parts: usize,
     run: impl FnOnce(&mut [Part]),
@@ -147,6 +156,7 @@ pub(super) fn build(
         groups: Vec::new(),
         texels: vec![[0; 4]; if cells { ROOT_SIDE.pow(3) } else { 0 }],
         variant,
+        before: last.filter(|_| cells).and_then(|last| Before::of(last, low, size)),
         unbounded: bounds.is_none(),
         margin: farthest * ROUNDING,
         overlap: farthest * OVERLAP,
@@ -155,6 +165,7 @@ pub(super) fn build(
         stats: RegionStats::default(),
     };
     trunk.write_whole();
+    let mut memory = Memory { whole_object: trunk.whole_object, ..Memory::default() };
     let (mut stats, mut texels) = (trunk.stats, Vec::new());
     if cells {
         trunk.divide();
@@ -164,7 +175,7 @@ pub(super) fn build(
         texels.reserve_exact(trunk.texels.len() + parts.iter().map(Part::texel_count).sum::<usize>());
         texels.extend_from_slice(&trunk.texels);
         for part in parts {
-            let (blocks, its, of_part) = part.finish(texels.len() - trunk.texels.len());
+            let (blocks, its, of_part) = part.finish(texels.len() - trunk.texels.len(), &mut memory);
             texels.extend(its);
             stats.add(&of_part);
             for (block, cells) in blocks {
@@ -187,6 +198,7 @@ pub(super) fn build(
         whole_tape: trunk.whole_tape,
         texels,
         stats,
+        memory,
     }
 }
 
@@ -195,6 +207,7 @@ impl RegionStats {
     fn add(&mut self, part: &Self) {
         self.cells += part.cells;
         self.passes += part.passes;
+        self.copied += part.copied;
         self.tapes += part.tapes;
         self.clauses += part.clauses;
         self.overflowed += part.overflowed;

@@ -1,0 +1,123 @@
+//! What a tree takes over from that of the frame before.
+//!
+//! Most of a frame's numbers matter in few places. Where the program of a block's cells, with the frame's numbers in it, and
+//! the block's place are those of the last frame, its cells are the same ones, and so are their tapes: both are copied.
+//! Programs are compared by their hashes, as where cells share a tape. What reads tables of the sound, whose values are no
+//! part of a program, is made anew.
+
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+use super::encode::Texel;
+use super::program::Program;
+use super::tree::{Block, Regions};
+use crate::graph::Properties;
+
+/// What is needed to copy from a tree.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Memory {
+    /// First texels of bricks, by [`key_of`] the blocks that they are.
+    pub(super) bricks: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
+    /// Hashes of programs, by [`spread`] the second words of the cells that have them.
+    pub(super) programs: HashMap<u64, u64, BuildHasherDefault<Hashed>>,
+    /// The second words of cells, by the hashes of their programs.
+    pub(super) seconds: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
+    /// First texel of the object's whole tape.
+    pub(super) whole_object: u32,
+}
+
+/// A tree from which bricks are copied.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Before<'a>(&'a Regions);
+
+/// A tape of a tree from which it is copied.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TapeBefore<'a> {
+    /// The hash of its program.
+    pub(super) program: u64,
+    /// The nearest object, as in a cell's second word.
+    pub(super) object: u32,
+    /// Its texels.
+    pub(super) texels: &'a [Texel],
+    /// The texels of the object's tape; none if that is the whole one.
+    pub(super) object_tape: Option<&'a [Texel]>,
+}
+
+impl<'a> Before<'a> {
+    /// A tree from whose bricks those of a tree in this box can be copied; none if all of them are others.
+    pub(super) fn of(last: &'a Regions, low: [f32; 3], size: [f32; 3]) -> Option<Self> {
+        // A cell that had no room for its tape has the whole one, whose numbers are the frame's.
+        (last.low == low && last.size == size && last.stats.overflowed == 0).then_some(Self(last))
+    }
+
+    /// The cells of the brick that had this key.
+    pub(super) fn brick(self, key: u64) -> Option<&'a [Texel]> {
+        let at = *self.0.memory.bricks.get(&key)? as usize;
+        self.0.texels.get(at..at + super::lanes::CELLS)
+    }
+
+    /// The second word of the cells that had this program.
+    pub(super) fn second_of(self, program: u64) -> Option<u32> {
+        self.0.memory.seconds.get(&program).copied()
+    }
+
+    /// The tape that a cell's second word names.
+    pub(super) fn tape(self, second: u32) -> Option<TapeBefore<'a>> {
+        let memory = &self.0.memory;
+        let program = *memory.programs.get(&spread(second))?;
+        let at = second & super::part::ADDRESS;
+        let object_at = self.0.texels.get((at as usize).checked_sub(1)?)?[0];
+        let object_tape = match object_at == memory.whole_object {
+            true => None,
+            false => Some(self.texels_of(object_at)?),
+        };
+        Some(TapeBefore { program, object: second >> 24, texels: self.texels_of(at)?, object_tape })
+    }
+
+    /// The texels from the first one of a tape to its END.
+    fn texels_of(self, first: u32) -> Option<&'a [Texel]> {
+        let from = self.0.texels.get(first as usize..)?;
+        let end = from.iter().position(|texel| texel[2] & 255 == 0)?;
+        from.get(..=end)
+    }
+}
+
+/// A number that identifies a block of cells, given the hash of their program.
+pub(super) fn key_of(program: u64, block: &Block) -> u64 {
+    let [x, y, z] = block.low.map(|side| u64::from(side.to_bits()));
+    let place = spread_long(x | y << 32) ^ spread_long(z).rotate_left(29);
+    spread_long(program ^ place).rotate_left(17)
+}
+
+/// Whether what a program gives is known from its steps and the place alone.
+pub(super) fn is_of_place(program: &Program) -> bool {
+    !program.steps.iter().any(|step| step.op.properties().has(Properties::READS_FRAME))
+}
+
+/// A cell's second word as a key.
+pub(super) fn spread(second: u32) -> u64 {
+    spread_long(u64::from(second))
+}
+
+fn spread_long(number: u64) -> u64 {
+    let product = number.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    product ^ product >> 32
+}
+
+/// Keys that are hashes already.
+#[derive(Debug, Default, Clone)]
+pub(super) struct Hashed(u64);
+
+impl Hasher for Hashed {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        self.0 = bytes.iter().fold(self.0, |hash, byte| hash << 8 | u64::from(*byte));
+    }
+
+    fn write_u64(&mut self, hash: u64) {
+        self.0 = hash;
+    }
+}
