@@ -52,7 +52,9 @@ use super::edits::Edits;
 use super::overlay::Slider;
 use super::scene_regions::SceneRegions;
 use crate::config::SdfChoice;
+use crate::frame::Frame;
 use crate::frame::orbit_controls::OrbitControls;
+use crate::frame::picture::Picture;
 use crate::gpu::background::{BackgroundCompiler, Sources, WorkerContext};
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
@@ -61,6 +63,7 @@ use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode};
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
 use mariana_control::Model;
+use mariana_music::Features;
 
 /// What the loader gives.
 pub(super) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
@@ -390,6 +393,12 @@ impl SceneStage {
     /// Whether there is something to draw.
     pub(super) fn is_ready(&self) -> bool {
         self.on_stage.is_some()
+    }
+
+    /// How pictures of the scene are made that is coming; none if there is none.
+    pub(super) fn coming_picture(&self) -> Option<Picture> {
+        let world = self.coming.as_ref()?.resources.world();
+        Some(Frame::new(world, 0.0, Features::SILENCE, (16, 16)).picture)
     }
 
     /// Notes that the same moment would look different.

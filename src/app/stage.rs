@@ -115,6 +115,8 @@ pub(super) struct Stage {
     overlay: Overlay,
     /// When the words of a window without a picture were last shown, and in which size.
     waited: Option<(Instant, (u32, u32))>,
+    /// How long after nothing the first picture is shown, until the limiter of flashes has taken it.
+    first_shown_after: Option<f64>,
     /// The picture on another monitor.
     output: Output,
     /// If the window is the desktop's ground.

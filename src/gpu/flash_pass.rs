@@ -48,6 +48,8 @@ const DECIDED: [&str; 6] =
     ["shown_swings", "shown_ages", "shown_rest", "corrections", "shown_red_swings", "shown_red_ages"];
 /// What `flash_rows.frag` writes.
 const ROW_MARKS: [&str; 2] = ["marked_rows", "bright_rows"];
+/// What is drawn for each picture, one after the other.
+pub const PASSES: usize = 7;
 /// Cells of a rectangle of `flash_cells.vert`.
 const GROUP: usize = 16;
 
@@ -127,8 +129,31 @@ impl FlashPass {
         self.steps = Steps::default();
     }
 
-    /// Takes a finished picture that is shown `seconds` after the last one, and decides what to dim in it.
+    /// Draws once with each program, for as long as that `is_wanted`, so that the driver has nothing left to make when
+    /// pictures come. Nothing is seen, and nothing of it is known later.
+    pub fn warm_up(&mut self, picture: &Target, is_wanted: &mut dyn FnMut() -> bool) {
+        self.begin(0.0);
+        let passes = (0..PASSES).take_while(|_| is_wanted());
+        passes.for_each(|number| {
+            self.reset_state();
+            self.pass(number, picture);
+        });
+        // A picture after none is dimmed nowhere, so nothing of the window changes.
+        let (width, height) = picture.size();
+        let windows = [(width, height), (width + 1, height)].into_iter().take_while(|_| is_wanted());
+        windows.for_each(|window| self.limit_in_window(picture, window));
+        self.forget();
+    }
+
+    /// Takes a finished picture that is shown `seconds` after the last one, and decides what to dim in it. In the first one
+    /// nothing is dimmed.
     pub fn take(&mut self, finished: &Target, seconds: f64) {
+        self.begin(seconds);
+        (0..PASSES).for_each(|number| self.pass(number, finished));
+    }
+
+    /// Begins the passes of a picture.
+    fn begin(&mut self, seconds: f64) {
         let step = self.steps.next(seconds);
         let flag = |is: bool| f32::from(u8::from(is));
         let is_fresh = std::mem::take(&mut self.is_fresh);
@@ -136,27 +161,47 @@ impl FlashPass {
         self.followed.swap(0, 1);
         self.decided.swap(0, 1);
         self.reset_state();
-        finished.bind_color(0, unit_of("picture"));
-        self.draw(&self.measure, &self.cells);
-        self.cells.bind_color(0, unit_of("cells"));
+    }
+
+    /// One of the [`PASSES`] of a picture, which reads what the ones before have bound and drawn.
+    fn pass(&self, number: usize, finished: &Target) {
         let [followed, followed_before] = &self.followed;
         let [decided, decided_before] = &self.decided;
-        bind(followed_before, &FOLLOWED);
-        bind(decided_before, &DECIDED);
-        self.draw(&self.follow, followed);
-        bind(followed, &FOLLOWED);
-        self.draw(&self.gather, &self.marks);
-        bind(&self.marks, &ROW_MARKS);
-        self.draw(&self.find_fields, &self.covered);
-        bind(&self.covered, &["covered_rows"]);
-        self.draw(&self.find_areas, &self.areas);
-        bind(&self.areas, &["limited_rows"]);
-        self.draw(&self.decide, decided);
-        bind(decided, &DECIDED);
-        for (round, rate) in CENTRE_RATES.into_iter().enumerate() {
-            self.centre_with(round, [rate, 0.0]);
+        match number {
+            0 => {
+                finished.bind_color(0, unit_of("picture"));
+                self.draw(&self.measure, &self.cells);
+            }
+            1 => {
+                self.cells.bind_color(0, unit_of("cells"));
+                bind(followed_before, &FOLLOWED);
+                bind(decided_before, &DECIDED);
+                self.draw(&self.follow, followed);
+            }
+            2 => {
+                bind(followed, &FOLLOWED);
+                self.draw(&self.gather, &self.marks);
+            }
+            3 => {
+                bind(&self.marks, &ROW_MARKS);
+                self.draw(&self.find_fields, &self.covered);
+            }
+            4 => {
+                bind(&self.covered, &["covered_rows"]);
+                self.draw(&self.find_areas, &self.areas);
+            }
+            5 => {
+                bind(&self.areas, &["limited_rows"]);
+                self.draw(&self.decide, decided);
+            }
+            _ => {
+                bind(decided, &DECIDED);
+                for (round, rate) in CENTRE_RATES.into_iter().enumerate() {
+                    self.centre_with(round, [rate, 0.0]);
+                }
+                self.centre_with(CENTRE_RATES.len(), [0.0, 1.0]);
+            }
         }
-        self.centre_with(CENTRE_RATES.len(), [0.0, 1.0]);
     }
 
     /// A round of `flash_centres.frag`, and what it is told.

@@ -24,6 +24,7 @@ mod making;
 mod placing;
 mod rehearsal;
 mod sketch;
+mod warm_up;
 
 use std::rc::Rc;
 use std::time::Duration;

@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used)]
 
 use mariana::flash::{Analyser, CELLS, COLUMNS, Correction, Flashes, Grid, Limiter, ROWS};
-use mariana::gpu::flash_pass::FlashPass;
+use mariana::gpu::flash_pass::{FlashPass, PASSES};
 use mariana::gpu::headless::Headless;
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::gpu::target::{Target, Texel};
@@ -266,6 +266,38 @@ fn calm_pictures_stay_bit_for_bit() {
     }
     assert_eq!(bench.changed, 0);
     bench.judge("what is calm");
+}
+
+/// The window shows its first picture before the limiter has taken it.
+#[test]
+fn a_first_picture_is_dimmed_nowhere_and_a_warm_up_leaves_nothing() {
+    let mut bench = Bench::new();
+    let first: [fn(usize) -> Color; 4] = [
+        |_| WHITE,
+        |_| RED,
+        |cell| if (cell + cell / COLUMNS).is_multiple_of(2) { WHITE } else { BLACK },
+        |cell| if cell % 3 == 0 { RED } else { BLACK },
+    ];
+    for color in first {
+        // What flashed before is forgotten.
+        for frame in 0..24 {
+            bench.show(0.05, |_| if frame % 2 == 0 { WHITE } else { BLACK });
+        }
+        assert!(bench.changed > 0);
+        // There is no window whose cells could be drawn.
+        let mut left = PASSES;
+        bench.pass.warm_up(&bench.finished, &mut || {
+            left = left.saturating_sub(1);
+            left > 0
+        });
+        bench.begin();
+        bench.show(0.0, color);
+        assert_eq!(bench.changed, 0);
+        for frame in 0..40 {
+            bench.show(0.05, |cell| if frame % 2 == 0 { BLACK } else { color(cell) });
+        }
+        bench.judge("after a warm-up");
+    }
 }
 
 #[test]

@@ -26,6 +26,10 @@ impl Stage {
     /// # Errors
     /// What the driver refuses.
     pub(in crate::app) fn draw(&mut self) -> Result<bool, AppError> {
+        if let Some(seconds) = self.first_shown_after.take() {
+            // Nothing is dimmed in the first picture, so it was shown before the driver had made the limiter's programs.
+            self.renderer.limit_flashes(seconds)?;
+        }
         let begun = Instant::now();
         // A picture whose regions have come was due before.
         if !self.scene.has_regions() && !self.scene.is_drawing() {
@@ -71,8 +75,13 @@ impl Stage {
         let dims = self.pace.shown().is_some() && gain != self.renderer.gain();
         if new.is_some() || dims {
             self.renderer.dim(gain)?;
-            // What flashes too often is dimmed.
-            self.renderer.limit_flashes(self.pace.note_picture(begun))?;
+            let since_last = self.pace.note_picture(begun);
+            if self.pace.shown().is_some() {
+                // What flashes too often is dimmed.
+                self.renderer.limit_flashes(since_last)?;
+            } else {
+                self.first_shown_after = Some(since_last);
+            }
             self.feeds.note_picture();
         }
         match new {
@@ -154,12 +163,32 @@ impl Stage {
         let now = Instant::now();
         let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
         if self.waited.is_none_or(is_stale) {
-            self.waited = Some((now, size));
+            let is_first = self.waited.replace((now, size)).is_none();
             let title = self.scene.wanted_title();
             let content = self.scene.overlay(None, PanelSwitches::default());
             paint_waiting(&self.window, &mut self.overlay, size, &title, content)?;
+            if is_first {
+                self.warm_up()?;
+            }
         }
         Ok(())
+    }
+
+    /// Lets the driver make the programs that all scenes share while it makes that of the first one.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    fn warm_up(&mut self) -> Result<(), AppError> {
+        let Some(picture) = self.scene.coming_picture() else { return Ok(()) };
+        let (scene, mut updated) = (&mut self.scene, Ok(()));
+        let mut is_wanted = || {
+            updated = scene.update();
+            updated.is_ok() && !scene.is_ready()
+        };
+        if let Err(error) = self.renderer.warm_up(&picture, &mut is_wanted) {
+            tracing::debug!("warming up: {error}");
+        }
+        Ok(updated?)
     }
 
     /// What the next picture shows: what is heard now, or what the last picture showed if it would look the same.

@@ -191,6 +191,7 @@ impl Opening<'_> {
             shaders: choice.shaders.clone(),
             overlay,
             waited: None,
+            first_shown_after: None,
             window,
         })
     }

@@ -404,7 +404,7 @@ impl Renderer {
     }
 
     /// Sets the stencil at edges; `sum` shares it with `first`. Clears the sum.
-    fn mark_in_stencil(&self, first: &Target, sum: &Target) -> Result<(), GpuError> {
+    pub(super) fn mark_in_stencil(&self, first: &Target, sum: &Target) -> Result<(), GpuError> {
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
             let gl = &*self.gl;
@@ -425,7 +425,7 @@ impl Renderer {
     }
 
     /// Draws the marks of edges.
-    fn mark_in_list(&self, first: &Target, marks: &Target) -> Result<(), GpuError> {
+    pub(super) fn mark_in_list(&self, first: &Target, marks: &Target) -> Result<(), GpuError> {
         marks.bind();
         // SAFETY: plain draws on objects of ours, in the current context.
         unsafe {
@@ -439,17 +439,22 @@ impl Renderer {
 
     /// Makes the picture of all samples, or only its light.
     fn finish_light(&self, targets: &Targets, making: &Making) -> Result<(), GpuError> {
-        targets.first.bind_color(0, unit_of("picture"));
-        match &targets.edges {
-            Edges::Stencil(sum) => sum.bind_color(0, unit_of("extra_samples")),
-            Edges::List(list) => list.bind_samples(),
-        }
-        self.post.resolve(&targets.post, self.edge_samples.block())?;
+        self.resolve(targets)?;
         if making.only_light {
             return Ok(());
         }
         let fade = self.fade.as_ref().map(Fade::mixed_in);
         self.post.finish(&targets.post, &making.picture, &targets.first, fade)
+    }
+
+    /// Makes light of the samples.
+    pub(super) fn resolve(&self, targets: &Targets) -> Result<(), GpuError> {
+        targets.first.bind_color(0, unit_of("picture"));
+        match &targets.edges {
+            Edges::Stencil(sum) => sum.bind_color(0, unit_of("extra_samples")),
+            Edges::List(list) => list.bind_samples(),
+        }
+        self.post.resolve(&targets.post, self.edge_samples.block())
     }
 
     /// Sets the states in which all samples are drawn, the first and the further ones: some drivers compile a program
