@@ -273,7 +273,6 @@ impl SceneStage {
                         cast.compiled = Some(Rc::new(program));
                         cast.has_cells = has_cells;
                     }
-                    self.ask_for_cells();
                 }
                 (task, Err(error)) => self.take_failure(&task, error)?,
             }

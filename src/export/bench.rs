@@ -88,18 +88,19 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let mut runs: Vec<Run> = Vec::new();
     for mode in modes {
         // Interpreted, both ways have one program.
-        let mut made: Option<(Variant, Rc<Program>, f64, Option<[f64; 2]>)> = None;
+        let mut made: Option<Made> = None;
         let ways: &[bool] =
             if request.both { &[true, false] } else { &[request.scene.cells != CellUse::Never] };
         for &regions in ways {
             let start = Instant::now();
             let cells = if regions { CellUse::Always } else { CellUse::Never };
             let variant = drawing_variant_of(&world, &buffers, &plan, (mode, cells), gl.info())?;
-            let (program, shader_ms, again) = match made.take().filter(|(known, ..)| *known == variant) {
-                Some((_, program, shader_ms, again)) => (program, shader_ms, again),
-                None => {
+            let Made { program, shader_ms, again, .. } = match made.take() {
+                Some(made) if made.variant == variant => made,
+                _ => {
                     let program = Rc::new(link_scene(gl, library, &variant)?);
-                    (program, milliseconds(start.elapsed()), None)
+                    let shader_ms = milliseconds(start.elapsed());
+                    Made { variant: variant.clone(), program, shader_ms, again: None }
                 }
             };
             let (built, build_ms) = build(&resources, &frame, regions, mode);
@@ -112,7 +113,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
                 Some(known) => known,
                 None => first_draw(&mut renderer, (&frame, &resources), library, &variant)?,
             };
-            made = Some((variant, program.clone(), shader_ms, Some(again)));
+            made = Some(Made { variant, program: program.clone(), shader_ms, again: Some(again) });
             let (wall, cpu, gpu) = Default::default();
             runs.push(Run {
                 mode,
@@ -262,6 +263,15 @@ fn build(resources: &SceneResources, frame: &Frame, cells: bool, mode: Mode) -> 
     let built = once();
     let mut times: Vec<f64> = (0..BUILDS).map(|_| milliseconds(once().time)).collect();
     (Arc::new(built), percentile(&mut times, 0.5))
+}
+
+/// A program, and how long it took to make it.
+struct Made {
+    variant: Variant,
+    program: Rc<Program>,
+    shader_ms: f64,
+    /// Making it once more, and its first draw then.
+    again: Option<[f64; 2]>,
 }
 
 /// One mode while it is measured.

@@ -154,6 +154,7 @@ impl SceneStage {
             }
         }
         self.ask_for_view();
+        self.ask_for_cells();
         let now = self.on_stage.as_ref().map(|cast| cast.id).zip(self.mode());
         if now == before {
             return;

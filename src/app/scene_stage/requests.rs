@@ -20,9 +20,13 @@ impl SceneStage {
         let mut affected = Vec::new();
         for cast in [&mut self.on_stage, &mut self.coming].into_iter().flatten() {
             match task {
-                // It is drawn by the program that it has.
-                Task::Compiled { id, .. } if *id == cast.id && cast.compiled.is_some() => continue,
-                Task::Compiled { id, .. } if *id == cast.id => cast.compilable = false,
+                Task::Compiled { id, .. } if *id == cast.id => {
+                    cast.compilable = false;
+                    if cast.compiled.is_some() {
+                        // It is drawn by the program that it has.
+                        continue;
+                    }
+                }
                 Task::Interpreter(variant)
                     if cast.interpreted.is_none()
                         && cast.interpreter.as_ref().is_some_and(|needed| variant.covers(needed)) =>
@@ -87,7 +91,8 @@ impl SceneStage {
     /// Requests the program of the scene on the stage once more, if it cannot look up cells and that is wanted. Until it
     /// comes, the one that is there goes on.
     pub(super) fn ask_for_cells(&mut self) {
-        let Some(cast) = self.on_stage.as_ref().filter(|cast| cast.compiled.is_some()) else { return };
+        let drawable = |cast: &&Cast| cast.compiled.is_some() && cast.compilable;
+        let Some(cast) = self.on_stage.as_ref().filter(drawable) else { return };
         let id = cast.id;
         if !cast.has_cells && self.wants_cells(cast) && !self.in_the_making(id, Mode::Compiled) {
             self.request_compiled(id);

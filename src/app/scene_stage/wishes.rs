@@ -106,6 +106,5 @@ impl SceneStage {
         let now = self.regions.toggle(drawn);
         self.tell(now.to_owned());
         self.revision += 1;
-        self.ask_for_cells();
     }
 }

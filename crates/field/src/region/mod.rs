@@ -255,7 +255,8 @@ impl RegionPlan {
         self.build_after(None, inputs, options)
     }
 
-    /// The tree of a frame after that of another one (`last`), from which it takes over what is the same.
+    /// The tree of a frame after that of another one (`last`), which is a tree of this plan, too: what is the same is
+    /// taken over.
     pub fn build_after(
         &self,
         last: Option<&Regions>,
