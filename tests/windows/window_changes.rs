@@ -99,6 +99,20 @@ fn a_change_to_a_prepared_scene_waits_for_nothing_and_the_way_back_neither() {
     assert!(!told.contains("is coming"), "{told}");
 }
 
+#[test]
+fn a_scene_that_was_prepared_without_code_for_cells_gets_it_when_it_comes_on() {
+    let place = Place::new();
+    place.save("a.scene", 0);
+    place.save("b.scene", 1);
+    let mut app = place.open("a.scene", &[&AHEAD[..], &["--sdf", "compiled", "--regions", "off"]].concat());
+    app.wait_until_told("b is ready ahead");
+    app.press(&["r"]);
+    app.wait_until_told("a is requested, compiled, with cells");
+    app.press(&["n"]);
+    app.wait_until_told("b is requested, compiled, with cells");
+    quit(app);
+}
+
 /// Files below a folder.
 fn files_in(folder: &Path) -> usize {
     let Ok(entries) = fs::read_dir(folder) else { return 0 };

@@ -326,21 +326,6 @@ fn r_changes_whether_regions_are_used_but_not_the_picture() {
 }
 
 #[test]
-fn a_scene_that_was_prepared_without_code_for_cells_gets_it_when_it_comes_on() {
-    let place = Place::new();
-    place.save("own.scene", VARIED);
-    place.save("own2.scene", VARIED);
-    let mut app = place.open("own.scene", &["--sdf", "compiled", "--regions", "off", "-vv"]);
-    wait_for_mode(&mut app, "compiled");
-    app.wait_until_told("own2 is ready ahead");
-    app.press(&["r"]);
-    app.wait_until_told("own is requested, compiled, with cells");
-    app.press(&["n"]);
-    app.wait_until_told("own2 is requested, compiled, with cells");
-    quit(app);
-}
-
-#[test]
 fn what_is_shown_in_the_end_is_what_is_asked_for_however_fast_that_changes() {
     let place = Place::new();
     place.save("own.scene", VARIED_BY_TIME);
