@@ -4,9 +4,9 @@
 
 use std::collections::BTreeMap;
 
+use crate::support::drawing::Context;
 use crate::support::expression::{Random, TABLES_GLSL, frame, random_expression, spread};
 use crate::support::glsl::{Stage, check_with_glslang};
-use mariana::gpu::headless::Headless;
 use mariana::gpu::probe::Probe;
 use mariana::gpu::texture_buffer::BufferTexel;
 use mariana_field::graph::{
@@ -28,7 +28,7 @@ const REGION_REGISTERS: usize = 128;
 
 /// Texts, points and what is asked of them.
 struct Studio {
-    context: Headless,
+    context: Context,
 }
 
 fn bytes<T: Copy>(values: &[T], to_bytes: impl Fn(T) -> [u8; 4]) -> Vec<u8> {
@@ -274,7 +274,7 @@ fn operands() -> Vec<f32> {
 
 #[test]
 fn every_operator_agrees_on_ordinary_and_extreme_operands() {
-    let studio = Studio { context: Headless::new(false).unwrap() };
+    let studio = Studio { context: Context::new() };
     let numbers = operands();
     let points: Vec<[f32; 3]> = numbers.iter().flat_map(|a| numbers.iter().map(|b| [*a, *b, 0.0])).collect();
     let mut graph = Graph::new();
@@ -314,7 +314,7 @@ fn every_operator_agrees_on_ordinary_and_extreme_operands() {
 
 #[test]
 fn every_compound_agrees() {
-    let studio = Studio { context: Headless::new(false).unwrap() };
+    let studio = Studio { context: Context::new() };
     let numbers: Vec<f32> = operands().into_iter().filter(|number| number.abs() <= 100.0).collect();
     let points: Vec<[f32; 3]> = numbers.iter().flat_map(|a| numbers.iter().map(|b| [*a, *b, 0.0])).collect();
     const C: f32 = 0.7;
@@ -370,7 +370,7 @@ fn random_expressions_agree() {
     const EXPRESSIONS: usize = 2_000;
     const POINTS: usize = 256;
     const PER_SHADER: usize = 50;
-    let studio = Studio { context: Headless::new(false).unwrap() };
+    let studio = Studio { context: Context::new() };
     let mut random = Random(1);
     let mut graph = Graph::new();
     let roots: Vec<NodeId> = (0..EXPRESSIONS)
@@ -443,7 +443,7 @@ fn wide_expression(graph: &mut Graph, terms: usize) -> NodeId {
 
 #[test]
 fn spills_and_pages_change_nothing() {
-    let studio = Studio { context: Headless::new(false).unwrap() };
+    let studio = Studio { context: Context::new() };
     let mut random = Random(3);
     let points: Vec<[f32; 3]> = (0..32).map(|_| std::array::from_fn(|_| random.between(-2.0, 2.0))).collect();
     let normals = [[0.25, 0.5, -0.75]];
@@ -474,7 +474,7 @@ fn spills_and_pages_change_nothing() {
 
 #[test]
 fn textures_give_what_was_sampled_and_all_outputs_are_in_their_registers() {
-    let studio = Studio { context: Headless::new(false).unwrap() };
+    let studio = Studio { context: Context::new() };
     let mut graph = Graph::new();
     let x = graph.input(Input::X);
     let zero = graph.constant(0.0);

@@ -4,9 +4,9 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
 
+use crate::support::drawing::Context;
 use mariana::flash::{Analyser, CELLS, COLUMNS, Correction, Flashes, Grid, Limiter, ROWS};
 use mariana::gpu::flash_pass::{FlashPass, PASSES};
-use mariana::gpu::headless::Headless;
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::gpu::target::{Target, Texel};
 
@@ -33,12 +33,12 @@ struct Bench {
     cells: usize,
     differing: usize,
     // Last: what it holds is dropped first.
-    _context: Headless,
+    _context: Context,
 }
 
 impl Bench {
     fn new() -> Self {
-        let context = Headless::new(false).unwrap();
+        let context = Context::new();
         let gl = context.gl();
         let picture = || Target::new(gl, SIZE, &[Texel::Rgba8], None).unwrap();
         Self {

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use crate::support::compare::{LOOSE, TIGHT, Tolerance, assert_alike, difference};
+use crate::support::drawing::DrawsAlone;
 use crate::support::oracle::BY_HAND;
 use crate::support::studio::{Studio, driver, loud_music, loud_sound, ready, silence, soft_music, speakers};
 use image::RgbaImage;
@@ -279,6 +280,7 @@ fn a_painter_draws_as_it_was_asked() {
             tone_map: None,
             verbose: false,
         };
+        let _alone = DrawsAlone::wait();
         let mut painter = Painter::open(&choice).unwrap();
         assert_eq!(painter.mode(), expected);
         painter.draw(0.0, silence().into(), (16, 9)).unwrap();

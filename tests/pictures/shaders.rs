@@ -5,12 +5,12 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+use crate::support::drawing::Context;
 use crate::support::glsl::{Stage, check_with_glslang, check_with_naga};
 use crate::support::shader_folder::{changed_shaders, shader_folder, shader_names, shader_text};
 use crate::support::studio::{driver, ready, speakers};
 use mariana::gpu::error::GpuError;
 use mariana::gpu::flash_pass::{FLASH_SHADERS, FLASH_VERTEX_SHADER};
-use mariana::gpu::headless::Headless;
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
 use mariana::gpu::renderer::{Counting, EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
@@ -163,7 +163,7 @@ fn glslang_takes_every_variant() {
 
 #[test]
 fn the_driver_links_every_variant() {
-    let context = Headless::new(false).unwrap();
+    let context = Context::new();
     for Case { name, file, variant, .. } in cases().iter().filter(|case| case.file.ends_with(".frag")) {
         if let Err(error) = Program::link(context.gl(), &ShaderLibrary::embedded(), file, variant) {
             panic!("{name}: {error}");
@@ -191,7 +191,7 @@ fn names_line(log: &str, file: &str, line: usize) -> bool {
 
 #[test]
 fn every_judge_refuses_a_broken_shader_and_names_the_line_of_its_file() {
-    let context = Headless::new(false).unwrap();
+    let context = Context::new();
     let software = context.gl().info().software;
     for (file, mode) in [
         ("scene.frag", Mode::Compiled),

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
+use crate::support::drawing::Context;
 use image::RgbaImage;
 use mariana::frame::Frame;
 use mariana::frame::picture::Picture;
 use mariana::gpu::error::GpuError;
 use mariana::gpu::gl::GlInfo;
-use mariana::gpu::headless::Headless;
 use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, Renderer};
 use mariana::gpu::scene_program::{Mode, link_scene, variant_of};
@@ -51,7 +51,7 @@ pub(crate) struct Studio {
     pub resources: SceneResources,
     /// Changes how the picture is made of the scene's light.
     pub adjust: fn(&mut Picture),
-    pub context: Headless,
+    pub context: Context,
 }
 
 impl Studio {
@@ -68,7 +68,7 @@ impl Studio {
     /// The same of a scene that is ready.
     pub(crate) fn of_ready(scene: ReadyScene, mode: Mode, counting: Counting) -> Self {
         let ReadyScene { world, buffers, plan, .. } = scene;
-        let context = Headless::new(false).unwrap();
+        let context = Context::new();
         let gl = context.gl();
         let renderer =
             Renderer::new(gl, &ShaderLibrary::embedded(), counting).unwrap_or_else(|error| panic!("{error}"));
@@ -123,7 +123,7 @@ impl Studio {
     }
 }
 
-fn link(context: &Headless, library: &ShaderLibrary, variant: &Variant) -> Program {
+fn link(context: &Context, library: &ShaderLibrary, variant: &Variant) -> Program {
     link_scene(context.gl(), library, variant).unwrap_or_else(|error| panic!("{error}"))
 }
 

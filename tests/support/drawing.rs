@@ -1,0 +1,69 @@
+//! Contexts that draw in the process of the tests, one thread at a time.
+//!
+//! Tests run side by side in threads, and all their contexts are on the display of one device. llvmpipe up to Mesa 22.3
+//! looks into all contexts of a display before it hands out memory of a buffer, without keeping their threads from
+//! changing them (`lp_scene_is_resource_referenced`). Two tests that drew at once could end the process that way.
+
+use std::ops::Deref;
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::thread::ThreadId;
+
+use mariana::gpu::headless::Headless;
+
+/// The thread that draws, and how many of its contexts there are.
+static DRAWING: Mutex<Option<(ThreadId, usize)>> = Mutex::new(None);
+static DONE: Condvar = Condvar::new();
+
+/// While this is there, no other thread draws.
+pub(crate) struct DrawsAlone(());
+
+impl DrawsAlone {
+    /// Waits until no other thread draws.
+    pub(crate) fn wait() -> Self {
+        let own = std::thread::current().id();
+        let mut drawing = DRAWING.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            match &mut *drawing {
+                Some((thread, count)) if *thread == own => {
+                    *count += 1;
+                    return Self(());
+                }
+                Some(_) => drawing = DONE.wait(drawing).unwrap_or_else(PoisonError::into_inner),
+                free => {
+                    *free = Some((own, 1));
+                    return Self(());
+                }
+            }
+        }
+    }
+}
+
+impl Drop for DrawsAlone {
+    fn drop(&mut self) {
+        let mut drawing = DRAWING.lock().unwrap_or_else(PoisonError::into_inner);
+        *drawing = drawing.take().and_then(|(thread, count)| (count > 1).then(|| (thread, count - 1)));
+        DONE.notify_all();
+    }
+}
+
+/// A context without a window, for which no other thread draws.
+pub(crate) struct Context {
+    // Dropped first.
+    headless: Headless,
+    _alone: DrawsAlone,
+}
+
+impl Context {
+    pub(crate) fn new() -> Self {
+        let alone = DrawsAlone::wait();
+        Self { headless: Headless::new(false).unwrap_or_else(|error| panic!("{error}")), _alone: alone }
+    }
+}
+
+impl Deref for Context {
+    type Target = Headless;
+
+    fn deref(&self) -> &Headless {
+        &self.headless
+    }
+}
