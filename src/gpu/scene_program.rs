@@ -221,6 +221,15 @@ pub fn without_cells(mut variant: Variant) -> Variant {
     variant
 }
 
+/// The variant that draws a compiled world's pictures, with code that looks up cells or without.
+///
+/// # Errors
+/// As [`compiled_variant_of`].
+pub fn compiled_drawing_variant(world: &World, has_cells: bool) -> Result<Variant, GpuError> {
+    let variant = compiled_variant_of(world, Counting::Off)?;
+    Ok(if has_cells { variant } else { without_cells(variant) })
+}
+
 /// The variant that draws a world's pictures in a mode, with the code for cells if they are used.
 ///
 /// # Errors
@@ -232,9 +241,10 @@ pub fn drawing_variant_of(
     (mode, cells): (Mode, CellUse),
     info: &GlInfo,
 ) -> Result<Variant, GpuError> {
-    let variant = variant_of(world, buffers, plan, mode, info, Counting::Off)?;
-    let is_divided = mode == Mode::Interpreted || cells.divides(world, buffers, mode);
-    Ok(if is_divided { variant } else { without_cells(variant) })
+    match mode {
+        Mode::Compiled => compiled_drawing_variant(world, cells.divides(world, buffers, mode)),
+        Mode::Interpreted => variant_of(world, buffers, plan, mode, info, Counting::Off),
+    }
 }
 
 /// The variant that draws views, made from one that counts.

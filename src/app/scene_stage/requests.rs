@@ -7,7 +7,7 @@ use crate::frame::block::RegionTree;
 use crate::gpu::background::ProgramJob;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Counting;
-use crate::gpu::scene_program::{Interpreter, Mode, compiled_variant_of, without_cells};
+use crate::gpu::scene_program::{Interpreter, Mode, compiled_drawing_variant};
 use crate::gpu::shader_source::Variant;
 use crate::gpu::stand_ins::SceneShape;
 
@@ -108,10 +108,7 @@ impl SceneStage {
         let Some(cast) = self.cast(id) else { return };
         let has_cells = self.wants_cells(cast);
         let world = cast.resources.world().clone();
-        let job = self.job(cast, move || {
-            let variant = compiled_variant_of(&world, Counting::Off)?;
-            Ok(if has_cells { variant } else { without_cells(variant) })
-        });
+        let job = self.job(cast, move || compiled_drawing_variant(&world, has_cells));
         let how = if has_cells { ", with cells" } else { "" };
         tracing::info!("{} is requested, compiled{how}", cast.source.title());
         self.submit(job, Task::Compiled { id, has_cells });
