@@ -37,7 +37,7 @@ uvec4 run_program(int program, Place here, Place right, Place above) {
     uvec4 head = texelFetch(tape, program);
 #if SAMPLES > 0
     int samples = int(head.w);
-    FORGET(sampled, 0, 4 * SAMPLES);
+    FORGET_SAMPLED;
     int sample_number = 0;
     int neighbour = 0;
     vec2 dx = vec2(0.0);
@@ -62,10 +62,10 @@ uvec4 run_program(int program, Place here, Place right, Place above) {
         if (sample_number >= samples) break;
         vec4 texel = sample_texture(int(texture_head.x), uv, dx - uv, dy - uv);
         int at = 4 * sample_number;
-        sampled[at] = texel.x;
-        sampled[at + 1] = texel.y;
-        sampled[at + 2] = texel.z;
-        sampled[at + 3] = texel.w;
+        SAMPLED(at) = texel.x;
+        SAMPLED(at + 1) = texel.y;
+        SAMPLED(at + 2) = texel.z;
+        SAMPLED(at + 3) = texel.w;
         neighbour = 0;
         sample_number++;
     }

@@ -112,13 +112,23 @@ vec2 run_region(int first, vec3 p, float penumbra) {
 
 // --- A tape of materials and light ---
 
+// The registers, and the sampled colours, four channels for each texture. GPUs' compilers put more than 64 registers into
+// memory (crates/field/src/tape/interpreter.rs), where the colours lie behind them; as an array of their own they would
+// hold registers during the whole of the shading.
+#if REGISTERS > 64 && !defined(EVERY_CASE)
+float tape_file[REGISTERS + 4 * SAMPLES];
+#define SAMPLED(at) tape_file[uint(REGISTERS) + uint(at)]
+#define FORGET_SAMPLED
+#else
 float tape_file[REGISTERS];
+#if SAMPLES > 0
+float sampled[4 * SAMPLES];
+#endif
+#define SAMPLED(at) sampled[at]
+#define FORGET_SAMPLED FORGET(sampled, 0, 4 * SAMPLES)
+#endif
 #if MEMORY > 0
 float tape_memory[MEMORY];
-#endif
-#if SAMPLES > 0
-// The sampled colours, four channels for each texture.
-float sampled[4 * SAMPLES];
 #endif
 
 // Like region_clause.
@@ -142,7 +152,7 @@ void tape_clause(uint word, uint immediate, CLAUSE_PLACE last, vec3 p, vec3 n, o
     }
 #endif
 #if SAMPLES > 0
-    if (last && number == TEXTURE) r = sampled[min(immediate, uint(4 * SAMPLES - 1))];
+    if (last && number == TEXTURE) r = SAMPLED(min(immediate, uint(4 * SAMPLES - 1)));
 #endif
     WRITE(BYTE(word, 1), r);
 }

@@ -1,17 +1,8 @@
 // How much of a light arrives.
 
-#ifdef STEEP
-const int SHADOW_STEPS_MAX = 512;
-// The shortest step grows by this much with each step, so that a ray which grazes a surface ends.
-const float SHADOW_STEP_GROWTH = 0.002;
-#else
-const int SHADOW_STEPS_MAX = 96;
-const float SHADOW_STEP_GROWTH = 0.0;
-#endif
-// Longest step near the scene: longer ones would make the steps visible in the penumbra. Farther away, half the
-// distance.
-const float SHADOW_STEP_MAX = 0.6;
 const float SHADOW_STEP_MIN = 0.03;
+// Where a shadow ray begins, so that it does not meet the surface that it leaves.
+const float SHADOW_START = 0.02;
 // Shadow rays also feel what they pass outside the scene's bounds, as far away as a penumbra can be wide: the light's
 // distance divided by its sharpness, within this range.
 const float SHADOW_MARGIN_MIN = 0.1;
@@ -22,22 +13,33 @@ const float SHARPNESS_MAX = 64.0;
 // Range of an infinitely distant light.
 const float SUN_DISTANCE = 1000.0;
 
+vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
+    return p + normal * max(0.012, 2.0 * cone);
+}
+
+#ifdef BLEND
+#define SHADOW_GROWTH (SHADOW_STEP_GROWTH + shadow_step_growth)
+#else
+#define SHADOW_GROWTH SHADOW_STEP_GROWTH
+#endif
+
+#ifdef STEEP
+#include "steep_shadow.glsl"
+#else
+const int SHADOW_STEPS_MAX = 96;
+const float SHADOW_STEP_GROWTH = 0.0;
+// Longest step near the scene: longer ones would make the steps visible in the penumbra. Farther away, half the
+// distance.
+const float SHADOW_STEP_MAX = 0.6;
+
 // Share of a light that is seen from p, 0..1: Quilez, "soft shadows in raymarched SDFs" (2010), with the closest pass
 // between two steps estimated by triangulation (Aaltonen 2018; Abt 2022, section 3.4, figure 11).
 float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {
-    vec3 origin = p + normal * max(0.012, 2.0 * cone);
+    vec3 origin = shadow_origin(p, normal, cone);
     if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;
     vec2 span = traced_span(origin, to_light, clamp(light_t / sharpness, SHADOW_MARGIN_MIN, SHADOW_MARGIN_MAX));
     float end = min(span.y, light_t);
-#ifdef STEEP
-    end = min(end, steep_span(origin, to_light).y);
-#endif
-    float t = max(span.x, 0.02);
-#ifdef BLEND
-    float growth = SHADOW_STEP_GROWTH + shadow_step_growth;
-#else
-    float growth = SHADOW_STEP_GROWTH;
-#endif
+    float t = max(span.x, SHADOW_START);
     float visible = 1.0;
     float previous = 1e4;
     float stride = 1e4;
@@ -54,9 +56,6 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             vec3 q = place_on(walk, t);
             cell = cell_at(q);
-#ifdef STEEP
-            cell.bound = cell.bound > 0.0 ? FAR * SHARPNESS_MAX : 0.0;
-#endif
             COUNT(lookups);
             float leaves = max(past(t), exit_of(cell, walk, q, t));
             if (!(cell.bound > 0.0 && sharpness * cell.bound >= visible * leaves)) break;
@@ -69,9 +68,6 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         if (t >= end) break;
 #endif
         vec2 nearest = scene_distance(cell, origin + t * to_light, t / sharpness);
-#ifdef STEEP
-        nearest = steep_nearest(cell, walk, t, to_light, nearest);
-#endif
         float d = nearest.y;
         COUNT(shadow);
 #ifdef COUNT_EVALUATIONS
@@ -89,9 +85,10 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
             break;
         }
         previous = d;
-        stride = max(min(nearest.x, max(SHADOW_STEP_MAX, 0.5 * nearest.x)), SHADOW_STEP_MIN + growth * float(i));
+        stride = max(min(nearest.x, max(SHADOW_STEP_MAX, 0.5 * nearest.x)), SHADOW_STEP_MIN + SHADOW_GROWTH * float(i));
         t += stride;
         if (t >= end) break;
     }
     return visible * visible * (3.0 - 2.0 * visible);
 }
+#endif

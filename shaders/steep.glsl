@@ -91,12 +91,3 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     }
     return behind;
 }
-
-// For a shadow ray: how far it may step, and whether anything is in its way, as a distance that is far or 0. A value
-// that is not a distance does not show how closely a ray passes, so shadows are sharp.
-vec2 steep_nearest(Cell cell, Walk walk, float t, vec3 direction, vec2 values) {
-    float towards = slope_towards(unpack_slopes(cell.slopes), direction);
-    float leaves = max(past(t), exit_of(cell, walk, place_on(walk, t), t)) - t;
-    float stride = min(towards > 0.0 ? values.x / towards : FAR, cell.side > 0.0 ? leaves : FAR);
-    return vec2(stride, values.y > 0.0 ? FAR : 0.0);
-}
