@@ -31,7 +31,72 @@ fn linear_texels(picture: &RgbaImage) -> Vec<u8> {
     texels
 }
 
-/// The bits of the nearest 16-bit float; halfway between two, of the even one. `value` is 0 or within 2^-14..=1.
+/// A mip level: texels of linear light with alpha, row by row.
+struct Level {
+    size: (u32, u32),
+    texels: Vec<[f32; 4]>,
+}
+
+impl Level {
+    /// The level below a picture. None if the picture is a single texel.
+    fn below(picture: &RgbaImage) -> Option<Self> {
+        let (light, pixels) = (srgb::linear_of_bytes(), picture.as_raw().as_chunks::<4>().0);
+        let of = |byte: u8| light.get(usize::from(byte)).copied().unwrap_or_default();
+        halved(picture.dimensions(), pixels, |[r, g, b, a]| [of(*r), of(*g), of(*b), f32::from(*a) / 255.0])
+    }
+
+    /// The next one.
+    fn next(&self) -> Option<Self> {
+        halved(self.size, &self.texels, |texel| *texel)
+    }
+
+    /// Its texels as 16-bit floats.
+    fn halves(&self) -> Vec<u8> {
+        self.texels.iter().flatten().flat_map(|value| half_bits(*value).to_ne_bytes()).collect()
+    }
+}
+
+/// Half the size, rounded down: each texel is the mean of what it covers. None of a single texel.
+fn halved<T>((width, height): (u32, u32), texels: &[T], light: impl Fn(&T) -> [f32; 4]) -> Option<Level> {
+    if width.max(height) < 2 {
+        return None;
+    }
+    let size = ((width / 2).max(1), (height / 2).max(1));
+    let (across, down) = (covered(width, size.0), covered(height, size.1));
+    let mut below = Vec::with_capacity(size.0 as usize * size.1 as usize);
+    for (top, shares_down) in &down {
+        for (left, shares_across) in &across {
+            let mut mean = [0.0; 4];
+            for (row, down) in shares_down.iter().enumerate() {
+                let first = (top + row) * width as usize + left;
+                let texels = texels.get(first..).unwrap_or_default();
+                for (texel, across) in texels.iter().zip(shares_across) {
+                    let light = light(texel);
+                    mean.iter_mut().zip(light).for_each(|(mean, light)| *mean += down * across * light);
+                }
+            }
+            below.push(mean);
+        }
+    }
+    Some(Level { size, texels: below })
+}
+
+/// For each of the texels along a side that has `below`, where it had `above`: the first one that it covers, and the shares
+/// of its mean that this one and the next have.
+fn covered(above: u32, below: u32) -> Vec<(usize, Vec<f32>)> {
+    let length = f64::from(above) / f64::from(below);
+    let of = |texel: u32| {
+        let (begin, end) = (f64::from(texel) * length, f64::from(texel + 1) * length);
+        let share = |at: u32| end.min(f64::from(at) + 1.0) - begin.max(f64::from(at));
+        let (first, last) = (begin.floor() as u32, (end.ceil() as u32).min(above));
+        let shares = (first..last).map(|at| (share(at) / length) as f32);
+        (first as usize, shares.filter(|share| *share > 1e-6).collect())
+    };
+    (0..below).map(of).collect()
+}
+
+/// The bits of the nearest 16-bit float; halfway between two, of the even one. `value` is within 0..=1; below 2^-14, a
+/// sixteen-thousandth, it may become anything that is smaller still.
 fn half_bits(value: f32) -> u16 {
     /// Bits of a mantissa that a 16-bit float has no room for.
     const DROPPED: u32 = 13;
@@ -79,7 +144,11 @@ pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
             kind,
             glow::PixelUnpackData::Slice(Some(&texels)),
         );
-        gl.generate_mipmap(glow::TEXTURE_2D);
+        if software {
+            upload_levels(gl, picture);
+        } else {
+            gl.generate_mipmap(glow::TEXTURE_2D);
+        }
         let parameters = [
             (glow::TEXTURE_MIN_FILTER, glow::LINEAR_MIPMAP_LINEAR),
             (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
@@ -95,6 +164,29 @@ pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
     }
     gl.check("uploading a texture")?;
     Ok(texture)
+}
+
+/// Puts the lower mip levels into the texture that is bound. llvmpipe would compile a program for this in each context,
+/// while the first picture waits.
+fn upload_levels(gl: &Gl, picture: &RgbaImage) {
+    let levels = std::iter::successors(Level::below(picture), Level::next);
+    for (number, level) in (1..).zip(levels) {
+        let (width, height) = level.size;
+        // SAFETY: the slice holds width * height RGBA texels.
+        unsafe {
+            gl.tex_image_2d(
+                glow::TEXTURE_2D,
+                number,
+                glow::RGBA16F.cast_signed(),
+                width.cast_signed(),
+                height.cast_signed(),
+                0,
+                glow::RGBA,
+                glow::HALF_FLOAT,
+                glow::PixelUnpackData::Slice(Some(&level.halves())),
+            );
+        }
+    }
 }
 
 #[cfg(test)]
@@ -114,5 +206,38 @@ mod tests {
             texels.as_chunks::<2>().0.iter().map(|bytes| u16::from_ne_bytes(*bytes)).collect();
         let middle = half_bits(srgb::linear_of_bytes()[188]);
         assert_eq!(halves, [0, 0x3c00, middle, 0x3c00, 0x3c00, 0, 0, 0]);
+    }
+
+    #[test]
+    fn each_mip_level_keeps_the_mean_light() {
+        for (width, height) in [(8, 8), (7, 5), (1, 6), (640, 3)] {
+            let bytes = (0..4 * width * height).map(|place| (place * 37 % 256) as u8).collect();
+            let picture = RgbaImage::from_raw(width, height, bytes).unwrap_or_default();
+            let mean = |texels: &[[f32; 4]]| texels.iter().flatten().sum::<f32>() / texels.len() as f32;
+            let light = srgb::linear_of_bytes();
+            let pixels: Vec<[f32; 4]> = picture
+                .pixels()
+                .map(|pixel| {
+                    let [r, g, b, a] = pixel.0;
+                    [
+                        light[usize::from(r)],
+                        light[usize::from(g)],
+                        light[usize::from(b)],
+                        f32::from(a) / 255.0,
+                    ]
+                })
+                .collect();
+            let levels: Vec<Level> = std::iter::successors(Level::below(&picture), Level::next).collect();
+            assert_eq!(levels.last().map(|level| level.size), Some((1, 1)));
+            assert_eq!(levels.len(), width.max(height).ilog2() as usize);
+            for level in &levels {
+                assert_eq!(level.texels.len(), level.size.0 as usize * level.size.1 as usize);
+                let (found, expected) = (mean(&level.texels), mean(&pixels));
+                assert!((found - expected).abs() < 1e-4, "{:?}: {found}, {expected}", level.size);
+            }
+        }
+        let picture = RgbaImage::from_raw(3, 1, [[0; 4], [255; 4], [0; 4]].concat()).unwrap_or_default();
+        let level = Level::below(&picture).map(|level| level.texels);
+        assert_eq!(level, Some(vec![[1.0 / 3.0; 4]]));
     }
 }
