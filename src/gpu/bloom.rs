@@ -5,10 +5,6 @@
 //! nothing is added: every level is a mean of light, and the light that `present.frag` mixes in is taken away from
 //! its true place, so that the picture gets no brighter.
 
-#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
-
-use glow::HasContext;
-
 use super::error::GpuError;
 use super::gl::Gl;
 use super::post::Passes;
@@ -54,20 +50,11 @@ impl Bloom {
             (source, program) = (level, &self.down);
             largest.get_or_insert(level);
         }
-        // SAFETY: plain state.
-        unsafe {
-            passes.gl.enable(glow::BLEND);
-            passes.gl.blend_func(glow::CONSTANT_ALPHA, glow::ONE_MINUS_CONSTANT_ALPHA);
-        }
         for (index, pair) in levels.windows(2).enumerate().rev() {
             let [larger, smaller] = pair else { continue };
-            // SAFETY: plain state.
-            unsafe { passes.gl.blend_color(0.0, 0.0, 0.0, share_of_smaller(levels.len() - index)) }
             smaller.bind_color(0, unit_of("picture"));
-            passes.draw(&self.up, larger)?;
+            passes.mix(&self.up, larger, share_of_smaller(levels.len() - index))?;
         }
-        // SAFETY: plain state.
-        unsafe { passes.gl.disable(glow::BLEND) }
         Ok(largest.unwrap_or(light))
     }
 }

@@ -263,7 +263,8 @@ impl FlashPass {
         bind(self.corrections(), &["corrections"]);
         if finished.size() == size { &self.limit } else { &self.limit_enlarged }.bind();
         // SAFETY: a plain draw on objects of ours, in the current context.
-        unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, (6 * CELLS / GROUP) as i32) }
+        let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, (6 * CELLS / GROUP) as i32) };
+        self.gl.replacing(draw);
     }
 
     /// The state in which all its draws begin.
@@ -289,7 +290,8 @@ impl FlashPass {
         target.bind();
         program.bind();
         // SAFETY: a plain draw on objects of ours, in the current context.
-        unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
+        let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) };
+        if target.colors() == 1 { self.gl.replacing(draw) } else { draw() }
     }
 }
 

@@ -101,6 +101,26 @@ impl Gl {
         &self.info
     }
 
+    /// Calls `draw` in the state for passes that replace all of one colour attachment, without mixing anything in. llvmpipe
+    /// compiles such a pass twice, for squares inside of its triangle and for those at the triangle's edges, but once where
+    /// colours are mixed; so there its colours are mixed with nothing.
+    pub(super) fn replacing<R>(&self, draw: impl FnOnce() -> R) -> R {
+        let mixes = self.info.software;
+        if mixes {
+            // SAFETY: plain state.
+            unsafe {
+                self.functions.enable(glow::BLEND);
+                self.functions.blend_func(glow::ONE, glow::ZERO);
+            }
+        }
+        let result = draw();
+        if mixes {
+            // SAFETY: plain state.
+            unsafe { self.functions.disable(glow::BLEND) }
+        }
+        result
+    }
+
     /// Fails if the driver has noted an error since the last check.
     ///
     /// # Errors

@@ -267,7 +267,7 @@ impl Passes {
         program.bind(&self.gl)?;
         // SAFETY: plain state and a draw on objects of ours, in the current context.
         unsafe {
-            let gl = &*self.gl;
+            let gl = &self.gl;
             for state in [glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::BLEND, glow::FRAMEBUFFER_SRGB] {
                 gl.disable(state);
             }
@@ -277,7 +277,7 @@ impl Passes {
                 gl.enable(glow::SCISSOR_TEST);
                 gl.scissor(x, y, width.max(0), height.max(0));
             }
-            gl.draw_arrays(glow::TRIANGLES, 0, 3);
+            gl.replacing(|| gl.draw_arrays(glow::TRIANGLES, 0, 3));
             gl.disable(glow::SCISSOR_TEST);
         }
         Ok(())
@@ -293,6 +293,28 @@ impl Passes {
         target: &Target,
         told: [f32; 2],
     ) -> Result<(), GpuError> {
+        self.gl.replacing(|| self.cover(program, target, told))
+    }
+
+    /// Mixes a share, 0..1, of what it draws into the whole of a target.
+    ///
+    /// # Errors
+    /// As [`Passes::draw`].
+    pub(super) fn mix(&self, program: &LazyProgram, target: &Target, share: f32) -> Result<(), GpuError> {
+        // SAFETY: plain state.
+        unsafe {
+            self.gl.enable(glow::BLEND);
+            self.gl.blend_func(glow::CONSTANT_ALPHA, glow::ONE_MINUS_CONSTANT_ALPHA);
+            self.gl.blend_color(0.0, 0.0, 0.0, share);
+        }
+        let drawn = self.cover(program, target, [0.0; 2]);
+        // SAFETY: plain state.
+        unsafe { self.gl.disable(glow::BLEND) }
+        drawn
+    }
+
+    /// Draws all over a target, in bands where it is large.
+    fn cover(&self, program: &LazyProgram, target: &Target, told: [f32; 2]) -> Result<(), GpuError> {
         let (width, height) = target.size();
         self.post.set(&[1.0 / width as f32, 1.0 / height as f32, told[0], told[1]]);
         target.bind();

@@ -176,6 +176,11 @@ impl Target {
         self.size
     }
 
+    /// How many colour attachments it has.
+    pub(super) fn colors(&self) -> usize {
+        self.colors.len()
+    }
+
     /// Directs the draws of the following passes here, over the whole size.
     pub fn bind(&self) {
         // SAFETY: the framebuffer is ours and complete.

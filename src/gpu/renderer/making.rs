@@ -432,7 +432,7 @@ impl Renderer {
             self.gl.clear(glow::COLOR_BUFFER_BIT);
             first.bind_color(0, unit_of("picture"));
             self.edges.bind(&self.gl)?;
-            self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
+            self.gl.replacing(|| self.gl.draw_arrays(glow::TRIANGLES, 0, 3));
         }
         Ok(())
     }
