@@ -75,11 +75,12 @@ pub(super) struct DrawingPace {
 }
 
 impl DrawingPace {
-    /// For at most `fps` frames per second from `now` on.
-    pub(super) fn new(quality: QualityChoice, fps: f64, now: Instant) -> Self {
+    /// For at most `fps` frames per second from `now` on, drawn by a GPU or by `software`.
+    pub(super) fn new(quality: QualityChoice, fps: f64, software: bool, now: Instant) -> Self {
+        let resolution = if software { DynamicResolution::beginning_small } else { DynamicResolution::new };
         Self {
             pacing: Pacing::new(fps, now),
-            resolution: DynamicResolution::new(quality, fps),
+            resolution: resolution(quality, fps),
             times: FrameTimes::default(),
             shown: None,
             window_size: None,
@@ -241,7 +242,7 @@ mod tests {
 
     /// A pace whose last picture showed `moment`, drawn as it is drawn at `now`.
     fn shows(moment: Moment, now: Instant) -> DrawingPace {
-        let mut pace = DrawingPace::new(QualityChoice::Auto, 60.0, now);
+        let mut pace = DrawingPace::new(QualityChoice::Auto, 60.0, false, now);
         pace.set_window_size(Some(WINDOW));
         let level = pace.level(now, false);
         let shown = Shown { moment, size: WINDOW, edges: level.edges, revision: 3 };
@@ -319,7 +320,8 @@ mod tests {
 
     #[test]
     fn windows_beyond_what_can_be_drawn_are_drawn_smaller() {
-        let level = DrawingPace::new(QualityChoice::Best, 60.0, Instant::now()).level(Instant::now(), false);
+        let level =
+            DrawingPace::new(QualityChoice::Best, 60.0, false, Instant::now()).level(Instant::now(), false);
         assert_eq!(drawn_size(level, WINDOW, SIDE_MAX), WINDOW);
         assert_eq!(drawn_size(level, (4000, 300), 2048), (2048, 300));
         assert_eq!(drawn_size(level, (300, 4000), 2048), (300, 2048));

@@ -123,6 +123,8 @@ pub(super) struct DynamicResolution {
     settling: usize,
     /// Whether fewer samples are taken, because the scene is being edited.
     edited: bool,
+    /// Whether the next cost that counts decides by itself which level is drawn.
+    begins: bool,
     /// Whether the driver once had no memory for a picture.
     lacks_room: bool,
     last: Option<Instant>,
@@ -151,6 +153,7 @@ impl DynamicResolution {
             frames: VecDeque::new(),
             settling: SETTLING,
             edited: false,
+            begins: false,
             lacks_room: false,
             last: None,
             patience: PATIENCE.0,
@@ -158,6 +161,17 @@ impl DynamicResolution {
             gave_way: None,
             helpless_until: None,
             helpless: HELPLESS.0,
+        }
+    }
+
+    /// The same for a software renderer. It begins with the fewest pixels, so that the first picture is there soon, and then
+    /// takes the level that suits what that cost.
+    pub(super) fn beginning_small(choice: QualityChoice, fps: f64) -> Self {
+        let new = Self::new(choice, fps);
+        if choice == QualityChoice::Auto {
+            Self { level: LEVELS.len() - 1, begins: true, ..new }
+        } else {
+            new
         }
     }
 
@@ -206,6 +220,9 @@ impl DynamicResolution {
         if self.settling > 0 {
             self.settling -= 1;
             return;
+        }
+        if std::mem::take(&mut self.begins) {
+            return self.begin(cost.as_secs_f64());
         }
         self.frames.push_back((now, cost.as_secs_f64()));
         let old = |(then, _): &(Instant, f64)| now.saturating_duration_since(*then) > self.patience;
@@ -282,6 +299,15 @@ impl DynamicResolution {
         self.helpless = (2 * self.helpless).min(HELPLESS.1);
         self.change(before);
         true
+    }
+
+    /// Takes the best level that has room for what a picture of the present one costs.
+    fn begin(&mut self, cost: f64) {
+        let share = cost / self.level().cost();
+        let fits = |level: &usize| share * level_at(*level).cost() <= FREE * self.time_at(*level);
+        if let Some(better) = (0..self.level).find(fits) {
+            self.change(better);
+        }
     }
 
     fn give_way(&mut self, now: Instant, cost: f64) {

@@ -80,6 +80,25 @@ fn a_load_that_fits_is_drawn_best_and_named_choices_are_what_they_are() {
 }
 
 #[test]
+fn a_software_renderer_begins_with_the_fewest_pixels_and_takes_the_level_that_suits_at_once() {
+    for best in [0.002, 0.02, 0.05, 0.1, 2.0] {
+        let mut window = Window::new();
+        window.dynamic_resolution = DynamicResolution::beginning_small(QualityChoice::Auto, FPS);
+        assert_eq!(window.dynamic_resolution.level, LEVELS.len() - 1);
+        // The first picture also compiles and makes targets, so it tells nothing.
+        let load = scene(best, 0.0);
+        window.show(1.0, |frame, level| if frame == 0 { 0.5 } else { load(frame, level) });
+        let (found, told) = (&window.dynamic_resolution, format!("{best} s: {:?}", window.changes));
+        let room = |level: usize| found.time_at(level) - load(0, level_at(level));
+        assert!(room(found.level) > 0.0 || found.level == LEVELS.len() - 1, "{told}");
+        assert!(found.level < 2 || room(found.level - 2) < 0.3 * found.interval, "{told}");
+        assert!(window.changes.len() <= 1, "{told}");
+    }
+    let chosen = DynamicResolution::beginning_small(QualityChoice::High, FPS);
+    assert_eq!(chosen.level, HIGH);
+}
+
+#[test]
 fn every_constant_load_settles_within_its_time_and_stays_there() {
     for best in [0.017, 0.02, 0.025, 0.04, 0.06, 0.1, 0.3, 1.0] {
         for fixed in [0.0, 0.002, 0.006] {

@@ -22,7 +22,7 @@ use crate::faults::{self, Fault};
 /// The time that a part should take, in seconds: half of what is allowed (`limits.rs`), because pixels differ.
 pub(super) const PART_SECONDS: f64 = 0.12;
 /// Time that does not depend on the pixels, in seconds: for giving a driver work and waiting for it.
-const OVERHEAD: f64 = 0.001;
+const OVERHEAD: f64 = 0.00025;
 /// How much dearer than all others a part may be to be believed.
 const OUTLIER: f64 = 4.0;
 /// How many times what a scene's pixels cost those of its next version are thought to cost.

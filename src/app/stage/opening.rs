@@ -95,15 +95,9 @@ impl Opening<'_> {
         if settings.fullscreen {
             window.set_fullscreen(true);
         }
-        let of_fonts = waker.clone();
-        let mut overlay = Overlay::new(window.gl(), window.window(), move || of_fonts.wake());
-        if let Some(size) = window.size().filter(|_| sheets.is_none()) {
-            paint_waiting(&window, &mut overlay, size, &first.source.title(), OverlayContent::default())?;
-            tracing::info!("the window says what it prepares");
-        }
         // Requested first: the driver compiles it while everything else is made.
         let of_scenes = waker.clone();
-        let choice = scene;
+        let (choice, title) = (scene, first.source.title());
         let mut scene = SceneStage::new(
             window.gl(),
             window.worker_contexts(COMPILERS),
@@ -114,6 +108,12 @@ impl Opening<'_> {
             move || of_scenes.wake(),
         )?;
         scene.move_sliders(&settings.sliders);
+        let of_fonts = waker.clone();
+        let mut overlay = Overlay::new(window.gl(), window.window(), move || of_fonts.wake());
+        if let Some(size) = window.size().filter(|_| sheets.is_none()) {
+            paint_waiting(&window, &mut overlay, size, &title, OverlayContent::default())?;
+            tracing::info!("the window says what it prepares");
+        }
         let renderer = renderer(&window, &choices, choice)?;
         // The song starts with the first picture, so that none of it is missed.
         let options = PlayerOptions {
@@ -166,7 +166,7 @@ impl Opening<'_> {
             direction,
             live: None,
             cues: Default::default(),
-            pace: DrawingPace::new(choices.quality, fps, now),
+            pace: DrawingPace::new(choices.quality, fps, window.gl().info().software, now),
             feeds: Feeds::of(sends),
             preview: Preview::new(),
             masters: Masters::new(brightness, choices.stage.blackout_fade),

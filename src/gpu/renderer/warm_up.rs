@@ -4,9 +4,11 @@
 use super::{Edges, Renderer};
 use crate::frame::picture::Picture;
 use crate::gpu::error::GpuError;
+use crate::gpu::program::unit_of;
 
-/// Size of the picture. Software renderers make programs of their own for powers of two.
-const SIZE: (u32, u32) = (24, 17);
+/// Size of the picture: large enough for several levels of bloom. Software renderers make programs of their own for powers
+/// of two, which are neither here nor among the levels' sides.
+const SIZE: (u32, u32) = (90, 54);
 
 impl Renderer {
     /// Draws an empty picture that nobody sees with every pass that a scene's first picture in a window takes, made as
@@ -37,6 +39,10 @@ impl Renderer {
         self.resolve(&targets)?;
         self.post.finish(&targets.post, picture, &targets.first, None)?;
         let finished = targets.post.finished();
+        if let Some(upscale) = &self.upscale {
+            finished.bind_color(0, unit_of("picture"));
+            self.post.passes().draw_in_window(upscale, SIZE, Some([0; 4]))?;
+        }
         self.flashes.iter_mut().for_each(|flashes| flashes.warm_up(finished, is_wanted));
         self.gl.check("drawing an empty picture")
     }
