@@ -204,6 +204,17 @@ fn wait_for_one_color(app: &App) -> RgbaImage {
     picture
 }
 
+/// The same once a show that stands still is drawn as well as it can be, which is after 0.4 s.
+fn wait_for_one_color_at_rest(app: &App) -> RgbaImage {
+    let mut rested = wait_for_one_color(app);
+    wait_until("a picture that stays", || {
+        std::thread::sleep(Duration::from_millis(800));
+        let before = std::mem::replace(&mut rested, wait_for_one_color(app));
+        rested == before
+    });
+    rested
+}
+
 #[test]
 fn a_broken_save_keeps_the_picture_and_says_what_is_wrong_until_it_is_mended() {
     let place = Place::new();
@@ -212,7 +223,7 @@ fn a_broken_save_keeps_the_picture_and_says_what_is_wrong_until_it_is_mended() {
     wait_for_mode(&mut app, "compiled");
     wait_for_color(&app, "red", SEEN_RED);
     pause(&mut app);
-    let clear = wait_for_one_color(&app);
+    let clear = wait_for_one_color_at_rest(&app);
     let panel_shows = |app: &App| clear_rows(&app.picture(), &clear) < 88;
     let kept = |app: &App| {
         // The panel may need all the room but a margin.
