@@ -198,7 +198,7 @@ impl Graph {
         self.nodes.push(node);
         self.places[place] = self.nodes.len() as u32;
         if self.nodes.len() * 2 > self.places.len() {
-            self.grow(self.places.len() * 2);
+            self.grow(self.places.len() * 4);
         }
         NodeId(self.nodes.len() as u32 - 1)
     }

@@ -7,6 +7,7 @@
 
 use std::collections::BTreeSet;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use super::source::{Sources, Span};
 use crate::graph::NodeId;
@@ -40,12 +41,25 @@ struct Made {
     by: Stretch,
 }
 
+/// The values sorted by node, those of one node in the order in which they were made. Few edits are asked where something
+/// comes from, so this is made when it is first needed: it was a tenth of the time from a text to its tape.
+#[derive(Debug, Clone, Default)]
+struct ByNode(OnceLock<Vec<Made>>);
+
+/// It follows from the values.
+impl PartialEq for ByNode {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
 /// See the module.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Origins {
     notes: Vec<Note>,
-    /// Sorted by node once the text is lowered; of one node in the order in which they were made.
+    /// In the order in which they were made.
     made: Vec<Made>,
+    by_node: ByNode,
     /// By object: its text apart from its shape, and all of its text.
     objects: Vec<Vec<(Stretch, Stretch)>>,
     /// By material.
@@ -130,14 +144,18 @@ impl Origins {
 
     /// The text is lowered.
     pub(super) fn finish(&mut self, sources: &Sources) {
-        self.made.sort_by_key(|made| made.node);
         self.files = sources.extents().collect();
     }
 
     fn made_of(&self, node: NodeId) -> &[Made] {
-        let from = self.made.partition_point(|made| made.node < node);
-        let to = self.made.partition_point(|made| made.node <= node);
-        self.made.get(from..to).unwrap_or(&[])
+        let by_node = self.by_node.0.get_or_init(|| {
+            let mut made = self.made.clone();
+            made.sort_by_key(|made| made.node);
+            made
+        });
+        let from = by_node.partition_point(|made| made.node < node);
+        let to = by_node.partition_point(|made| made.node <= node);
+        by_node.get(from..to).unwrap_or(&[])
     }
 
     /// Whether a value is that of an expression of the text.

@@ -37,9 +37,12 @@ pub(super) struct RunClauses {
 impl RunClauses {
     /// The clauses of a tape with the numbers of its table.
     pub(super) fn of(tape: &Tape, table: &[f32]) -> Self {
+        let count = tape.clauses().len();
+        let mut uses = Vec::with_capacity(INITIAL + count);
+        uses.resize(INITIAL, 0);
         let mut run = Self {
-            clauses: Vec::with_capacity(tape.clauses().len()),
-            uses: vec![0; INITIAL],
+            clauses: Vec::with_capacity(count),
+            uses,
             held: std::array::from_fn(|register| register as u32),
         };
         let (mut page, mut texture) = (0, 0);

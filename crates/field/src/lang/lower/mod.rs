@@ -38,8 +38,8 @@ pub(super) fn lower(
 ) -> Option<Scene> {
     let Loaded { ast, names, items, includes } = loaded;
     let mut graph = Graph::with_limits(limits);
-    // About one node per expression where little is repeated.
-    graph.reserve(ast.len());
+    // One to two nodes for an expression where little is repeated.
+    graph.reserve(2 * ast.len());
     let lowering = Lowering {
         graph,
         ast: &ast,
