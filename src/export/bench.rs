@@ -28,7 +28,7 @@ use crate::gpu::scene_resources::{BuiltRegions, RegionMaker, SceneResources};
 use crate::gpu::shader_source::{ShaderLibrary, Variant};
 use crate::gpu::timer::GpuTimer;
 use crate::scenes::ReadyScene;
-use mariana_music::Gain;
+use mariana_music::{Gain, Sound};
 use mariana_player::song::Song;
 
 /// What to measure.
@@ -67,6 +67,14 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
         sound.song = song.place_in_song(request.at);
     }
     let frame = Frame::new(&world, request.at, sound.clone(), request.size);
+    let mut following = Vec::with_capacity(BUILDS);
+    for number in 1..=BUILDS {
+        let at = request.at + number as f64 * FRAME_SECONDS;
+        // The song may end before.
+        if let Some(next) = song.sound_at(at)? {
+            following.push(Frame::new(&world, at, Sound { song: sound.song, ..next }, request.size));
+        }
+    }
 
     let start = Instant::now();
     let context = Headless::new(request.scene.verbose)?;
@@ -103,7 +111,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
                     Made { variant: variant.clone(), program, shader_ms, again: None }
                 }
             };
-            let (built, build_ms) = build(&resources, &frame, regions, mode);
+            let (built, build_ms, next_build_ms) = build(&resources, (&frame, &following), regions, mode);
             resources.take_regions(built.clone());
             let start = Instant::now();
             renderer.draw(&frame, &resources, &program)?;
@@ -120,6 +128,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
                 regions,
                 built,
                 build_ms,
+                next_build_ms,
                 program,
                 shader_ms,
                 first_draw_ms,
@@ -250,19 +259,32 @@ const ROW_MS_MAX: f64 = 20_000.0;
 const FRAMES_MIN: usize = 3;
 /// Trees that are built to find out how long it takes.
 const BUILDS: usize = 9;
+/// Seconds from one of them to the next, where they follow each other.
+const FRAME_SECONDS: f64 = 1.0 / 60.0;
 
-/// The regions of a frame in a mode, and how long it takes to build them, in ms. Programs of materials and light of
-/// which a first attempt saves little are left whole.
-fn build(resources: &SceneResources, frame: &Frame, cells: bool, mode: Mode) -> (Arc<BuiltRegions>, f64) {
+/// The regions of a frame in a mode, and how long it takes to build them, in ms: after none, and those of the following
+/// frames each after the last. Programs of materials and light of which a first attempt saves little are left whole.
+fn build(
+    resources: &SceneResources,
+    (frame, following): (&Frame, &[Frame]),
+    cells: bool,
+    mode: Mode,
+) -> (Arc<BuiltRegions>, f64, f64) {
     resources.set_cells(cells, mode);
-    let once = || {
-        let maker = RegionMaker { last: None, ..resources.region_maker() };
-        maker.build(frame, resources.region_request(frame))
+    let after = |last: Option<Arc<BuiltRegions>>, frame: &Frame| {
+        let maker = RegionMaker { last, ..resources.region_maker() };
+        Arc::new(maker.build(frame, resources.region_request(frame)))
     };
-    resources.take_regions(once().into());
-    let built = once();
-    let mut times: Vec<f64> = (0..BUILDS).map(|_| milliseconds(once().time)).collect();
-    (Arc::new(built), percentile(&mut times, 0.5))
+    resources.take_regions(after(None, frame));
+    let built = after(None, frame);
+    let mut times: Vec<f64> = (0..BUILDS).map(|_| milliseconds(after(None, frame).time)).collect();
+    let mut last = built.clone();
+    let next = |frame| {
+        last = after(Some(last.clone()), frame);
+        milliseconds(last.time)
+    };
+    let mut next_times: Vec<f64> = following.iter().map(next).collect();
+    (built, percentile(&mut times, 0.5), percentile(&mut next_times, 0.5))
 }
 
 /// A program, and how long it took to make it.
@@ -280,6 +302,7 @@ struct Run {
     regions: bool,
     built: Arc<BuiltRegions>,
     build_ms: f64,
+    next_build_ms: f64,
     program: Rc<Program>,
     shader_ms: f64,
     first_draw_ms: f64,
@@ -297,6 +320,7 @@ impl Run {
             regions: self.regions,
             frames: self.wall.len(),
             build_ms: self.build_ms,
+            next_build_ms: self.next_build_ms,
             tree: self.built.regions.stats,
             shader_ms: self.shader_ms,
             first_draw_ms: self.first_draw_ms,

@@ -74,12 +74,13 @@ pub fn measure_all(request: &AllRequest, progress: &mut dyn FnMut(&str, usize, u
 /// A column: its title, and the text of a row's cell.
 type Column = (&'static str, fn(&ModeReport) -> String);
 
-const COLUMNS: [Column; 9] = [
+const COLUMNS: [Column; 10] = [
     ("CPU ms", |row| format!("{:.2}", row.cpu_p50_ms)),
     ("GPU ms", |row| row.gpu_p50_ms.map_or_else(|| "-".to_owned(), |ms| format!("{ms:.2}"))),
     ("evaluations", |row| format!("{:.1}", row.evaluations_per_pixel_total)),
     ("clauses", |row| format!("{:.1}", row.evaluations_per_pixel.clauses)),
     ("tree ms", |row| format!("{:.2}", row.build_ms)),
+    ("next ms", |row| format!("{:.2}", row.next_build_ms)),
     ("cells", |row| row.tree.cells.to_string()),
     ("KiB", |row| (row.tree.bytes / 1024).to_string()),
     ("made ms", |row| format!("{:.0}", row.shader_ms + row.first_draw_ms)),
@@ -96,6 +97,10 @@ impl std::fmt::Display for AllReport {
             f,
             "{width}x{height}, t = {} s, {} frames in each row; medians, counts per pixel",
             self.at, self.frames
+        )?;
+        writeln!(
+            f,
+            "tree: built after none; next: that of the next frame, which takes over what is the same"
         )?;
         writeln!(f, "made: the program, with its first draw; again: the same once more")?;
         write!(f, "\n{:<14}{:<13}{:<8}", "scene", "mode", "tree")?;

@@ -71,6 +71,8 @@ pub struct ModeReport {
     pub frames: usize,
     /// Building the tree of regions and, interpreted, shortening materials and light, median, in ms.
     pub build_ms: f64,
+    /// The same for the frames that follow, each after the last; 0 if the song ends here.
+    pub next_build_ms: f64,
     /// What the tree consists of.
     pub tree: RegionStats,
     /// Assembling, compiling and linking its program, in ms.
@@ -117,10 +119,11 @@ impl std::fmt::Display for BenchReport {
             writeln!(f, "{note}")?;
         }
         writeln!(f)?;
-        let rows: [Row; 24] = [
+        let rows: [Row; 25] = [
             ("", &|row| row.mode.to_string()),
             ("", &|row| if row.regions { "regions" } else { "no regions" }.to_owned()),
             ("tree, ms", &|row| format!("{:.2}", row.build_ms)),
+            ("  the next frame's, ms", &|row| format!("{:.2}", row.next_build_ms)),
             ("  cells", &|row| row.tree.cells.to_string()),
             ("  distinct tapes", &|row| row.tree.tapes.to_string()),
             ("  KiB", &|row| (row.tree.bytes / 1024).to_string()),
