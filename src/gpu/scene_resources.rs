@@ -80,6 +80,8 @@ pub struct BuiltRegions {
     pub programs: ShortPrograms,
     /// How long it took.
     pub time: Duration,
+    /// On how many threads the tree was built.
+    pub threads: u32,
 }
 
 /// What builds the regions of a scene's frames, on any thread.
@@ -126,9 +128,11 @@ impl RegionMaker {
         let start = Instant::now();
         let same = self.last.as_ref().filter(|last| last.request.has_tree_of(&request));
         let before = self.last.as_ref().map(|last| &*last.regions);
+        let is_quick = self.last.as_ref().is_none_or(|last| last.time * last.threads < QUICK_TREE);
+        let is_small = self.plan.whole_texels() < SMALL_TAPE && is_quick;
+        let parts = if is_small { 1 } else { processors() };
         let regions = same.map_or_else(
             || {
-                let parts = if self.plan.whole_texels() < SMALL_TAPE { 1 } else { processors() };
                 let run = |parts: &mut [Part]| build_side_by_side(parts, is_wanted);
                 Arc::new(self.plan.build_in_parts((before, &frame.inputs), &request.options, parts, run))
             },
@@ -147,12 +151,14 @@ impl RegionMaker {
         } else {
             ShortPrograms::default()
         };
-        BuiltRegions { regions, programs, time: start.elapsed(), request }
+        BuiltRegions { regions, programs, time: start.elapsed(), threads: parts as u32, request }
     }
 }
 
-/// For a scene of fewer clauses, building the tree takes less time than starting a thread.
+/// For a scene of fewer clauses, building the tree takes less time than starting a thread ..
 const SMALL_TAPE: usize = 64;
+/// .. unless the last one took longer than this.
+const QUICK_TREE: Duration = Duration::from_millis(3);
 /// Most threads that build a tree: each has tapes of its own.
 const THREADS_MAX: usize = 4;
 

@@ -5,7 +5,7 @@ use mariana_field::graph::{SoundInput, SoundInputs};
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use mariana_field::graph::FrameInputs;
+use mariana_field::graph::{FrameInputs, TableData};
 use mariana_field::lang::{compile, no_includes};
 use mariana_field::region::{RegionOptions, RegionPlan};
 use mariana_field::world::World;
@@ -32,12 +32,24 @@ const SCENES: [(&str, &str); 8] = [
 /// After so many frames the first one follows.
 const FRAMES: usize = 64;
 
+/// Columns and rows of what was heard.
+const HEARD: (usize, usize) = (64, 600);
+
+/// The spectrum of each frame up to this one, the newest first.
+fn heard_until(frame: usize) -> Vec<f32> {
+    let of = |row: usize, column: usize| {
+        0.3 + 0.3 * (0.4 * column as f32 + 0.1 * (frame as f32 - row as f32)).sin()
+    };
+    (0..HEARD.1).flat_map(|row| (0..HEARD.0).map(move |column| of(row, column))).collect()
+}
+
 /// A frame in loud music.
 fn inputs_of(world: &World, frame: usize) -> FrameInputs {
     let mut inputs = FrameInputs {
         time: 31.0 + frame as f32 / 60.0,
         sound: SoundInputs::with(&[(SoundInput::VolumeLeft, 0.18), (SoundInput::VolumeRight, 0.12)]),
         bands: std::array::from_fn(|band| 0.3 + 0.3 * (1.7 * band as f32 + 0.1 * frame as f32).sin()),
+        history: TableData::rows(heard_until(frame), HEARD.0),
         params: world.scene.params.iter().map(|param| param.default).collect(),
         ..FrameInputs::default()
     };

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::interval::Interval;
 use super::node::Input;
-use super::table_extremes::SharedExtremes;
+use super::table_extremes::{SharedExtremes, TableExtremes};
 
 /// Reads the scene's textures on the CPU.
 pub trait TextureReader: std::fmt::Debug + Send + Sync {
@@ -135,25 +135,51 @@ impl TableData {
             return (Interval::ALL, Interval::ALL);
         }
         let (left, right, upper, lower) = self.touched(u, v);
-        let values = self.values();
-        let value = |row: usize, column: usize| values[row * self.columns + column];
-        let (mut by_u, mut by_v) = (Interval::point(0.0), Interval::point(0.0));
+        let none = Interval::point(0.0);
+        let entries = (right + 1).saturating_sub(left) * (lower + 1).saturating_sub(upper);
+        if let Some(extremes) = self.extremes.as_ref().filter(|_| entries > FEW_ENTRIES) {
+            let [across, down] = extremes.of_slopes(|| self.slope_extremes());
+            let before = |end: usize, first: usize| end.checked_sub(1).filter(|last| *last >= first);
+            let by_u = before(right, left).map(|last| across.within((left, last), (upper, lower)));
+            let by_v = before(lower, upper).map(|last| down.within((left, right), (upper, last)));
+            return (none.hull(by_u.unwrap_or(none)), none.hull(by_v.unwrap_or(none)));
+        }
+        let (mut by_u, mut by_v) = (none, none);
         for row in upper..=lower {
             for column in left..=right {
-                let here = value(row, column);
                 if column < right {
-                    by_u = by_u.hull(Self::piece(
-                        here,
-                        value(row, column + 1),
-                        self.columns.saturating_sub(1) as f32,
-                    ));
+                    by_u = by_u.hull(self.across(row, column));
                 }
                 if row < lower {
-                    by_v = by_v.hull(Self::piece(here, value(row + 1, column), self.scroll().1));
+                    by_v = by_v.hull(self.down(row, column));
                 }
             }
         }
         (by_u, by_v)
+    }
+
+    /// The extremes of all slopes by u and by v.
+    fn slope_extremes(&self) -> [TableExtremes; 2] {
+        let (columns, rows) = (self.columns.saturating_sub(1), self.rows.saturating_sub(1));
+        let ends = |slope: Interval| (slope.lo, slope.hi);
+        let across = (0..self.rows * columns).map(|at| ends(self.across(at / columns, at % columns)));
+        let down = (0..rows * self.columns).map(|at| ends(self.down(at / self.columns, at % self.columns)));
+        [TableExtremes::of(across, columns), TableExtremes::of(down, self.columns)]
+    }
+
+    /// The slope by u from an entry to the one in the next column.
+    fn across(&self, row: usize, column: usize) -> Interval {
+        let scale = self.columns.saturating_sub(1) as f32;
+        Self::piece(self.entry(row, column), self.entry(row, column + 1), scale)
+    }
+
+    /// The slope by v from an entry to the one in the next row.
+    fn down(&self, row: usize, column: usize) -> Interval {
+        Self::piece(self.entry(row, column), self.entry(row + 1, column), self.scroll().1)
+    }
+
+    fn entry(&self, row: usize, column: usize) -> f32 {
+        self.values()[row * self.columns + column]
     }
 
     /// The slope from one entry to the next, where `scale` entries lie between 0 and 1, widened by the rounding of
@@ -334,5 +360,37 @@ impl FrameInputs {
     pub fn texture(&self, texture: u16, channel: u8, u: f32, v: f32) -> f32 {
         let value = self.textures.as_ref().map_or(0.0, |reader| reader.read(texture, channel, u, v));
         unit(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn slopes_of_large_rectangles_are_those_of_all_their_pieces(
+            columns in 1_usize..12,
+            rows in 1_usize..12,
+            seed in prop::collection::vec(-100.0_f32..100.0, 144),
+            ends in prop::array::uniform4(-0.2_f32..1.2),
+            scroll in prop::option::of((0.0_f32..4.0, 0.0_f32..6.0)),
+            broken in prop::option::of(0_usize..144),
+        ) {
+            let mut values = seed[..columns * rows].to_vec();
+            if let Some(value) = broken.and_then(|place| values.get_mut(place)) {
+                *value = f32::NAN;
+            }
+            let table = match scroll {
+                Some((first, span)) => TableData::scrolling(values, columns, first, span),
+                None => TableData::rows(values, columns),
+            };
+            let one_by_one = TableData { extremes: None, ..table.clone() };
+            let [a, b, c, d] = ends;
+            let (u, v) = (Interval::new(a.min(b), a.max(b)), Interval::new(c.min(d), c.max(d)));
+            prop_assert_eq!(table.slope_bounds(u, v), one_by_one.slope_bounds(u, v));
+        }
     }
 }

@@ -1,22 +1,33 @@
-//! The least and the greatest entry of any rectangle of a table, without looking at each entry.
+//! The least and the greatest entry of any rectangle of a table, or slope between its entries, without looking at each.
 //!
 //! Bounds of a whole tree of cells ask for rectangles of thousands of entries, thousands of times for each frame. A
-//! segment tree over the rows, whose nodes are segment trees over the columns, answers from at most four times
+//! segment tree over the columns, whose nodes are segment trees over the rows, answers from at most four times
 //! log2(rows) times log2(columns) nodes, exactly.
 
 use std::sync::{Arc, OnceLock};
 
 use super::interval::Interval;
 
-/// The extremes of a table, found when they are asked for first. Tables with equal entries are equal, whether they are
-/// known or not.
+/// The extremes of a table and of its slopes, found when they are asked for first. Tables with equal entries are equal,
+/// whether they are known or not.
 #[derive(Debug, Clone, Default)]
-pub(super) struct SharedExtremes(Arc<OnceLock<TableExtremes>>);
+pub(super) struct SharedExtremes(Arc<Extremes>);
+
+#[derive(Debug, Default)]
+struct Extremes {
+    entries: OnceLock<TableExtremes>,
+    slopes: OnceLock<[TableExtremes; 2]>,
+}
 
 impl SharedExtremes {
     /// Those of this table.
     pub(super) fn of(&self, values: &[f32], columns: usize) -> &TableExtremes {
-        self.0.get_or_init(|| TableExtremes::of(values, columns))
+        self.0.entries.get_or_init(|| TableExtremes::of(values.iter().map(|value| (*value, *value)), columns))
+    }
+
+    /// Those of its slopes, which `find` gives.
+    pub(super) fn of_slopes(&self, find: impl FnOnce() -> [TableExtremes; 2]) -> &[TableExtremes; 2] {
+        self.0.slopes.get_or_init(find)
     }
 }
 
@@ -31,8 +42,9 @@ impl PartialEq for SharedExtremes {
 pub(super) struct TableExtremes {
     columns: usize,
     rows: usize,
-    /// Node `row * 2 * columns + column`: both indices count as in a segment tree, whose root is 1 and whose leaves
-    /// begin at the number of entries. An entry that is not finite has no bounds.
+    /// Node `column * 2 * rows + row`: both indices count as in a segment tree, whose root is 1 and whose leaves begin at
+    /// the number of entries. Those of a column lie together, because cells that are looked at one after the other often ask
+    /// for the same one. An entry that is not finite has no bounds.
     nodes: Vec<(f32, f32)>,
 }
 
@@ -44,27 +56,27 @@ fn hull(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
 }
 
 impl TableExtremes {
-    /// Those of a table of rows with `columns` entries each.
-    pub(super) fn of(values: &[f32], columns: usize) -> Self {
-        let rows = values.len().checked_div(columns).unwrap_or(0);
-        let width = 2 * columns;
-        let mut nodes = vec![NONE; 2 * rows * width];
-        for (row, entries) in values.chunks_exact(columns.max(1)).enumerate() {
-            let place = (rows + row) * width + columns;
-            for (node, value) in nodes.iter_mut().skip(place).zip(entries) {
-                *node = if value.is_finite() { (*value, *value) } else { (f32::NEG_INFINITY, f32::INFINITY) };
-            }
+    /// Those of a table of rows with `columns` entries each, of which the bounds are given, row after row.
+    pub(super) fn of(entries: impl ExactSizeIterator<Item = (f32, f32)>, columns: usize) -> Self {
+        let rows = entries.len().checked_div(columns).unwrap_or(0);
+        let height = 2 * rows;
+        let mut nodes = vec![NONE; 2 * columns * height];
+        let leaves = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+        for ((row, column), (low, high)) in leaves.zip(entries) {
+            let is_known = low.is_finite() && high.is_finite();
+            let node = if is_known { (low, high) } else { (f32::NEG_INFINITY, f32::INFINITY) };
+            nodes[(columns + column) * height + rows + row] = node;
         }
-        for row in (1..2 * rows).rev() {
-            if row < rows {
-                for column in columns..width {
-                    let [upper, lower] = [2 * row, 2 * row + 1].map(|child| nodes[child * width + column]);
-                    nodes[row * width + column] = hull(upper, lower);
+        for column in (1..2 * columns).rev() {
+            let at = column * height;
+            if column < columns {
+                for row in rows..height {
+                    let [left, right] = [2 * column, 2 * column + 1].map(|child| nodes[child * height + row]);
+                    nodes[at + row] = hull(left, right);
                 }
             }
-            let at = row * width;
-            for column in (1..columns).rev() {
-                nodes[at + column] = hull(nodes[at + 2 * column], nodes[at + 2 * column + 1]);
+            for row in (1..rows).rev() {
+                nodes[at + row] = hull(nodes[at + 2 * row], nodes[at + 2 * row + 1]);
             }
         }
         Self { columns, rows, nodes }
@@ -74,9 +86,10 @@ impl TableExtremes {
     /// empty rectangle has the bounds of nothing.
     pub(super) fn within(&self, columns: (usize, usize), rows: (usize, usize)) -> Interval {
         let mut found = NONE;
-        each_node(self.rows, rows, |row| {
-            each_node(self.columns, columns, |column| {
-                found = hull(found, self.nodes[row * 2 * self.columns + column]);
+        each_node(self.columns, columns, |column| {
+            let rows_of_column = self.nodes.get(2 * self.rows * column..).unwrap_or_default();
+            each_node(self.rows, rows, |row| {
+                found = hull(found, rows_of_column.get(row).copied().unwrap_or(NONE));
             });
         });
         let (lo, hi) = found;
@@ -126,7 +139,7 @@ mod tests {
             let [a, b, c, d] = ends;
             let (left, right) = (a.min(b) % columns, a.max(b).min(columns - 1));
             let (upper, lower) = (c.min(d) % rows, c.max(d).min(rows - 1));
-            let found = TableExtremes::of(&values, columns).within((left, right), (upper, lower));
+            let found = TableExtremes::of(values.iter().map(|value| (*value, *value)), columns).within((left, right), (upper, lower));
             let mut expected = Interval { lo: f32::INFINITY, hi: f32::NEG_INFINITY };
             for row in upper..=lower {
                 for &value in &values[row * columns + left..=row * columns + right] {
@@ -143,7 +156,7 @@ mod tests {
 
     #[test]
     fn a_table_without_entries_has_none() {
-        for empty in [TableExtremes::of(&[], 4), TableExtremes::of(&[], 0)] {
+        for empty in [4, 0].map(|columns| TableExtremes::of([].into_iter(), columns)) {
             assert!(empty.within((0, 3), (0, 0)).lo > empty.within((0, 3), (0, 0)).hi);
         }
     }
