@@ -209,8 +209,7 @@ fn wait_for_one_color_at_rest(app: &App) -> RgbaImage {
     let mut rested = wait_for_one_color(app);
     wait_until("a picture that stays", || {
         std::thread::sleep(Duration::from_millis(800));
-        let before = std::mem::replace(&mut rested, wait_for_one_color(app));
-        rested == before
+        std::mem::replace(&mut rested, wait_for_one_color(app)) == rested
     });
     rested
 }

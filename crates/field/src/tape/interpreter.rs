@@ -281,7 +281,7 @@ impl Variant {
             let _ = writeln!(text, "    r = {};", select::operator(&values));
         } else {
             text.push_str("    int number = operator_number(word);\n");
-            write_search(text, &cases);
+            write_search(text, &cases, true);
         }
         text.push_str("    return r;\n}\n");
     }
@@ -308,23 +308,25 @@ impl Case {
 }
 
 /// A search for the operator by halves. Compilers make a chain of comparisons of a switch, which is passed to its
-/// middle on average.
-fn write_search(text: &mut String, cases: &[Case]) {
+/// middle on average. Whatever is no operator has a smaller number than all of them, so only the lowest one is compared
+/// with its number.
+fn write_search(text: &mut String, cases: &[Case], are_lowest: bool) {
     match cases {
         [] => {}
-        [Case { number, before, expression }] if before.is_empty() => {
-            let _ = writeln!(text, "    if (number == {number}) r = {expression};");
-        }
         [Case { number, before, expression }] => {
-            let _ = writeln!(text, "    if (number == {number}) {{\n{before}    r = {expression};\n    }}");
+            let test = if are_lowest { format!("if (number == {number}) ") } else { String::new() };
+            let _ = match before.is_empty() {
+                true => writeln!(text, "    {test}r = {expression};"),
+                false => writeln!(text, "    {test}{{\n{before}    r = {expression};\n    }}"),
+            };
         }
         _ => {
             let (low, high) = cases.split_at(cases.len() / 2);
             let border = high.first().map_or(0, |case| case.number);
             let _ = writeln!(text, "    if (number < {border}) {{");
-            write_search(text, low);
+            write_search(text, low, are_lowest);
             text.push_str("    } else {\n");
-            write_search(text, high);
+            write_search(text, high, false);
             text.push_str("    }\n");
         }
     }

@@ -431,8 +431,9 @@ fn glsl_is_written_from_the_operators() {
     let tape = tape_of(&graph, &[root], 256);
     let cases =
         [(24, "(a * a)"), (25, "sqrt(max(a, 0.0))"), (64, "(a + b)"), (65, "(a - b)"), (69, "max(a, b)")];
-    let [square, root_of, add, subtract, max] =
-        cases.map(|(number, value)| format!("    if (number == {number}) r = ({value});\n"));
+    let [square, root_of, add, subtract, max] = cases.map(|(_, value)| format!("    r = ({value});\n"));
+    // END and LOAD, whose numbers are smaller than all others, give the first operand.
+    let square = format!("    if (number == 24) {}", square.trim_start());
     let or = "    } else {\n";
     let search = format!(
         "    if (number < 64) {{\n    if (number < 25) {{\n{square}{or}{root_of}    }}\n{or}    if (number < 65) {{\n{add}{or}    \
@@ -440,7 +441,7 @@ fn glsl_is_written_from_the_operators() {
     );
     let values: String =
         cases.iter().map(|(number, value)| format!("    float v{number} = ({value});\n")).collect();
-    // END and LOAD, whose numbers are 0 and 2, give the first operand.
+    // They have the numbers 0 and 2.
     let unary = "mix(mix(a, a, HAS(word, 0, 1)), mix(v24, v25, HAS(word, 0, 0)), HAS(word, 0, 4))";
     let binary = "mix(mix(v64, v65, HAS(word, 0, 0)), v69, HAS(word, 0, 2))";
     let selection = format!("{values}    r = mix({unary}, {binary}, (word & 192u) != 0u);\n");
