@@ -341,18 +341,27 @@ impl Renderer {
     pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
         let Some(picture) = self.bright_as_shown() else { return Ok(()) };
         match &self.upscale {
-            Some(upscale) if picture.size() != window => {
-                picture.bind_color(0, unit_of("picture"));
-                // SAFETY: the vertex array is ours.
-                unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
-                self.post.passes().draw_in_window(upscale, window, None)?;
-            }
+            Some(upscale) if picture.size() != window => self.enlarge(upscale, picture, window, None)?,
             _ => picture.blit_to_window(window),
         }
         if let Some(flashes) = self.flashes.as_ref().filter(|_| self.is_limited) {
             flashes.limit_in_window(picture, window);
         }
         self.gl.check("showing a frame")
+    }
+
+    /// Draws a picture, enlarged, over the window's framebuffer of `window` pixels, or only in an area of it.
+    fn enlarge(
+        &self,
+        upscale: &LazyProgram,
+        picture: &Target,
+        window: (u32, u32),
+        area: Option<[i32; 4]>,
+    ) -> Result<(), GpuError> {
+        picture.bind_color(0, unit_of("picture"));
+        // SAFETY: the vertex array is ours.
+        unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
+        self.post.passes().draw_in_window(upscale, window, area)
     }
 
     /// The finished picture, its flashes limited, four bytes per pixel, the top row first. Empty before the first draw.

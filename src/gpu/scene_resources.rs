@@ -80,8 +80,8 @@ pub struct BuiltRegions {
     pub programs: ShortPrograms,
     /// How long it took.
     pub time: Duration,
-    /// On how many threads the tree was built.
-    pub threads: u32,
+    /// How long the tree took, times the threads that built it; what it was for the last one where that was taken over.
+    work: Duration,
 }
 
 /// What builds the regions of a scene's frames, on any thread.
@@ -128,15 +128,16 @@ impl RegionMaker {
         let start = Instant::now();
         let same = self.last.as_ref().filter(|last| last.request.has_tree_of(&request));
         let before = self.last.as_ref().map(|last| &*last.regions);
-        let is_quick = self.last.as_ref().is_none_or(|last| last.time * last.threads < QUICK_TREE);
-        let is_small = self.plan.whole_texels() < SMALL_TAPE && is_quick;
-        let parts = if is_small { 1 } else { processors() };
-        let regions = same.map_or_else(
+        let (regions, work) = same.map_or_else(
             || {
+                let is_quick = self.last.as_ref().is_none_or(|last| last.work < QUICK_TREE);
+                let is_small = self.plan.whole_texels() < SMALL_TAPE && is_quick;
+                let parts = if is_small { 1 } else { processors() };
                 let run = |parts: &mut [Part]| build_side_by_side(parts, is_wanted);
-                Arc::new(self.plan.build_in_parts((before, &frame.inputs), &request.options, parts, run))
+                let built = self.plan.build_in_parts((before, &frame.inputs), &request.options, parts, run);
+                (Arc::new(built), start.elapsed() * parts as u32)
             },
-            |last| last.regions.clone(),
+            |last| (last.regions.clone(), last.work),
         );
         let surfaces = Surfaces {
             regions: &regions,
@@ -151,7 +152,7 @@ impl RegionMaker {
         } else {
             ShortPrograms::default()
         };
-        BuiltRegions { regions, programs, time: start.elapsed(), threads: parts as u32, request }
+        BuiltRegions { regions, programs, time: start.elapsed(), work, request }
     }
 }
 

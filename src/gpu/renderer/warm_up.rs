@@ -4,7 +4,6 @@
 use super::{Edges, Renderer};
 use crate::frame::picture::Picture;
 use crate::gpu::error::GpuError;
-use crate::gpu::program::unit_of;
 
 /// Size of the picture: large enough for several levels of bloom. Software renderers make programs of their own for powers
 /// of two, which are neither here nor among the levels' sides.
@@ -40,8 +39,7 @@ impl Renderer {
         self.post.finish(&targets.post, picture, &targets.first, None)?;
         let finished = targets.post.finished();
         if let Some(upscale) = &self.upscale {
-            finished.bind_color(0, unit_of("picture"));
-            self.post.passes().draw_in_window(upscale, SIZE, Some([0; 4]))?;
+            self.enlarge(upscale, finished, SIZE, Some([0; 4]))?;
         }
         self.flashes.iter_mut().for_each(|flashes| flashes.warm_up(finished, is_wanted));
         self.gl.check("drawing an empty picture")

@@ -134,10 +134,9 @@ impl TableData {
         if self.unknown.is_some() {
             return (Interval::ALL, Interval::ALL);
         }
-        let (left, right, upper, lower) = self.touched(u, v);
+        let touched @ (left, right, upper, lower) = self.touched(u, v);
         let none = Interval::point(0.0);
-        let entries = (right + 1).saturating_sub(left) * (lower + 1).saturating_sub(upper);
-        if let Some(extremes) = self.extremes.as_ref().filter(|_| entries > FEW_ENTRIES) {
+        if let Some(extremes) = self.extremes_of_many(touched) {
             let [across, down] = extremes.of_slopes(|| self.slope_extremes());
             let before = |end: usize, first: usize| end.checked_sub(1).filter(|last| *last >= first);
             let by_u = before(right, left).map(|last| across.within((left, last), (upper, lower)));
@@ -190,6 +189,15 @@ impl TableData {
         Interval::new(slope - error, slope + error)
     }
 
+    /// What finds extremes where so many entries are touched that they are not looked at one by one.
+    fn extremes_of_many(
+        &self,
+        (left, right, upper, lower): (usize, usize, usize, usize),
+    ) -> Option<&SharedExtremes> {
+        let entries = (right + 1).saturating_sub(left) * (lower + 1).saturating_sub(upper);
+        self.extremes.as_ref().filter(|_| entries > FEW_ENTRIES)
+    }
+
     /// First and last column and first and last row whose entries can be read. For a table without entries the range
     /// is empty: the first lies behind the last.
     fn touched(&self, u: Interval, v: Interval) -> (usize, usize, usize, usize) {
@@ -213,12 +221,9 @@ impl TableData {
             return Interval { lo: low, hi: high };
         }
         let Some(values) = &self.values else { return Interval::point(0.0) };
-        let (left, right, upper, lower) = self.touched(u, v);
-        let entries = (right + 1).saturating_sub(left) * (lower + 1).saturating_sub(upper);
-        let bounds = match &self.extremes {
-            Some(extremes) if entries > FEW_ENTRIES => {
-                extremes.of(values, self.columns).within((left, right), (upper, lower))
-            }
+        let touched @ (left, right, upper, lower) = self.touched(u, v);
+        let bounds = match self.extremes_of_many(touched) {
+            Some(extremes) => extremes.of(values, self.columns).within((left, right), (upper, lower)),
             _ => {
                 let mut bounds = Interval { lo: f32::INFINITY, hi: f32::NEG_INFINITY };
                 for row in upper..=lower {
