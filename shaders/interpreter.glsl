@@ -98,6 +98,11 @@ vec2 run_region(int first, vec3 p, float penumbra) {
         float r = region_rare(words.z, a, b, 0.0);
         REGION_WRITE(BYTE(words.z, 1), r);
     }
+#ifdef LIMITED_ROUNDS
+    // And those of the step itself.
+    rounds_of_last = texel - first + 4;
+    rounds_run += rounds_of_last;
+#endif
 #else
     for (int i = 0; i < 2 * TEXELS_MAX; ++i) {
         bool last = (i & 1) != 0;
@@ -184,6 +189,9 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
         float r = tape_rare(words.z, a, b, 0.0);
         WRITE(BYTE(words.z, 1), r);
     }
+#ifdef LIMITED_ROUNDS
+    rounds_run += texel - first;
+#endif
 #else
     for (int i = 0; i < 2 * TEXELS_MAX; ++i) {
         bool last = (i & 1) != 0;

@@ -4,6 +4,7 @@
 #include "frame_block.glsl"
 #include "sample_place.glsl"
 #include "counters.glsl"
+#include "rounds.glsl"
 #include "material.glsl"
 #include "view_notes.glsl"
 #include "scene_inputs.glsl"

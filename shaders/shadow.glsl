@@ -48,6 +48,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     Walk walk = walk_of(origin, to_light);
 #endif
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
+        if (steps_left(1, SHADOW_ROUNDS) <= 0) break;
 #ifdef NO_CELLS
         Cell cell = NO_CELL;
 #else

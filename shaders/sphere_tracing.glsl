@@ -97,9 +97,10 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
 #ifndef NO_CELLS
     Walk walk = walk_of(origin, direction);
 #endif
-    float d = 0.0;
+    float d = FAR;
     float before = 0.0;     // the distance at the previous step; 0 if cells were skipped since
     for (int i = first; i < STEPS_MAX; i++) {
+        if (steps_left(1, trace_rounds(reflected)) <= 0) break;
         float reach = HIT_SHARE + HIT_SHARE_GROWTH * float(max(i - STEPS_MANY, 0));
 #ifdef NO_CELLS
         Cell cell = NO_CELL;

@@ -31,6 +31,12 @@ vec2 steep_span(vec3 origin, vec3 direction) {
     return vec2(max(span.x, tree.x), min(span.y, tree.y));
 }
 
+// The step with which a ray at t reaches its end in `left` steps that grow with the distance.
+float even_step(int left, float t, float end) {
+    float from = max(t, STEEP_NEAR);
+    return from * (pow(end / from, 1.0 / float(left)) - 1.0);
+}
+
 // First surface along the ray: where the sign changes. `cone` is the radius of the pixel's cone at t = 0 and `spread`
 // its growth.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
@@ -47,6 +53,8 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     float below = 0.0;
     int closings = 0;
     for (int i = 0; i < STEEP_STEPS_MAX; i++) {
+        int left = steps_left(STEEP_STEPS_MAX - i, trace_rounds(reflected));
+        if (left <= 0) break;
         Cell cell;
         vec3 q;
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
@@ -65,7 +73,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         if (reflected) { COUNT(reflection); } else { COUNT(primary); }
         if (i == STEEP_STEPS_MAX - 1) COUNT(capped);
 #endif
-        float radius = cone + spread * t;
+        float radius = cone + spread * max(t, STEEP_NEAR);
         // NaN counts as inside, too.
         if (value > 0.0) {
             outside = t;
@@ -81,13 +89,17 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
             // The secant, kept away from both ends so that both close in.
             t = mix(outside, inside, clamp(above / (above - below), 0.1, 0.9));
         } else {
+            // crates/field/src/rays.rs, steep_step.
             float slope = slope_towards(unpack_slopes(cell.slopes), direction);
             float safe = slope > 0.0 ? value / slope : FAR;
             float leaves = max(past(t), exit_of(cell, walk, q, t)) - t;
-            float smallest = (STEEP_STEP_MIN + STEEP_STEP_GROWTH * float(i)) * radius;
+            float least = (STEEP_STEP_MIN + STEEP_STEP_GROWTH * float(i)) * radius;
+            if (left <= STEEP_STEPS_MAX - STEEP_STEPS_MANY) least = max(least, even_step(left, t, end));
             // A point that rounding put outside the tree has no cell to leave.
-            t += cell.side > 0.0 ? max(min(safe, leaves), smallest) : past(smallest);
+            t += cell.side > 0.0 ? max(min(safe, leaves), least) : past(least);
         }
     }
+    // The steps ended while the ray closed in on a surface.
+    if (inside >= 0.0) return Hit(inside, NOTHING, true);
     return behind;
 }

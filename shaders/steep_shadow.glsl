@@ -15,6 +15,8 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     if (t >= end) return 1.0;
     Walk walk = walk_of(origin, to_light);
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
+        int left = steps_left(SHADOW_STEPS_MAX - i, SHADOW_ROUNDS);
+        if (left <= 0) break;
         Cell cell;
         vec3 q;
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
@@ -36,7 +38,11 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         float towards = slope_towards(unpack_slopes(cell.slopes), to_light);
         float stride = towards > 0.0 ? values.x / towards : FAR;
         if (cell.side > 0.0) stride = min(stride, max(past(t), exit_of(cell, walk, place_on(walk, t), t)) - t);
-        t += max(stride, SHADOW_STEP_MIN + SHADOW_GROWTH * float(i));
+        stride = max(stride, SHADOW_STEP_MIN + SHADOW_GROWTH * float(i));
+#ifdef LIMITED_ROUNDS
+        stride = max(stride, left > SHADOW_STEPS_MAX / 2 ? 0.0 : even_step(left, t, end));
+#endif
+        t += stride;
         if (t >= end) break;
     }
     return 1.0;

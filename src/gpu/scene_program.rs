@@ -139,6 +139,9 @@ impl Interpreter {
         if self.regions.steep {
             variant.defines.push(STEEP_DEFINE.to_owned());
         }
+        if self.tapes.every_case {
+            variant.defines.push("LIMITED_ROUNDS 1".to_owned());
+        }
         let functions = "#include \"interpreted_scene.glsl\"\n".to_owned();
         variant.generated.push(("scene_functions.glsl".into(), functions));
         variant.generated.push((

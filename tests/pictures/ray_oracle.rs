@@ -307,10 +307,8 @@ fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, spa
         t += match regions.cell_at(ray.at(t)) {
             Some(cell) if world.steep => {
                 let slope = gradient::slope_towards(cell.slopes, ray.direction);
-                let safe = if slope > 0.0 { value / slope } else { f32::INFINITY };
-                safe.min(ray.exit_of(&cell) - t)
-                    .max((rays::STEEP_STEP_MIN + rays::STEEP_STEP_GROWTH * step as f32) * radius)
-                    .max(1e-5)
+                let radius = SPREAD as f32 * t.max(rays::STEEP_NEAR);
+                rays::steep_step(step, (value, slope), ray.exit_of(&cell) - t, (t, end), radius).max(1e-5)
             }
             _ => value,
         };

@@ -83,6 +83,30 @@ light sun { direction = vec3(0.4, -1, 0.7)  color = vec3(2, 1.8, 1.5)  radius = 
 camera { position = vec3(0.3 * sin(t), 4, -3)  target = vec3(0, 1, 7)  fov = 60 }
 "#;
 
+/// A forest by repetition: at each point the nine nearest trees, some 350 clauses whose value is no distance. Interval
+/// arithmetic gives the ellipsoids slopes of thousands.
+const FOREST: &str = r#"
+fn tree(p, height) = union(
+  round_cone(p, 0.12, 0.05, height),
+  ellipsoid(p - vec3(0, height, 0), vec3(0.5, 0.4 + 0.3 * height, 0.5)))
+fn tree_of(p, cell) {
+  let offset = 0.6 * (vec2(hash(vec3(cell, 2)), hash(vec3(cell, 3))) - 0.5)
+  let grown = hash(vec3(cell, 1))
+  let foot = vec3(2 * cell.x + offset.x, 0, 2 * cell.y + offset.y)
+  tree(p - foot, 0.6 + 1.2 * grown + 0.3 * band(floor(31 * grown)))
+}
+fn forest(p) {
+  let cell = floor(p.xz / 2)
+  union(for i in 0..2: for j in 0..2: tree_of(p, cell + vec2(i, j)))
+}
+material leaf { color = mix(vec3(0.1, 0.35, 0.08), vec3(0.5, 0.35, 0.05), hash(vec3(round(p.xz / 2), 4))) }
+material ground { color = vec3(0.15, 0.12, 0.06) }
+object trees { shape = forest(p)  material = leaf }
+object ground { shape = p.y  material = ground }
+light sun { direction = vec3(1, -1, 0.4)  color = vec3(3, 2.6, 2) }
+camera { position = vec3(8, 2.5, -6)  target = vec3(10, 1, 4) }
+"#;
+
 /// What a program shows and counts.
 fn drawn(
     studio: &mut Studio,
@@ -217,6 +241,29 @@ fn both_modes_show_the_same_surface_without_bounds() {
     let scene = SceneSource::Formula(UNBOUNDED.into());
     assert!(ready(&scene).world.bounds.is_none(), "the scene has bounds");
     assert_modes_agree("unbounded", &scene, &[0.0]);
+}
+
+/// The loops of the interpreter ran out of rounds on llvmpipe, and what came after them read stale registers.
+#[test]
+fn an_interpreted_forest_was_garbage() {
+    let mut studio = Studio::of(&SceneSource::Formula(FOREST.into()), Mode::Compiled, Counting::Off);
+    let programs = [Mode::Compiled, Mode::Interpreted].map(|mode| studio.program_of(mode, Counting::Off));
+    let [compiled, interpreted] =
+        programs.map(|program| drawn(&mut studio, &program, 3.0, loud_sound(), (160, 90)).0);
+    assert_alike("forest", &interpreted, &compiled, LOOSE);
+}
+
+/// Rays used up their steps in front of the trees: the more pixels, the shorter the steps.
+#[test]
+fn the_trees_of_a_forest_vanished_in_larger_pictures() {
+    let mut studio = Studio::of(&SceneSource::Formula(FOREST.into()), Mode::Compiled, Counting::On);
+    let program = studio.program_of(Mode::Compiled, Counting::On);
+    let [(small, _), (large, counts)] =
+        [(240, 135), (480, 270)].map(|size| drawn(&mut studio, &program, 3.0, loud_sound(), size));
+    let half = image::imageops::resize(&large, 240, 135, image::imageops::FilterType::Triangle);
+    let apart = difference(&half, &small, 48);
+    assert!(apart.mean < 3.0 && apart.share < 0.01, "the larger picture shows something else: {apart:?}");
+    assert!(counts.capped_rays < 0.001, "{counts:?}");
 }
 
 #[test]

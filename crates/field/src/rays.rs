@@ -24,13 +24,17 @@ rays! {
     STEPS_MANY: u32 = 32;
     /// How far rays go where a scene has no bounds.
     FAR: f32 = 1000.0;
-    /// Most evaluations along a ray through a formula that is not a distance field, grazing rays included. (llvmpipe
-    /// ends every loop once all loops of a pixel together, those of the tapes included, have run 65,535 rounds.)
+    /// Most evaluations along a ray through a formula that is not a distance field, grazing rays included.
     STEEP_STEPS_MAX: u32 = 512;
+    /// Evaluations after which such a ray takes steps long enough to reach its end with those that are left.
+    STEEP_STEPS_MANY: u32 = 64;
+    /// Pixels' cones count as at least as wide as at this distance from the eye: smaller steps would use up a ray
+    /// before it has left the lens.
+    STEEP_NEAR: f32 = 0.1;
     /// Rounds that close in on the place where the sign of such a formula changes.
     CLOSINGS_MAX: u32 = 6;
     /// The smallest step through such a formula, as a share of the radius of the pixel's cone: nothing visible is
-    /// thinner.
+    /// thinner. See [`steep_step`].
     STEEP_STEP_MIN: f32 = 0.5;
     /// How much the smallest step grows with each step, so that a ray that grazes a surface ends.
     STEEP_STEP_GROWTH: f32 = 0.04;
@@ -55,6 +59,22 @@ rays! {
 /// The share of a pixel's cone that counts as the surface at step `step`, from 0.
 pub fn hit_share(step: u32) -> f32 {
     HIT_SHARE + HIT_SHARE_GROWTH * step.saturating_sub(STEPS_MANY) as f32
+}
+
+/// The step at `t` of a ray that ends at `end` and has taken `step` steps through a formula that is no distance field.
+/// `value` is the formula's there, which falls by at most `slope` for each unit of the way up to `leaves` from `t`, where
+/// the ray leaves its cell. `radius` is that of the pixel's cone, at [`STEEP_NEAR`] where `t` is less.
+///
+/// No step passes a surface, unless the smallest step is longer. From [`STEEP_STEPS_MANY`] steps on the smallest step
+/// grows with the distance so that the steps left reach the end: a ray never stops in the middle of nowhere.
+pub fn steep_step(step: u32, (value, slope): (f32, f32), leaves: f32, (t, end): (f32, f32), radius: f32) -> f32 {
+    let left = STEEP_STEPS_MAX.saturating_sub(step).max(1);
+    let from = t.max(STEEP_NEAR);
+    let even = from * ((end / from).powf(1.0 / left as f32) - 1.0);
+    let fine = (STEEP_STEP_MIN + STEEP_STEP_GROWTH * step as f32) * radius;
+    let least = if step < STEEP_STEPS_MANY { fine } else { fine.max(even) };
+    let safe = if slope > 0.0 { value / slope } else { FAR };
+    safe.min(leaves).max(least)
 }
 
 /// A little further on than `t`.

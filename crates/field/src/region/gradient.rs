@@ -75,14 +75,33 @@ pub fn slope_towards(gradient: [Interval; 3], direction: [f32; 3]) -> f32 {
     (0..3).map(|axis| falls(gradient[axis], direction[axis])).sum()
 }
 
+/// Bounds that are wider than the steepest sampled slope by more than this factor say nothing about the formula: interval
+/// arithmetic gives them to quotients and roots, where a distance is as gentle as anywhere.
+const USELESS: f32 = 32.0;
+
+/// The bounds by which rays step: where one is useless, the steepest sampled slope takes its place.
+fn useful(gradient: [Interval; 3], steepest: f32) -> [Interval; 3] {
+    gradient.map(|side| {
+        let widest = side.lo.abs().max(side.hi.abs());
+        // Not `widest > ...`, so that NaN is replaced, too.
+        if widest <= USELESS * steepest { side } else { Interval::new(-steepest, steepest) }
+    })
+}
+
 /// Computes bounds of the gradients of programs.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Gradients {
     values: Vec<GradientInterval>,
     jumps: Pieces,
+    steepest: f32,
 }
 
 impl Gradients {
+    /// For a world whose value is at most about `steepest` ([`crate::world::World::steepest`]).
+    pub(super) fn new(steepest: f32) -> Self {
+        Self { values: Vec::new(), jumps: Pieces::default(), steepest }
+    }
+
     /// The words for the gradient of a program's bound over a whole box, which is cut where parts of the program
     /// jump.
     pub(super) fn words(&mut self, program: &Program, sides: [Interval; 3], frame: &FrameInputs) -> [u32; 2] {
@@ -90,7 +109,8 @@ impl Gradients {
         let whole = run(&mut self.values, Some(&mut self.jumps), program, sides, frame);
         let pieces =
             self.jumps.of(sides).iter().map(|piece| run(&mut self.values, None, program, *piece, frame));
-        pack(pieces.reduce(|all, piece| all.hull(&piece)).unwrap_or(whole).gradient)
+        let gradient = pieces.reduce(|all, piece| all.hull(&piece)).unwrap_or(whole).gradient;
+        pack(useful(gradient, self.steepest))
     }
 }
 

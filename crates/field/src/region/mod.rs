@@ -168,7 +168,8 @@ pub struct RegionPlan {
     variant: RegionVariant,
     bounds: Option<([f32; 3], [f32; 3])>,
     has_rest: bool,
-    steep: bool,
+    /// [`World::steepest`] of a value that is no distance.
+    steepest: Option<f32>,
     runs: bool,
     whole_texels: usize,
 }
@@ -179,16 +180,16 @@ impl RegionPlan {
         let [bound, estimate] = world.roots.distance;
         let roots = [bound, estimate, world.roots.object];
         let bounds = world.bounds.map(|bounds| (bounds.low, bounds.high));
-        Self::of(&world.graph, roots, bounds, world.has_rest, world.steep)
+        Self::of(&world.graph, roots, bounds, world.has_rest, world.steep.then_some(world.steepest))
     }
 
-    /// The plan of bound, estimate and object.
+    /// The plan of bound, estimate and object. Where the bound is no distance, `steepest` is [`World::steepest`].
     fn of(
         graph: &Graph,
         mut roots: [NodeId; 3],
         bounds: Option<([f32; 3], [f32; 3])>,
         has_rest: bool,
-        steep: bool,
+        steepest: Option<f32>,
     ) -> Self {
         let fused = graph.fused(&mut roots).ok();
         let graph = fused.as_ref().unwrap_or(graph);
@@ -202,7 +203,7 @@ impl RegionPlan {
             variant: RegionVariant::default(),
             bounds,
             has_rest,
-            steep,
+            steepest,
             runs: true,
             whole_texels: 0,
         };
@@ -226,7 +227,7 @@ impl RegionPlan {
         let registers = if fits { encoder.registers } else { REGISTERS_MAX };
         let operators = program.steps.iter().map(|step| step.op).collect();
         let registers = rounded_registers(registers);
-        plan.variant = RegionVariant { operators, compounds, registers, steep: plan.steep };
+        plan.variant = RegionVariant { operators, compounds, registers, steep: steepest.is_some() };
         plan
     }
 
@@ -276,8 +277,9 @@ impl RegionPlan {
         run: impl FnOnce(&mut [Part]),
     ) -> Regions {
         let program = self.folded(&Numbers::Of(inputs), inputs);
-        let has_rest = self.has_rest && (self.runs || self.steep);
-        let traced = tree::Traced { has_rest, variant: &self.variant, last };
+        let has_rest = self.has_rest && (self.runs || self.steepest.is_some());
+        let steepest = self.steepest.unwrap_or(f32::INFINITY);
+        let traced = tree::Traced { has_rest, variant: &self.variant, steepest, last };
         tree::build(program, self.bounds, traced, (inputs, options), parts, run)
     }
 

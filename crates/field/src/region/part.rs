@@ -88,7 +88,7 @@ impl<'a> Part<'a> {
             scratch: Scratch::default(),
             known: HashMap::default(),
             levels: Default::default(),
-            gradients: trunk.variant.steep.then(Gradients::default),
+            gradients: trunk.variant.steep.then(|| Gradients::new(trunk.steepest)),
             stats: RegionStats::default(),
         }
     }

@@ -331,7 +331,7 @@ proptest! {
         let object = graph.binary(Op::Less, from_end(1), from_end(2));
         let roots = [from_end(0), from_end(3), object];
         let bounds = (corner, corner.map(|low| low + side));
-        let plan = RegionPlan::of(&graph, roots, Some(bounds), true, false);
+        let plan = RegionPlan::of(&graph, roots, Some(bounds), true, None);
         let frame = FrameInputs { textures: None, ..random::frame() };
         let tree = plan.build(&frame, &RegionOptions { texels_max: 1 << 20, ..Default::default() });
         for number in 0..600 {
@@ -410,7 +410,7 @@ fn the_remainder_of_an_infinite_period_was_a_number_in_cells() {
         let length = graph.binary(Op::Length, remainder, zero);
         let root = graph.binary(Op::Sub, length, one);
         let roots = [root, root, zero];
-        let plan = RegionPlan::of(&graph, roots, Some(([-1.0, 0.5, -1.0], [1.0, 2.5, 1.0])), true, false);
+        let plan = RegionPlan::of(&graph, roots, Some(([-1.0, 0.5, -1.0], [1.0, 2.5, 1.0])), true, None);
         let frame = random::frame();
         let tree = plan.build(&frame, &RegionOptions::default());
         for number in 0..100 {

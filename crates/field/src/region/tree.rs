@@ -110,6 +110,8 @@ pub(super) struct Trunk<'a> {
     /// The root, which is still empty, and the whole tapes.
     pub(super) texels: Vec<Texel>,
     pub(super) variant: &'a RegionVariant,
+    /// [`crate::world::World::steepest`], for a variant that is steep.
+    pub(super) steepest: f32,
     /// The tree of the frame before, if anything can be copied from it.
     pub(super) before: Option<Before<'a>>,
     /// Whether the tree lies around the eye.
@@ -128,6 +130,8 @@ pub(super) struct Traced<'a> {
     pub(super) has_rest: bool,
     /// What the tapes may demand.
     pub(super) variant: &'a RegionVariant,
+    /// [`crate::world::World::steepest`].
+    pub(super) steepest: f32,
     /// The tree of another frame.
     pub(super) last: Option<&'a Regions>,
 }
@@ -136,7 +140,7 @@ pub(super) struct Traced<'a> {
 pub(super) fn build(
     program: Program,
     bounds: Option<([f32; 3], [f32; 3])>,
-    Traced { has_rest, variant, last }: Traced,
+    Traced { has_rest, variant, steepest, last }: Traced,
     (frame, options): (&FrameInputs, &RegionOptions),
     parts: usize,
     run: impl FnOnce(&mut [Part]),
@@ -156,6 +160,7 @@ pub(super) fn build(
         groups: Vec::new(),
         texels: vec![[0; 4]; if cells { ROOT_SIDE.pow(3) } else { 0 }],
         variant,
+        steepest,
         before: last.filter(|_| cells).and_then(|last| Before::of(last, low, size)),
         unbounded: bounds.is_none(),
         margin: farthest * ROUNDING,

@@ -263,18 +263,18 @@ impl<'a> Sight<'a> {
                 t = near + (far - near) * (above / (above - below)).clamp(0.1, 0.9);
                 continue;
             }
-            let smallest = (rays::STEEP_STEP_MIN + rays::STEEP_STEP_GROWTH * step as f32) * radius;
-            t += match cell {
-                Some(cell) => {
-                    let slope = gradient::slope_towards(cell.slopes, ray.direction);
-                    let safe = if slope > 0.0 { value / slope } else { rays::FAR };
-                    let leaves = rays::past(t).max(walk.exit_of(&cell, t)) - t;
-                    safe.min(leaves).max(smallest)
-                }
-                None => rays::past(smallest),
+            let (slope, leaves) = match &cell {
+                Some(cell) => (
+                    gradient::slope_towards(cell.slopes, ray.direction),
+                    rays::past(t).max(walk.exit_of(cell, t)) - t,
+                ),
+                // A point that rounding put outside the tree has no cell to leave.
+                None => (f32::INFINITY, 0.0),
             };
+            let radius = ray.spread * t.max(rays::STEEP_NEAR);
+            t += rays::steep_step(step, (value, slope), leaves, (t, end), radius);
         }
-        None
+        inside.map(|(t, _)| t)
     }
 
     fn cell_at(&self, walk: &Walk<'_>, t: f32) -> Option<Cell> {

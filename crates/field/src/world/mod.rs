@@ -144,6 +144,8 @@ pub struct World {
     /// Whether the value of the rest is not a distance: it changes faster than the position, or is much flatter at
     /// surfaces. Rays then need to know how steep it is where they are.
     pub steep: bool,
+    /// The steepest slope that was sampled of a value that is not a distance; infinite where none was.
+    pub steepest: f32,
     /// How much the shortest step of a shadow ray grows with each step: 0 in a scene, whose surfaces such rays leave.
     /// Between two scenes a lamp of one may be among the surfaces of the other, and rays creep along these.
     pub shadow_step_growth: f32,
@@ -214,7 +216,7 @@ impl World {
         let (glow, roots) = (glow.is_some(), roots(&mut scene, rest.as_ref(), glow));
         scene.graph.check().map_err(graph_error)?;
         let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
-        let Traced { bounds, steep, tamed, shadow_step_growth } = match (traced, &rest) {
+        let Traced { bounds, steep, steepest, tamed, shadow_step_growth } = match (traced, &rest) {
             (Some(traced), _) => traced,
             (None, Some(_)) => Traced::of(&scene, &roots, &frame_tape).map_err(tape_error)?,
             (None, None) => Traced::default(),
@@ -226,6 +228,7 @@ impl World {
             has_rest: rest.is_some(),
             bounds,
             steep,
+            steepest,
             shadow_step_growth,
             tamed,
             traits,
@@ -255,12 +258,18 @@ const TAMED_SHARE: f32 = 1.0;
 const TAMED_REACH: f32 = 8.0;
 
 /// What is known of the rest of a scene before it is traced: see the fields of [`World`].
-#[derive(Default)]
 struct Traced {
     bounds: Option<Bounds>,
     steep: bool,
+    steepest: f32,
     tamed: Option<Tamed>,
     shadow_step_growth: f32,
+}
+
+impl Default for Traced {
+    fn default() -> Self {
+        Self { bounds: None, steep: false, steepest: f32::INFINITY, tamed: None, shadow_step_growth: 0.0 }
+    }
 }
 
 impl Traced {
@@ -275,8 +284,12 @@ impl Traced {
         };
         let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
         let reach = bounds.map_or(TAMED_REACH, |bounds| TAMED_SHARE * bounds.half());
-        let tamed = steepness::tamed(&tape, frames, bounds.as_ref(), reach);
-        Ok(Self { bounds, steep: tamed.is_some(), tamed, ..Self::default() })
+        Ok(match steepness::tamed(&tape, frames, bounds.as_ref(), reach) {
+            Some((tamed, steepest)) => {
+                Self { bounds, steep: true, steepest, tamed: Some(tamed), ..Self::default() }
+            }
+            None => Self { bounds, ..Self::default() },
+        })
     }
 }
 

@@ -17,6 +17,10 @@ use crate::tape::{Dual, GradientEvaluator, Tape};
 const STEEPEST: f32 = 1.01;
 /// Share of the samples that may be steeper: these are seams of blends, where a ray hardly ever is.
 const STEEP_SHARE: f32 = 0.01;
+/// How much steeper than the samples a formula may be elsewhere.
+const STEEPEST_ROOM: f32 = 2.0;
+/// Fewer samples say nothing about the steepest slope.
+const STEEPEST_SAMPLES_MIN: usize = 64;
 /// If half of the surface is flatter than this, steps by the value are far too short, and the points that count as a
 /// hit form a fat block around the surface.
 const FLATTEST: f32 = 0.2;
@@ -107,15 +111,15 @@ fn length(v: [f32; 3]) -> f32 {
     v.iter().map(|part| part * part).sum::<f32>().sqrt()
 }
 
-/// None if the value of the tape's first output is a distance; else what makes it like one: it is steeper than 1 in too
-/// many samples, or much flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which its
+/// None if the value of the tape's first output is a distance; else what makes it like one, and about the steepest slope
+/// that it has: it is steeper than 1 in too many samples, or much flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which its
 /// points begin in turn. A tamed value grows without end, or up to about `reach` or a part of it.
 pub(super) fn tamed(
     tape: &Tape,
     frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>,
     bounds: Option<&Bounds>,
     reach: f32,
-) -> Option<Tamed> {
+) -> Option<(Tamed, f32)> {
     let Samples { outside, surface } = samples(tape, frames);
     let steep_many = STEEP_SHARE * outside.len() as f32;
     let too_steep = |slopes: &mut dyn Iterator<Item = f32>| {
@@ -149,7 +153,19 @@ pub(super) fn tamed(
             }
         }
     }
-    Some(best.map_or(plain, |(_, tamed)| tamed))
+    Some((best.map_or(plain, |(_, tamed)| tamed), steepest(&outside)))
+}
+
+/// About the steepest slope of the samples: seams of blends are left out, and what they hide is allowed for. Infinite if
+/// there are too few samples to tell.
+fn steepest(samples: &[Sample]) -> f32 {
+    if samples.len() < STEEPEST_SAMPLES_MIN {
+        return f32::INFINITY;
+    }
+    let mut slopes: Vec<f32> = samples.iter().map(|sample| length(sample.gradient)).collect();
+    slopes.sort_by(f32::total_cmp);
+    let usual = slopes.len() - 1 - (STEEP_SHARE * slopes.len() as f32) as usize;
+    slopes.get(usual).map_or(f32::INFINITY, |slope| STEEPEST_ROOM * slope)
 }
 
 fn median(numbers: impl Iterator<Item = f32>) -> Option<f32> {

@@ -9,8 +9,8 @@ use crate::expression::Random;
 use mariana_field::graph::{FrameInputs, Interval, Point};
 use mariana_field::lang::{compile, no_includes};
 use mariana_field::rays::{
-    AHEAD, AHEAD_OF_FAR, CLOSE_ENOUGH, CLOSINGS_MAX, PAST_FACE, ROOT_SIDE, STEEP_STEP_GROWTH, STEEP_STEP_MIN,
-    STEEP_STEPS_MAX, past,
+    AHEAD, AHEAD_OF_FAR, CLOSE_ENOUGH, CLOSINGS_MAX, PAST_FACE, ROOT_SIDE, STEEP_NEAR, STEEP_STEPS_MAX, past,
+    steep_step,
 };
 use mariana_field::tape::{Batch, GradientIntervals, PointEvaluator, Points, Tape, TapeOptions};
 
@@ -114,7 +114,7 @@ fn trace(
     points: &mut PointEvaluator<'_>,
     origin: [f32; 3],
     direction: [f32; 3],
-    start: f32,
+    (start, end): (f32, f32),
 ) -> Traced {
     let mut traced = Traced::default();
     let at = |t: f32| [0, 1, 2].map(|axis| origin[axis] + t * direction[axis]);
@@ -126,7 +126,7 @@ fn trace(
     let root = 2.0 * cells.half / ROOT_SIDE;
     let farthest = origin.iter().fold(0.0_f32, |most, v| most.max(((v + cells.half) / root).abs()));
     let ahead = root * (AHEAD + AHEAD_OF_FAR * farthest);
-    while traced.steps < STEEP_STEPS_MAX {
+    while (traced.evaluations as u32) < STEEP_STEPS_MAX {
         traced.steps += 1;
         let looked_at: [f32; 3] = std::array::from_fn(|axis| at(t)[axis] + ahead.copysign(direction[axis]));
         let Some(cell) = cells.at(looked_at) else { return traced };
@@ -144,21 +144,21 @@ fn trace(
         } else {
             behind = Some((t, value));
         }
-        if let Some((end, below)) = behind {
-            if above.is_nan() || closings == CLOSINGS_MAX || end - before < CLOSE_ENOUGH * cone {
-                traced.hit = Some(end);
+        if let Some((far, below)) = behind {
+            if above.is_nan() || closings == CLOSINGS_MAX || far - before < CLOSE_ENOUGH * cone {
+                traced.hit = Some(far);
                 return traced;
             }
             closings += 1;
             // The secant, kept off the ends so that both close in.
             let share = (above / (above - below)).clamp(0.1, 0.9);
-            t = before + share * (end - before);
+            t = before + share * (far - before);
             continue;
         }
         let slope = slope_towards(cell.gradient, direction);
-        let safe = if slope > 0.0 { value / slope } else { f32::INFINITY };
-        let step = safe.min(past(exit_of(&cell, origin, direction)) - t);
-        t += step.max((STEEP_STEP_MIN + STEEP_STEP_GROWTH * traced.evaluations as f32) * cone).max(1e-5);
+        let leaves = past(exit_of(&cell, origin, direction)) - t;
+        let radius = SPREAD * t.max(STEEP_NEAR);
+        t += steep_step(traced.evaluations as u32, (value, slope), leaves, (t, end), radius).max(1e-5);
     }
     traced.capped = true;
     traced
@@ -223,7 +223,7 @@ fn no_hit_is_missed() {
             if end - start < 1e-3 {
                 continue;
             }
-            let traced = trace(&mut cells, &mut points, origin, direction, start);
+            let traced = trace(&mut cells, &mut points, origin, direction, (start, end));
             evaluations += traced.evaluations;
             worst = worst.max(traced.evaluations);
             steps += traced.steps;

@@ -192,7 +192,7 @@ impl World {
             glow,
         };
         let steep = a.steep || b.steep;
-        let traced = Traced { bounds, steep, shadow_step_growth: SHADOW_STEP_GROWTH, tamed: None };
+        let traced = Traced { bounds, steep, shadow_step_growth: SHADOW_STEP_GROWTH, ..Traced::default() };
         let pictures = from.pictures.iter().chain(&to.pictures).cloned().collect();
         let world = Self::prepared(&name, scene, surfaces, Some(traced), pictures)?;
         Ok(Self { blended: Some(from.scene.params.len()), ..world })
