@@ -67,7 +67,13 @@ pub fn hit_share(step: u32) -> f32 {
 ///
 /// No step passes a surface, unless the smallest step is longer. From [`STEEP_STEPS_MANY`] steps on the smallest step
 /// grows with the distance so that the steps left reach the end: a ray never stops in the middle of nowhere.
-pub fn steep_step(step: u32, (value, slope): (f32, f32), leaves: f32, (t, end): (f32, f32), radius: f32) -> f32 {
+pub fn steep_step(
+    step: u32,
+    (value, slope): (f32, f32),
+    leaves: f32,
+    (t, end): (f32, f32),
+    radius: f32,
+) -> f32 {
     let left = STEEP_STEPS_MAX.saturating_sub(step).max(1);
     let from = t.max(STEEP_NEAR);
     let even = from * ((end / from).powf(1.0 / left as f32) - 1.0);
