@@ -1,6 +1,12 @@
-// The mean colour of each cell of the finished picture, in linear light, for the flash limiter.
+// The mean colour of each cell of the finished picture, in linear light, for the flash limiter; in the variant SHOWN,
+// as it is shown.
 
 #include "flash_rules.glsl"
+#ifdef SHOWN
+#include "flash_ceiling.glsl"
+
+uniform sampler2D cells;        // the means of the finished picture
+#endif
 
 uniform sampler2D picture;      // finished
 
@@ -19,10 +25,25 @@ void main() {
     ivec2 size = textureSize(picture, 0);
     vec2 pixels_per_cell = vec2(size) / vec2(float(COLUMNS), float(ROWS));
     vec3 sum = vec3(0.0);
-    for (int i = 0; i < SAMPLES * SAMPLES; i++) {
+    int samples = SAMPLES * SAMPLES;
+#ifdef SHOWN
+    ivec2 cell = ivec2(gl_FragCoord.xy);
+    Ceilings around = ceilings_around(cell);
+    // Nothing is measured again where nothing changes.
+    bool changes = limits(around);
+    samples = changes ? samples : 0;
+#endif
+    for (int i = 0; i < samples; i++) {
         vec2 inside = (vec2(i % SAMPLES, i / SAMPLES) + 0.5) / float(SAMPLES);
         ivec2 texel = ivec2((floor(gl_FragCoord.xy) + inside) * pixels_per_cell);
-        sum += roughly_linear(texelFetch(picture, min(texel, size - 1), 0).rgb);
+        vec3 light = roughly_linear(texelFetch(picture, min(texel, size - 1), 0).rgb);
+#ifdef SHOWN
+        light = below_ceiling(light, around, inside);
+#endif
+        sum += light;
     }
     mean = vec4(sum / float(SAMPLES * SAMPLES), 1.0);
+#ifdef SHOWN
+    if (!changes) mean = texelFetch(cells, cell, 0);
+#endif
 }

@@ -3,7 +3,7 @@
 
 #include "flash_rules.glsl"
 
-uniform sampler2D corrections;      // of each cell: gain, share of grey, whether it is limited at all
+uniform sampler2D ceilings;         // flash_ceiling.glsl
 
 // Cells to each side of a group.
 const int SIDE = 4;
@@ -16,8 +16,11 @@ void main() {
     int across = COLUMNS / SIDE;
     ivec2 first = SIDE * ivec2(vertex / 6 % across, vertex / 6 / across);
     bool limited = false;
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        limited = limited || texelFetch(corrections, first + ivec2(i % SIDE, i / SIDE), 0).z > 0.5;
+    // The cells around it count, too: ceilings are interpolated.
+    for (int i = 0; i < (SIDE + 2) * (SIDE + 2); i++) {
+        ivec2 cell = first + ivec2(i % (SIDE + 2), i / (SIDE + 2)) - 1;
+        vec4 found = texelFetch(ceilings, clamp(cell, ivec2(0), ivec2(COLUMNS, ROWS) - 1), 0);
+        limited = limited || found.w < OPEN || found.z > 0.0;
     }
     bvec2 far = bvec2(corner == 1 || corner == 2 || corner == 4, corner == 2 || corner == 4 || corner == 5);
     vec2 place = vec2(first) + mix(vec2(-MARGIN), vec2(float(SIDE) + MARGIN), far);

@@ -10,14 +10,14 @@ uniform sampler2D light_ages;
 uniform sampler2D light_rest;
 uniform sampler2D red_ages;
 uniform sampler2D red_rest;
-uniform sampler2D shown_swings;     // what flash_decide.frag wrote
+uniform sampler2D shown_swings;     // what flash_note.frag wrote
 uniform sampler2D shown_rest;
 uniform sampler2D shown_red_swings;
 
 layout(location = 0) out vec4 light_swing;  // xyz the swing, w for how many seconds the cell is marked
 layout(location = 1) out vec4 red_swing;    // likewise
 layout(location = 2) out vec4 light_newest; // ages of changes
-layout(location = 3) out vec4 light_others; // xy two more, zw darkest luminance of this part of the memory and the last
+layout(location = 3) out vec4 light_others; // xy two more
 layout(location = 4) out vec4 red_newest;
 layout(location = 5) out vec4 red_others;
 
@@ -27,8 +27,6 @@ void main() {
     float light = luminance(color);
 
     vec4 rest = remembered(texelFetch(light_rest, cell, 0), vec4(NEVER));
-    vec2 lows = flash_step.y > 0.5 ? vec2(NEVER, rest.z) : rest.zw;
-    lows.x = min(lows.x, light);
 
     vec4 state = remembered(texelFetch(light_swings, cell, 0), vec4(NO_SWING, 0.0));
     Ages ages = aged(remembered(texelFetch(light_ages, cell, 0), vec4(NEVER)), rest.xy);
@@ -43,7 +41,7 @@ void main() {
     hold = max(hold, rises ? hold_after(aged(vec4(NEVER), shown_ages.xy)) : 0.0);
     light_swing = vec4(state.xyz, max(hold, 0.0));
     light_newest = ages.newest;
-    light_others = vec4(ages.oldest, lows);
+    light_others = vec4(ages.oldest, 0.0, 0.0);
 
     state = remembered(texelFetch(red_swings, cell, 0), vec4(NO_RED_SWING, 0.0));
     ages = aged(remembered(texelFetch(red_ages, cell, 0), vec4(NEVER)), remembered(texelFetch(red_rest, cell, 0), vec4(NEVER)).xy);

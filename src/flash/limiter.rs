@@ -2,15 +2,21 @@
 //!
 //! Each cell counts the changes of the picture as it comes in and as it is shown. A rise that could begin a fourth
 //! flash marks the cell for limiting, for as long as such rises come and a second more. Marked cells are limited
-//! where they cover more than a certain share of a field. A limited cell is never brighter than its darkest moment of
-//! the last second plus a little, so that a flash goes on as a flicker too faint to count. Afterwards that ceiling
-//! rises slowly. Nothing is ever brightened, and no picture is mixed with an earlier one, so moving things leave no
-//! trace. Red that flashes loses saturation instead.
+//! where they cover more than a certain share of a field. A limited cell gets a ceiling: its darkest moment of the last
+//! second plus a little, so that a flash continues as a flicker too faint to count. Afterwards the ceiling rises slowly.
+//! Red that flashes loses saturation instead.
 //!
-//! What counts as a change is taken more widely than in the definition, because light is measured roughly and drawn in
-//! whole bytes, and a change that hardly counts is taken to be as late as it may be. A rise that is too early by less
-//! than a frame or so is put off until it is not, and nothing else is done about it: three flashes a second that follow
-//! the frames would otherwise be limited now and then.
+//! **No cell has an edge.** Ceilings spread over the cells around them, higher with the square of the distance, and are
+//! interpolated between cells. No pixel is brighter than the ceiling at its place, so no cell is brighter than its own
+//! ceiling on average, and a pixel depends on nothing but its own light and on ceilings, which rise slowly: what is dimmed
+//! beside a flash does not flicker with it.
+//!
+//! **What is counted is what is shown.** The mean colours of the dimmed picture are measured again
+//! ([`Limiter::note_shown`]), and the ceilings of the next frame follow from those.
+//!
+//! Light is measured roughly and drawn in whole bytes. Thresholds are therefore lower than those of the definition, and
+//! a change that hardly counts is dated as late as possible. A rise that is too early by less than a frame or so is only
+//! put off until it is not: three flashes a second that follow the frames would otherwise be limited now and then.
 
 use super::swing::{CAUTIOUS, Change, LightSwing, ROUNDING, RedSwing, Times};
 use super::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, fields, luminance};
@@ -36,29 +42,44 @@ pub(super) const RED_RELEASE: f32 = 0.6;
 /// A rise that comes early by at most this many seconds is only put off: a frame, of 30 or more a second.
 pub(super) const EARLY: f64 = 0.035;
 
-/// How much of the error each round takes back that makes gains at the centres of cells. A pattern of cells' gains
-/// keeps 1/4 to all of itself in their means; these are Chebyshev's rates for that, which leave 2.5 % of any error.
-pub const CENTRE_RATES: [f32; 4] = [1.301, 2.077, 1.029, 3.59];
+/// A ceiling this high dims nothing.
+pub(super) const OPEN: f32 = 1.25;
+/// Share of the ceiling up to which light stays as it is; brighter light approaches the ceiling.
+pub(super) const KNEE: f32 = 0.8;
+/// How far a ceiling spreads, in cells; the cells next to its own have it, too.
+pub(super) const REACH: usize = 7;
+/// How much a ceiling rises, and a share of grey falls, with the square of the distance beyond the next cell.
+pub(super) const CEILING_RISE: f32 = OPEN / ((REACH - 1) * (REACH - 1)) as f32;
 
-/// How much a cell's mean gain may exceed the wanted one.
-pub(super) const LEVEL_ERROR: f32 = 0.015;
-
-/// What a limited cell does to its pixels.
+/// How the light of a cell is limited, at its centre; interpolated linearly between the centres of cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correction {
-    /// Factor of linear light at the centre of the cell, 0..1; interpolated linearly between centres of limited
-    /// cells.
-    pub gain: f32,
+    /// Luminance that no pixel exceeds, up to 1.25, which dims nothing.
+    pub ceiling: f32,
     /// Share of the colour that becomes grey, 0..1.
     pub grey: f32,
-    /// Whether the cell is changed at all; if not, its pixels stay as they are.
-    pub limited: bool,
-    /// Whether the gain is the same all over the cell instead.
-    pub level: bool,
 }
 
 impl Correction {
-    const NONE: Self = Self { gain: 1.0, grey: 0.0, limited: false, level: false };
+    const NONE: Self = Self { ceiling: OPEN, grey: 0.0 };
+
+    /// Whether pixels at this place may change.
+    pub fn limits(&self) -> bool {
+        self.ceiling < OPEN || self.grey > 0.0
+    }
+
+    /// The linear light that is shown in place of `color`.
+    pub fn apply(&self, color: [f32; 3]) -> [f32; 3] {
+        let light = luminance(color);
+        let gain = if light > 0.0 { below_ceiling(light, self.ceiling) / light } else { 1.0 };
+        color.map(|value| (value + self.grey * (light - value)) * gain)
+    }
+}
+
+/// The luminance that is shown of `light`: at most the ceiling.
+fn below_ceiling(light: f32, ceiling: f32) -> f32 {
+    let (knee, rest) = (KNEE * ceiling, (1.0 - KNEE) * ceiling);
+    if light > knee { ceiling - rest * (-(light - knee) / rest).exp() } else { light }
 }
 
 #[derive(Clone)]
@@ -66,7 +87,7 @@ struct Cell {
     light: LightSwing,
     light_changes: Times,
     light_until: f64,
-    /// The luminance that is shown, with its changes.
+    /// The luminance that was shown, with its changes.
     shown: LightSwing,
     shown_changes: Times,
     red: RedSwing,
@@ -75,7 +96,7 @@ struct Cell {
     /// The red that is shown, with its changes: dimmed, it does not change when the red that comes does.
     shown_red: RedSwing,
     shown_red_changes: Times,
-    /// Darkest luminance of the present part of the memory, and of the part before.
+    /// Darkest luminance that was shown in the present part of the memory, and in the part before.
     lows: [f32; 2],
     /// Highest luminance; infinite if the cell is not limited.
     ceiling: f32,
@@ -112,7 +133,7 @@ impl Cell {
             true => self.highest().min(self.ceiling + FOLLOW * seconds),
             false => self.ceiling + RELEASE * seconds,
         };
-        if !limited && self.ceiling >= 1.0 {
+        if !limited && self.ceiling >= OPEN {
             self.ceiling = f32::INFINITY;
         }
     }
@@ -188,6 +209,7 @@ pub struct Limiter {
     cells: Vec<Cell>,
     now: f64,
     steps: Steps,
+    step: Step,
     corrections: Vec<Correction>,
 }
 
@@ -197,83 +219,73 @@ impl Default for Limiter {
             cells: vec![Cell::new(); CELLS],
             now: 0.0,
             steps: Steps::default(),
+            step: Step { seconds: 0.0, forgets: false },
             corrections: vec![Correction::NONE; CELLS],
         }
     }
 }
 
 impl Limiter {
-    /// Takes the frame that is shown next, `seconds` after the last one, and returns what to do to its cells:
-    /// nothing, or a correction for each of them.
-    pub fn limit(&mut self, seconds: f64, frame: &Grid) -> Option<&[Correction]> {
-        let Step { seconds, forgets } = self.steps.next(seconds);
+    /// Takes the frame that is shown next, `seconds` after the last one, and returns what to do to its cells. What is
+    /// then shown goes to [`Limiter::note_shown`].
+    pub fn limit(&mut self, seconds: f64, frame: &Grid) -> &[Correction] {
+        self.step = self.steps.next(seconds);
+        let seconds = self.step.seconds;
         self.now += seconds;
-        self.follow(frame, seconds, forgets);
+        self.follow(frame, seconds);
         let now = self.now;
         let wants = |until: fn(&Cell) -> f64| {
             fields::crowded(|cell| self.cells.get(cell).is_some_and(|cell| until(cell) > now), AREA)
         };
         let (light, red) = (wants(|cell| cell.light_until), wants(|cell| cell.red_until));
-        let light = self.with_surroundings(&light, frame);
-        let mut any = false;
-        let cells = self.cells.iter_mut().zip(&mut self.corrections).zip(frame.colors()).enumerate();
-        for (place, ((cell, correction), color)) in cells {
+        let mut own = vec![Own::NONE; CELLS];
+        for (place, ((cell, own), color)) in
+            self.cells.iter_mut().zip(&mut own).zip(frame.colors()).enumerate()
+        {
             let came = luminance(*color);
-            let limited = marked(&light, place);
+            let limited = marked(&light, place) && cell.light_until > now;
             cell.move_ceiling(limited && !is_put_off(cell.light_until, now), seconds as f32);
             let mut shown = came.min(cell.ceiling);
+            let mut highest = f32::INFINITY;
             if limited && cell.is_too_much(shown, now, 0.0) {
-                shown = shown.min(cell.shown.low() + SWING);
+                highest = cell.shown.low() + SWING;
+                shown = shown.min(highest);
             }
             let limited_red = marked(&red, place) && cell.red_until > now;
             let greys = limited_red && !is_put_off(cell.red_until, now);
             cell.grey = if greys { GREY } else { (cell.grey - RED_RELEASE * seconds as f32).max(0.0) };
             let gain = if shown < came { shown / came } else { 1.0 };
-            let with_grey = |grey: f32| color.map(|value| (value + grey * (came - value)) * gain);
-            let puts_off = limited_red && cell.is_too_much_red(with_grey(cell.grey), now, 0.0);
-            let grey = if puts_off { GREY } else { cell.grey };
-            cell.show(shown, with_grey(grey), now);
-            *correction = Correction { gain, grey, limited: shown < came || grey > 0.0, level: false };
-            any |= correction.limited;
+            let likely = color.map(|value| (value + cell.grey * (came - value)) * gain);
+            let puts_off_red = limited_red && cell.is_too_much_red(likely, now, 0.0);
+            let grey = if puts_off_red { GREY } else { cell.grey };
+            *own = Own { ceiling: cell.ceiling, highest, grey };
         }
-        if !any {
-            return None;
+        if own.iter().any(Own::limits) {
+            own = spread(&spread(&own, |at| (at, 0)), |at| (0, at));
         }
-        self.make_centres();
-        Some(&self.corrections)
+        for (correction, own) in self.corrections.iter_mut().zip(own) {
+            *correction = Correction { ceiling: own.ceiling.min(own.highest).min(OPEN), grey: own.grey };
+        }
+        &self.corrections
     }
 
-    /// The cells of crowded fields that are to be limited, and the cells around them that are brighter than the
-    /// limit: otherwise an edge would be seen where a flashing light becomes too faint to count.
-    fn with_surroundings(&self, crowded: &[bool], frame: &Grid) -> Vec<bool> {
-        let flashes = |(place, cell): (usize, &Cell)| marked(crowded, place) && cell.light_until > self.now;
-        let mut limited: Vec<bool> = self.cells.iter().enumerate().map(flashes).collect();
-        let mut rim: Vec<usize> = (0..CELLS).filter(|place| marked(&limited, *place)).collect();
-        while let Some(place) = rim.pop() {
-            for (step, _) in NEIGHBOURS {
-                let beside = neighbour(place, step);
-                let Some((cell, color)) = self.cells.get(beside).zip(frame.colors().get(beside)) else {
-                    continue;
-                };
-                let joins = marked(crowded, beside) && luminance(*color) > cell.highest();
-                if let Some(known) = limited.get_mut(beside).filter(|known| joins && !**known) {
-                    *known = true;
-                    rim.push(beside);
-                }
-            }
-        }
-        limited
-    }
-
-    /// Finds the changes, and those that would be too many, `seconds` and `forgets` as in [`Step`].
-    fn follow(&mut self, frame: &Grid, seconds: f64, forgets: bool) {
-        let now = self.now;
-        for (cell, color) in self.cells.iter_mut().zip(frame.colors()) {
-            if forgets {
+    /// Takes the mean colours of the frame as it is shown, after [`Limiter::limit`].
+    pub fn note_shown(&mut self, shown: &Grid) {
+        for (cell, color) in self.cells.iter_mut().zip(shown.colors()) {
+            if self.step.forgets {
                 cell.lows = [f32::INFINITY, cell.lows[0]];
             }
             let light = luminance(*color);
             cell.lows[0] = cell.lows[0].min(light);
+            cell.show(light, *color, self.now);
+        }
+    }
+
+    /// Finds the changes, and those that would be too many, `seconds` after the last frame.
+    fn follow(&mut self, frame: &Grid, seconds: f64) {
+        let now = self.now;
+        for (cell, color) in self.cells.iter_mut().zip(frame.colors()) {
+            let light = luminance(*color);
             let kinds = [
                 (cell.light.step(light, &CAUTIOUS), &mut cell.light_changes, &mut cell.light_until),
                 (cell.red.step(*color, &CAUTIOUS), &mut cell.red_changes, &mut cell.red_until),
@@ -297,60 +309,49 @@ impl Limiter {
             }
         }
     }
+}
 
-    /// Turns the gains that cells shall have on average into those at their centres, between which the picture's gain
-    /// is linear: a cell's own gain counts for 9/16 of its mean, one beside it for 3/32, one at its corner for 1/64.
-    /// Where the gains beside a cell are so large that its mean would be too large whatever its own is, it has one gain
-    /// all over.
-    fn make_centres(&mut self) {
-        let wanted: Vec<f32> = self.corrections.iter().map(|correction| correction.gain).collect();
-        for rate in CENTRE_RATES {
-            let before = self.corrections.clone();
-            for (place, (own, wanted)) in self.corrections.iter_mut().zip(&wanted).enumerate() {
-                if own.limited {
-                    own.gain += rate * (wanted - mean_gain(&before, place, own.gain));
-                }
-            }
-        }
-        for correction in &mut self.corrections {
-            correction.gain = correction.gain.clamp(0.0, 1.0);
-        }
-        let before = self.corrections.clone();
-        for (place, (own, wanted)) in self.corrections.iter_mut().zip(wanted).enumerate() {
-            own.level = own.limited && mean_gain(&before, place, own.gain) > wanted + LEVEL_ERROR;
-            if own.level {
-                own.gain = wanted;
-            }
-        }
+/// What a cell itself asks for, before it spreads.
+#[derive(Debug, Clone, Copy)]
+struct Own {
+    /// See [`Cell::ceiling`].
+    ceiling: f32,
+    /// The highest luminance while a rise is put off. It lasts a frame or two, so only the next cells have it, too.
+    highest: f32,
+    grey: f32,
+}
+
+impl Own {
+    const NONE: Self = Self { ceiling: f32::INFINITY, highest: f32::INFINITY, grey: 0.0 };
+
+    fn limits(&self) -> bool {
+        self.ceiling.min(self.highest) < OPEN || self.grey > 0.0
     }
 }
 
-/// The mean gain of a cell whose centre has this one. A neighbour that is not limited does not count: the cell's own
-/// gain reaches to its edge.
-fn mean_gain(corrections: &[Correction], place: usize, own: f32) -> f32 {
-    let gain = |step| {
-        let beside = corrections.get(neighbour(place, step)).filter(|other| other.limited);
-        beside.map_or(own, |other| other.gain)
+/// Spreads what cells ask for along one axis: the steps to a cell at some distance from -7 to 7.
+fn spread(own: &[Own], step: impl Fn(isize) -> (isize, isize)) -> Vec<Own> {
+    let reach = REACH as isize;
+    let spread = |place: usize| {
+        let mut all = Own::NONE;
+        for at in -reach..=reach {
+            let Some(other) = own.get(neighbour(place, step(at))) else { continue };
+            let beyond = (at.unsigned_abs().max(1) - 1) as f32;
+            let rise = CEILING_RISE * beyond * beyond;
+            all.ceiling = all.ceiling.min(other.ceiling + rise);
+            all.grey = all.grey.max(other.grey - rise);
+            if at.abs() <= 1 {
+                all.highest = all.highest.min(other.highest);
+            }
+        }
+        all
     };
-    NEIGHBOURS.iter().map(|(step, share)| share * gain(*step)).sum()
+    (0..own.len()).map(spread).collect()
 }
 
 fn marked(marks: &[bool], cell: usize) -> bool {
     marks.get(cell).copied().unwrap_or(false)
 }
-
-/// A cell and those around it, by columns and rows, with their shares of its mean.
-const NEIGHBOURS: [((isize, isize), f32); 9] = [
-    ((-1, -1), 0.015_625),
-    ((0, -1), 0.093_75),
-    ((1, -1), 0.015_625),
-    ((-1, 0), 0.093_75),
-    ((0, 0), 0.562_5),
-    ((1, 0), 0.093_75),
-    ((-1, 1), 0.015_625),
-    ((0, 1), 0.093_75),
-    ((1, 1), 0.015_625),
-];
 
 /// The cell beside another one; at the picture's edge the last cell in that direction.
 fn neighbour(place: usize, (right, down): (isize, isize)) -> usize {

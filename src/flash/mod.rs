@@ -10,12 +10,11 @@
 //! second.
 //!
 //! **Flashes are limited in the finished picture**, whatever the scene does. The limiter gets the mean colours
-//! of 48 by 36 cells of the picture that is about to be shown, counts changes as WCAG 2.3.1 does, and says which
-//! cells to dim so that there is no fourth flash within a second. It runs on the GPU (`gpu::flash_pass`), where its
+//! of 48 by 36 cells of the picture that is about to be shown, counts changes as WCAG 2.3.1 does, and gives cells a
+//! ceiling so that there is no fourth flash within a second. It runs on the GPU (`gpu::flash_pass`), where its
 //! state stays: nothing is read back, and yet it is never a frame late. [`Limiter`] is the same on the processor, and
-//! tests compare the two. Gains are at most 1 and nothing of an older picture is used, so a limited picture is darker,
-//! not smeared. Limiting works by cells, not on the picture as a whole: what does not flash beside them stays as it
-//! is.
+//! tests compare the two. No light is raised and nothing of an older picture is used, so a limited picture is darker,
+//! not smeared. Ceilings spread smoothly over some cells around a flash; farther away the picture stays as it is.
 
 mod analyser;
 mod fields;
@@ -24,7 +23,7 @@ mod rules;
 mod swing;
 
 pub use analyser::{Analyser, Flashes};
-pub use limiter::{CENTRE_RATES, Correction, Limiter, Step, Steps};
+pub use limiter::{Correction, Limiter, Step, Steps};
 pub use rules::rules_glsl;
 
 /// Cells of a picture from left to right; a field of view has a third of them.

@@ -1,7 +1,9 @@
 //! What the limiter's shaders share with [`super::Limiter`]: its numbers, as GLSL.
 
 use super::fields::{HEIGHT, WIDTH};
-use super::limiter::{AREA, EARLY, FOLLOW, GREY, HOLD, LEVEL_ERROR, RED_RELEASE, RELEASE, SWING};
+use super::limiter::{
+    AREA, CEILING_RISE, EARLY, FOLLOW, GREY, HOLD, KNEE, OPEN, REACH, RED_RELEASE, RELEASE, SWING,
+};
 use super::swing::{
     CAUTIOUS, FLARE, RED, ROUNDING, SURE_CHANGE, SURE_DARKER, SURE_RED_CHANGE, SURE_RED_SHARE,
 };
@@ -13,7 +15,13 @@ const _: () = assert!(WIDTH <= 16 && HEIGHT <= 16 && WIDTH < COLUMNS / 2, "bits 
 
 /// The text of `flash_rules.glsl`.
 pub fn rules_glsl() -> String {
-    let wholes = [("COLUMNS", COLUMNS), ("ROWS", ROWS), ("FIELD_COLUMNS", WIDTH), ("FIELD_ROWS", HEIGHT)];
+    let wholes = [
+        ("COLUMNS", COLUMNS),
+        ("ROWS", ROWS),
+        ("FIELD_COLUMNS", WIDTH),
+        ("FIELD_ROWS", HEIGHT),
+        ("REACH", REACH),
+    ];
     let numbers = [
         ("LIGHT_CHANGE", CAUTIOUS.light_change),
         ("LIGHT_DARKER", CAUTIOUS.light_darker),
@@ -33,7 +41,9 @@ pub fn rules_glsl() -> String {
         ("RELEASE", RELEASE),
         ("GREY", GREY),
         ("RED_RELEASE", RED_RELEASE),
-        ("LEVEL_ERROR", LEVEL_ERROR),
+        ("OPEN", OPEN),
+        ("KNEE", KNEE),
+        ("CEILING_RISE", CEILING_RISE),
     ];
     let wholes = wholes.map(|(name, value)| format!("const int {name} = {value};\n")).concat();
     let numbers = numbers.map(|(name, value)| format!("const float {name} = {value:?};\n")).concat();

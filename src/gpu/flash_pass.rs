@@ -8,8 +8,9 @@
 //! 1. `cells.frag` takes the mean colours of the cells.
 //! 2. `flash_follow.frag` finds changes, and marks the cells that change too often.
 //! 3. `flash_rows.frag`, `flash_fields.frag` and `flash_areas.frag` find those that are limited.
-//! 4. `flash_decide.frag` decides how bright cells are shown; `flash_centres.frag` makes gains at their centres of it.
-//! 5. `limit_flashes.frag` is drawn over the picture where it is shown, in those cells alone. All other pixels stay
+//! 4. `flash_decide.frag` gives cells ceilings, and `flash_spread.frag` spreads them over the cells around.
+//! 5. `cells.frag` takes the mean colours below those ceilings, and `flash_note.frag` remembers their changes.
+//! 6. `limit_flashes.frag` is drawn over the picture where it is shown, near limited cells alone. All other pixels stay
 //!    as they are, and a picture in which nothing is limited costs no pass over it.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
@@ -23,19 +24,21 @@ use super::post::Block;
 use super::program::{Program, ProgramTexts, unit_of};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
-use crate::flash::{CELLS, CENTRE_RATES, COLUMNS, Correction, Grid, ROWS, Steps};
+use crate::flash::{CELLS, COLUMNS, Correction, Grid, ROWS, Steps};
 
 /// The shader that places the cells to be dimmed.
 pub const FLASH_VERTEX_SHADER: &str = "flash_cells.vert";
 /// The fragment shaders of the limiter and their defines.
-pub const FLASH_SHADERS: [(&str, &[&str]); 9] = [
+pub const FLASH_SHADERS: [(&str, &[&str]); 11] = [
     ("cells.frag", &[]),
     ("flash_follow.frag", &[]),
     ("flash_rows.frag", &[]),
     ("flash_fields.frag", &[]),
     ("flash_areas.frag", &[]),
     ("flash_decide.frag", &[]),
-    ("flash_centres.frag", &[]),
+    ("flash_spread.frag", &[]),
+    ("cells.frag", &["SHOWN"]),
+    ("flash_note.frag", &[]),
     ("limit_flashes.frag", &[]),
     ("limit_flashes.frag", &["ENLARGED"]),
 ];
@@ -43,13 +46,11 @@ pub const FLASH_SHADERS: [(&str, &[&str]); 9] = [
 /// What `flash_follow.frag` writes, in the order of its outputs.
 const FOLLOWED: [&str; 6] =
     ["light_swings", "red_swings", "light_ages", "light_rest", "red_ages", "red_rest"];
-/// What `flash_decide.frag` writes.
-const DECIDED: [&str; 6] =
-    ["shown_swings", "shown_ages", "shown_rest", "corrections", "shown_red_swings", "shown_red_ages"];
-/// What `flash_rows.frag` writes.
-const ROW_MARKS: [&str; 2] = ["marked_rows", "bright_rows"];
+/// What `flash_note.frag` writes.
+const NOTED: [&str; 6] =
+    ["shown_swings", "shown_ages", "shown_rest", "shown_lows", "shown_red_swings", "shown_red_ages"];
 /// What is drawn for each picture, one after the other.
-pub const PASSES: usize = 7;
+pub const PASSES: usize = 10;
 /// Cells of a rectangle of `flash_cells.vert`.
 const GROUP: usize = 16;
 
@@ -62,7 +63,9 @@ pub struct FlashPass {
     find_fields: Program,
     find_areas: Program,
     decide: Program,
-    centre: Program,
+    spread: Program,
+    measure_shown: Program,
+    note: Program,
     limit: Program,
     limit_enlarged: Program,
     /// What the passes over cells read.
@@ -73,12 +76,13 @@ pub struct FlashPass {
     cells: Target,
     /// What is remembered: of this picture, and of the one before.
     followed: [Target; 2],
-    decided: [Target; 2],
+    noted: [Target; 2],
     marks: Target,
     covered: Target,
     areas: Target,
-    /// Rounds take turns with these.
-    gains: [Target; 2],
+    /// Ceilings of the cells themselves, spread along rows, and spread along both axes.
+    ceilings: [Target; 3],
+    shown_cells: Target,
     steps: Steps,
     /// Whether nothing is known of any picture before the next.
     is_fresh: bool,
@@ -90,8 +94,19 @@ impl FlashPass {
     /// # Errors
     /// What the driver refuses, with its log.
     pub fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
-        let [measure, follow, gather, find_fields, find_areas, decide, centre, limit, limit_enlarged] =
-            FLASH_SHADERS.map(|(shader, defines)| move || linked(gl, library, shader, defines));
+        let [
+            measure,
+            follow,
+            gather,
+            find_fields,
+            find_areas,
+            decide,
+            spread,
+            measure_shown,
+            note,
+            limit,
+            limit_enlarged,
+        ] = FLASH_SHADERS.map(|(shader, defines)| move || linked(gl, library, shader, defines));
         let of_cells =
             |count: usize| Target::new(gl, (COLUMNS as u32, ROWS as u32), &vec![Texel::Rgba32F; count], None);
         let of_rows = |count: usize| Target::new(gl, (1, ROWS as u32), &vec![Texel::Rgba32F; count], None);
@@ -103,7 +118,9 @@ impl FlashPass {
             find_fields: find_fields()?,
             find_areas: find_areas()?,
             decide: decide()?,
-            centre: centre()?,
+            spread: spread()?,
+            measure_shown: measure_shown()?,
+            note: note()?,
             limit: limit()?,
             limit_enlarged: limit_enlarged()?,
             step_block: Block::new(gl, "FlashBlock")?,
@@ -111,11 +128,12 @@ impl FlashPass {
             vertices: VertexArray::new(gl)?,
             cells: of_cells(1)?,
             followed: [of_cells(FOLLOWED.len())?, of_cells(FOLLOWED.len())?],
-            decided: [of_cells(DECIDED.len())?, of_cells(DECIDED.len())?],
-            marks: of_rows(ROW_MARKS.len())?,
+            noted: [of_cells(NOTED.len())?, of_cells(NOTED.len())?],
+            marks: of_rows(1)?,
             covered: of_rows(1)?,
             areas: of_rows(1)?,
-            gains: [of_cells(1)?, of_cells(1)?],
+            ceilings: [of_cells(1)?, of_cells(1)?, of_cells(1)?],
+            shown_cells: of_cells(1)?,
             steps: Steps::default(),
             is_fresh: true,
         };
@@ -159,14 +177,15 @@ impl FlashPass {
         let is_fresh = std::mem::take(&mut self.is_fresh);
         self.step_block.set(&[step.seconds as f32, flag(step.forgets), flag(is_fresh), 0.0]);
         self.followed.swap(0, 1);
-        self.decided.swap(0, 1);
+        self.noted.swap(0, 1);
         self.reset_state();
     }
 
     /// One of the [`PASSES`] of a picture, which reads what the ones before have bound and drawn.
     fn pass(&self, number: usize, finished: &Target) {
         let [followed, followed_before] = &self.followed;
-        let [decided, decided_before] = &self.decided;
+        let [noted, noted_before] = &self.noted;
+        let [own, along_rows, spread] = &self.ceilings;
         match number {
             0 => {
                 finished.bind_color(0, unit_of("picture"));
@@ -175,7 +194,7 @@ impl FlashPass {
             1 => {
                 self.cells.bind_color(0, unit_of("cells"));
                 bind(followed_before, &FOLLOWED);
-                bind(decided_before, &DECIDED);
+                bind(noted_before, &NOTED);
                 self.draw(&self.follow, followed);
             }
             2 => {
@@ -183,7 +202,7 @@ impl FlashPass {
                 self.draw(&self.gather, &self.marks);
             }
             3 => {
-                bind(&self.marks, &ROW_MARKS);
+                bind(&self.marks, &["marked_rows"]);
                 self.draw(&self.find_fields, &self.covered);
             }
             4 => {
@@ -192,25 +211,28 @@ impl FlashPass {
             }
             5 => {
                 bind(&self.areas, &["limited_rows"]);
-                self.draw(&self.decide, decided);
+                self.draw(&self.decide, own);
+            }
+            6 => self.spread_along([1.0, 0.0], own, along_rows),
+            7 => self.spread_along([0.0, 1.0], along_rows, spread),
+            8 => {
+                finished.bind_color(0, unit_of("picture"));
+                bind(spread, &["ceilings"]);
+                self.draw(&self.measure_shown, &self.shown_cells);
             }
             _ => {
-                bind(decided, &DECIDED);
-                for (round, rate) in CENTRE_RATES.into_iter().enumerate() {
-                    self.centre_with(round, [rate, 0.0]);
-                }
-                self.centre_with(CENTRE_RATES.len(), [0.0, 1.0]);
+                bind(&self.shown_cells, &["shown_cells"]);
+                bind(own, &["own_ceilings"]);
+                self.draw(&self.note, noted);
             }
         }
     }
 
-    /// A round of `flash_centres.frag`, and what it is told.
-    fn centre_with(&self, round: usize, told: [f32; 2]) {
-        self.place_block.set(&[0.0, 0.0, told[0], told[1]]);
-        let [even, odd] = &self.gains;
-        let gains = if round.is_multiple_of(2) { even } else { odd };
-        self.draw(&self.centre, gains);
-        bind(gains, &["corrections"]);
+    /// Spreads ceilings along an axis.
+    fn spread_along(&self, [right, up]: [f32; 2], ceilings: &Target, target: &Target) {
+        self.place_block.set(&[0.0, 0.0, right, up]);
+        bind(ceilings, &["ceilings"]);
+        self.draw(&self.spread, target);
     }
 
     /// Draws over `target`, which shows the `finished` picture that was taken last, whatever is dimmed in it.
@@ -229,30 +251,23 @@ impl FlashPass {
         self.draw_cells(finished, window);
     }
 
-    /// The cells of the picture that was taken last, and what is done to them, the top row first. Waits for the GPU:
-    /// this is for comparing it with [`crate::flash::Limiter`].
-    pub fn read(&self) -> (Grid, Vec<Correction>) {
-        let colors = self.cells.read_rgba32f(0);
-        let corrections = self.corrections().read_rgba32f(0);
-        let correction = |[gain, grey, limited, mean]: &[f32; 4]| {
-            let level = *limited > 1.5;
-            Correction {
-                gain: if level { *mean } else { *gain },
-                grey: *grey,
-                limited: *limited > 0.5,
-                level,
-            }
+    /// The cells of the picture that was taken last, what is done to them, and the cells as they are shown, the top row
+    /// first. Waits for the GPU: this is for comparing it with [`crate::flash::Limiter`].
+    pub fn read(&self) -> (Grid, Vec<Correction>, Grid) {
+        let grid = |target: &Target| {
+            let colors = target.read_rgba32f(0);
+            Grid::new(colors.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b]))
         };
-        (
-            Grid::new(colors.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b])),
-            corrections.as_chunks::<4>().0.iter().map(correction).collect(),
-        )
+        let ceilings = self.spread_ceilings().read_rgba32f(0);
+        let correction = |[_, _, grey, ceiling]: &[f32; 4]| Correction { ceiling: *ceiling, grey: *grey };
+        let corrections = ceilings.as_chunks::<4>().0.iter().map(correction).collect();
+        (grid(&self.cells), corrections, grid(&self.shown_cells))
     }
 
-    /// What the last round made.
-    fn corrections(&self) -> &Target {
-        let [even, odd] = &self.gains;
-        if CENTRE_RATES.len().is_multiple_of(2) { even } else { odd }
+    /// The ceilings that the picture is dimmed by.
+    fn spread_ceilings(&self) -> &Target {
+        let [.., spread] = &self.ceilings;
+        spread
     }
 
     /// Draws the limited cells into the framebuffer of `size` pixels that is bound.
@@ -260,7 +275,7 @@ impl FlashPass {
         self.reset_state();
         self.place_block.set(&[1.0 / size.0.max(1) as f32, 1.0 / size.1.max(1) as f32, 0.0, 0.0]);
         finished.bind_color(0, unit_of("picture"));
-        bind(self.corrections(), &["corrections"]);
+        bind(self.spread_ceilings(), &["ceilings"]);
         if finished.size() == size { &self.limit } else { &self.limit_enlarged }.bind();
         // SAFETY: a plain draw on objects of ours, in the current context.
         let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, (6 * CELLS / GROUP) as i32) };

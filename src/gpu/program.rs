@@ -26,7 +26,7 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 7] = [
 
 /// The renderer's own textures, with their units (see `shaders/README.md`). The scene's have the first ones, by their
 /// number ([`scene_texture`]). Textures that share a unit are never read by one program.
-pub const TEXTURE_UNITS: [(&str, u32); 44] = [
+pub const TEXTURE_UNITS: [(&str, u32); 46] = [
     ("light_swings", 0),
     ("red_swings", 1),
     ("light_ages", 2),
@@ -38,12 +38,14 @@ pub const TEXTURE_UNITS: [(&str, u32); 44] = [
     ("shown_rest", 8),
     ("cells", 9),
     ("marked_rows", 10),
-    ("bright_rows", 11),
+    ("shown_cells", 10),
+    ("shown_lows", 11),
+    ("own_ceilings", 12),
     ("covered_rows", 12),
     ("limited_rows", 13),
     ("edge_pixels", 12),
     ("picture", 12),
-    ("corrections", 13),
+    ("ceilings", 13),
     ("extra_samples", 13),
     ("bloom", 13),
     ("before", 14),

@@ -79,17 +79,15 @@ impl Bench {
         self.analyser.note(self.time, &Grid::of_picture(&shown, SIZE));
         self.changed += usize::from(shown != bytes);
 
-        let (cells, corrections) = self.pass.read();
-        let none = vec![Correction { gain: 1.0, grey: 0.0, limited: false, level: false }; CELLS];
-        let expected = self.limiter.limit(seconds, &cells).unwrap_or(&none);
+        let (cells, corrections, shown_cells) = self.pass.read();
+        let expected = self.limiter.limit(seconds, &cells);
         let differ = |(a, b): (&Correction, &Correction)| {
-            (a.limited, a.level) != (b.limited, b.level)
-                || (a.gain - b.gain).abs() > 0.01
-                || (a.grey - b.grey).abs() > 0.01
+            (a.ceiling - b.ceiling).abs() > 0.01 || (a.grey - b.grey).abs() > 0.01
         };
         self.cells += CELLS;
         self.differing += corrections.iter().zip(expected).filter(|pair| differ(*pair)).count();
-        if corrections.iter().all(|correction| !correction.limited) {
+        self.limiter.note_shown(&shown_cells);
+        if corrections.iter().all(|correction| !correction.limits()) {
             assert!(shown == bytes, "a picture is changed that is not limited, at {} s", self.time);
         }
     }
@@ -308,8 +306,10 @@ fn no_frame_time_breaks_it() {
             let bytes = vec![if frame % 2 == 0 { 0 } else { 255 }; 4 * 4 * CELLS];
             bench.finished.put_rgba8((0, 0), SIZE, &bytes);
             bench.pass.take(&bench.finished, seconds);
-            let (_, corrections) = bench.pass.read();
-            assert!(corrections.iter().all(|correction| (0.0..=1.0).contains(&correction.gain)));
+            let (_, corrections, _) = bench.pass.read();
+            let fits =
+                |one: &Correction| (0.0..=2.0).contains(&one.ceiling) && (0.0..=1.0).contains(&one.grey);
+            assert!(corrections.iter().all(fits), "after {seconds} s");
         }
     }
 }

@@ -3,10 +3,11 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+use crate::support::compare::pixel_difference;
 use crate::support::program::Workplace;
 use crate::support::studio::Studio;
 use image::RgbaImage;
-use mariana::flash::{Analyser, Flashes, Grid};
+use mariana::flash::{Analyser, COLUMNS, Flashes, Grid};
 use mariana::gpu::renderer::Counting;
 use mariana::gpu::scene_program::Mode;
 use mariana::gpu::shader_source::ShaderLibrary;
@@ -138,15 +139,24 @@ fn a_small_lamp_and_three_flashes_a_second_pass_untouched() {
 }
 
 #[test]
-fn what_does_not_flash_stays_as_it_is_beside_what_does() {
+fn what_does_not_flash_stays_steady_beside_what_does_and_as_it_is_farther_away() {
     let mut strobe = Strobe::of(&format!("if p.x < 0 then 6 * {BLINKS} else 0.5 + 0.3 * sin(9 * p.y)"));
     let (mut limited, mut with) = (0, Analyser::default());
+    let mut last: Option<RgbaImage> = None;
+    // Right of the cells that both share, and beyond the reach of ceilings.
+    let (near, far) = (SIZE.0 / 2 + 2, SIZE.0 / 2 + 9 * SIZE.0 / COLUMNS as u32);
     strobe.show(2.0, 10.0, silence, |time, drawn, shown| {
         with.note(time, &Grid::of_picture(&shown, SIZE));
         limited += usize::from(drawn != shown);
-        // Right of the cells that both share.
-        for (x, y, pixel) in shown.enumerate_pixels().filter(|(x, ..)| *x > SIZE.0 / 2 + 2) {
+        for (x, y, pixel) in shown.enumerate_pixels().filter(|(x, ..)| *x > far) {
             assert_eq!(pixel, drawn.get_pixel(x, y), "at {x}, {y}, {time} s");
+        }
+        // Once flashes are limited, nothing beside them changes.
+        if let Some(last) = last.replace(shown.clone()).filter(|_| time > 0.8) {
+            for (x, y, pixel) in shown.enumerate_pixels().filter(|(x, ..)| *x > near) {
+                let apart = pixel_difference(pixel, last.get_pixel(x, y));
+                assert!(apart <= 3, "{apart} at {x}, {y}, {time} s");
+            }
         }
     });
     assert!(limited > 30 && with.worst().general <= 3, "{limited}, {:?}", with.worst());

@@ -1,0 +1,49 @@
+// Remembers the changes of each cell as it is shown (src/flash/limiter.rs).
+
+#include "flash_swing.glsl"
+
+uniform sampler2D shown_cells;      // mean colours of this picture as it is shown
+uniform sampler2D own_ceilings;     // of flash_decide.frag
+uniform sampler2D shown_swings;     // what this pass wrote for the last picture: see below
+uniform sampler2D shown_ages;
+uniform sampler2D shown_rest;
+uniform sampler2D shown_lows;
+uniform sampler2D shown_red_swings;
+uniform sampler2D shown_red_ages;
+
+layout(location = 0) out vec4 swing;        // xyz the swing of the luminance, w the cell's own ceiling
+layout(location = 1) out vec4 newest;       // ages of its changes
+layout(location = 2) out vec4 others;       // xy two more, z share of grey, w the fifth age of red
+layout(location = 3) out vec4 lows;         // xy darkest luminance of this part of the memory and of the last
+layout(location = 4) out vec4 red_swing;    // xyz the swing of the red, w the sixth age of its changes
+layout(location = 5) out vec4 red_newest;   // ages of its changes
+
+void main() {
+    ivec2 cell = ivec2(gl_FragCoord.xy);
+    vec3 color = texelFetch(shown_cells, cell, 0).rgb;
+    vec4 own = texelFetch(own_ceilings, cell, 0);
+    float light = luminance(color);
+
+    vec4 state = remembered(texelFetch(shown_swings, cell, 0), vec4(NO_SWING, NEVER));
+    vec4 rest = remembered(texelFetch(shown_rest, cell, 0), vec4(NEVER, NEVER, 0.0, NEVER));
+    Ages ages = aged(remembered(texelFetch(shown_ages, cell, 0), vec4(NEVER)), rest.xy);
+    bool renews = may_count_only_at(state.xyz, light);
+    float change = light_change(state.xyz, light);
+    note_change(ages, change, renews);
+
+    vec2 dark = remembered(texelFetch(shown_lows, cell, 0), vec4(NEVER)).xy;
+    dark = flash_step.y > 0.5 ? vec2(NEVER, dark.x) : dark;
+    lows = vec4(min(dark.x, light), dark.y, 0.0, 0.0);
+
+    vec4 red = remembered(texelFetch(shown_red_swings, cell, 0), vec4(NO_RED_SWING, NEVER));
+    Ages reds = aged(remembered(texelFetch(shown_red_ages, cell, 0), vec4(NEVER)), vec2(rest.w, red.w));
+    renews = may_count_only_as_red(red.xyz, color);
+    change = red_change(red.xyz, color);
+    note_change(reds, change, renews);
+
+    swing = vec4(state.xyz, own.x);
+    newest = ages.newest;
+    others = vec4(ages.oldest, own.w, reds.oldest.x);
+    red_swing = vec4(red.xyz, reds.oldest.y);
+    red_newest = reds.newest;
+}
