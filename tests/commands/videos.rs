@@ -136,6 +136,44 @@ fn a_video_had_neither_the_song_s_tags_nor_its_cover() {
     assert_eq!(streams(&probe(&place, "v.mp4"), "video").len(), 1);
 }
 
+/// An ID3 tag, an HLS playlist that names `other`, and an MP3: ffmpeg takes it for a playlist unless it is told
+/// otherwise.
+fn write_polyglot(place: &Workplace, song: &str, other: &str) {
+    let tag = [b"ID3\x03\0\0\0\0\0\x0a".as_slice(), &[0; 10]].concat();
+    let other = place.path(other);
+    let list = format!(
+        "#EXTM3U\n#EXT-X-TARGETDURATION:10\n#EXTINF:10,\nfile://{}\n#EXT-X-ENDLIST\n",
+        other.display()
+    );
+    let bare = ["-id3v2_version", "0", "-write_xing", "0"];
+    place.ffmpeg(&[&["-f", "lavfi", "-i", "sine=f=200:d=2", "-b:a", "64k"], &bare[..]].concat(), "own.mp3");
+    place.write(song, [&tag, list.as_bytes(), &place.read("own.mp3")].concat());
+}
+
+#[test]
+fn a_song_that_is_also_a_playlist_put_the_sound_of_another_file_into_the_video() {
+    let place = Workplace::new();
+    write_colors(&place);
+    place.ffmpeg(&["-f", "lavfi", "-i", "sine=f=1000:d=2", "-b:a", "64k"], "secret.mp3");
+    write_polyglot(&place, "song.mp3", "secret.mp3");
+    let probed = Command::new("ffprobe")
+        .args(["-v", "error", "-show_entries", "format=format_name"])
+        .arg(place.path("song.mp3"))
+        .output()
+        .unwrap();
+    assert!(String::from_utf8_lossy(&probed.stdout).contains("=hls"), "ffmpeg sees no playlist: {probed:?}");
+    let video = ["video", "song.mp3", "red.scene", "--duration", "1", "-o", "v.mkv"];
+    place.run(&[&video[..], &LOOK].concat()).done();
+    place.ffmpeg(&["-i", "v.mkv", "-ac", "1", "-f", "s16le"], "sound.raw");
+    let samples: Vec<i16> =
+        place.read("sound.raw").as_chunks::<2>().0.iter().map(|pair| i16::from_le_bytes(*pair)).collect();
+    let rises = samples.windows(2).filter(|pair| pair[0] < 0 && pair[1] >= 0).count();
+    let report = probe(&place, "v.mkv");
+    let rate: usize = streams(&report, "audio")[0]["sample_rate"].as_str().unwrap().parse().unwrap();
+    let pitch = rises * rate / samples.len();
+    assert!((170..260).contains(&pitch), "its own tone has 200 Hz, the video's has {pitch} Hz");
+}
+
 #[test]
 fn places_get_their_sizes_and_a_loop_ends_where_it_begins() {
     let place = Workplace::new();

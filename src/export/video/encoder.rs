@@ -1,10 +1,10 @@
 //! ffmpeg, fed with raw frames.
 
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{Cursor, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::process::{Child, ChildStdin, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -16,10 +16,8 @@ use crate::atomic_file::{AtomicFile, Unfinished, without_path};
 use crate::ending::{self, Undo};
 use crate::export::error::ExportError;
 use mariana_player::decode::{Cover, CoverKind, Decoder};
+use mariana_player::ffmpeg::{CommandLine, Demuxer, ReadBy, Source, file_address};
 use mariana_player::song::Song;
-
-/// The container in which tags belong to a stream, as the decoder calls it.
-const OGG: &str = "Ogg";
 
 /// How much of the end of ffmpeg's messages is read.
 const COMPLAINT_BYTES: u64 = 4096;
@@ -60,59 +58,55 @@ impl Encoder {
         let output = AtomicFile::create(path)?;
         let mut inputs = Vec::new();
         let (width, height) = request.size;
-        let mut command = Command::new("ffmpeg");
-        command.args(["-v", "error", "-nostdin", "-y"]);
-        command.args(["-f", "rawvideo", "-pix_fmt", "rgba", "-s", &format!("{width}x{height}")]);
-        command.args(["-r", &request.fps.to_string(), "-i", "pipe:0"]);
-        if request.sound {
-            let sound = song_file(&request.song, &mut inputs)?;
-            // Whatever the song says, no other file and no network address is opened.
-            command.args(["-protocol_whitelist", "file", "-ss", &request.start.to_string()]);
-            command.arg("-i").arg(file_url(&sound));
-        }
+        let raw = ["-pix_fmt", "rgba", "-s", &format!("{width}x{height}"), "-r", &request.fps.to_string()]
+            .map(str::to_owned);
+        let mut line = CommandLine::ffmpeg().options(["-y"]);
+        line = line.input(Source::StandardInput, ReadBy::Demuxer(Demuxer::RAW_VIDEO), raw);
         let decoder = request.sound.then(|| request.song.open()).transpose()?;
+        let sound = decoder.as_ref().map(|decoder| decoder.info().demuxer);
+        if let Some(demuxer) = sound {
+            let song = song_file(&request.song, &mut inputs)?;
+            let from = ["-ss".to_owned(), request.start.to_string()];
+            line = line.input(Source::File(&song), ReadBy::Demuxer(demuxer), from);
+        }
         let cover = decoder.as_ref().and_then(|decoder| cover_file(decoder, path, &mut inputs));
         if let Some((cover, kind)) = cover.as_ref().filter(|_| is_mp4(path)) {
             let demuxer = match kind {
-                CoverKind::Jpeg => "mjpeg",
-                CoverKind::Png => "png_pipe",
+                CoverKind::Jpeg => Demuxer::JPEG,
+                CoverKind::Png => Demuxer::PNG,
             };
-            command.args(["-f", demuxer, "-i"]).arg(file_url(cover));
+            line = line.input(Source::File(cover), ReadBy::Demuxer(demuxer), [""; 0]);
         }
-        command.args(["-map", "0:v"]);
-        if let Some(decoder) = &decoder {
-            command.args(["-map", "1:a:0", "-map_metadata", "1"]);
-            if decoder.info().container == OGG {
-                // There the tags are those of the sound.
-                command.args(["-map_metadata", "1:s:a:0"]);
+        line = line.options(["-map", "0:v"]);
+        if let Some(demuxer) = sound {
+            line = line.options(["-map", "1:a:0", "-map_metadata", "1"]);
+            if demuxer == Demuxer::OGG {
+                // Ogg has its tags in the stream of the sound.
+                line = line.options(["-map_metadata", "1:s:a:0"]);
             }
         }
         match &cover {
             Some(_) if is_mp4(path) => {
-                command.args(["-map", "2:v", "-c:v:1", "copy", "-disposition:v:1", "attached_pic"]);
+                line = line.options(["-map", "2:v", "-c:v:1", "copy", "-disposition:v:1", "attached_pic"]);
             }
             Some((cover, kind)) => {
                 let (mime, name) = match kind {
                     CoverKind::Jpeg => ("mimetype=image/jpeg", "filename=cover.jpg"),
                     CoverKind::Png => ("mimetype=image/png", "filename=cover.png"),
                 };
-                command.arg("-attach").arg(file_url(cover));
-                command.args(["-metadata:s:t:0", mime, "-metadata:s:t:0", name]);
+                line = line.options([OsStr::new("-attach"), &file_address(cover)]);
+                line = line.options(["-metadata:s:t:0", mime, "-metadata:s:t:0", name]);
             }
             None => {}
         }
         match (&cover, request.duration) {
             // The picture of the cover would be the shortest stream.
-            (Some(_), Some(seconds)) => {
-                command.args(["-t", &seconds.to_string()]);
-            }
+            (Some(_), Some(seconds)) => line = line.options(["-t", &seconds.to_string()]),
             (Some(_), None) => {}
-            (None, _) => {
-                command.arg("-shortest");
-            }
+            (None, _) => line = line.options(["-shortest"]),
         }
-        command.args(arguments_of(request, path));
-        command.arg(file_url(output.temporary()));
+        line = line.options(arguments_of(request, path)).options([file_address(output.temporary())]);
+        let mut command = line.command();
         let complaints = tempfile::tempfile().map_err(no_room)?;
         let heard = complaints.try_clone().map_err(no_room)?;
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(heard);
@@ -166,7 +160,7 @@ impl Encoder {
         let mut tail = String::from_utf8_lossy(&tail).into_owned();
         if let Some(output) = &self.output {
             // ffmpeg's message names the temporary file that it writes.
-            let url = file_url(output.temporary());
+            let url = file_address(output.temporary());
             tail = tail.replace(&format!("{}: ", url.to_string_lossy()), "");
         }
         let message = tail.lines().last().unwrap_or("it ended without a message").to_owned();
@@ -228,13 +222,6 @@ fn end_child(child: &mut Child) {
     // An error means that it has ended already.
     let _ = child.kill();
     let _ = child.wait();
-}
-
-/// A path in a form in which ffmpeg gives no meaning to a colon or a hyphen.
-fn file_url(path: &Path) -> OsString {
-    let mut url = OsString::from("file:");
-    url.push(path);
-    url
 }
 
 impl Drop for Encoder {
