@@ -23,6 +23,7 @@ fn a_show_is_read() {
         from: -0.2,
         steps: vec![Step { to: 0.5, over: Length::Bars(8.0) }, Step { to: 1.0, over: Length::Beats(1.0) }],
         after: Length::Seconds(1.0),
+        span: tunnel.settings[0].span,
     };
     assert_eq!(tunnel.settings, [swell]);
     let orb = &read.entries[2];
@@ -136,8 +137,9 @@ prop_compose! {
             from: value(from, name),
             steps: steps.into_iter().map(|(to, over)| Step { to: value(to, name), over }).collect(),
             after: if after.number() == 0.0 { Length::ZERO } else { after },
+            span: Span::default(),
         }).collect();
-        Entry { when: When { anchor, offset }, scene, camera, transition, settings, span: Span::default() }
+        Entry { settings, ..Entry::new(When { anchor, offset }, &scene, camera, transition) }
     }
 }
 
@@ -147,7 +149,9 @@ proptest! {
         let text = print(&Script { entries: entries.clone() }, &[]);
         let mut read = script(&text);
         for entry in &mut read.entries {
-            entry.span = Span::default();
+            let nowhere = Span::default();
+            (entry.span, entry.scene_span, entry.camera_span) = (nowhere, nowhere, nowhere);
+            entry.settings.iter_mut().for_each(|setting| setting.span = nowhere);
         }
         prop_assert_eq!(read.entries, entries, "{}", text);
     }
