@@ -157,6 +157,17 @@ pub enum ExportError {
         /// Its last words.
         message: String,
     },
+    /// ffmpeg made no progress and was ended.
+    #[error(
+        "ffmpeg did nothing for {seconds:.0} s while it wrote {} and was ended: check the disk, or choose another codec \
+         by --codec", .path.display()
+    )]
+    EncoderStalled {
+        /// The output.
+        path: PathBuf,
+        /// How long it was waited for, in seconds.
+        seconds: f64,
+    },
     /// A show cannot be made.
     #[error(transparent)]
     Show(#[from] ShowError),

@@ -1,6 +1,7 @@
 //! A stretch of a song as a video (made with ffmpeg), as numbered stills or as a stream of pictures.
 
 mod encoder;
+mod encoder_process;
 mod encoding;
 mod seam;
 mod sink;
