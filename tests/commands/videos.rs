@@ -236,6 +236,50 @@ fn codecs_are_what_was_asked_for() {
 }
 
 #[test]
+fn gifs_and_webps_failed_with_ffmpeg_s_words() {
+    let place = Workplace::new();
+    write_colors(&place);
+    place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
+    let run = |arguments: &[&str]| {
+        let scenes = ["video", "one.wav", "--scene", "blue.scene@0.5", "--scene", "red.scene"];
+        place.run(&[&scenes[..], &["--tone-map", "none", "--size", "33x17"], arguments].concat())
+    };
+    run(&["--fps", "10", "-o", "a.gif"]).done();
+    let bytes = place.read("a.gif");
+    let repeats = bytes.windows(16).any(|part| part == b"NETSCAPE2.0\x03\x01\0\0\0");
+    assert!(repeats, "the GIF is shown once");
+    let report = probe(&place, "a.gif");
+    assert_eq!(streams(&report, "video")[0]["nb_read_frames"], "10", "{report}");
+    place.ffmpeg(&["-i", "a.gif", "-start_number", "0"], "gif-%d.png");
+    let gif: Vec<i32> =
+        [0, 4, 5, 9].map(|frame| redness(&still(&place, &format!("gif-{frame}.png")))).to_vec();
+
+    run(&["--fps", "10", "-o", "a.webp"]).done();
+    let bytes = place.read("a.webp");
+    let at = bytes.windows(4).position(|name| name == b"ANIM").unwrap();
+    assert_eq!(bytes[at + 12..at + 14], [0, 0], "the WebP is shown so often");
+    let decoder = image::codecs::webp::WebPDecoder::new(std::io::Cursor::new(&bytes)).unwrap();
+    let frames = image::AnimationDecoder::into_frames(decoder).collect_frames().unwrap();
+    let pictures: Vec<i32> = frames
+        .iter()
+        .map(|frame| redness(&image::DynamicImage::from(frame.buffer().clone()).to_rgb8()))
+        .collect();
+    for redness in [&gif[..], &[pictures[0], pictures[pictures.len() - 1]]] {
+        assert!(redness[0] > 100 && redness[redness.len() - 1] < -100, "{redness:?}");
+    }
+    assert!(gif[1] > 100 && gif[2] < -100, "{gif:?}");
+
+    run(&["--fps", "60", "-o", "b.gif"]).refused(&["b.gif", "50 pictures a second", "--fps 50"]);
+    run(&["--codec", "h264", "-o", "b.webp"]).refused(&["b.webp", "leave out --codec"]);
+    write_ball(&place, "ball", 0.0, "");
+    let ball = ["video", "one.wav", "ball.scene", "--alpha", "--fps", "10", "--size", "64x36", "--duration"];
+    place.run(&[&ball[..], &["0.2", "-o", "ball.webp"]].concat()).done();
+    let first = image::load_from_memory(&place.read("ball.webp")).unwrap().to_rgba8();
+    assert!(first.get_pixel(2, 2)[3] < 4 && first.get_pixel(32, 18)[3] > 251);
+    place.run(&[&ball[..], &["0.2", "-o", "ball.gif"]].concat()).refused(&["ball.gif", ".webp"]);
+}
+
+#[test]
 fn pictures_go_to_standard_output_without_a_word() {
     let place = Workplace::new();
     write_colors(&place);

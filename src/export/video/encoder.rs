@@ -9,7 +9,7 @@ use image::{ImageFormat, ImageReader, Limits};
 
 use super::VideoRequest;
 use super::encoder_process::EncoderProcess;
-use super::encoding::{arguments_of, is_mp4};
+use super::encoding::{arguments_of, has_sound, is_mp4};
 use crate::atomic_file::{AtomicFile, Unfinished, without_path};
 use crate::export::error::ExportError;
 use crate::limits::LIMITS;
@@ -93,7 +93,7 @@ fn command_line(
         .map(str::to_owned);
     let mut line = CommandLine::ffmpeg().options(["-y"]);
     line = line.input(Source::StandardInput, ReadBy::Demuxer(Demuxer::RAW_VIDEO), raw);
-    let decoder = request.sound.then(|| request.song.open()).transpose()?;
+    let decoder = has_sound(request, path).then(|| request.song.open()).transpose()?;
     let Some(decoder) = decoder else {
         return Ok(line.options(["-map", "0:v"]).options(arguments_of(request, path)));
     };
