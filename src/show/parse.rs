@@ -5,12 +5,14 @@
 //! at start            speakers
 //! at section B        tunnel  camera inside  melt over 2 bars
 //!   set swell = 0.2 -> 0.5 over 8 bars after 1 bar
+//!     -> 0.1 over 2 bars
 //! at drop 1 - 1 beat  city    cut
 //! at 2:31.5           "my own/orb.scene"  portal plane over 3 s
 //! at cue              letters  fade over 1 bar
 //! ```
 //!
-//! Each line is read for itself, so that one mistake hides no other.
+//! Each line is read for itself, so that one mistake hides no other. A line that begins with `->` adds steps to the `set`
+//! above it.
 
 mod words;
 
@@ -62,16 +64,22 @@ pub fn parse(name: &str, text: &str) -> Parsed {
     let mut script = Script::default();
     // Takes the settings of an entry with a mistake, so that the entry before it does not get them.
     let mut scrap: Option<Script> = None;
+    let mut was_wrong = false;
     for line in lines(text) {
         if diagnostics.len() >= DIAGNOSTICS_MAX {
             break;
         }
         let first = line.first().map_or("", |word| word.text);
-        let is_entry = first != "set";
+        if first == "->" && was_wrong {
+            // Steps of a `set` with a mistake.
+            continue;
+        }
+        let is_entry = !["set", "->"].contains(&first);
         scrap = scrap.filter(|_| !is_entry);
         let mut reader = Reader { words: &line, at: 0 };
         let read = reader.line(scrap.as_mut().unwrap_or(&mut script));
-        if is_entry && read.is_err() {
+        was_wrong = read.is_err();
+        if is_entry && was_wrong {
             let when = When { anchor: Anchor::Start, offset: Length::ZERO };
             scrap = Some(Script { entries: vec![Entry::new(when, "", None, None)] });
         }
@@ -122,6 +130,15 @@ impl<'a> Reader<'a> {
                     return Err(Box::new(Diagnostic::over_limit(first.span, many)));
                 }
                 entry.settings.push(setting);
+            }
+            "->" if first.kind == Kind::Sign => {
+                self.at -= 1;
+                let moving = script.entries.last_mut().and_then(|entry| entry.settings.last_mut());
+                let Some(Setting { param, steps, .. }) = moving else {
+                    let early = Diagnostic::new(first.span, "there is no movement above this line");
+                    return Err(Box::new(early.hint("write `set`, a parameter and its value above it")));
+                };
+                self.steps(steps, is_share(param), first.span)?;
             }
             _ => {
                 let unknown =

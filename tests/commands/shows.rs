@@ -154,7 +154,7 @@ fn mistakes_of_a_show_were_told_one_at_a_time_and_some_without_a_line() {
     place.write("bad.scene", "lngth(p)");
     place.write(
         "bad.show",
-        "at start gren.scene\nat 1 s red.scene camera far\n  set siz = 3\nat 2 s red.scene mlet\n  set its_own = 1\n\
+        "at start gren.scene\nat 1 s red.scene camera far\n  set siz = 3\nat 2 s red.scene mlet\n  set its_own = 1\n  -> 2 over 1 s\n\
          at 3 s bad.scene\n",
     );
     let told = place.run(&["still", "--show", "bad.show", "-o", "a.png"]).refused_with_details(&[
@@ -166,7 +166,7 @@ fn mistakes_of_a_show_were_told_one_at_a_time_and_some_without_a_line() {
         "its parameters are size",
         "bad.show:4:18",
         "did you mean `melt`?",
-        "bad.show:6:8",
+        "bad.show:7:8",
         "bad.scene:1:1",
     ]);
     assert_eq!(told.matches("error: ").count(), 6, "{told}");
