@@ -1,4 +1,4 @@
-//! Texts of show files, from the text to what is drawn at a moment.
+//! Texts of show files, from the text to the frame of a moment.
 
 use std::path::PathBuf;
 use std::sync::LazyLock;
@@ -12,7 +12,7 @@ use mariana_music::{Section, SongBeat, SongStructure, Sound, Stretch};
 
 use super::bytes::Bytes;
 
-/// A scene of this name is beside each show. It has parameters and two cameras.
+/// The name and the text of a scene with parameters and two cameras.
 const SCENE: &str = "ball.scene";
 const SCENE_TEXT: &str = "param size = 1 in 0.2 .. 2\nparam grain = 0.5 in 0 .. 1\n\
     object ball { shape = sphere(p, size) }\ncamera { position = vec3(0, 2, -6)  target = vec3(0) }\n\
@@ -72,12 +72,12 @@ pub(crate) fn shows(data: &[u8]) {
     let cues = programme.cues().len();
     match programme.plan() {
         Some(plan) => check(&programme, plan),
-        None => assert!(cues > 0, "nothing to draw, and no key brings anything"),
+        None => assert!(cues > 0, "an empty plan without cues"),
     }
     let pressed: Vec<f64> = (0..cues).map(|number| 5.0 * number as f64).collect();
     let with_cues = programme.with_cues(&song, &pressed);
     check(&with_cues, with_cues.plan().unwrap());
-    // What is written down again is a show, too.
+    // The printed show can be read again.
     let again = Programme::of_text("again.show", &programme.text(&[]), folder.path(), &song);
     assert!(again.is_ok(), "{:?}", again.err());
 }

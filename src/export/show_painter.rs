@@ -99,7 +99,7 @@ impl ShowPainter {
         &mut self.easel
     }
 
-    /// What the show holds at `time` seconds, as [`Plan::held_at`](crate::show::Plan::held_at) has it.
+    /// The pictures that the show holds at `time` seconds: [`Plan::held_at`].
     pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
         self.plan.held_at(time)
     }
@@ -141,7 +141,7 @@ impl ShowPainter {
         if share < 1.0 { self.draw_over((time, sound), share, size) } else { Ok(()) }
     }
 
-    /// Draws a moment with a share of the last picture. As in the window, what fades away under it is not seen meanwhile.
+    /// Draws a moment, mixed with the last picture. As in the window, what fades away under it is not seen meanwhile.
     fn draw_over(&mut self, (time, sound): Heard, share: f32, size: (u32, u32)) -> Result<(), ExportError> {
         let plan = self.plan.clone();
         let moment = plan.at(time);

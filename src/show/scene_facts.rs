@@ -35,8 +35,7 @@ impl SceneFacts {
     fn missing(&self, entry: &Entry) -> Vec<Diagnostic> {
         let scene = &entry.scene;
         let lacks = |span: Span, what: &str, name: &str, hint: String| {
-            let lacks = Diagnostic::new(span, format!("the scene {scene} has no {what} `{name}`"));
-            lacks.hint(format!("{hint}: choose another one, or leave it out"))
+            Diagnostic::new(span, format!("the scene {scene} has no {what} `{name}`")).hint(hint)
         };
         let mut missing = Vec::new();
         if let Some(camera) = entry.camera.as_ref().filter(|camera| !self.cameras.contains(camera)) {
@@ -103,10 +102,11 @@ impl NamedScenes {
     }
 }
 
+/// What to do about a wrong name, given the right ones.
 fn listed(what: &str, names: &[String]) -> String {
     match names {
-        [] => format!("it has no {what} with names"),
-        names => format!("its {what} are {}", names.join(", ")),
+        [] => format!("it has no {what} with names: leave it out"),
+        names => format!("its {what} are {}: choose one of them, or leave it out", names.join(", ")),
     }
 }
 

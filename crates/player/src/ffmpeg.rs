@@ -90,7 +90,7 @@ impl Demuxer {
 pub enum ReadBy {
     /// This demuxer.
     Demuxer(Demuxer),
-    /// Whichever of the demuxers of songs recognises the content.
+    /// The demuxer of songs that recognises the content.
     AnySongDemuxer,
 }
 
@@ -141,7 +141,7 @@ impl CommandLine {
             Source::StandardInput => ("pipe", "pipe:0".into()),
         };
         let line = self.options(["-protocol_whitelist", protocol]);
-        // The whitelist also holds for what a demuxer opens itself.
+        // The whitelist also holds for inputs that a demuxer opens.
         let line = match read_by {
             ReadBy::Demuxer(Demuxer(name)) => line.options(["-format_whitelist", name, "-f", name]),
             ReadBy::AnySongDemuxer => line.options(["-format_whitelist", &SONG_DEMUXERS.join(",")]),

@@ -27,7 +27,7 @@ pub(super) struct EncoderProcess {
     child: Arc<Mutex<Child>>,
     /// `None` once the process has all its input.
     input: Option<ChildStdin>,
-    /// Its messages. A file, because a pipe that nobody reads would stop the process.
+    /// Its messages. A file, because a full pipe would stop the process.
     complaints: File,
     wait: Arc<Mutex<Wait>>,
     /// Dropping it ends the thread that watches.
@@ -35,12 +35,12 @@ pub(super) struct EncoderProcess {
     _end: Undo,
 }
 
-/// Whether something waits for the process.
+/// The state of the wait for the process.
 #[derive(Default)]
 struct Wait {
-    /// When the wait began, or the last progress during it; `None` while nothing waits.
+    /// When the wait began, or the last progress during it; `None` outside of waits.
     since: Option<Instant>,
-    /// Whether the process was ended because it made no progress.
+    /// True once the process was ended because it made no progress.
     has_stalled: bool,
 }
 
@@ -125,7 +125,7 @@ impl EncoderProcess {
         status
     }
 
-    /// Whether it was ended because it made no progress.
+    /// True once it was ended because it made no progress.
     pub(super) fn has_stalled(&self) -> bool {
         lock(&self.wait).has_stalled
     }
@@ -133,7 +133,7 @@ impl EncoderProcess {
     /// The end of its messages.
     pub(super) fn complaint(&mut self) -> String {
         let mut tail = Vec::new();
-        // Whatever can be read is the best information there is.
+        // After an error a part of the messages is better than none.
         let length = self.complaints.seek(SeekFrom::End(0)).unwrap_or(0);
         let _ = self.complaints.seek(SeekFrom::Start(length.saturating_sub(COMPLAINT_BYTES)));
         let _ = self.complaints.read_to_end(&mut tail);
