@@ -69,6 +69,8 @@ pub struct Limits {
     pub show_steps_max: usize,
     /// Pictures of a show of which one is held while another gives way, that are mixed into one.
     pub show_held_max: usize,
+    /// Longest time in seconds for which a video's encoder may make no progress while it is waited for.
+    pub encoder_wait_seconds: f64,
     /// Longest fade from one scene to another, in seconds.
     pub fade_seconds_max: f64,
     /// Most programs that are sent pictures over one port at a time.
@@ -118,6 +120,7 @@ pub const LIMITS: Limits = Limits {
     show_settings_max: 64,
     show_steps_max: 20_000,
     show_held_max: 8,
+    encoder_wait_seconds: 300.0,
     fade_seconds_max: 60.0,
     send_readers_max: 8,
     send_request_bytes_max: 8_192,

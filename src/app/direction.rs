@@ -152,15 +152,17 @@ impl Direction {
         }
         match made.show {
             Ok((programme, None)) => {
-                // Of a song without sections the director knows no more than whoever listens.
+                // In a song without sections the director has no reason to change the scene.
                 let is_live = made.track.is_none();
-                let says_something = is_live || self.named.is_some() || programme.plan().stays().len() > 1;
+                let says_something = is_live || self.named.is_some() || programme.stays().len() > 1;
                 says_something.then(|| News::Programme(Some(Arc::new(programme))))
             }
             Ok((programme, Some(text))) => {
                 tracing::warn!("parts of the show do not fit the song:\n{text}");
                 Some(News::Programme(Some(Arc::new(programme))))
             }
+            // Each broken scene is reported where it is loaded.
+            Err(ShowError::NoScenes) => Some(News::Programme(None)),
             Err(error) => {
                 tracing::warn!("{error}");
                 Some(News::Problem {

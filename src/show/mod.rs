@@ -18,6 +18,7 @@ mod picture;
 mod plan;
 mod programme;
 mod resolve;
+mod scene_facts;
 mod script;
 mod text;
 

@@ -107,7 +107,7 @@ impl SceneStage {
     /// Asks for what the show has on at `time` seconds of the song.
     pub(in crate::app) fn follow(&mut self, time: f64) {
         let Some(programme) = self.directed.programme.clone() else { return };
-        let Some(moment) = programme.plan().at(time) else { return };
+        let Some(moment) = programme.at(time) else { return };
         let is_new = self.directed.entered.is_none_or(|(index, _)| index != moment.index);
         if self.directed.is_locked || self.is_written {
             return self.stay(moment.leaving.is_some() && !is_new);
@@ -259,9 +259,12 @@ impl SceneStage {
         })
     }
 
-    /// What the show does to the whole picture at `time` seconds of the song.
+    /// The effects of the show on the whole picture at `time` seconds of the song.
     pub(in crate::app) fn picture_of_show(&self, time: f64) -> Picture {
-        self.directed.programme().map_or(Picture::PLAIN, |programme| programme.plan().picture_at(time))
+        self.directed
+            .programme()
+            .and_then(Programme::plan)
+            .map_or(Picture::PLAIN, |plan| plan.picture_at(time))
     }
 
     /// The same in a certain stay.
@@ -273,7 +276,7 @@ impl SceneStage {
     /// The stays that a scene is on in at `time` seconds of the song, and of a blend its share.
     pub(super) fn stays(&self, cast: &Cast, time: f64) -> (Stays<'_>, Option<f32>) {
         let programme = self.directed.programme();
-        let moment = programme.and_then(|programme| Some((programme, programme.plan().at(time)?)));
+        let moment = programme.and_then(|programme| Some((programme, programme.at(time)?)));
         let Some((programme, moment)) = moment else { return Default::default() };
         if !matches!(cast.source, SceneSource::Blend(_)) || cast.resources.world().blended.is_none() {
             let is_on = programme.source(&moment.stay.scene) == Some(&cast.source);
@@ -308,7 +311,7 @@ fn upcoming(
     wanted: &SceneSource,
     cue: Option<&SceneSource>,
 ) -> [Option<SceneSource>; 2] {
-    let stays = programme.plan().stays();
+    let stays = programme.stays();
     let mut found: Vec<SceneSource> = Vec::new();
     let add = |found: &mut Vec<SceneSource>, source: Option<SceneSource>| {
         let is_new = |source: &SceneSource| source != wanted && !found.contains(source);
