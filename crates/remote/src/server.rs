@@ -5,14 +5,13 @@ use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
 use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use mariana_control::deed::DeedRow;
 use mariana_control::osc::{Place, PlaceError};
 use mariana_control::{Board, Wishes};
 
 use crate::album::Album;
-use crate::guesses::Guesses;
 use crate::http::{self, HeadBounds};
 use crate::invitation::Invitation;
 use crate::judge::{Refusal, Wanted, admit, judge};
@@ -66,7 +65,6 @@ pub(crate) struct Shared {
     pub album: Album,
     pub limits: Limits,
     state: Mutex<RemoteState>,
-    guesses: Mutex<Guesses>,
     seats: Seats,
     phones: AtomicUsize,
     is_over: AtomicBool,
@@ -111,7 +109,6 @@ impl Remote {
             album,
             limits,
             state: Mutex::default(),
-            guesses: Mutex::new(Guesses::new(limits)),
             seats: Seats::default(),
             phones: AtomicUsize::new(0),
             is_over: AtomicBool::new(false),
@@ -241,9 +238,6 @@ impl Shared {
             Ok(host) => host,
             Err(refusal) => return refuse(refusal),
         };
-        if let Some(pause) = lock(&self.guesses).pause(from, Instant::now()) {
-            return ask_for_patience(&stream, pause, within);
-        }
         match judge(&head, host, &self.token) {
             Ok(Wanted::Text(asset, host)) => {
                 let policy = ("Content-Security-Policy", &*policy(&host));
@@ -276,8 +270,7 @@ impl Shared {
                 turn_away(&stream, within);
             }
             Err(refusal) => {
-                if refusal == Refusal::Guess {
-                    lock(&self.guesses).note_wrong(from, Instant::now());
+                if refusal == Refusal::WrongToken {
                     tracing::debug!("{from} asked with a wrong token");
                 }
                 refuse(refusal);
@@ -328,13 +321,6 @@ fn answer_own(stream: &TcpStream, (kind, bytes): (&str, &[u8]), more: &[(&str, &
 fn turn_away(stream: &TcpStream, within: Duration) {
     let words = "as many phones as there may be are here already: close the page on one of them";
     http::answer_in_words(stream, "503 Service Unavailable", words, within);
-}
-
-fn ask_for_patience(stream: &TcpStream, pause: Duration, within: Duration) {
-    let seconds = (pause.as_secs() + 1).to_string();
-    let fields = [("Content-Type", "text/plain; charset=utf-8"), ("Retry-After", &*seconds)];
-    let words = format!("too many wrong addresses were asked for: wait {seconds} s\n");
-    http::answer(stream, "429 Too Many Requests", &fields, words.as_bytes(), within);
 }
 
 fn refusal(place: &Place, error: &io::Error) -> String {
