@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use mariana_control::deed::DeedRow;
+use mariana_control::limits::LIMITS as CONTROL_LIMITS;
 use mariana_control::osc::{Place, PlaceError};
 use mariana_control::{Board, Wishes};
 
@@ -48,7 +49,7 @@ pub enum RemoteState {
     Opening,
     /// Phones can come by this invitation.
     Open(Arc<Invitation>),
-    /// None can, and why: a sentence.
+    /// The system refuses the port, and why: a sentence. The server keeps trying.
     Refused(String),
 }
 
@@ -72,9 +73,9 @@ pub(crate) struct Shared {
 }
 
 impl Remote {
-    /// Listens at `place` from now on. What phones wish for, by the table of actions, goes among the wishes; they are told
-    /// what stands on the board, and shown what is in the album. `wake` is called when the state or the number of phones has
-    /// changed, and when a picture is wanted.
+    /// Listens at `place` from now on, or as soon as the system gives the port. What phones wish for, by the table of
+    /// actions, goes among the wishes; they are told what stands on the board, and shown what is in the album. `wake` is
+    /// called when the state or the number of phones has changed, and when a picture is wanted.
     ///
     /// # Errors
     /// There is no thread, or no random number.
@@ -148,11 +149,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 impl Shared {
     /// Opens the port, and keeps the invitation up to date until all is over.
     fn keep(self: &Arc<Self>) {
-        let opened = self.open();
-        let listens = match opened {
-            Ok(listens) => listens,
-            Err(error) => return self.set_state(RemoteState::Refused(refusal(&self.place, &error))),
-        };
+        let Some(listens) = self.open_when_free() else { return };
         while !self.is_over() {
             let invitation = Invitation::new(listens, self.name(), &self.token);
             self.set_state(RemoteState::Open(Arc::new(invitation)));
@@ -161,6 +158,18 @@ impl Shared {
         // The thread that takes connections waits for one.
         let local = if listens.ip().is_unspecified() { IpAddr::from([127, 0, 0, 1]) } else { listens.ip() };
         let _ = TcpStream::connect_timeout(&SocketAddr::new(local, listens.port()), LOOK);
+    }
+
+    /// Opens the port, and tries again for as long as the system refuses it. `None` if all is over before.
+    fn open_when_free(self: &Arc<Self>) -> Option<SocketAddr> {
+        while !self.is_over() {
+            match self.open() {
+                Ok(listens) => return Some(listens),
+                Err(error) => self.set_state(RemoteState::Refused(refusal(&self.place, &error))),
+            }
+            std::thread::sleep(CONTROL_LIMITS.port_retry);
+        }
+        None
     }
 
     fn open(self: &Arc<Self>) -> io::Result<SocketAddr> {
@@ -324,7 +333,7 @@ fn turn_away(stream: &TcpStream, within: Duration) {
 }
 
 fn refusal(place: &Place, error: &io::Error) -> String {
-    match error.kind() {
+    let sentence = match error.kind() {
         io::ErrorKind::AddrInUse => format!(
             "phones are not listened to: another program has {place}; end it, or choose another port with --remote"
         ),
@@ -335,7 +344,8 @@ fn refusal(place: &Place, error: &io::Error) -> String {
             "phones are not listened to: {place} is no address of this computer; give --remote one of its own"
         ),
         _ => format!("phones are not listened to on {place} ({error}); choose another address with --remote"),
-    }
+    };
+    sentence + " (Mariana keeps trying)"
 }
 
 #[cfg(test)]

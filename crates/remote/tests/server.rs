@@ -458,6 +458,26 @@ fn a_port_that_another_program_has_costs_a_sentence() {
 }
 
 #[test]
+fn a_port_that_was_taken_at_the_start_was_never_tried_again() {
+    let other = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = other.local_addr().unwrap();
+    let (told, news) = channel();
+    let place = address.to_string().parse().unwrap();
+    let remote = Remote::start(place, DEEDS, Wishes::new(|| {}), Default::default(), move || {
+        let _ = told.send(());
+    });
+    let remote = remote.unwrap();
+    news.recv_timeout(PATIENCE).unwrap();
+    assert!(matches!(remote.state(), RemoteState::Refused(_)), "{:?}", remote.state());
+    drop(other);
+    // The state changes once: there is no news of attempts that fail like the first.
+    news.recv_timeout(PATIENCE).unwrap();
+    let RemoteState::Open(invitation) = remote.state() else { panic!("{:?}", remote.state()) };
+    assert!(invitation.url.starts_with(&format!("http://{address}/")), "{}", invitation.url);
+    TcpStream::connect(address).unwrap();
+}
+
+#[test]
 fn with_the_show_phones_and_port_go() {
     let place = Place::new();
     let mut phone = place.phone();
