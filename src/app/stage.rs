@@ -107,6 +107,8 @@ pub(super) struct Stage {
     shaders: ShaderLibrary,
     /// What finds the pictures of the list of scenes.
     thumbnails: Option<Thumbnails>,
+    /// When the thumbnails of the folder's scenes are drawn ahead; `None` if that was done.
+    thumbnails_ahead: Option<Instant>,
     /// The folder in which something was last picked.
     last_folder: Option<PathBuf>,
     waker: Waker,
