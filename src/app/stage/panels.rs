@@ -24,6 +24,8 @@ impl Stage {
             return;
         }
         self.desk.panels.toggle(panel);
+        // A panel has keys of its own.
+        self.overlay.drop_key_focus();
         self.write_text(self.desk.panels.open() == Some(Panel::Editor));
         if self.desk.panels.open() == Some(Panel::Sources) {
             self.listening.show_sources();
