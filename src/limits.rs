@@ -51,6 +51,10 @@ pub struct Limits {
     pub thumbnail_seconds_max: f64,
     /// Most small pictures that are kept from run to run (some 60 KiB each); the oldest go first.
     pub thumbnails_kept_max: usize,
+    /// Seconds from the start until the thumbnails of the folder's scenes are drawn ahead.
+    pub thumbnails_ahead_after: f64,
+    /// Most scenes of a folder that are drawn ahead.
+    pub thumbnails_ahead_max: usize,
     /// Most bytes of a song's structure that is kept from run to run (some 30 KiB for each minute are usual).
     pub structure_bytes_max: usize,
     /// Most structures of songs that are kept from run to run; those that were used longest ago go first.
@@ -110,6 +114,8 @@ pub const LIMITS: Limits = Limits {
     letters_looked_for_max: 20_000,
     thumbnail_seconds_max: 60.0,
     thumbnails_kept_max: 2_000,
+    thumbnails_ahead_after: 20.0,
+    thumbnails_ahead_max: 100,
     structure_bytes_max: 1 << 24,
     structures_kept_max: 500,
     program_cache_bytes_max: 1 << 26,

@@ -339,9 +339,9 @@ pub const BINDINGS: &[Binding] = &[
     },
     Binding {
         keys: &[Key::Named(NamedKey::Tab)],
-        written: "Tab",
+        written: "Tab or Shift+Tab",
         action: Action::ToggleSliders,
-        meaning: "the sliders of the scene's parameters",
+        meaning: "the scene's sliders; with Shift, keys go through the bar",
         repeats: false,
     },
     Binding {

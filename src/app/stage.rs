@@ -21,6 +21,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use winit::event::WindowEvent;
+use winit::keyboard::{Key, ModifiersState, NamedKey};
 
 use cues::Cues;
 use desk::Desk;
@@ -107,6 +108,8 @@ pub(super) struct Stage {
     shaders: ShaderLibrary,
     /// What finds the pictures of the list of scenes.
     thumbnails: Option<Thumbnails>,
+    /// When the thumbnails of the folder's scenes are drawn ahead; `None` if that was done.
+    thumbnails_ahead: Option<Instant>,
     /// The folder in which something was last picked.
     last_folder: Option<PathBuf>,
     waker: Waker,
@@ -240,6 +243,11 @@ impl Stage {
             self.follow_pick(picked);
             return None;
         }
+        if let Some((key, held)) = self.input.typed(event)
+            && self.go_through_controls(key, held)
+        {
+            return None;
+        }
         if let (Some(settings), Some((key, _))) = (&mut self.desk.settings, self.input.typed(event)) {
             let (taken, change) = settings.take_key(key);
             if let Some(change) = change {
@@ -283,6 +291,24 @@ impl Stage {
             },
         }
         None
+    }
+
+    /// Takes a key by which one goes through the controls; returns whether it is one.
+    fn go_through_controls(&mut self, key: &Key, held: ModifiersState) -> bool {
+        let begins = *key == Key::Named(NamedKey::Tab)
+            && (held.shift_key() || self.overlay.is_assisted())
+            && self.desk.corners.is_none();
+        let others = ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER;
+        if !(begins || self.overlay.has_key_focus()) || held.intersects(others) {
+            return false;
+        }
+        let taken = self.overlay.take_key(key, held.shift_key());
+        if taken {
+            // The bar comes, and stays while it has the keys.
+            self.pointer_rest.wake(Instant::now());
+            self.window.window().request_redraw();
+        }
+        taken
     }
 
     /// Does what assistive technology asks for, before anything else is drawn.

@@ -24,6 +24,7 @@ use mariana_control::Hand;
 use mariana_player::{ListedTrack, ListedTracks};
 use mariana_testing::process::wait_until;
 
+mod assisted;
 mod hands;
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
@@ -207,6 +208,7 @@ fn bar(now: &NowPlaying) -> Bar<'_> {
         open: None,
         help: false,
         sliders: false,
+        fullscreen: false,
         seen: true,
     }
 }
@@ -470,6 +472,7 @@ fn letters_that_are_there_are_not_looked_for() {
         open: None,
         help: true,
         sliders: true,
+        fullscreen: false,
         seen: true,
     };
     let content = OverlayContent {

@@ -52,6 +52,8 @@ pub(super) struct Seen {
     pub(super) awake: bool,
     /// Whether screen readers are told what there is.
     pub(super) assisted: bool,
+    /// Whether the window is in full screen.
+    pub(super) fullscreen: bool,
     /// The list of tracks, if it shows.
     pub(super) tracks: Option<Arc<ListedTracks>>,
     /// How loud the track is from its start to its end, if the bar shows.
@@ -136,6 +138,7 @@ impl Desk {
                 open,
                 help: self.panels.help(),
                 sliders: self.panels.sliders(),
+                fullscreen: seen.fullscreen,
                 seen: shows_bar,
             });
         }

@@ -217,7 +217,8 @@ impl Stage {
 
     /// What the overlay needs to know of the pointer and the track.
     fn look_around_desk(&mut self, now: Instant) -> Seen {
-        let awake = self.pointer_rest.is_awake(self.overlay.has_pointer(), now);
+        let busy = self.overlay.has_pointer() || self.overlay.has_key_focus();
+        let awake = self.pointer_rest.is_awake(busy, now);
         let (lists, shows_bar) =
             (self.desk.panels.open() == Some(Panel::Tracks), awake && !self.desk.is_quiet());
         let song = self.listening.with_song(|player| {
@@ -227,7 +228,8 @@ impl Stage {
         });
         let (tracks, shape) = song.unwrap_or_default();
         let song = self.listening.present_structure().filter(|_| shows_bar);
-        Seen { awake, assisted: self.overlay.is_assisted(), tracks, shape, song }
+        let fullscreen = self.window.is_fullscreen();
+        Seen { awake, assisted: self.overlay.is_assisted(), fullscreen, tracks, shape, song }
     }
 
     /// Notes which scene is on the stage, and its place among the others.

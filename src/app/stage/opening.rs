@@ -12,6 +12,7 @@ use winit::event_loop::EventLoopProxy;
 use super::Stage;
 use super::desk::Desk;
 use super::drawing::paint_waiting;
+use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
 use crate::app::accessibility::{Assistance, ControlsTeller};
 use crate::app::announcer::Announcer;
@@ -178,6 +179,7 @@ impl Opening<'_> {
             pointer_rest: PointerRest::default(),
             requests: Vec::new(),
             thumbnails: None,
+            thumbnails_ahead: (!settings.wallpaper).then(|| thumbnails_ahead_at(now)),
             last_folder: None,
             waker: waker.clone(),
             controls,
