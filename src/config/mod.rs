@@ -52,13 +52,13 @@ pub enum QualityChoice {
     Best,
 }
 
-/// Whether scenes follow the song, as the director says.
+/// Whether scenes follow what plays, as the director says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FollowChoice {
-    /// Where several tracks play and no scene was named.
+    /// Every song, unless the command line names a scene.
     #[default]
-    Lists,
-    /// Always.
+    Songs,
+    /// Every song and every input.
     On,
     /// The scene stays until the user changes it.
     Off,

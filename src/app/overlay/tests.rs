@@ -207,6 +207,7 @@ fn bar(now: &NowPlaying) -> Bar<'_> {
         open: None,
         help: false,
         sliders: false,
+        follows: true,
         seen: true,
     }
 }
@@ -282,6 +283,7 @@ fn every_button_of_the_bar_has_words_and_asks_for_something_else() {
         act(Action::TogglePanel(Panel::Files)),
         act(Action::TogglePanel(Panel::Tracks)),
         act(Action::TogglePanel(Panel::Sources)),
+        act(Action::ToggleFollow),
         act(Action::TogglePanel(Panel::Scenes)),
         act(Action::TogglePanel(Panel::Editor)),
         act(Action::ToggleSliders),
@@ -470,6 +472,7 @@ fn letters_that_are_there_are_not_looked_for() {
         open: None,
         help: true,
         sliders: true,
+        follows: false,
         seen: true,
     };
     let content = OverlayContent {

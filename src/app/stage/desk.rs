@@ -56,6 +56,8 @@ pub(super) struct Seen {
     pub(super) tracks: Option<Arc<ListedTracks>>,
     /// How loud the track is from its start to its end, if the bar shows.
     pub(super) shape: Option<Arc<LoudnessShape>>,
+    /// Whether scenes follow what plays.
+    pub(super) follows: bool,
     /// What the track is made of, if the bar shows and that is known.
     pub(super) song: Option<Arc<SongStructure>>,
 }
@@ -136,6 +138,7 @@ impl Desk {
                 open,
                 help: self.panels.help(),
                 sliders: self.panels.sliders(),
+                follows: seen.follows,
                 seen: shows_bar,
             });
         }

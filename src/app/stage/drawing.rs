@@ -227,7 +227,8 @@ impl Stage {
         });
         let (tracks, shape) = song.unwrap_or_default();
         let song = self.listening.present_structure().filter(|_| shows_bar);
-        Seen { awake, assisted: self.overlay.is_assisted(), tracks, shape, song }
+        let (assisted, follows) = (self.overlay.is_assisted(), self.follows());
+        Seen { awake, assisted, tracks, shape, follows, song }
     }
 
     /// Notes which scene is on the stage, and its place among the others.
