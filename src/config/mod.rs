@@ -1,5 +1,6 @@
 //! The settings of a run: what the command line chooses, with the defaults, and what is remembered from run to run.
 
+mod aside;
 mod choices;
 mod knobs;
 mod last_show;
