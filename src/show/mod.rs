@@ -19,6 +19,7 @@ mod plan;
 mod programme;
 mod resolve;
 mod script;
+mod substitutes;
 mod text;
 
 pub use bar_lines::BarLines;

@@ -7,6 +7,7 @@ use super::director::{SceneCard, direct};
 use super::plan::{Entrance, Plan, Stay};
 use super::resolve::resolve;
 use super::script::{Script, is_of_no_scene};
+use super::substitutes::with_substitutes;
 use super::{parse, print};
 use crate::limits::LIMITS;
 use crate::scenes::{SceneBlend, SceneError, SceneSource, SeenScene};
@@ -124,6 +125,19 @@ pub struct Programme {
     /// How scenes like to come and to go.
     ways: BTreeMap<String, Liked>,
     cards: Vec<SceneCard>,
+    author: Author,
+}
+
+/// Who chose the scenes of a show.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum Author {
+    /// The user: in a show file or on the command line.
+    #[default]
+    User,
+    /// The director.
+    Director,
+    /// Whoever wrote the show of the demo track.
+    Demo,
 }
 
 impl Programme {
@@ -134,10 +148,26 @@ impl Programme {
 
     /// Whether the director made it.
     pub fn is_directed(&self) -> bool {
-        !self.cards.is_empty()
+        self.author == Author::Director
     }
 
-    /// What is known of the scenes among which the director chose; nothing if he did not.
+    /// Whether the user named its scenes.
+    pub fn is_by_user(&self) -> bool {
+        self.author == Author::User
+    }
+
+    /// The same show with other scenes in place of the `refused` ones. `None` if there are no others, or the user named
+    /// the scenes.
+    pub fn without(&self, refused: &[SceneSource]) -> Option<Self> {
+        if self.is_by_user() {
+            return None;
+        }
+        let is_refused = |scene: &str| self.source(scene).is_some_and(|source| refused.contains(source));
+        let stays = with_substitutes(self.plan.stays(), &self.cards, is_refused)?;
+        Some(self.with_plan(Plan::new(stays)))
+    }
+
+    /// Descriptions of the scenes; for the director, of all that it may choose.
     pub(super) fn cards(&self) -> &[SceneCard] {
         &self.cards
     }
@@ -166,7 +196,10 @@ impl Programme {
     ) -> Result<(Self, Option<String>), ShowError> {
         match source {
             ShowSource::Auto => Ok((Self::directed(song, scenes), None)),
-            ShowSource::Demo => Self::of_text(DEMO_NAME, DEMO_SHOW, Path::new(""), song),
+            ShowSource::Demo => {
+                let (programme, told) = Self::of_text(DEMO_NAME, DEMO_SHOW, Path::new(""), song)?;
+                Ok((Self { author: Author::Demo, ..programme }, told))
+            }
             ShowSource::File(path) => {
                 let folder = path.parent().unwrap_or(Path::new(""));
                 Self::of_text(&path.display().to_string(), &read(path)?, folder, song)
@@ -184,19 +217,12 @@ impl Programme {
                 Err(error) => tracing::warn!("not shown: {error}"),
             }
         }
-        let cards: Vec<SceneCard> = known
-            .iter()
-            .map(|(name, scene)| SceneCard {
-                scene: name.clone(),
-                about: scene.about.clone(),
-                cameras: scene.cameras.clone(),
-            })
-            .collect();
+        let cards = cards_of(&known);
         let script = direct(song, &cards, seed_of(song));
         let ways = ways_of(&known);
         let (plan, _) = resolved(&script, song, &[], &ways);
         let scenes = known.into_iter().map(|(name, scene)| (name, scene.source)).collect();
-        Self { plan, script, scenes, ways, cards }
+        Self { plan, script, scenes, ways, cards, author: Author::Director }
     }
 
     fn of_text(
@@ -225,11 +251,12 @@ impl Programme {
                 return Err(ShowError::NoParam { scene, param: setting.param.clone(), hint });
             }
         }
-        let ways = ways_of(&known);
+        let (ways, cards) = (ways_of(&known), cards_of(&known));
         let (plan, left_out) = resolved(script, song, &[], &ways);
         let told = told(&left_out, &parsed.sources);
         let scenes = known.into_iter().map(|(name, scene)| (name, scene.source)).collect();
-        Ok((Self { plan, script: script.clone(), scenes, ways, cards: Vec::new() }, told))
+        let author = Author::User;
+        Ok((Self { plan, script: script.clone(), scenes, ways, cards, author }, told))
     }
 
     /// The same show where the key was pressed at these moments, in seconds, for which entries wait.
@@ -281,6 +308,15 @@ impl Programme {
 
 fn ways_of(known: &BTreeMap<String, Known>) -> BTreeMap<String, Liked> {
     known.iter().map(|(name, scene)| (name.clone(), (scene.about.enter, scene.about.leave))).collect()
+}
+
+fn cards_of(known: &BTreeMap<String, Known>) -> Vec<SceneCard> {
+    let card = |(name, scene): (&String, &Known)| SceneCard {
+        scene: name.clone(),
+        about: scene.about.clone(),
+        cameras: scene.cameras.clone(),
+    };
+    known.iter().map(card).collect()
 }
 
 fn resolved(

@@ -343,8 +343,7 @@ impl SceneStage {
             what_is_dear(dear)
         );
         tracing::warn!("{heading}: {text}");
-        self.awaited = None;
-        self.problem = Some((heading, text));
+        self.refuse(dear.source.clone(), heading, text);
     }
 }
 
