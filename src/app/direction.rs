@@ -38,15 +38,15 @@ struct Made {
     show: Result<(Programme, Option<String>), ShowError>,
 }
 
-/// What is listened to.
+/// The source of the sound.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) enum Playing {
-    /// An input, or nothing yet.
+    /// An input. Before the first song also nothing.
     #[default]
     Input,
-    /// A song from outside the program.
+    /// A song of the user.
     Song,
-    /// The song inside the program.
+    /// The built-in demo track.
     Demo,
 }
 
@@ -98,7 +98,7 @@ impl Direction {
         self.names_scene = false;
     }
 
-    /// Whether the show follows what plays.
+    /// True if scenes follow this source.
     pub(super) fn follows(&self, playing: Playing) -> bool {
         self.source(playing).is_some()
     }
@@ -187,7 +187,7 @@ mod tests {
         let of = |follow, names_scene| Direction::start(None, follow, names_scene, || {}).unwrap();
         let untouched = of(FollowChoice::default(), false);
         assert!(untouched.follows(Playing::Song) && untouched.follows(Playing::Demo));
-        assert!(!untouched.follows(Playing::Input), "nobody asked for scenes that follow an input");
+        assert!(!untouched.follows(Playing::Input), "inputs are followed on request");
         let mut named = of(FollowChoice::default(), true);
         assert!(!named.follows(Playing::Song), "the scene that was named is kept");
         named.set_follow(FollowChoice::Songs);

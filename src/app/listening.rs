@@ -37,7 +37,7 @@ pub(super) struct Listening {
     paused: bool,
     /// How loud it was at the last look, 0..1.
     level: f32,
-    /// What plays, as it was at the last look.
+    /// The kind of song in the latest status.
     playing: Playing,
     /// The number of the track that was heard last.
     track: u64,
@@ -289,7 +289,7 @@ impl Listening {
         Some(PlayerStatus { paused: self.paused, ..status })
     }
 
-    /// What is listened to.
+    /// The source of the sound.
     pub(super) fn playing(&self) -> Playing {
         if self.sound.plays_song() { self.playing } else { Playing::Input }
     }

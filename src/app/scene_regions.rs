@@ -47,9 +47,9 @@ pub(super) struct Wishes<'a> {
     pub camera: Option<usize>,
     /// How the camera was moved by hand.
     pub hand: OrbitControls,
-    /// Whether no tree was ever built for the scene, so that one that takes too long is given up.
+    /// The scene has never had a tree: a build that takes too long is given up.
     pub is_untried: bool,
-    /// Whether this is the outgoing picture of a fade.
+    /// This is the outgoing picture of a fade.
     pub fades_away: bool,
 }
 
@@ -58,10 +58,10 @@ pub(super) struct Wishes<'a> {
 struct Asked {
     /// The scene.
     id: u64,
-    /// What the window shows with it.
+    /// The picture.
     shown: Shown,
-    /// Both pictures of a fade have one moment, and may have one scene: the outgoing one has a tree of its own, because
-    /// another camera or other parameters need another tree.
+    /// It is the outgoing picture of a fade. Both pictures may have the same moment and scene, but each needs its own
+    /// tree: cameras and parameters differ.
     fades_away: bool,
 }
 
@@ -331,7 +331,7 @@ mod tests {
                 regions.drawable(drawn, &scene, shown, Features::SILENCE.into(), wishes)
             };
             assert!(picture().is_none(), "a tree of the other camera was taken");
-            wakes.recv_timeout(Duration::from_secs(20)).expect("nobody asked for the tree of this camera");
+            wakes.recv_timeout(Duration::from_secs(20)).expect("no request for the tree of this camera");
             let (frame, of) = picture().expect("its tree has come");
             assert_eq!(of, shown);
             eyes.push(frame.camera.position.z);

@@ -1,4 +1,4 @@
-//! Damaged files: each is kept beside its place under a name of its own.
+//! Names for damaged files, which are renamed and never overwritten.
 
 use std::path::{Path, PathBuf};
 

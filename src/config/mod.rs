@@ -53,7 +53,7 @@ pub enum QualityChoice {
     Best,
 }
 
-/// Whether scenes follow what plays, as the director says.
+/// The sources of sound that get a show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FollowChoice {
     /// Every song, unless the command line names a scene.

@@ -131,12 +131,12 @@ pub struct Programme {
 /// Who chose the scenes of a show.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum Author {
-    /// The user: in a show file or on the command line.
+    /// The user, in a show file or on the command line.
     #[default]
     User,
     /// The director.
     Director,
-    /// Whoever wrote the show of the demo track.
+    /// The author of the demo track's show.
     Demo,
 }
 
@@ -151,13 +151,12 @@ impl Programme {
         self.author == Author::Director
     }
 
-    /// Whether the user named its scenes.
+    /// True if the user chose the scenes.
     pub fn is_by_user(&self) -> bool {
         self.author == Author::User
     }
 
-    /// The same show with other scenes in place of the `refused` ones. `None` if there are no others, or the user named
-    /// the scenes.
+    /// Replaces the `refused` scenes. Returns `None` if every scene is refused, or if the user chose the scenes.
     pub fn without(&self, refused: &[SceneSource]) -> Option<Self> {
         if self.is_by_user() {
             return None;

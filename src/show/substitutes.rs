@@ -1,13 +1,13 @@
 //! Replaces scenes of a show that this machine cannot draw.
 //!
-//! The substitute is made for music of about the same energy, and differs from the scenes before and after it. Its
-//! cameras change when those of the refused scene would have.
+//! The substitute suits music of about the same energy and differs from its neighbours. It keeps the rhythm of the
+//! camera changes.
 
 use super::director::SceneCard;
 use super::plan::Stay;
 use super::script::is_of_no_scene;
 
-/// Stays in which another scene takes the place of each refused one; `None` if all scenes are refused.
+/// Replaces the scene of each refused stay. Returns `None` if all scenes are refused.
 pub(super) fn with_substitutes(
     stays: &[Stay],
     cards: &[SceneCard],

@@ -76,7 +76,7 @@ pub struct Bar<'a> {
     pub help: bool,
     /// Whether the sliders are shown.
     pub sliders: bool,
-    /// Whether scenes follow what plays.
+    /// A show is on.
     pub follows: bool,
     /// Whether it is seen; else it is there for screen readers alone.
     pub seen: bool,

@@ -99,7 +99,7 @@ impl SceneStage {
         self.directed.is_locked
     }
 
-    /// The show with other scenes in place of those that this machine cannot show.
+    /// The show with a substitute for each refused scene.
     fn without_refused(&self, programme: Arc<Programme>) -> Arc<Programme> {
         match self.quiet.refused() {
             [] => programme,
@@ -107,14 +107,14 @@ impl SceneStage {
         }
     }
 
-    /// Replaces the refused scenes from now on.
+    /// Replaces refused scenes in the show.
     pub(super) fn avoid_refused(&mut self) {
         if let Some(programme) = self.directed.programme.take() {
             self.directed.programme = Some(self.without_refused(programme));
         }
     }
 
-    /// Whether the program chose the scene that is on its way: nobody asked for it.
+    /// True if the director chose the requested scene, not the user.
     pub(super) fn is_own_choice(&self) -> bool {
         let is_by_program = self.directed.programme().is_some_and(|programme| !programme.is_by_user());
         is_by_program && self.directed.asked.is_some() && !self.is_written
@@ -143,7 +143,7 @@ impl SceneStage {
         let is_same_visit =
             self.directed.overruled.is_some_and(|since| is_one_visit(stays, since, moment.index));
         if is_same_visit || (is_new && self.awaited.is_some()) {
-            // Another camera is no other scene, and a scene that the user still waits for is not dropped.
+            // Another camera is the same scene. A scene that is still being prepared for the user is not dropped.
             self.directed.overruled = Some(moment.index);
         }
         if self.directed.is_overruled(moment.index) {
@@ -324,7 +324,7 @@ impl SceneStage {
     }
 }
 
-/// Whether these stays and all between them have one scene.
+/// True if all stays from `since` to `until` show one scene.
 fn is_one_visit(stays: &[Stay], since: usize, until: usize) -> bool {
     let visit = stays.get(since..=until).unwrap_or_default();
     visit.first().is_some_and(|first| visit.iter().all(|stay| stay.scene == first.scene))

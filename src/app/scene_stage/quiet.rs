@@ -1,5 +1,5 @@
-//! Technical messages and failures that nobody asked about: they go to the log and the line of key I, and a show takes
-//! another scene.
+//! Technical messages during a show that the user has not touched. They appear in the log and in the line of key I. A
+//! scene that cannot be drawn is replaced.
 
 use super::{Cast, SceneStage, Task};
 use crate::gpu::scene_program::Mode;
@@ -8,27 +8,27 @@ use crate::scenes::SceneSource;
 /// See the module.
 #[derive(Default)]
 pub(super) struct Quiet {
-    /// The last remark, with the number of the task that it is about.
+    /// The latest remark, and its task.
     remark: Option<(String, Option<u64>)>,
-    /// Scenes that this machine cannot show. A show leaves them out.
+    /// Scenes that this machine cannot draw.
     refused: Vec<SceneSource>,
 }
 
 impl Quiet {
-    /// Adds a remark to the line of key I, in place of the last one. It goes when its `task` ends.
+    /// Replaces the remark in the line of key I. The remark disappears when its `task` ends.
     pub(super) fn note(&mut self, remark: String, task: Option<u64>) {
         self.remark = Some((remark, task));
     }
 
-    /// Scenes that this machine cannot show.
+    /// Scenes that this machine cannot draw.
     pub(super) fn refused(&self) -> &[SceneSource] {
         &self.refused
     }
 }
 
 impl SceneStage {
-    /// Reports that a scene cannot be shown. One that the program chose costs no word over the picture: the show takes
-    /// another one.
+    /// Handles a scene that cannot be drawn. If the director chose it, the show takes another one without a message.
+    /// Otherwise the message appears over the picture.
     pub(super) fn refuse(&mut self, source: SceneSource, heading: String, text: String) {
         self.awaited = None;
         let is_edit = self.shown_source() == Some(&source);
@@ -42,7 +42,7 @@ impl SceneStage {
         self.avoid_refused();
     }
 
-    /// Whether the user asked for what a program is made for, or there is nothing to see without it.
+    /// True if the user requested the scene or mode that a task compiles for, or if the window is still empty.
     pub(super) fn user_waits_for(&self, task: u64) -> bool {
         let Some(task) = self.tasks.get(&task) else { return false };
         let coming = self.coming.as_ref().filter(|_| self.awaited.is_some());
@@ -59,7 +59,7 @@ impl SceneStage {
         waits || self.on_stage.is_none()
     }
 
-    /// What the line of key I says of work that is under way and of scenes that are left out.
+    /// Pending work and refused scenes, for the line of key I.
     pub(super) fn remarks(&self) -> Vec<String> {
         let is_another = |cast: &&Cast| self.shown_source() != Some(&cast.source);
         let coming = self.coming.as_ref().filter(is_another);

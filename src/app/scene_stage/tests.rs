@@ -1,4 +1,4 @@
-//! The stage in a context without a window: which scene is asked for, and what is said about it.
+//! The stage in a context without a window: requested scenes and messages.
 
 use std::fs;
 use std::path::Path;
@@ -115,7 +115,7 @@ fn technical_words_stood_over_a_show_that_nobody_had_touched() {
     assert_eq!((staged.stage.source.clone(), staged.words()), (staged.source("loud"), Vec::new()));
     staged.wait_for("loud");
     assert_eq!(staged.words(), [""; 0]);
-    // Who asks for a scene is told.
+    // The user gets an answer.
     let other = staged.source("other");
     staged.stage.show_source(other);
     assert_eq!(staged.words(), ["other is being prepared"]);
@@ -126,7 +126,7 @@ fn a_show_stood_still_and_said_so_in_red_where_a_scene_was_too_much_for_the_mach
     let mut staged = Staged::new();
     staged.stage.follow(LOUD);
     staged.wait_for("loud");
-    // Its first picture would take too long: the scene before comes back.
+    // Its first picture is too expensive, so the calm scene comes back.
     staged.stage.pictured = None;
     let before = staged.source("calm");
     staged.stage.take_back("a picture of this window would take about 99 s");
@@ -137,7 +137,7 @@ fn a_show_stood_still_and_said_so_in_red_where_a_scene_was_too_much_for_the_mach
     assert_eq!(staged.words(), [""; 0]);
     let line = staged.stage.corner("", "").unwrap();
     assert!(line.ends_with("too much for this machine: loud"), "{line}");
-    // Who asks for it is told.
+    // The user gets an answer.
     let loud = staged.source("loud");
     staged.stage.show_source(loud);
     staged.wait_for("loud");
@@ -151,7 +151,7 @@ fn a_scene_that_somebody_asked_for_was_dropped_where_the_show_went_on() {
     let mut staged = Staged::new();
     let other = staged.source("other");
     staged.stage.show_source(other.clone());
-    // It is being prepared when the show goes on.
+    // The next scene of the show is due during the preparation.
     staged.stage.follow(LOUD);
     assert_eq!(staged.stage.source, other);
     staged.wait_for("other");

@@ -56,7 +56,7 @@ pub(super) struct Seen {
     pub(super) tracks: Option<Arc<ListedTracks>>,
     /// How loud the track is from its start to its end, if the bar shows.
     pub(super) shape: Option<Arc<LoudnessShape>>,
-    /// Whether scenes follow what plays.
+    /// A show is on.
     pub(super) follows: bool,
     /// What the track is made of, if the bar shows and that is known.
     pub(super) song: Option<Arc<SongStructure>>,

@@ -10,7 +10,7 @@ use mariana_player::Moment;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What A says when it begins a show.
+/// The answer to key A when it starts a show.
 const FOLLOWS: &str = "the scenes follow the song: K keeps one, A ends it";
 
 impl Stage {
@@ -82,7 +82,7 @@ impl Stage {
         let playing = self.listening.playing();
         let (follow, words) = match (self.direction.follows(playing), playing) {
             (true, _) => (FollowChoice::Off, "the scene stays: A lets the scenes follow the song"),
-            // Not for good: a scene that the next command line names is kept.
+            // Not `On`: a scene on the next command line has to stay.
             (false, Playing::Song | Playing::Demo) => (FollowChoice::Songs, FOLLOWS),
             (false, Playing::Input) => (FollowChoice::On, FOLLOWS),
         };

@@ -27,7 +27,7 @@ pub struct Unheard {
     pub count: u64,
     /// How long the last one was, in seconds.
     pub seconds: f64,
-    /// What came after it.
+    /// The output after it.
     pub after: UnheardAfter,
 }
 
@@ -37,7 +37,7 @@ pub enum UnheardAfter {
     /// Another device.
     #[default]
     AnotherDevice,
-    /// The same device as before, which had failed or not called for a second.
+    /// The same device. It had failed, or had stopped asking for samples.
     SameDevice,
 }
 
@@ -64,8 +64,8 @@ pub(super) struct UnheardWatch {
 }
 
 impl UnheardWatch {
-    /// Notes the output that sounds now, by its history and the id of its device. `carry` maps a place in an earlier
-    /// segment to a frame of a later one, if no seek or other track lies between them.
+    /// Notes the current output: its history and the id of its device. `carry` maps a place in an earlier segment to a
+    /// frame of a later one, unless a seek or another track separates them.
     pub(super) fn look(
         &mut self,
         history: &Arc<SpanHistory>,
