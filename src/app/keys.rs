@@ -271,7 +271,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("a")],
         written: "A",
         action: Action::ToggleFollow,
-        meaning: "let the scenes follow the song, or not",
+        meaning: "turn the show on or off: scenes that follow the song",
         repeats: false,
     },
     Binding {

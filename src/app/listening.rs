@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::announcer::{TrackOrder, words_of};
-use super::direction::Listed;
+use super::direction::Playing;
 use super::overlay::OverlayContent;
 use super::settings_panel::Facts;
 use super::sound::Sound;
@@ -37,8 +37,8 @@ pub(super) struct Listening {
     paused: bool,
     /// How loud it was at the last look, 0..1.
     level: f32,
-    /// What plays, as it was at the last look.
-    listed: Listed,
+    /// The kind of song in the latest status.
+    playing: Playing,
     /// The number of the track that was heard last.
     track: u64,
 }
@@ -57,7 +57,7 @@ impl Listening {
             clock_now,
             paused: false,
             level: 0.0,
-            listed: Listed::default(),
+            playing: Playing::default(),
             track: 0,
         }
     }
@@ -282,16 +282,16 @@ impl Listening {
         let status = self.sound.song_status()?;
         let content = status.track.reopen.content();
         let is_demo = content.is_some_and(|content| is_demo(&content.song));
-        self.listed = Listed { tracks: status.track.count, is_demo };
+        self.playing = if is_demo { Playing::Demo } else { Playing::Song };
         if let Some(songs) = &self.songs {
             songs.want([&status.track].into_iter().chain(&status.next));
         }
         Some(PlayerStatus { paused: self.paused, ..status })
     }
 
-    /// The list that plays.
-    pub(super) fn listed(&self) -> Listed {
-        self.listed
+    /// The source of the sound.
+    pub(super) fn playing(&self) -> Playing {
+        if self.sound.plays_song() { self.playing } else { Playing::Input }
     }
 
     /// What is known of the whole track that was heard last.

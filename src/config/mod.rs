@@ -1,5 +1,6 @@
 //! The settings of a run: what the command line chooses, with the defaults, and what is remembered from run to run.
 
+mod aside;
 mod choices;
 mod knobs;
 mod last_show;
@@ -52,13 +53,13 @@ pub enum QualityChoice {
     Best,
 }
 
-/// Whether scenes follow the song, as the director says.
+/// The sources of sound that get a show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FollowChoice {
-    /// Where several tracks play and no scene was named.
+    /// Every song, unless the command line names a scene.
     #[default]
-    Lists,
-    /// Always.
+    Songs,
+    /// Every song and every input.
     On,
     /// The scene stays until the user changes it.
     Off,

@@ -20,6 +20,7 @@ mod programme;
 mod resolve;
 mod scene_facts;
 mod script;
+mod substitutes;
 mod text;
 
 pub use bar_lines::BarLines;

@@ -9,6 +9,7 @@ use super::plan::{Entrance, Moment, Plan, Stay};
 use super::resolve::resolve;
 use super::scene_facts::{NamedScenes, SceneFacts};
 use super::script::Script;
+use super::substitutes::with_substitutes;
 use super::{parse, print};
 use crate::limits::LIMITS;
 use crate::scenes::{SceneBlend, SceneSource, SeenScene};
@@ -97,6 +98,19 @@ pub struct Programme {
     /// How scenes like to come and to go.
     ways: BTreeMap<String, Liked>,
     cards: Vec<SceneCard>,
+    author: Author,
+}
+
+/// Who chose the scenes of a show.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum Author {
+    /// The user, in a show file or on the command line.
+    #[default]
+    User,
+    /// The director.
+    Director,
+    /// The author of the demo track's show.
+    Demo,
 }
 
 impl Programme {
@@ -107,10 +121,25 @@ impl Programme {
 
     /// Whether the director made it.
     pub fn is_directed(&self) -> bool {
-        !self.cards.is_empty()
+        self.author == Author::Director
     }
 
-    /// What is known of the scenes among which the director chose; nothing if he did not.
+    /// True if the user chose the scenes.
+    pub fn is_by_user(&self) -> bool {
+        self.author == Author::User
+    }
+
+    /// Replaces the `refused` scenes. Returns `None` if every scene is refused, or if the user chose the scenes.
+    pub fn without(&self, refused: &[SceneSource]) -> Option<Self> {
+        if self.is_by_user() {
+            return None;
+        }
+        let is_refused = |scene: &str| self.source(scene).is_some_and(|source| refused.contains(source));
+        let stays = with_substitutes(self.stays(), &self.cards, is_refused)?;
+        Some(self.with_plan(Plan::new(stays)))
+    }
+
+    /// Descriptions of the scenes; for the director, of all that it may choose.
     pub(super) fn cards(&self) -> &[SceneCard] {
         &self.cards
     }
@@ -139,7 +168,10 @@ impl Programme {
     ) -> Result<(Self, Option<String>), ShowError> {
         match source {
             ShowSource::Auto => Ok((Self::directed(song, scenes)?, None)),
-            ShowSource::Demo => Self::of_text(DEMO_NAME, DEMO_SHOW, Path::new(""), song),
+            ShowSource::Demo => {
+                let (programme, told) = Self::of_text(DEMO_NAME, DEMO_SHOW, Path::new(""), song)?;
+                Ok((Self { author: Author::Demo, ..programme }, told))
+            }
             ShowSource::File(path) => {
                 let folder = path.parent().unwrap_or(Path::new(""));
                 Self::of_text(&path.display().to_string(), &read(path)?, folder, song)
@@ -157,19 +189,12 @@ impl Programme {
                 Err(error) => tracing::warn!("not shown: {error}"),
             }
         }
-        let cards: Vec<SceneCard> = known
-            .iter()
-            .map(|(name, scene)| SceneCard {
-                scene: name.clone(),
-                about: scene.about.clone(),
-                cameras: scene.cameras.clone(),
-            })
-            .collect();
+        let cards = cards_of(&known);
         let script = direct(song, &cards, seed_of(song));
         let ways = ways_of(&known);
         let plan = resolved(&script, song, &[], &ways).0.ok_or(ShowError::NoScenes)?;
         let scenes = known.into_iter().map(|(name, scene)| (name, scene.source)).collect();
-        Ok(Self { plan: Some(plan), script, scenes, ways, cards })
+        Ok(Self { plan: Some(plan), script, scenes, ways, cards, author: Author::Director })
     }
 
     /// The show that a text describes for a song, and a report of the entries that do not fit the song. Scenes are shipped
@@ -196,14 +221,14 @@ impl Programme {
                 return Err(ShowError::Mistakes { report });
             }
         };
-        let ways = ways_of(&named.facts);
+        let (ways, cards) = (ways_of(&named.facts), cards_of(&named.facts));
         let (plan, left_out) = resolved(&script, song, &[], &ways);
         let told = told(&left_out, &parsed.sources);
         if plan.is_none() && script.cues().next().is_none() {
             return Err(ShowError::NothingFits { report: told.unwrap_or_default() });
         }
         let scenes = named.facts.into_iter().map(|(name, scene)| (name, scene.source)).collect();
-        Ok((Self { plan, script, scenes, ways, cards: Vec::new() }, told))
+        Ok((Self { plan, script, scenes, ways, cards, author: Author::User }, told))
     }
 
     /// The same show where the key was pressed at these moments, in seconds, for which entries wait.
@@ -265,6 +290,15 @@ impl Programme {
 
 fn ways_of(known: &BTreeMap<String, SceneFacts>) -> BTreeMap<String, Liked> {
     known.iter().map(|(name, scene)| (name.clone(), scene.ways())).collect()
+}
+
+fn cards_of(known: &BTreeMap<String, SceneFacts>) -> Vec<SceneCard> {
+    let card = |(name, scene): (&String, &SceneFacts)| SceneCard {
+        scene: name.clone(),
+        about: scene.about.clone(),
+        cameras: scene.cameras.clone(),
+    };
+    known.iter().map(card).collect()
 }
 
 fn resolved(

@@ -44,7 +44,7 @@ off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l program-cache -d 'Whether programs that the driver has compiled are kept, in the user\'s folder for caches' -r -f -a "on\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l size -d 'Size of the window in pixels [default: the last one, at first 1280x720]' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l show -d 'Whether scenes follow the song: \'auto\' or \'off\', or a .show file [default: what was chosen in the window, at first auto where several tracks play and no scene is named]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l show -d 'Whether scenes follow the song: \'auto\' or \'off\', or a .show file [default: what was chosen in the window, at first auto unless a scene is named]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l osc -d 'Hear OSC messages on this port: of this computer alone, or with ADDRESS:PORT of that address; docs/osc.md tells what they can do' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l osc-send -d 'Send what is heard to another program or to lights, by OSC' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l osc-rate -d 'How often a second it is sent' -r

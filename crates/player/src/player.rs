@@ -42,8 +42,8 @@ use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 use mariana_music::{Features, Gain, SongMoment, Sound};
 pub use shape::LoudnessShape;
 use shape::Shapes;
-pub use unheard::Unheard;
 use unheard::UnheardWatch;
+pub use unheard::{Unheard, UnheardAfter};
 
 /// How long to wait for the end of each thread.
 const END_LIMIT: Duration = Duration::from_secs(1);
@@ -361,7 +361,7 @@ impl Player {
         let shown = self.picture_clock.at(output.history.as_ref(), now, self.shift, carry);
         let ended = shown.is_some_and(|shown| timeline.is_end(shown));
         if let Some(history) = self.position_clock.history() {
-            self.unheard.look(history, carry);
+            self.unheard.look(history, output.device.as_ref().map(|device| &*device.id), carry);
         }
         if let Some(audible) = audible {
             self.position = timeline.place(audible, 0.0).map_or(self.position, |place| place.song_time);

@@ -39,7 +39,7 @@ const BAR_STEP: f32 = 3.0;
 /// Width of the volume's rail: at least, or there is none, and at most.
 const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
 /// Buttons at the right.
-const RIGHT_BUTTONS: f32 = 9.0;
+const RIGHT_BUTTONS: f32 = 10.0;
 /// Height of the line of sections, and size of their letters.
 const SECTION_HEIGHT: f32 = 3.0;
 const LETTER_SIZE: f32 = 9.5;
@@ -78,6 +78,8 @@ pub struct Bar<'a> {
     pub sliders: bool,
     /// Whether the window is in full screen.
     pub fullscreen: bool,
+    /// A show is on.
+    pub follows: bool,
     /// Whether it is seen; else it is there for screen readers alone.
     pub seen: bool,
 }
@@ -87,7 +89,8 @@ const LEVEL_STEPS: f32 = 24.0;
 
 impl Hash for Bar<'_> {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        (self.now, self.scene, self.open, self.help, self.sliders, self.fullscreen, self.seen).hash(state);
+        let lit = (self.open, self.help, self.sliders, self.fullscreen, self.follows);
+        (self.now, self.scene, lit, self.seen).hash(state);
         self.shape.map(|shape| shape.revision).hash(state);
         self.song.map(|song| song.sections.len()).hash(state);
         ((self.level * LEVEL_STEPS) as u32).hash(state);
@@ -275,6 +278,7 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
             key_button(ui, Icon::Sliders, Action::ToggleSliders, Lamp::Seen(bar.sliders), requests);
             panel_button(ui, Icon::Text, Panel::Editor, bar, requests);
             panel_button(ui, Icon::Scenes, Panel::Scenes, bar, requests);
+            key_button(ui, Icon::Show, Action::ToggleFollow, Lamp::Seen(bar.follows), requests);
             let source = panel_button(ui, Icon::Source, Panel::Sources, bar, requests);
             // How loud it is, under the sign.
             let bottom = source.rect.center_bottom() - vec2(0.0, LEVEL.y);

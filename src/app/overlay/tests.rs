@@ -209,6 +209,7 @@ fn bar(now: &NowPlaying) -> Bar<'_> {
         help: false,
         sliders: false,
         fullscreen: false,
+        follows: true,
         seen: true,
     }
 }
@@ -284,6 +285,7 @@ fn every_button_of_the_bar_has_words_and_asks_for_something_else() {
         act(Action::TogglePanel(Panel::Files)),
         act(Action::TogglePanel(Panel::Tracks)),
         act(Action::TogglePanel(Panel::Sources)),
+        act(Action::ToggleFollow),
         act(Action::TogglePanel(Panel::Scenes)),
         act(Action::TogglePanel(Panel::Editor)),
         act(Action::ToggleSliders),
@@ -473,6 +475,7 @@ fn letters_that_are_there_are_not_looked_for() {
         help: true,
         sliders: true,
         fullscreen: false,
+        follows: false,
         seen: true,
     };
     let content = OverlayContent {

@@ -70,12 +70,14 @@ impl SceneStage {
         cue: Option<SceneSource>,
     ) {
         let is_locked = self.directed.is_locked && programme.is_some();
+        let programme = programme.map(|programme| self.without_refused(programme));
         self.directed = Directed { programme, cue, is_locked, ..Directed::default() };
         self.revision += 1;
     }
 
     /// Follows a show that is the same as before up to this moment.
     pub(in crate::app) fn extend_programme(&mut self, programme: Arc<Programme>, cue: Option<SceneSource>) {
+        let programme = self.without_refused(programme);
         (self.directed.programme, self.directed.cue) = (Some(programme), cue);
         (self.directed.entered, self.directed.last_time, self.directed.overruled) = (None, None, None);
     }
@@ -97,6 +99,27 @@ impl SceneStage {
         self.directed.is_locked
     }
 
+    /// The show with a substitute for each refused scene.
+    fn without_refused(&self, programme: Arc<Programme>) -> Arc<Programme> {
+        match self.quiet.refused() {
+            [] => programme,
+            refused => programme.without(refused).map_or(programme, Arc::new),
+        }
+    }
+
+    /// Replaces refused scenes in the show.
+    pub(super) fn avoid_refused(&mut self) {
+        if let Some(programme) = self.directed.programme.take() {
+            self.directed.programme = Some(self.without_refused(programme));
+        }
+    }
+
+    /// True if the director chose the requested scene, not the user.
+    pub(super) fn is_own_choice(&self) -> bool {
+        let is_by_program = self.directed.programme().is_some_and(|programme| !programme.is_by_user());
+        is_by_program && self.directed.asked.is_some() && !self.is_written
+    }
+
     /// The user goes somewhere else: the show comes back with its next scene.
     pub(super) fn overrule(&mut self) {
         self.directed.overruled = self.directed.entered.map(|(index, _)| index);
@@ -116,12 +139,20 @@ impl SceneStage {
             // What was written is looked at: the show comes back with its next scene.
             self.directed.overruled = Some(moment.index);
         }
+        let stays = programme.stays();
+        let is_same_visit =
+            self.directed.overruled.is_some_and(|since| is_one_visit(stays, since, moment.index));
+        if is_same_visit || (is_new && self.awaited.is_some()) {
+            // Another camera is the same scene. A scene that is still being prepared for the user is not dropped.
+            self.directed.overruled = Some(moment.index);
+        }
         if self.directed.is_overruled(moment.index) {
             return;
         }
         self.directed.overruled = None;
         let Some(scene) = programme.source(&moment.stay.scene).cloned() else { return };
         let blended = moment.leaving.and_then(|(from, _)| blend_of(&programme, from, moment.stay));
+        let blended = blended.filter(|blend| !self.quiet.refused().contains(blend));
         // While the song stands still there is time for what was not prepared.
         let stands_still = self.directed.last_time.replace(time) == Some(time);
         self.directed.stands_still = stands_still;
@@ -294,6 +325,12 @@ impl SceneStage {
             self.on_stage.as_ref().is_some_and(|cast| matches!(cast.source, SceneSource::Blend(_)));
         of_blend || self.directed.programme.is_some()
     }
+}
+
+/// True if all stays from `since` to `until` show one scene.
+fn is_one_visit(stays: &[Stay], since: usize, until: usize) -> bool {
+    let visit = stays.get(since..=until).unwrap_or_default();
+    visit.first().is_some_and(|first| visit.iter().all(|stay| stay.scene == first.scene))
 }
 
 /// The source of a transition that mixes the worlds of two stays.

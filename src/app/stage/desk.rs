@@ -58,6 +58,8 @@ pub(super) struct Seen {
     pub(super) tracks: Option<Arc<ListedTracks>>,
     /// How loud the track is from its start to its end, if the bar shows.
     pub(super) shape: Option<Arc<LoudnessShape>>,
+    /// A show is on.
+    pub(super) follows: bool,
     /// What the track is made of, if the bar shows and that is known.
     pub(super) song: Option<Arc<SongStructure>>,
 }
@@ -139,6 +141,7 @@ impl Desk {
                 help: self.panels.help(),
                 sliders: self.panels.sliders(),
                 fullscreen: seen.fullscreen,
+                follows: seen.follows,
                 seen: shows_bar,
             });
         }

@@ -228,8 +228,9 @@ impl Stage {
         });
         let (tracks, shape) = song.unwrap_or_default();
         let song = self.listening.present_structure().filter(|_| shows_bar);
+        let (assisted, follows) = (self.overlay.is_assisted(), self.follows());
         let fullscreen = self.window.is_fullscreen();
-        Seen { awake, assisted: self.overlay.is_assisted(), fullscreen, tracks, shape, song }
+        Seen { awake, assisted, fullscreen, tracks, shape, follows, song }
     }
 
     /// Notes which scene is on the stage, and its place among the others.
