@@ -224,7 +224,7 @@ impl Stage {
     /// Handles an event of the window. Returns what a key or the mouse asks for.
     pub(super) fn take(&mut self, event: &WindowEvent) -> Option<Action> {
         self.pointer_rest.take(event, Instant::now());
-        if self.overlay.on_event(self.window.window(), event) {
+        if self.overlay.on_event(&self.window.window(), event) {
             return None;
         }
         if self.take_for_editor(event) {
@@ -267,7 +267,7 @@ impl Stage {
             WindowEvent::Moved(place) => self.window.note_place((*place).into()),
             WindowEvent::Resized(size) => {
                 self.window.resize((*size).into());
-                self.window.window().request_redraw();
+                self.window.request_redraw();
             }
             WindowEvent::Occluded(occluded) => self.occluded = *occluded,
             _ => match self.input.take(event, Instant::now())? {
@@ -288,7 +288,7 @@ impl Stage {
     /// Does what assistive technology asks for, before anything else is drawn.
     pub(super) fn assist(&mut self, assistance: Assistance) {
         self.overlay.assist(assistance);
-        self.window.window().request_redraw();
+        self.window.request_redraw();
     }
 
     /// What the desktop asks for next, if anything.
@@ -417,7 +417,7 @@ impl Stage {
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
         } else if now >= self.pace.due(self.hands.are_unseen()) || self.scene.has_regions() {
             self.update_preview(now, Some(Duration::ZERO))?;
-            self.window.window().request_redraw();
+            self.window.request_redraw();
             Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
         } else {
             let due = self.pace.due(self.hands.are_unseen());

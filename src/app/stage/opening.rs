@@ -109,7 +109,7 @@ impl Opening<'_> {
         )?;
         scene.move_sliders(&settings.sliders);
         let of_fonts = waker.clone();
-        let mut overlay = Overlay::new(window.gl(), window.window(), move || of_fonts.wake());
+        let mut overlay = Overlay::new(window.gl(), &window.window(), move || of_fonts.wake());
         if let Some(size) = window.size().filter(|_| sheets.is_none()) {
             paint_waiting(&window, &mut overlay, size, &title, OverlayContent::default())?;
             tracing::info!("the window says what it prepares");
@@ -269,7 +269,7 @@ pub(in crate::app) fn renewed(
         move || of_scenes.wake(),
     )?;
     let of_fonts = waker.clone();
-    let mut overlay = Overlay::new(window.gl(), window.window(), move || of_fonts.wake());
+    let mut overlay = Overlay::new(window.gl(), &window.window(), move || of_fonts.wake());
     if assisted {
         overlay.assist(Assistance::Begins);
     }

@@ -78,16 +78,16 @@ impl Stage {
             SettingChange::Flip(flip) => {
                 self.choose(move |choices| choices.stage.flip = flip);
                 self.output.look_different();
-                self.window.window().request_redraw();
+                self.window.request_redraw();
             }
             SettingChange::Crop(crop) => {
                 self.choose(move |choices| choices.stage.crop = crop);
                 self.output.look_different();
-                self.window.window().request_redraw();
+                self.window.request_redraw();
             }
             SettingChange::NextScene(on) => {
                 self.choose(move |choices| choices.next_scene = on);
-                self.window.window().request_redraw();
+                self.window.request_redraw();
             }
             SettingChange::Hints(on) => {
                 self.desk.clean = !on;
