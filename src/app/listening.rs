@@ -35,6 +35,8 @@ pub(super) struct Listening {
     clock_now: (f64, Instant),
     /// What the user wants; until the first picture the player waits in any case.
     paused: bool,
+    /// Whether the first picture has been shown.
+    started: bool,
     /// How loud it was at the last look, 0..1.
     level: f32,
     /// What plays, as it was at the last look.
@@ -56,6 +58,7 @@ impl Listening {
             clock,
             clock_now,
             paused: false,
+            started: false,
             level: 0.0,
             listed: Listed::default(),
             track: 0,
@@ -65,6 +68,11 @@ impl Listening {
     /// Whether the user wants a pause.
     pub(super) fn is_paused(&self) -> bool {
         self.paused
+    }
+
+    /// Whether the sound follows what the user wants: from the first picture on.
+    pub(super) fn has_started(&self) -> bool {
+        self.started
     }
 
     /// Whether a song goes on. An input may fall silent at any time, and its time with it.
@@ -79,6 +87,7 @@ impl Listening {
 
     /// Pauses the sound or lets it run, as the user wants.
     pub(super) fn follow_wish(&mut self) {
+        self.started = true;
         self.sound.set_paused(self.paused);
     }
 

@@ -326,7 +326,7 @@ impl Stage {
         {
             return Err(AppError::SongLost(error.clone()));
         }
-        self.reports.look(&status, self.window.is_fullscreen());
+        self.reports.look(&status, self.listening.has_started(), self.window.is_fullscreen());
         self.set_title(title(self.scene.notes(), &status, silence_asked));
         Ok(status.ended && settings.once)
     }
@@ -337,7 +337,7 @@ impl Stage {
         if let Some(live) = self.listening.live_status() {
             self.reports.look_at_input(&live, self.listening.is_paused());
         } else if let Some(status) = self.listening.song_status() {
-            self.reports.look(&status, fullscreen);
+            self.reports.look(&status, self.listening.has_started(), fullscreen);
         }
     }
 

@@ -59,5 +59,5 @@ pub use device::Target;
 pub use error::{DeviceError, Direction, PlayerError};
 pub use listed::{ListedTrack, ListedTracks};
 pub use player::{
-    LoudnessShape, Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Troubles, Unheard,
+    LoudnessShape, Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Position, Troubles, Unheard,
 };

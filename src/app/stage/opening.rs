@@ -139,6 +139,7 @@ impl Opening<'_> {
             }
             player = Some(started);
         }
+        let position = player.as_ref().map(Player::position);
         let sound = Sound::start(Start {
             player,
             memory,
@@ -170,7 +171,7 @@ impl Opening<'_> {
             feeds: Feeds::of(sends),
             preview: Preview::new(),
             masters: Masters::new(brightness, choices.stage.blackout_fade),
-            reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
+            reports: Reports::new(announcer, MediaControls::start(position, move || of_controls.wake()), now),
             recording: Recording::new(PerformanceFiles::of_user()),
             hands: Hands::start(&settings.hands, waker),
             input: UserInput::default(),
