@@ -35,7 +35,7 @@ pub(super) struct Listening {
     clock_now: (f64, Instant),
     /// What the user wants; until the first picture the player waits in any case.
     paused: bool,
-    /// Whether the first picture has been shown.
+    /// Set by the first picture.
     started: bool,
     /// How loud it was at the last look, 0..1.
     level: f32,
@@ -70,7 +70,7 @@ impl Listening {
         self.paused
     }
 
-    /// Whether the sound follows what the user wants: from the first picture on.
+    /// Returns `true` once the first picture has let the sound begin.
     pub(super) fn has_started(&self) -> bool {
         self.started
     }
@@ -277,12 +277,12 @@ impl Listening {
     }
 
     /// Keeps a list of tracks for the next show, or none.
-    pub(super) fn keep_tracks(&mut self, tracks: Option<&[PathBuf]>) {
+    pub(super) fn keep_tracks(&mut self, tracks: Option<Vec<PathBuf>>) {
         self.sound.keep_tracks(tracks);
     }
 
     /// Remembers a change of it.
-    pub(super) fn remember(&mut self, change: impl Fn(&mut Settings)) {
+    pub(super) fn remember(&mut self, change: impl Fn(&mut Settings) + Send + 'static) {
         self.sound.remember(change);
     }
 

@@ -123,6 +123,8 @@ pub(super) struct Stage {
     wallpaper: Option<Wallpaper>,
     /// Where it was moved last.
     grounded_at: Option<Rect>,
+    /// The state that was written for the next show.
+    legacy: leaving::Legacy,
     // Last: everything above that holds OpenGL objects is dropped first.
     pub(super) window: GlWindowContext,
 }

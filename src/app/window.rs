@@ -82,7 +82,7 @@ pub(super) struct GlWindowContext {
 }
 
 impl OpenWindow {
-    /// Opens a window, whose events arrive on the thread behind `events`. Returns it for that thread, too.
+    /// Opens a window, whose events arrive on the thread behind `events`. That thread gets the second result.
     ///
     /// # Errors
     /// No window, or no OpenGL.

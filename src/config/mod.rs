@@ -1,6 +1,7 @@
 //! The settings of a run: what the command line chooses, with the defaults, and what is remembered from run to run.
 
 mod choices;
+mod kept_settings;
 mod knobs;
 mod last_show;
 mod performances;
@@ -10,6 +11,7 @@ mod stage_choices;
 mod understood;
 
 pub use choices::{Choice, Choices};
+pub use kept_settings::KeptSettings;
 pub use knobs::{KnobEdit, KnobMemory, KnobsError};
 pub use last_show::LastShow;
 pub use performances::{Kept, PerformanceFiles};

@@ -58,7 +58,7 @@ fn is_dark(half: &RgbaImage) -> bool {
 /// How far a pixel may be from its half's colour, per channel: the picture's grain.
 const GRAIN: u8 = 2;
 
-/// Whether [`TWO_COLOURS`] fill a picture and nothing else is visible in it. The columns around the middle are left out:
+/// Checks that [`TWO_COLOURS`] fill a picture without anything else on it. The columns around the middle are left out:
 /// they hold the edge between the colours, which later pictures draw with more samples.
 fn fills_cleanly(picture: &RgbaImage) -> bool {
     let is_near = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= GRAIN);

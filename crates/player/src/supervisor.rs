@@ -114,7 +114,7 @@ impl<P: Port> Supervisor<P> {
     }
 }
 
-/// Port-specific data about the open stream, readable after the supervisor has ended, too.
+/// Port-specific data about the open stream, readable even after the supervisor has ended.
 #[derive(Clone)]
 pub(crate) struct NoteReader<N>(Arc<Mutex<StreamStatus<N>>>);
 

@@ -108,8 +108,7 @@ pub(super) struct MediaControls {
 }
 
 impl MediaControls {
-    /// Offers the program to the desktop, on a thread of its own; `wake` is called when something is asked for. Without a
-    /// position of a song it is 0.
+    /// Serves the desktop on another thread, which calls `wake` for each request. Without a `position` it reports 0.
     pub(super) fn start(position: Option<Position>, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let position: ReadPosition = Arc::new(move || position.as_ref().map_or(0.0, Position::seconds));
         let seen = SharedSeen(Arc::new(Mutex::new(Seen::new())));

@@ -193,6 +193,7 @@ impl Opening<'_> {
             overlay,
             waited: None,
             first_shown_after: None,
+            legacy: Default::default(),
             window,
         })
     }

@@ -107,7 +107,7 @@ impl Stage {
     }
 
     /// Notes a choice for this run and for those that follow.
-    pub(super) fn choose(&mut self, change: impl Fn(&mut Choices)) {
+    pub(super) fn choose(&mut self, change: impl Fn(&mut Choices) + Send + 'static) {
         change(&mut self.choices);
         self.listening.remember(move |settings| change(&mut settings.choices));
     }

@@ -1,14 +1,11 @@
-//! The OpenGL display of a window: what contexts and surfaces are made from.
+//! The OpenGL display of a window, from which contexts and surfaces are created.
 //!
-//! **On X11, OpenGL has a connection of its own.** Whoever waits for a reply reads everything that has arrived on the
+//! **On X11, OpenGL has a separate connection.** A thread that waits for a reply reads everything that has arrived on the
 //! connection and queues the events for later. If OpenGL shared winit's connection, a frame would take events off the
-//! socket and the event thread, which waits for that socket, would sleep on. While the picture is still nothing else
-//! wakes it, so keys and pings stayed unanswered for up to 30 s.
+//! socket and the event thread, which waits for that socket, would sleep on. A still picture gives it no
+//! other reason to wake, so keys and pings stayed unanswered for up to 30 s.
 
-#![expect(
-    unsafe_code,
-    reason = "opening displays by native handles is unsafe in glutin, and Xlib is a C library"
-)]
+#![expect(unsafe_code, reason = "opening displays is unsafe in glutin, and Xlib is a C library")]
 
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -42,7 +39,7 @@ pub(super) fn open(
     Ok(Some((window.ok_or("the system opened no window")?, config)))
 }
 
-/// The config without multisampling, as far as there is one: the renderer has its own.
+/// The config with the least multisampling: the renderer has its own.
 fn best<'a>(configs: Box<dyn Iterator<Item = Config> + 'a>) -> Option<Config> {
     configs.min_by_key(GlConfig::num_samples)
 }
@@ -85,8 +82,8 @@ mod x11 {
     }
 }
 
-/// A driver may offer no pixel format at all, but glutin-winit wants one chosen in any case. So the choice unwinds, which
-/// prints nothing, and [`unless_nothing_fits`] makes an absence of it.
+/// The payload of an unwind that means: the driver offers no pixel format. glutin-winit insists on a choice, so the picker
+/// unwinds, which prints nothing, and [`unless_nothing_fits`] returns `None`.
 struct NothingFits;
 
 fn nothing_fits() -> ! {

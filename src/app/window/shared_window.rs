@@ -46,7 +46,7 @@ impl SharedWindow {
         self.window.pre_present_notify();
     }
 
-    /// Whether the window is in full screen.
+    /// Returns `true` in full screen.
     pub(in crate::app) fn is_fullscreen(&self) -> bool {
         self.window.fullscreen().is_some()
     }

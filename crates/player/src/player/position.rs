@@ -46,7 +46,7 @@ impl Position {
         self.look().seconds
     }
 
-    /// What is audible now.
+    /// The present place.
     pub(super) fn look(&self) -> Place {
         // A reader that failed leaves the clock usable.
         self.0.lock().unwrap_or_else(PoisonError::into_inner).look()
