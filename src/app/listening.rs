@@ -35,6 +35,8 @@ pub(super) struct Listening {
     clock_now: (f64, Instant),
     /// What the user wants; until the first picture the player waits in any case.
     paused: bool,
+    /// Set by the first picture.
+    started: bool,
     /// How loud it was at the last look, 0..1.
     level: f32,
     /// The kind of song in the latest status.
@@ -56,6 +58,7 @@ impl Listening {
             clock,
             clock_now,
             paused: false,
+            started: false,
             level: 0.0,
             playing: Playing::default(),
             track: 0,
@@ -65,6 +68,11 @@ impl Listening {
     /// Whether the user wants a pause.
     pub(super) fn is_paused(&self) -> bool {
         self.paused
+    }
+
+    /// Returns `true` once the first picture has let the sound begin.
+    pub(super) fn has_started(&self) -> bool {
+        self.started
     }
 
     /// Whether a song goes on. An input may fall silent at any time, and its time with it.
@@ -79,6 +87,7 @@ impl Listening {
 
     /// Pauses the sound or lets it run, as the user wants.
     pub(super) fn follow_wish(&mut self) {
+        self.started = true;
         self.sound.set_paused(self.paused);
     }
 
@@ -268,12 +277,12 @@ impl Listening {
     }
 
     /// Keeps a list of tracks for the next show, or none.
-    pub(super) fn keep_tracks(&mut self, tracks: Option<&[PathBuf]>) {
+    pub(super) fn keep_tracks(&mut self, tracks: Option<Vec<PathBuf>>) {
         self.sound.keep_tracks(tracks);
     }
 
     /// Remembers a change of it.
-    pub(super) fn remember(&mut self, change: impl Fn(&mut Settings)) {
+    pub(super) fn remember(&mut self, change: impl Fn(&mut Settings) + Send + 'static) {
         self.sound.remember(change);
     }
 

@@ -126,6 +126,8 @@ pub(super) struct Stage {
     wallpaper: Option<Wallpaper>,
     /// Where it was moved last.
     grounded_at: Option<Rect>,
+    /// The state that was written for the next show.
+    legacy: leaving::Legacy,
     // Last: everything above that holds OpenGL objects is dropped first.
     pub(super) window: GlWindowContext,
 }
@@ -227,7 +229,7 @@ impl Stage {
     /// Handles an event of the window. Returns what a key or the mouse asks for.
     pub(super) fn take(&mut self, event: &WindowEvent) -> Option<Action> {
         self.pointer_rest.take(event, Instant::now());
-        if self.overlay.on_event(self.window.window(), event) {
+        if self.overlay.on_event(&self.window.window(), event) {
             return None;
         }
         if self.take_for_editor(event) {
@@ -275,7 +277,7 @@ impl Stage {
             WindowEvent::Moved(place) => self.window.note_place((*place).into()),
             WindowEvent::Resized(size) => {
                 self.window.resize((*size).into());
-                self.window.window().request_redraw();
+                self.window.request_redraw();
             }
             WindowEvent::Occluded(occluded) => self.occluded = *occluded,
             _ => match self.input.take(event, Instant::now())? {
@@ -314,7 +316,7 @@ impl Stage {
     /// Does what assistive technology asks for, before anything else is drawn.
     pub(super) fn assist(&mut self, assistance: Assistance) {
         self.overlay.assist(assistance);
-        self.window.window().request_redraw();
+        self.window.request_redraw();
     }
 
     /// What the desktop asks for next, if anything.
@@ -352,7 +354,7 @@ impl Stage {
         {
             return Err(AppError::SongLost(error.clone()));
         }
-        self.reports.look(&status, self.window.is_fullscreen());
+        self.reports.look(&status, self.listening.has_started(), self.window.is_fullscreen());
         self.set_title(title(self.scene.notes(), &status, silence_asked));
         Ok(status.ended && settings.once)
     }
@@ -363,7 +365,7 @@ impl Stage {
         if let Some(live) = self.listening.live_status() {
             self.reports.look_at_input(&live, self.listening.is_paused());
         } else if let Some(status) = self.listening.song_status() {
-            self.reports.look(&status, fullscreen);
+            self.reports.look(&status, self.listening.has_started(), fullscreen);
         }
     }
 
@@ -443,7 +445,7 @@ impl Stage {
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
         } else if now >= self.pace.due(self.hands.are_unseen()) || self.scene.has_regions() {
             self.update_preview(now, Some(Duration::ZERO))?;
-            self.window.window().request_redraw();
+            self.window.request_redraw();
             Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
         } else {
             let due = self.pace.due(self.hands.are_unseen());

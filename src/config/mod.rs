@@ -2,6 +2,7 @@
 
 mod aside;
 mod choices;
+mod kept_settings;
 mod knobs;
 mod last_show;
 mod performances;
@@ -11,6 +12,7 @@ mod stage_choices;
 mod understood;
 
 pub use choices::{Choice, Choices};
+pub use kept_settings::KeptSettings;
 pub use knobs::{KnobEdit, KnobMemory, KnobsError};
 pub use last_show::LastShow;
 pub use performances::{Kept, PerformanceFiles};

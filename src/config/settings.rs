@@ -17,9 +17,10 @@
 //! written is read as far as it is known, and stays in the file.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{File, create_dir_all};
+use std::fs::{File, TryLockError, create_dir_all};
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use directories::ProjectDirs;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
@@ -157,11 +158,6 @@ impl SettingsFile {
         self.path.as_deref().map_or(Ok(()), |path| last_show::keep_tracks(path, tracks))
     }
 
-    /// How much later the picture is shown for a device, in milliseconds; none if nothing is remembered for it.
-    pub fn latency_ms(&self, device: &str) -> Option<f64> {
-        self.settings.latency_ms.get(device).copied()
-    }
-
     /// Changes the settings here and in the file, which other windows may have changed in the meantime.
     ///
     /// # Errors
@@ -169,6 +165,7 @@ impl SettingsFile {
     pub fn change(&mut self, change: impl Fn(&mut Settings)) -> Result<(), SettingsError> {
         change(&mut self.settings);
         let Some(path) = &self.path else { return Ok(()) };
+        let _turn = turn_of(path);
         let Found { mut table, settings: before, .. } = match read(path) {
             Ok(found) => found,
             Err(SettingsError::Malformed { aside, .. } | SettingsError::TooLarge { aside, .. }) => {
@@ -184,6 +181,24 @@ impl SettingsFile {
         Ok(())
     }
 }
+
+/// Waits until no other window is between reading and writing the settings in `path`: a lock on their folder, held until
+/// the result is dropped. `None` if the folder cannot be locked, or not within half a second.
+fn turn_of(path: &Path) -> Option<File> {
+    let folder = File::open(path.parent()?).ok()?;
+    for _ in 0..TURN_LOOKS {
+        match folder.try_lock() {
+            Ok(()) => return Some(folder),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(TURN_PERIOD),
+            Err(TryLockError::Error(_)) => return None,
+        }
+    }
+    None
+}
+
+/// How often, and how many times, [`turn_of`] tries.
+const TURN_PERIOD: Duration = Duration::from_millis(5);
+const TURN_LOOKS: u32 = 100;
 
 /// What is in a file.
 #[derive(Default)]
@@ -279,9 +294,30 @@ mod tests {
         let (next, error) = SettingsFile::open(Some(path.clone()));
         assert!(error.is_none());
         assert_eq!(next.settings().microphone.as_deref(), Some("p:\"odd\" mic\n"));
-        assert_eq!((next.latency_ms("p:tv"), next.latency_ms("p:else")), (Some(-35.0), None));
+        assert_eq!(next.settings().latency_ms, [("p:tv".to_owned(), -35.0)].into());
         // There is no other file beside it.
         assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn changes_of_windows_at_the_same_time_were_lost() {
+        let (_folder, path) = folder();
+        create_dir_all(path.parent().unwrap()).unwrap();
+        std::thread::scope(|scope| {
+            for window in 0..4 {
+                let (mut file, _) = SettingsFile::open(Some(path.clone()));
+                scope.spawn(move || {
+                    for device in 0..10 {
+                        let id = format!("p:{window}.{device}");
+                        file.change(|settings| {
+                            settings.latency_ms.insert(id.clone(), 5.0);
+                        })
+                        .unwrap();
+                    }
+                });
+            }
+        });
+        assert_eq!(SettingsFile::open(Some(path)).0.settings().latency_ms.len(), 40);
     }
 
     #[test]

@@ -61,5 +61,6 @@ pub use device::Target;
 pub use error::{DeviceError, Direction, PlayerError};
 pub use listed::{ListedTrack, ListedTracks};
 pub use player::{
-    LoudnessShape, Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Troubles, Unheard, UnheardAfter,
+    LoudnessShape, Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Position, Troubles, Unheard,
+    UnheardAfter,
 };

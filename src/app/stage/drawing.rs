@@ -124,7 +124,7 @@ impl Stage {
         let mut laid_out = Duration::ZERO;
         let (painted, painting) = canvas.show(&lay, new.is_some() || dims || has_words, |size| {
             let laying_out = Instant::now();
-            let painted = self.overlay.paint(self.window.window(), size, content);
+            let painted = self.overlay.paint(&self.window.window(), size, content);
             laid_out = laying_out.elapsed();
             painted
         })?;
@@ -310,6 +310,6 @@ pub(super) fn paint_waiting(
 ) -> Result<(), AppError> {
     let words = format!("Mariana is preparing {title}");
     window.gl().clear_window(size, [0.0; 3])?;
-    overlay.paint(window.window(), size, OverlayContent { hint: Some(&words), ..content })?;
+    overlay.paint(&window.window(), size, OverlayContent { hint: Some(&words), ..content })?;
     window.swap()
 }

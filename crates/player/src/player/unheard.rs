@@ -64,12 +64,11 @@ pub(super) struct UnheardWatch {
 }
 
 impl UnheardWatch {
-    /// Notes the current output: its history and the id of its device. `carry` maps a place in an earlier segment to a
-    /// frame of a later one, unless a seek or another track separates them.
+    /// Notes the current output. `carry` maps a place in an earlier segment to a frame of a later one, unless a seek or
+    /// another track separates them.
     pub(super) fn look(
         &mut self,
         history: &Arc<SpanHistory>,
-        device: Option<&str>,
         carry: impl FnOnce(Audible, u64) -> Option<f64>,
     ) {
         if self.history.as_ref().is_some_and(|before| Arc::ptr_eq(before, history)) {
@@ -87,7 +86,7 @@ impl UnheardWatch {
         if history.is_silent() {
             return;
         }
-        let before = std::mem::replace(&mut self.device, device.map(str::to_owned));
+        let before = std::mem::replace(&mut self.device, history.device().map(str::to_owned));
         if let Some(seconds) = self.pending.replace(0.0).filter(|seconds| *seconds >= TOLD_FROM) {
             let is_same = before.is_some() && before == self.device;
             let after = if is_same { UnheardAfter::SameDevice } else { UnheardAfter::AnotherDevice };
@@ -125,20 +124,22 @@ mod tests {
         let (_silent, silent) = output(2, 2100, 1000, true);
         silent.set_silent();
         let (_second, second) = output(3, 3300, 2000, true);
-        watch.look(&first, Some("speakers"), together);
-        watch.look(&silent, None, together);
+        first.set_device("speakers");
+        second.set_device("headphones");
+        watch.look(&first, together);
+        watch.look(&silent, together);
         assert_eq!(watch.told().count, 0);
-        watch.look(&second, Some("headphones"), together);
-        watch.look(&second, Some("headphones"), together);
+        watch.look(&second, together);
+        watch.look(&second, together);
         assert_eq!(watch.told().count, 1);
         assert_eq!(watch.told().to_string(), "1.3 s of the song were not heard: the sound device changed");
         // A change without a gap, during a pause or with a seek loses nothing.
         let (_third, third) = output(4, 5320, 500, false);
         let (_fourth, fourth) = output(5, 5320, 500, true);
         let (_fifth, fifth) = output(6, 90_000, 500, true);
-        watch.look(&third, Some("headphones"), together);
-        watch.look(&fourth, Some("speakers"), together);
-        watch.look(&fifth, Some("speakers"), |_, _| None);
+        watch.look(&third, together);
+        watch.look(&fourth, together);
+        watch.look(&fifth, |_, _| None);
         assert_eq!(watch.told().count, 1);
     }
 
@@ -148,8 +149,8 @@ mod tests {
         let (_silent, silent) = output(1, 0, 1000, true);
         silent.set_silent();
         let (_first, first) = output(2, 1500, 1000, true);
-        watch.look(&silent, None, together);
-        watch.look(&first, Some("speakers"), together);
+        watch.look(&silent, together);
+        watch.look(&first, together);
         assert_eq!(watch.told(), Unheard::default());
     }
 
@@ -160,9 +161,11 @@ mod tests {
         let (_silent, silent) = output(2, 2000, 3200, true);
         silent.set_silent();
         let (_second, second) = output(3, 5200, 2000, true);
-        watch.look(&first, Some("speakers"), together);
-        watch.look(&silent, None, together);
-        watch.look(&second, Some("speakers"), together);
+        first.set_device("speakers");
+        second.set_device("speakers");
+        watch.look(&first, together);
+        watch.look(&silent, together);
+        watch.look(&second, together);
         assert_eq!(
             watch.told().to_string(),
             "3.2 s of the song were not heard: the sound device had stopped and was opened again"
