@@ -21,8 +21,8 @@
 //!
 //! All times are those of the monotonic clock: the time of day does not matter.
 
-use std::sync::{Arc, OnceLock};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering, fence};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 /// How many spans stay readable: at least 5 s at 512 frames of 48 kHz per callback.
