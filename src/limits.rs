@@ -51,6 +51,10 @@ pub struct Limits {
     pub thumbnail_seconds_max: f64,
     /// Most small pictures that are kept from run to run (some 60 KiB each); the oldest go first.
     pub thumbnails_kept_max: usize,
+    /// Seconds from the start until the thumbnails of the folder's scenes are drawn ahead.
+    pub thumbnails_ahead_after: f64,
+    /// Most scenes of a folder that are drawn ahead.
+    pub thumbnails_ahead_max: usize,
     /// Most bytes of a song's structure that is kept from run to run (some 30 KiB for each minute are usual).
     pub structure_bytes_max: usize,
     /// Most structures of songs that are kept from run to run; those that were used longest ago go first.
@@ -69,6 +73,8 @@ pub struct Limits {
     pub show_steps_max: usize,
     /// Pictures of a show of which one is held while another gives way, that are mixed into one.
     pub show_held_max: usize,
+    /// Longest time in seconds for which a video's encoder may make no progress while it is waited for.
+    pub encoder_wait_seconds: f64,
     /// Longest fade from one scene to another, in seconds.
     pub fade_seconds_max: f64,
     /// Most programs that are sent pictures over one port at a time.
@@ -108,6 +114,8 @@ pub const LIMITS: Limits = Limits {
     letters_looked_for_max: 20_000,
     thumbnail_seconds_max: 60.0,
     thumbnails_kept_max: 2_000,
+    thumbnails_ahead_after: 20.0,
+    thumbnails_ahead_max: 100,
     structure_bytes_max: 1 << 24,
     structures_kept_max: 500,
     program_cache_bytes_max: 1 << 26,
@@ -118,6 +126,7 @@ pub const LIMITS: Limits = Limits {
     show_settings_max: 64,
     show_steps_max: 20_000,
     show_held_max: 8,
+    encoder_wait_seconds: 300.0,
     fade_seconds_max: 60.0,
     send_readers_max: 8,
     send_request_bytes_max: 8_192,

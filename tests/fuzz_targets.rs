@@ -15,7 +15,9 @@ fn survives(target: &fuzz::Target) {
     for seed in &seeds {
         (target.run)(&seed.bytes);
     }
-    (0..target.changes).for_each(|number| (target.run)(&fuzz::changed(&seeds, number)));
+    let asked = std::env::var("MARIANA_FUZZ_CHANGES").ok();
+    let changes = asked.map_or(target.changes, |changes| changes.parse().unwrap());
+    (0..changes).for_each(|number| (target.run)(&fuzz::changed(&seeds, number)));
     for nothing in [&[][..], &[0], &[0xFF; 3], &[0; 64], &[0xFF; 200]] {
         (target.run)(nothing);
     }
@@ -68,5 +70,5 @@ macro_rules! targets {
 
 targets! {
     syntax SYNTAX scene SCENE regions REGIONS tape TAPE differential DIFFERENTIAL decode DECODE lists LISTS settings SETTINGS osc OSC midi MIDI
-    phones PHONES
+    phones PHONES shows SHOWS
 }

@@ -13,6 +13,7 @@ mod phones;
 mod random;
 mod regions;
 mod seeds;
+mod shows;
 mod text;
 mod words;
 
@@ -74,9 +75,25 @@ pub(crate) const OSC: Target =
 pub(crate) const MIDI: Target =
     Target { name: "midi", run: control::midi, seeds: seeds::midi, speaks: false, changes: 4_000 };
 
+/// A show file.
+pub(crate) const SHOWS: Target =
+    Target { name: "shows", run: shows::shows, seeds: seeds::shows, speaks: false, changes: 1_000 };
+
 /// All of them.
-pub(crate) const TARGETS: [&Target; 11] =
-    [&SYNTAX, &SCENE, &REGIONS, &TAPE, &DIFFERENTIAL, &DECODE, &LISTS, &SETTINGS, &OSC, &MIDI, &PHONES];
+pub(crate) const TARGETS: [&Target; 12] = [
+    &SYNTAX,
+    &SCENE,
+    &REGIONS,
+    &TAPE,
+    &DIFFERENTIAL,
+    &DECODE,
+    &LISTS,
+    &SETTINGS,
+    &OSC,
+    &MIDI,
+    &PHONES,
+    &SHOWS,
+];
 
 /// What a libFuzzer program begins with. Where `MARIANA_FUZZ_SEEDS` names a folder, seeds and the dictionary are written
 /// there and the program ends.

@@ -277,6 +277,44 @@ pub(crate) fn phones() -> Vec<Seed> {
     texts.iter().map(|(name, kind, text)| seed(*name, [&[*kind], text.as_bytes()].concat())).collect()
 }
 
+/// Show files, good and broken. The first byte chooses the song.
+pub(crate) fn shows() -> Vec<Seed> {
+    let texts: [(&str, u8, &str); 12] = [
+        ("plain", 1, "at start ball.scene\nat section B bare.scene camera near melt over 2 bars\n"),
+        (
+            "moves",
+            1,
+            "at start ball.scene camera near\n set size = 0.5 -> 1.5 over 4 s after 1 bar\n -> 0.2 over 1 beat\n\
+             at drop 1 - 1 beat bare.scene portal plane over 2 bars unfinished\nat end - 3 s ball.scene fade over 1 s\n",
+        ),
+        (
+            "pictures",
+            0,
+            "at 0 ball.scene\n set picture brightness = 1 -> 0 over 2 s\n set picture freeze = 1 -> 0 over 2 s after 1 s\n\
+             set camera yaw = 20 -> -360 over 3 s\n set camera pitch = 80\n set camera zoom = 0 -> 9 over 2 s\n",
+        ),
+        ("missing", 0, "at section A 2 ball.scene\nat drop 1 bare.scene\n"),
+        ("cues", 1, "at cue ball.scene cut\nat cue + 1 bar bare.scene fade over 3 s\n"),
+        ("cues-and-missing", 0, "at build 1 bare.scene\nat cue ball.scene\n"),
+        ("backwards", 1, "at 9 s ball.scene\nat bar 2 bare.scene\nat 0:10.5 ball.scene cut\n"),
+        (
+            "broken-scene",
+            0,
+            "at start bad.scene\nat 1 s none.scene\nat 2 s bare.scene camera near\n set size = 1\n",
+        ),
+        ("mistakes", 0, "at start\nset = 3\n-> 1 over 1 s\nat 1:75 ball.scene flay\n"),
+        ("shipped", 1, "at start orb\nat section B tunnel camera fast melt\n"),
+        ("formula", 0, "# a comment\nat start \"length(p) - 1 - bass\"\nat 99999999 ball.scene\n"),
+        (
+            "numbers",
+            1,
+            "at 0.0000001 ball.scene melt over 86400 bars\n set size = 99999999999999999999999999999999999999999 -> \
+             -99999999999999999999999999999999999999 over 0 s\nat bar 1000000 ball.scene\n",
+        ),
+    ];
+    texts.iter().map(|(name, song, text)| seed(*name, [&[*song], text.as_bytes()].concat())).collect()
+}
+
 /// Settings, good and broken.
 pub(crate) fn settings() -> Vec<Seed> {
     let good =

@@ -99,7 +99,7 @@ impl Announcer {
     fn look_at_unheard(&mut self, unheard: Unheard) {
         if unheard.count != self.unheard {
             self.unheard = unheard.count;
-            let text = format!("{unheard}: the sound device changed");
+            let text = unheard.to_string();
             tell(&text);
             self.say(text);
         }
@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn what_was_not_heard_is_told_once() {
         let mut announcer = Announcer::default();
-        let unheard = |count, seconds| Unheard { count, seconds };
+        let unheard = |count, seconds| Unheard { count, seconds, ..Unheard::default() };
         announcer.look_at_unheard(unheard(0, 0.0));
         assert_eq!(announcer.waiting, [""; 0]);
         announcer.look_at_unheard(unheard(1, 0.42));

@@ -38,13 +38,16 @@ struct Made {
     show: Result<(Programme, Option<String>), ShowError>,
 }
 
-/// The list that plays.
+/// The source of the sound.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Listed {
-    /// How many tracks it has.
-    pub tracks: usize,
-    /// Whether the track that is heard is the one inside the program.
-    pub is_demo: bool,
+pub(super) enum Playing {
+    /// An input. Before the first song also nothing.
+    #[default]
+    Input,
+    /// A song of the user.
+    Song,
+    /// The built-in demo track.
+    Demo,
 }
 
 /// See the module.
@@ -95,20 +98,23 @@ impl Direction {
         self.names_scene = false;
     }
 
-    /// Whether the show follows what plays.
-    pub(super) fn follows(&self, list: Listed) -> bool {
-        self.source(list).is_some()
+    /// True if scenes follow this source.
+    pub(super) fn follows(&self, playing: Playing) -> bool {
+        self.source(playing).is_some()
     }
 
-    fn source(&self, list: Listed) -> Option<ShowSource> {
+    fn source(&self, playing: Playing) -> Option<ShowSource> {
         let auto = match self.follow {
             FollowChoice::Off => return None,
-            FollowChoice::Lists => (list.tracks > 1 || list.is_demo) && !self.names_scene,
+            FollowChoice::Songs => playing != Playing::Input && !self.names_scene,
             FollowChoice::On => true,
         };
         match &self.named {
             Some(named) => Some(named.clone()),
-            None => auto.then_some(if list.is_demo { ShowSource::Demo } else { ShowSource::Auto }),
+            None => auto.then_some(match playing {
+                Playing::Demo => ShowSource::Demo,
+                Playing::Song | Playing::Input => ShowSource::Auto,
+            }),
         }
     }
 
@@ -116,11 +122,11 @@ impl Direction {
     pub(super) fn update(
         &mut self,
         track: OfTrack,
-        list: Listed,
+        playing: Playing,
         song: Option<Arc<SongStructure>>,
         scenes: impl FnOnce() -> Vec<SceneSource>,
     ) -> Option<News> {
-        let wanted = self.source(list).map(|source| (source, track));
+        let wanted = self.source(playing).map(|source| (source, track));
         let is_the_same = self.of == wanted;
         match wanted {
             None if is_the_same => return None,
@@ -152,15 +158,17 @@ impl Direction {
         }
         match made.show {
             Ok((programme, None)) => {
-                // Of a song without sections the director knows no more than whoever listens.
+                // In a song without sections the director has no reason to change the scene.
                 let is_live = made.track.is_none();
-                let says_something = is_live || self.named.is_some() || programme.plan().stays().len() > 1;
+                let says_something = is_live || self.named.is_some() || programme.stays().len() > 1;
                 says_something.then(|| News::Programme(Some(Arc::new(programme))))
             }
             Ok((programme, Some(text))) => {
                 tracing::warn!("parts of the show do not fit the song:\n{text}");
                 Some(News::Programme(Some(Arc::new(programme))))
             }
+            // Each broken scene is reported where it is loaded.
+            Err(ShowError::NoScenes) => Some(News::Programme(None)),
             Err(error) => {
                 tracing::warn!("{error}");
                 Some(News::Problem {
@@ -169,5 +177,24 @@ impl Direction {
                 })
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_single_song_had_no_show() {
+        let of = |follow, names_scene| Direction::start(None, follow, names_scene, || {}).unwrap();
+        let untouched = of(FollowChoice::default(), false);
+        assert!(untouched.follows(Playing::Song) && untouched.follows(Playing::Demo));
+        assert!(!untouched.follows(Playing::Input), "inputs are followed on request");
+        let mut named = of(FollowChoice::default(), true);
+        assert!(!named.follows(Playing::Song), "the scene that was named is kept");
+        named.set_follow(FollowChoice::Songs);
+        assert!(named.follows(Playing::Song), "A was pressed");
+        assert!(!of(FollowChoice::Off, false).follows(Playing::Song));
+        assert!(of(FollowChoice::On, true).follows(Playing::Input));
     }
 }

@@ -271,7 +271,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("a")],
         written: "A",
         action: Action::ToggleFollow,
-        meaning: "let the scenes follow the song, or not",
+        meaning: "turn the show on or off: scenes that follow the song",
         repeats: false,
     },
     Binding {
@@ -339,9 +339,9 @@ pub const BINDINGS: &[Binding] = &[
     },
     Binding {
         keys: &[Key::Named(NamedKey::Tab)],
-        written: "Tab",
+        written: "Tab or Shift+Tab",
         action: Action::ToggleSliders,
-        meaning: "the sliders of the scene's parameters",
+        meaning: "the scene's sliders; with Shift, keys go through the bar",
         repeats: false,
     },
     Binding {

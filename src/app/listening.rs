@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::announcer::{TrackOrder, words_of};
-use super::direction::Listed;
+use super::direction::Playing;
 use super::overlay::OverlayContent;
 use super::settings_panel::Facts;
 use super::sound::Sound;
@@ -35,10 +35,12 @@ pub(super) struct Listening {
     clock_now: (f64, Instant),
     /// What the user wants; until the first picture the player waits in any case.
     paused: bool,
+    /// Set by the first picture.
+    started: bool,
     /// How loud it was at the last look, 0..1.
     level: f32,
-    /// What plays, as it was at the last look.
-    listed: Listed,
+    /// The kind of song in the latest status.
+    playing: Playing,
     /// The number of the track that was heard last.
     track: u64,
 }
@@ -56,8 +58,9 @@ impl Listening {
             clock,
             clock_now,
             paused: false,
+            started: false,
             level: 0.0,
-            listed: Listed::default(),
+            playing: Playing::default(),
             track: 0,
         }
     }
@@ -65,6 +68,11 @@ impl Listening {
     /// Whether the user wants a pause.
     pub(super) fn is_paused(&self) -> bool {
         self.paused
+    }
+
+    /// Returns `true` once the first picture has let the sound begin.
+    pub(super) fn has_started(&self) -> bool {
+        self.started
     }
 
     /// Whether a song goes on. An input may fall silent at any time, and its time with it.
@@ -79,6 +87,7 @@ impl Listening {
 
     /// Pauses the sound or lets it run, as the user wants.
     pub(super) fn follow_wish(&mut self) {
+        self.started = true;
         self.sound.set_paused(self.paused);
     }
 
@@ -268,12 +277,12 @@ impl Listening {
     }
 
     /// Keeps a list of tracks for the next show, or none.
-    pub(super) fn keep_tracks(&mut self, tracks: Option<&[PathBuf]>) {
+    pub(super) fn keep_tracks(&mut self, tracks: Option<Vec<PathBuf>>) {
         self.sound.keep_tracks(tracks);
     }
 
     /// Remembers a change of it.
-    pub(super) fn remember(&mut self, change: impl Fn(&mut Settings)) {
+    pub(super) fn remember(&mut self, change: impl Fn(&mut Settings) + Send + 'static) {
         self.sound.remember(change);
     }
 
@@ -282,16 +291,16 @@ impl Listening {
         let status = self.sound.song_status()?;
         let content = status.track.reopen.content();
         let is_demo = content.is_some_and(|content| is_demo(&content.song));
-        self.listed = Listed { tracks: status.track.count, is_demo };
+        self.playing = if is_demo { Playing::Demo } else { Playing::Song };
         if let Some(songs) = &self.songs {
             songs.want([&status.track].into_iter().chain(&status.next));
         }
         Some(PlayerStatus { paused: self.paused, ..status })
     }
 
-    /// The list that plays.
-    pub(super) fn listed(&self) -> Listed {
-        self.listed
+    /// The source of the sound.
+    pub(super) fn playing(&self) -> Playing {
+        if self.sound.plays_song() { self.playing } else { Playing::Input }
     }
 
     /// What is known of the whole track that was heard last.

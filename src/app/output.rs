@@ -4,15 +4,12 @@
 //! the other: the picture is drawn once. A monitor that is pulled out takes its window along, and gets another one when it
 //! is back.
 
-use std::sync::Arc;
-
 use winit::event::WindowEvent;
 use winit::event_loop::EventLoopProxy;
-use winit::window::Window;
 
 use super::error::AppError;
 use super::monitors::{Monitor, MonitorWatch, named, names};
-use super::window::{GlWindowContext, SecondSurface};
+use super::window::{GlWindowContext, SecondSurface, SharedWindow};
 use super::window_thread::{Told, Waker};
 
 /// See the module.
@@ -124,7 +121,7 @@ impl Output {
     ///
     /// # Errors
     /// The driver refuses a second surface.
-    pub(super) fn take(&mut self, window: Arc<Window>, desk: &GlWindowContext) -> Result<(), AppError> {
+    pub(super) fn take(&mut self, window: SharedWindow, desk: &GlWindowContext) -> Result<(), AppError> {
         if let State::Asked(monitor) = &self.state {
             let (monitor, surface) = (monitor.clone(), desk.second_surface(window)?);
             tracing::info!("the output is on {monitor}");

@@ -41,6 +41,11 @@ impl PointerRest {
         }
     }
 
+    /// Takes the pointer as moved.
+    pub(super) fn wake(&mut self, now: Instant) {
+        self.moved = Some(now);
+    }
+
     /// Lets it rest from now on, until it moves.
     pub(super) fn sleep(&mut self) {
         self.moved = None;

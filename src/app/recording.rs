@@ -1,7 +1,7 @@
 //! Records what hands do to the pictures of a song, as a show that does it again.
 //!
-//! What is written down is what showed, whoever wanted it so. Each track has a file of its own; it is written again every
-//! few seconds, so that a crash costs no more than those.
+//! It notes the pictures themselves, so it does not matter which hand changed them. Each track gets its own file, a journal:
+//! it is rewritten within a second of each change, so that an end without warning costs no more than that.
 
 use std::time::{Duration, Instant};
 
@@ -12,8 +12,8 @@ use crate::scenes::SceneSource;
 use crate::show::{Entrance, Finish, Move, OnStage, Performance, Turned, name_of, print};
 use mariana_field::lang::Way;
 
-/// How often a performance is written while it goes on.
-const KEPT_EVERY: Duration = Duration::from_secs(10);
+/// How often a performance is written while it changes.
+const KEPT_EVERY: Duration = Duration::from_secs(1);
 
 /// What the stage shows at a moment.
 pub(super) struct Performed<'a> {
@@ -44,6 +44,8 @@ struct Take {
     title: String,
     performance: Performance,
     kept: Instant,
+    /// Set when something is noted, cleared when it is written.
+    has_changed: bool,
     /// What was on in the last picture.
     shown: Option<Showing>,
     /// Whether it was told that there is no more room.
@@ -126,15 +128,14 @@ impl Recording {
                 title,
                 performance,
                 kept: now,
+                has_changed: true,
                 shown: None,
                 told_full: false,
                 is_held: false,
             }
         });
         take.note(time, seen);
-        if now.saturating_duration_since(take.kept) >= KEPT_EVERY {
-            keep(&self.files, take, now);
-        }
+        take.has_changed = true;
         let is_news = take.performance.is_full() && !std::mem::replace(&mut take.told_full, true);
         is_news.then_some("the performance is longer than a show may be: what comes now is not recorded")
     }
@@ -146,7 +147,19 @@ impl Recording {
             take.performance.hold(picture);
         }
         take.is_held = is_held;
+        take.has_changed = true;
         take.performance.note_picture(time, picture);
+    }
+
+    /// Writes a changed performance, at most once per [`KEPT_EVERY`] and only after the last write is done.
+    pub(super) fn update(&mut self, now: Instant) {
+        let is_due =
+            |take: &&mut Take| take.has_changed && now.saturating_duration_since(take.kept) >= KEPT_EVERY;
+        if let Some(take) = self.take.as_mut().filter(is_due)
+            && self.files.is_idle()
+        {
+            keep(&self.files, take, now);
+        }
     }
 
     /// What became of a file, to be said.
@@ -217,7 +230,7 @@ fn named(source: &SceneSource) -> String {
 }
 
 fn keep(files: &PerformanceFiles, take: &mut Take, now: Instant) {
-    take.kept = now;
+    (take.kept, take.has_changed) = (now, false);
     if take.performance.is_empty() {
         return;
     }
@@ -288,6 +301,25 @@ mod tests {
             text("one.show")
         );
         assert!(text("two.show").ends_with("\nat 0:00.5  heart  melt over 2 s\n"), "{}", text("two.show"));
+    }
+
+    #[test]
+    fn a_recording_was_on_disk_only_after_it_had_ended() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut recording = Recording::new(PerformanceFiles::in_folder(Some(folder.path().to_owned())));
+        let start = Instant::now();
+        let orb = SceneSource::Shipped("orb".to_owned());
+        recording.toggle(start);
+        recording.note((Some(0), "one"), 2.0, seen(&orb, None), start);
+        recording.update(start);
+        assert!(recording.files.is_idle(), "each picture was written");
+        // The picture is still: nothing more is noted.
+        recording.update(start + KEPT_EVERY);
+        assert!(!recording.files.is_idle());
+        let path = recording.files.wait().unwrap().unwrap();
+        assert!(std::fs::read_to_string(path).unwrap().ends_with("\nat 0:02  orb  cut\n"));
+        recording.update(start + 9 * KEPT_EVERY);
+        assert!(recording.files.is_idle(), "it has not changed");
     }
 
     #[test]

@@ -111,12 +111,12 @@ impl Reports {
         }
     }
 
-    /// Reports what is new of the song, over the picture and to the desktop.
-    pub(super) fn look(&mut self, status: &PlayerStatus, fullscreen: bool) {
+    /// Reports what is new of the song, over the picture and to the desktop; `started` once it plays or could.
+    pub(super) fn look(&mut self, status: &PlayerStatus, started: bool, fullscreen: bool) {
         self.playing = NowPlaying::of_song(status);
         self.announcer.follow(&self.playing);
         self.announcer.look(status);
-        self.controls.show(status, fullscreen);
+        self.controls.show(status, started, fullscreen);
     }
 
     /// Notes what is new of the input.

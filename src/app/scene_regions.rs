@@ -47,8 +47,22 @@ pub(super) struct Wishes<'a> {
     pub camera: Option<usize>,
     /// How the camera was moved by hand.
     pub hand: OrbitControls,
-    /// Whether no tree was ever built for the scene, so that one that takes too long is given up.
+    /// The scene has never had a tree: a build that takes too long is given up.
     pub is_untried: bool,
+    /// This is the outgoing picture of a fade.
+    pub fades_away: bool,
+}
+
+/// A requested tree.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Asked {
+    /// The scene.
+    id: u64,
+    /// The picture.
+    shown: Shown,
+    /// It is the outgoing picture of a fade. Both pictures may have the same moment and scene, but each needs its own
+    /// tree: cameras and parameters differ.
+    fades_away: bool,
 }
 
 /// The builder's requests, and whether trees are waited for.
@@ -56,13 +70,13 @@ pub(super) struct SceneRegions {
     wish: CellUse,
     /// Whether a tree is waited for, however long it takes.
     insists: bool,
-    builder: RegionBuilder<(u64, Shown)>,
+    builder: RegionBuilder<Asked>,
     /// Builds the first trees of scenes that are coming onto the stage.
     trials: RegionBuilder<u64>,
     /// Builds trees for small pictures of the scene that comes next.
     sketches: RegionBuilder<u64>,
-    /// The scene and the picture for which a tree was last requested.
-    asked: Option<(u64, Shown)>,
+    /// The last request, until its tree has come.
+    asked: Option<Asked>,
     /// The compiled scene that is drawn faster than its tree is built, and is therefore drawn without.
     late_for: Option<(u64, Mode)>,
     /// The compiled scene that was no faster without its tree.
@@ -122,8 +136,8 @@ impl SceneRegions {
             }
             return Some((frame, wanted));
         }
-        let tag = (id, wanted);
-        if self.asked.is_some_and(|(of, _)| of != id) {
+        let tag = Asked { id, shown: wanted, fades_away: wishes.fades_away };
+        if self.asked.is_some_and(|asked| asked.id != id) {
             // Nobody waits for another scene's, which may take long.
             self.builder.forget();
         }
@@ -138,11 +152,15 @@ impl SceneRegions {
             self.asked = Some(tag);
         }
         let BuiltTree { tag, mut frame, regions } = self.builder.poll()?;
-        let (of, mut shown) = tag;
+        let Asked { id: of, mut shown, fades_away } = tag;
+        if self.asked == Some(tag) {
+            self.asked = None;
+        }
         if regions.is_none() {
             (self.given_up, self.asked) = (Some(of), None);
         }
-        let regions = regions.filter(|regions| of == id && regions.request.options.cells == cells)?;
+        let is_of_use = (of, fades_away) == (id, wishes.fades_away);
+        let regions = regions.filter(|regions| is_of_use && regions.request.options.cells == cells)?;
         if shown.size != wanted.size {
             shown.size = wanted.size;
             frame = frame.resized(scene.world(), wanted.size);
@@ -277,4 +295,47 @@ fn longest_wait() -> Duration {
 
 fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1000.0
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use super::*;
+    use crate::frame::testing::world_of;
+    use crate::gpu::headless::Headless;
+    use mariana_field::region::RegionPlan;
+
+    /// Balls without end: their tree follows the eye.
+    const TWO_CAMERAS: &str = "camera near { position = vec3(0, 2, -5)  target = vec3(0) }\n\
+                               camera far { position = vec3(0, 2, -95)  target = vec3(0) }\n\
+                               object balls { shape = sphere(mod(p, 4) - 2, 0.5) }";
+
+    #[test]
+    fn a_fade_between_two_cameras_of_one_scene_stood_still() {
+        let context = Headless::new(false).unwrap();
+        let world = world_of(TWO_CAMERAS);
+        let (buffers, plan) = (world.tape_buffers().unwrap(), RegionPlan::new(&world));
+        let scene = SceneResources::upload(context.gl(), world.into(), buffers.into(), plan.into()).unwrap();
+        let (woken, wakes) = channel();
+        let mut regions =
+            SceneRegions::start(CellUse::Always, move || woken.send(()).unwrap_or_default()).unwrap();
+        let size = (16, 9);
+        let shown = Shown { moment: Moment::default(), size, edges: EdgeSamples::Four, revision: 0 };
+        let mut eyes = Vec::new();
+        for (camera, fades_away) in [(0, true), (1, false)] {
+            let (camera, hand) = (Some(camera), OrbitControls::OFF);
+            let wishes = Wishes { params: &[], camera, hand, is_untried: false, fades_away };
+            let mut picture = || {
+                let drawn = (7, Mode::Compiled);
+                regions.drawable(drawn, &scene, shown, Features::SILENCE.into(), wishes)
+            };
+            assert!(picture().is_none(), "a tree of the other camera was taken");
+            wakes.recv_timeout(Duration::from_secs(20)).expect("no request for the tree of this camera");
+            let (frame, of) = picture().expect("its tree has come");
+            assert_eq!(of, shown);
+            eyes.push(frame.camera.position.z);
+        }
+        assert_eq!(eyes, [-5.0, -95.0]);
+    }
 }

@@ -20,8 +20,11 @@ mod hands;
 mod kept;
 mod mixing;
 mod preview;
+mod quiet;
 mod requests;
 mod scenery;
+#[cfg(test)]
+mod tests;
 mod told;
 mod turning;
 mod universal;
@@ -43,6 +46,7 @@ use hands::{Hands, Knob};
 use kept::KeptPrograms;
 use mixing::Mixing;
 use preview::Sketching;
+use quiet::Quiet;
 use scenery::Pictured;
 use turning::TurnedNumbers;
 use universal::UniversalInterpreters;
@@ -156,8 +160,11 @@ pub(super) struct SceneStage {
     hands: Hands,
     problem: Option<(String, String)>,
     notice: Option<(String, Instant)>,
-    /// What is said of a scene that was asked for and cannot be drawn yet.
+    /// The hint about a scene that the user asked for, until it is there.
     awaited: Option<String>,
+    quiet: Quiet,
+    /// The mode that the user asked for, until its program is there.
+    asked_mode: Option<Mode>,
     /// Whether somebody writes its text, so that mistakes come and go.
     is_written: bool,
     /// The numbers of a text that a hand turns.
@@ -230,6 +237,8 @@ impl SceneStage {
             problem: None,
             notice: None,
             awaited: None,
+            quiet: Quiet::default(),
+            asked_mode: None,
             is_written: false,
             turned: None,
             begun_picture: None,
@@ -296,15 +305,14 @@ impl SceneStage {
         match loaded.value {
             Ok(ready) => {
                 self.problem = None;
-                let name = loaded.source.title();
+                let (source, name) = (loaded.source.clone(), loaded.source.title());
                 let Err(error) = self.prepare(loaded.source, ready) else { return Ok(()) };
                 if self.on_stage.is_none() {
                     return Err(error);
                 }
                 tracing::warn!("{error}");
-                self.awaited = None;
                 let heading = format!("{name} cannot be drawn by this driver; the last good scene stays");
-                self.problem = Some((heading, error.to_string()));
+                self.refuse(source, heading, error.to_string());
                 Ok(())
             }
             Err(error) => {
@@ -318,8 +326,7 @@ impl SceneStage {
                     true => tracing::debug!("{error}"),
                     false => tracing::warn!("{error}"),
                 }
-                self.awaited = None;
-                self.problem = Some((heading, text));
+                self.refuse(loaded.source, heading, text);
                 Ok(())
             }
         }

@@ -257,6 +257,7 @@ impl Show {
         self.obey_controls();
         self.obey_hands();
         self.over |= self.stage.look_at_status(&self.settings)?;
+        self.stage.remember_show(&self.settings, Instant::now());
         let until = self.stage.look_around()?;
         Ok(self.stage.hands_due().map_or(until, |due| until.min(due)))
     }

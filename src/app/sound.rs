@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::error::AppError;
 use super::overlay::SourceList;
 use super::settings_panel;
-use crate::config::{DEFAULT_DEVICE, ListenChoice, Memory, Settings, SettingsFile};
+use crate::config::{DEFAULT_DEVICE, KeptSettings, ListenChoice, Memory, Settings};
 use crate::export::print::tell;
 use mariana_music::{self, Gain};
 use mariana_player::device_list::{DeviceList, DeviceWatch, ListedDevice};
@@ -35,7 +35,7 @@ pub(super) struct Sound {
     live: Option<Live>,
     /// What the user wants.
     paused: bool,
-    file: SettingsFile,
+    kept: KeptSettings,
     /// The shift of this run, in milliseconds, if it was given on the command line.
     asked_ms: Option<f64>,
     gain: Gain,
@@ -85,7 +85,7 @@ impl Sound {
             player: start.player,
             live: None,
             paused: true,
-            file: start.memory.file,
+            kept: KeptSettings::of(start.memory.file),
             asked_ms: start.latency.map(|seconds| 1000.0 * seconds),
             gain: start.gain,
             output: start.output,
@@ -103,7 +103,7 @@ impl Sound {
             sound.complain(&trouble.to_string());
         }
         if let Some(choice) = start.listen {
-            let target = wanted(choice, start.device, sound.file.settings());
+            let target = wanted(choice, start.device, sound.kept.settings());
             sound.live = Some(Live::start(LiveOptions { target, gain: start.gain })?);
         }
         Ok(sound)
@@ -189,7 +189,7 @@ impl Sound {
         if let Some(device) = self.device.clone().filter(|_| settled) {
             // From now on it is remembered for the device; another device has its own shift.
             self.asked_ms = None;
-            self.remember(|settings| {
+            self.remember(move |settings| {
                 settings.latency_ms.insert(device.id.clone(), shift);
             });
         }
@@ -237,7 +237,7 @@ impl Sound {
 
     /// How much later than the device says the picture is shown, in milliseconds.
     pub(super) fn shift_ms(&self) -> f64 {
-        let remembered = || self.file.latency_ms(&self.device.as_ref()?.id);
+        let remembered = || self.kept.settings().latency_ms.get(&self.device.as_ref()?.id).copied();
         self.asked_ms.or_else(remembered).unwrap_or(0.0)
     }
 
@@ -391,27 +391,23 @@ impl Sound {
 
     fn remember_choice(&mut self) {
         if let Some(target) = self.unremembered.take() {
-            self.remember(|settings| note_choice(settings, &target));
+            self.remember(move |settings| note_choice(settings, &target));
         }
     }
 
     /// What is remembered from run to run.
     pub(super) fn settings(&self) -> &Settings {
-        self.file.settings()
+        self.kept.settings()
     }
 
     /// Keeps a list of tracks for the next show, or none.
-    pub(super) fn keep_tracks(&mut self, tracks: Option<&[PathBuf]>) {
-        if let Err(error) = self.file.keep_tracks(tracks) {
-            self.complain(&error.to_string());
-        }
+    pub(super) fn keep_tracks(&mut self, tracks: Option<Vec<PathBuf>>) {
+        self.kept.keep_tracks(tracks);
     }
 
     /// Remembers a change of it, here and in the file.
-    pub(super) fn remember(&mut self, change: impl Fn(&mut Settings)) {
-        if let Err(error) = self.file.change(change) {
-            self.complain(&error.to_string());
-        }
+    pub(super) fn remember(&mut self, change: impl Fn(&mut Settings) + Send + 'static) {
+        self.kept.change(change);
     }
 
     /// Reports what is wrong with settings or devices, once: on the terminal, and over the picture.
@@ -424,6 +420,9 @@ impl Sound {
 
     /// What was complained of since the last call.
     pub(super) fn take_complaints(&mut self) -> Vec<String> {
+        while let Some(error) = self.kept.poll() {
+            self.complain(&error.to_string());
+        }
         std::mem::take(&mut self.unsaid)
     }
 }
@@ -431,6 +430,9 @@ impl Sound {
 impl Drop for Sound {
     fn drop(&mut self) {
         self.remember_choice();
+        for error in self.kept.finish() {
+            self.complain(&error.to_string());
+        }
     }
 }
 

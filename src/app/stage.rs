@@ -21,6 +21,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use winit::event::WindowEvent;
+use winit::keyboard::{Key, ModifiersState, NamedKey};
 
 use cues::Cues;
 use desk::Desk;
@@ -107,6 +108,8 @@ pub(super) struct Stage {
     shaders: ShaderLibrary,
     /// What finds the pictures of the list of scenes.
     thumbnails: Option<Thumbnails>,
+    /// When the thumbnails of the folder's scenes are drawn ahead; `None` if that was done.
+    thumbnails_ahead: Option<Instant>,
     /// The folder in which something was last picked.
     last_folder: Option<PathBuf>,
     waker: Waker,
@@ -123,6 +126,8 @@ pub(super) struct Stage {
     wallpaper: Option<Wallpaper>,
     /// Where it was moved last.
     grounded_at: Option<Rect>,
+    /// The state that was written for the next show.
+    legacy: leaving::Legacy,
     // Last: everything above that holds OpenGL objects is dropped first.
     pub(super) window: GlWindowContext,
 }
@@ -224,7 +229,7 @@ impl Stage {
     /// Handles an event of the window. Returns what a key or the mouse asks for.
     pub(super) fn take(&mut self, event: &WindowEvent) -> Option<Action> {
         self.pointer_rest.take(event, Instant::now());
-        if self.overlay.on_event(self.window.window(), event) {
+        if self.overlay.on_event(&self.window.window(), event) {
             return None;
         }
         if self.take_for_editor(event) {
@@ -238,6 +243,11 @@ impl Stage {
         if let (Some(files), Some((key, held))) = (&mut self.desk.files, self.input.typed(event)) {
             let picked = files.take_key(key, held.shift_key(), held.control_key() || held.super_key());
             self.follow_pick(picked);
+            return None;
+        }
+        if let Some((key, held)) = self.input.typed(event)
+            && self.go_through_controls(key, held)
+        {
             return None;
         }
         if let (Some(settings), Some((key, _))) = (&mut self.desk.settings, self.input.typed(event)) {
@@ -267,7 +277,7 @@ impl Stage {
             WindowEvent::Moved(place) => self.window.note_place((*place).into()),
             WindowEvent::Resized(size) => {
                 self.window.resize((*size).into());
-                self.window.window().request_redraw();
+                self.window.request_redraw();
             }
             WindowEvent::Occluded(occluded) => self.occluded = *occluded,
             _ => match self.input.take(event, Instant::now())? {
@@ -285,10 +295,28 @@ impl Stage {
         None
     }
 
+    /// Takes a key by which one goes through the controls; returns whether it is one.
+    fn go_through_controls(&mut self, key: &Key, held: ModifiersState) -> bool {
+        let begins = *key == Key::Named(NamedKey::Tab)
+            && (held.shift_key() || self.overlay.is_assisted())
+            && self.desk.corners.is_none();
+        let others = ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER;
+        if !(begins || self.overlay.has_key_focus()) || held.intersects(others) {
+            return false;
+        }
+        let taken = self.overlay.take_key(key, held.shift_key());
+        if taken {
+            // The bar comes, and stays while it has the keys.
+            self.pointer_rest.wake(Instant::now());
+            self.window.window().request_redraw();
+        }
+        taken
+    }
+
     /// Does what assistive technology asks for, before anything else is drawn.
     pub(super) fn assist(&mut self, assistance: Assistance) {
         self.overlay.assist(assistance);
-        self.window.window().request_redraw();
+        self.window.request_redraw();
     }
 
     /// What the desktop asks for next, if anything.
@@ -326,7 +354,7 @@ impl Stage {
         {
             return Err(AppError::SongLost(error.clone()));
         }
-        self.reports.look(&status, self.window.is_fullscreen());
+        self.reports.look(&status, self.listening.has_started(), self.window.is_fullscreen());
         self.set_title(title(self.scene.notes(), &status, silence_asked));
         Ok(status.ended && settings.once)
     }
@@ -337,7 +365,7 @@ impl Stage {
         if let Some(live) = self.listening.live_status() {
             self.reports.look_at_input(&live, self.listening.is_paused());
         } else if let Some(status) = self.listening.song_status() {
-            self.reports.look(&status, fullscreen);
+            self.reports.look(&status, self.listening.has_started(), fullscreen);
         }
     }
 
@@ -417,7 +445,7 @@ impl Stage {
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
         } else if now >= self.pace.due(self.hands.are_unseen()) || self.scene.has_regions() {
             self.update_preview(now, Some(Duration::ZERO))?;
-            self.window.window().request_redraw();
+            self.window.request_redraw();
             Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
         } else {
             let due = self.pace.due(self.hands.are_unseen());

@@ -2,16 +2,17 @@
 
 #![expect(unsafe_code, reason = "creating contexts from window handles is unsafe in glutin")]
 
+mod gl_display;
 mod second;
+mod shared_window;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod wayland;
 
 use std::cell::Cell;
 use std::num::NonZeroU32;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 
-use glutin::config::{ConfigTemplateBuilder, GlConfig};
+use glutin::config::ConfigTemplateBuilder;
 use glutin::context::{
     ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentGlContext, PossiblyCurrentContext,
     PossiblyCurrentGlContext, Version,
@@ -19,20 +20,22 @@ use glutin::context::{
 use glutin::display::{GetGlDisplay, GlDisplay};
 use glutin::error::ErrorKind;
 use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
-use glutin_winit::{ApiPreference, DisplayBuilder, GlWindow};
+use glutin_winit::GlWindow;
 use winit::dpi::{PhysicalPosition, PhysicalSize};
-use winit::event_loop::ActiveEventLoop;
+use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::raw_window_handle::HasWindowHandle;
 use winit::window::{Fullscreen, Window, WindowAttributes};
 
 use super::error::AppError;
 use super::identity;
 use super::wallpaper::Rect;
+use super::window_thread::Told;
 use crate::gpu::background::WorkerContext;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use second::grounded;
 pub(super) use second::{Ground, SecondSurface, open_output};
+pub(super) use shared_window::{SharedWindow, WindowCalls};
 #[cfg(all(unix, not(target_os = "macos")))]
 pub(super) use wayland::wayland_connection;
 
@@ -56,7 +59,7 @@ pub(super) struct WindowWishes {
 /// draws, because drivers take their time.
 pub(super) struct OpenWindow {
     config: glutin::config::Config,
-    window: Arc<Window>,
+    window: SharedWindow,
     size: (u32, u32),
     place: Option<(i32, i32)>,
     refresh_rate: Option<f64>,
@@ -70,7 +73,7 @@ pub(super) struct GlWindowContext {
     context: PossiblyCurrentContext,
     surface: Surface<WindowSurface>,
     config: glutin::config::Config,
-    window: Arc<Window>,
+    window: SharedWindow,
     /// As the window's events last reported it. (Asking a window that others have closed would end the program.)
     size: Cell<(u32, u32)>,
     /// The same; none where the window system tells nobody.
@@ -78,29 +81,16 @@ pub(super) struct GlWindowContext {
     refresh_rate: Option<f64>,
 }
 
-/// A driver may offer no pixel format at all, but glutin-winit wants one chosen in any case. So the choice unwinds, which
-/// prints nothing, and [`unless_nothing_fits`] makes an absence of it.
-struct NothingFits;
-
-fn nothing_fits() -> ! {
-    resume_unwind(Box::new(NothingFits))
-}
-
-/// What `work` gives; none if [`nothing_fits`] ended it.
-fn unless_nothing_fits<T>(work: impl FnOnce() -> T) -> Option<T> {
-    match catch_unwind(AssertUnwindSafe(work)) {
-        Ok(made) => Some(made),
-        Err(reason) if reason.is::<NothingFits>() => None,
-        Err(reason) => resume_unwind(reason),
-    }
-}
-
 impl OpenWindow {
-    /// Opens a window.
+    /// Opens a window, whose events arrive on the thread behind `events`. That thread gets the second result.
     ///
     /// # Errors
     /// No window, or no OpenGL.
-    pub(super) fn open(event_loop: &ActiveEventLoop, wishes: &WindowWishes) -> Result<Self, AppError> {
+    pub(super) fn open(
+        event_loop: &ActiveEventLoop,
+        events: &EventLoopProxy<Told>,
+        wishes: &WindowWishes,
+    ) -> Result<(Self, Arc<Window>), AppError> {
         let no_context = |error: &dyn std::fmt::Display| AppError::NoContext(error.to_string());
         let attributes = WindowAttributes::default()
             .with_title(&wishes.title)
@@ -117,19 +107,10 @@ impl OpenWindow {
         let attributes = grounded(identity::told_by(attributes), wishes.ground);
         let template =
             ConfigTemplateBuilder::new().with_alpha_size(0).with_depth_size(0).with_stencil_size(0);
-        let builder = DisplayBuilder::new()
-            .with_preference(ApiPreference::PreferEgl)
-            .with_window_attributes(Some(attributes));
-        let built = unless_nothing_fits(|| {
-            builder.build(event_loop, template, |configs| {
-                // No multisampling: the renderer has its own.
-                configs.min_by_key(|config| config.num_samples()).unwrap_or_else(|| nothing_fits())
-            })
-        });
-        let (window, config) = built
-            .ok_or_else(|| no_context(&"none of the driver's pixel formats fits a window"))?
-            .map_err(|error| no_context(&error))?;
-        let window = window.ok_or_else(|| AppError::NoContext("the system opened no window".into()))?;
+        let opened =
+            gl_display::open(event_loop, attributes, template).map_err(|error| no_context(&error))?;
+        let (window, config) =
+            opened.ok_or_else(|| no_context(&"none of the driver's pixel formats fits a window"))?;
         if wishes.ground.is_some()
             && let Err(error) = window.set_cursor_hittest(false)
         {
@@ -139,13 +120,9 @@ impl OpenWindow {
         let place = window.outer_position().ok().map(Into::into);
         let millihertz = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
         let refresh_rate = millihertz.filter(|rate| *rate > 0).map(|rate| f64::from(rate) / 1000.0);
-        let window = Arc::new(window);
-        Ok(Self { config, window, size, place, refresh_rate, log_debug: wishes.log_debug })
-    }
-
-    /// The window.
-    pub(super) fn window(&self) -> Arc<Window> {
-        self.window.clone()
+        let own = Arc::new(window);
+        let window = shared(event_loop, events, own.clone());
+        Ok((Self { config, window, size, place, refresh_rate, log_debug: wishes.log_debug }, own))
     }
 
     /// What other windows must be like for its context to draw into them.
@@ -160,7 +137,8 @@ impl OpenWindow {
     pub(super) fn bind(self) -> Result<GlWindowContext, AppError> {
         let Self { config, window, size, place, refresh_rate, log_debug } = self;
         let no_context = |error: &dyn std::fmt::Display| AppError::NoContext(error.to_string());
-        let handle = window.window_handle().map_err(|error| no_context(&error))?.as_raw();
+        let calls = window.calls();
+        let handle = calls.window_handle().map_err(|error| no_context(&error))?.as_raw();
         let display = config.display();
         let wanted = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Core)
@@ -178,11 +156,12 @@ impl OpenWindow {
                 .or_else(|error| display.create_context(&config, &any).map_err(|_| error))
                 .map_err(|error| no_context(&error))?;
             let attributes =
-                window.build_surface_attributes(Default::default()).map_err(|error| no_context(&error))?;
+                calls.build_surface_attributes(Default::default()).map_err(|error| no_context(&error))?;
             let surface =
                 display.create_window_surface(&config, &attributes).map_err(|error| no_context(&error))?;
             (context, surface)
         };
+        drop(calls);
         let context = context.make_current(&surface).map_err(|error| no_context(&error))?;
         if let Err(error) = surface.set_swap_interval(&context, SwapInterval::Wait(NonZeroU32::MIN)) {
             tracing::info!("no vertical sync ({error}); only the frame cap limits the rate");
@@ -225,8 +204,13 @@ impl GlWindowContext {
     }
 
     /// The window.
-    pub(super) fn window(&self) -> &Window {
-        &self.window
+    pub(super) fn window(&self) -> WindowCalls<'_> {
+        self.window.calls()
+    }
+
+    /// Requests a redraw of the window.
+    pub(super) fn request_redraw(&self) {
+        self.window.request_redraw();
     }
 
     /// Size of the drawable, in pixels; none while it has no area.
@@ -276,19 +260,33 @@ impl GlWindowContext {
 
     /// Whether the window is in full screen.
     pub(super) fn is_fullscreen(&self) -> bool {
-        self.window.fullscreen().is_some()
+        self.window.is_fullscreen()
     }
 
     /// Moves it to a rectangle of the desktop.
     pub(super) fn fill(&self, ((x, y), (width, height)): Rect) {
-        self.window.set_outer_position(PhysicalPosition::new(x, y));
-        let _ = self.window.request_inner_size(PhysicalSize::new(width, height));
+        let window = self.window();
+        window.set_outer_position(PhysicalPosition::new(x, y));
+        let _ = window.request_inner_size(PhysicalSize::new(width, height));
     }
 
     /// Enters or leaves full screen.
     pub(super) fn set_fullscreen(&self, on: bool) {
-        self.window.set_fullscreen(on.then_some(Fullscreen::Borderless(None)));
+        self.window().set_fullscreen(on.then_some(Fullscreen::Borderless(None)));
     }
+}
+
+/// A window for the show's thread.
+pub(super) fn shared(
+    event_loop: &ActiveEventLoop,
+    events: &EventLoopProxy<Told>,
+    window: Arc<Window>,
+) -> SharedWindow {
+    #[cfg(all(unix, not(target_os = "macos")))]
+    let events = winit::platform::x11::ActiveEventLoopExtX11::is_x11(event_loop).then(|| events.clone());
+    #[cfg(not(all(unix, not(target_os = "macos"))))]
+    let events = (event_loop, events, None).2;
+    SharedWindow::new(window, events)
 }
 
 /// Least part of a window's upper edge that must be on a monitor for a hand to grasp it: width and height in pixels.
@@ -347,11 +345,5 @@ mod tests {
             assert!(!is_there(place), "{place:?}");
         }
         assert!(!can_be_grasped((0, 0), (640, 360), [].into_iter()));
-    }
-
-    #[test]
-    fn a_driver_without_any_pixel_format_was_a_panic() {
-        assert!(unless_nothing_fits(|| nothing_fits()).is_none());
-        assert_eq!(unless_nothing_fits(|| 7), Some(7));
     }
 }

@@ -21,7 +21,7 @@ use super::error::AppError;
 use super::keys::{self, Action};
 use super::monitors::Monitor;
 use super::wallpaper::Layers;
-use super::window::{OpenWindow, WindowWishes, open_output};
+use super::window::{OpenWindow, SharedWindow, WindowWishes, open_output, shared};
 use crate::ending::{self, Signal};
 use crate::export::print::tell;
 
@@ -35,7 +35,7 @@ pub(super) enum Message {
     /// These monitors are there, where X11 does not tell.
     Monitors(Vec<Monitor>),
     /// The window of the output, which was asked for.
-    Output(Arc<Window>),
+    Output(SharedWindow),
     /// Something happened to it.
     OutputEvent(WindowEvent),
     /// Assistive technology asks for something.
@@ -94,6 +94,8 @@ pub(super) enum Told {
     OpenOutput(Monitor),
     /// It needs that no longer.
     CloseOutput,
+    /// The show has called a window, which may have queued events: see [`super::window::SharedWindow`].
+    CallsMade,
 }
 
 /// A show: everything that happens on its thread, from the window to the end.
@@ -171,8 +173,8 @@ struct Running {
 impl Front {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let Some((wishes, play)) = self.begins_with.take() else { return Ok(()) };
-        let (visible, opened) = (wishes.visible, OpenWindow::open(event_loop, &wishes)?);
-        let (window, config) = (opened.window(), opened.config());
+        let (opened, window) = OpenWindow::open(event_loop, &self.proxy, &wishes)?;
+        let (visible, config) = (wishes.visible, opened.config());
         let accessibility = Accessibility::new(event_loop, &window, self.proxy.clone());
         window.set_visible(visible);
         let proxy = self.proxy.clone();
@@ -287,11 +289,14 @@ impl ApplicationHandler<Told> for Front {
                 match open_output(event_loop, &running.config, &monitor) {
                     Ok(window) => {
                         running.output = Some(window.clone());
+                        let window = shared(event_loop, &self.proxy, window);
                         let _ = self.messages.send(Message::Output(window));
                     }
                     Err(error) => tracing::warn!("{error}"),
                 }
             }
+            // winit has read the queued events before it called this.
+            Told::CallsMade => {}
             Told::CloseOutput => {
                 if let Some(running) = &mut self.running {
                     running.output = None;

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::common::colors;
 use super::files::scene_of;
-use crate::export::print::print_line;
+use crate::export::print::{print_line, tell};
 use crate::scenes::{SceneError, SceneSource};
 use mariana_field::graph::{Graph, Input, NodeId, Op, SoundInput};
 use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, render_all};
@@ -28,22 +28,40 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     if arguments.json {
         return run_json(&arguments.scenes);
     }
-    let mut wrong = 0;
+    let (mut wrong, mut unreadable) = (0, 0);
     for argument in &arguments.scenes {
-        let source = scene_of(argument)?;
-        match compile(&source)? {
-            Ok(scene) => print_line(&format!("{}: {}", source.name(), cost(&scene)?))?,
-            Err(Mistakes { diagnostics, sources }) => {
+        let checked = scene_of(argument).and_then(|source| {
+            Ok(match compile(&source)? {
+                Ok(scene) => Ok(format!("{}: {}", source.name(), cost(&scene)?)),
+                Err(mistakes) => Err(mistakes),
+            })
+        });
+        match checked {
+            Ok(Ok(line)) => print_line(&line)?,
+            Ok(Err(Mistakes { diagnostics, sources })) => {
                 let text = render_all(&diagnostics, &sources, colors(&std::io::stdout()));
                 print_line(text.trim_end())?;
                 wrong += 1;
             }
+            Err(error) if arguments.scenes.len() == 1 => return Err(error),
+            Err(error) => {
+                tell(&format!("{error:#}"));
+                unreadable += 1;
+            }
         }
     }
-    match wrong {
-        0 => Ok(()),
-        1 => bail!("a scene has mistakes: correct what is underlined above"),
-        _ => bail!("{wrong} scenes have mistakes: correct what is underlined above"),
+    match (wrong, unreadable) {
+        (0, 0) => Ok(()),
+        (0, _) => bail!("{unreadable} of {} scenes cannot be checked: see above", arguments.scenes.len()),
+        (_, _) => refused(wrong, "underlined above"),
+    }
+}
+
+/// The error for so many scenes with mistakes, which are shown in some way.
+fn refused(scenes: usize, shown: &str) -> anyhow::Result<()> {
+    match scenes {
+        1 => bail!("a scene has mistakes: correct what is {shown}"),
+        _ => bail!("{scenes} scenes have mistakes: correct what is {shown}"),
     }
 }
 
@@ -73,11 +91,7 @@ fn run_json(scenes: &[String]) -> anyhow::Result<()> {
         }
         wrong += 1;
     }
-    match wrong {
-        0 => Ok(()),
-        1 => bail!("a scene has mistakes: correct what is listed"),
-        _ => bail!("{wrong} scenes have mistakes: correct what is listed"),
-    }
+    if wrong == 0 { Ok(()) } else { refused(wrong, "listed") }
 }
 
 /// A mistake for editors.

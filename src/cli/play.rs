@@ -90,7 +90,7 @@ pub(super) struct PlayArguments {
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     size: Option<(u32, u32)>,
     /// Whether scenes follow the song: 'auto' or 'off', or a .show file [default: what was chosen in the window, at first
-    /// auto where several tracks play and no scene is named]
+    /// auto unless a scene is named]
     #[arg(long, value_name = "AUTO-OFF-FILE")]
     show: Option<ShowChoice>,
     /// Hear OSC messages on this port: of this computer alone, or with ADDRESS:PORT of that address; docs/osc.md tells

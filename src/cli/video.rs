@@ -56,7 +56,7 @@ pub(super) struct VideoArguments {
     /// --scene orb --scene city@1:20 [default: speakers]
     #[arg(long, value_name = "SCENE[@TIME]", allow_hyphen_values = true)]
     scene: Vec<OsString>,
-    /// Leave out the sky, so that the video can be laid over another one: in webm, mov, mkv and PNGs, for scenes whose
+    /// Leave out the sky, so that the video can be laid over another one: in webm, mov, mkv, webp and PNGs, for scenes whose
     /// sky has no colour of its own
     #[arg(long, conflicts_with_all = ["codec", "view", "show"])]
     alpha: bool,
@@ -66,7 +66,7 @@ pub(super) struct VideoArguments {
     show: Option<ShowChoice>,
     #[command(flatten)]
     set: SetArguments,
-    /// The video to write (mp4, mkv, mov, webm), a folder ending in '/' for numbered PNGs, or '-' for y4m without sound
+    /// The video to write (mp4, mkv, mov, webm, or gif and webp without sound), a folder ending in '/' for numbered PNGs, or '-' for y4m without sound
     /// on standard output
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,

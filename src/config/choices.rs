@@ -42,8 +42,8 @@ impl Choice for QualityChoice {
 
 impl Choice for FollowChoice {
     const ALL: &'static [(Self, &'static str, &'static str)] = &[
-        (Self::Lists, "lists", "Where several tracks play and no scene was named"),
-        (Self::On, "on", "Always"),
+        (Self::Songs, "songs", "Every song, unless the program was started with a scene"),
+        (Self::On, "on", "Inputs, too"),
         (Self::Off, "off", "N and P change the scene"),
     ];
 }

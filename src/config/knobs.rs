@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
 
+use super::aside::aside;
 use super::scribe::Scribe;
 use crate::atomic_file::AtomicFile;
 use mariana_control::limits::LIMITS as CONTROL_LIMITS;
@@ -171,15 +172,6 @@ fn read(path: &Path) -> Result<MappingFile, KnobsError> {
         reason,
         aside: aside(path),
     })
-}
-
-/// Where a damaged file is kept: beside its place, under a name that is free.
-fn aside(path: &Path) -> PathBuf {
-    let named = |number: u32| match number {
-        1 => path.with_extension("toml.broken"),
-        _ => path.with_extension(format!("toml.broken-{number}")),
-    };
-    (1..100).map(named).find(|path| !path.exists()).unwrap_or_else(|| named(1))
 }
 
 fn write(path: &Path, file: &MappingFile) -> Result<(), KnobsError> {

@@ -1,6 +1,8 @@
 //! The settings of a run: what the command line chooses, with the defaults, and what is remembered from run to run.
 
+mod aside;
 mod choices;
+mod kept_settings;
 mod knobs;
 mod last_show;
 mod performances;
@@ -10,6 +12,7 @@ mod stage_choices;
 mod understood;
 
 pub use choices::{Choice, Choices};
+pub use kept_settings::KeptSettings;
 pub use knobs::{KnobEdit, KnobMemory, KnobsError};
 pub use last_show::LastShow;
 pub use performances::{Kept, PerformanceFiles};
@@ -52,13 +55,13 @@ pub enum QualityChoice {
     Best,
 }
 
-/// Whether scenes follow the song, as the director says.
+/// The sources of sound that get a show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FollowChoice {
-    /// Where several tracks play and no scene was named.
+    /// Every song, unless the command line names a scene.
     #[default]
-    Lists,
-    /// Always.
+    Songs,
+    /// Every song and every input.
     On,
     /// The scene stays until the user changes it.
     Off,

@@ -55,6 +55,17 @@ impl PerformanceFiles {
         self.scribe.as_ref().is_some_and(|scribe| scribe.give(job))
     }
 
+    /// Returns `true` once all files are written and all results were taken.
+    pub fn is_idle(&self) -> bool {
+        self.scribe.as_ref().is_none_or(Scribe::is_idle)
+    }
+
+    /// Waits for the next result.
+    #[cfg(test)]
+    pub fn wait(&self) -> Option<Kept> {
+        self.scribe.as_ref()?.wait()
+    }
+
     /// What became of one that was to be written.
     pub fn poll(&self) -> Option<Kept> {
         self.scribe.as_ref()?.poll()
@@ -111,7 +122,7 @@ mod tests {
         std::fs::write(&place, "where the folder should be").unwrap();
         let files = PerformanceFiles::in_folder(Some(place.clone()));
         assert!(files.keep(1, "song", || "at start orb".to_owned()));
-        let told = files.scribe.unwrap().wait().unwrap().unwrap_err().to_string();
+        let told = files.wait().unwrap().unwrap_err().to_string();
         assert!(told.contains("a file"), "{told}");
         assert!(!PerformanceFiles::in_folder(None).keep(1, "song", String::new));
     }

@@ -1,5 +1,6 @@
 //! What writes files on a thread of its own: a disk may be slow, and the show waits for none.
 
+use std::cell::Cell;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 
@@ -8,6 +9,8 @@ pub(super) struct Scribe<Job, Done> {
     jobs: Option<Sender<Job>>,
     done: Receiver<Done>,
     thread: Option<JoinHandle<()>>,
+    /// Jobs whose result was not taken yet.
+    open: Cell<usize>,
 }
 
 impl<Job: Send + 'static, Done: Send + 'static> Scribe<Job, Done> {
@@ -21,23 +24,44 @@ impl<Job: Send + 'static, Done: Send + 'static> Scribe<Job, Done> {
             }
         };
         let thread = std::thread::Builder::new().name(name.to_owned()).spawn(go_on).ok();
-        Self { jobs: thread.is_some().then_some(jobs), done, thread }
+        Self { jobs: thread.is_some().then_some(jobs), done, thread, open: Cell::new(0) }
     }
 
     /// Gives it a job. Returns whether it will be done.
     pub(super) fn give(&self, job: Job) -> bool {
-        self.jobs.as_ref().is_some_and(|jobs| jobs.send(job).is_ok())
+        let is_given = self.jobs.as_ref().is_some_and(|jobs| jobs.send(job).is_ok());
+        self.open.update(|open| open + usize::from(is_given));
+        is_given
     }
 
-    /// What became of a job.
+    /// The result of the next job that is done.
     pub(super) fn poll(&self) -> Option<Done> {
-        self.done.try_recv().ok()
+        let done = self.done.try_recv().ok();
+        self.open.update(|open| open - usize::from(done.is_some()));
+        done
+    }
+
+    /// Returns `true` once the results of all jobs were taken.
+    pub(super) fn is_idle(&self) -> bool {
+        self.open.get() == 0
+    }
+
+    /// Does the remaining jobs, takes no more, and returns the results that were not taken.
+    pub(super) fn finish(&mut self) -> Vec<Done> {
+        self.jobs = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+        self.open.set(0);
+        self.done.try_iter().collect()
     }
 
     /// Waits for what becomes of a job.
     #[cfg(test)]
     pub(super) fn wait(&self) -> Option<Done> {
-        self.done.recv().ok()
+        let done = self.done.recv().ok();
+        self.open.update(|open| open - usize::from(done.is_some()));
+        done
     }
 }
 

@@ -17,14 +17,16 @@
 //! written is read as far as it is known, and stays in the file.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{File, create_dir_all};
+use std::fs::{File, TryLockError, create_dir_all};
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use directories::ProjectDirs;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 use serde::{Deserialize, Serialize};
 
+use super::aside::aside;
 use super::choices::Choices;
 use super::last_show::{self, LastShow};
 use super::understood::{rewrite, understood};
@@ -71,12 +73,14 @@ const NAME_LETTERS_MAX: usize = 40;
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
     /// The file holds something other than settings.
-    #[error("the settings in {} cannot be understood, so nothing is remembered ({reason}); correct or delete the file", path.display())]
+    #[error("the settings in {} cannot be understood ({reason}): the defaults apply, and the first change keeps this file as {}", path.display(), aside.display())]
     Malformed {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
         reason: String,
+        /// Where it will be kept.
+        aside: PathBuf,
     },
     /// A newer version has written it, or somebody has misspelt something.
     #[error("the settings in {} hold what this version does not know ({names}): that is kept, and all else applies", path.display())]
@@ -87,10 +91,12 @@ pub enum SettingsError {
         names: String,
     },
     /// The file is larger than settings ever are.
-    #[error("the settings in {} are larger than {} bytes, so nothing is remembered; delete the file", path.display(), LIMITS.settings_bytes_max)]
+    #[error("the settings in {} are larger than {} bytes: the defaults apply, and the first change keeps this file as {}", path.display(), LIMITS.settings_bytes_max, aside.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
+        /// Where it will be kept.
+        aside: PathBuf,
     },
     /// The system refuses.
     #[error("the settings in {} cannot be {doing} ({reason}); check that folder's permissions", path.display())]
@@ -152,11 +158,6 @@ impl SettingsFile {
         self.path.as_deref().map_or(Ok(()), |path| last_show::keep_tracks(path, tracks))
     }
 
-    /// How much later the picture is shown for a device, in milliseconds; none if nothing is remembered for it.
-    pub fn latency_ms(&self, device: &str) -> Option<f64> {
-        self.settings.latency_ms.get(device).copied()
-    }
-
     /// Changes the settings here and in the file, which other windows may have changed in the meantime.
     ///
     /// # Errors
@@ -164,11 +165,11 @@ impl SettingsFile {
     pub fn change(&mut self, change: impl Fn(&mut Settings)) -> Result<(), SettingsError> {
         change(&mut self.settings);
         let Some(path) = &self.path else { return Ok(()) };
+        let _turn = turn_of(path);
         let Found { mut table, settings: before, .. } = match read(path) {
             Ok(found) => found,
-            Err(SettingsError::Malformed { .. } | SettingsError::TooLarge { .. }) => {
-                std::fs::rename(path, path.with_extension("toml.broken"))
-                    .map_err(|error| refused(path, "written", &error))?;
+            Err(SettingsError::Malformed { aside, .. } | SettingsError::TooLarge { aside, .. }) => {
+                std::fs::rename(path, aside).map_err(|error| refused(path, "written", &error))?;
                 return write(path, &mut toml::Table::new(), &Settings::default(), &self.settings);
             }
             Err(error) => return Err(error),
@@ -180,6 +181,24 @@ impl SettingsFile {
         Ok(())
     }
 }
+
+/// Waits until no other window is between reading and writing the settings in `path`: a lock on their folder, held until
+/// the result is dropped. `None` if the folder cannot be locked, or not within half a second.
+fn turn_of(path: &Path) -> Option<File> {
+    let folder = File::open(path.parent()?).ok()?;
+    for _ in 0..TURN_LOOKS {
+        match folder.try_lock() {
+            Ok(()) => return Some(folder),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(TURN_PERIOD),
+            Err(TryLockError::Error(_)) => return None,
+        }
+    }
+    None
+}
+
+/// How often, and how many times, [`turn_of`] tries.
+const TURN_PERIOD: Duration = Duration::from_millis(5);
+const TURN_LOOKS: u32 = 100;
 
 /// What is in a file.
 #[derive(Default)]
@@ -215,9 +234,10 @@ fn read(path: &Path) -> Result<Found, SettingsError> {
     let limit = LIMITS.settings_bytes_max as u64;
     file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| refused(path, "read", &error))?;
     if bytes.len() as u64 > limit {
-        return Err(SettingsError::TooLarge { path: path.to_owned() });
+        return Err(SettingsError::TooLarge { path: path.to_owned(), aside: aside(path) });
     }
-    let malformed = |reason: String| SettingsError::Malformed { path: path.to_owned(), reason };
+    let malformed =
+        |reason: String| SettingsError::Malformed { path: path.to_owned(), reason, aside: aside(path) };
     let text = std::str::from_utf8(&bytes).map_err(|error| malformed(error.to_string()))?;
     let table: toml::Table =
         toml::from_str(text).map_err(|error| malformed(error.message().trim().replace('\n', " ")))?;
@@ -274,27 +294,55 @@ mod tests {
         let (next, error) = SettingsFile::open(Some(path.clone()));
         assert!(error.is_none());
         assert_eq!(next.settings().microphone.as_deref(), Some("p:\"odd\" mic\n"));
-        assert_eq!((next.latency_ms("p:tv"), next.latency_ms("p:else")), (Some(-35.0), None));
+        assert_eq!(next.settings().latency_ms, [("p:tv".to_owned(), -35.0)].into());
         // There is no other file beside it.
         assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
     }
 
     #[test]
-    fn a_broken_file_is_told_and_kept() {
+    fn changes_of_windows_at_the_same_time_were_lost() {
+        let (_folder, path) = folder();
+        create_dir_all(path.parent().unwrap()).unwrap();
+        std::thread::scope(|scope| {
+            for window in 0..4 {
+                let (mut file, _) = SettingsFile::open(Some(path.clone()));
+                scope.spawn(move || {
+                    for device in 0..10 {
+                        let id = format!("p:{window}.{device}");
+                        file.change(|settings| {
+                            settings.latency_ms.insert(id.clone(), 5.0);
+                        })
+                        .unwrap();
+                    }
+                });
+            }
+        });
+        assert_eq!(SettingsFile::open(Some(path)).0.settings().latency_ms.len(), 40);
+    }
+
+    #[test]
+    fn a_broken_file_that_was_moved_already_was_to_be_corrected_or_deleted() {
         for text in
             [&b"microphone = "[..], b"[latency_ms", b"\xff\xfe", b"unknown = \"key\" = 3", &[b'#'; 1 << 21]]
         {
             let (_folder, path) = folder();
             let (mut file, error) = with_text(&path, text);
             let told = error.expect("it is broken").to_string();
-            assert!(told.contains("settings.toml") && told.contains("delete"), "{told}");
+            let aside = path.with_extension("toml.broken");
+            assert!(told.ends_with(&format!("keeps this file as {}", aside.display())), "{told}");
+            assert!(!told.contains("delete"), "{told}");
             assert_eq!(*file.settings(), Settings::default());
             assert_eq!(std::fs::read(&path).unwrap(), text, "it was touched");
             file.change(|settings| settings.system = Some("p:a.monitor".into())).unwrap();
-            assert_eq!(std::fs::read(path.with_extension("toml.broken")).unwrap(), text);
-            let (next, error) = SettingsFile::open(Some(path));
+            assert_eq!(std::fs::read(&aside).unwrap(), text);
+            let (next, error) = SettingsFile::open(Some(path.clone()));
             assert!(error.is_none());
             assert_eq!(next.settings().system.as_deref(), Some("p:a.monitor"));
+            // Another one does not take its place.
+            let (mut file, _) = with_text(&path, b"[");
+            file.change(|settings| settings.system = None).unwrap();
+            assert_eq!(std::fs::read(&aside).unwrap(), text);
+            assert_eq!(std::fs::read(path.with_extension("toml.broken-2")).unwrap(), b"[");
         }
     }
 

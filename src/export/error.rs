@@ -157,6 +157,35 @@ pub enum ExportError {
         /// Its last words.
         message: String,
     },
+    /// ffmpeg made no progress and was ended.
+    #[error(
+        "ffmpeg did nothing for {seconds:.0} s while it wrote {} and was ended: check the disk, or choose another codec \
+         by --codec", .path.display()
+    )]
+    EncoderStalled {
+        /// The output.
+        path: PathBuf,
+        /// How long it was waited for, in seconds.
+        seconds: f64,
+    },
+    /// A codec for a GIF or a WebP.
+    #[error(
+        "{} takes no codec: leave out --codec, or give -o a name that ends in .mp4 or .mkv", .path.display()
+    )]
+    OwnCodec {
+        /// The output.
+        path: PathBuf,
+    },
+    /// More pictures a second than the format can show.
+    #[error("{} shows at most {max} pictures a second, not {fps}: give --fps {max} or less", .path.display())]
+    FrameRate {
+        /// The output.
+        path: PathBuf,
+        /// The rate that was asked for.
+        fps: f64,
+        /// The format's highest rate.
+        max: f64,
+    },
     /// A show cannot be made.
     #[error(transparent)]
     Show(#[from] ShowError),

@@ -43,5 +43,5 @@ pub fn write_show_file(request: &ShowFileRequest) -> Result<usize, ExportError> 
         Some(file) => file.write(text.as_bytes())?,
         None => write_standard(text.as_bytes()).map(|_| ())?,
     }
-    Ok(programme.plan().stays().len())
+    Ok(programme.stays().len())
 }

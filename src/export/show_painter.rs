@@ -10,7 +10,7 @@ use crate::frame::held_inputs::{HeldInputs, Setting};
 use crate::frame::orbit_controls::OrbitControls;
 use crate::frame::{Frame, Staging};
 use crate::scenes::{ReadyScene, SceneBlend, SceneError, SceneSource, camera_number};
-use crate::show::{Held, Programme, Stay, blend_kind};
+use crate::show::{Held, Plan, Programme, ShowError, Stay, blend_kind};
 use mariana_field::world::{BlendKind, World, blended_params};
 use mariana_music::Sound;
 
@@ -36,6 +36,8 @@ pub(super) struct ShowPainter {
     easel: Easel,
     choice: SceneChoice,
     programme: Arc<Programme>,
+    /// The programme's plan.
+    plan: Arc<Plan>,
     scenes: Vec<Read>,
     /// What is on the GPU, the last drawn at the end.
     models: VecDeque<(Drawn, Rc<Model>)>,
@@ -49,18 +51,19 @@ pub(super) struct ShowPainter {
 pub(super) type Heard = (f64, Sound);
 
 impl ShowPainter {
-    /// Reads all scenes of the show, so that none is refused in the middle. `choice` says how they are drawn.
+    /// Reads all scenes of the show, so that a mistake stops it at the start. `choice` configures the renderer.
     ///
     /// # Errors
-    /// A scene, a setting or the driver is refused.
+    /// A scene, a setting or the driver is refused, or every entry of the show is a cue.
     pub(super) fn open(
         choice: &SceneChoice,
         programme: Arc<Programme>,
         set: &[Setting],
     ) -> Result<Self, ExportError> {
+        let plan = Arc::new(programme.plan().ok_or(ShowError::WaitsForKeys)?.clone());
         let mut scenes = Vec::new();
         let mut names: Vec<&str> = Vec::new();
-        for stay in programme.plan().stays() {
+        for stay in plan.stays() {
             if names.contains(&stay.scene.as_str()) {
                 continue;
             }
@@ -71,7 +74,7 @@ impl ShowPainter {
         let known: Vec<_> = scenes.iter().map(|(_, _, ready)| &ready.world.scene).collect();
         require_inputs(&known, set)?;
         let mut easel = Easel::open(choice)?;
-        if programme.plan().dims() {
+        if plan.dims() {
             easel.add_dimming(&choice.shaders)?;
         }
         let read = |(name, source, ready): (String, SceneSource, ReadyScene)| {
@@ -83,7 +86,7 @@ impl ShowPainter {
         };
         let scenes = scenes.into_iter().map(read).collect::<Result<_, ExportError>>()?;
         let (models, refused) = (VecDeque::new(), Vec::new());
-        Ok(Self { easel, choice: choice.clone(), programme, scenes, models, refused, held: None })
+        Ok(Self { easel, choice: choice.clone(), programme, plan, scenes, models, refused, held: None })
     }
 
     /// Whether one of the scenes reads numbers of the whole song.
@@ -96,13 +99,12 @@ impl ShowPainter {
         &mut self.easel
     }
 
-    /// What the show holds at `time` seconds, as [`Plan::held_at`](crate::show::Plan::held_at) has it.
+    /// The pictures that the show holds at `time` seconds: [`Plan::held_at`].
     pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
-        self.programme.plan().held_at(time)
+        self.plan.held_at(time)
     }
 
     /// Draws what is on at a moment, `size` pixels large, with what is held of the moment of [`ShowPainter::held_at`].
-    /// Nothing is drawn if nothing is on.
     ///
     /// # Errors
     /// What the driver refuses.
@@ -118,7 +120,7 @@ impl ShowPainter {
             self.draw_anew((time, sound), held, size)?;
         }
         self.held = alone;
-        self.easel.dim(self.programme.plan().picture_at(time).brightness)
+        self.easel.dim(self.plan.picture_at(time).brightness)
     }
 
     /// The oldest picture that is held, over which those come that came after it.
@@ -139,17 +141,17 @@ impl ShowPainter {
         if share < 1.0 { self.draw_over((time, sound), share, size) } else { Ok(()) }
     }
 
-    /// Draws a moment with a share of the last picture. As in the window, what fades away under it is not seen meanwhile.
+    /// Draws a moment, mixed with the last picture. As in the window, what fades away under it is not seen meanwhile.
     fn draw_over(&mut self, (time, sound): Heard, share: f32, size: (u32, u32)) -> Result<(), ExportError> {
-        let programme = self.programme.clone();
-        let Some(moment) = programme.plan().at(time) else { return Ok(()) };
+        let plan = self.plan.clone();
+        let moment = plan.at(time);
         let (over, frame) = self.frame(moment.stay, time, sound, size)?;
         self.easel.draw_over(&over, frame, share)
     }
 
     fn draw_live(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
-        let programme = self.programme.clone();
-        let Some(moment) = programme.plan().at(time) else { return Ok(()) };
+        let plan = self.plan.clone();
+        let moment = plan.at(time);
         let Some((leaving, share)) = moment.leaving else {
             let (model, frame) = self.frame(moment.stay, time, sound, size)?;
             return self.easel.draw(&model, frame);

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use super::structure::{clock, summary};
-use crate::show::Plan;
+use crate::show::Stay;
 use mariana_music::{PITCH_CLASSES, SongStructure};
 
 /// Width of the time axis and of the space for names on its left, in pixels.
@@ -31,7 +31,7 @@ const FILLS: [&str; 8] =
     ["#7fb3d5", "#f0b27a", "#82e0aa", "#d7bde2", "#f7dc6f", "#f1948a", "#76d7c4", "#ccd1d1"];
 
 /// The page of a song and its show.
-pub(super) fn page(name: &str, structure: &SongStructure, show: &Plan) -> String {
+pub(super) fn page(name: &str, structure: &SongStructure, show: &[Stay]) -> String {
     let mut svg = String::new();
     let total = WIDTH + LEFT + 20.0;
     let _ = write!(
@@ -238,9 +238,8 @@ fn pitches(svg: &mut String, structure: &SongStructure, x: &dyn Fn(f64) -> f64) 
 }
 
 /// Each scene as a box, its transition as a slope, and cuts between its cameras as lines.
-fn scenes(svg: &mut String, show: &Plan, seconds: f64, x: &dyn Fn(f64) -> f64) {
+fn scenes(svg: &mut String, stays: &[Stay], seconds: f64, x: &dyn Fn(f64) -> f64) {
     let (top, height) = SHOW;
-    let stays = show.stays();
     let mut names: Vec<&str> = Vec::new();
     let mut from = 0;
     while let Some(stay) = stays.get(from) {
@@ -315,7 +314,7 @@ mod tests {
 
     #[test]
     fn names_are_text_and_no_tags() {
-        let svg = page("<b> & \u{1}co", &SongStructure::default(), &Plan::default());
+        let svg = page("<b> & \u{1}co", &SongStructure::default(), &[]);
         assert!(svg.contains("&lt;b&gt; &amp; co") && svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
     }
 }

@@ -64,7 +64,7 @@ pub fn tell_structure(request: &StructureRequest, out: &mut dyn Write) -> Result
     if let Some(plot) = plot {
         let shipped: Vec<SceneSource> = shipped_names().into_iter().map(SceneSource::Shipped).collect();
         let (show, _) = Programme::of_song(&ShowSource::Auto, &structure, &shipped)?;
-        plot.write(page(&name, &structure, show.plan()).as_bytes())?;
+        plot.write(page(&name, &structure, show.stays()).as_bytes())?;
     }
     if !request.told {
         return Ok(());

@@ -1,6 +1,7 @@
 //! A stretch of a song as a video (made with ffmpeg), as numbered stills or as a stream of pictures.
 
 mod encoder;
+mod encoder_process;
 mod encoding;
 mod seam;
 mod sink;
@@ -79,7 +80,7 @@ pub fn write_video(
     }
     if let Output::Path(path) = &request.output {
         refuse_the_song(&request.song, path)?;
-        encoding::require_fit(request.codec, path)?;
+        encoding::require_fit(request.codec, request.fps, path)?;
     }
     let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;
     song.require(request.start)?;

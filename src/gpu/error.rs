@@ -40,7 +40,7 @@ pub enum GpuError {
         log: String,
     },
     /// The driver failed at a program in an earlier run.
-    #[error("it is not tried again, because {why} before; delete {} to have it tried", mark.display())]
+    #[error("{}", why.sentence(mark))]
     GivenUp {
         /// How it failed.
         why: GivenUp,

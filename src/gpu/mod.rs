@@ -1,7 +1,5 @@
 //! The GPU side: context, programs, targets, passes and readback. The only room that uses glow.
 
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
-pub mod address_space;
 pub mod background;
 mod bloom;
 pub mod cell_use;
@@ -15,6 +13,8 @@ pub mod flash_pass;
 pub mod gl;
 mod guest;
 pub mod headless;
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub mod heaps;
 mod lens;
 pub mod object;
 pub mod picture_reader;

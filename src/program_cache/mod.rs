@@ -5,7 +5,12 @@
 //! |---|---|
 //! | `KEY.program` | a program ([`entry`]) |
 //! | `KEY.attempt` | a mark while a driver is at work on it ([`attempts`]) |
-//! | `KEY.given-up` | a program that is not tried again, and why |
+//! | `KEY.given-up` | a program that is not tried, and why |
+//!
+//! **A program is given up for good only after two deaths.** A process may die while the driver compiles for reasons that
+//! have nothing to do with the driver: it is killed, or the power fails. After the first death the next run leaves the
+//! program out, so that a driver that does crash cannot keep the program from starting; a later run tries it once more.
+//! If that compiles, the death is forgotten.
 //!
 //! A key is made of all that decides what a driver makes of a program: its name, its version, and the texts. Everything
 //! in the folder may be deleted at any time. A file that is damaged or of another key is removed; one that cannot be
@@ -14,14 +19,15 @@
 mod attempts;
 mod entry;
 
+use std::collections::HashSet;
 use std::ffi::OsStr;
 use std::fmt;
 use std::fs::{self, File};
 use std::hash::Hasher as _;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 
 use directories::ProjectDirs;
@@ -61,30 +67,40 @@ impl fmt::Display for ProgramKey {
     }
 }
 
-/// Why a program is not tried again.
+/// Why a program is not tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GivenUp {
     /// The driver refused it.
     Refused,
-    /// The process died while the driver compiled it.
-    Died,
+    /// A process died while the driver compiled it. The next run tries it once more.
+    DiedOnce,
+    /// Two processes died while the driver compiled it.
+    DiedTwice,
 }
 
 impl GivenUp {
+    const ALL: [Self; 3] = [Self::Refused, Self::DiedOnce, Self::DiedTwice];
+
     fn word(self) -> &'static str {
         match self {
             Self::Refused => "refused",
-            Self::Died => "died",
+            Self::DiedOnce => "died once",
+            Self::DiedTwice => "died twice",
         }
     }
-}
 
-impl fmt::Display for GivenUp {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Refused => "the driver refused it",
-            Self::Died => "Mariana ended while the driver compiled it",
-        })
+    /// A sentence for the user; `mark` is the file that remembers it.
+    pub fn sentence(self, mark: &Path) -> String {
+        let reason = match self {
+            Self::Refused => "the driver refused it before",
+            Self::DiedOnce => {
+                return "it is left out this time, because Mariana ended while the driver compiled it before; \
+                        the next start tries it once more"
+                    .to_owned();
+            }
+            Self::DiedTwice => "Mariana ended twice while the driver compiled it",
+        };
+        format!("it is not tried again, because {reason}; delete {} to have it tried", mark.display())
     }
 }
 
@@ -100,6 +116,8 @@ struct Folder {
     path: PathBuf,
     /// Whether it was told that nothing can be written.
     complained: AtomicBool,
+    /// Programs of which this run found the first death.
+    left_out: Mutex<HashSet<ProgramKey>>,
 }
 
 impl ProgramCache {
@@ -116,7 +134,13 @@ impl ProgramCache {
 
     /// In this folder, which is made when something is written.
     pub fn in_folder(path: PathBuf) -> Self {
-        Self { folder: Some(Arc::new(Folder { path, complained: AtomicBool::new(false) })) }
+        Self {
+            folder: Some(Arc::new(Folder {
+                path,
+                complained: AtomicBool::default(),
+                left_out: Mutex::default(),
+            })),
+        }
     }
 
     /// The program of this key, if there is one that is whole; any other is removed.
@@ -157,17 +181,46 @@ impl ProgramCache {
         attempts::death(&self.path(key, ATTEMPT)?)
     }
 
-    /// Notes that a program shall not be tried again.
-    pub fn give_up(&self, key: ProgramKey, why: GivenUp) {
+    /// Notes that the driver refused a program: it is not tried again.
+    pub fn note_refused(&self, key: ProgramKey) {
+        self.give_up(key, GivenUp::Refused);
+    }
+
+    /// Notes that an earlier process died while the driver compiled a program.
+    pub fn note_died(&self, key: ProgramKey) {
+        let Some(folder) = &self.folder else { return };
+        folder.left_out().insert(key);
+        let died_before = matches!(self.noted(key), Some((GivenUp::DiedOnce | GivenUp::DiedTwice, _)));
+        self.give_up(key, if died_before { GivenUp::DiedTwice } else { GivenUp::DiedOnce });
+    }
+
+    /// Notes that the driver compiled a program: earlier deaths are forgotten.
+    pub fn note_compiled(&self, key: ProgramKey) {
+        if let Some(path) = self.path(key, GIVEN_UP) {
+            let _ = fs::remove_file(path);
+        }
+    }
+
+    /// Why a program is not tried in this run, and the file that says so; `None` for all others.
+    pub fn given_up(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
+        let is_retried = |why| why == GivenUp::DiedOnce && !self.is_left_out(key);
+        self.noted(key).filter(|(why, _)| !is_retried(*why))
+    }
+
+    fn is_left_out(&self, key: ProgramKey) -> bool {
+        self.folder.as_ref().is_some_and(|folder| folder.left_out().contains(&key))
+    }
+
+    fn give_up(&self, key: ProgramKey, why: GivenUp) {
         self.write(key, GIVEN_UP, why.word().as_bytes());
     }
 
-    /// Why a program is not tried again, and the file that says so; none for all others.
-    pub fn given_up(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
+    /// What the folder says about a program that failed, and the file that says so.
+    fn noted(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
         let path = self.path(key, GIVEN_UP)?;
         let word = read_file(&path, WORD_MAX)?.ok()?;
         touch(&path);
-        let known = [GivenUp::Refused, GivenUp::Died].into_iter().find(|why| why.word().as_bytes() == word);
+        let known = GivenUp::ALL.into_iter().find(|why| why.word().as_bytes() == word);
         Some((known?, path))
     }
 
@@ -193,6 +246,10 @@ impl ProgramCache {
 }
 
 impl Folder {
+    fn left_out(&self) -> MutexGuard<'_, HashSet<ProgramKey>> {
+        self.left_out.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn complain(&self, reason: &dyn fmt::Display) {
         if !self.complained.swap(true, Ordering::Relaxed) {
             tracing::warn!(

@@ -66,7 +66,8 @@ fn a_folder_that_takes_no_files_costs_nothing() {
     let cache = ProgramCache::in_folder(folder.path().join("taken/programs"));
     let key = ProgramKey::of([]);
     cache.save(key, b"code");
-    cache.give_up(key, GivenUp::Refused);
+    cache.note_refused(key);
+    cache.note_died(key);
     assert!(cache.load(key).is_none() && cache.given_up(key).is_none());
     assert!(cache.attempt(key, Work::Compiling).is_none() && cache.death(key).is_none());
     assert!(cache.folder.unwrap().complained.load(Ordering::Relaxed));
@@ -115,11 +116,51 @@ fn a_death_at_work_is_told_once_and_work_that_goes_on_or_is_over_is_none() {
 fn what_was_given_up_is_remembered_until_the_file_is_deleted() {
     let (_folder, cache) = cache();
     let [key, other] = ["a", "b"].map(|text| ProgramKey::of([text]));
-    for why in [GivenUp::Refused, GivenUp::Died] {
+    for why in [GivenUp::Refused, GivenUp::DiedTwice] {
         cache.give_up(key, why);
         let (known, path) = cache.given_up(key).unwrap();
         assert_eq!((known, cache.given_up(other)), (why, None));
         fs::remove_file(path).unwrap();
         assert_eq!(cache.given_up(key), None);
     }
+}
+
+#[test]
+fn one_crash_while_compiling_banned_a_program_for_ever() {
+    let (_folder, cache) = cache();
+    let key = ProgramKey::of(["driver 1", "text"]);
+    let path = cache.folder.as_ref().unwrap().path.clone();
+    let start = || ProgramCache::in_folder(path.clone());
+    let why = |run: &ProgramCache| run.given_up(key).map(|(why, _)| why);
+    // A run that dies while the driver compiles.
+    let die = |run: ProgramCache| {
+        assert_eq!(why(&run), None, "it is not tried");
+        let attempt = run.attempt(key, Work::Compiling).unwrap();
+        let mark = run.path(key, ATTEMPT).unwrap();
+        let content = fs::read(&mark).unwrap();
+        drop(attempt);
+        fs::write(mark, content).unwrap();
+    };
+    // The run after it, which finds out.
+    let find_out = || {
+        let run = start();
+        assert_eq!(run.death(key), Some(Work::Compiling));
+        run.note_died(key);
+        run
+    };
+    die(start());
+    let next = find_out();
+    assert_eq!([why(&next), why(&next)], [Some(GivenUp::DiedOnce); 2], "it is left out once");
+    let retried = start();
+    assert_eq!(why(&retried), None, "a later start tries it");
+    retried.note_compiled(key);
+    assert!(names(&cache).is_empty(), "the death is not forgotten");
+    // Two deaths without success in between are enough.
+    die(start());
+    find_out();
+    die(start());
+    find_out();
+    assert_eq!([why(&start()), why(&start())], [Some(GivenUp::DiedTwice); 2]);
+    // Another version of the driver is another program.
+    assert_eq!(start().given_up(ProgramKey::of(["driver 2", "text"])), None);
 }

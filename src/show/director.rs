@@ -16,7 +16,7 @@ use std::collections::HashMap;
 use super::bar_lines::BarLines;
 use super::script::{Anchor, Entry, Length, Script, Transition, When};
 use changes::{Change, Reason, changes, in_build};
-use mariana_field::lang::{About, Span, Way};
+use mariana_field::lang::{About, Way};
 use mariana_field::world::PortalShape;
 use mariana_music::SongStructure;
 
@@ -98,7 +98,12 @@ pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> Script {
         if lead > 0.0 && when.offset == Length::ZERO {
             when.offset = Length::Bars(-lead);
         }
-        script.entries.push(entry(when, &cards[card].scene, views.first().cloned().flatten(), transition));
+        script.entries.push(Entry::new(
+            when,
+            &cards[card].scene,
+            views.first().cloned().flatten(),
+            transition,
+        ));
         let turns = turns_at(change.energy);
         for (number, bar) in bars_of(turns, song, &lines, change, end).into_iter().enumerate() {
             let Some(camera) = views.get((number + 1) % views.len().max(1)) else { break };
@@ -110,7 +115,7 @@ pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> Script {
                 0.0 => Transition::CUT,
                 bars => Transition::new(Way::Fade, Length::Bars(bars)),
             };
-            script.entries.push(entry(when, &cards[card].scene, camera.clone(), Some(how)));
+            script.entries.push(Entry::new(when, &cards[card].scene, camera.clone(), Some(how)));
         }
     }
     script
@@ -123,10 +128,6 @@ pub(super) fn next_scene(cards: &[SceneCard], seen: &[usize], energy: f32) -> Op
     let when = When { anchor: Anchor::Start, offset: Length::ZERO };
     let change = Change { when, time: 0.0, reason: Reason::Long, letter: None, before: energy, energy };
     director.choose(seen.len(), &change)
-}
-
-fn entry(when: When, scene: &str, camera: Option<String>, transition: Option<Transition>) -> Entry {
-    Entry { when, scene: scene.to_owned(), camera, transition, settings: Vec::new(), span: Span::default() }
 }
 
 struct Director<'a> {

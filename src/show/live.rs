@@ -133,7 +133,7 @@ mod tests {
             let heard =
                 Hearing { time, energy: energy(time), tempo: 120.0, phase: (time * 2.0).fract() as f32 };
             if let Some(programme) = director.hear(heard) {
-                let stay = programme.plan().at(time + 10.0).unwrap().stay.clone();
+                let stay = programme.at(time + 10.0).unwrap().stay.clone();
                 found.push((stay.start, stay.entrance.way));
                 assert!(programme.source(&stay.scene).is_some());
             }
@@ -159,9 +159,9 @@ mod tests {
     fn another_input_begins_anew_and_no_scene_follows_itself() {
         let mut director = director();
         let mut hear = |time| {
-            director.hear(Hearing { time, energy: 0.5, tempo: 0.0, phase: 0.0 }).map(|programme| {
-                programme.plan().stays().iter().map(|stay| stay.scene.clone()).collect::<Vec<_>>()
-            })
+            director
+                .hear(Hearing { time, energy: 0.5, tempo: 0.0, phase: 0.0 })
+                .map(|programme| programme.stays().iter().map(|stay| stay.scene.clone()).collect::<Vec<_>>())
         };
         assert_eq!(hear(100.0).map(|scenes| scenes.len()), Some(2));
         assert_eq!(hear(100.1), None);

@@ -18,7 +18,9 @@ mod picture;
 mod plan;
 mod programme;
 mod resolve;
+mod scene_facts;
 mod script;
+mod substitutes;
 mod text;
 
 pub use bar_lines::BarLines;

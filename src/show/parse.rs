@@ -5,12 +5,14 @@
 //! at start            speakers
 //! at section B        tunnel  camera inside  melt over 2 bars
 //!   set swell = 0.2 -> 0.5 over 8 bars after 1 bar
+//!     -> 0.1 over 2 bars
 //! at drop 1 - 1 beat  city    cut
 //! at 2:31.5           "my own/orb.scene"  portal plane over 3 s
 //! at cue              letters  fade over 1 bar
 //! ```
 //!
-//! Each line is read for itself, so that one mistake hides no other.
+//! Each line is read for itself, so that one mistake hides no other. A line that begins with `->` adds steps to the `set`
+//! above it.
 
 mod words;
 
@@ -26,8 +28,10 @@ use words::{Kind, Word, lines};
 /// A text that was read.
 #[derive(Debug, Clone, Default)]
 pub struct Parsed {
-    /// The show; none if there are mistakes.
+    /// The show; `None` if there are mistakes.
     pub script: Option<Script>,
+    /// The entries without mistakes.
+    pub entries: Vec<Entry>,
     /// The mistakes.
     pub diagnostics: Vec<Diagnostic>,
     /// The text.
@@ -41,8 +45,11 @@ impl Parsed {
     }
 }
 
+/// The largest value of a parameter. Between two of them there are finite numbers only.
+const VALUE_MAX: f32 = 1e30;
+
 /// Most mistakes that are reported at once.
-const DIAGNOSTICS_MAX: usize = 20;
+pub(super) const DIAGNOSTICS_MAX: usize = 20;
 
 /// Reads the text of a show file that messages call `name`.
 pub fn parse(name: &str, text: &str) -> Parsed {
@@ -51,18 +58,32 @@ pub fn parse(name: &str, text: &str) -> Parsed {
     if too_long {
         let max = LIMITS.show_bytes_max;
         let refusal = Diagnostic::over_limit(Span::default(), format!("{name} is longer than {max} bytes"));
-        return Parsed { script: None, diagnostics: vec![refusal], sources };
+        return Parsed { diagnostics: vec![refusal], sources, ..Parsed::default() };
     }
     let mut diagnostics = Vec::new();
     let mut script = Script::default();
+    // Takes the settings of an entry with a mistake, so that the entry before it does not get them.
+    let mut scrap: Option<Script> = None;
+    let mut was_wrong = false;
     for line in lines(text) {
         if diagnostics.len() >= DIAGNOSTICS_MAX {
             break;
         }
-        let mut reader = Reader { words: &line, at: 0 };
-        if let Err(mistake) = reader.line(&mut script) {
-            diagnostics.push(*mistake);
+        let first = line.first().map_or("", |word| word.text);
+        if first == "->" && was_wrong {
+            // Steps of a `set` with a mistake.
+            continue;
         }
+        let is_entry = !["set", "->"].contains(&first);
+        scrap = scrap.filter(|_| !is_entry);
+        let mut reader = Reader { words: &line, at: 0 };
+        let read = reader.line(scrap.as_mut().unwrap_or(&mut script));
+        was_wrong = read.is_err();
+        if is_entry && was_wrong {
+            let when = When { anchor: Anchor::Start, offset: Length::ZERO };
+            scrap = Some(Script { entries: vec![Entry::new(when, "", None, None)] });
+        }
+        diagnostics.extend(read.err().map(|mistake| *mistake));
         if script.entries.len() > LIMITS.show_entries_max {
             let max = LIMITS.show_entries_max;
             let span = script.entries.last().map_or(Span::default(), |entry| entry.span);
@@ -76,8 +97,9 @@ pub fn parse(name: &str, text: &str) -> Parsed {
         let empty = Diagnostic::new(end, "the show has no entry");
         diagnostics.push(empty.hint("write which scene is on from when: `at start speakers`"));
     }
+    let entries = script.entries.clone();
     let script = diagnostics.is_empty().then_some(script);
-    Parsed { script, diagnostics, sources }
+    Parsed { script, entries, diagnostics, sources }
 }
 
 type Read<T> = Result<T, Box<Diagnostic>>;
@@ -109,6 +131,15 @@ impl<'a> Reader<'a> {
                 }
                 entry.settings.push(setting);
             }
+            "->" if first.kind == Kind::Sign => {
+                self.at -= 1;
+                let moving = script.entries.last_mut().and_then(|entry| entry.settings.last_mut());
+                let Some(Setting { param, steps, .. }) = moving else {
+                    let early = Diagnostic::new(first.span, "there is no movement above this line");
+                    return Err(Box::new(early.hint("write `set`, a parameter and its value above it")));
+                };
+                self.steps(steps, is_share(param), first.span)?;
+            }
             _ => {
                 let unknown =
                     Diagnostic::new(first.span, format!("{} begins no line of a show", first.shown()));
@@ -134,11 +165,14 @@ impl<'a> Reader<'a> {
     fn entry(&mut self, at: Word<'_>) -> Read<Entry> {
         let when = self.when()?;
         let scene = self.named("a scene's name")?;
-        let camera =
-            if self.eat("camera") { Some(self.named("a camera's name")?.text.to_owned()) } else { None };
+        let camera = if self.eat("camera") { Some(self.named("a camera's name")?) } else { None };
         let transition = self.transition()?;
-        let span = at.span.to(scene.span);
-        Ok(Entry { when, scene: scene.text.to_owned(), camera, transition, settings: Vec::new(), span })
+        Ok(Entry {
+            span: at.span.to(scene.span),
+            scene_span: scene.span,
+            camera_span: camera.map_or(Span::default(), |camera| camera.span),
+            ..Entry::new(when, scene.text, camera.map(|camera| camera.text.to_owned()), transition)
+        })
     }
 
     fn when(&mut self) -> Read<When> {
@@ -257,7 +291,7 @@ impl<'a> Reader<'a> {
             }
             None => named.text.to_owned(),
         };
-        let is_share = PICTURE_NUMBERS.contains(&param.as_str());
+        let span = named.span;
         if !self.eat("=") {
             let next = self.peek().filter(|next| next.kind == Kind::Name);
             return Err(match next.and_then(|next| no_second_word(named, next)) {
@@ -265,8 +299,15 @@ impl<'a> Reader<'a> {
                 None => self.missing("`=` and a value", "as in `set swell = 0.2 -> 0.5 over 8 bars`"),
             });
         }
-        let from = self.number(is_share)?;
+        let from = self.number(is_share(&param))?;
         let mut steps = Vec::new();
+        self.steps(&mut steps, is_share(&param), span)?;
+        let after = if self.eat("after") { self.length()? } else { Length::ZERO };
+        Ok(Setting { param, from, steps, after, span })
+    }
+
+    /// Reads further steps of a movement. `place` is underlined if there are too many.
+    fn steps(&mut self, steps: &mut Vec<Step>, is_share: bool, place: Span) -> Read<()> {
         while self.eat("->") {
             let to = self.number(is_share)?;
             if !self.eat("over") {
@@ -275,14 +316,13 @@ impl<'a> Reader<'a> {
             steps.push(Step { to, over: self.length()? });
             if steps.len() > LIMITS.show_steps_max {
                 let many = format!("a parameter moves in more than {} steps", LIMITS.show_steps_max);
-                let many = Diagnostic::over_limit(named.span, many);
+                let many = Diagnostic::over_limit(place, many);
                 return Err(Box::new(
                     many.hint("write an entry for the rest, with the same scene and `cut`"),
                 ));
             }
         }
-        let after = if self.eat("after") { self.length()? } else { Length::ZERO };
-        Ok(Setting { param, from, steps, after })
+        Ok(())
     }
 
     /// A value of a parameter, or a share within 0..1.
@@ -290,6 +330,10 @@ impl<'a> Reader<'a> {
         let sign = if self.eat("-") { -1.0 } else { 1.0 };
         let word = self.expect("a number", "the value of the parameter")?;
         let number = (sign * self.value(word)?) as f32;
+        if number.abs() > VALUE_MAX {
+            let large = format!("no parameter takes a number as large as {}", word.shown());
+            return Err(Box::new(Diagnostic::over_limit(word.span, large)));
+        }
         if is_share && !(0.0..=1.0).contains(&number) {
             let beyond = format!("{number} is no share of a picture");
             return Err(Box::new(Diagnostic::new(word.span, beyond).hint("write a number from 0 to 1")));
@@ -383,6 +427,11 @@ impl<'a> Reader<'a> {
         };
         Box::new(Diagnostic::new(span, format!("expected {what}, found {found}")).hint(hint))
     }
+}
+
+/// True for parameters in the range 0..1.
+fn is_share(param: &str) -> bool {
+    PICTURE_NUMBERS.contains(&param)
 }
 
 /// What is said of a shape that no portal has.

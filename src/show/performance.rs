@@ -335,7 +335,7 @@ impl Line {
             at += over.number();
             Step { to, over }
         });
-        Some(Setting { param: param.to_owned(), from, steps: steps.collect(), after })
+        Some(Setting { param: param.to_owned(), from, steps: steps.collect(), after, span: Span::default() })
     }
 }
 
@@ -348,6 +348,7 @@ fn setting_of(one: &Move, start: f64) -> Setting {
         from: one.from,
         steps: is_step.then_some(step).into_iter().collect(),
         after: Length::Seconds(((one.start - start).max(0.0) * TICKS).round() / TICKS),
+        span: Span::default(),
     }
 }
 
@@ -370,14 +371,10 @@ impl Played {
         let start = if whole <= self.start { whole } else { (self.start * 1e3).floor() / 1e3 };
         let moves = self.moves.iter().map(|one| setting_of(one, start));
         let settings = moves.chain(self.lines.iter().filter_map(|(param, line)| line.setting(param, start)));
-        Entry {
-            when: When { anchor: Anchor::Time(start), offset: Length::ZERO },
-            scene: self.scene.clone(),
-            camera: self.camera.clone(),
-            transition: Some(Transition { way, shape, length, unfinished: false }),
-            settings: settings.collect(),
-            span: Span::default(),
-        }
+        let when = When { anchor: Anchor::Time(start), offset: Length::ZERO };
+        let transition = Transition { way, shape, length, unfinished: false };
+        let entry = Entry::new(when, &self.scene, self.camera.clone(), Some(transition));
+        Entry { settings: settings.collect(), ..entry }
     }
 }
 

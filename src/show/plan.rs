@@ -5,9 +5,10 @@ use super::script::{CAMERA_TURNS, UNTURNED};
 use mariana_field::lang::{Param, Scene, Way};
 use mariana_field::world::{BlendKind, PortalShape};
 
-/// What is on when. Stays follow each other in time.
-#[derive(Debug, Clone, Default, PartialEq)]
+/// What is on when. There is something on at every moment.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
+    /// Stays that follow each other in time; at least one.
     stays: Vec<Stay>,
     /// What is done to whole pictures.
     pictures: Pictures,
@@ -89,8 +90,12 @@ pub struct Moment<'a> {
 }
 
 impl Plan {
-    /// Of stays that follow each other. A transition ends before the next one begins, or breaks off there.
-    pub(super) fn new(mut stays: Vec<Stay>) -> Self {
+    /// The plan of stays that follow each other; `None` if there are none. A transition ends before the next one begins,
+    /// or breaks off there.
+    pub(super) fn new(mut stays: Vec<Stay>) -> Option<Self> {
+        if stays.is_empty() {
+            return None;
+        }
         stays.sort_by(|a, b| a.start.total_cmp(&b.start));
         let ends: Vec<f64> = stays.iter().skip(1).map(|stay| stay.start).collect();
         for (index, stay) in stays.iter_mut().enumerate() {
@@ -100,7 +105,7 @@ impl Plan {
             stay.entrance.seconds = if is_cut { 0.0 } else { stay.entrance.seconds.clamp(0.0, most) };
         }
         let pictures = Pictures::of(&stays);
-        Self { stays, pictures }
+        Some(Self { stays, pictures })
     }
 
     /// What is done to the whole picture at `time` seconds.
@@ -120,28 +125,27 @@ impl Plan {
         self.pictures.dim()
     }
 
-    /// The stays in their order.
+    /// The stays in their order; at least one.
     pub fn stays(&self) -> &[Stay] {
         &self.stays
     }
 
-    /// What is on at `time` seconds; the first scene before it begins, none if the show is empty.
-    pub fn at(&self, time: f64) -> Option<Moment<'_>> {
+    /// What is on at `time` seconds; before the first scene begins, this scene.
+    pub fn at(&self, time: f64) -> Moment<'_> {
         let index = self.stays.partition_point(|stay| stay.start <= time).saturating_sub(1);
-        let stay = self.stays.get(index)?;
-        let Some(before) = index.checked_sub(1).and_then(|before| self.stays.get(before)) else {
-            return Some(Moment { index, stay, leaving: None });
-        };
-        let (gone, length) = (time - stay.start, stay.entrance.seconds);
+        let alone = |index: usize| Moment { index, stay: &self.stays[index], leaving: None };
+        let moment = alone(index);
+        let Some(before) = index.checked_sub(1) else { return moment };
+        let (gone, length) = (time - moment.stay.start, moment.stay.entrance.seconds);
         if gone >= length {
-            return Some(Moment { index, stay, leaving: None });
+            return moment;
         }
         let share = (gone / length) as f32;
         if share > 0.0 {
-            return Some(Moment { index, stay, leaving: Some((before, share)) });
+            return Moment { leaving: Some((&self.stays[before], share)), ..moment };
         }
         // The first picture of a transition is that of the scene that goes.
-        Some(Moment { index: index - 1, stay: before, leaving: None })
+        alone(before)
     }
 }
 
@@ -239,9 +243,11 @@ mod tests {
     #[test]
     fn a_moment_has_its_scene_and_the_share_of_its_transition() {
         let plan =
-            Plan::new(vec![stay(10.0, Way::Melt, 4.0), stay(0.0, Way::Fade, 9.0), stay(12.0, Way::Cut, 3.0)]);
+            Plan::new(vec![stay(10.0, Way::Melt, 4.0), stay(0.0, Way::Fade, 9.0), stay(12.0, Way::Cut, 3.0)])
+                .unwrap();
         let at = |time| {
-            plan.at(time).map(|m| (m.index, m.leaving.map(|(from, share)| (from.start, share)))).unwrap()
+            let moment = plan.at(time);
+            (moment.index, moment.leaving.map(|(from, share)| (from.start, share)))
         };
         assert_eq!(at(-5.0), (0, None));
         assert_eq!(at(3.0), (0, None), "the first scene has nothing to come from");
@@ -252,10 +258,10 @@ mod tests {
         let broken_off = Entrance { unfinished: true, ..Entrance::new(Way::Fade, 4.0) };
         let stays =
             vec![stay(0.0, Way::Cut, 0.0), Stay { entrance: broken_off, ..stay(10.0, Way::Fade, 4.0) }];
-        let plan = Plan::new([stays, vec![stay(11.0, Way::Cut, 0.0)]].concat());
-        let share = |time| plan.at(time).and_then(|moment| moment.leaving).map(|(_, share)| share);
+        let plan = Plan::new([stays, vec![stay(11.0, Way::Cut, 0.0)]].concat()).unwrap();
+        let share = |time| plan.at(time).leaving.map(|(_, share)| share);
         assert_eq!((share(10.5), share(11.0)), (Some(0.125), None), "it goes at its own pace");
-        assert_eq!(Plan::default().at(1.0), None);
+        assert_eq!(Plan::new(Vec::new()), None);
     }
 
     #[test]

@@ -4,13 +4,16 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::director::{SceneCard, direct};
-use super::plan::{Entrance, Plan, Stay};
+use super::parse::DIAGNOSTICS_MAX;
+use super::plan::{Entrance, Moment, Plan, Stay};
 use super::resolve::resolve;
-use super::script::{Script, is_of_no_scene};
+use super::scene_facts::{NamedScenes, SceneFacts};
+use super::script::Script;
+use super::substitutes::with_substitutes;
 use super::{parse, print};
 use crate::limits::LIMITS;
-use crate::scenes::{SceneBlend, SceneError, SceneSource, SeenScene};
-use mariana_field::lang::{About, Diagnostic, Sources, Way, render_all};
+use crate::scenes::{SceneBlend, SceneSource, SeenScene};
+use mariana_field::lang::{Diagnostic, Sources, Way, render_all};
 use mariana_field::world::BlendKind;
 use mariana_music::SongStructure;
 
@@ -62,54 +65,24 @@ pub enum ShowError {
         /// They with their places.
         report: String,
     },
-    /// A scene that the show names is refused.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// A camera that its scene does not have.
-    #[error("the scene {scene} has no camera `{camera}`: leave it out, or choose another one; {hint}")]
-    NoCamera {
-        /// The scene.
-        scene: String,
-        /// The camera.
-        camera: String,
-        /// What there is instead.
-        hint: String,
+    /// Every entry names a moment that the song lacks.
+    #[error(
+        "nothing of the show is in this song: give its first entry a moment that every song has, such as `at start`\n{}",
+        .report.trim_end()
+    )]
+    NothingFits {
+        /// The entries that are left out, with their places.
+        report: String,
     },
-    /// A parameter that its scene does not have.
-    #[error("the scene {scene} has no parameter `{param}`: leave it out, or choose another one; {hint}")]
-    NoParam {
-        /// The scene.
-        scene: String,
-        /// The parameter.
-        param: String,
-        /// What there is instead.
-        hint: String,
-    },
-}
-
-/// A scene of a show, as far as it has to be known before it is drawn.
-#[derive(Debug, Clone)]
-struct Known {
-    source: SceneSource,
-    about: About,
-    cameras: Vec<String>,
-    params: Vec<String>,
-}
-
-impl Known {
-    fn of(source: SceneSource) -> Result<Self, SceneError> {
-        let scene = source.checked()?;
-        let params = scene.params.into_iter().filter(|param| !param.is_number).map(|param| param.name);
-        let cameras = scene.cameras.into_iter().map(|(name, _)| name).collect();
-        Ok(Self { source, about: scene.about, cameras, params: params.collect() })
-    }
-}
-
-impl Known {
-    /// Whether a show can move that.
-    fn has(&self, param: &String) -> bool {
-        self.params.contains(param) || is_of_no_scene(param)
-    }
+    /// Every entry is a cue, but only a window has the key for cues.
+    #[error(
+        "every entry of the show waits for a key (`at cue`), which only a window has: write `at start` and a scene \
+         above them"
+    )]
+    WaitsForKeys,
+    /// The director has no scene without mistakes.
+    #[error("there is no scene to show: name one without mistakes by --scene")]
+    NoScenes,
 }
 
 /// How a scene likes to come and to go.
@@ -118,26 +91,55 @@ type Liked = (Option<Way>, Option<Way>);
 /// See the module.
 #[derive(Debug, Clone, Default)]
 pub struct Programme {
-    plan: Plan,
+    /// `None` as long as every entry waits for a key.
+    plan: Option<Plan>,
     script: Script,
     scenes: BTreeMap<String, SceneSource>,
     /// How scenes like to come and to go.
     ways: BTreeMap<String, Liked>,
     cards: Vec<SceneCard>,
+    author: Author,
+}
+
+/// Who chose the scenes of a show.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum Author {
+    /// The user, in a show file or on the command line.
+    #[default]
+    User,
+    /// The director.
+    Director,
+    /// The author of the demo track's show.
+    Demo,
 }
 
 impl Programme {
     /// The same scenes by another plan.
-    pub(super) fn with_plan(&self, plan: Plan) -> Self {
+    pub(super) fn with_plan(&self, plan: Option<Plan>) -> Self {
         Self { plan, ..self.clone() }
     }
 
     /// Whether the director made it.
     pub fn is_directed(&self) -> bool {
-        !self.cards.is_empty()
+        self.author == Author::Director
     }
 
-    /// What is known of the scenes among which the director chose; nothing if he did not.
+    /// True if the user chose the scenes.
+    pub fn is_by_user(&self) -> bool {
+        self.author == Author::User
+    }
+
+    /// Replaces the `refused` scenes. Returns `None` if every scene is refused, or if the user chose the scenes.
+    pub fn without(&self, refused: &[SceneSource]) -> Option<Self> {
+        if self.is_by_user() {
+            return None;
+        }
+        let is_refused = |scene: &str| self.source(scene).is_some_and(|source| refused.contains(source));
+        let stays = with_substitutes(self.stays(), &self.cards, is_refused)?;
+        Some(self.with_plan(Plan::new(stays)))
+    }
+
+    /// Descriptions of the scenes; for the director, of all that it may choose.
     pub(super) fn cards(&self) -> &[SceneCard] {
         &self.cards
     }
@@ -165,8 +167,11 @@ impl Programme {
         scenes: &[SceneSource],
     ) -> Result<(Self, Option<String>), ShowError> {
         match source {
-            ShowSource::Auto => Ok((Self::directed(song, scenes), None)),
-            ShowSource::Demo => Self::of_text(DEMO_NAME, DEMO_SHOW, Path::new(""), song),
+            ShowSource::Auto => Ok((Self::directed(song, scenes)?, None)),
+            ShowSource::Demo => {
+                let (programme, told) = Self::of_text(DEMO_NAME, DEMO_SHOW, Path::new(""), song)?;
+                Ok((Self { author: Author::Demo, ..programme }, told))
+            }
             ShowSource::File(path) => {
                 let folder = path.parent().unwrap_or(Path::new(""));
                 Self::of_text(&path.display().to_string(), &read(path)?, folder, song)
@@ -174,62 +179,56 @@ impl Programme {
         }
     }
 
-    fn directed(song: &SongStructure, scenes: &[SceneSource]) -> Self {
+    fn directed(song: &SongStructure, scenes: &[SceneSource]) -> Result<Self, ShowError> {
         let mut known = BTreeMap::new();
         for source in scenes {
-            match Known::of(source.clone()) {
+            match SceneFacts::of(source.clone()) {
                 Ok(scene) => {
                     known.insert(name_of(source), scene);
                 }
                 Err(error) => tracing::warn!("not shown: {error}"),
             }
         }
-        let cards: Vec<SceneCard> = known
-            .iter()
-            .map(|(name, scene)| SceneCard {
-                scene: name.clone(),
-                about: scene.about.clone(),
-                cameras: scene.cameras.clone(),
-            })
-            .collect();
+        let cards = cards_of(&known);
         let script = direct(song, &cards, seed_of(song));
         let ways = ways_of(&known);
-        let (plan, _) = resolved(&script, song, &[], &ways);
+        let plan = resolved(&script, song, &[], &ways).0.ok_or(ShowError::NoScenes)?;
         let scenes = known.into_iter().map(|(name, scene)| (name, scene.source)).collect();
-        Self { plan, script, scenes, ways, cards }
+        Ok(Self { plan: Some(plan), script, scenes, ways, cards, author: Author::Director })
     }
 
-    fn of_text(
+    /// The show that a text describes for a song, and a report of the entries that do not fit the song. Scenes are shipped
+    /// ones or files in `folder`. Messages call the text `name`.
+    ///
+    /// # Errors
+    /// [`ShowError::Mistakes`] with all mistakes of the text and of its scenes, and [`ShowError::NothingFits`].
+    pub fn of_text(
         name: &str,
         text: &str,
         folder: &Path,
         song: &SongStructure,
     ) -> Result<(Self, Option<String>), ShowError> {
         let parsed = parse(name, text);
-        let Some(script) = &parsed.script else {
-            return Err(ShowError::Mistakes { report: parsed.render(false) });
+        let named = NamedScenes::of(&parsed.entries, folder);
+        let script = match parsed.script {
+            Some(script) if named.mistakes.is_empty() => script,
+            _ => {
+                let mut mistakes = [parsed.diagnostics, named.mistakes].concat();
+                mistakes.sort_by_key(|one| one.span.start);
+                mistakes.truncate(DIAGNOSTICS_MAX);
+                let of_text = render_all(&mistakes, &parsed.sources, false);
+                let report = std::iter::once(of_text).chain(named.reports).collect::<Vec<_>>().join("\n");
+                return Err(ShowError::Mistakes { report });
+            }
         };
-        let mut known: BTreeMap<String, Known> = BTreeMap::new();
-        for entry in &script.entries {
-            if !known.contains_key(&entry.scene) {
-                let scene = Known::of(source_of(&entry.scene, folder)?)?;
-                known.insert(entry.scene.clone(), scene);
-            }
-            let Some(scene) = known.get(&entry.scene) else { continue };
-            if let Some(camera) = entry.camera.as_ref().filter(|camera| !scene.cameras.contains(camera)) {
-                let (scene, hint) = (entry.scene.clone(), listed("cameras", &scene.cameras));
-                return Err(ShowError::NoCamera { scene, camera: camera.clone(), hint });
-            }
-            if let Some(setting) = entry.settings.iter().find(|setting| !scene.has(&setting.param)) {
-                let (scene, hint) = (entry.scene.clone(), listed("parameters", &scene.params));
-                return Err(ShowError::NoParam { scene, param: setting.param.clone(), hint });
-            }
-        }
-        let ways = ways_of(&known);
-        let (plan, left_out) = resolved(script, song, &[], &ways);
+        let (ways, cards) = (ways_of(&named.facts), cards_of(&named.facts));
+        let (plan, left_out) = resolved(&script, song, &[], &ways);
         let told = told(&left_out, &parsed.sources);
-        let scenes = known.into_iter().map(|(name, scene)| (name, scene.source)).collect();
-        Ok((Self { plan, script: script.clone(), scenes, ways, cards: Vec::new() }, told))
+        if plan.is_none() && script.cues().next().is_none() {
+            return Err(ShowError::NothingFits { report: told.unwrap_or_default() });
+        }
+        let scenes = named.facts.into_iter().map(|(name, scene)| (name, scene.source)).collect();
+        Ok((Self { plan, script, scenes, ways, cards, author: Author::User }, told))
     }
 
     /// The same show where the key was pressed at these moments, in seconds, for which entries wait.
@@ -243,9 +242,19 @@ impl Programme {
         self.script.cues().map(|entry| entry.scene.as_str()).collect()
     }
 
-    /// What is on when.
-    pub fn plan(&self) -> &Plan {
-        &self.plan
+    /// What is on when; `None` as long as every entry waits for a key.
+    pub fn plan(&self) -> Option<&Plan> {
+        self.plan.as_ref()
+    }
+
+    /// What is on at `time` seconds; `None` without a plan.
+    pub fn at(&self, time: f64) -> Option<Moment<'_>> {
+        self.plan().map(|plan| plan.at(time))
+    }
+
+    /// The stays in their order; none without a plan.
+    pub fn stays(&self) -> &[Stay] {
+        self.plan().map_or(&[], Plan::stays)
     }
 
     /// Where a scene of the plan comes from.
@@ -265,7 +274,7 @@ impl Programme {
     /// The scenes of the plan in the order in which they are on for the first time.
     pub fn sources(&self) -> Vec<&SceneSource> {
         let mut names: Vec<&str> = Vec::new();
-        for stay in self.plan.stays() {
+        for stay in self.stays() {
             if !names.contains(&stay.scene.as_str()) {
                 names.push(&stay.scene);
             }
@@ -279,8 +288,17 @@ impl Programme {
     }
 }
 
-fn ways_of(known: &BTreeMap<String, Known>) -> BTreeMap<String, Liked> {
-    known.iter().map(|(name, scene)| (name.clone(), (scene.about.enter, scene.about.leave))).collect()
+fn ways_of(known: &BTreeMap<String, SceneFacts>) -> BTreeMap<String, Liked> {
+    known.iter().map(|(name, scene)| (name.clone(), scene.ways())).collect()
+}
+
+fn cards_of(known: &BTreeMap<String, SceneFacts>) -> Vec<SceneCard> {
+    let card = |(name, scene): (&String, &SceneFacts)| SceneCard {
+        scene: name.clone(),
+        about: scene.about.clone(),
+        cameras: scene.cameras.clone(),
+    };
+    known.iter().map(card).collect()
 }
 
 fn resolved(
@@ -288,7 +306,7 @@ fn resolved(
     song: &SongStructure,
     cues: &[f64],
     ways: &BTreeMap<String, Liked>,
-) -> (Plan, Vec<Diagnostic>) {
+) -> (Option<Plan>, Vec<Diagnostic>) {
     resolve(script, song, cues, |from, to| {
         let liked = |name: &str| ways.get(name).copied().unwrap_or_default();
         liked(to).0.or(from.and_then(|from| liked(from).1))
@@ -299,13 +317,6 @@ fn told(left_out: &[Diagnostic], sources: &Sources) -> Option<String> {
     (!left_out.is_empty()).then(|| render_all(left_out, sources, false))
 }
 
-fn listed(what: &str, names: &[String]) -> String {
-    match names {
-        [] => format!("it has no {what} with names"),
-        names => format!("its {what} are {}", names.join(", ")),
-    }
-}
-
 /// What a show calls a scene.
 pub fn name_of(source: &SceneSource) -> String {
     match source {
@@ -313,18 +324,6 @@ pub fn name_of(source: &SceneSource) -> String {
         SceneSource::File(path) => path.display().to_string(),
         SceneSource::Formula(text) => text.clone(),
         SceneSource::Blend(blend) => name_of(&blend.to.source),
-    }
-}
-
-/// What a show means by the name of a scene: a file beside the show, or a shipped scene.
-fn source_of(name: &str, folder: &Path) -> Result<SceneSource, SceneError> {
-    let beside = folder.join(name);
-    if beside.is_file() {
-        return Ok(SceneSource::File(beside));
-    }
-    match SceneSource::find(name)? {
-        SceneSource::File(_) => Ok(SceneSource::File(beside)),
-        found => Ok(found),
     }
 }
 
@@ -386,7 +385,7 @@ mod tests {
             sources,
             [SceneSource::File(folder.path().join("own.scene")), SceneSource::Shipped("orb".to_owned())]
         );
-        assert_eq!(programme.plan().stays().len(), 2);
+        assert_eq!(programme.stays().len(), 2);
     }
 
     #[test]
@@ -398,6 +397,7 @@ mod tests {
             ("at start bare.scene camera far", "no cameras with names"),
             ("at start own.scene\nset swell = 1", "its parameters are size"),
             ("at start own.scene flyy", "my.show:1:20"),
+            ("at section Z orb\nat drop 9 orb", "nothing of the show is in this song"),
         ] {
             let (_folder, path) = file(text);
             let error = Programme::of_song(&ShowSource::File(path), &song(), &[]).unwrap_err().to_string();

@@ -11,15 +11,16 @@ const USUAL: Transition = Transition { way: Way::Fade, length: Length::Seconds(1
 /// How long a transition takes of which only the way is known.
 const USUAL_BARS: f64 = 1.0;
 
-/// The plan of a script for a song, and what of the script is not in it because the song does not have it. `cues` are the
-/// moments at which the key was pressed for which entries may wait, in seconds; those for which it was not are not in the
-/// plan. `likes` tells how a scene likes to come, given the one that goes and the one that comes.
+/// The plan of a script for a song, and the entries that are left out because the song lacks their moments. The plan is
+/// `None` if all entries are left out or wait for a key. `cues` are the moments, in seconds, at which the key was pressed; each
+/// brings one of the entries that wait for it. `likes` returns the preferred transition from a scene, if there is one, to
+/// the next scene.
 pub fn resolve(
     script: &Script,
     song: &SongStructure,
     cues: &[f64],
     likes: impl Fn(Option<&str>, &str) -> Option<Way>,
-) -> (Plan, Vec<Diagnostic>) {
+) -> (Option<Plan>, Vec<Diagnostic>) {
     let lines = BarLines::of(song);
     let mut left_out = Vec::new();
     let mut stays: Vec<Stay> = Vec::new();
@@ -206,7 +207,7 @@ mod tests {
         let script = parsed.script.clone().unwrap_or_else(|| panic!("{}", parsed.render(false)));
         let (plan, left_out) =
             resolve(&script, &song(), &[3.0, 40.0], |_, to| (to == "liked").then_some(Way::Melt));
-        (plan, left_out.into_iter().map(|one| one.message).collect())
+        (plan.unwrap(), left_out.into_iter().map(|one| one.message).collect())
     }
 
     #[test]

@@ -23,8 +23,26 @@ pub struct Entry {
     pub transition: Option<Transition>,
     /// What moves its parameters.
     pub settings: Vec<Setting>,
-    /// Where it was written.
+    /// Where it was written, from `at` to the scene.
     pub span: Span,
+    /// Where the scene was written.
+    pub scene_span: Span,
+    /// Where the camera was written, if there is one.
+    pub camera_span: Span,
+}
+
+impl Entry {
+    /// An entry that moves nothing and was written nowhere.
+    pub(super) fn new(
+        when: When,
+        scene: &str,
+        camera: Option<String>,
+        transition: Option<Transition>,
+    ) -> Self {
+        let (settings, nowhere) = (Vec::new(), Span::default());
+        let (span, scene_span, camera_span) = (nowhere, nowhere, nowhere);
+        Self { when, scene: scene.to_owned(), camera, transition, settings, span, scene_span, camera_span }
+    }
 }
 
 /// A moment.
@@ -137,6 +155,8 @@ pub struct Setting {
     pub steps: Vec<Step>,
     /// How long after the entry it begins.
     pub after: Length,
+    /// Where the name was written.
+    pub span: Span,
 }
 
 /// A part of a movement.

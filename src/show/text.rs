@@ -62,18 +62,33 @@ fn moment(entry: &Entry) -> String {
     }
 }
 
+/// Columns of a line. A longer movement is broken into several lines.
+const WIDTH: usize = 100;
+
 fn set(setting: &Setting) -> String {
     let is_plain = is_of_no_scene(&setting.param);
     let param = if is_plain { setting.param.clone() } else { name(&setting.param) };
     let mut text = format!("  set {param} = {}", setting.from);
-    for step in &setting.steps {
-        let _ = write!(text, " -> {} over {}", step.to, length(step.over));
+    let after = match setting.after.number() {
+        number if number > 0.0 => format!(" after {}", length(setting.after)),
+        _ => String::new(),
+    };
+    let steps: Vec<String> =
+        setting.steps.iter().map(|step| format!(" -> {} over {}", step.to, length(step.over))).collect();
+    if text.len() + steps.iter().map(String::len).sum::<usize>() + after.len() <= WIDTH {
+        return text + &steps.concat() + &after + "\n";
     }
-    if setting.after.number() > 0.0 {
-        let _ = write!(text, " after {}", length(setting.after));
+    text += &after;
+    let mut column = WIDTH;
+    for step in steps {
+        if column + step.len() > WIDTH {
+            text += "\n   ";
+            column = "   ".len();
+        }
+        column += step.len();
+        text += &step;
     }
-    text.push('\n');
-    text
+    text + "\n"
 }
 
 /// A length without its sign.

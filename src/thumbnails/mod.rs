@@ -1,20 +1,22 @@
-//! Small pictures of scenes, each drawn once and kept from run to run by what the scene is made of.
+//! Thumbnails of scenes. Those of shipped scenes are part of the program ([`shipped`]); every other one is drawn once and
+//! kept from run to run by what the scene is made of.
 //!
-//! **A picture is drawn by a process of its own**, at the lowest priority and on one thread: the program itself renders
+//! **A thumbnail is drawn by a process of its own**, at the lowest priority and on one thread: the program itself renders
 //! a still. So a scene that is too dear, or that a driver does not survive, costs the show nothing, and no context of
-//! the show has to do with it. Only scenes that somebody looks at are drawn, one after the other, the newest wish
-//! first.
+//! the show has to do with it. The newest request comes first. Requests that need no drawing are answered while another
+//! scene is drawn. When nobody asks for anything, scenes that the user may look at next are drawn ahead.
+
+mod drawing;
+mod shipped;
 
 use std::collections::VecDeque;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
 
 use directories::ProjectDirs;
 use image::codecs::jpeg::JpegEncoder;
@@ -23,17 +25,17 @@ use image::{ExtendedColorType, ImageEncoder as _, ImageReader, RgbaImage};
 use crate::atomic_file::AtomicFile;
 use crate::limits::LIMITS;
 use crate::scenes::{SceneSource, first_comment};
+use drawing::{NotDrawn, draw};
+pub use shipped::shipped;
 
-/// Size of a picture in pixels.
-const SIZE: (u32, u32) = (320, 180);
-/// The moment of the demo track that pictures show, in seconds: loud, and in the middle of a phrase.
-const MOMENT: &str = "47.3";
-/// Goes up when pictures of the same scene look different than before.
+/// Size of a thumbnail in pixels.
+pub const SIZE: (u32, u32) = (320, 180);
+/// The moment of the demo track that thumbnails show, in seconds: loud, and in the middle of a phrase.
+pub const MOMENT: f64 = 47.3;
+/// Goes up when thumbnails of the same scene look different than before.
 const VERSION: u32 = 1;
-/// Quality of a picture as a JPEG, of 100: a few steps of it fit into what a phone loads at once.
+/// Quality of a thumbnail as a JPEG, of 100: a few steps of it fit into what a phone loads at once.
 const JPEG_QUALITY: u8 = 82;
-/// How often a process is looked at.
-const INTERVAL: Duration = Duration::from_millis(20);
 
 /// What was found out about a scene.
 #[derive(Debug)]
@@ -49,42 +51,82 @@ pub struct Looked {
 pub enum About {
     /// What it says about itself.
     Comment(String),
-    /// Its picture, and the same as a JPEG for those who are not in this window.
+    /// Its thumbnail, and the same as a JPEG for those who are not in this window.
     Picture(Arc<RgbaImage>, Arc<[u8]>),
-    /// Why there is no picture.
+    /// Why there is no thumbnail.
     NoPicture(String),
 }
 
 /// See the module. Dropping it ends the process that draws.
 #[derive(Debug)]
 pub struct Thumbnails {
-    wishes: Arc<Wishes>,
+    requests: Arc<Requests>,
     looked: Receiver<Looked>,
 }
 
+/// Requests that wait for the thread.
 #[derive(Debug, Default)]
-struct Wishes {
-    waiting: Mutex<VecDeque<Wish>>,
+struct Requests {
+    waiting: Mutex<Waiting>,
     changed: Condvar,
     over: AtomicBool,
 }
 
-/// What is to be found out about a scene.
-#[derive(Debug)]
-enum Wish {
-    Comment(SceneSource),
-    Picture(SceneSource),
+#[derive(Debug, Default)]
+struct Waiting {
+    /// Requests that somebody waits for; the newest is the last.
+    asked: VecDeque<Request>,
+    /// Scenes to draw ahead, the first one first.
+    ahead: VecDeque<SceneSource>,
 }
 
-impl Wishes {
-    fn lock(&self) -> MutexGuard<'_, VecDeque<Wish>> {
+/// What is to be found out about a scene.
+#[derive(Debug, Clone, PartialEq)]
+enum Request {
+    Comment(SceneSource),
+    Picture(SceneSource),
+    /// Only to have the thumbnail at hand later.
+    Ahead(SceneSource),
+}
+
+impl Request {
+    /// Whether no process has to draw for it.
+    fn is_quick(&self) -> bool {
+        match self {
+            Self::Comment(_) => true,
+            Self::Picture(source) => jpeg_shipped_with(source).is_some(),
+            Self::Ahead(_) => false,
+        }
+    }
+}
+
+impl Waiting {
+    /// The newest quick request, or else the newest one, or else a scene to draw ahead.
+    fn take(&mut self) -> Option<Request> {
+        self.take_quick()
+            .or_else(|| self.asked.pop_back())
+            .or_else(|| self.ahead.pop_front().map(Request::Ahead))
+    }
+
+    fn take_quick(&mut self) -> Option<Request> {
+        let newest = self.asked.iter().rposition(Request::is_quick)?;
+        self.asked.remove(newest)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.asked.is_empty() && self.ahead.is_empty()
+    }
+}
+
+impl Requests {
+    fn lock(&self) -> MutexGuard<'_, Waiting> {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The newest wish, once there is one; none at the end.
-    fn next(&self) -> Option<Wish> {
+    /// The next request, once there is one; `None` at the end.
+    fn next(&self) -> Option<Request> {
         let waiting = self.changed.wait_while(self.lock(), |waiting| waiting.is_empty() && !self.is_over());
-        waiting.unwrap_or_else(PoisonError::into_inner).pop_back().filter(|_| !self.is_over())
+        waiting.unwrap_or_else(PoisonError::into_inner).take().filter(|_| !self.is_over())
     }
 
     fn is_over(&self) -> bool {
@@ -93,58 +135,51 @@ impl Wishes {
 }
 
 impl Thumbnails {
-    /// Starts the thread that looks; `wake` is called when it has found something.
+    /// Starts the thread that answers requests; `wake` is called after each answer.
     ///
     /// # Errors
     /// There is no thread.
     pub fn start(wake: impl Fn() + Send + 'static) -> io::Result<Self> {
-        let wishes = Arc::new(Wishes::default());
-        let (sender, looked) = channel();
-        let of_thread = wishes.clone();
-        std::thread::Builder::new().name("thumbnails".into()).spawn(move || {
-            let folder = ProjectDirs::from("", "", "mariana").map(|of| of.cache_dir().join("thumbnails"));
-            if let Some(folder) = &folder {
-                forget_oldest(folder);
-            }
-            while let Some(wish) = of_thread.next() {
-                let (source, about) = match wish {
-                    Wish::Comment(source) => {
-                        let about = comment_of(&source);
-                        (source, about)
-                    }
-                    Wish::Picture(source) => {
-                        let about = picture_of(&source, folder.as_deref(), &of_thread);
-                        (source, about)
-                    }
-                };
-                let _ = sender.send(Looked { source, about });
-                wake();
-            }
-        })?;
-        Ok(Self { wishes, looked })
+        let folder = ProjectDirs::from("", "", "mariana").map(|of| of.cache_dir().join("thumbnails"));
+        Self::start_in(folder, wake)
     }
 
-    /// Wants to know what scenes say about themselves. That takes little, so it comes before all pictures.
+    /// The same with another folder for what is kept.
+    fn start_in(folder: Option<PathBuf>, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+        let requests = Arc::new(Requests::default());
+        let (answers, looked) = channel();
+        let worker = Worker { requests: requests.clone(), folder, answers, wake: Box::new(wake) };
+        std::thread::Builder::new().name("thumbnails".into()).spawn(move || worker.work())?;
+        Ok(Self { requests, looked })
+    }
+
+    /// Asks what scenes say about themselves.
     pub fn ask_for_comments<'a>(&mut self, sources: impl DoubleEndedIterator<Item = &'a SceneSource>) {
-        self.wishes.lock().extend(sources.rev().cloned().map(Wish::Comment));
-        self.wishes.changed.notify_one();
+        self.requests.lock().asked.extend(sources.rev().cloned().map(Request::Comment));
+        self.requests.changed.notify_one();
     }
 
-    /// Wants pictures: the first of these first, before those that were wanted earlier.
+    /// Asks for thumbnails: the first of these first, before those of earlier requests.
     pub fn ask_for_pictures(&mut self, sources: Vec<SceneSource>) {
-        self.wishes.lock().extend(sources.into_iter().rev().map(Wish::Picture));
-        self.wishes.changed.notify_one();
+        self.requests.lock().asked.extend(sources.into_iter().rev().map(Request::Picture));
+        self.requests.changed.notify_one();
     }
 
-    /// Wants pictures once nobody wants anything else: the first of these first, behind those that were wanted so earlier.
+    /// Asks for thumbnails at leisure: the first of these first, behind those of all other requests.
     pub fn ask_for_pictures_later(&mut self, sources: Vec<SceneSource>) {
-        let mut waiting = self.wishes.lock();
-        sources.into_iter().map(Wish::Picture).for_each(|wish| waiting.push_front(wish));
+        let mut waiting = self.requests.lock();
+        sources.into_iter().map(Request::Picture).for_each(|request| waiting.asked.push_front(request));
         drop(waiting);
-        self.wishes.changed.notify_one();
+        self.requests.changed.notify_one();
     }
 
-    /// What was found out next, if anything.
+    /// Has thumbnails drawn and kept whenever nobody asks for anything. There is no answer.
+    pub fn draw_ahead(&mut self, sources: impl Iterator<Item = SceneSource>) {
+        self.requests.lock().ahead.extend(sources);
+        self.requests.changed.notify_one();
+    }
+
+    /// The next answer, if there is one.
     pub fn poll(&mut self) -> Option<Looked> {
         self.looked.try_recv().ok()
     }
@@ -152,8 +187,116 @@ impl Thumbnails {
 
 impl Drop for Thumbnails {
     fn drop(&mut self) {
-        self.wishes.over.store(true, Ordering::Relaxed);
-        self.wishes.changed.notify_all();
+        self.requests.over.store(true, Ordering::Relaxed);
+        self.requests.changed.notify_all();
+    }
+}
+
+/// The thread that answers requests.
+struct Worker {
+    requests: Arc<Requests>,
+    /// Where thumbnails are kept; `None` if the system has no folder for caches.
+    folder: Option<PathBuf>,
+    answers: Sender<Looked>,
+    wake: Box<dyn Fn() + Send>,
+}
+
+impl Worker {
+    fn work(&self) {
+        if let Some(folder) = &self.folder {
+            forget_oldest(folder);
+        }
+        while let Some(request) = self.requests.next() {
+            self.answer(request);
+        }
+    }
+
+    fn answer(&self, request: Request) {
+        let (source, about) = match request {
+            Request::Comment(source) => {
+                let about = comment_of(&source);
+                (source, about)
+            }
+            Request::Picture(source) => {
+                let about = self.picture_of(&source);
+                (source, about)
+            }
+            Request::Ahead(source) => return self.draw_ahead(source),
+        };
+        let _ = self.answers.send(Looked { source, about });
+        (self.wake)();
+    }
+
+    /// Answers what needs no drawing, while another process draws.
+    fn answer_quick(&self) {
+        loop {
+            // The lock is free again before the answer.
+            let quick = self.requests.lock().take_quick();
+            let Some(quick) = quick else { return };
+            self.answer(quick);
+        }
+    }
+
+    /// The thumbnail of a scene: the one that is shipped or kept, or a new one.
+    fn picture_of(&self, source: &SceneSource) -> About {
+        let found = match jpeg_shipped_with(source) {
+            Some(jpeg) => {
+                read_jpeg(jpeg).map(|image| (image, jpeg.into())).map_err(|error| error.to_string())
+            }
+            None => self.kept_or_drawn(source).map(|image| {
+                let jpeg = jpeg_of(&image).into();
+                (image, jpeg)
+            }),
+        };
+        match found {
+            Ok((image, jpeg)) => About::Picture(Arc::new(image), jpeg),
+            Err(reason) => About::NoPicture(reason),
+        }
+    }
+
+    fn kept_or_drawn(&self, source: &SceneSource) -> Result<RgbaImage, String> {
+        let kept = self.path_of(source)?;
+        if let Some(image) = kept.as_deref().and_then(|path| read_png(path).ok()) {
+            return Ok(image);
+        }
+        let bytes = self.drawn(source, || self.requests.is_over()).map_err(|error| error.to_string())?;
+        let image = decode(&bytes).map_err(|error| error.to_string())?;
+        if let Some(path) = &kept {
+            keep(path, &bytes);
+        }
+        Ok(image)
+    }
+
+    /// Draws and keeps a thumbnail unless it is kept already. Gives way to whoever asks for something.
+    fn draw_ahead(&self, source: SceneSource) {
+        let Ok(Some(path)) = self.path_of(&source) else { return };
+        if path.exists() {
+            return;
+        }
+        let gives_way = || self.requests.is_over() || !self.requests.lock().asked.is_empty();
+        match self.drawn(&source, gives_way) {
+            Ok(bytes) if decode(&bytes).is_ok() => keep(&path, &bytes),
+            Err(NotDrawn::Stopped) => self.requests.lock().ahead.push_front(source),
+            Ok(_) | Err(_) => {}
+        }
+    }
+
+    /// Has a scene drawn, and answers quick requests meanwhile.
+    fn drawn(&self, source: &SceneSource, is_stopped: impl Fn() -> bool) -> Result<Vec<u8>, NotDrawn> {
+        draw(source, || {
+            self.answer_quick();
+            is_stopped()
+        })
+    }
+
+    /// The file in which the thumbnail of a scene is kept; `None` without a folder.
+    ///
+    /// # Errors
+    /// The scene has mistakes; the first of them.
+    fn path_of(&self, source: &SceneSource) -> Result<Option<PathBuf>, String> {
+        let text = source.text().map_err(|error| error.to_string())?;
+        let key = key_of(source, &text)?;
+        Ok(self.folder.as_ref().map(|folder| folder.join(format!("{key:016x}.png"))))
     }
 }
 
@@ -162,28 +305,12 @@ fn comment_of(source: &SceneSource) -> About {
     About::Comment(first_comment(&text).collect::<Vec<_>>().join(" "))
 }
 
-/// The picture of a scene: the one that is kept, or a new one.
-fn picture_of(source: &SceneSource, folder: Option<&Path>, wishes: &Wishes) -> About {
-    let found = || -> Result<RgbaImage, String> {
-        let text = source.text().map_err(|error| error.to_string())?;
-        let key = key_of(source, &text)?;
-        let kept = folder.map(|folder| folder.join(format!("{key:016x}.png")));
-        if let Some(image) = kept.as_deref().and_then(|path| read_png(path).ok()) {
-            return Ok(image);
-        }
-        let bytes = draw(source, wishes)?;
-        let image = decode(&bytes).map_err(|error| error.to_string())?;
-        if let Some(path) = &kept {
-            keep(path, &bytes);
-        }
-        Ok(image)
-    };
-    match found() {
-        Ok(image) => {
-            let jpeg = jpeg_of(&image).into();
-            About::Picture(Arc::new(image), jpeg)
-        }
-        Err(reason) => About::NoPicture(reason),
+/// The thumbnail of a scene if it is part of the program.
+fn jpeg_shipped_with(source: &SceneSource) -> Option<&'static [u8]> {
+    match source {
+        SceneSource::Shipped(name) => shipped(name),
+        SceneSource::File(_) | SceneSource::Formula(_) => None,
+        SceneSource::Blend(blend) => jpeg_shipped_with(&blend.to.source),
     }
 }
 
@@ -208,67 +335,11 @@ fn key_of(source: &SceneSource, text: &str) -> Result<u64, String> {
     }
 }
 
-/// Draws a picture of a scene in a process of its own and returns the PNG's bytes.
-///
-/// # Errors
-/// Why there is none, as a sentence.
-fn draw(source: &SceneSource, wishes: &Wishes) -> Result<Vec<u8>, String> {
-    let cannot = |error: io::Error| format!("it cannot be drawn ({error})");
-    let place = tempfile::tempdir().map_err(cannot)?;
-    let file = place.path().join("picture.png");
-    let scene = match source {
-        SceneSource::Blend(blend) => return draw(&blend.to.source, wishes),
-        SceneSource::Shipped(name) => name.into(),
-        SceneSource::File(path) => path.clone().into_os_string(),
-        SceneSource::Formula(text) => text.into(),
-    };
-    let mut option = std::ffi::OsString::from("--scene=");
-    option.push(scene);
-    let mut command = Command::new(std::env::current_exe().map_err(cannot)?);
-    command.args(["still", "--at", MOMENT, "--size", &format!("{}x{}", SIZE.0, SIZE.1), "-o"]).arg(&file);
-    command.arg(option).env("LP_NUM_THREADS", "1");
-    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    let mut child = Drawing(command.spawn().map_err(cannot)?);
-    lower_priority(&child.0);
-    let until = Instant::now() + Duration::from_secs_f64(LIMITS.thumbnail_seconds_max);
-    loop {
-        match child.0.try_wait().map_err(cannot)? {
-            Some(status) if status.success() => return fs::read(&file).map_err(cannot),
-            Some(_) => return Err("it cannot be drawn".to_owned()),
-            None if wishes.is_over() => return Err(String::new()),
-            None if Instant::now() > until => {
-                return Err(format!("drawing it takes over {} s", LIMITS.thumbnail_seconds_max));
-            }
-            None => std::thread::sleep(INTERVAL),
-        }
-    }
-}
-
-/// A process that ends when nobody waits for it any more.
-struct Drawing(Child);
-
-impl Drop for Drawing {
-    fn drop(&mut self) {
-        // One that has ended already cannot be killed.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-#[cfg(target_os = "linux")]
-fn lower_priority(child: &Child) {
-    let lowered = i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw);
-    let _ = rustix::process::setpriority_process(lowered, 19);
-}
-
-#[cfg(not(target_os = "linux"))]
-fn lower_priority(_: &Child) {}
-
 fn read_png(path: &Path) -> image::ImageResult<RgbaImage> {
     decode(&fs::read(path)?)
 }
 
-/// A picture of exactly the size that is drawn here: what lies in the folder may be anything.
+/// A picture that is no larger than a thumbnail: what lies in the folder may be anything.
 fn decode(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
     let mut reader = ImageReader::new(io::Cursor::new(bytes));
     reader.set_format(image::ImageFormat::Png);
@@ -278,8 +349,13 @@ fn decode(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
     Ok(reader.decode()?.into_rgba8())
 }
 
+/// The picture in a JPEG that is part of the program.
+fn read_jpeg(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
+    Ok(image::load_from_memory_with_format(bytes, image::ImageFormat::Jpeg)?.into_rgba8())
+}
+
 /// A picture as a JPEG; empty if it cannot be one.
-fn jpeg_of(image: &RgbaImage) -> Vec<u8> {
+pub fn jpeg_of(image: &RgbaImage) -> Vec<u8> {
     let rgb: Vec<u8> = image.pixels().flat_map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2]]).collect();
     let mut jpeg = Vec::new();
     let encoder = JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY);
@@ -332,6 +408,40 @@ mod tests {
         assert_ne!(first, second);
         write("a.scene", "include \"part.scene\"\nobject b { shape = ball(p) }\n");
         assert!(![first, second].contains(&key().unwrap()));
+    }
+
+    #[test]
+    fn the_list_of_scenes_opened_with_grey_tiles() {
+        let (woken, wakes) = channel();
+        let mut thumbnails = Thumbnails::start_in(None, move || {
+            let _ = woken.send(());
+        })
+        .unwrap();
+        let all: Vec<_> = crate::scenes::shipped_names().into_iter().map(SceneSource::Shipped).collect();
+        // No process of the tests draws a still.
+        thumbnails.ask_for_pictures(all.clone());
+        for source in all {
+            wakes.recv_timeout(std::time::Duration::from_secs(60)).unwrap();
+            let looked = thumbnails.poll().unwrap();
+            assert_eq!(looked.source, source);
+            let About::Picture(image, jpeg) = looked.about else { panic!("{:?}", looked) };
+            assert_eq!((image.dimensions(), &*jpeg), (SIZE, jpeg_shipped_with(&source).unwrap()));
+        }
+    }
+
+    #[test]
+    fn a_scene_that_is_drawn_held_up_all_others() {
+        let file = |name: &str| SceneSource::File(name.into());
+        let orb = SceneSource::Shipped("orb".into());
+        let mut waiting = Waiting::default();
+        waiting.ahead.extend([file("c"), file("d")]);
+        waiting.asked.extend([Request::Picture(file("a")), Request::Picture(orb.clone())]);
+        waiting.asked.extend([Request::Comment(file("a")), Request::Picture(file("b"))]);
+        let quick: Vec<_> = std::iter::from_fn(|| waiting.take_quick()).collect();
+        assert_eq!(quick, [Request::Comment(file("a")), Request::Picture(orb)]);
+        let slow: Vec<_> = std::iter::from_fn(|| waiting.take()).collect();
+        let asked = [file("b"), file("a")].map(Request::Picture);
+        assert_eq!(slow, [asked, [file("c"), file("d")].map(Request::Ahead)].concat());
     }
 
     #[test]

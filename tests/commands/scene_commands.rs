@@ -69,6 +69,24 @@ fn every_mistake_is_shown_where_it_is_with_a_hint() {
 }
 
 #[test]
+fn a_scene_that_could_not_be_read_hid_those_after_it() {
+    let place = Workplace::new();
+    place.write("bad.scene", "lngth(p) - 1");
+    let checked = place.run(&["check", "none.scene", "bad.scene", "gone.scene", "speakers"]);
+    assert_eq!(checked.code, 1, "{checked:?}");
+    checked.assert_advises();
+    for part in ["none.scene cannot be read", "gone.scene cannot be read", "a scene has mistakes"] {
+        assert!(checked.stderr.contains(part), "'{part}' is not told: {checked:?}");
+    }
+    for part in ["bad.scene:1:1", "speakers.scene: "] {
+        assert!(checked.stdout.contains(part), "'{part}' is not told: {checked:?}");
+    }
+    let checked = place.run(&["check", "none.scene", "speakers"]);
+    assert_eq!(checked.code, 1, "{checked:?}");
+    assert!(checked.stdout.contains("speakers.scene: "), "{checked:?}");
+}
+
+#[test]
 fn a_picture_that_is_not_there_is_a_mistake_with_its_place() {
     let place = Workplace::new();
     place.write(

@@ -126,6 +126,53 @@ fn what_the_director_chose_is_written_down_and_is_the_same_show() {
 }
 
 #[test]
+fn a_show_of_which_the_song_has_nothing_drew_nothing() {
+    let place = place_with_balls();
+    place.write_tone("one.wav", 440.0, 2.0, [0.5, 0.5]);
+    place.write("foreign.show", "at section Q 2 red.scene\nat drop 7 green.scene\n");
+    let told = ["nothing of the show is in this song", "`at start`", "foreign.show:1:1", "foreign.show:2:1"];
+    let show = ["one.wav", "--show", "foreign.show"];
+    for (job, output) in [("still", "a.png"), ("video", "a.mp4"), ("video", "out/")] {
+        place.run(&[&[job], &show[..], &["-o", output]].concat()).refused_with_details(&told);
+        assert!(!place.path(output).exists(), "{output}");
+    }
+    // Of cues alone, which wait for keys.
+    place.write("cues.show", "at cue red.scene\nat cue green.scene\n");
+    let outcome = place.run(&["video", "one.wav", "--show", "cues.show", "-o", "a.mp4"]);
+    assert!(outcome.code == 1 && outcome.stderr.contains("only a window has"), "{outcome:?}");
+    assert!(!place.path("a.mp4").exists());
+    // No scene is left for the director.
+    place.write("bad.scene", "lngth(p)");
+    let outcome = place.run(&["video", "one.wav", "--show", "auto", "--scene", "bad.scene", "-o", "a.mp4"]);
+    assert!(outcome.code == 1 && outcome.stderr.contains("no scene to show"), "{outcome:?}");
+    assert!(!place.path("a.mp4").exists());
+}
+
+#[test]
+fn mistakes_of_a_show_were_told_one_at_a_time_and_some_without_a_line() {
+    let place = place_with_balls();
+    place.write("bad.scene", "lngth(p)");
+    place.write(
+        "bad.show",
+        "at start gren.scene\nat 1 s red.scene camera far\n  set siz = 3\nat 2 s red.scene mlet\n  set its_own = 1\n  -> 2 over 1 s\n\
+         at 3 s bad.scene\n",
+    );
+    let told = place.run(&["still", "--show", "bad.show", "-o", "a.png"]).refused_with_details(&[
+        "bad.show:1:10",
+        "gren.scene",
+        "bad.show:2:25",
+        "its cameras are near",
+        "bad.show:3:7",
+        "its parameters are size",
+        "bad.show:4:18",
+        "did you mean `melt`?",
+        "bad.show:7:8",
+        "bad.scene:1:1",
+    ]);
+    assert_eq!(told.matches("error: ").count(), 6, "{told}");
+}
+
+#[test]
 fn what_is_wrong_with_a_show_is_told_with_its_place() {
     let place = place_with_balls();
     let refused = |text: &str, parts: &[&str]| {

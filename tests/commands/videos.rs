@@ -136,6 +136,44 @@ fn a_video_had_neither_the_song_s_tags_nor_its_cover() {
     assert_eq!(streams(&probe(&place, "v.mp4"), "video").len(), 1);
 }
 
+/// An ID3 tag, an HLS playlist that names `other`, and an MP3: ffmpeg takes it for a playlist unless it is told
+/// otherwise.
+fn write_polyglot(place: &Workplace, song: &str, other: &str) {
+    let tag = [b"ID3\x03\0\0\0\0\0\x0a".as_slice(), &[0; 10]].concat();
+    let other = place.path(other);
+    let list = format!(
+        "#EXTM3U\n#EXT-X-TARGETDURATION:10\n#EXTINF:10,\nfile://{}\n#EXT-X-ENDLIST\n",
+        other.display()
+    );
+    let bare = ["-id3v2_version", "0", "-write_xing", "0"];
+    place.ffmpeg(&[&["-f", "lavfi", "-i", "sine=f=200:d=2", "-b:a", "64k"], &bare[..]].concat(), "own.mp3");
+    place.write(song, [&tag, list.as_bytes(), &place.read("own.mp3")].concat());
+}
+
+#[test]
+fn a_song_that_is_also_a_playlist_put_the_sound_of_another_file_into_the_video() {
+    let place = Workplace::new();
+    write_colors(&place);
+    place.ffmpeg(&["-f", "lavfi", "-i", "sine=f=1000:d=2", "-b:a", "64k"], "secret.mp3");
+    write_polyglot(&place, "song.mp3", "secret.mp3");
+    let probed = Command::new("ffprobe")
+        .args(["-v", "error", "-show_entries", "format=format_name"])
+        .arg(place.path("song.mp3"))
+        .output()
+        .unwrap();
+    assert!(String::from_utf8_lossy(&probed.stdout).contains("=hls"), "ffmpeg sees no playlist: {probed:?}");
+    let video = ["video", "song.mp3", "red.scene", "--duration", "1", "-o", "v.mkv"];
+    place.run(&[&video[..], &LOOK].concat()).done();
+    place.ffmpeg(&["-i", "v.mkv", "-ac", "1", "-f", "s16le"], "sound.raw");
+    let samples: Vec<i16> =
+        place.read("sound.raw").as_chunks::<2>().0.iter().map(|pair| i16::from_le_bytes(*pair)).collect();
+    let rises = samples.windows(2).filter(|pair| pair[0] < 0 && pair[1] >= 0).count();
+    let report = probe(&place, "v.mkv");
+    let rate: usize = streams(&report, "audio")[0]["sample_rate"].as_str().unwrap().parse().unwrap();
+    let pitch = rises * rate / samples.len();
+    assert!((170..260).contains(&pitch), "its own tone has 200 Hz, the video's has {pitch} Hz");
+}
+
 #[test]
 fn places_get_their_sizes_and_a_loop_ends_where_it_begins() {
     let place = Workplace::new();
@@ -195,6 +233,50 @@ fn codecs_are_what_was_asked_for() {
     }
     run("h264", "b.webm").refused(&["b.webm", "h264", "vp9 and av1"]);
     run("h264x", "b.mp4").refused_arguments("--codec", &["h264x"]);
+}
+
+#[test]
+fn gifs_and_webps_failed_with_ffmpeg_s_words() {
+    let place = Workplace::new();
+    write_colors(&place);
+    place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
+    let run = |arguments: &[&str]| {
+        let scenes = ["video", "one.wav", "--scene", "blue.scene@0.5", "--scene", "red.scene"];
+        place.run(&[&scenes[..], &["--tone-map", "none", "--size", "33x17"], arguments].concat())
+    };
+    run(&["--fps", "10", "-o", "a.gif"]).done();
+    let bytes = place.read("a.gif");
+    let repeats = bytes.windows(16).any(|part| part == b"NETSCAPE2.0\x03\x01\0\0\0");
+    assert!(repeats, "the GIF is shown once");
+    let report = probe(&place, "a.gif");
+    assert_eq!(streams(&report, "video")[0]["nb_read_frames"], "10", "{report}");
+    place.ffmpeg(&["-i", "a.gif", "-start_number", "0"], "gif-%d.png");
+    let gif: Vec<i32> =
+        [0, 4, 5, 9].map(|frame| redness(&still(&place, &format!("gif-{frame}.png")))).to_vec();
+
+    run(&["--fps", "10", "-o", "a.webp"]).done();
+    let bytes = place.read("a.webp");
+    let at = bytes.windows(4).position(|name| name == b"ANIM").unwrap();
+    assert_eq!(bytes[at + 12..at + 14], [0, 0], "the WebP is shown so often");
+    let decoder = image::codecs::webp::WebPDecoder::new(std::io::Cursor::new(&bytes)).unwrap();
+    let frames = image::AnimationDecoder::into_frames(decoder).collect_frames().unwrap();
+    let pictures: Vec<i32> = frames
+        .iter()
+        .map(|frame| redness(&image::DynamicImage::from(frame.buffer().clone()).to_rgb8()))
+        .collect();
+    for redness in [&gif[..], &[pictures[0], pictures[pictures.len() - 1]]] {
+        assert!(redness[0] > 100 && redness[redness.len() - 1] < -100, "{redness:?}");
+    }
+    assert!(gif[1] > 100 && gif[2] < -100, "{gif:?}");
+
+    run(&["--fps", "60", "-o", "b.gif"]).refused(&["b.gif", "50 pictures a second", "--fps 50"]);
+    run(&["--codec", "h264", "-o", "b.webp"]).refused(&["b.webp", "leave out --codec"]);
+    write_ball(&place, "ball", 0.0, "");
+    let ball = ["video", "one.wav", "ball.scene", "--alpha", "--fps", "10", "--size", "64x36", "--duration"];
+    place.run(&[&ball[..], &["0.2", "-o", "ball.webp"]].concat()).done();
+    let first = image::load_from_memory(&place.read("ball.webp")).unwrap().to_rgba8();
+    assert!(first.get_pixel(2, 2)[3] < 4 && first.get_pixel(32, 18)[3] > 251);
+    place.run(&[&ball[..], &["0.2", "-o", "ball.gif"]].concat()).refused(&["ball.gif", ".webp"]);
 }
 
 #[test]

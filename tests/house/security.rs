@@ -111,3 +111,33 @@ fn unsafe_places_are_found_however_they_are_written() {
                 unsafe impl Send for X {}\n";
     assert_eq!(places(text), (3, vec![5]));
 }
+
+/// A source file without its unit tests.
+fn without_tests(path: &Path) -> String {
+    let text = fs::read_to_string(path).unwrap();
+    let of_tests = path.file_stem().is_some_and(|stem| stem.to_string_lossy().ends_with("tests"));
+    if of_tests { String::new() } else { text.split("#[cfg(test)]").next().unwrap().to_owned() }
+}
+
+#[test]
+fn ffmpeg_is_started_and_given_inputs_by_one_builder() {
+    let mut files = Vec::new();
+    for folder in fs::read_dir(root().join("crates")).unwrap() {
+        let folder = folder.unwrap().path();
+        // These two serve the developers, with files of their own.
+        if !folder.ends_with("testing") && !folder.ends_with("xtask") {
+            sources(&folder.join("src"), &mut files);
+        }
+    }
+    sources(&root().join("src"), &mut files);
+    let with = |mark: &str| {
+        let files = files.iter().filter(|file| without_tests(file).contains(mark));
+        let names = files.map(|file| file.strip_prefix(root()).unwrap().to_str().unwrap().replace('\\', "/"));
+        let mut names: Vec<String> = names.collect();
+        names.sort();
+        names
+    };
+    let builder = "crates/player/src/ffmpeg.rs";
+    assert_eq!(with("Command::new("), [builder, "src/thumbnails/mod.rs"], "only these start programs");
+    assert_eq!(with("\"-i\""), [builder], "only the builder names inputs");
+}

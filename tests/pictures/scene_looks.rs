@@ -2,12 +2,16 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use crate::support::compare::{check_golden, difference};
+use std::path::Path;
+use std::process::Command;
+
+use crate::support::compare::{LOOSE, check_golden, compare, difference};
 use crate::support::studio::{Studio, loud_sound, silence};
 use image::RgbaImage;
 use mariana::gpu::renderer::Counting;
 use mariana::gpu::scene_program::Mode;
 use mariana::scenes::{SceneSource, shipped_names};
+use mariana::thumbnails::{self, jpeg_of};
 
 const SIZE: (u32, u32) = (192, 108);
 /// The moment that is drawn.
@@ -25,6 +29,38 @@ fn share(picture: &RgbaImage, range: std::ops::RangeInclusive<u8>) -> f64 {
     let within =
         picture.pixels().filter(|pixel| pixel.0[..3].iter().all(|value| range.contains(value))).count();
     within as f64 / picture.pixels().len() as f64
+}
+
+/// The thumbnail of a scene as the program draws it now.
+fn drawn_thumbnail(name: &str, folder: &Path) -> RgbaImage {
+    let file = folder.join(format!("{name}.png"));
+    let size = format!("{}x{}", thumbnails::SIZE.0, thumbnails::SIZE.1);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_mariana"));
+    command.args(["still", "--at", &thumbnails::MOMENT.to_string(), "--size", &size, "--scene", name, "-o"]);
+    let status = command.arg(&file).status().unwrap();
+    assert!(status.success(), "{name}: {status}");
+    image::open(file).unwrap().into_rgba8()
+}
+
+/// Compares the shipped thumbnail of a scene with what is drawn now.
+fn check_thumbnail(name: &str, drawn: &RgbaImage) -> Result<(), String> {
+    let read = |jpeg: &[u8]| {
+        let image = image::load_from_memory_with_format(jpeg, image::ImageFormat::Jpeg);
+        image.map(image::DynamicImage::into_rgba8).map_err(|error| error.to_string())
+    };
+    let advice = format!("run cargo xtask thumbnails {name}");
+    let shipped = thumbnails::shipped(name).ok_or_else(|| format!("{name} has no thumbnail: {advice}"))?;
+    // Both have been through a JPEG, so that only what is drawn makes a difference.
+    compare(&format!("thumbnail-{name}"), &read(&jpeg_of(drawn))?, &read(shipped)?, LOOSE)
+        .map_err(|reason| format!("the thumbnail of {name} is out of date: {advice}; {reason}"))
+}
+
+#[test]
+fn the_thumbnails_of_shipped_scenes_show_what_is_drawn_now() {
+    let folder = tempfile::tempdir().unwrap();
+    let check = |name: &String| check_thumbnail(name, &drawn_thumbnail(name, folder.path())).err();
+    let failures: Vec<String> = shipped_names().iter().filter_map(check).collect();
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 #[test]

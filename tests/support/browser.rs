@@ -1,4 +1,7 @@
-//! A browser without a window, which a test leads by its DevTools protocol: pages of a phone's size that fingers touch.
+//! A phone: a page of a phone's size in a headless browser, which a test controls through the DevTools protocol.
+//!
+//! Each page has a browser of its own, as each phone has. Browsers pause `requestAnimationFrame` in background pages, and
+//! of several pages in one browser all but the newest are in the background.
 
 use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
@@ -16,10 +19,10 @@ const PROGRAMS: [&str; 4] = ["chromium-headless-shell", "chromium", "chromium-br
 /// What a phone's window measures, in its points.
 pub(crate) const PHONE: (u32, u32) = (390, 844);
 
-/// The browser. It ends when dropped.
-pub(crate) struct Browser {
-    process: Process,
-    /// Where it is told what to do, and where all of it is.
+/// A headless browser. Dropping it ends the process.
+struct Browser {
+    _process: Process,
+    /// Host and port of its DevTools server, and the path of the browser's own endpoint.
     address: String,
     whole: String,
     _folder: TempDir,
@@ -27,7 +30,7 @@ pub(crate) struct Browser {
 
 impl Browser {
     /// Starts it with a profile of its own.
-    pub(crate) fn start() -> Self {
+    fn start() -> Self {
         let folder = private_folder();
         let path = std::env::var_os("PATH").unwrap_or_default();
         let is_there = |name: &&str| std::env::split_paths(&path).any(|folder| folder.join(name).is_file());
@@ -59,20 +62,7 @@ impl Browser {
         };
         // What it tells later must go somewhere.
         std::thread::spawn(move || lines.count());
-        Self { process, address, whole, _folder: folder }
-    }
-
-    /// Opens a page in a phone's window.
-    pub(crate) fn open(&self, url: &str) -> Page {
-        assert!(self.process.id() > 0);
-        let mut page = Page { socket: self.socket(&self.whole), number: 0 };
-        let target = page.ask("Target.createTarget", json!({ "url": "about:blank" }));
-        let target = target["targetId"].as_str().unwrap().to_owned();
-        page = Page { socket: self.socket(&format!("/devtools/page/{target}")), number: 0 };
-        page.resize(PHONE);
-        page.ask("Emulation.setTouchEmulationEnabled", json!({ "enabled": true, "maxTouchPoints": 5 }));
-        page.ask("Page.navigate", json!({ "url": url }));
-        page
+        Self { _process: process, address, whole, _folder: folder }
     }
 
     fn socket(&self, path: &str) -> WebSocket<TcpStream> {
@@ -82,13 +72,33 @@ impl Browser {
     }
 }
 
-/// A page of it.
+/// The page on a phone.
 pub(crate) struct Page {
     socket: WebSocket<TcpStream>,
     number: u64,
+    /// The last field, so that the connection closes before the browser ends.
+    browser: Browser,
 }
 
 impl Page {
+    /// Opens an address on a new phone.
+    pub(crate) fn open(url: &str) -> Self {
+        let browser = Browser::start();
+        let mut page = Self { socket: browser.socket(&browser.whole), number: 0, browser };
+        let target = page.ask("Target.createTarget", json!({ "url": "about:blank" }));
+        let target = target["targetId"].as_str().unwrap().to_owned();
+        page.socket = page.browser.socket(&format!("/devtools/page/{target}"));
+        page.resize(PHONE);
+        page.ask("Emulation.setTouchEmulationEnabled", json!({ "enabled": true, "maxTouchPoints": 5 }));
+        page.go_to(url);
+        page
+    }
+
+    /// Opens another address instead.
+    pub(crate) fn go_to(&mut self, url: &str) {
+        self.ask("Page.navigate", json!({ "url": url }));
+    }
+
     /// Gives the page's window another size, in points.
     pub(crate) fn resize(&mut self, (width, height): (u32, u32)) {
         let size = json!({ "width": width, "height": height, "deviceScaleFactor": 2, "mobile": true });

@@ -74,7 +74,13 @@ pub(crate) fn check_golden(name: &str, actual: &RgbaImage) -> Result<(), String>
     compare(name, actual, &golden, LOOSE).map_err(|reason| format!("{reason}; {advice}"))
 }
 
-fn compare(name: &str, actual: &RgbaImage, expected: &RgbaImage, tolerance: Tolerance) -> Result<(), String> {
+/// Compares two pictures; an error leaves them for the eye.
+pub(crate) fn compare(
+    name: &str,
+    actual: &RgbaImage,
+    expected: &RgbaImage,
+    tolerance: Tolerance,
+) -> Result<(), String> {
     let found = difference(actual, expected, tolerance.visible);
     if found.mean <= tolerance.mean_max && found.share <= tolerance.share_max {
         return Ok(());

@@ -134,8 +134,17 @@ impl Desktop {
 
     /// Kills the X server, and with it the display.
     pub(crate) fn kill_server(&self) {
+        self.signal_server("-KILL");
+    }
+
+    /// Stops the X server or lets it go on. A stopped one takes requests and answers them later.
+    pub(crate) fn halt_server(&self, halt: bool) {
+        self.signal_server(if halt { "-STOP" } else { "-CONT" });
+    }
+
+    fn signal_server(&self, signal: &str) {
         let number = self.server.id().to_string();
-        output_of(Command::new("kill").args(["-KILL", &number]), "procps").unwrap();
+        output_of(Command::new("kill").args([signal, &number]), "procps").unwrap();
     }
 
     /// What the whole screen shows.

@@ -7,6 +7,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use x11rb::connection::Connection;
+use x11rb::cookie::VoidCookie;
 use x11rb::protocol::Event;
 use x11rb::protocol::xproto::{
     ChangeWindowAttributesAux, ClientMessageEvent, ConnectionExt, EventMask, Window,
@@ -71,40 +72,70 @@ impl Pings {
     }
 }
 
+/// Pings a window over a connection of its own.
+pub(crate) struct Pinger {
+    connection: RustConnection,
+    root: Window,
+    window: Window,
+    /// The atoms `WM_PROTOCOLS` and `_NET_WM_PING`.
+    atoms: [u32; 2],
+    /// The number of the last ping.
+    number: u32,
+}
+
+impl Pinger {
+    /// For the window with this number on this display.
+    pub(crate) fn connect(display: &str, window: Window) -> Self {
+        let (connection, screen) = RustConnection::connect(Some(display)).unwrap();
+        let root = connection.setup().roots[screen].root;
+        // Answers go to the root window.
+        let mask = ChangeWindowAttributesAux::new().event_mask(EventMask::SUBSTRUCTURE_NOTIFY);
+        connection.change_window_attributes(root, &mask).unwrap().check().unwrap();
+        let atoms = ["WM_PROTOCOLS", "_NET_WM_PING"]
+            .map(|name| connection.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom);
+        Self { connection, root, window, atoms, number: 1 }
+    }
+
+    /// Sends a ping without waiting for the X server.
+    pub(crate) fn send(&mut self) -> VoidCookie<'_, RustConnection> {
+        self.number += 1;
+        let [protocols, ping] = self.atoms;
+        let message =
+            ClientMessageEvent::new(32, self.window, protocols, [ping, self.number, self.window, 0, 0]);
+        let sent = self.connection.send_event(false, self.window, EventMask::NO_EVENT, message).unwrap();
+        self.connection.flush().unwrap();
+        sent
+    }
+
+    /// Waits for the answer to the last ping until `gives_up`, which is called again and again. Returns whether it came.
+    pub(crate) fn wait(&self, mut gives_up: impl FnMut() -> bool) -> bool {
+        loop {
+            match self.connection.poll_for_event().unwrap() {
+                Some(Event::ClientMessage(answer))
+                    if answer.window == self.root && answer.data.as_data32()[1] == self.number =>
+                {
+                    return true;
+                }
+                Some(_) => {}
+                None if gives_up() => return false,
+                None => std::thread::sleep(Duration::from_millis(1)),
+            }
+        }
+    }
+}
+
 fn ask(display: &str, window: Window, over: &AtomicBool, answers: &Mutex<Vec<Answer>>) {
-    let (connection, screen) = RustConnection::connect(Some(display)).unwrap();
-    let root = connection.setup().roots[screen].root;
-    // Answers go to the root window.
-    let mask = ChangeWindowAttributesAux::new().event_mask(EventMask::SUBSTRUCTURE_NOTIFY);
-    connection.change_window_attributes(root, &mask).unwrap().check().unwrap();
-    let [protocols, ping] = ["WM_PROTOCOLS", "_NET_WM_PING"]
-        .map(|name| connection.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom);
-    let mut number = 1;
+    let mut pinger = Pinger::connect(display, window);
     while !over.load(Ordering::Relaxed) {
-        number += 1;
-        let data = [ping, number, window, 0, 0];
-        let message = ClientMessageEvent::new(32, window, protocols, data);
         let asked = Instant::now();
-        let sent = connection.send_event(false, window, EventMask::NO_EVENT, message).unwrap();
-        if sent.check().is_err() {
+        if pinger.send().check().is_err() {
             // The window is gone.
             return;
         }
-        while asked.elapsed() < PATIENCE {
-            let Some(event) = connection.poll_for_event().unwrap() else {
-                if over.load(Ordering::Relaxed) && asked.elapsed() > PERIOD {
-                    break;
-                }
-                std::thread::sleep(Duration::from_millis(1));
-                continue;
-            };
-            if let Event::ClientMessage(answer) = event
-                && answer.window == root
-                && answer.data.as_data32()[1] == number
-            {
-                break;
-            }
-        }
+        pinger.wait(|| {
+            let waited = asked.elapsed();
+            waited >= PATIENCE || over.load(Ordering::Relaxed) && waited > PERIOD
+        });
         answers.lock().unwrap_or_else(PoisonError::into_inner).push((asked.elapsed(), asked));
         std::thread::sleep(PERIOD.saturating_sub(asked.elapsed()));
     }

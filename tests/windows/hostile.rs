@@ -81,6 +81,33 @@ fn a_gibibyte_of_address_space_killed_the_program_within_a_driver() {
 }
 
 #[test]
+fn each_thread_kept_a_heap_of_its_own() {
+    /// glibc's heaps, but for the first one, begin at multiples of this.
+    const HEAP: u64 = 64 << 20;
+    let desktop = Desktop::start();
+    let song = desktop.folder().join("song.wav");
+    write_wav(&song, 48_000, 2, (0..48_000 * 40).map(|_| 0.0));
+    let mut app = desktop.open(&song, &SMALL);
+    app.wait_for_title("that the scene is shown", |title| title.contains('('));
+    let of_process = |name: &str| format!("/proc/{}/{name}", app.process_id());
+    let threads = std::fs::read_dir(of_process("task")).unwrap().count();
+    let maps = std::fs::read_to_string(of_process("maps")).unwrap();
+    let is_heap = |line: &&str| {
+        let mut words = line.split_whitespace();
+        let range = words.next().and_then(|range| range.split_once('-'));
+        let start = range.and_then(|(start, _)| u64::from_str_radix(start, 16).ok()).unwrap();
+        // Memory that can be written, of no file.
+        start.is_multiple_of(HEAP) && words.next() == Some("rw-p") && words.count() == 3
+    };
+    let heaps: Vec<&str> = maps.lines().filter(is_heap).collect();
+    assert!(
+        threads > 8 && heaps.len() <= 1,
+        "{threads} threads have {} heaps beside the first: {heaps:?}",
+        heaps.len()
+    );
+}
+
+#[test]
 fn a_scene_that_is_a_pipe_was_waited_for_without_end() {
     let place = Workplace::new();
     output_of(Command::new("mkfifo").arg(place.path("pipe.scene")), "coreutils").unwrap();

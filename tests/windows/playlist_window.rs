@@ -168,6 +168,31 @@ fn the_desktop_steers_the_player_over_d_bus() {
 }
 
 #[test]
+fn mpris_said_playing_before_the_first_picture_and_jumped_back_to_the_start() {
+    let desktop = Desktop::start();
+    let bus = SessionBus::start(desktop.folder());
+    let folder = folder_of(&desktop, &["1.wav"], 60.0);
+    let slow = [("MARIANA_FAULT", "slow-compiler@0")];
+    let app = desktop.open_with(&slow, &folder, &[SMALL, &["-v"]].concat());
+    wait_until("the player on the bus", || bus.players().len() == 1);
+    let waits = |app: &App<'_>| !app.told().contains("first picture after");
+    let status = bus.property("Player.PlaybackStatus");
+    assert!(!waits(&app) || !status.contains("Playing"), "{status}");
+    let position = || -> i64 {
+        let reply = bus.property("Player.Position");
+        reply.split_whitespace().last().and_then(|number| number.parse().ok()).unwrap_or(-1)
+    };
+    let mut last = 0;
+    wait_until("half a second of the song", || {
+        let now = position();
+        assert!(now >= last, "back from {last} to {now} us");
+        last = now;
+        !waits(&app) && now > 500_000
+    });
+    assert!(bus.property("Player.PlaybackStatus").contains("Playing"));
+}
+
+#[test]
 fn a_bus_that_dies_or_is_none_is_nothing_to_speak_of() {
     let desktop = Desktop::start();
     let bus = SessionBus::start(desktop.folder());

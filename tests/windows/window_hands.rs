@@ -279,6 +279,8 @@ fn a_port_that_is_taken_costs_a_sentence_and_no_show() {
     let mut app = place.open(&["--osc", &port]);
     app.wait_until_told("OSC is not heard: another program has 127.0.0.1:");
     wait_for_colour(&app, "green", [false, true, false]);
+    drop(taken);
+    app.wait_until_told(&format!("OSC is heard on 127.0.0.1:{port}"));
     quit(app);
 }
 

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::support::compare::{LOOSE, difference};
 use crate::support::desktop::{App, Desktop, PROGRAM, command_in};
-use crate::support::pings::Pings;
+use crate::support::pings::{Pinger, Pings};
 use image::RgbaImage;
 use mariana_testing::process::{output_of, wait_until};
 use mariana_testing::wave::write_wav;
@@ -171,6 +171,31 @@ fn a_scene_that_took_minutes_for_a_picture_kept_the_window_and_the_last_good_sce
     app.wait_for_title("the scene before, paused", |title| title.contains("own") && title.contains("paused"));
     let answers = pings.stop();
     assert!(answers.count > 0 && answers.worst < Duration::from_secs(10), "{answers:?}");
+}
+
+/// How often a ping arrives together with the reply that the last frame waits for.
+const STOPS: usize = 12;
+/// A show that stands still for 0.4 s is drawn once more. Longer than that.
+const LAST_FRAME: Duration = Duration::from_millis(700);
+
+#[test]
+fn pings_lay_unread_while_the_picture_stood_still() {
+    let place = Place::new("object ball { shape = sphere(p - vec3(0, 1, 0), 0.7 + 0.1 * sin(3 * t)) }", 200);
+    let mut app = place.open("160x90", &[]);
+    let mut pinger = Pinger::connect(place.desktop.display(), app.window().parse().unwrap());
+    for stop in 0..STOPS {
+        app.press(&["space"]);
+        app.wait_for_title("paused", |title| title.contains("paused"));
+        // The last frame waits for the X server, whose reply comes in one piece with the ping.
+        place.desktop.halt_server(true);
+        drop(pinger.send());
+        std::thread::sleep(LAST_FRAME);
+        place.desktop.halt_server(false);
+        let asked = Instant::now();
+        assert!(pinger.wait(|| asked.elapsed() > Duration::from_secs(2)), "stop {stop}: no answer");
+        app.press(&["space"]);
+        app.wait_for_title("playing", |title| !title.contains("paused"));
+    }
 }
 
 #[test]

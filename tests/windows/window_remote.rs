@@ -6,7 +6,7 @@
 use std::fs;
 use std::process::Command;
 
-use crate::support::browser::{Browser, Page};
+use crate::support::browser::Page;
 use crate::support::desktop::{App, Desktop};
 use crate::window_hands::{WALL, quit, wait_for_colour, write_wall};
 use mariana_testing::process::{output_of, wait_until};
@@ -35,9 +35,9 @@ fn url_in(told: &str) -> String {
     told[from..].split(' ').next().unwrap().to_owned()
 }
 
-/// A phone that has come.
-fn phone(browser: &Browser, url: &str) -> Page {
-    let mut page = browser.open(url);
+/// A phone that is connected.
+fn phone(url: &str) -> Page {
+    let mut page = Page::open(url);
     page.wait_until("the connection", "document.getElementById('status')?.textContent === ''");
     page
 }
@@ -55,8 +55,7 @@ fn fingers_on_a_phone_turn_the_picture_and_other_phones_see_it() {
     let desktop = Desktop::start();
     let (app, url) = open(&desktop, &["--size", "160x90"]);
     wait_for_colour(&app, "green", [false, true, false]);
-    let browser = Browser::start();
-    let (mut page, mut other) = (phone(&browser, &url), phone(&browser, &url));
+    let (mut page, mut other) = (phone(&url), phone(&url));
     page.wait_for_text("#scene", "wall");
     page.wait_for_text(&value_of("green"), "1.00");
     // To the right end, beyond which there is nothing.
@@ -91,8 +90,7 @@ fn fingers_on_a_phone_turn_the_picture_and_other_phones_see_it() {
 fn what_is_done_in_the_window_shows_on_the_phone_and_its_scenes_and_song_are_steered() {
     let desktop = Desktop::start();
     let (app, url) = open(&desktop, &["--size", "160x90"]);
-    let browser = Browser::start();
-    let mut page = phone(&browser, &url);
+    let mut page = phone(&url);
     page.wait_for_text("#scene", "wall");
     page.wait_for_text("#track", "quiet.wav");
     app.press(&["space"]);
@@ -134,8 +132,7 @@ fn a_phone_sees_small_pictures_of_the_scenes_and_does_without_them() {
     // A scene with a mistake has none.
     fs::write(desktop.folder().join("wrong.scene"), "object").unwrap();
     app.press(&["n"]);
-    let browser = Browser::start();
-    let mut page = phone(&browser, &url);
+    let mut page = phone(&url);
     page.wait_until("the scenes", "document.querySelectorAll('#scenes button').length > 3");
     // What stands in the middle of a picture: red, green and blue.
     page.value(
@@ -158,7 +155,7 @@ fn a_phone_sees_small_pictures_of_the_scenes_and_does_without_them() {
     page.tap("#wanted");
     page.wait_for_text("#scene", "wall");
     // Who comes later has them at once.
-    let mut other = phone(&browser, &url);
+    let mut other = phone(&url);
     other.wait_until(
         "the pictures",
         "[...document.querySelectorAll('#scenes img')].slice(0, 2).every(image => image.naturalWidth === 320)",
@@ -184,8 +181,7 @@ fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_onc
         !read.is_empty()
     });
     assert_eq!(read, url);
-    let browser = Browser::start();
-    let mut page = phone(&browser, &url);
+    let mut page = phone(&url);
     // The page stays open while the program is started again, with the same port and another token.
     quit(app);
     page.wait_until("the end", "document.getElementById('status').textContent.startsWith('Connection lost')");
@@ -196,13 +192,17 @@ fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_onc
         "what is wrong with it",
         "document.getElementById('status').textContent.startsWith('This address is not valid any more')",
     );
-    // It has asked once and asks no more, so the newer address is soon answered there.
+    // The old page has asked once and asks no more, so the newer address is soon answered.
+    let mut later = Page::open(&newer);
     wait_until("the newer page", || {
-        page = browser.open(&newer);
-        page.wait_until("an answer", "document.readyState === 'complete' && document.body !== null");
-        page.value("document.querySelector('h1') !== null") == true
+        later.wait_until("an answer", "document.readyState === 'complete' && document.body !== null");
+        let is_answered = later.value("document.querySelector('h1') !== null") == true;
+        if !is_answered {
+            later.go_to(&newer);
+        }
+        is_answered
     });
-    page.wait_for_text("#scene", "wall");
+    later.wait_for_text("#scene", "wall");
     quit(app);
 }
 
@@ -219,5 +219,7 @@ fn a_port_that_is_taken_costs_a_sentence_and_the_show_goes_on() {
     let mut app = desktop.open(&song, &options);
     app.wait_until_told(&format!("phones are not listened to: another program has {place}"));
     wait_for_colour(&app, "green", [false, true, false]);
+    drop(taken);
+    app.wait_until_told(&format!("a phone can open http://{place}/"));
     quit(app);
 }

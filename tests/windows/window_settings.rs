@@ -189,6 +189,39 @@ fn the_window_opens_where_it_was_unless_that_is_nowhere() {
 }
 
 #[test]
+fn an_end_without_warning_forgot_the_track_its_place_the_scene_the_volume_and_the_list() {
+    let desktop = Desktop::start();
+    let options = ["--size", "320x180", "--silent"];
+    let samples = || (0..120 * SINK_RATE as usize).flat_map(|_| [0.0, 0.0]);
+    let songs = ["one.wav", "two.wav"].map(|name| desktop.folder().join(name));
+    songs.iter().for_each(|song| write_wav(song, SINK_RATE, 2, samples()));
+    let songs = songs.each_ref().map(|song| song.to_str().unwrap());
+    let mut app = open(&desktop, &[&options[..], &songs].concat());
+    app.press(&["Next"]);
+    app.wait_for_title("the second track", |title| title.contains("2/2"));
+    app.press(&["Down"]);
+    app.wait_for_title("another volume", |title| title.contains("volume"));
+    let title = app.title();
+    // Six times 5 s.
+    app.press(&["Right"; 6]);
+    wait_for_setting(&desktop, "track = 1");
+    wait_until("the volume", || settings(&desktop).contains("\nvolume = 0.9"));
+    wait_until("the place", || {
+        let text = settings(&desktop);
+        let seconds = text.lines().find_map(|line| line.strip_prefix("seconds = "));
+        seconds.and_then(|seconds| seconds.parse().ok()).is_some_and(|seconds: f64| seconds >= 30.0)
+    });
+    app.press(&["n"]);
+    wait_until("the scene", || settings(&desktop).contains("\nscene = "));
+    // Killed.
+    drop(app);
+    let mut app = open(&desktop, &options);
+    let volume = title.split(", ").find(|note| note.contains("volume")).unwrap().trim_end_matches(')');
+    app.wait_for_title("all of it", |title| title.contains("2/2") && title.contains(volume));
+    quit(app);
+}
+
+#[test]
 fn tracks_are_forgotten_and_hints_stay_away_where_that_was_chosen() {
     let desktop = Desktop::start();
     let options = ["--size", "640x360", "--silent"];

@@ -44,7 +44,7 @@ off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l program-cache -d 'Whether programs that the driver has compiled are kept, in the user\'s folder for caches' -r -f -a "on\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l size -d 'Size of the window in pixels [default: the last one, at first 1280x720]' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l show -d 'Whether scenes follow the song: \'auto\' or \'off\', or a .show file [default: what was chosen in the window, at first auto where several tracks play and no scene is named]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l show -d 'Whether scenes follow the song: \'auto\' or \'off\', or a .show file [default: what was chosen in the window, at first auto unless a scene is named]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l osc -d 'Hear OSC messages on this port: of this computer alone, or with ADDRESS:PORT of that address; docs/osc.md tells what they can do' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l osc-send -d 'Send what is heard to another program or to lights, by OSC' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l osc-rate -d 'How often a second it is sent' -r
@@ -149,7 +149,7 @@ off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l scene -d 'The scene to show, as for \'still\'; several with the time in the song from which on each is shown, such as --scene orb --scene city@1:20 [default: speakers]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l show -d 'A show instead of scenes: \'auto\' for one that follows the song, made of all shipped scenes or of those that --scene names; \'demo\' for that of the demo track; or a .show file' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l set -d 'Hold an input at a value, such as "volume.x=0.3", "band(3)=0.5" or a param of the scene; can be given more than once' -r
-complete -c mariana -n "__fish_mariana_using_subcommand video" -s o -l output -d 'The video to write (mp4, mkv, mov, webm), a folder ending in \'/\' for numbered PNGs, or \'-\' for y4m without sound on standard output' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand video" -s o -l output -d 'The video to write (mp4, mkv, mov, webm, or gif and webp without sound), a folder ending in \'/\' for numbered PNGs, or \'-\' for y4m without sound on standard output' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l view -d 'Show how the picture is made, with a legend: - steps: steps of the ray from the eye, blue to red; steps:NUMBER sets the count shown in red, 100 by default - slice: the distance on a plane through what the camera looks at, as lines; slice:NUMBER sets the distance between two lines - normals: directions of the surfaces, by differences of the distance; normals:NUMBER sets the length of a difference, by default a share of the pixel - shadow: the share of the lamps\' light that arrives - occlusion: the share of the light from everywhere that arrives - clauses: clauses that the interpreter runs; evaluations if compiled; clauses:NUMBER sets the count shown in red - cells: the cells of the regions, and how long their tapes are - materials: a colour for each object - depth: the distance to the surface; depth:NUMBER sets the distance shown in black ' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l sdf -d 'How the scene\'s formulas are run; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
 compiled\t''
@@ -165,7 +165,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand video" -l gain -d 'Wheth
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l title-card -d 'Show the song\'s title and artist over the first five seconds'
-complete -c mariana -n "__fish_mariana_using_subcommand video" -l alpha -d 'Leave out the sky, so that the video can be laid over another one: in webm, mov, mkv and PNGs, for scenes whose sky has no colour of its own'
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l alpha -d 'Leave out the sky, so that the video can be laid over another one: in webm, mov, mkv, webp and PNGs, for scenes whose sky has no colour of its own'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s q -l quiet -d 'Tell nothing but mistakes'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s v -l verbose -d 'Log what happens; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s h -l help -d 'Print help (see more with \'--help\')'

@@ -3,6 +3,8 @@
 //! A limit is data: code that obeys a limit reads it here, an error that reports one names the number from here, and
 //! a test reaches it.
 
+use std::time::Duration;
+
 /// Ceilings on what comes from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
@@ -26,6 +28,8 @@ pub struct Limits {
     pub osc_ahead_seconds_max: f64,
     /// Most messages that wait for their time; further ones are refused.
     pub osc_waiting_max: usize,
+    /// Time between two attempts to open a port that the system refuses.
+    pub port_retry: Duration,
     /// Lowest and highest rate at which OSC is sent, in packets a second.
     pub osc_rate_min: f64,
     /// See [`Limits::osc_rate_min`].
@@ -56,6 +60,7 @@ pub const LIMITS: Limits = Limits {
     osc_matches_max: 256,
     osc_ahead_seconds_max: 60.0,
     osc_waiting_max: 1_024,
+    port_retry: Duration::from_secs(1),
     osc_rate_min: 1.0,
     osc_rate_max: 240.0,
     moved_knobs_max: 4_096,

@@ -26,7 +26,8 @@ const JUMP: f64 = 0.08;
 
 fn decoded(song: &Path) -> Result<Vec<StereoFrame>, Box<dyn Error>> {
     let output = Command::new("ffmpeg")
-        .args(["-nostdin", "-v", "error", "-i"])
+        .args(["-nostdin", "-v", "error", "-protocol_whitelist", "file"])
+        .args(["-format_whitelist", "aac,aiff,caf,flac,matroska,mov,mp3,ogg,wav", "-i"])
         .arg(song)
         .args(["-f", "f32le", "-ac", "2", "-ar", "48000", "-"])
         .output()?;

@@ -21,8 +21,8 @@
 //!
 //! All times are those of the monotonic clock: the time of day does not matter.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering, fence};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 /// How many spans stay readable: at least 5 s at 512 frames of 48 kHz per callback.
@@ -108,6 +108,7 @@ const MOVING: u64 = 1 << 32;
 pub struct SpanHistory {
     epoch: Instant,
     rate: u32,
+    device: OnceLock<Box<str>>,
     slots: Box<[Slot]>,
     written: AtomicU64,
     calls: AtomicU64,
@@ -126,6 +127,7 @@ impl SpanHistory {
         let history = Arc::new(Self {
             epoch: Instant::now(),
             rate: rate.max(1),
+            device: OnceLock::new(),
             slots,
             written: AtomicU64::new(0),
             calls: AtomicU64::new(0),
@@ -145,6 +147,17 @@ impl SpanHistory {
     /// How often the callback was called: its sign of life.
     pub fn calls(&self) -> u64 {
         self.calls.load(Ordering::Relaxed)
+    }
+
+    /// Names the device that plays what is handed out. Only the first call counts.
+    pub fn set_device(&self, id: &str) {
+        // A second name is ignored: a history belongs to one stream.
+        let _ = self.device.set(id.into());
+    }
+
+    /// The id of the device that plays what is handed out.
+    pub fn device(&self) -> Option<&str> {
+        self.device.get().map(AsRef::as_ref)
     }
 
     /// Says that nobody hears what is handed out.

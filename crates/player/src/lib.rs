@@ -9,6 +9,7 @@
 //! | module | what it does | runs on |
 //! |---|---|---|
 //! | [`source`], [`decode`], [`resample`] | where frames come from | decoding thread |
+//! | [`ffmpeg`] | command lines of ffmpeg and ffprobe, each input with its demuxer | caller |
 //! | [`playlist`], [`track`] | which tracks, in which order; each is opened ahead | list thread |
 //! | [`listed`] | the list as a window shows it | shared, locked briefly |
 //! | [`player`] | the handle of the window, and the decoding and analysis threads | |
@@ -32,6 +33,7 @@ mod device;
 pub mod device_list;
 pub mod devices;
 mod error;
+pub mod ffmpeg;
 mod gain_switch;
 mod hosts;
 pub mod input;
@@ -59,5 +61,6 @@ pub use device::Target;
 pub use error::{DeviceError, Direction, PlayerError};
 pub use listed::{ListedTrack, ListedTracks};
 pub use player::{
-    LoudnessShape, Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Troubles, Unheard,
+    LoudnessShape, Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Position, Troubles, Unheard,
+    UnheardAfter,
 };

@@ -13,6 +13,7 @@ mod analysis;
 mod decoding;
 mod filling;
 mod listing;
+mod position;
 mod shape;
 mod unheard;
 
@@ -29,7 +30,7 @@ use super::error::PlayerError;
 use super::gain_switch::GainSwitch;
 use super::listed::{Edit, ListedTrack, ListedTracks, SharedListing};
 pub use super::output::OutputChoice;
-use super::output::{Controls, Counters, OutputRequest, Supervisor};
+use super::output::{Controls, Counters, OutputRequest, OutputWatch, Supervisor};
 use super::source::FrameSource;
 use super::timeline::{SharedTimeline, SongPlace};
 use super::track::{OneTrack, Repeat, Track, TrackInfo, TrackList};
@@ -40,10 +41,10 @@ pub use listing::Troubles;
 use listing::{Request, SharedTroubles};
 use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 use mariana_music::{Features, Gain, SongMoment, Sound};
+pub use position::Position;
 pub use shape::LoudnessShape;
 use shape::Shapes;
-pub use unheard::Unheard;
-use unheard::UnheardWatch;
+pub use unheard::{Unheard, UnheardAfter};
 
 /// How long to wait for the end of each thread.
 const END_LIMIT: Duration = Duration::from_secs(1);
@@ -165,11 +166,10 @@ pub struct Player {
     repeat: Repeat,
     shuffled: bool,
     troubles: SharedTroubles,
-    /// One clock for the position, and one for the picture, which may be shifted.
-    position_clock: Clock,
+    position: Position,
+    outputs: OutputWatch,
+    /// Unlike the position, the picture may be shifted.
     picture_clock: Clock,
-    unheard: UnheardWatch,
-    position: f64,
     moment: Moment,
     /// What was audible then, and how far ahead of that the picture is, in seconds.
     heard: Option<(Audible, f64)>,
@@ -217,13 +217,16 @@ impl Player {
         let outputs = commands.clone();
         // If the decoding thread has ended, so has the playback.
         let deliver = move |link| drop(outputs.send(Command::Output { link, at: Instant::now() }));
-        let supervisor = Some(Supervisor::start(request, controls.clone(), counters.clone(), deliver)?);
+        let supervisor = Supervisor::start(request, controls.clone(), counters.clone(), deliver)?;
+        let outputs = supervisor.watch();
         Ok(Self {
             controls,
             counters,
+            position: Position::new(outputs.clone(), timeline.clone(), track.clone()),
+            outputs,
             timeline,
             commands,
-            supervisor,
+            supervisor: Some(supervisor),
             decoding,
             analysis,
             gain,
@@ -234,10 +237,7 @@ impl Player {
             repeat: options.repeat,
             shuffled: options.shuffled,
             troubles,
-            position_clock: Clock::default(),
             picture_clock: Clock::default(),
-            unheard: UnheardWatch::default(),
-            position: 0.0,
             moment: Moment { track: track_id, ..Moment::default() },
             heard: None,
             shift: 0.0,
@@ -353,27 +353,20 @@ impl Player {
     /// The present state of playback.
     pub fn status(&mut self) -> PlayerStatus {
         let output = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
+        let place = self.position.look();
+        self.track = place.track;
         let timeline = self.timeline.lock();
-        let now = Instant::now();
         let carry = |from, to| timeline.carry(from, to);
-        let audible = self.position_clock.at(output.history.as_ref(), now, 0.0, carry);
         // The song ends with the picture, which is later than the device if it is shifted.
-        let shown = self.picture_clock.at(output.history.as_ref(), now, self.shift, carry);
+        let shown = self.picture_clock.at(output.history.as_ref(), Instant::now(), self.shift, carry);
         let ended = shown.is_some_and(|shown| timeline.is_end(shown));
-        if let Some(history) = self.position_clock.history() {
-            self.unheard.look(history, carry);
-        }
-        if let Some(audible) = audible {
-            self.position = timeline.place(audible, 0.0).map_or(self.position, |place| place.song_time);
-            self.track = timeline.track(audible).unwrap_or_else(|| self.track.clone());
-        }
         let next = timeline.next();
         drop(timeline);
         self.find_place();
         PlayerStatus {
             track: self.track.clone(),
             next,
-            position: self.position,
+            position: place.seconds,
             repeat: self.repeat,
             shuffled: self.shuffled,
             paused: self.controls.paused(),
@@ -389,8 +382,13 @@ impl Player {
             worst_callback_load: self.counters.worst_load_millionths.load(Ordering::Relaxed) as f64 / 1e6,
             usual_callback_load: self.counters.load_of(0.999),
             troubles: self.troubles.get(),
-            unheard: self.unheard.told(),
+            unheard: place.unheard,
         }
+    }
+
+    /// The audible position, for other threads.
+    pub fn position(&self) -> Position {
+        self.position.clone()
     }
 
     /// What is audible now. `latency_shift` seconds (within the limits' `latency_ms_max`) are added to the latency
@@ -400,7 +398,7 @@ impl Player {
         let limit = LIMITS.latency_ms_max / 1000.0;
         let shift = if latency_shift.is_finite() { latency_shift.clamp(-limit, limit) } else { 0.0 };
         self.shift = shift.max(0.0);
-        let history = self.supervisor.as_ref().and_then(Supervisor::history);
+        let history = self.outputs.history();
         let timeline = self.timeline.lock();
         let carry = |from, to| timeline.carry(from, to);
         if let Some(audible) = self.picture_clock.at(history.as_ref(), Instant::now(), self.shift, carry)

@@ -102,15 +102,26 @@ impl<P: Port> Supervisor<P> {
         lock(&self.status).clone()
     }
 
-    /// What the port notes of what is open.
-    pub(crate) fn note(&self) -> P::Note {
-        lock(&self.status).note.clone()
+    /// Reads the port's data about the open stream from any thread.
+    pub(crate) fn notes(&self) -> NoteReader<P::Note> {
+        NoteReader(self.status.clone())
     }
 
     /// Changes to another device; the present one goes on until the other is there.
     pub(crate) fn choose(&self, target: Target) {
         // If it cannot be sent, the thread has ended.
         let _ = self.events.send((0, Event::Choose(target)));
+    }
+}
+
+/// Port-specific data about the open stream, readable even after the supervisor has ended.
+#[derive(Clone)]
+pub(crate) struct NoteReader<N>(Arc<Mutex<StreamStatus<N>>>);
+
+impl<N: Clone> NoteReader<N> {
+    /// The present data.
+    pub(crate) fn note(&self) -> N {
+        lock(&self.0).note.clone()
     }
 }
 

@@ -90,8 +90,7 @@ function lost() {
   later(AGAIN[Math.min(tries++, AGAIN.length - 1)]);
 }
 
-// A WebSocket does not tell why it is refused, so the same address is asked a plain question before. Each wrong one costs
-// this phone time, so there is only one.
+// A WebSocket does not tell why it is refused, so the same address is asked a plain question before.
 async function ask() {
   clearTimeout(retry);
   const patience = new AbortController();
@@ -105,10 +104,6 @@ async function ask() {
   }
   if (answer.status === 403) {
     tell("This address is not valid any more: Mariana was started again. Press J in its window and scan the code.");
-  } else if (answer.status === 429) {
-    const seconds = Number(answer.headers.get("Retry-After")) || 5;
-    tell("Too many wrong addresses were asked for from here. Trying again in " + seconds + " s.");
-    later(1000 * seconds);
   } else if (answer.status === 503) {
     tell("As many phones as there may be are here already: close the page on one of them.");
     later(AGAIN[AGAIN.length - 1]);

@@ -29,7 +29,7 @@ pub(crate) enum Refusal {
     /// Nothing is there.
     Nothing,
     /// The token is wrong.
-    Guess,
+    WrongToken,
     /// It comes from another page.
     Origin,
     /// There is only a conversation there.
@@ -47,7 +47,7 @@ impl Refusal {
             Self::Nothing => {
                 ("404 Not Found", "nothing is here: open the address that Mariana's window shows")
             }
-            Self::Guess => (
+            Self::WrongToken => (
                 "403 Forbidden",
                 "this address is not valid any more: open the one that Mariana's window shows",
             ),
@@ -58,7 +58,7 @@ impl Refusal {
     }
 }
 
-/// The path behind the token, if the token is right; to be asked only of those who need not wait.
+/// The path behind the token, if the token is right.
 fn behind_token<'a>(path: &'a str, token: &Token) -> Result<Option<&'a str>, Refusal> {
     let path = path.split('?').next().unwrap_or_default().trim_start_matches('/');
     let (guess, rest) = path.split_once('/').map_or((path, None), |(guess, rest)| (guess, Some(rest)));
@@ -67,7 +67,7 @@ fn behind_token<'a>(path: &'a str, token: &Token) -> Result<Option<&'a str>, Ref
         return Err(Refusal::Nothing);
     }
     if !token.is(guess) {
-        return Err(Refusal::Guess);
+        return Err(Refusal::WrongToken);
     }
     Ok(rest)
 }
@@ -199,7 +199,7 @@ mod tests {
             assert_eq!(ask(path), Err(Refusal::Nothing), "{path}");
         }
         for path in ["/etc/passwd", "/x", "/page.js", "/hands", "/%00", "*", "http://x/"] {
-            assert_eq!(ask(path), Err(Refusal::Guess), "{path}");
+            assert_eq!(ask(path), Err(Refusal::WrongToken), "{path}");
         }
     }
 
@@ -295,6 +295,6 @@ mod tests {
         }
         let wrong = Token::new().unwrap();
         let head = head("GET", &path, &whole);
-        assert_eq!(judge(&head, HOST, &wrong), Err(Refusal::Guess), "the token comes first");
+        assert_eq!(judge(&head, HOST, &wrong), Err(Refusal::WrongToken), "the token comes first");
     }
 }

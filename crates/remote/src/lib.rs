@@ -8,8 +8,9 @@
 //! ```
 //!
 //! **Nobody who lacks the token learns or does anything.** It is new at each start and stands in the address, which the
-//! window shows as a code of squares. Whoever guesses waits longer after each guess ([`guesses`]). A page of another place
-//! that a browser shows is refused by its `Origin`, and one under another name for this computer by its `Host`.
+//! window shows as a code of squares. It has 130 random bits: nobody can guess it, so wrong ones cost nobody a wait. A page
+//! of another place that a browser shows is refused by its `Origin`, and one under another name for this computer by its
+//! `Host`.
 //!
 //! **No request reaches a file.** What is answered stands in a table of texts that are part of the program, or in the
 //! [`Album`], which is in memory.
@@ -19,7 +20,6 @@
 //! [`Board`](mariana_control::Board). A phone that reads slowly gets only the newest state.
 
 mod album;
-pub mod guesses;
 pub mod http;
 mod invitation;
 mod judge;

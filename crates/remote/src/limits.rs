@@ -32,18 +32,10 @@ pub struct Limits {
     pub unread_time_max: Duration,
     /// Least time between two states that a phone is told.
     pub news_interval: Duration,
-    /// How long an address that guessed a token wrongly has to wait, the first time; each further time twice as long.
-    pub guess_pause_min: Duration,
-    /// The longest such wait.
-    pub guess_pause_max: Duration,
     /// Most small pictures that phones can look at.
     pub pictures_max: usize,
     /// Most bytes of one.
     pub picture_bytes_max: usize,
-    /// After this time without a wrong guess an address begins anew.
-    pub guess_memory: Duration,
-    /// Of how many addresses wrong guesses are remembered; of the others the oldest are forgotten.
-    pub guessers_max: usize,
 }
 
 /// The limits in force.
@@ -60,10 +52,6 @@ pub const LIMITS: Limits = Limits {
     silence_max: Duration::from_secs(30),
     unread_time_max: Duration::from_secs(10),
     news_interval: Duration::from_millis(50),
-    guess_pause_min: Duration::from_secs(1),
-    guess_pause_max: Duration::from_secs(60),
     pictures_max: 512,
     picture_bytes_max: 128 << 10,
-    guess_memory: Duration::from_secs(600),
-    guessers_max: 256,
 };

@@ -5,14 +5,14 @@ use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
 use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use mariana_control::deed::DeedRow;
+use mariana_control::limits::LIMITS as CONTROL_LIMITS;
 use mariana_control::osc::{Place, PlaceError};
 use mariana_control::{Board, Wishes};
 
 use crate::album::Album;
-use crate::guesses::Guesses;
 use crate::http::{self, HeadBounds};
 use crate::invitation::Invitation;
 use crate::judge::{Refusal, Wanted, admit, judge};
@@ -49,7 +49,7 @@ pub enum RemoteState {
     Opening,
     /// Phones can come by this invitation.
     Open(Arc<Invitation>),
-    /// None can, and why: a sentence.
+    /// The system refuses the port, and why: a sentence. The server keeps trying.
     Refused(String),
 }
 
@@ -66,7 +66,6 @@ pub(crate) struct Shared {
     pub album: Album,
     pub limits: Limits,
     state: Mutex<RemoteState>,
-    guesses: Mutex<Guesses>,
     seats: Seats,
     phones: AtomicUsize,
     is_over: AtomicBool,
@@ -74,9 +73,9 @@ pub(crate) struct Shared {
 }
 
 impl Remote {
-    /// Listens at `place` from now on. What phones wish for, by the table of actions, goes among the wishes; they are told
-    /// what stands on the board, and shown what is in the album. `wake` is called when the state or the number of phones has
-    /// changed, and when a picture is wanted.
+    /// Listens at `place` from now on, or as soon as the system gives the port. What phones wish for, by the table of
+    /// actions, goes among the wishes; they are told what stands on the board, and shown what is in the album. `wake` is
+    /// called when the state or the number of phones has changed, and when a picture is wanted.
     ///
     /// # Errors
     /// There is no thread, or no random number.
@@ -111,7 +110,6 @@ impl Remote {
             album,
             limits,
             state: Mutex::default(),
-            guesses: Mutex::new(Guesses::new(limits)),
             seats: Seats::default(),
             phones: AtomicUsize::new(0),
             is_over: AtomicBool::new(false),
@@ -151,11 +149,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 impl Shared {
     /// Opens the port, and keeps the invitation up to date until all is over.
     fn keep(self: &Arc<Self>) {
-        let opened = self.open();
-        let listens = match opened {
-            Ok(listens) => listens,
-            Err(error) => return self.set_state(RemoteState::Refused(refusal(&self.place, &error))),
-        };
+        let Some(listens) = self.open_when_free() else { return };
         while !self.is_over() {
             let invitation = Invitation::new(listens, self.name(), &self.token);
             self.set_state(RemoteState::Open(Arc::new(invitation)));
@@ -164,6 +158,18 @@ impl Shared {
         // The thread that takes connections waits for one.
         let local = if listens.ip().is_unspecified() { IpAddr::from([127, 0, 0, 1]) } else { listens.ip() };
         let _ = TcpStream::connect_timeout(&SocketAddr::new(local, listens.port()), LOOK);
+    }
+
+    /// Opens the port, and tries again for as long as the system refuses it. `None` if all is over before.
+    fn open_when_free(self: &Arc<Self>) -> Option<SocketAddr> {
+        while !self.is_over() {
+            match self.open() {
+                Ok(listens) => return Some(listens),
+                Err(error) => self.set_state(RemoteState::Refused(refusal(&self.place, &error))),
+            }
+            std::thread::sleep(CONTROL_LIMITS.port_retry);
+        }
+        None
     }
 
     fn open(self: &Arc<Self>) -> io::Result<SocketAddr> {
@@ -241,9 +247,6 @@ impl Shared {
             Ok(host) => host,
             Err(refusal) => return refuse(refusal),
         };
-        if let Some(pause) = lock(&self.guesses).pause(from, Instant::now()) {
-            return ask_for_patience(&stream, pause, within);
-        }
         match judge(&head, host, &self.token) {
             Ok(Wanted::Text(asset, host)) => {
                 let policy = ("Content-Security-Policy", &*policy(&host));
@@ -276,8 +279,7 @@ impl Shared {
                 turn_away(&stream, within);
             }
             Err(refusal) => {
-                if refusal == Refusal::Guess {
-                    lock(&self.guesses).note_wrong(from, Instant::now());
+                if refusal == Refusal::WrongToken {
                     tracing::debug!("{from} asked with a wrong token");
                 }
                 refuse(refusal);
@@ -330,15 +332,8 @@ fn turn_away(stream: &TcpStream, within: Duration) {
     http::answer_in_words(stream, "503 Service Unavailable", words, within);
 }
 
-fn ask_for_patience(stream: &TcpStream, pause: Duration, within: Duration) {
-    let seconds = (pause.as_secs() + 1).to_string();
-    let fields = [("Content-Type", "text/plain; charset=utf-8"), ("Retry-After", &*seconds)];
-    let words = format!("too many wrong addresses were asked for: wait {seconds} s\n");
-    http::answer(stream, "429 Too Many Requests", &fields, words.as_bytes(), within);
-}
-
 fn refusal(place: &Place, error: &io::Error) -> String {
-    match error.kind() {
+    let sentence = match error.kind() {
         io::ErrorKind::AddrInUse => format!(
             "phones are not listened to: another program has {place}; end it, or choose another port with --remote"
         ),
@@ -349,7 +344,8 @@ fn refusal(place: &Place, error: &io::Error) -> String {
             "phones are not listened to: {place} is no address of this computer; give --remote one of its own"
         ),
         _ => format!("phones are not listened to on {place} ({error}); choose another address with --remote"),
-    }
+    };
+    sentence + " (Mariana keeps trying)"
 }
 
 #[cfg(test)]

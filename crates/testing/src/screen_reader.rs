@@ -37,6 +37,8 @@ pub struct Control {
 
 /// A button, in AT-SPI's list of roles.
 pub const BUTTON: u32 = 43;
+/// A button that is on or off, in AT-SPI's list of roles.
+pub const TOGGLE: u32 = 62;
 /// A text, in AT-SPI's list of roles.
 pub const LABEL: u32 = 29;
 /// A slider, in AT-SPI's list of roles.
@@ -93,6 +95,18 @@ impl<'b> ScreenReader<'b> {
             }
         }
         found
+    }
+
+    /// Whether a button is on.
+    pub fn is_on(&self, control: &Control) -> bool {
+        /// Of AT-SPI's list of states, in the first of two words of bits.
+        const PRESSED: u32 = 20;
+        let reply = self.send(&control.program, &control.object, &[&format!("{ACCESSIBLE}.GetState")]);
+        let reply = reply.unwrap_or_else(|error| panic!("{control:?}: {error}"));
+        let words = reply.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok());
+        // Before them stands how wide they are.
+        let states: Vec<u32> = words.collect();
+        states.iter().any(|word| word & (1 << PRESSED) != 0 && *word != 32)
     }
 
     /// Presses a button.

@@ -10,6 +10,7 @@ mod gpu;
 mod hands;
 mod language_page;
 mod textures;
+mod thumbnails;
 #[cfg(unix)]
 mod typing;
 
@@ -54,6 +55,12 @@ const TOOLS: &[Tool] = &[
     ),
     ("language-page", "[FOLDER]", "writes docs/language.md and draws its shapes", language_page::run),
     ("textures", "[FOLDER]", "paints assets/textures", textures::run),
+    (
+        "thumbnails",
+        "[SCENE ...]",
+        "draws assets/thumbnails: of these shipped scenes, or of all",
+        thumbnails::run,
+    ),
     #[cfg(unix)]
     (
         "typing",

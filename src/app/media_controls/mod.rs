@@ -14,8 +14,8 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use mariana_player::PlayerStatus;
 use mariana_player::track::{Repeat, TrackInfo};
+use mariana_player::{PlayerStatus, Position};
 
 /// A position is a jump if it differs by more than this from where playback would have come by itself, in seconds.
 const JUMP: f64 = 0.5;
@@ -60,9 +60,12 @@ struct Seen {
     repeat: Repeat,
     shuffled: bool,
     fullscreen: bool,
-    /// Seconds since the track's start, at a moment.
+    /// Seconds since the track's start, at a moment. Only for telling jumps: the bus asks the player for the position.
     position: (f64, Instant),
 }
+
+/// Reads the audible position, in seconds.
+type ReadPosition = Arc<dyn Fn() -> f64 + Send + Sync>;
 
 impl Seen {
     fn new() -> Self {
@@ -78,7 +81,7 @@ impl Seen {
         }
     }
 
-    /// The position, in seconds, at `now`.
+    /// The position, in seconds, at which playback would be at `now` without a jump.
     fn position_at(&self, now: Instant) -> f64 {
         let (position, at) = self.position;
         let moving = !self.paused && !self.ended;
@@ -105,8 +108,9 @@ pub(super) struct MediaControls {
 }
 
 impl MediaControls {
-    /// Offers the program to the desktop, on a thread of its own; `wake` is called when something is asked for.
-    pub(super) fn start(wake: impl Fn() + Send + Sync + 'static) -> Self {
+    /// Serves the desktop on another thread, which calls `wake` for each request. Without a `position` it reports 0.
+    pub(super) fn start(position: Option<Position>, wake: impl Fn() + Send + Sync + 'static) -> Self {
+        let position: ReadPosition = Arc::new(move || position.as_ref().map_or(0.0, Position::seconds));
         let seen = SharedSeen(Arc::new(Mutex::new(Seen::new())));
         let (asks, asked) = channel();
         let ask = move |what| {
@@ -116,9 +120,9 @@ impl MediaControls {
             }
         };
         #[cfg(target_os = "linux")]
-        let changes = mpris::serve(seen.clone(), ask);
+        let changes = mpris::serve(seen.clone(), position, ask);
         #[cfg(not(target_os = "linux"))]
-        drop(ask);
+        drop((position, ask));
         Self {
             seen,
             asked,
@@ -132,12 +136,13 @@ impl MediaControls {
         self.asked.try_recv().ok()
     }
 
-    /// Reports the state of playback to the desktop.
-    pub(super) fn show(&self, status: &PlayerStatus, fullscreen: bool) {
+    /// Reports the state of playback to the desktop. A song that has not `started` is paused: it waits for the first
+    /// picture.
+    pub(super) fn show(&self, status: &PlayerStatus, started: bool, fullscreen: bool) {
         let now = Instant::now();
         let new = Seen {
             track: Some(status.track.clone()),
-            paused: status.paused,
+            paused: status.paused || !started,
             ended: status.ended,
             volume: status.volume,
             repeat: status.repeat,

@@ -1,7 +1,5 @@
 //! The player on the session's D-Bus, through MPRIS.
 
-use std::time::Instant;
-
 use async_channel::{Receiver, Sender};
 use mpris_server::zbus::zvariant::ObjectPath;
 use mpris_server::zbus::{self, fdo};
@@ -11,7 +9,7 @@ use mpris_server::{
 };
 
 use super::super::identity::APP_ID;
-use super::{Asked, Seen, SharedSeen};
+use super::{Asked, ReadPosition, Seen, SharedSeen};
 use mariana_player::track::{Repeat, TrackInfo};
 
 /// The program's name on the bus. The process id is appended, because several may run.
@@ -55,9 +53,13 @@ impl Changes {
 }
 
 /// Serves the bus on a thread of its own as long as the [`Changes`] live.
-pub(super) fn serve(seen: SharedSeen, ask: impl Fn(Asked) + Send + Sync + 'static) -> Changes {
+pub(super) fn serve(
+    seen: SharedSeen,
+    position: ReadPosition,
+    ask: impl Fn(Asked) + Send + Sync + 'static,
+) -> Changes {
     let (changes, inbox) = async_channel::bounded(CHANGES_MAX);
-    let player = Offered { seen, ask: std::sync::Arc::new(ask) };
+    let player = Offered { seen, position, ask: std::sync::Arc::new(ask) };
     let started = std::thread::Builder::new().name("media controls".into()).spawn(move || {
         // Without a bus there are no keys, which is no error.
         if let Err(error) = zbus::block_on(run(player, &inbox)) {
@@ -86,6 +88,7 @@ async fn run(player: Offered, inbox: &Receiver<Change>) -> zbus::Result<()> {
 #[derive(Clone)]
 struct Offered {
     seen: SharedSeen,
+    position: ReadPosition,
     ask: std::sync::Arc<dyn Fn(Asked) + Send + Sync>,
 }
 
@@ -277,7 +280,7 @@ impl PlayerInterface for Offered {
     }
 
     async fn position(&self) -> fdo::Result<Time> {
-        Ok(time(self.seen.lock().position_at(Instant::now())))
+        Ok(time((self.position)()))
     }
 
     async fn minimum_rate(&self) -> fdo::Result<f64> {
@@ -310,5 +313,25 @@ impl PlayerInterface for Offered {
 
     async fn can_control(&self) -> fdo::Result<bool> {
         Ok(true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+    use std::time::Instant;
+
+    use super::*;
+
+    #[test]
+    fn the_bus_was_told_a_guess_that_stepped_back_after_a_device_fault() {
+        // The last report, from which a guess would run on at full pace.
+        let seen = Seen { paused: false, position: (7.0, Instant::now()), ..Seen::new() };
+        let offered = Offered {
+            seen: SharedSeen(Arc::new(Mutex::new(seen))),
+            position: Arc::new(|| 2.5),
+            ask: Arc::new(|_| ()),
+        };
+        assert_eq!(zbus::block_on(offered.position()).unwrap(), Time::from_millis(2_500));
     }
 }

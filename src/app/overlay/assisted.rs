@@ -3,7 +3,9 @@
 use std::ops::RangeInclusive;
 
 use egui::accesskit::{Action, ActionData, Live, Role};
-use egui::{Context, Id, Response, Ui, accesskit_root_id};
+use egui::{Context, EventFilter, Id, Key, Painter, Response, Stroke, StrokeKind, Ui, accesskit_root_id};
+
+use super::style;
 
 /// Names the window.
 pub(super) fn window(context: &Context) {
@@ -19,6 +21,33 @@ pub(super) fn text(context: &Context, name: &str, words: &str, news: bool) {
             node.set_live(Live::Polite);
         }
     });
+}
+
+/// Adds to a control what its name does not say.
+pub(super) fn describe(context: &Context, control: Id, words: &str) {
+    let _ = context.accesskit_node_builder(control, |node| node.set_description(words));
+}
+
+/// Draws a ring around the control that has the keys.
+pub(super) fn ring(context: &Context, painter: &Painter) {
+    let focused = context.memory(|memory| memory.focused()).and_then(|id| context.read_response(id));
+    if let Some(control) = focused {
+        let stroke = Stroke::new(2.0, style::ACCENT);
+        painter.rect_stroke(control.rect.expand(1.0), 4.0, stroke, StrokeKind::Outside);
+    }
+}
+
+/// The steps by which arrows move the control that has the keys, to the right less to the left.
+fn steps_by_keys(ui: &Ui, response: &Response) -> f64 {
+    if !response.has_focus() {
+        return 0.0;
+    }
+    let arrows = EventFilter { horizontal_arrows: true, ..EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+    ui.input(|input| {
+        let count = |key| input.num_presses(key) as f64;
+        count(Key::ArrowRight) - count(Key::ArrowLeft)
+    })
 }
 
 /// Tells a rail with a value that can be changed by `step`; returns the value that it is set to, if any.
@@ -42,6 +71,7 @@ pub(super) fn rail(
             node.add_action(action);
         }
     });
+    let by_keys = steps_by_keys(ui, response);
     let wanted = ui.input(|input| {
         let count = |action| input.num_accesskit_action_requests(response.id, action) as f64;
         let set =
@@ -51,7 +81,7 @@ pub(super) fn rail(
                     _ => None,
                 },
             );
-        let steps = count(Action::Increment) - count(Action::Decrement);
+        let steps = count(Action::Increment) - count(Action::Decrement) + by_keys;
         set.last().or_else(|| (steps != 0.0).then_some(value + steps * step))
     });
     wanted.map(|wanted| wanted.max(least).min(greatest))

@@ -39,7 +39,7 @@ const BAR_STEP: f32 = 3.0;
 /// Width of the volume's rail: at least, or there is none, and at most.
 const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
 /// Buttons at the right.
-const RIGHT_BUTTONS: f32 = 9.0;
+const RIGHT_BUTTONS: f32 = 10.0;
 /// Height of the line of sections, and size of their letters.
 const SECTION_HEIGHT: f32 = 3.0;
 const LETTER_SIZE: f32 = 9.5;
@@ -76,6 +76,10 @@ pub struct Bar<'a> {
     pub help: bool,
     /// Whether the sliders are shown.
     pub sliders: bool,
+    /// Whether the window is in full screen.
+    pub fullscreen: bool,
+    /// A show is on.
+    pub follows: bool,
     /// Whether it is seen; else it is there for screen readers alone.
     pub seen: bool,
 }
@@ -85,7 +89,8 @@ const LEVEL_STEPS: f32 = 24.0;
 
 impl Hash for Bar<'_> {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        (self.now, self.scene, self.open, self.help, self.sliders, self.seen).hash(state);
+        let lit = (self.open, self.help, self.sliders, self.fullscreen, self.follows);
+        (self.now, self.scene, lit, self.seen).hash(state);
         self.shape.map(|shape| shape.revision).hash(state);
         self.song.map(|song| song.sections.len()).hash(state);
         ((self.level * LEVEL_STEPS) as u32).hash(state);
@@ -236,20 +241,17 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
     let now = bar.now;
     let right = RIGHT_BUTTONS * (BUTTON + BUTTON_GAP);
     ui.horizontal(|ui| {
-        let mut act = |ui: &mut Ui, icon, action, lit| {
-            key_button(ui, icon, action, lit, requests);
-        };
         if !now.live {
-            act(ui, Icon::Previous, Action::SkipTrack { forward: false }, false);
+            key_button(ui, Icon::Previous, Action::SkipTrack { forward: false }, Lamp::None, requests);
         }
-        act(ui, if now.paused { Icon::Play } else { Icon::Pause }, Action::TogglePause, false);
+        let pause = if now.paused { Icon::Play } else { Icon::Pause };
+        key_button(ui, pause, Action::TogglePause, Lamp::Hidden(now.paused), requests);
         if !now.live {
-            act(ui, Icon::Next, Action::SkipTrack { forward: true }, false);
-            act(ui, Icon::Shuffle, Action::ToggleShuffle, now.shuffled);
-            let repeat = if now.repeat == Repeat::One { Icon::RepeatOne } else { Icon::Repeat };
-            act(ui, repeat, Action::ChangeRepeat, now.repeat != Repeat::Off);
+            key_button(ui, Icon::Next, Action::SkipTrack { forward: true }, Lamp::None, requests);
+            key_button(ui, Icon::Shuffle, Action::ToggleShuffle, Lamp::Seen(now.shuffled), requests);
+            repeat_button(ui, now, requests);
             let sound = if now.muted { Icon::Muted } else { Icon::Volume };
-            act(ui, sound, Action::ToggleMute, false);
+            key_button(ui, sound, Action::ToggleMute, Lamp::Hidden(now.muted), requests);
             let room = ui.available_width() - right;
             if room >= VOLUME_WIDTH.0 {
                 volume(ui, now, room.min(VOLUME_WIDTH.1), requests);
@@ -264,12 +266,19 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
             }
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            key_button(ui, Icon::Fullscreen, Action::ToggleFullscreen, false, requests);
-            key_button(ui, Icon::Keys, Action::ToggleHelp, bar.help, requests);
+            key_button(
+                ui,
+                Icon::Fullscreen,
+                Action::ToggleFullscreen,
+                Lamp::Hidden(bar.fullscreen),
+                requests,
+            );
+            key_button(ui, Icon::Keys, Action::ToggleHelp, Lamp::Seen(bar.help), requests);
             panel_button(ui, Icon::Settings, Panel::Settings, bar, requests);
-            key_button(ui, Icon::Sliders, Action::ToggleSliders, bar.sliders, requests);
+            key_button(ui, Icon::Sliders, Action::ToggleSliders, Lamp::Seen(bar.sliders), requests);
             panel_button(ui, Icon::Text, Panel::Editor, bar, requests);
             panel_button(ui, Icon::Scenes, Panel::Scenes, bar, requests);
+            key_button(ui, Icon::Show, Action::ToggleFollow, Lamp::Seen(bar.follows), requests);
             let source = panel_button(ui, Icon::Source, Panel::Sources, bar, requests);
             // How loud it is, under the sign.
             let bottom = source.rect.center_bottom() - vec2(0.0, LEVEL.y);
@@ -283,8 +292,8 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
 }
 
 /// A button that does what a key does, and says which.
-fn key_button(ui: &mut Ui, icon: Icon, action: Action, lit: bool, requests: &mut Vec<Request>) -> Response {
-    let response = button(ui, icon, &words_of(action), lit);
+fn key_button(ui: &mut Ui, icon: Icon, action: Action, lamp: Lamp, requests: &mut Vec<Request>) -> Response {
+    let response = button(ui, icon, &words_of(action), lamp);
     if response.clicked() {
         requests.push(Request::Act(action));
     }
@@ -310,23 +319,49 @@ fn panel_button(
     bar: &Bar<'_>,
     requests: &mut Vec<Request>,
 ) -> Response {
-    key_button(ui, icon, Action::TogglePanel(panel), bar.open == Some(panel), requests)
+    key_button(ui, icon, Action::TogglePanel(panel), Lamp::Seen(bar.open == Some(panel)), requests)
+}
+
+/// Whether a button shows that what it switches is on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lamp {
+    /// It is no switch.
+    None,
+    /// By its colour, and to screen readers.
+    Seen(bool),
+    /// To screen readers. Others see it by the sign.
+    Hidden(bool),
 }
 
 /// A button with a sign, whose words are its tooltip and its name.
-pub(super) fn button(ui: &mut Ui, icon: Icon, words: &str, lit: bool) -> Response {
+pub(super) fn button(ui: &mut Ui, icon: Icon, words: &str, lamp: Lamp) -> Response {
     let (place, response) = ui.allocate_exact_size(vec2(BUTTON, BUTTON), Sense::click());
-    let color = match (response.hovered(), lit) {
-        (_, true) => style::ACCENT,
-        (true, false) => style::TEXT,
-        (false, false) => style::BUTTON,
+    let color = match (response.hovered(), lamp) {
+        (_, Lamp::Seen(true)) => style::ACCENT,
+        (true, _) => style::TEXT,
+        (false, _) => style::BUTTON,
     };
     if response.hovered() {
         ui.painter().rect_filled(place.shrink(1.0), 5.0, style::RAIL);
     }
     icons::draw(ui.painter(), icon, place, SIGN, color);
-    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, words));
+    response.widget_info(|| match lamp {
+        Lamp::None => WidgetInfo::labeled(egui::Role::Button, true, words),
+        Lamp::Seen(on) | Lamp::Hidden(on) => WidgetInfo::selected(egui::Role::Button, true, on, words),
+    });
     response.on_hover_text(words)
+}
+
+/// The button that goes through the ways to repeat tracks. Its name says which one holds.
+fn repeat_button(ui: &mut Ui, now: &NowPlaying, requests: &mut Vec<Request>) {
+    let (icon, holds) = match now.repeat {
+        Repeat::Off => (Icon::Repeat, "none is repeated"),
+        Repeat::All => (Icon::Repeat, "all are repeated"),
+        Repeat::One => (Icon::RepeatOne, "one is repeated"),
+    };
+    let lamp = Lamp::Seen(now.repeat != Repeat::Off);
+    let response = key_button(ui, icon, Action::ChangeRepeat, lamp, requests);
+    assisted::describe(ui.ctx(), response.id, holds);
 }
 
 /// The volume's rail.

@@ -19,6 +19,7 @@ pub(super) enum Icon {
     Tracks,
     Source,
     Scenes,
+    Show,
     Sliders,
     Settings,
     Keys,
@@ -93,6 +94,14 @@ pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: 
         Icon::Scenes => {
             for (x, y) in [(-0.85, -0.75), (0.1, -0.75), (-0.85, 0.1), (0.1, 0.1)] {
                 pen.frame((x, y), (x + 0.75, y + 0.65));
+            }
+        }
+        Icon::Show => {
+            // A clapperboard.
+            pen.frame((-0.85, -0.15), (0.85, 0.8));
+            pen.line(&[(-0.85, -0.45), (0.8, -0.85)]);
+            for x in [-0.5, 0.0, 0.5] {
+                pen.line(&[(x - 0.1, -0.15), (x + 0.15, 0.2)]);
             }
         }
         Icon::Sliders => {

@@ -5,8 +5,9 @@
 //! for it. Content that has not changed is painted again as it was laid out; an empty overlay costs nothing.
 //!
 //! **The overlay asks.** The show draws when its picture changes. `Overlay::due` says when the overlay changes, so a
-//! fading notice moves in a paused show, and a panel that does not change costs nothing. egui gets no keys: they
-//! belong to the show, whatever was clicked last. A click that begins on a panel belongs to the overlay.
+//! fading notice moves in a paused show, and a panel that does not change costs nothing. Keys belong to
+//! the show, whatever was clicked last, until Shift+Tab, or Tab with a screen reader, gives them to the controls; Escape
+//! gives them back. A click that begins on a panel belongs to the overlay.
 
 mod assisted;
 mod bar;
@@ -40,16 +41,17 @@ mod welcome;
 use std::time::Instant;
 
 use egui::accesskit::TreeUpdate;
-use egui::{ClippedPrimitive, CursorIcon, Event, PlatformOutput, RawInput, Rect, Vec2};
+use egui::{ClippedPrimitive, CursorIcon, Event, Modifiers, PlatformOutput, RawInput, Rect, Vec2};
 use egui_glow::Painter;
 use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event::WindowEvent;
+use winit::keyboard::{Key, NamedKey};
 use winit::window::Window;
 
 pub use bar::Bar;
 pub use content::{Notice, OverlayContent, Problem, Slider, SourceList};
 pub use now_playing::NowPlaying;
-use panels::Panels;
+use panels::{Panels, pressed};
 use pointer::Pointer;
 pub use requests::{FileRequest, Panel, Request, SceneRequest, SettingRequest, TrackRequest};
 pub use switches::PanelSwitches;
@@ -124,8 +126,8 @@ impl Overlay {
         }
     }
 
-    /// Takes an event of the window and returns whether it belongs to the overlay alone. Keys never do: they are the
-    /// show's.
+    /// Takes an event of the window and returns whether it belongs to the overlay alone. Keys never do: see
+    /// [`Overlay::take_key`].
     pub fn on_event(&mut self, window: &Window, event: &WindowEvent) -> bool {
         let consumed = self.pointer.on_event(event);
         if matches!(
@@ -140,12 +142,40 @@ impl Overlay {
         ) {
             let _ = self.input.on_window_event(window, event);
             if !self.shown.as_ref().is_some_and(|shown| shown.interactive) {
-                // Nothing will ask for them.
-                let is_request = |event: &Event| matches!(event, Event::AccessKitActionRequest(_));
+                // Nothing will ask for others.
+                let is_request =
+                    |event: &Event| matches!(event, Event::AccessKitActionRequest(_) | Event::Key { .. });
                 self.input.egui_input_mut().events.retain(is_request);
             }
         }
         consumed
+    }
+
+    /// Whether a control has the keys.
+    pub fn has_key_focus(&self) -> bool {
+        self.panels.context().memory(|memory| memory.focused().is_some())
+    }
+
+    /// Gives the keys back to the show.
+    pub fn drop_key_focus(&self) {
+        self.panels.context().memory_mut(|memory| {
+            if let Some(id) = memory.focused() {
+                memory.surrender_focus(id);
+            }
+        });
+    }
+
+    /// Takes a key by which one goes through the controls: Tab, and what the control does with others that has the keys.
+    /// Returns whether it is one.
+    pub(in crate::app) fn take_key(&mut self, key: &Key, shift: bool) -> bool {
+        let Some(key) = key_of_controls(key) else { return false };
+        if self.has_key_focus() {
+            let modifiers = Modifiers { shift, ..Modifiers::NONE };
+            self.input.egui_input_mut().events.extend(pressed(key, modifiers));
+        } else {
+            self.panels.ask_for_focus();
+        }
+        true
     }
 
     /// Does what assistive technology asks for.
@@ -178,7 +208,7 @@ impl Overlay {
         };
         let changed = content.fingerprint(now) != shown.fingerprint;
         let touched = !self.input.egui_input().events.is_empty();
-        let relaid = changed || touched || self.panels.has_found_fonts();
+        let relaid = changed || touched || self.panels.wants_focus() || self.panels.has_found_fonts();
         if relaid { Some(now) } else { shown.changes_at.map(|at| at.max(now)) }
     }
 
@@ -195,6 +225,7 @@ impl Overlay {
     ) -> Result<Painted, AppError> {
         let now = Instant::now();
         if content.is_empty(now) {
+            self.panels.forget_focus();
             if self.shown.take().is_some() {
                 self.pointer.panels.clear();
                 self.input.egui_input_mut().events.clear();
@@ -331,6 +362,20 @@ impl Drop for Overlay {
         if let Some(painter) = &mut self.painter {
             painter.destroy();
         }
+    }
+}
+
+/// The keys by which one goes through the controls, as egui calls them.
+fn key_of_controls(key: &Key) -> Option<egui::Key> {
+    let Key::Named(named) = key else { return None };
+    match named {
+        NamedKey::Tab => Some(egui::Key::Tab),
+        NamedKey::Enter => Some(egui::Key::Enter),
+        NamedKey::Space => Some(egui::Key::Space),
+        NamedKey::Escape => Some(egui::Key::Escape),
+        NamedKey::ArrowLeft => Some(egui::Key::ArrowLeft),
+        NamedKey::ArrowRight => Some(egui::Key::ArrowRight),
+        _ => None,
     }
 }
 

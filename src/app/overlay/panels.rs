@@ -2,7 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use egui::{Align2, Context, FullOutput, Id, LayerId, Order, Painter, RawInput, Rect, pos2, vec2};
+use egui::{
+    Align2, Context, Event, FullOutput, Id, Key, LayerId, Modifiers, Order, Painter, RawInput, Rect, pos2,
+    vec2,
+};
 
 use super::browser::TilePictures;
 use super::content::{Notice, OverlayContent};
@@ -31,6 +34,10 @@ pub(super) struct Panels {
     context: Context,
     fallback: Fallback,
     kept: Kept,
+    /// Whether the first control is to have the keys.
+    wants_focus: bool,
+    /// Whether controls were laid out last time: egui learns their sizes then, and gives no keys to them before.
+    had_controls: bool,
 }
 
 /// What is kept from one layout to the next.
@@ -65,7 +72,7 @@ impl Panels {
         let context = Context::default();
         style::apply(&context);
         let fallback = Fallback::new(&context, fonts, wake);
-        Self { context, fallback, kept: Kept::default() }
+        Self { context, fallback, kept: Kept::default(), wants_focus: false, had_controls: false }
     }
 
     /// Whether the same content would be laid out with other letters than it was.
@@ -84,13 +91,33 @@ impl Panels {
         &self.context
     }
 
+    /// Gives the keys to the first control, as soon as there is one.
+    pub(super) fn ask_for_focus(&mut self) {
+        self.wants_focus = true;
+    }
+
+    /// Whether the first control is still to get the keys.
+    pub(super) fn wants_focus(&self) -> bool {
+        self.wants_focus
+    }
+
+    /// Forgets that: there are no controls.
+    pub(super) fn forget_focus(&mut self) {
+        self.wants_focus = false;
+        self.had_controls = false;
+    }
+
     /// Lays `content` out in the screen that `input` describes.
     pub(super) fn lay_out(
         &mut self,
-        input: RawInput,
+        mut input: RawInput,
         content: &mut OverlayContent<'_>,
         now: Instant,
     ) -> LaidOut {
+        if self.had_controls && std::mem::take(&mut self.wants_focus) {
+            input.events.extend(pressed(Key::Tab, Modifiers::NONE));
+        }
+        self.had_controls = content.bar.is_some() || content.is_interactive();
         let (mut panels, mut params_changed, mut requests) = (Vec::new(), false, Vec::new());
         self.fallback.add_found(&self.context);
         // egui may ask for another pass when it learns sizes.
@@ -105,6 +132,12 @@ impl Panels {
         let repaint_after = root.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
         LaidOut { output, panels, params_changed, requests, repaint_after }
     }
+}
+
+/// A key that is pressed and let go.
+pub(super) fn pressed(key: Key, modifiers: Modifiers) -> [Event; 2] {
+    let event = |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
+    [true, false].map(event)
 }
 
 /// Shows everything; returns whether the user moved a slider.
@@ -219,6 +252,7 @@ fn show(
     if let Some(list) = &content.sources {
         panels.push(sources::show(context, below, list, requests));
     }
+    assisted::ring(context, &front);
     changed
 }
 

@@ -113,6 +113,8 @@ fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, requests: &mut Vec<R
         let color = if response.hovered() { style::TEXT } else { style::DIM };
         let font = style::monospace(style::TEXT_SIZE);
         ui.painter().text(reset.center(), Align2::CENTER_CENTER, RESET_SIGN, font, color);
+        response
+            .widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("reset {}", slider.name)));
         if response.clicked() {
             slider.value = slider.default;
         }

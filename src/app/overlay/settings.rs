@@ -2,9 +2,9 @@
 
 use egui::{Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::icons;
 use super::requests::{Request, SettingRequest};
 use super::style;
+use super::{assisted, icons};
 use crate::app::settings_panel::{Fact, SettingRow, SettingsPanel, Values, whole_steps};
 
 /// Widest panel, in points.
@@ -134,7 +134,12 @@ fn draw_row(
     let width = ui.available_width();
     let start = start_of_values(width);
     let height = ROW * lines_of(ui, row, width) as f32;
-    let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
+    // Other rows are no control: their values are.
+    let sense = match row.values {
+        Values::OneOfRows { .. } => Sense::click(),
+        Values::Names { .. } | Values::Milliseconds(_) | Values::Percent(_) => Sense::hover(),
+    };
+    let (rect, response) = ui.allocate_exact_size(vec2(width, height), sense);
     if is_selected || response.hovered() && matches!(row.values, Values::OneOfRows { .. }) {
         ui.painter().rect_filled(rect, 4.0, style::RAIL);
     }
@@ -157,12 +162,12 @@ fn draw_row(
             }
         }
         Values::Milliseconds(shift) => {
-            if let Some((shift, settled)) = draw_number(ui, values, *shift, &SHIFT) {
+            if let Some((shift, settled)) = draw_number(ui, values, &row.name, *shift, &SHIFT) {
                 ask(SettingRequest::Shift { row: place, shift, settled });
             }
         }
         Values::Percent(percent) => {
-            if let Some((shift, settled)) = draw_number(ui, values, *percent, &PERCENT) {
+            if let Some((shift, settled)) = draw_number(ui, values, &row.name, *percent, &PERCENT) {
                 ask(SettingRequest::Shift { row: place, shift, settled });
             }
         }
@@ -270,7 +275,9 @@ struct Scale {
     usual: f64,
     words: fn(f64) -> String,
     rounded: fn(f64) -> f64,
-    name: &'static str,
+    unit: &'static str,
+    /// By which keys and screen readers move it.
+    step: f64,
 }
 
 const SHIFT: Scale = Scale {
@@ -279,7 +286,8 @@ const SHIFT: Scale = Scale {
     usual: 0.0,
     words: |shift| if shift == 0.0 { "0 ms".to_owned() } else { format!("{shift:+.0} ms") },
     rounded: whole_steps,
-    name: "latency in milliseconds",
+    unit: "milliseconds",
+    step: 10.0,
 };
 
 const PERCENT: Scale = Scale {
@@ -288,11 +296,12 @@ const PERCENT: Scale = Scale {
     usual: 100.0,
     words: |percent| format!("{percent:.0} %"),
     rounded: f64::round,
-    name: "brightness in percent",
+    unit: "percent",
+    step: 5.0,
 };
 
 /// Draws a rail for a number; returns where the user moves it, and whether it stays there.
-fn draw_number(ui: &Ui, rect: Rect, shift: f64, scale: &Scale) -> Option<(f64, bool)> {
+fn draw_number(ui: &Ui, rect: Rect, name: &str, shift: f64, scale: &Scale) -> Option<(f64, bool)> {
     let painter = ui.painter();
     let words = (scale.words)(shift);
     let number = style::line(painter, &words, style::proportional(style::TEXT_SIZE), style::TEXT, 80.0);
@@ -316,7 +325,10 @@ fn draw_number(ui: &Ui, rect: Rect, shift: f64, scale: &Scale) -> Option<(f64, b
     painter.rect_filled(filled, 1.5, style::ACCENT);
     let color = if held { style::TEXT } else { style::ACCENT };
     painter.circle_filled(pos2(x_of(shift), rail.center().y), if held { 6.0 } else { 5.5 }, color);
-    response.widget_info(|| WidgetInfo::slider(true, shift, scale.name));
+    let name = format!("{name} in {}", scale.unit);
+    if let Some(wanted) = assisted::rail(ui, &response, &name, shift, scale.from..=scale.to, scale.step) {
+        return Some(((scale.rounded)(wanted), true));
+    }
     if response.double_clicked() {
         return Some((scale.usual, true));
     }

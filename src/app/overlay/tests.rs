@@ -24,6 +24,7 @@ use mariana_control::Hand;
 use mariana_player::{ListedTrack, ListedTracks};
 use mariana_testing::process::wait_until;
 
+mod assisted;
 mod hands;
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
@@ -207,6 +208,8 @@ fn bar(now: &NowPlaying) -> Bar<'_> {
         open: None,
         help: false,
         sliders: false,
+        fullscreen: false,
+        follows: true,
         seen: true,
     }
 }
@@ -282,6 +285,7 @@ fn every_button_of_the_bar_has_words_and_asks_for_something_else() {
         act(Action::TogglePanel(Panel::Files)),
         act(Action::TogglePanel(Panel::Tracks)),
         act(Action::TogglePanel(Panel::Sources)),
+        act(Action::ToggleFollow),
         act(Action::TogglePanel(Panel::Scenes)),
         act(Action::TogglePanel(Panel::Editor)),
         act(Action::ToggleSliders),
@@ -470,6 +474,8 @@ fn letters_that_are_there_are_not_looked_for() {
         open: None,
         help: true,
         sliders: true,
+        fullscreen: false,
+        follows: false,
         seen: true,
     };
     let content = OverlayContent {

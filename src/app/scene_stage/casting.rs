@@ -163,7 +163,8 @@ impl SceneStage {
         self.revision += 1;
         let Some((name, (id, mode))) = self.name().zip(now) else { return };
         tracing::info!("{name} is shown, {mode}");
-        if before.is_some_and(|(known, _)| known == id) {
+        if before.is_some_and(|(known, _)| known == id) && self.asked_mode == Some(mode) {
+            self.asked_mode = None;
             self.tell(mode.to_string());
         }
     }

@@ -70,12 +70,14 @@ impl SceneStage {
         cue: Option<SceneSource>,
     ) {
         let is_locked = self.directed.is_locked && programme.is_some();
+        let programme = programme.map(|programme| self.without_refused(programme));
         self.directed = Directed { programme, cue, is_locked, ..Directed::default() };
         self.revision += 1;
     }
 
     /// Follows a show that is the same as before up to this moment.
     pub(in crate::app) fn extend_programme(&mut self, programme: Arc<Programme>, cue: Option<SceneSource>) {
+        let programme = self.without_refused(programme);
         (self.directed.programme, self.directed.cue) = (Some(programme), cue);
         (self.directed.entered, self.directed.last_time, self.directed.overruled) = (None, None, None);
     }
@@ -97,6 +99,27 @@ impl SceneStage {
         self.directed.is_locked
     }
 
+    /// The show with a substitute for each refused scene.
+    fn without_refused(&self, programme: Arc<Programme>) -> Arc<Programme> {
+        match self.quiet.refused() {
+            [] => programme,
+            refused => programme.without(refused).map_or(programme, Arc::new),
+        }
+    }
+
+    /// Replaces refused scenes in the show.
+    pub(super) fn avoid_refused(&mut self) {
+        if let Some(programme) = self.directed.programme.take() {
+            self.directed.programme = Some(self.without_refused(programme));
+        }
+    }
+
+    /// True if the director chose the requested scene, not the user.
+    pub(super) fn is_own_choice(&self) -> bool {
+        let is_by_program = self.directed.programme().is_some_and(|programme| !programme.is_by_user());
+        is_by_program && self.directed.asked.is_some() && !self.is_written
+    }
+
     /// The user goes somewhere else: the show comes back with its next scene.
     pub(super) fn overrule(&mut self) {
         self.directed.overruled = self.directed.entered.map(|(index, _)| index);
@@ -107,7 +130,7 @@ impl SceneStage {
     /// Asks for what the show has on at `time` seconds of the song.
     pub(in crate::app) fn follow(&mut self, time: f64) {
         let Some(programme) = self.directed.programme.clone() else { return };
-        let Some(moment) = programme.plan().at(time) else { return };
+        let Some(moment) = programme.at(time) else { return };
         let is_new = self.directed.entered.is_none_or(|(index, _)| index != moment.index);
         if self.directed.is_locked || self.is_written {
             return self.stay(moment.leaving.is_some() && !is_new);
@@ -116,12 +139,20 @@ impl SceneStage {
             // What was written is looked at: the show comes back with its next scene.
             self.directed.overruled = Some(moment.index);
         }
+        let stays = programme.stays();
+        let is_same_visit =
+            self.directed.overruled.is_some_and(|since| is_one_visit(stays, since, moment.index));
+        if is_same_visit || (is_new && self.awaited.is_some()) {
+            // Another camera is the same scene. A scene that is still being prepared for the user is not dropped.
+            self.directed.overruled = Some(moment.index);
+        }
         if self.directed.is_overruled(moment.index) {
             return;
         }
         self.directed.overruled = None;
         let Some(scene) = programme.source(&moment.stay.scene).cloned() else { return };
         let blended = moment.leaving.and_then(|(from, _)| blend_of(&programme, from, moment.stay));
+        let blended = blended.filter(|blend| !self.quiet.refused().contains(blend));
         // While the song stands still there is time for what was not prepared.
         let stands_still = self.directed.last_time.replace(time) == Some(time);
         self.directed.stands_still = stands_still;
@@ -259,9 +290,12 @@ impl SceneStage {
         })
     }
 
-    /// What the show does to the whole picture at `time` seconds of the song.
+    /// The effects of the show on the whole picture at `time` seconds of the song.
     pub(in crate::app) fn picture_of_show(&self, time: f64) -> Picture {
-        self.directed.programme().map_or(Picture::PLAIN, |programme| programme.plan().picture_at(time))
+        self.directed
+            .programme()
+            .and_then(Programme::plan)
+            .map_or(Picture::PLAIN, |plan| plan.picture_at(time))
     }
 
     /// The same in a certain stay.
@@ -273,7 +307,7 @@ impl SceneStage {
     /// The stays that a scene is on in at `time` seconds of the song, and of a blend its share.
     pub(super) fn stays(&self, cast: &Cast, time: f64) -> (Stays<'_>, Option<f32>) {
         let programme = self.directed.programme();
-        let moment = programme.and_then(|programme| Some((programme, programme.plan().at(time)?)));
+        let moment = programme.and_then(|programme| Some((programme, programme.at(time)?)));
         let Some((programme, moment)) = moment else { return Default::default() };
         if !matches!(cast.source, SceneSource::Blend(_)) || cast.resources.world().blended.is_none() {
             let is_on = programme.source(&moment.stay.scene) == Some(&cast.source);
@@ -293,6 +327,12 @@ impl SceneStage {
     }
 }
 
+/// True if all stays from `since` to `until` show one scene.
+fn is_one_visit(stays: &[Stay], since: usize, until: usize) -> bool {
+    let visit = stays.get(since..=until).unwrap_or_default();
+    visit.first().is_some_and(|first| visit.iter().all(|stay| stay.scene == first.scene))
+}
+
 /// The source of a transition that mixes the worlds of two stays.
 fn blend_of(programme: &Programme, from: &Stay, to: &Stay) -> Option<SceneSource> {
     if from.scene == to.scene {
@@ -308,7 +348,7 @@ fn upcoming(
     wanted: &SceneSource,
     cue: Option<&SceneSource>,
 ) -> [Option<SceneSource>; 2] {
-    let stays = programme.plan().stays();
+    let stays = programme.stays();
     let mut found: Vec<SceneSource> = Vec::new();
     let add = |found: &mut Vec<SceneSource>, source: Option<SceneSource>| {
         let is_new = |source: &SceneSource| source != wanted && !found.contains(source);

@@ -162,7 +162,8 @@ impl SceneStage {
         let hand = beneath.map_or_else(|| self.hand_at(time), |under| self.hand_under(under, time));
         self.shown_hand = hand;
         let is_untried = cast.tree == FirstTree::Untried;
-        let wishes = Wishes { params: &params, camera, hand, is_untried };
+        let fades_away = beneath.is_some();
+        let wishes = Wishes { params: &params, camera, hand, is_untried, fades_away };
         let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
         let Some((frame, shown)) = drawable else {
             if self.regions.has_given_up(of.0) {
@@ -342,8 +343,7 @@ impl SceneStage {
             what_is_dear(dear)
         );
         tracing::warn!("{heading}: {text}");
-        self.awaited = None;
-        self.problem = Some((heading, text));
+        self.refuse(dear.source.clone(), heading, text);
     }
 }
 

@@ -159,7 +159,7 @@ impl SceneStage {
     /// The same in a show's fade, at `time` seconds of the song.
     pub(super) fn under_of_show(&self, time: f64) -> Option<Under> {
         let programme = self.directed.programme()?;
-        let moment = programme.plan().at(time)?;
+        let moment = programme.at(time)?;
         let (stay, share) = moment.leaving?;
         let on_stage = self.on_stage.as_ref()?;
         if self.directed.is_overruled(moment.index)

@@ -2,6 +2,7 @@
 
 use super::views::ViewsOf;
 use super::{Cast, SceneStage, Task};
+use crate::config::SdfChoice;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
 use crate::gpu::background::ProgramJob;
@@ -50,13 +51,13 @@ impl SceneStage {
     /// Requests the mode that is left to draw a scene, and says why.
     pub(super) fn fall_back(&mut self, id: u64, error: &GpuError) {
         let Some(cast) = self.cast(id) else { return };
-        let name = cast.source.title();
+        let (name, source) = (cast.source.title(), cast.source.clone());
         let heading = match (cast.compilable, cast.interpreter.is_some()) {
             (false, true) => format!("{name} could not be compiled; it is interpreted instead"),
             (true, false) => format!("{name} could not be interpreted; it is compiled instead"),
             _ => format!("{name} cannot be drawn by this driver; the last good scene stays"),
         };
-        let compilable = cast.compilable;
+        let (compilable, can_be_drawn) = (cast.compilable, cast.compilable || cast.interpreter.is_some());
         if compilable {
             self.ask_for_compiled(id);
         } else {
@@ -66,7 +67,12 @@ impl SceneStage {
         if compilable && matches!(error, GpuError::GivenUp { .. }) {
             return self.tell(heading);
         }
-        self.problem = Some((heading, error.to_string()));
+        let is_technical = self.choice == SdfChoice::Auto && source.file().is_none();
+        match can_be_drawn {
+            true if is_technical => self.quiet.note(heading, None),
+            true => self.problem = Some((heading, error.to_string())),
+            false => self.refuse(source, heading, error.to_string()),
+        }
     }
 
     /// Drops requests for scenes that will not be shown. A program that is being made already is dropped when it

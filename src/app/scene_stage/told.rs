@@ -45,13 +45,15 @@ impl SceneStage {
     }
 
     /// A line about the scene on the stage. First what people ask: its name, the rate and size of its pictures as
-    /// `pictures` has them, its mode. Then the numbers: clauses, regions, and `quality`.
+    /// `pictures` has them, its mode. Then the numbers: clauses, regions, and `quality`. Then what the driver is at.
     pub(crate) fn corner(&self, pictures: &str, quality: &str) -> Option<String> {
         let (cast, mode) = self.on_stage.as_ref().zip(self.mode())?;
         let cost = cast.resources.buffers().cost;
         let regions = self.regions.about((cast.id, mode), cast.resources.regions().as_deref());
         let name = cast.source.title();
-        Some(format!("{name} · {pictures} · {mode} · {} clauses · {regions} · {quality}", cost.distance))
+        let numbers = format!("{pictures} · {mode} · {} clauses · {regions} · {quality}", cost.distance);
+        let remarks = self.remarks();
+        Some([name, numbers].into_iter().chain(remarks).collect::<Vec<_>>().join(" · "))
     }
 
     /// Says of each program that the driver is at for long that it is, once.
@@ -78,7 +80,10 @@ impl SceneStage {
             };
             let sentence = format!("the driver is still compiling {what}: {meanwhile}");
             tracing::warn!("{sentence}");
-            self.tell(sentence);
+            if self.user_waits_for(id) {
+                self.tell(sentence.clone());
+            }
+            self.quiet.note(sentence, Some(id));
         }
     }
 

@@ -119,7 +119,7 @@ impl SceneStage {
                 tracing::info!("{error}");
             }
         }
-        self.tell(sentence.to_owned());
+        self.quiet.note(sentence.to_owned(), None);
         let waits = |cast: &&Cast| {
             let steep_too = cast.interpreter.as_ref().is_some_and(|needed| needed.is_steep() == steep);
             steep_too && cast.interpreted.is_none()

@@ -33,6 +33,7 @@ impl SceneStage {
         }
         self.recast();
         let now = self.mode();
+        self.asked_mode = Some(wanted).filter(|_| now != Some(wanted));
         let possible =
             self.on_stage.as_ref().is_some_and(|cast| wanted == Mode::Compiled || cast.interpreter.is_some());
         self.tell(match now {
@@ -93,10 +94,10 @@ impl SceneStage {
         self.list.all(&self.source)
     }
 
-    /// Says of the scene that was asked for that it is coming, until it is there.
+    /// Announces the scene that the user asked for until it is there.
     fn await_scene(&mut self) {
-        let is_shown = self.on_stage.as_ref().is_some_and(|cast| cast.source == self.source);
-        self.awaited = (!is_shown).then(|| format!("{} is being prepared", self.source.title()));
+        let waits = self.shown_source() != Some(&self.source) && !self.is_as_directed();
+        self.awaited = waits.then(|| format!("{} is being prepared", self.source.title()));
     }
 
     /// Uses the cells of regions from now on, or the whole tape everywhere.

@@ -102,7 +102,7 @@ mod tests {
         assert_eq!(cues.next(), Some(SceneSource::Shipped("city".to_owned())));
         let on = |pressed: Pressed, time: f64| match pressed {
             Pressed::Cue { programme, number, of: 2, .. } => {
-                (number, programme.plan().at(time).unwrap().stay.scene.clone())
+                (number, programme.at(time).unwrap().stay.scene.clone())
             }
             other => panic!("{other:?}"),
         };
@@ -110,7 +110,7 @@ mod tests {
         assert_eq!(on(cues.press(40.0), 40.0), (2, "letters".to_owned()));
         assert!(matches!(cues.press(50.0), Pressed::NoneLeft));
         // The show's own entries stay where they are.
-        assert_eq!(cues.programme().unwrap().plan().at(35.0).unwrap().stay.scene, "gyroid");
+        assert_eq!(cues.programme().unwrap().at(35.0).unwrap().stay.scene, "gyroid");
         assert_eq!(on(cues.press(20.0), 25.0), (2, "letters".to_owned()));
         assert_eq!(on(cues.press(5.0), 8.0), (1, "city".to_owned()));
         // A save of the file keeps what was pressed, another track does not.

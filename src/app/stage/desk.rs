@@ -52,10 +52,14 @@ pub(super) struct Seen {
     pub(super) awake: bool,
     /// Whether screen readers are told what there is.
     pub(super) assisted: bool,
+    /// Whether the window is in full screen.
+    pub(super) fullscreen: bool,
     /// The list of tracks, if it shows.
     pub(super) tracks: Option<Arc<ListedTracks>>,
     /// How loud the track is from its start to its end, if the bar shows.
     pub(super) shape: Option<Arc<LoudnessShape>>,
+    /// A show is on.
+    pub(super) follows: bool,
     /// What the track is made of, if the bar shows and that is known.
     pub(super) song: Option<Arc<SongStructure>>,
 }
@@ -136,6 +140,8 @@ impl Desk {
                 open,
                 help: self.panels.help(),
                 sliders: self.panels.sliders(),
+                fullscreen: seen.fullscreen,
+                follows: seen.follows,
                 seen: shows_bar,
             });
         }

@@ -2,7 +2,7 @@
 
 use super::Stage;
 use super::cues::Pressed;
-use crate::app::direction::News;
+use crate::app::direction::{News, Playing};
 use crate::app::settings_panel::SettingChange;
 use crate::config::FollowChoice;
 use crate::show::{Hearing, LiveDirector};
@@ -10,16 +10,19 @@ use mariana_player::Moment;
 use std::sync::Arc;
 use std::time::Instant;
 
+/// The answer to key A when it starts a show.
+const FOLLOWS: &str = "the scenes follow the song: K keeps one, A ends it";
+
 impl Stage {
     /// Brings the scene on that the show has at a moment.
     pub(super) fn direct(&mut self, moment: Option<Moment>) {
         let Some(moment) = moment else { return };
         self.hands.note_sound(&moment.features, &moment.song, Instant::now());
-        let (track, list) = (self.listening.track_of(moment), self.listening.listed());
+        let (track, playing) = (self.listening.track_of(moment), self.listening.playing());
         // Of an input nothing is known before it is heard.
         let song = track.map_or_else(|| Some(Arc::default()), |track| self.listening.structure(track));
         let scene = &self.scene;
-        match self.direction.update(track, list, song.clone(), || scene.all_sources()) {
+        match self.direction.update(track, playing, song.clone(), || scene.all_sources()) {
             Some(News::Programme(programme)) => {
                 if programme.is_some() {
                     tracing::info!("the scenes follow the song");
@@ -76,10 +79,12 @@ impl Stage {
 
     /// Lets the scenes follow the songs, or stay as they are.
     pub(in crate::app) fn toggle_follow(&mut self) {
-        let follows = self.direction.follows(self.listening.listed());
-        let (follow, words) = match follows {
-            true => (FollowChoice::Off, "the scene stays: A lets the scenes follow the song"),
-            false => (FollowChoice::On, "the scenes follow the song: K keeps one, A ends it"),
+        let playing = self.listening.playing();
+        let (follow, words) = match (self.direction.follows(playing), playing) {
+            (true, _) => (FollowChoice::Off, "the scene stays: A lets the scenes follow the song"),
+            // Not `On`: a scene on the next command line has to stay.
+            (false, Playing::Song | Playing::Demo) => (FollowChoice::Songs, FOLLOWS),
+            (false, Playing::Input) => (FollowChoice::On, FOLLOWS),
         };
         self.change_setting(SettingChange::Follow(follow));
         self.reports.answer(words.to_owned());

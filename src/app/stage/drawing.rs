@@ -124,7 +124,7 @@ impl Stage {
         let mut laid_out = Duration::ZERO;
         let (painted, painting) = canvas.show(&lay, new.is_some() || dims || has_words, |size| {
             let laying_out = Instant::now();
-            let painted = self.overlay.paint(self.window.window(), size, content);
+            let painted = self.overlay.paint(&self.window.window(), size, content);
             laid_out = laying_out.elapsed();
             painted
         })?;
@@ -217,7 +217,8 @@ impl Stage {
 
     /// What the overlay needs to know of the pointer and the track.
     fn look_around_desk(&mut self, now: Instant) -> Seen {
-        let awake = self.pointer_rest.is_awake(self.overlay.has_pointer(), now);
+        let busy = self.overlay.has_pointer() || self.overlay.has_key_focus();
+        let awake = self.pointer_rest.is_awake(busy, now);
         let (lists, shows_bar) =
             (self.desk.panels.open() == Some(Panel::Tracks), awake && !self.desk.is_quiet());
         let song = self.listening.with_song(|player| {
@@ -227,7 +228,9 @@ impl Stage {
         });
         let (tracks, shape) = song.unwrap_or_default();
         let song = self.listening.present_structure().filter(|_| shows_bar);
-        Seen { awake, assisted: self.overlay.is_assisted(), tracks, shape, song }
+        let (assisted, follows) = (self.overlay.is_assisted(), self.follows());
+        let fullscreen = self.window.is_fullscreen();
+        Seen { awake, assisted, fullscreen, tracks, shape, follows, song }
     }
 
     /// Notes which scene is on the stage, and its place among the others.
@@ -307,6 +310,6 @@ pub(super) fn paint_waiting(
 ) -> Result<(), AppError> {
     let words = format!("Mariana is preparing {title}");
     window.gl().clear_window(size, [0.0; 3])?;
-    overlay.paint(window.window(), size, OverlayContent { hint: Some(&words), ..content })?;
+    overlay.paint(&window.window(), size, OverlayContent { hint: Some(&words), ..content })?;
     window.swap()
 }

@@ -130,7 +130,7 @@ impl Stage {
 
     /// Whether scenes follow the song.
     pub(in crate::app) fn follows(&self) -> bool {
-        self.direction.follows(self.listening.listed())
+        self.direction.follows(self.listening.playing())
     }
 
     /// Whether the picture is black, or on its way there.

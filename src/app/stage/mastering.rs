@@ -70,7 +70,7 @@ impl Stage {
     /// Hides every word and panel until this is called again.
     pub(in crate::app) fn toggle_clean(&mut self) {
         self.desk.bare = !self.desk.bare;
-        self.window.window().request_redraw();
+        self.window.request_redraw();
         if self.desk.bare {
             self.desk.panels = PanelSwitches::default();
             self.leave_panels();
@@ -128,7 +128,7 @@ impl Stage {
             self.remember_corners();
         }
         self.desk.corners = open.then(|| CornerHands::new(self.choices.stage.corners));
-        self.window.window().request_redraw();
+        self.window.request_redraw();
     }
 
     /// Moves a corner of the picture to a place of its screen, and remembers it once that is `settled`. A place at which
@@ -147,7 +147,7 @@ impl Stage {
             self.remember_corners();
         }
         self.output.look_different();
-        self.window.window().request_redraw();
+        self.window.request_redraw();
     }
 
     fn remember_corners(&mut self) {

@@ -12,6 +12,7 @@ use winit::event_loop::EventLoopProxy;
 use super::Stage;
 use super::desk::Desk;
 use super::drawing::paint_waiting;
+use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
 use crate::app::accessibility::{Assistance, ControlsTeller};
 use crate::app::announcer::Announcer;
@@ -109,7 +110,7 @@ impl Opening<'_> {
         )?;
         scene.move_sliders(&settings.sliders);
         let of_fonts = waker.clone();
-        let mut overlay = Overlay::new(window.gl(), window.window(), move || of_fonts.wake());
+        let mut overlay = Overlay::new(window.gl(), &window.window(), move || of_fonts.wake());
         if let Some(size) = window.size().filter(|_| sheets.is_none()) {
             paint_waiting(&window, &mut overlay, size, &title, OverlayContent::default())?;
             tracing::info!("the window says what it prepares");
@@ -139,6 +140,7 @@ impl Opening<'_> {
             }
             player = Some(started);
         }
+        let position = player.as_ref().map(Player::position);
         let sound = Sound::start(Start {
             player,
             memory,
@@ -170,7 +172,7 @@ impl Opening<'_> {
             feeds: Feeds::of(sends),
             preview: Preview::new(),
             masters: Masters::new(brightness, choices.stage.blackout_fade),
-            reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
+            reports: Reports::new(announcer, MediaControls::start(position, move || of_controls.wake()), now),
             recording: Recording::new(PerformanceFiles::of_user()),
             hands: Hands::start(&settings.hands, waker),
             input: UserInput::default(),
@@ -178,6 +180,7 @@ impl Opening<'_> {
             pointer_rest: PointerRest::default(),
             requests: Vec::new(),
             thumbnails: None,
+            thumbnails_ahead: (!settings.wallpaper).then(|| thumbnails_ahead_at(now)),
             last_folder: None,
             waker: waker.clone(),
             controls,
@@ -192,6 +195,7 @@ impl Opening<'_> {
             overlay,
             waited: None,
             first_shown_after: None,
+            legacy: Default::default(),
             window,
         })
     }
@@ -269,7 +273,7 @@ pub(in crate::app) fn renewed(
         move || of_scenes.wake(),
     )?;
     let of_fonts = waker.clone();
-    let mut overlay = Overlay::new(window.gl(), window.window(), move || of_fonts.wake());
+    let mut overlay = Overlay::new(window.gl(), &window.window(), move || of_fonts.wake());
     if assisted {
         overlay.assist(Assistance::Begins);
     }

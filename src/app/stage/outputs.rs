@@ -1,10 +1,8 @@
 //! The output on another monitor: when its window opens and closes, and what it shows.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use winit::event::WindowEvent;
-use winit::window::Window;
 
 use super::Stage;
 use crate::app::desk_picture::{AROUND, is_within, small_in};
@@ -12,7 +10,7 @@ use crate::app::error::AppError;
 use crate::app::monitors::Monitor;
 use crate::app::overlay::Painted;
 use crate::app::wallpaper::{Panel, Wallpaper, filling};
-use crate::app::window::GlWindowContext;
+use crate::app::window::{GlWindowContext, SharedWindow};
 use crate::export::print::tell;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
@@ -139,20 +137,20 @@ impl Stage {
     }
 
     /// Takes the output's window.
-    pub(in crate::app) fn take_output(&mut self, window: Arc<Window>) {
+    pub(in crate::app) fn take_output(&mut self, window: SharedWindow) {
         if let Err(error) = self.output.take(window, &self.window) {
             let sentence = format!("there is no output on another monitor: {error}");
             tell(&sentence);
             self.reports.say(sentence);
             self.output.want(None);
         }
-        self.window.window().request_redraw();
+        self.window.request_redraw();
     }
 
     /// Takes an event of the output's window.
     pub(in crate::app) fn take_output_event(&mut self, event: &WindowEvent) {
         if self.output.take_event(event, &self.window) {
-            self.window.window().request_redraw();
+            self.window.request_redraw();
         }
     }
 
@@ -178,7 +176,7 @@ impl Stage {
             self.reports.say(sentence);
         }
         if self.output.size() != was {
-            self.window.window().request_redraw();
+            self.window.request_redraw();
         }
     }
 

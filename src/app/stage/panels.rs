@@ -2,13 +2,20 @@
 //! change; what was chosen in it is done here.
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use super::Stage;
 use crate::app::file_browser::{FileBrowser, Picked};
 use crate::app::overlay::{FileRequest, Panel, Request, SceneRequest, TrackRequest};
 use crate::app::scene_browser::{Chosen, SceneBrowser};
+use crate::limits::LIMITS;
 use crate::scenes::{SceneSource, is_scene_file};
 use crate::thumbnails::Thumbnails;
+
+/// When thumbnails are drawn ahead of a folder that is known since `now`.
+pub(super) fn thumbnails_ahead_at(now: Instant) -> Instant {
+    now + Duration::from_secs_f64(LIMITS.thumbnails_ahead_after)
+}
 
 impl Stage {
     /// Opens a panel instead of the one that is open, or closes it.
@@ -17,6 +24,8 @@ impl Stage {
             return;
         }
         self.desk.panels.toggle(panel);
+        // A panel has keys of its own.
+        self.overlay.drop_key_focus();
         self.write_text(self.desk.panels.open() == Some(Panel::Editor));
         if self.desk.panels.open() == Some(Panel::Sources) {
             self.listening.show_sources();
@@ -94,6 +103,8 @@ impl Stage {
         let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
         if let Some(scene) = scenes.into_iter().next_back() {
             self.scene.show_source(SceneSource::File(scene));
+            // It may lie in another folder.
+            self.thumbnails_ahead = Some(thumbnails_ahead_at(Instant::now()));
         }
         if !music.is_empty() {
             let words = self.listening.play_files(music, append);
@@ -128,8 +139,25 @@ impl Stage {
         }
     }
 
+    /// Has the thumbnails of the folder's own scenes drawn, so that the list of scenes opens with them.
+    fn draw_thumbnails_ahead(&mut self) {
+        if self.thumbnails_ahead.take_if(|due| Instant::now() >= *due).is_none() {
+            return;
+        }
+        let of_folder = self.scene.all_sources().into_iter().filter(|source| source.file().is_some());
+        let of_folder: Vec<_> = of_folder.take(LIMITS.thumbnails_ahead_max).collect();
+        if of_folder.is_empty() {
+            return;
+        }
+        self.look_for_thumbnails();
+        if let Some(thumbnails) = &mut self.thumbnails {
+            thumbnails.draw_ahead(of_folder.into_iter());
+        }
+    }
+
     /// Gives what was found out about scenes to whoever looks at them, and asks for what phones want to see.
     pub(super) fn update_thumbnails(&mut self) {
+        self.draw_thumbnails_ahead();
         let wanted = self.hands.wanted_pictures();
         if !wanted.is_empty() {
             self.look_for_thumbnails();

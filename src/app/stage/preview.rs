@@ -81,7 +81,7 @@ impl Stage {
         let title = self.scene.next_title().filter(|_| is_wanted && !self.desk.bare);
         let Some(title) = title else {
             if self.preview.next.take().is_some() {
-                self.window.window().request_redraw();
+                self.window.request_redraw();
             }
             return Ok(());
         };
@@ -140,6 +140,6 @@ impl Stage {
         let revision = next.as_ref().map_or(0, |next| next.revision + 1);
         let (level, beat) = next.as_ref().map_or((0.0, 0.0), |next| (next.level, next.beat));
         *next = Some(NextScene { title: title.to_owned(), picture, level, beat, revision });
-        self.window.window().request_redraw();
+        self.window.request_redraw();
     }
 }

@@ -67,6 +67,7 @@ impl Stage {
 
     /// Says what became of a recording.
     pub(super) fn tell_recording(&mut self) {
+        self.recording.update(Instant::now());
         if let Some(news) = self.recording.news() {
             tracing::info!("{news}");
             self.reports.answer(news);

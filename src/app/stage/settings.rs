@@ -78,16 +78,16 @@ impl Stage {
             SettingChange::Flip(flip) => {
                 self.choose(move |choices| choices.stage.flip = flip);
                 self.output.look_different();
-                self.window.window().request_redraw();
+                self.window.request_redraw();
             }
             SettingChange::Crop(crop) => {
                 self.choose(move |choices| choices.stage.crop = crop);
                 self.output.look_different();
-                self.window.window().request_redraw();
+                self.window.request_redraw();
             }
             SettingChange::NextScene(on) => {
                 self.choose(move |choices| choices.next_scene = on);
-                self.window.window().request_redraw();
+                self.window.request_redraw();
             }
             SettingChange::Hints(on) => {
                 self.desk.clean = !on;
@@ -107,7 +107,7 @@ impl Stage {
     }
 
     /// Notes a choice for this run and for those that follow.
-    pub(super) fn choose(&mut self, change: impl Fn(&mut Choices)) {
+    pub(super) fn choose(&mut self, change: impl Fn(&mut Choices) + Send + 'static) {
         change(&mut self.choices);
         self.listening.remember(move |settings| change(&mut settings.choices));
     }

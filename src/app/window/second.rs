@@ -17,7 +17,7 @@ use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event_loop::ActiveEventLoop;
 use winit::window::{Fullscreen, Window, WindowAttributes};
 
-use super::GlWindowContext;
+use super::{GlWindowContext, SharedWindow};
 use crate::app::error::AppError;
 use crate::app::identity;
 use crate::app::monitors::Monitor;
@@ -45,7 +45,7 @@ pub(in crate::app) struct SecondSurface {
 
 /// What pictures lie on.
 enum Bearer {
-    Window(Arc<Window>),
+    Window(SharedWindow),
     Sheet(Arc<Sheet>),
 }
 
@@ -70,11 +70,13 @@ impl GlWindowContext {
     ///
     /// # Errors
     /// The driver refuses.
-    pub(in crate::app) fn second_surface(&self, window: Arc<Window>) -> Result<SecondSurface, AppError> {
+    pub(in crate::app) fn second_surface(&self, window: SharedWindow) -> Result<SecondSurface, AppError> {
         let refused = |error: &dyn std::fmt::Display| refused("a second window", error);
+        let calls = window.calls();
         let attributes =
-            window.build_surface_attributes(Default::default()).map_err(|error| refused(&error))?;
-        let size = window.inner_size().into();
+            calls.build_surface_attributes(Default::default()).map_err(|error| refused(&error))?;
+        let size = calls.inner_size().into();
+        drop(calls);
         let vertical_sync = SwapInterval::Wait(NonZeroU32::MIN);
         let second = self.surface_on(Bearer::Window(window), &attributes, size, vertical_sync)?;
         self.wait_for_monitor(false);

@@ -1,28 +1,21 @@
 //! ffmpeg, fed with raw frames.
 
-use std::ffi::{OsStr, OsString};
-use std::fs::File;
-use std::io::{Cursor, Read, Seek, SeekFrom, Write};
+use std::ffi::OsStr;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use image::{ImageFormat, ImageReader, Limits};
 
 use super::VideoRequest;
-use super::encoding::{arguments_of, is_mp4};
+use super::encoder_process::EncoderProcess;
+use super::encoding::{arguments_of, has_sound, is_mp4};
 use crate::atomic_file::{AtomicFile, Unfinished, without_path};
-use crate::ending::{self, Undo};
 use crate::export::error::ExportError;
+use crate::limits::LIMITS;
 use mariana_player::decode::{Cover, CoverKind, Decoder};
+use mariana_player::ffmpeg::{CommandLine, Demuxer, ReadBy, Source, file_address};
 use mariana_player::song::Song;
-
-/// The container in which tags belong to a stream, as the decoder calls it.
-const OGG: &str = "Ogg";
-
-/// How much of the end of ffmpeg's messages is read.
-const COMPLAINT_BYTES: u64 = 4096;
 
 /// Extensions for which ffmpeg writes a list and further files beside it, named after the list's temporary name.
 const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
@@ -30,23 +23,14 @@ const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
 /// Widest and highest cover, in pixels: one of 100 megapixels, which a megabyte can hold, takes many seconds to read.
 const COVER_SIDE_MAX: u32 = 4096;
 
-/// How often to check whether ffmpeg has ended.
-const LOOK_PERIOD: Duration = Duration::from_millis(5);
-
 /// ffmpeg at work.
 pub(super) struct Encoder {
-    child: Arc<Mutex<Child>>,
-    /// None once ffmpeg has all frames.
-    frames: Option<ChildStdin>,
+    process: EncoderProcess,
     /// Taken when the output is put in its place.
     output: Option<AtomicFile>,
     path: PathBuf,
-    /// ffmpeg's messages. A file, because a pipe that nobody reads would stop ffmpeg.
-    complaints: File,
-    /// What ffmpeg reads: a song that was no file, the song's cover.
+    /// ffmpeg's input files: a song that was no file, the song's cover.
     _inputs: Vec<Unfinished>,
-    /// Ends ffmpeg with this process.
-    _end: Undo,
 }
 
 impl Encoder {
@@ -59,119 +43,98 @@ impl Encoder {
         }
         let output = AtomicFile::create(path)?;
         let mut inputs = Vec::new();
-        let (width, height) = request.size;
-        let mut command = Command::new("ffmpeg");
-        command.args(["-v", "error", "-nostdin", "-y"]);
-        command.args(["-f", "rawvideo", "-pix_fmt", "rgba", "-s", &format!("{width}x{height}")]);
-        command.args(["-r", &request.fps.to_string(), "-i", "pipe:0"]);
-        if request.sound {
-            let sound = song_file(&request.song, &mut inputs)?;
-            // Whatever the song says, no other file and no network address is opened.
-            command.args(["-protocol_whitelist", "file", "-ss", &request.start.to_string()]);
-            command.arg("-i").arg(file_url(&sound));
-        }
-        let decoder = request.sound.then(|| request.song.open()).transpose()?;
-        let cover = decoder.as_ref().and_then(|decoder| cover_file(decoder, path, &mut inputs));
-        if let Some((cover, kind)) = cover.as_ref().filter(|_| is_mp4(path)) {
-            let demuxer = match kind {
-                CoverKind::Jpeg => "mjpeg",
-                CoverKind::Png => "png_pipe",
-            };
-            command.args(["-f", demuxer, "-i"]).arg(file_url(cover));
-        }
-        command.args(["-map", "0:v"]);
-        if let Some(decoder) = &decoder {
-            command.args(["-map", "1:a:0", "-map_metadata", "1"]);
-            if decoder.info().container == OGG {
-                // There the tags are those of the sound.
-                command.args(["-map_metadata", "1:s:a:0"]);
-            }
-        }
-        match &cover {
-            Some(_) if is_mp4(path) => {
-                command.args(["-map", "2:v", "-c:v:1", "copy", "-disposition:v:1", "attached_pic"]);
-            }
-            Some((cover, kind)) => {
-                let (mime, name) = match kind {
-                    CoverKind::Jpeg => ("mimetype=image/jpeg", "filename=cover.jpg"),
-                    CoverKind::Png => ("mimetype=image/png", "filename=cover.png"),
-                };
-                command.arg("-attach").arg(file_url(cover));
-                command.args(["-metadata:s:t:0", mime, "-metadata:s:t:0", name]);
-            }
-            None => {}
-        }
-        match (&cover, request.duration) {
-            // The picture of the cover would be the shortest stream.
-            (Some(_), Some(seconds)) => {
-                command.args(["-t", &seconds.to_string()]);
-            }
-            (Some(_), None) => {}
-            (None, _) => {
-                command.arg("-shortest");
-            }
-        }
-        command.args(arguments_of(request, path));
-        command.arg(file_url(output.temporary()));
+        let line = command_line(request, path, &mut inputs)?.options([file_address(output.temporary())]);
         let complaints = tempfile::tempfile().map_err(no_room)?;
-        let heard = complaints.try_clone().map_err(no_room)?;
-        command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(heard);
-        // Ctrl-C goes to this process, which ends ffmpeg: otherwise both would race to end first.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let (child, end) = ending::begin(|| {
-            let child = Arc::new(Mutex::new(command.spawn()?));
-            let its = child.clone();
-            Ok((child, move || end_child(&mut lock(&its))))
-        })
-        .map_err(ExportError::NoEncoder)?;
-        let frames = lock(&child).stdin.take();
-        let path = path.to_owned();
-        Ok(Self { child, frames, output: Some(output), path, complaints, _inputs: inputs, _end: end })
+        let patience = Duration::from_secs_f64(LIMITS.encoder_wait_seconds);
+        let process = EncoderProcess::start(line.command(), output.temporary(), complaints, patience)
+            .map_err(ExportError::NoEncoder)?;
+        Ok(Self { process, output: Some(output), path: path.to_owned(), _inputs: inputs })
     }
 
     /// Takes a frame of RGBA bytes.
     pub(super) fn take(&mut self, rgba: &[u8]) -> Result<(), ExportError> {
-        let written = self.frames.as_mut().map_or(Ok(()), |pipe| pipe.write_all(rgba));
-        written.map_err(|_| self.last_words())
+        self.process.write(rgba).map_err(|_| self.last_words())
     }
 
     /// Waits for ffmpeg's end, and puts the video in its place.
     pub(super) fn finish(mut self) -> Result<(), ExportError> {
-        match self.wait() {
+        match self.process.wait() {
             Ok(status) if status.success() => Ok(self.output.take().map_or(Ok(()), AtomicFile::commit)?),
             _ => Err(self.last_words()),
         }
     }
 
-    /// Waits for ffmpeg's end without locking it, so that a signal can end it.
-    fn wait(&mut self) -> std::io::Result<ExitStatus> {
-        self.frames = None;
-        loop {
-            if let Some(status) = lock(&self.child).try_wait()? {
-                return Ok(status);
-            }
-            std::thread::sleep(LOOK_PERIOD);
-        }
-    }
-
-    /// What ffmpeg complained of.
+    /// Why ffmpeg has ended.
     fn last_words(&mut self) -> ExportError {
-        let _ = self.wait();
-        let mut tail = Vec::new();
-        // Whatever can be read is the best information there is.
-        let length = self.complaints.seek(SeekFrom::End(0)).unwrap_or(0);
-        let _ = self.complaints.seek(SeekFrom::Start(length.saturating_sub(COMPLAINT_BYTES)));
-        let _ = self.complaints.read_to_end(&mut tail);
-        let mut tail = String::from_utf8_lossy(&tail).into_owned();
+        let _ = self.process.wait();
+        let path = self.path.clone();
+        if self.process.has_stalled() {
+            return ExportError::EncoderStalled { path, seconds: LIMITS.encoder_wait_seconds };
+        }
+        let mut tail = self.process.complaint();
         if let Some(output) = &self.output {
             // ffmpeg's message names the temporary file that it writes.
-            let url = file_url(output.temporary());
+            let url = file_address(output.temporary());
             tail = tail.replace(&format!("{}: ", url.to_string_lossy()), "");
         }
         let message = tail.lines().last().unwrap_or("it ended without a message").to_owned();
-        ExportError::Encoder { path: self.path.clone(), message }
+        ExportError::Encoder { path, message }
     }
+}
+
+/// ffmpeg's command line for the video at `path`, all but the output. Files that it reads are added to `inputs`.
+fn command_line(
+    request: &VideoRequest,
+    path: &Path,
+    inputs: &mut Vec<Unfinished>,
+) -> Result<CommandLine, ExportError> {
+    let (width, height) = request.size;
+    let raw = ["-pix_fmt", "rgba", "-s", &format!("{width}x{height}"), "-r", &request.fps.to_string()]
+        .map(str::to_owned);
+    let mut line = CommandLine::ffmpeg().options(["-y"]);
+    line = line.input(Source::StandardInput, ReadBy::Demuxer(Demuxer::RAW_VIDEO), raw);
+    let decoder = has_sound(request, path).then(|| request.song.open()).transpose()?;
+    let Some(decoder) = decoder else {
+        return Ok(line.options(["-map", "0:v"]).options(arguments_of(request, path)));
+    };
+    let demuxer = decoder.info().demuxer;
+    let song = song_file(&request.song, inputs)?;
+    let from = ["-ss".to_owned(), request.start.to_string()];
+    line = line.input(Source::File(&song), ReadBy::Demuxer(demuxer), from);
+    let cover = cover_file(&decoder, path, inputs);
+    if let Some((cover, kind)) = cover.as_ref().filter(|_| is_mp4(path)) {
+        let demuxer = match kind {
+            CoverKind::Jpeg => Demuxer::JPEG,
+            CoverKind::Png => Demuxer::PNG,
+        };
+        line = line.input(Source::File(cover), ReadBy::Demuxer(demuxer), [""; 0]);
+    }
+    line = line.options(["-map", "0:v", "-map", "1:a:0", "-map_metadata", "1"]);
+    if demuxer == Demuxer::OGG {
+        // Ogg has its tags in the stream of the sound.
+        line = line.options(["-map_metadata", "1:s:a:0"]);
+    }
+    match &cover {
+        Some(_) if is_mp4(path) => {
+            line = line.options(["-map", "2:v", "-c:v:1", "copy", "-disposition:v:1", "attached_pic"]);
+        }
+        Some((cover, kind)) => {
+            let (mime, name) = match kind {
+                CoverKind::Jpeg => ("mimetype=image/jpeg", "filename=cover.jpg"),
+                CoverKind::Png => ("mimetype=image/png", "filename=cover.png"),
+            };
+            line = line.options([OsStr::new("-attach"), &file_address(cover)]);
+            line = line.options(["-metadata:s:t:0", mime, "-metadata:s:t:0", name]);
+        }
+        None => {}
+    }
+    match (&cover, request.duration) {
+        // The picture of the cover would be the shortest stream.
+        (Some(_), Some(seconds)) => line = line.options(["-t", &seconds.to_string()]),
+        (Some(_), None) => {}
+        (None, _) => line = line.options(["-shortest"]),
+    }
+    Ok(line.options(arguments_of(request, path)))
 }
 
 /// The song as a file.
@@ -218,28 +181,4 @@ fn keep(bytes: &[u8], ending: &str, inputs: &mut Vec<Unfinished>) -> Result<Path
 
 fn no_room(error: std::io::Error) -> ExportError {
     ExportError::Temporary { folder: std::env::temp_dir(), reason: without_path(error).to_string() }
-}
-
-fn lock(child: &Mutex<Child>) -> MutexGuard<'_, Child> {
-    child.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn end_child(child: &mut Child) {
-    // An error means that it has ended already.
-    let _ = child.kill();
-    let _ = child.wait();
-}
-
-/// A path in a form in which ffmpeg gives no meaning to a colon or a hyphen.
-fn file_url(path: &Path) -> OsString {
-    let mut url = OsString::from("file:");
-    url.push(path);
-    url
-}
-
-impl Drop for Encoder {
-    fn drop(&mut self) {
-        // After an error nobody wants what ffmpeg has written.
-        end_child(&mut lock(&self.child));
-    }
 }

@@ -58,8 +58,69 @@ fn ends_in(path: &Path, endings: &[&str]) -> bool {
     ending.is_some_and(|ending| endings.contains(&ending.as_str()))
 }
 
-/// Refuses a codec that the format of the video at `path` cannot hold.
-pub(super) fn require_fit(codec: Option<Codec>, path: &Path) -> Result<(), ExportError> {
+/// An animation: pictures without sound that are repeated without end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Animation {
+    Gif,
+    WebP,
+}
+
+/// GIFs count in hundredths of a second, and browsers show each picture for at least two of them.
+const GIF_FPS_MAX: f64 = 50.0;
+
+/// A palette for each picture, so that ffmpeg does not hold all of them in memory to find a common one.
+const GIF_PICTURES: &str =
+    "split[all][one];[one]palettegen=stats_mode=single[palette];[all][palette]paletteuse=new=1";
+
+impl Animation {
+    fn of(path: &Path) -> Option<Self> {
+        if ends_in(path, &["gif"]) { Some(Self::Gif) } else { ends_in(path, &["webp"]).then_some(Self::WebP) }
+    }
+
+    fn arguments(self, request: &VideoRequest) -> Vec<&'static str> {
+        let codec: &[&str] = match self {
+            Self::Gif => &["-c:v:0", "gif", "-filter:v:0", GIF_PICTURES],
+            Self::WebP => {
+                let format = if request.alpha { "yuva420p" } else { "yuv420p" };
+                &[
+                    "-c:v:0",
+                    "libwebp_anim",
+                    "-pix_fmt:v:0",
+                    format,
+                    "-quality:v:0",
+                    webp_quality(request.quality),
+                ]
+            }
+        };
+        [codec, &["-loop", "0"]].concat()
+    }
+}
+
+/// Of 0 to 100.
+fn webp_quality(quality: EncodingQuality) -> &'static str {
+    match quality {
+        EncodingQuality::Low => "40",
+        EncodingQuality::Medium => "65",
+        EncodingQuality::High => "85",
+        EncodingQuality::Best => "95",
+    }
+}
+
+/// True if the video at `path` gets the song's sound.
+pub(super) fn has_sound(request: &VideoRequest, path: &Path) -> bool {
+    request.sound && Animation::of(path).is_none()
+}
+
+/// Refuses a codec or a frame rate that the format of the video at `path` cannot hold.
+pub(super) fn require_fit(codec: Option<Codec>, fps: f64, path: &Path) -> Result<(), ExportError> {
+    let path_of = || path.to_owned();
+    match Animation::of(path) {
+        Some(_) if codec.is_some() => return Err(ExportError::OwnCodec { path: path_of() }),
+        Some(Animation::Gif) if fps > GIF_FPS_MAX => {
+            return Err(ExportError::FrameRate { path: path_of(), fps, max: GIF_FPS_MAX });
+        }
+        _ => {}
+    }
     let refused = |codec: &'static str, takes: &'static str| {
         Err(ExportError::CodecFormat { path: path.to_owned(), codec, takes })
     };
@@ -75,10 +136,10 @@ pub(super) fn require_fit(codec: Option<Codec>, path: &Path) -> Result<(), Expor
 /// Refuses an output that has no room for alpha.
 pub(super) fn require_alpha(output: &Output) -> Result<(), ExportError> {
     match output {
-        Output::Path(path) if is_folder(path) || ends_in(path, &["webm", "mov", "mkv"]) => Ok(()),
+        Output::Path(path) if is_folder(path) || ends_in(path, &["webm", "mov", "mkv", "webp"]) => Ok(()),
         output => Err(ExportError::NoAlpha {
             output: output.to_string(),
-            instead: "a name that ends in .webm, .mov or .mkv, or a folder that ends in '/'",
+            instead: "a name that ends in .webm, .mov, .mkv or .webp, or a folder that ends in '/'",
         }),
     }
 }
@@ -104,6 +165,10 @@ fn encode_alpha(path: &Path, quality: EncodingQuality) -> Vec<&'static str> {
 pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
     let mut arguments: Vec<String> = Vec::new();
     let mut say = |words: &[&str]| arguments.extend(words.iter().map(|word| (*word).to_owned()));
+    if let Some(animation) = Animation::of(path) {
+        say(&animation.arguments(request));
+        return arguments;
+    }
     let webm = ends_in(path, &["webm"]);
     let codec = request.codec.or(webm.then_some(Codec::Vp9));
     if request.alpha {

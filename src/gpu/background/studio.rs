@@ -2,7 +2,7 @@
 //!
 //! **What a driver made is kept** from run to run ([`crate::program_cache`]): from the second start on it is only handed
 //! to the driver again. A driver that dies of its own form of a program compiles it the next time; an interpreter that
-//! it refuses or dies of is not tried again, because the scene can be drawn in other ways.
+//! it refuses, or dies of twice, is not tried again, because the scene can be drawn in other ways.
 
 use std::time::{Duration, Instant};
 
@@ -17,7 +17,7 @@ use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::SCENE_SHADER;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::gpu::stand_ins::{SceneShape, StandIns};
-use crate::program_cache::{GivenUp, ProgramKey, Work};
+use crate::program_cache::{ProgramKey, Work};
 
 /// Size of the pictures that warm a program up: no power of two, because those of windows are none either (see
 /// [`crate::gpu::stand_ins`]).
@@ -82,7 +82,7 @@ impl Studio {
         let died = cache.death(key);
         if is_interpreter {
             if died == Some(Work::Compiling) {
-                cache.give_up(key, GivenUp::Died);
+                cache.note_died(key);
             }
             if let Some((why, mark)) = cache.given_up(key) {
                 return Err(GpuError::GivenUp { why, mark });
@@ -124,9 +124,12 @@ impl Studio {
             compiled => compiled,
         };
         if is_interpreter && matches!(compiled, Err(GpuError::Compile { .. })) {
-            cache.give_up(key, GivenUp::Refused);
+            cache.note_refused(key);
         }
         let compiled = compiled?;
+        if is_interpreter {
+            cache.note_compiled(key);
+        }
         let ready = compiled.ready(texts);
         // The window's context makes the program from this form, and Mesa's software renderers find its machine code
         // only if it was made from the same one.

@@ -23,6 +23,7 @@ fn a_show_is_read() {
         from: -0.2,
         steps: vec![Step { to: 0.5, over: Length::Bars(8.0) }, Step { to: 1.0, over: Length::Beats(1.0) }],
         after: Length::Seconds(1.0),
+        span: tunnel.settings[0].span,
     };
     assert_eq!(tunnel.settings, [swell]);
     let orb = &read.entries[2];
@@ -70,6 +71,9 @@ fn each_mistake_says_what_where_and_what_to_do() {
         ("at start x\nset picture 3", "expected `=` and a value, found `3`", "set swell"),
         ("at start x portal bal over 2 bars", "`bal` is no shape of a portal", "did you mean `ball`"),
         ("at start x portal square over 2 bars", "`square` is no shape", "`ball`, `plane`, `shape`"),
+        ("at start x\n-> 1 over 1 s", "there is no movement above this line", "`set`"),
+        ("at start x\nset = 1\n-> 1 over 1 s", "a parameter's name is expected here", "quotes"),
+        ("at start x\nset a = 1\n-> 1 over 1 s after 1 s", "`after` is not expected here", ""),
         ("at 99999999 x", "no song takes more than 86400 s", ""),
     ];
     for (text, message, hint) in cases {
@@ -85,6 +89,20 @@ fn each_mistake_says_what_where_and_what_to_do() {
 }
 
 #[test]
+fn a_movement_goes_on_in_lines_of_its_own() {
+    let read = script(
+        "at start x\nset a = 1 after 2 s\n -> 2 over 1 s -> 3 over 1 s # up\n\n -> 1 over 4 s\nset b = 1",
+    );
+    let whole =
+        script("at start x\nset a = 1 -> 2 over 1 s -> 3 over 1 s -> 1 over 4 s after 2 s\nset b = 1");
+    let steps = |script: &Script| {
+        let settings = script.entries[0].settings.iter();
+        settings.map(|one| (one.from, one.steps.clone(), one.after)).collect::<Vec<_>>()
+    };
+    assert_eq!(steps(&read), steps(&whole));
+}
+
+#[test]
 fn what_is_too_much_is_over_a_limit() {
     use mariana_field::lang::Fault;
     let fault = |text: &str| parse("test.show", text).diagnostics.first().map(|one| one.fault);
@@ -92,6 +110,8 @@ fn what_is_too_much_is_over_a_limit() {
     assert_eq!(fault(&"#".repeat(LIMITS.show_bytes_max + 1)), Some(Fault::OverLimit));
     let steps = format!("at start x\nset a = 1{}", " -> 1 over 1 s".repeat(LIMITS.show_steps_max + 1));
     assert_eq!(fault(&steps), Some(Fault::OverLimit));
+    let lines = format!("at start x\nset a = 1{}", "\n-> 1 over 1 s".repeat(LIMITS.show_steps_max + 1));
+    assert_eq!(fault(&lines), Some(Fault::OverLimit));
     let settings = format!("at start x\n{}", "set a = 1\n".repeat(LIMITS.show_settings_max + 1));
     assert_eq!(fault(&settings), Some(Fault::OverLimit));
 }
@@ -113,7 +133,7 @@ prop_compose! {
         ],
         offset in length(), before in any::<bool>(),
         scene in "[a-z_]{1,8}|[a-z]{1,4}[ /.][a-z]{1,4}", camera in proptest::option::of("[a-z]{1,8}"),
-        (way, unfinished) in (0usize..5, any::<bool>()), shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, proptest::collection::vec((-9i16..9, length()), 0..4), length(), 0usize..6)),
+        (way, unfinished) in (0usize..5, any::<bool>()), shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, proptest::collection::vec((-9i16..9, length()), 0..14), length(), 0usize..6)),
     ) -> Entry {
         let value = |number: i16, name: usize| {
             let number = f32::from(number) / 8.0;
@@ -136,8 +156,9 @@ prop_compose! {
             from: value(from, name),
             steps: steps.into_iter().map(|(to, over)| Step { to: value(to, name), over }).collect(),
             after: if after.number() == 0.0 { Length::ZERO } else { after },
+            span: Span::default(),
         }).collect();
-        Entry { when: When { anchor, offset }, scene, camera, transition, settings, span: Span::default() }
+        Entry { settings, ..Entry::new(When { anchor, offset }, &scene, camera, transition) }
     }
 }
 
@@ -147,7 +168,9 @@ proptest! {
         let text = print(&Script { entries: entries.clone() }, &[]);
         let mut read = script(&text);
         for entry in &mut read.entries {
-            entry.span = Span::default();
+            let nowhere = Span::default();
+            (entry.span, entry.scene_span, entry.camera_span) = (nowhere, nowhere, nowhere);
+            entry.settings.iter_mut().for_each(|setting| setting.span = nowhere);
         }
         prop_assert_eq!(read.entries, entries, "{}", text);
     }

@@ -57,15 +57,14 @@ proptest! {
         prop_assert!(script.is_some(), "{text}");
         let (plan, left_out) = resolve(&script.unwrap_or_default(), &SongStructure::default(), &[], |_, _| None);
         prop_assert!(left_out.is_empty());
+        let plan = plan.unwrap();
         for (time, scene, knob, turns, bright) in seen {
-            let moment = plan.at(begun + time);
-            prop_assert_eq!(moment.map(|moment| moment.stay.scene.as_str()), Some(scene), "{}", text);
-            let stay = moment.map(|moment| moment.stay.clone());
-            let params = stay.as_ref().map(|stay| stay.params_at(begun + time)).unwrap_or_default();
+            let stay = plan.at(begun + time).stay;
+            prop_assert_eq!(stay.scene.as_str(), scene, "{}", text);
+            let params = stay.params_at(begun + time);
             let found = params.iter().find(|(name, _)| *name == "knob").map_or(0.5, |(_, value)| *value);
             prop_assert_eq!(found.to_bits(), knob.to_bits(), "{} at {}: {}", found, begun + time, text);
-            let turned = stay.map_or(UNTURNED, |stay| stay.turns_at(begun + time));
-            prop_assert_eq!(turned, turns, "{}", text);
+            prop_assert_eq!(stay.turns_at(begun + time), turns, "{}", text);
             let found = plan.picture_at(begun + time).brightness;
             prop_assert_eq!(found.to_bits(), bright.to_bits(), "{} at {}: {}", found, begun + time, text);
         }
@@ -146,6 +145,40 @@ fn a_long_performance_goes_on_in_another_entry() {
     assert!(!performance.is_full());
 }
 
+#[test]
+fn a_smoothed_turn_was_recorded_as_one_line_of_seventy_steps() {
+    let mut performance = Performance::default();
+    // A controller that glides to its place, at 60 pictures a second.
+    let value = |frame: u32| if frame < 30 { 0.5 } else { 1.0 - 0.5 * 0.93f32.powi(frame as i32 - 30) };
+    for frame in 0..100 {
+        let params = vec![Turned { name: "relief", value: value(frame), own: 0.5, is_shown: false }];
+        performance.note(
+            f64::from(frame) / 60.0,
+            &OnStage {
+                scene: "orb",
+                camera: None,
+                entrance: Entrance::CUT,
+                start: 0.0,
+                params,
+                moves: &[],
+                turns: UNTURNED,
+                picture: Finish::NOTHING,
+            },
+        );
+    }
+    let text = print(&performance.script(), &[]);
+    assert!(text.matches("->").count() >= 70, "{text}");
+    assert!(text.lines().all(|line| line.len() <= 100), "{text}");
+    // The broken lines give the same values.
+    let script = parse("performed.show", &text).script.unwrap();
+    let plan = resolve(&script, &SongStructure::default(), &[], |_, _| None).0.unwrap();
+    for frame in 0..100 {
+        let time = f64::from(frame) / 60.0;
+        let params = plan.at(time).stay.params_at(time);
+        assert_eq!(params, [("relief", value(frame))], "{text}");
+    }
+}
+
 /// A picture of the orb at `time` to which this is done by hand.
 fn note_orb(performance: &mut Performance, time: f64, scene: &str, numbers: [f32; 2]) {
     let picture = Finish { numbers, is_shown: numbers == PLAIN_PICTURE };
@@ -175,11 +208,11 @@ fn a_picture_that_is_held_is_held_from_its_moment_on_while_scenes_change() {
     }
     let text = print(&performance.script(), &[]);
     let wanted = "at 0:00  orb  cut\n  set picture freeze = 0 -> 0 over 2 s -> 1 over 0 s\n\
-                  at 0:07  city  cut\n  set picture freeze = 1 -> 1 over 1 s -> 0.75 over 0.015625 s \
-                  -> 0.5 over 0.015625 s -> 0.25 over 0.015625 s -> 0 over 0.015625 s\n";
+                  at 0:07  city  cut\n  set picture freeze = 1\n    -> 1 over 1 s -> 0.75 over 0.015625 s \
+                  -> 0.5 over 0.015625 s -> 0.25 over 0.015625 s\n    -> 0 over 0.015625 s\n";
     assert_eq!(text, wanted);
     let script = parse("performed.show", &text).script.unwrap();
-    let (plan, _) = resolve(&script, &SongStructure::default(), &[], |_, _| None);
+    let plan = resolve(&script, &SongStructure::default(), &[], |_, _| None).0.unwrap();
     let at = |time| plan.picture_at(time).held.map(|held| (held.since, held.share));
     assert_eq!([1.5, 9.0].map(at), [None, None]);
     assert_eq!(
@@ -203,7 +236,7 @@ fn a_picture_that_is_held_while_another_gives_way_keeps_that_one_s_share() {
     performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
     let text = print(&performance.script(), &[]);
     let script = parse("performed.show", &text).script.unwrap();
-    let (plan, _) = resolve(&script, &SongStructure::default(), &[], |_, _| None);
+    let plan = resolve(&script, &SongStructure::default(), &[], |_, _| None).0.unwrap();
     let at = |time| -> Vec<(f64, f32)> {
         plan.held_at(time).iter().map(|held| (held.since, held.share)).collect()
     };

@@ -1,9 +1,10 @@
 //! The thread that hears OSC.
 
 use std::io;
+use std::mem::replace;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
 use rosc::{OscMessage, OscPacket, OscType, encoder};
@@ -32,7 +33,7 @@ pub enum ReceiverState {
     Opening,
     /// Messages are heard.
     Open(SocketAddr),
-    /// Nothing is heard, and why: a sentence.
+    /// The system refuses the port, and why: a sentence. The receiver keeps trying.
     Refused(String),
 }
 
@@ -43,8 +44,8 @@ pub struct OscReceiver {
 }
 
 impl OscReceiver {
-    /// Hears at `place` from now on. What is understood, by the table of actions, goes among the wishes; questions are
-    /// answered from the board. `wake` is called when the state has changed.
+    /// Hears at `place` from now on, or as soon as the system gives the port. What is understood, by the table of actions,
+    /// goes among the wishes; questions are answered from the board. `wake` is called when the state has changed.
     ///
     /// # Errors
     /// There is no thread.
@@ -58,16 +59,14 @@ impl OscReceiver {
         let (state, is_over) = (Arc::default(), Arc::<AtomicBool>::default());
         let receiver = Self { state: Arc::clone(&state), is_over: is_over.clone() };
         std::thread::Builder::new().name("OSC in".into()).spawn(move || {
-            let opened = open(&place);
-            let now = match &opened {
-                Ok((_, address)) => ReceiverState::Open(*address),
-                Err(error) => ReceiverState::Refused(refusal(&place, error)),
+            let set_state = |now: ReceiverState| {
+                let before = replace(&mut *lock(&state), now.clone());
+                if before != now {
+                    wake();
+                }
             };
-            *state.lock().unwrap_or_else(PoisonError::into_inner) = now;
-            wake();
-            if let Ok((socket, _)) = opened {
-                let hearing = Hearing { deeds, wishes, board };
-                hearing.go_on(&socket, &is_over);
+            if let Some(socket) = open_when_free(&place, &is_over, set_state) {
+                Hearing { deeds, wishes, board }.go_on(&socket, &is_over);
             }
         })?;
         Ok(receiver)
@@ -75,7 +74,7 @@ impl OscReceiver {
 
     /// How it stands.
     pub fn state(&self) -> ReceiverState {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        lock(&self.state).clone()
     }
 }
 
@@ -86,6 +85,29 @@ impl Drop for OscReceiver {
     }
 }
 
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Opens the port, and tries again for as long as the system refuses it. `None` if the receiver is dropped before.
+fn open_when_free(
+    place: &Place,
+    is_over: &AtomicBool,
+    set_state: impl Fn(ReceiverState),
+) -> Option<UdpSocket> {
+    while !is_over.load(Ordering::Relaxed) {
+        match open(place) {
+            Ok((socket, address)) => {
+                set_state(ReceiverState::Open(address));
+                return Some(socket);
+            }
+            Err(error) => set_state(ReceiverState::Refused(refusal(place, &error))),
+        }
+        std::thread::sleep(LIMITS.port_retry);
+    }
+    None
+}
+
 fn open(place: &Place) -> io::Result<(UdpSocket, SocketAddr)> {
     let socket = UdpSocket::bind(place.resolve()?)?;
     socket.set_read_timeout(Some(LOOK))?;
@@ -94,7 +116,7 @@ fn open(place: &Place) -> io::Result<(UdpSocket, SocketAddr)> {
 }
 
 fn refusal(place: &Place, error: &io::Error) -> String {
-    match error.kind() {
+    let sentence = match error.kind() {
         io::ErrorKind::AddrInUse => {
             format!(
                 "OSC is not heard: another program has {place}; end it, or choose another port with --osc"
@@ -107,7 +129,8 @@ fn refusal(place: &Place, error: &io::Error) -> String {
             format!("OSC is not heard: {place} is no address of this computer; give --osc one of its own")
         }
         _ => format!("OSC is not heard on {place} ({error}); choose another address with --osc"),
-    }
+    };
+    sentence + " (Mariana keeps trying)"
 }
 
 struct Hearing {

@@ -21,6 +21,7 @@ mod sniff;
 
 use std::path::Path;
 
+use crate::ffmpeg::Demuxer;
 use crate::source::{FrameSource, SourceError};
 use mariana_music::StereoFrame;
 
@@ -39,6 +40,8 @@ pub struct StreamInfo {
     pub name: String,
     /// The container's name.
     pub container: String,
+    /// The demuxer of ffmpeg for the container.
+    pub demuxer: Demuxer,
     /// The codec's name.
     pub codec: String,
     /// Frames per second.

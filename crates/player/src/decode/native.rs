@@ -80,6 +80,7 @@ impl NativeDecoder {
             info: StreamInfo {
                 name: input.name(),
                 container,
+                demuxer: reader.demuxer()?,
                 codec,
                 sample_rate: rate,
                 source_channels: reader.channels(),

@@ -6,12 +6,16 @@ use symphonia::core::audio::{Channels, GenericAudioBufferRef};
 use symphonia::core::codecs::CodecParameters;
 use symphonia::core::codecs::audio::{AudioCodecParameters, AudioDecoder, CODEC_ID_NULL_AUDIO};
 use symphonia::core::errors::Error;
-use symphonia::core::formats::well_known::{FORMAT_ID_CAF, FORMAT_ID_ISOMP4, FORMAT_ID_OGG};
+use symphonia::core::formats::well_known::{
+    FORMAT_ID_ADTS, FORMAT_ID_AIFF, FORMAT_ID_CAF, FORMAT_ID_FLAC, FORMAT_ID_ISOMP4, FORMAT_ID_MKV,
+    FORMAT_ID_MP1, FORMAT_ID_MP2, FORMAT_ID_MP3, FORMAT_ID_OGG, FORMAT_ID_WAVE,
+};
 use symphonia::core::formats::{FormatReader, SeekMode, SeekTo, Track, TrackFlags};
 use symphonia::core::meta::{MetadataContainer, StandardTag};
 use symphonia::core::packet::Packet;
 use symphonia::core::units::{Duration, Timestamp};
 
+use crate::ffmpeg::Demuxer;
 use crate::limits::LIMITS;
 use crate::song::one_line;
 use mariana_music::StereoFrame;
@@ -360,6 +364,29 @@ impl PacketReader {
     pub(super) fn describe(&self) -> (String, String) {
         let container = self.format.format_info().long_name;
         (container.into(), self.codec.codec_info().long_name.into())
+    }
+
+    /// The demuxer of ffmpeg for the container.
+    ///
+    /// # Errors
+    /// [`DecodeError::UnsupportedFormat`] if no demuxer of songs reads the container.
+    pub(super) fn demuxer(&self) -> Result<Demuxer, DecodeError> {
+        let format = self.format.format_info();
+        match format.format {
+            FORMAT_ID_ADTS => Ok(Demuxer::ADTS),
+            FORMAT_ID_AIFF => Ok(Demuxer::AIFF),
+            FORMAT_ID_CAF => Ok(Demuxer::CAF),
+            FORMAT_ID_FLAC => Ok(Demuxer::FLAC),
+            FORMAT_ID_ISOMP4 => Ok(Demuxer::MOV),
+            FORMAT_ID_MKV => Ok(Demuxer::MATROSKA),
+            FORMAT_ID_MP1 | FORMAT_ID_MP2 | FORMAT_ID_MP3 => Ok(Demuxer::MP3),
+            FORMAT_ID_OGG => Ok(Demuxer::OGG),
+            FORMAT_ID_WAVE => Ok(Demuxer::WAV),
+            _ => Err(DecodeError::UnsupportedFormat {
+                name: self.name.clone(),
+                what: format!("in the container {}", format.long_name),
+            }),
+        }
     }
 
     /// Channels of the last packet, before the down-mix.

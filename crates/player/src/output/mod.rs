@@ -6,4 +6,5 @@ mod output_callback;
 mod port;
 
 pub use output_callback::{Controls, Counters, OutputCallback, OutputCallbackLink, Segment};
+pub(crate) use port::OutputWatch;
 pub use port::{OutputChoice, OutputRequest, OutputStatus, Supervisor};

@@ -18,7 +18,7 @@ use crate::device::{
 use crate::device_list::ListedDevice;
 use crate::error::{DeviceError, Direction};
 use crate::hosts::{for_playback, hush_sound_library};
-use crate::supervisor::{StreamStatus, Supervisor as Watching};
+use crate::supervisor::{NoteReader, StreamStatus, Supervisor as Watching};
 
 /// Frames per callback that are asked for at 44.1 and 48 kHz: 21 ms.
 const BUFFER_FRAMES: u32 = 1024;
@@ -97,8 +97,19 @@ impl Supervisor {
         OutputStatus { description, device, silent, refused, history, openings }
     }
 
-    /// The history of the present output; none while nothing is open yet.
-    pub fn history(&self) -> Option<Arc<SpanHistory>> {
+    /// Follows the present output from any thread.
+    pub(crate) fn watch(&self) -> OutputWatch {
+        OutputWatch(self.0.notes())
+    }
+}
+
+/// The present output's history, for any thread.
+#[derive(Clone)]
+pub(crate) struct OutputWatch(NoteReader<Option<Arc<SpanHistory>>>);
+
+impl OutputWatch {
+    /// The history; `None` while no output is open yet.
+    pub(crate) fn history(&self) -> Option<Arc<SpanHistory>> {
         self.0.note()
     }
 }
@@ -198,6 +209,7 @@ fn open(
                 let description =
                     format!("{host}: {name}, {rate} Hz, {channels} channels, {format}, {buffer}");
                 let history = link.history.clone();
+                history.set_device(&entry.id);
                 let calls = Box::new(move || history.calls());
                 let at_server = connection.at_server();
                 let running = Running { _stream: stream, _connection: Some(connection) };

@@ -27,12 +27,28 @@ pub struct Unheard {
     pub count: u64,
     /// How long the last one was, in seconds.
     pub seconds: f64,
+    /// The output after it.
+    pub after: UnheardAfter,
+}
+
+/// The output that ended a stretch without sound.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum UnheardAfter {
+    /// Another device.
+    #[default]
+    AnotherDevice,
+    /// The same device. It had failed, or had stopped asking for samples.
+    SameDevice,
 }
 
 impl fmt::Display for Unheard {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let decimals = if self.seconds < 1.0 { 2 } else { 1 };
-        write!(f, "{:.decimals$} s of the song were not heard", self.seconds)
+        let why = match self.after {
+            UnheardAfter::AnotherDevice => "the sound device changed",
+            UnheardAfter::SameDevice => "the sound device had stopped and was opened again",
+        };
+        write!(f, "{:.decimals$} s of the song were not heard: {why}", self.seconds)
     }
 }
 
@@ -42,12 +58,14 @@ pub(super) struct UnheardWatch {
     history: Option<Arc<SpanHistory>>,
     /// Seconds of song since there was last sound; none before there was any.
     pending: Option<f64>,
+    /// The id of the device that sounded last.
+    device: Option<String>,
     told: Unheard,
 }
 
 impl UnheardWatch {
-    /// Notes the output that sounds now. `carry` maps a place in an earlier segment to a frame of a later one, if no
-    /// seek or other track lies between them.
+    /// Notes the current output. `carry` maps a place in an earlier segment to a frame of a later one, unless a seek or
+    /// another track separates them.
     pub(super) fn look(
         &mut self,
         history: &Arc<SpanHistory>,
@@ -68,8 +86,11 @@ impl UnheardWatch {
         if history.is_silent() {
             return;
         }
+        let before = std::mem::replace(&mut self.device, history.device().map(str::to_owned));
         if let Some(seconds) = self.pending.replace(0.0).filter(|seconds| *seconds >= TOLD_FROM) {
-            self.told = Unheard { count: self.told.count + 1, seconds };
+            let is_same = before.is_some() && before == self.device;
+            let after = if is_same { UnheardAfter::SameDevice } else { UnheardAfter::AnotherDevice };
+            self.told = Unheard { count: self.told.count + 1, seconds, after };
         }
     }
 
@@ -103,13 +124,15 @@ mod tests {
         let (_silent, silent) = output(2, 2100, 1000, true);
         silent.set_silent();
         let (_second, second) = output(3, 3300, 2000, true);
+        first.set_device("speakers");
+        second.set_device("headphones");
         watch.look(&first, together);
         watch.look(&silent, together);
         assert_eq!(watch.told().count, 0);
         watch.look(&second, together);
         watch.look(&second, together);
         assert_eq!(watch.told().count, 1);
-        assert_eq!(watch.told().to_string(), "1.3 s of the song were not heard");
+        assert_eq!(watch.told().to_string(), "1.3 s of the song were not heard: the sound device changed");
         // A change without a gap, during a pause or with a seek loses nothing.
         let (_third, third) = output(4, 5320, 500, false);
         let (_fourth, fourth) = output(5, 5320, 500, true);
@@ -129,5 +152,23 @@ mod tests {
         watch.look(&silent, together);
         watch.look(&first, together);
         assert_eq!(watch.told(), Unheard::default());
+    }
+
+    #[test]
+    fn a_device_that_had_stopped_was_said_to_have_changed() {
+        let mut watch = UnheardWatch::default();
+        let (_first, first) = output(1, 0, 2000, true);
+        let (_silent, silent) = output(2, 2000, 3200, true);
+        silent.set_silent();
+        let (_second, second) = output(3, 5200, 2000, true);
+        first.set_device("speakers");
+        second.set_device("speakers");
+        watch.look(&first, together);
+        watch.look(&silent, together);
+        watch.look(&second, together);
+        assert_eq!(
+            watch.told().to_string(),
+            "3.2 s of the song were not heard: the sound device had stopped and was opened again"
+        );
     }
 }

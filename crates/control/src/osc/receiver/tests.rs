@@ -184,3 +184,31 @@ fn packets_come_through_a_real_socket_and_answers_go_back() {
     let (length, from) = socket.recv_from(&mut answer).unwrap();
     assert_eq!((from, &answer[..length]), (free, &packet("/scene", vec![OscType::String("orb".into())])[..]));
 }
+
+#[test]
+fn a_port_that_was_taken_at_the_start_was_never_tried_again() {
+    let patience = Duration::from_secs(60);
+    let other = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let address = other.local_addr().unwrap();
+    let (told, news) = channel();
+    let (woken, wakes) = channel();
+    let woken = Mutex::new(woken);
+    let wishes = Wishes::new(move || {
+        let _ = woken.lock().unwrap().send(());
+    });
+    let place = address.to_string().parse().unwrap();
+    let receiver = OscReceiver::start(place, DEEDS, wishes.clone(), Board::default(), move || {
+        let _ = told.send(());
+    });
+    let receiver = receiver.unwrap();
+    news.recv_timeout(patience).unwrap();
+    assert!(matches!(receiver.state(), ReceiverState::Refused(_)), "{:?}", receiver.state());
+    drop(other);
+    // The state changes once: there is no news of attempts that fail like the first.
+    news.recv_timeout(patience).unwrap();
+    assert_eq!(receiver.state(), ReceiverState::Open(address));
+    let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
+    sender.send_to(&packet("/param/size", vec![OscType::Float(3.0)]), address).unwrap();
+    wakes.recv_timeout(patience).unwrap();
+    assert_eq!(wishes.take().params[0].name, "size");
+}

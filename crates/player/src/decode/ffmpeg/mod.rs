@@ -1,16 +1,15 @@
-//! Decoding by `ffmpeg`, where it is installed, of what is not decoded here.
+//! Decoding by `ffmpeg`, where it is installed, of formats and codecs that [`native`](super::native) lacks.
 //!
-//! `ffprobe` tells what is in the file, and `ffmpeg` writes the sound as 32-bit floats, with the file's own rate and
+//! `ffprobe` describes the file, and `ffmpeg` writes the sound as 32-bit floats, with the file's own rate and
 //! channels, into a pipe. A seek starts it anew at another time (`-ss`), so it lands as exactly as the container tells
 //! its times: on the frame in lossless formats, within some milliseconds in others. Both programs are found through
 //! `PATH` and started without a shell. The file is named as `file:` with its whole path, so that no name is an option or
-//! an address, and nothing but [`FORMATS`] is read by nothing but the protocol `file`: no list of other files or
-//! addresses is followed.
+//! an address. [`CommandLine`] keeps both from opening other files and addresses: ffprobe chooses among the demuxers of
+//! songs, and ffmpeg reads the file by the chosen one.
 
 mod probe;
 mod process;
 
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -19,13 +18,10 @@ use symphonia::core::audio::{Channels, Position};
 
 use super::downmix::Downmix;
 use super::{DecodeError, StreamInfo, sniff};
+use crate::ffmpeg::{CommandLine, ReadBy, Source, file_address};
 use crate::limits::LIMITS;
 use probe::{Answer, Stream};
 use process::{Failure, Process};
-
-/// The containers that are read, by ffmpeg's names: sound, and pictures with sound. Its lists and streams are not.
-const FORMATS: &str = "aac,ac3,aiff,amr,ape,asf,au,avi,caf,dsf,dts,dtshd,eac3,flac,flv,iff,it,libgme,libmodplug,libopenmpt,\
-    matroska,mov,mp3,mp4,mpc,mpc8,mpeg,ogg,rm,tta,voc,w64,wav,webm,wv";
 
 /// Most bytes of an answer of `ffprobe` that are read: pictures of covers are not in it.
 const ANSWER_MAX: usize = 1 << 20;
@@ -51,8 +47,8 @@ impl Default for Programs {
 /// A file that ffmpeg decodes.
 pub(super) struct FfmpegDecoder {
     programs: Programs,
-    /// The file, as ffmpeg is told.
-    address: OsString,
+    /// The file, with its whole path.
+    path: PathBuf,
     /// The stream within it.
     stream: u32,
     info: StreamInfo,
@@ -79,9 +75,7 @@ impl FfmpegDecoder {
         let reader = Reader { name, refusal: describe(refusal) };
         let path = std::path::absolute(path)
             .map_err(|reason| DecodeError::Read { name: name.to_owned(), reason })?;
-        let mut address = OsString::from("file:");
-        address.push(&path);
-        let answer = reader.probe(programs, &address)?;
+        let answer = reader.probe(programs, &path)?;
         let stream = answer.sound().ok_or_else(|| DecodeError::NoAudioTrack { name: name.to_owned() })?;
         if !stream.is_known() {
             return Err(DecodeError::UnsupportedCodec {
@@ -94,9 +88,14 @@ impl FfmpegDecoder {
             return Err(DecodeError::Damaged { name: name.to_owned(), what });
         }
         sniff::check(name, stream.channels, stream.rate())?;
+        let demuxer = answer.format.demuxer().ok_or_else(|| DecodeError::Damaged {
+            name: name.to_owned(),
+            what: "ffmpeg recognises no format of sound in it".into(),
+        })?;
         let info = StreamInfo {
             name: name.to_owned(),
             container: answer.format.name().to_owned(),
+            demuxer,
             codec: stream.codec().to_owned(),
             sample_rate: stream.rate(),
             source_channels: stream.channels,
@@ -106,10 +105,10 @@ impl FfmpegDecoder {
             scene_gain: answer.loudness(stream).scene_gain(),
         };
         let process =
-            start(programs, &address, stream.index, &info, 0.0).map_err(|failure| reader.error(failure))?;
+            start(programs, &path, stream.index, &info, 0.0).map_err(|failure| reader.error(failure))?;
         let mut decoder = Self {
             programs: programs.clone(),
-            address,
+            path,
             stream: stream.index,
             downmix: downmix(stream),
             info,
@@ -122,7 +121,7 @@ impl FfmpegDecoder {
         };
         decoder.advance()?;
         if decoder.pending.is_empty() {
-            return Err(reader.refused(&mut decoder.process, &decoder.address));
+            return Err(reader.refused(&mut decoder.process, &decoder.path));
         }
         Ok(decoder)
     }
@@ -149,7 +148,7 @@ impl FfmpegDecoder {
         let near = u64::from(self.info.sample_rate) * NEAR_SECONDS;
         if self.ended || !(self.position..=self.position + near).contains(&target) {
             let time = target as f64 / rate;
-            let started = start(&self.programs, &self.address, self.stream, &self.info, time);
+            let started = start(&self.programs, &self.path, self.stream, &self.info, time);
             let reader = Reader { name: &self.info.name, refusal: String::new() };
             self.process = started.map_err(|failure| reader.error(failure))?;
             self.rest.clear();
@@ -205,26 +204,20 @@ impl FfmpegDecoder {
 /// Starts to decode a stream of a file, from a time on.
 fn start(
     programs: &Programs,
-    address: &OsString,
+    path: &Path,
     stream: u32,
     info: &StreamInfo,
     seconds: f64,
 ) -> Result<Process, Failure> {
-    let mut arguments: Vec<OsString> = ["-v", "error", "-nostdin"].map(OsString::from).into();
-    arguments.extend(guarded());
-    if seconds > 0.0 {
-        arguments.extend(["-ss".into(), format!("{seconds:.6}").into()]);
-    }
-    arguments.extend(["-i".into(), address.clone(), "-map".into(), format!("0:{stream}").into()]);
-    arguments.extend(["-ar".into(), info.sample_rate.to_string().into()]);
-    arguments.extend(["-ac".into(), info.source_channels.to_string().into()]);
-    arguments.extend(["-c:a", "pcm_f32le", "-f", "f32le", "pipe:1"].map(OsString::from));
-    Process::start(&programs.ffmpeg, arguments, programs.patience)
-}
-
-/// What keeps the programs from opening anything but the file.
-fn guarded() -> [OsString; 4] {
-    ["-protocol_whitelist", "file", "-format_whitelist", FORMATS].map(OsString::from)
+    let from = (seconds > 0.0).then(|| ["-ss".to_owned(), format!("{seconds:.6}")]);
+    let line = CommandLine::of(&programs.ffmpeg)
+        .options(["-nostdin"])
+        .input(Source::File(path), ReadBy::Demuxer(info.demuxer), from.into_iter().flatten())
+        .options(["-map".to_owned(), format!("0:{stream}")])
+        .options(["-ar".to_owned(), info.sample_rate.to_string()])
+        .options(["-ac".to_owned(), info.source_channels.to_string()])
+        .options(["-c:a", "pcm_f32le", "-f", "f32le", "pipe:1"]);
+    Process::start(line, programs.patience)
 }
 
 /// Who reads the file, for the sentences about it.
@@ -235,19 +228,18 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn probe(&self, programs: &Programs, address: &OsString) -> Result<Answer, DecodeError> {
-        let mut arguments: Vec<OsString> = ["-v", "error"].map(OsString::from).into();
-        arguments.extend(guarded());
-        arguments.extend(["-show_entries", probe::ENTRIES, "-of", "json"].map(OsString::from));
-        arguments.extend(["-i".into(), address.clone()]);
+    fn probe(&self, programs: &Programs, path: &Path) -> Result<Answer, DecodeError> {
+        let line = CommandLine::of(&programs.ffprobe)
+            .options(["-show_entries", probe::ENTRIES, "-of", "json"])
+            .input(Source::File(path), ReadBy::AnySongDemuxer, [""; 0]);
         let ask = || {
-            let mut process = Process::start(&programs.ffprobe, arguments, programs.patience)?;
+            let mut process = Process::start(line, programs.patience)?;
             let answer = process.all(ANSWER_MAX)?;
             Ok((process, answer))
         };
         let (mut process, answer) = ask().map_err(|failure| self.error(failure))?;
         if !process.succeeded() {
-            return Err(self.refused(&mut process, address));
+            return Err(self.refused(&mut process, path));
         }
         // What it writes about a file is never malformed, whatever the file is.
         serde_json::from_slice(&answer).map_err(|error| DecodeError::Damaged {
@@ -257,10 +249,10 @@ impl Reader<'_> {
     }
 
     /// The error for a program that gave nothing.
-    fn refused(&self, process: &mut Process, address: &OsString) -> DecodeError {
+    fn refused(&self, process: &mut Process, path: &Path) -> DecodeError {
         // It has closed its pipe; once it has ended, its words are complete.
         process.succeeded();
-        let complaint = process.complaint(&address.to_string_lossy());
+        let complaint = process.complaint(&file_address(path).to_string_lossy());
         DecodeError::Damaged {
             name: self.name.to_owned(),
             what: format!("ffmpeg cannot decode it ({complaint})"),

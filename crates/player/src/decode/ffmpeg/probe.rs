@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use crate::decode::loudness::Loudness;
+use crate::ffmpeg::Demuxer;
 use crate::limits::LIMITS;
 
 /// What is asked of `ffprobe`.
@@ -85,6 +86,11 @@ impl Answer {
 }
 
 impl Format {
+    /// The demuxer that reads the file, if it is one of songs.
+    pub(super) fn demuxer(&self) -> Option<Demuxer> {
+        Demuxer::of_song(&self.format_name)
+    }
+
     pub(super) fn name(&self) -> &str {
         if self.format_long_name.is_empty() { &self.format_name } else { &self.format_long_name }
     }

@@ -1,13 +1,13 @@
 //! A program that writes to a pipe: never waited for without a limit, and never left behind.
 
-use std::ffi::OsStr;
 use std::io::{self, Read};
-use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::Builder;
 use std::time::{Duration, Instant};
+
+use crate::ffmpeg::CommandLine;
 
 /// Bytes that are read from the pipe at a time.
 const PIECE: usize = 1 << 15;
@@ -43,13 +43,9 @@ pub(super) struct Process {
 
 impl Process {
     /// Starts a program without input.
-    pub(super) fn start<A: AsRef<OsStr>>(
-        program: &Path,
-        arguments: impl IntoIterator<Item = A>,
-        patience: Duration,
-    ) -> Result<Self, Failure> {
-        let mut child = Command::new(program)
-            .args(arguments)
+    pub(super) fn start(line: CommandLine, patience: Duration) -> Result<Self, Failure> {
+        let mut child = line
+            .command()
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

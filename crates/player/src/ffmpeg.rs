@@ -1,0 +1,202 @@
+//! Command lines of ffmpeg and ffprobe. No other module starts these programs.
+//!
+//! By default ffmpeg chooses a demuxer by a file's content, and some demuxers (HLS, DASH, concat) open every file and
+//! address that their input names. So a song that is also an HLS playlist could bring the content of other files into a
+//! video. [`CommandLine::input`] is the only way to add an input. It names the demuxers that may read the input and
+//! the single protocol that reaches it. These demuxers open only their own input.
+
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Demuxers of songs: sound, and pictures with sound. They open only their own input.
+const SONG_DEMUXERS: [&str; 34] = [
+    "aac",
+    "ac3",
+    "aiff",
+    "amr",
+    "ape",
+    "asf",
+    "au",
+    "avi",
+    "caf",
+    "dsf",
+    "dts",
+    "dtshd",
+    "eac3",
+    "flac",
+    "flv",
+    "iff",
+    "it",
+    "libgme",
+    "libmodplug",
+    "libopenmpt",
+    "matroska",
+    "mov",
+    "mp3",
+    "mpc",
+    "mpc8",
+    "mpeg",
+    "ogg",
+    "rm",
+    "tta",
+    "voc",
+    "w64",
+    "wav",
+    "webm",
+    "wv",
+];
+
+/// A demuxer of ffmpeg that reads its own input only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Demuxer(&'static str);
+
+impl Demuxer {
+    /// Frames without compression.
+    pub const RAW_VIDEO: Self = Self("rawvideo");
+    /// JPEG pictures.
+    pub const JPEG: Self = Self("mjpeg");
+    /// PNG pictures.
+    pub const PNG: Self = Self("png_pipe");
+    /// ADTS streams of AAC.
+    pub const ADTS: Self = Self("aac");
+    /// AIFF.
+    pub const AIFF: Self = Self("aiff");
+    /// Apple's Core Audio Format.
+    pub const CAF: Self = Self("caf");
+    /// FLAC.
+    pub const FLAC: Self = Self("flac");
+    /// Matroska and WebM.
+    pub const MATROSKA: Self = Self("matroska");
+    /// QuickTime and MP4.
+    pub const MOV: Self = Self("mov");
+    /// MPEG audio, layers 1 to 3.
+    pub const MP3: Self = Self("mp3");
+    /// Ogg.
+    pub const OGG: Self = Self("ogg");
+    /// WAVE.
+    pub const WAV: Self = Self("wav");
+
+    /// The demuxer of songs that ffprobe reports, which may have several names with commas between; `None` if songs are
+    /// not read by it.
+    pub(crate) fn of_song(reported: &str) -> Option<Self> {
+        let is_reported = |known: &&str| reported.split(',').any(|name| name == *known);
+        SONG_DEMUXERS.into_iter().find(is_reported).map(Self)
+    }
+}
+
+/// Who may read an input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReadBy {
+    /// This demuxer.
+    Demuxer(Demuxer),
+    /// The demuxer of songs that recognises the content.
+    AnySongDemuxer,
+}
+
+/// Where an input comes from.
+#[derive(Debug, Clone, Copy)]
+pub enum Source<'a> {
+    /// A file.
+    File(&'a Path),
+    /// Standard input.
+    StandardInput,
+}
+
+/// A command line of ffmpeg or ffprobe in the making.
+#[derive(Debug)]
+pub struct CommandLine {
+    program: PathBuf,
+    arguments: Vec<OsString>,
+}
+
+impl CommandLine {
+    /// ffmpeg, found through `PATH`, which reports errors only and asks nothing.
+    pub fn ffmpeg() -> Self {
+        Self::of("ffmpeg".as_ref()).options(["-nostdin"])
+    }
+
+    /// One of the two programs, which reports errors only.
+    pub(crate) fn of(program: &Path) -> Self {
+        Self { program: program.to_owned(), arguments: Vec::new() }.options(["-v", "error"])
+    }
+
+    /// Adds options other than inputs.
+    #[must_use]
+    pub fn options<A: Into<OsString>>(mut self, options: impl IntoIterator<Item = A>) -> Self {
+        self.arguments.extend(options.into_iter().map(Into::into));
+        self
+    }
+
+    /// Adds an input with its own options.
+    #[must_use]
+    pub fn input<A: Into<OsString>>(
+        self,
+        source: Source<'_>,
+        read_by: ReadBy,
+        options: impl IntoIterator<Item = A>,
+    ) -> Self {
+        let (protocol, address) = match source {
+            Source::File(path) => ("file", file_address(path)),
+            Source::StandardInput => ("pipe", "pipe:0".into()),
+        };
+        let line = self.options(["-protocol_whitelist", protocol]);
+        // The whitelist also holds for inputs that a demuxer opens.
+        let line = match read_by {
+            ReadBy::Demuxer(Demuxer(name)) => line.options(["-format_whitelist", name, "-f", name]),
+            ReadBy::AnySongDemuxer => line.options(["-format_whitelist", &SONG_DEMUXERS.join(",")]),
+        };
+        line.options(options).options([OsStr::new("-i"), &address])
+    }
+
+    /// The command.
+    pub fn command(self) -> Command {
+        let mut command = Command::new(self.program);
+        command.args(self.arguments);
+        command
+    }
+}
+
+/// A path as ffmpeg takes it without giving a meaning to its colons, hyphens or percent signs.
+pub fn file_address(path: &Path) -> OsString {
+    let mut address = OsString::from("file:");
+    address.push(path);
+    address
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(line: CommandLine) -> String {
+        let words: Vec<String> =
+            line.command().get_args().map(|word| word.to_string_lossy().into_owned()).collect();
+        words.join(" ")
+    }
+
+    #[test]
+    fn an_input_is_read_by_the_demuxers_and_the_protocol_it_was_given() {
+        let line = CommandLine::ffmpeg().input(
+            Source::File(Path::new("-a:b.mp3")),
+            ReadBy::Demuxer(Demuxer::MP3),
+            ["-ss", "2"],
+        );
+        assert_eq!(
+            words(line),
+            "-v error -nostdin -protocol_whitelist file -format_whitelist mp3 -f mp3 -ss 2 -i file:-a:b.mp3"
+        );
+        let line = CommandLine::of("ffprobe".as_ref());
+        let line = words(line.input(Source::StandardInput, ReadBy::AnySongDemuxer, [""; 0]));
+        assert!(line.starts_with("-v error -protocol_whitelist pipe -format_whitelist aac,ac3,"), "{line}");
+        assert!(line.ends_with(",wv -i pipe:0"), "{line}");
+    }
+
+    #[test]
+    fn no_playlist_is_a_song() {
+        assert_eq!(Demuxer::of_song("mov,mp4,m4a,3gp,3g2,mj2"), Some(Demuxer::MOV));
+        assert_eq!(Demuxer::of_song("matroska,webm"), Some(Demuxer::MATROSKA));
+        for list in ["hls", "applehttp", "dash", "concat", "image2", "tty", "", "m"] {
+            assert_eq!(Demuxer::of_song(list), None, "{list}");
+        }
+    }
+}

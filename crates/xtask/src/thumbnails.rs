@@ -1,0 +1,51 @@
+//! Draws `assets/thumbnails`: the thumbnails of the shipped scenes, which are part of the program. To be run after a scene
+//! or the renderer has changed; a test of the pictures tells when.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::Context as _;
+use mariana::demo_track::DEMO_TRACK;
+use mariana::export::output::Output;
+use mariana::export::still::{StillRequest, write_still};
+use mariana::scenes::{SceneSource, shipped_names};
+use mariana::thumbnails::{MOMENT, SIZE, jpeg_of};
+use mariana_music::Gain;
+
+/// Draws the scenes that are named, or all, and removes the thumbnails of scenes that are gone.
+pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
+    let folder = Path::new(crate::ROOT).join("assets/thumbnails");
+    fs::create_dir_all(&folder)?;
+    let names = shipped_names();
+    for name in names.iter().filter(|name| wanted.is_empty() || wanted.contains(name)) {
+        let jpeg = draw(name, &folder).with_context(|| format!("drawing {name}"))?;
+        println!("{name}: {} KiB", jpeg.len().div_ceil(1024));
+        fs::write(folder.join(format!("{name}.jpg")), jpeg)?;
+    }
+    for entry in fs::read_dir(&folder)? {
+        let path = entry?.path();
+        if !names.iter().any(|name| path.file_stem().is_some_and(|stem| stem == name.as_str())) {
+            fs::remove_file(path)?;
+        }
+    }
+    Ok(())
+}
+
+/// The thumbnail of a scene as a JPEG, drawn as the program draws thumbnails of other scenes.
+fn draw(name: &str, folder: &Path) -> anyhow::Result<Vec<u8>> {
+    let path = folder.join(format!("{name}.png"));
+    write_still(&StillRequest {
+        song: DEMO_TRACK,
+        at: MOMENT,
+        size: SIZE,
+        gain: Gain::Auto,
+        output: Output::Path(path.clone()),
+        scene: SceneSource::Shipped(name.to_owned()).into(),
+        show: None,
+        blend: None,
+        set: Vec::new(),
+    })?;
+    let picture = image::open(&path);
+    fs::remove_file(&path)?;
+    Ok(jpeg_of(&picture?.into_rgba8()))
+}

@@ -1,0 +1,162 @@
+//! The stage in a context without a window: requested scenes and messages.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use mariana_music::{Section, SongStructure};
+use mariana_testing::process::wait_until;
+
+use super::{DrawingWays, LoadedScene, SceneLoader, SceneLoaders, SceneStage};
+use crate::app::overlay::PanelSwitches;
+use crate::config::SdfChoice;
+use crate::gpu::background::Sources;
+use crate::gpu::cell_use::CellUse;
+use crate::gpu::headless::Headless;
+use crate::gpu::shader_source::ShaderLibrary;
+use crate::program_cache::ProgramCache;
+use crate::scenes::{Drafts, Loader, NumberEdits, SceneSource, TextureCache};
+use crate::show::{Programme, ShowSource};
+
+/// Names of scenes, and the energies for which they are made.
+const SCENES: [(&str, &str); 3] = [("calm", "0 .. 0.3"), ("loud", "0.7 .. 1"), ("other", "0.5 .. 0.8")];
+/// Moments of the song in its calm and in its loud section.
+const CALM: f64 = 5.0;
+const LOUD: f64 = 45.0;
+
+/// A stage with a show of a song in which the calm scene comes first and then the loud one.
+struct Staged {
+    stage: SceneStage,
+    folder: tempfile::TempDir,
+    // Last: the stage draws in it.
+    _context: Headless,
+}
+
+fn loader() -> SceneLoader {
+    let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
+    let texts = Drafts::default().texts();
+    let load = move |source: &SceneSource| source.ready_with(&mut textures, &mut edits, &texts);
+    Loader::start(load, || {}).unwrap()
+}
+
+fn source(folder: &Path, name: &str) -> SceneSource {
+    SceneSource::File(folder.join(format!("{name}.scene")))
+}
+
+impl Staged {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        for (number, (name, energy)) in SCENES.iter().enumerate() {
+            let text =
+                format!("about {{ energy = {energy} }}\nobject ball {{ shape = sphere(p, 1.{number}) }}");
+            fs::write(folder.path().join(format!("{name}.scene")), text).unwrap();
+        }
+        let section = |letter: &str, start, energy| Section {
+            start,
+            end: start + 30.0,
+            letter: letter.to_owned(),
+            energy,
+        };
+        let sections = vec![section("A", 0.0, 0.15), section("B", 30.0, 0.9)];
+        let song = SongStructure { seconds: 60.0, sections, ..SongStructure::default() };
+        let sources = SCENES.map(|(name, _)| source(folder.path(), name));
+        let (show, _) = Programme::of_song(&ShowSource::Auto, &song, &sources).unwrap();
+        let on = |time: f64| show.source(&show.at(time).unwrap().stay.scene).cloned();
+        assert_eq!([on(CALM), on(LOUD)], [0, 1].map(|place| sources.get(place).cloned()));
+
+        let context = Headless::new(false).unwrap();
+        let shown = loader();
+        let [first, ..] = sources;
+        shown.request(first);
+        let mut loaded = None;
+        wait_until("the first scene", || {
+            loaded = shown.poll();
+            loaded.is_some()
+        });
+        let loaded = loaded.unwrap();
+        let first = LoadedScene { source: loaded.source, scene: loaded.value.unwrap() };
+        let sources = Sources { library: ShaderLibrary::embedded(), cache: ProgramCache::off() };
+        let ways = DrawingWays { sdf: SdfChoice::Compiled, cells: CellUse::Never, view: None, fade: 0.0 };
+        let loaders = SceneLoaders { shown, ahead: None };
+        let stage = SceneStage::new(context.gl(), Vec::new(), sources, ways, loaders, first, || {}).unwrap();
+        let mut staged = Self { stage, folder, _context: context };
+        staged.wait_for("calm");
+        staged.stage.set_programme(Some(Arc::new(show)), None);
+        staged.stage.follow(CALM);
+        staged
+    }
+
+    fn source(&self, name: &str) -> SceneSource {
+        source(self.folder.path(), name)
+    }
+
+    /// Waits until a scene is on the stage, as if its picture had been drawn.
+    fn wait_for(&mut self, name: &str) {
+        let stage = &mut self.stage;
+        wait_until(name, || {
+            stage.update().unwrap();
+            stage.name().as_deref() == Some(name)
+        });
+        stage.pictured = stage.shown_id();
+    }
+
+    /// The words over the picture.
+    fn words(&mut self) -> Vec<String> {
+        let content = self.stage.overlay(None, PanelSwitches::default());
+        let (notice, problem) = (content.notice.map(|one| one.text), content.problem.map(|one| one.heading));
+        content.hint.into_iter().chain(notice).chain(problem).map(str::to_owned).collect()
+    }
+}
+
+#[test]
+fn technical_words_stood_over_a_show_that_nobody_had_touched() {
+    let mut staged = Staged::new();
+    staged.stage.follow(LOUD);
+    assert_eq!((staged.stage.source.clone(), staged.words()), (staged.source("loud"), Vec::new()));
+    staged.wait_for("loud");
+    assert_eq!(staged.words(), [""; 0]);
+    // The user gets an answer.
+    let other = staged.source("other");
+    staged.stage.show_source(other);
+    assert_eq!(staged.words(), ["other is being prepared"]);
+}
+
+#[test]
+fn a_show_stood_still_and_said_so_in_red_where_a_scene_was_too_much_for_the_machine() {
+    let mut staged = Staged::new();
+    staged.stage.follow(LOUD);
+    staged.wait_for("loud");
+    // Its first picture is too expensive, so the calm scene comes back.
+    staged.stage.pictured = None;
+    let before = staged.source("calm");
+    staged.stage.take_back("a picture of this window would take about 99 s");
+    assert_eq!(staged.words(), [""; 0]);
+    assert_eq!(staged.stage.shown_source(), Some(&before));
+    staged.stage.follow(LOUD + 0.1);
+    staged.wait_for("other");
+    assert_eq!(staged.words(), [""; 0]);
+    let line = staged.stage.corner("", "").unwrap();
+    assert!(line.ends_with("too much for this machine: loud"), "{line}");
+    // The user gets an answer.
+    let loud = staged.source("loud");
+    staged.stage.show_source(loud);
+    staged.wait_for("loud");
+    staged.stage.take_back("a picture of this window would take about 99 s");
+    let words = staged.words();
+    assert!(words.iter().any(|words| words.contains("loud is too much for this machine")), "{words:?}");
+}
+
+#[test]
+fn a_scene_that_somebody_asked_for_was_dropped_where_the_show_went_on() {
+    let mut staged = Staged::new();
+    let other = staged.source("other");
+    staged.stage.show_source(other.clone());
+    // The next scene of the show is due during the preparation.
+    staged.stage.follow(LOUD);
+    assert_eq!(staged.stage.source, other);
+    staged.wait_for("other");
+    staged.stage.follow(LOUD + 1.0);
+    assert_eq!(staged.stage.source, other, "it was to stay until the next scene of the show");
+    staged.stage.follow(CALM);
+    assert_eq!(staged.stage.source, staged.source("calm"));
+}

@@ -1,0 +1,111 @@
+//! The OpenGL display of a window, from which contexts and surfaces are created.
+//!
+//! **On X11, OpenGL has a separate connection.** A thread that waits for a reply reads everything that has arrived on the
+//! connection and queues the events for later. If OpenGL shared winit's connection, a frame would take events off the
+//! socket and the event thread, which waits for that socket, would sleep on. A still picture gives it no
+//! other reason to wake, so keys and pings stayed unanswered for up to 30 s.
+
+#![expect(unsafe_code, reason = "opening displays is unsafe in glutin, and Xlib is a C library")]
+
+use std::error::Error;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+use glutin::config::{Config, ConfigTemplateBuilder, GlConfig};
+use glutin_winit::{ApiPreference, DisplayBuilder};
+use winit::event_loop::ActiveEventLoop;
+use winit::window::{Window, WindowAttributes};
+
+/// A window, and the pixel format in which OpenGL draws into it. `None` if the driver offers no format that fits.
+///
+/// # Errors
+/// No OpenGL, or no window.
+pub(super) fn open(
+    event_loop: &ActiveEventLoop,
+    attributes: WindowAttributes,
+    template: ConfigTemplateBuilder,
+) -> Result<Option<(Window, Config)>, Box<dyn Error>> {
+    #[cfg(all(unix, not(target_os = "macos")))]
+    if winit::platform::x11::ActiveEventLoopExtX11::is_x11(event_loop) {
+        return x11::open(event_loop, attributes, template);
+    }
+    let builder = DisplayBuilder::new()
+        .with_preference(ApiPreference::PreferEgl)
+        .with_window_attributes(Some(attributes));
+    let built = unless_nothing_fits(|| {
+        builder.build(event_loop, template, |configs| best(configs).unwrap_or_else(|| nothing_fits()))
+    });
+    let Some(built) = built else { return Ok(None) };
+    let (window, config) = built?;
+    Ok(Some((window.ok_or("the system opened no window")?, config)))
+}
+
+/// The config with the least multisampling: the renderer has its own.
+fn best<'a>(configs: Box<dyn Iterator<Item = Config> + 'a>) -> Option<Config> {
+    configs.min_by_key(GlConfig::num_samples)
+}
+
+#[cfg(all(unix, not(target_os = "macos")))]
+mod x11 {
+    use super::*;
+
+    use std::ptr::{NonNull, null};
+
+    use glutin::display::{Display, DisplayApiPreference, GlDisplay};
+    use winit::platform::x11::register_xlib_error_hook;
+    use winit::raw_window_handle::{RawDisplayHandle, XlibDisplayHandle};
+    use x11_dl::xlib::Xlib;
+
+    pub(super) fn open(
+        event_loop: &ActiveEventLoop,
+        attributes: WindowAttributes,
+        template: ConfigTemplateBuilder,
+    ) -> Result<Option<(Window, Config)>, Box<dyn Error>> {
+        let preference = DisplayApiPreference::EglThenGlx(Box::new(register_xlib_error_hook));
+        // SAFETY: the handle's connection is never closed.
+        let display = unsafe { Display::new(own_connection()?, preference)? };
+        // SAFETY: the template names no native window.
+        let Some(config) = best(unsafe { display.find_configs(template.build())? }) else { return Ok(None) };
+        let window = glutin_winit::finalize_window(event_loop, attributes, &config)?;
+        Ok(Some((window, config)))
+    }
+
+    /// Another connection to winit's X server. It stays open until the process ends, because drivers keep it.
+    fn own_connection() -> Result<RawDisplayHandle, Box<dyn Error>> {
+        let library = Xlib::open()?;
+        // SAFETY: no name means the server of the environment, and the display is not null.
+        let (display, screen) = unsafe {
+            let display = (library.XOpenDisplay)(null());
+            let display = NonNull::new(display).ok_or("the X server takes no second connection")?;
+            (display, (library.XDefaultScreen)(display.as_ptr()))
+        };
+        Ok(XlibDisplayHandle::new(Some(display.cast()), screen).into())
+    }
+}
+
+/// The payload of an unwind that means: the driver offers no pixel format. glutin-winit insists on a choice, so the picker
+/// unwinds, which prints nothing, and [`unless_nothing_fits`] returns `None`.
+struct NothingFits;
+
+fn nothing_fits() -> ! {
+    resume_unwind(Box::new(NothingFits))
+}
+
+/// The result of `work`; `None` if [`nothing_fits`] ended it.
+fn unless_nothing_fits<T>(work: impl FnOnce() -> T) -> Option<T> {
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(made) => Some(made),
+        Err(reason) if reason.is::<NothingFits>() => None,
+        Err(reason) => resume_unwind(reason),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_driver_without_any_pixel_format_was_a_panic() {
+        assert!(unless_nothing_fits(|| nothing_fits()).is_none());
+        assert_eq!(unless_nothing_fits(|| 7), Some(7));
+    }
+}

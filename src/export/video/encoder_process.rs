@@ -1,0 +1,231 @@
+//! The encoder's process: fed through a pipe, and ended when it makes no progress for too long.
+
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::Builder;
+use std::time::{Duration, Instant, SystemTime};
+
+use crate::ending::{self, Undo};
+
+/// How much of the end of the process's messages is read.
+const COMPLAINT_BYTES: u64 = 4096;
+/// How often to check whether the process has ended.
+const LOOK_PERIOD: Duration = Duration::from_millis(5);
+/// How often to check its progress, at most.
+const WATCH_PERIOD: Duration = Duration::from_secs(1);
+/// How long to wait for the end of a killed process, which may be stuck in a system call.
+const KILL_LIMIT: Duration = Duration::from_secs(2);
+/// Bytes that are written to the pipe at a time. Each piece is progress.
+const PIECE_BYTES: usize = 1 << 16;
+
+/// A running encoder. It ends with this process, and when it is dropped.
+pub(super) struct EncoderProcess {
+    child: Arc<Mutex<Child>>,
+    /// `None` once the process has all its input.
+    input: Option<ChildStdin>,
+    /// Its messages. A file, because a full pipe would stop the process.
+    complaints: File,
+    wait: Arc<Mutex<Wait>>,
+    /// Dropping it ends the thread that watches.
+    _watch: SyncSender<()>,
+    _end: Undo,
+}
+
+/// The state of the wait for the process.
+#[derive(Default)]
+struct Wait {
+    /// When the wait began, or the last progress during it; `None` outside of waits.
+    since: Option<Instant>,
+    /// True once the process was ended because it made no progress.
+    has_stalled: bool,
+}
+
+impl EncoderProcess {
+    /// Starts a process that writes `output`. It is ended when something waits for it and it neither reads input nor
+    /// writes output for as long as `patience`.
+    ///
+    /// # Errors
+    /// The system's error for the program, the file for its messages (`complaints`) or the watching thread.
+    pub(super) fn start(
+        mut command: Command,
+        output: &Path,
+        complaints: File,
+        patience: Duration,
+    ) -> io::Result<Self> {
+        let heard = complaints.try_clone()?;
+        command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(heard);
+        // Ctrl-C goes to this process, which ends the encoder: otherwise both would race to end first.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let (child, end) = ending::begin(|| {
+            let child = Arc::new(Mutex::new(command.spawn()?));
+            let its = child.clone();
+            io::Result::Ok((child, move || end_child(&mut lock(&its))))
+        })?;
+        let input = lock(&child).stdin.take();
+        let wait = Arc::new(Mutex::new(Wait::default()));
+        let (stop, stopped) = sync_channel(0);
+        let process =
+            Self { child: child.clone(), input, complaints, wait: wait.clone(), _watch: stop, _end: end };
+        let output = output.to_owned();
+        Builder::new().name("encoder watch".into()).spawn(move || {
+            let mut last = stamp(&output);
+            let period = WATCH_PERIOD.min(patience / 4);
+            while stopped.recv_timeout(period) == Err(RecvTimeoutError::Timeout) {
+                let now = stamp(&output);
+                let writes = std::mem::replace(&mut last, now) != now;
+                let mut wait = lock(&wait);
+                if wait.is_too_long(Instant::now(), writes, patience) {
+                    wait.has_stalled = true;
+                    return end_child(&mut lock(&child));
+                }
+            }
+        })?;
+        Ok(process)
+    }
+
+    /// Gives it input.
+    ///
+    /// # Errors
+    /// The process has ended.
+    pub(super) fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let Some(input) = &mut self.input else { return Ok(()) };
+        lock(&self.wait).since = Some(Instant::now());
+        let written = bytes.chunks(PIECE_BYTES).try_for_each(|piece| {
+            input.write_all(piece)?;
+            lock(&self.wait).since = Some(Instant::now());
+            Ok(())
+        });
+        lock(&self.wait).since = None;
+        written
+    }
+
+    /// Ends its input and waits for its end, without locking it, so that a signal can end it.
+    ///
+    /// # Errors
+    /// The system's error, or the process made no progress and was ended.
+    pub(super) fn wait(&mut self) -> io::Result<ExitStatus> {
+        self.input = None;
+        lock(&self.wait).since = Some(Instant::now());
+        let status = loop {
+            if let Some(status) = lock(&self.child).try_wait().transpose() {
+                break status;
+            }
+            if self.has_stalled() {
+                // It was killed, but is stuck in a system call.
+                break Err(io::ErrorKind::TimedOut.into());
+            }
+            std::thread::sleep(LOOK_PERIOD);
+        };
+        lock(&self.wait).since = None;
+        status
+    }
+
+    /// True once it was ended because it made no progress.
+    pub(super) fn has_stalled(&self) -> bool {
+        lock(&self.wait).has_stalled
+    }
+
+    /// The end of its messages.
+    pub(super) fn complaint(&mut self) -> String {
+        let mut tail = Vec::new();
+        // After an error a part of the messages is better than none.
+        let length = self.complaints.seek(SeekFrom::End(0)).unwrap_or(0);
+        let _ = self.complaints.seek(SeekFrom::Start(length.saturating_sub(COMPLAINT_BYTES)));
+        let _ = self.complaints.read_to_end(&mut tail);
+        String::from_utf8_lossy(&tail).into_owned()
+    }
+}
+
+impl Drop for EncoderProcess {
+    fn drop(&mut self) {
+        // After an error nobody wants what it has written.
+        end_child(&mut lock(&self.child));
+    }
+}
+
+impl Wait {
+    /// Whether something has waited for as long as `patience` at the moment `now`. `writes` says whether the process has
+    /// written output since the last call.
+    fn is_too_long(&mut self, now: Instant, writes: bool, patience: Duration) -> bool {
+        let Some(since) = &mut self.since else { return false };
+        if writes {
+            *since = now;
+        }
+        now.saturating_duration_since(*since) >= patience
+    }
+}
+
+/// What changes when a file is written.
+fn stamp(file: &Path) -> Option<(u64, SystemTime)> {
+    let file = std::fs::metadata(file).ok()?;
+    Some((file.len(), file.modified().ok()?))
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends a process and its own children, which may hold its pipe.
+fn end_child(child: &mut Child) {
+    if !matches!(child.try_wait(), Ok(None)) {
+        return;
+    }
+    // An error means that it has ended already.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::kill_process_group(
+        rustix::process::Pid::from_child(child),
+        rustix::process::Signal::KILL,
+    );
+    let _ = child.kill();
+    let start = Instant::now();
+    while matches!(child.try_wait(), Ok(None)) && start.elapsed() < KILL_LIMIT {
+        std::thread::sleep(LOOK_PERIOD);
+    }
+}
+
+#[cfg(test)]
+#[cfg(unix)]
+mod tests {
+    use super::*;
+
+    /// A process that does what a shell script says, and is given up soon.
+    fn start(script: &str) -> EncoderProcess {
+        let mut command = Command::new("sh");
+        command.args(["-c", script]);
+        let complaints = tempfile::tempfile().unwrap();
+        EncoderProcess::start(command, Path::new("none"), complaints, Duration::from_millis(200)).unwrap()
+    }
+
+    #[test]
+    fn a_hung_encoder_was_waited_for_without_limit() {
+        // More than a pipe holds.
+        let much = vec![0; 1 << 20];
+        let mut encoder = start("exec sleep 1000");
+        assert!(encoder.write(&much).is_err() && encoder.has_stalled(), "it reads nothing");
+        let mut encoder = start("exec 3<&0; sleep 1000 & wait");
+        assert!(encoder.write(&much).is_err() && encoder.has_stalled(), "its own process holds the pipe");
+        let mut encoder = start("cat > /dev/null; exec sleep 1000");
+        encoder.write(&[0; 1000]).unwrap();
+        assert!(!encoder.wait().is_ok_and(|status| status.success()), "it does not end");
+        assert!(encoder.has_stalled());
+    }
+
+    #[test]
+    fn only_a_wait_without_progress_is_too_long() {
+        let start = Instant::now();
+        let after = |seconds: u64| start + Duration::from_secs(seconds);
+        let patience = Duration::from_secs(10);
+        let mut wait = Wait { since: Some(start), has_stalled: false };
+        assert!(!wait.is_too_long(after(9), true, patience));
+        assert!(!wait.is_too_long(after(18), false, patience));
+        assert!(wait.is_too_long(after(19), false, patience));
+        // A picture takes long to draw.
+        wait.since = None;
+        assert!(!wait.is_too_long(after(1000), false, patience));
+    }
+}
