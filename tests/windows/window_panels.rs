@@ -158,12 +158,12 @@ fn with_the_pointer_alone_one_pauses_seeks_changes_scene_and_fills_the_screen() 
     click(&app, right - 16, top + 11 + 19 + 3 + 13);
     app.wait_for_title("the first track again", |title| title.contains("1/2"));
     // The list of tracks: a click on the second one plays it.
-    click(&app, from_right(6), y);
+    click(&app, from_right(8), y);
     std::thread::sleep(Duration::from_millis(500));
     click(&app, right - 200, 14 + 11 + 36 + 24 + 12);
     app.wait_for_title("the second track from the list", |title| title.contains("2/2"));
     // The list of scenes: the second tile.
-    click(&app, from_right(4), y);
+    click(&app, from_right(5), y);
     std::thread::sleep(Duration::from_millis(500));
     click(&app, 14 + 14 + 170 + 100, 14 + 11 + 24 + 40);
     app.wait_for_title("another scene", |title| !title.contains("(2/2, still"));
