@@ -41,7 +41,7 @@ impl PointerRest {
         }
     }
 
-    /// Takes the pointer as moved.
+    /// Acts as if the pointer had moved.
     pub(super) fn wake(&mut self, now: Instant) {
         self.moved = Some(now);
     }

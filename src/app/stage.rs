@@ -108,7 +108,7 @@ pub(super) struct Stage {
     shaders: ShaderLibrary,
     /// What finds the pictures of the list of scenes.
     thumbnails: Option<Thumbnails>,
-    /// When the thumbnails of the folder's scenes are drawn ahead; `None` if that was done.
+    /// When to request thumbnails of the folder's scenes; `None` once requested.
     thumbnails_ahead: Option<Instant>,
     /// The folder in which something was last picked.
     last_folder: Option<PathBuf>,
@@ -295,7 +295,7 @@ impl Stage {
         None
     }
 
-    /// Takes a key by which one goes through the controls; returns whether it is one.
+    /// Passes a key to the controls if they have the focus or get it; returns `true` if the key was used.
     fn go_through_controls(&mut self, key: &Key, held: ModifiersState) -> bool {
         let begins = *key == Key::Named(NamedKey::Tab)
             && (held.shift_key() || self.overlay.is_assisted())
@@ -306,7 +306,7 @@ impl Stage {
         }
         let taken = self.overlay.take_key(key, held.shift_key());
         if taken {
-            // The bar comes, and stays while it has the keys.
+            // Shows the bar. It stays while it has the focus.
             self.pointer_rest.wake(Instant::now());
             self.window.window().request_redraw();
         }

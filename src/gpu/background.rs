@@ -312,6 +312,8 @@ fn work(
         if let Some((key, bytes)) = to_keep {
             sources.cache.save(key, &bytes);
         }
+        #[cfg(all(target_os = "linux", target_env = "gnu"))]
+        super::heaps::give_back();
     }
 }
 

@@ -201,7 +201,7 @@ impl ProgramCache {
         }
     }
 
-    /// Why a program is not tried in this run, and the file that says so; `None` for all others.
+    /// Why a program is not tried in this run, and the file of the record; `None` if it may be tried.
     pub fn given_up(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
         let is_retried = |why| why == GivenUp::DiedOnce && !self.is_left_out(key);
         self.noted(key).filter(|(why, _)| !is_retried(*why))
@@ -215,7 +215,7 @@ impl ProgramCache {
         self.write(key, GIVEN_UP, why.word().as_bytes());
     }
 
-    /// What the folder says about a program that failed, and the file that says so.
+    /// The recorded failure of a program, and its file.
     fn noted(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
         let path = self.path(key, GIVEN_UP)?;
         let word = read_file(&path, WORD_MAX)?.ok()?;

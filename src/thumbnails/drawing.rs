@@ -1,4 +1,4 @@
-//! Draws a thumbnail by a process of its own.
+//! Draws a thumbnail in a separate process.
 
 use std::fs;
 use std::io;
@@ -21,16 +21,16 @@ pub(super) enum NotDrawn {
     /// The process failed.
     #[error("it cannot be drawn")]
     Failed,
-    /// The process took too long.
+    /// The process exceeded its time.
     #[error("drawing it takes over {} s", LIMITS.thumbnail_seconds_max)]
     TooSlow,
-    /// Nobody waits for it any more.
+    /// The caller stopped it.
     #[error("")]
     Stopped,
 }
 
-/// Draws the thumbnail of a scene in a process of its own and returns the PNG's bytes. `is_stopped` is asked again and
-/// again meanwhile.
+/// Draws the thumbnail of a scene in a separate process and returns the PNG's bytes. Stops when `is_stopped`, which is
+/// polled, returns `true`.
 ///
 /// # Errors
 /// [`NotDrawn`].
@@ -64,12 +64,12 @@ pub(super) fn draw(source: &SceneSource, mut is_stopped: impl FnMut() -> bool) -
     }
 }
 
-/// A process that ends when nobody waits for it any more.
+/// A process that is killed on drop.
 struct Drawing(Child);
 
 impl Drop for Drawing {
     fn drop(&mut self) {
-        // One that has ended already cannot be killed.
+        // Fails if the process has ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }

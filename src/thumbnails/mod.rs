@@ -1,10 +1,9 @@
-//! Thumbnails of scenes. Those of shipped scenes are part of the program ([`shipped`]); every other one is drawn once and
-//! kept from run to run by what the scene is made of.
+//! Thumbnails of scenes. The program includes thumbnails of the shipped scenes ([`shipped`]). All others are drawn once and
+//! cached; the key is a hash of the scene's text, includes and textures.
 //!
-//! **A thumbnail is drawn by a process of its own**, at the lowest priority and on one thread: the program itself renders
-//! a still. So a scene that is too dear, or that a driver does not survive, costs the show nothing, and no context of
-//! the show has to do with it. The newest request comes first. Requests that need no drawing are answered while another
-//! scene is drawn. When nobody asks for anything, scenes that the user may look at next are drawn ahead.
+//! **A separate process draws a thumbnail**, at the lowest priority and on one thread: the program itself renders a still.
+//! A slow scene, or a crash of the driver, does not affect the show. The newest request comes first. Requests that need
+//! no drawing are answered while another scene is drawn. An idle thread draws scenes that the user may see next.
 
 mod drawing;
 mod shipped;
@@ -51,9 +50,9 @@ pub struct Looked {
 pub enum About {
     /// What it says about itself.
     Comment(String),
-    /// Its thumbnail, and the same as a JPEG for those who are not in this window.
+    /// Its thumbnail, and the same as a JPEG for phones.
     Picture(Arc<RgbaImage>, Arc<[u8]>),
-    /// Why there is no thumbnail.
+    /// The reason for a missing thumbnail.
     NoPicture(String),
 }
 
@@ -74,23 +73,23 @@ struct Requests {
 
 #[derive(Debug, Default)]
 struct Waiting {
-    /// Requests that somebody waits for; the newest is the last.
+    /// Requests with an answer; the newest is the last.
     asked: VecDeque<Request>,
     /// Scenes to draw ahead, the first one first.
     ahead: VecDeque<SceneSource>,
 }
 
-/// What is to be found out about a scene.
+/// A question about a scene.
 #[derive(Debug, Clone, PartialEq)]
 enum Request {
     Comment(SceneSource),
     Picture(SceneSource),
-    /// Only to have the thumbnail at hand later.
+    /// Fills the cache; there is no answer.
     Ahead(SceneSource),
 }
 
 impl Request {
-    /// Whether no process has to draw for it.
+    /// Returns `true` if the answer needs no drawing.
     fn is_quick(&self) -> bool {
         match self {
             Self::Comment(_) => true,
@@ -144,7 +143,7 @@ impl Thumbnails {
         Self::start_in(folder, wake)
     }
 
-    /// The same with another folder for what is kept.
+    /// The same with another folder for the cache.
     fn start_in(folder: Option<PathBuf>, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let requests = Arc::new(Requests::default());
         let (answers, looked) = channel();
@@ -159,13 +158,13 @@ impl Thumbnails {
         self.requests.changed.notify_one();
     }
 
-    /// Asks for thumbnails: the first of these first, before those of earlier requests.
+    /// Asks for thumbnails in this order, before all earlier requests.
     pub fn ask_for_pictures(&mut self, sources: Vec<SceneSource>) {
         self.requests.lock().asked.extend(sources.into_iter().rev().map(Request::Picture));
         self.requests.changed.notify_one();
     }
 
-    /// Asks for thumbnails at leisure: the first of these first, behind those of all other requests.
+    /// Asks for thumbnails in this order, after all other requests.
     pub fn ask_for_pictures_later(&mut self, sources: Vec<SceneSource>) {
         let mut waiting = self.requests.lock();
         sources.into_iter().map(Request::Picture).for_each(|request| waiting.asked.push_front(request));
@@ -173,7 +172,7 @@ impl Thumbnails {
         self.requests.changed.notify_one();
     }
 
-    /// Has thumbnails drawn and kept whenever nobody asks for anything. There is no answer.
+    /// Fills the cache with thumbnails while there are no other requests.
     pub fn draw_ahead(&mut self, sources: impl Iterator<Item = SceneSource>) {
         self.requests.lock().ahead.extend(sources);
         self.requests.changed.notify_one();
@@ -195,7 +194,7 @@ impl Drop for Thumbnails {
 /// The thread that answers requests.
 struct Worker {
     requests: Arc<Requests>,
-    /// Where thumbnails are kept; `None` if the system has no folder for caches.
+    /// The cache; `None` if the system has no folder for it.
     folder: Option<PathBuf>,
     answers: Sender<Looked>,
     wake: Box<dyn Fn() + Send>,
@@ -227,7 +226,7 @@ impl Worker {
         (self.wake)();
     }
 
-    /// Answers what needs no drawing, while another process draws.
+    /// Answers requests that need no drawing, while a process draws.
     fn answer_quick(&self) {
         loop {
             // The lock is free again before the answer.
@@ -237,7 +236,7 @@ impl Worker {
         }
     }
 
-    /// The thumbnail of a scene: the one that is shipped or kept, or a new one.
+    /// The thumbnail of a scene: shipped, cached or new.
     fn picture_of(&self, source: &SceneSource) -> About {
         let found = match jpeg_shipped_with(source) {
             Some(jpeg) => {
@@ -267,7 +266,7 @@ impl Worker {
         Ok(image)
     }
 
-    /// Draws and keeps a thumbnail unless it is kept already. Gives way to whoever asks for something.
+    /// Draws a thumbnail into the cache. Any other request interrupts it.
     fn draw_ahead(&self, source: SceneSource) {
         let Ok(Some(path)) = self.path_of(&source) else { return };
         if path.exists() {

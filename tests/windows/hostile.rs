@@ -82,8 +82,10 @@ fn a_gibibyte_of_address_space_killed_the_program_within_a_driver() {
 
 #[test]
 fn each_thread_kept_a_heap_of_its_own() {
-    /// glibc's heaps, but for the first one, begin at multiples of this.
+    /// glibc's heaps, but for the first one, begin at multiples of this, and have this size at most.
     const HEAP: u64 = 64 << 20;
+    /// The second heap goes over into another of that size when it is full. Before, there were fifteen.
+    const HEAPS_MAX: usize = 4;
     let desktop = Desktop::start();
     let song = desktop.folder().join("song.wav");
     write_wav(&song, 48_000, 2, (0..48_000 * 40).map(|_| 0.0));
@@ -101,7 +103,7 @@ fn each_thread_kept_a_heap_of_its_own() {
     };
     let heaps: Vec<&str> = maps.lines().filter(is_heap).collect();
     assert!(
-        threads > 8 && heaps.len() <= 1,
+        threads > 3 * HEAPS_MAX && heaps.len() <= HEAPS_MAX,
         "{threads} threads have {} heaps beside the first: {heaps:?}",
         heaps.len()
     );

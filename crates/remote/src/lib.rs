@@ -8,7 +8,7 @@
 //! ```
 //!
 //! **Nobody who lacks the token learns or does anything.** It is new at each start and stands in the address, which the
-//! window shows as a code of squares. It has 130 random bits: nobody can guess it, so wrong ones cost nobody a wait. A page
+//! window shows as a code of squares. It has 130 random bits, more than anyone can guess, so a wrong token needs no penalty. A page
 //! of another place that a browser shows is refused by its `Origin`, and one under another name for this computer by its
 //! `Host`.
 //!

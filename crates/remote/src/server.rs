@@ -73,9 +73,9 @@ pub(crate) struct Shared {
 }
 
 impl Remote {
-    /// Listens at `place` from now on, or as soon as the system gives the port. What phones wish for, by the table of
-    /// actions, goes among the wishes; they are told what stands on the board, and shown what is in the album. `wake` is
-    /// called when the state or the number of phones has changed, and when a picture is wanted.
+    /// Listens at `place` from now on, or as soon as the system gives the port. Phones send wishes from the table of
+    /// actions, and get the board and the pictures of the album. `wake` is called when the state or the number of phones
+    /// has changed, and when a phone asks for a picture.
     ///
     /// # Errors
     /// There is no thread, or no random number.

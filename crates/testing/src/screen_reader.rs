@@ -97,14 +97,14 @@ impl<'b> ScreenReader<'b> {
         found
     }
 
-    /// Whether a button is on.
+    /// Returns `true` if a button is on.
     pub fn is_on(&self, control: &Control) -> bool {
         /// Of AT-SPI's list of states, in the first of two words of bits.
         const PRESSED: u32 = 20;
         let reply = self.send(&control.program, &control.object, &[&format!("{ACCESSIBLE}.GetState")]);
         let reply = reply.unwrap_or_else(|error| panic!("{control:?}: {error}"));
         let words = reply.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok());
-        // Before them stands how wide they are.
+        // The reply begins with the width of the words, 32.
         let states: Vec<u32> = words.collect();
         states.iter().any(|word| word & (1 << PRESSED) != 0 && *word != 32)
     }

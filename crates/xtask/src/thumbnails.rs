@@ -1,5 +1,5 @@
-//! Draws `assets/thumbnails`: the thumbnails of the shipped scenes, which are part of the program. To be run after a scene
-//! or the renderer has changed; a test of the pictures tells when.
+//! Draws `assets/thumbnails`, which the program includes. Run it after a scene or the renderer has changed: the test
+//! `the_thumbnails_of_shipped_scenes_show_what_is_drawn_now` fails then.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ use mariana::scenes::{SceneSource, shipped_names};
 use mariana::thumbnails::{MOMENT, SIZE, jpeg_of};
 use mariana_music::Gain;
 
-/// Draws the scenes that are named, or all, and removes the thumbnails of scenes that are gone.
+/// Draws the named scenes, or all, and removes thumbnails without a scene.
 pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     let folder = Path::new(crate::ROOT).join("assets/thumbnails");
     fs::create_dir_all(&folder)?;
@@ -31,7 +31,7 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The thumbnail of a scene as a JPEG, drawn as the program draws thumbnails of other scenes.
+/// The thumbnail of a scene as a JPEG, by the same still that other scenes get.
 fn draw(name: &str, folder: &Path) -> anyhow::Result<Vec<u8>> {
     let path = folder.join(format!("{name}.png"));
     write_still(&StillRequest {

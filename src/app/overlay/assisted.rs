@@ -23,12 +23,12 @@ pub(super) fn text(context: &Context, name: &str, words: &str, news: bool) {
     });
 }
 
-/// Adds to a control what its name does not say.
+/// Describes a control beyond its name.
 pub(super) fn describe(context: &Context, control: Id, words: &str) {
     let _ = context.accesskit_node_builder(control, |node| node.set_description(words));
 }
 
-/// Draws a ring around the control that has the keys.
+/// Draws a ring around the focused control.
 pub(super) fn ring(context: &Context, painter: &Painter) {
     let focused = context.memory(|memory| memory.focused()).and_then(|id| context.read_response(id));
     if let Some(control) = focused {
@@ -37,7 +37,7 @@ pub(super) fn ring(context: &Context, painter: &Painter) {
     }
 }
 
-/// The steps by which arrows move the control that has the keys, to the right less to the left.
+/// Steps by arrow keys while `response` has the focus; positive to the right.
 fn steps_by_keys(ui: &Ui, response: &Response) -> f64 {
     if !response.has_focus() {
         return 0.0;

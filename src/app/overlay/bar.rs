@@ -76,7 +76,7 @@ pub struct Bar<'a> {
     pub help: bool,
     /// Whether the sliders are shown.
     pub sliders: bool,
-    /// Whether the window is in full screen.
+    /// `true` in full screen.
     pub fullscreen: bool,
     /// A show is on.
     pub follows: bool,
@@ -322,14 +322,14 @@ fn panel_button(
     key_button(ui, icon, Action::TogglePanel(panel), Lamp::Seen(bar.open == Some(panel)), requests)
 }
 
-/// Whether a button shows that what it switches is on.
+/// How a button shows its state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lamp {
-    /// It is no switch.
+    /// Not at all: the button is no switch.
     None,
     /// By its colour, and to screen readers.
     Seen(bool),
-    /// To screen readers. Others see it by the sign.
+    /// By its sign, and to screen readers.
     Hidden(bool),
 }
 
@@ -352,7 +352,7 @@ pub(super) fn button(ui: &mut Ui, icon: Icon, words: &str, lamp: Lamp) -> Respon
     response.on_hover_text(words)
 }
 
-/// The button that goes through the ways to repeat tracks. Its name says which one holds.
+/// The button for repeating all tracks, one or none. Its description names the present choice.
 fn repeat_button(ui: &mut Ui, now: &NowPlaying, requests: &mut Vec<Request>) {
     let (icon, holds) = match now.repeat {
         Repeat::Off => (Icon::Repeat, "none is repeated"),

@@ -6,8 +6,7 @@
 //!
 //! **The overlay asks.** The show draws when its picture changes. `Overlay::due` says when the overlay changes, so a
 //! fading notice moves in a paused show, and a panel that does not change costs nothing. Keys belong to
-//! the show, whatever was clicked last, until Shift+Tab, or Tab with a screen reader, gives them to the controls; Escape
-//! gives them back. A click that begins on a panel belongs to the overlay.
+//! the show until Shift+Tab, or Tab with a screen reader, moves the focus to the controls. Escape returns it. A click that begins on a panel belongs to the overlay.
 
 mod assisted;
 mod bar;
@@ -142,7 +141,7 @@ impl Overlay {
         ) {
             let _ = self.input.on_window_event(window, event);
             if !self.shown.as_ref().is_some_and(|shown| shown.interactive) {
-                // Nothing will ask for others.
+                // Pointer events have no target.
                 let is_request =
                     |event: &Event| matches!(event, Event::AccessKitActionRequest(_) | Event::Key { .. });
                 self.input.egui_input_mut().events.retain(is_request);
@@ -151,12 +150,12 @@ impl Overlay {
         consumed
     }
 
-    /// Whether a control has the keys.
+    /// Returns `true` while a control has the keyboard focus.
     pub fn has_key_focus(&self) -> bool {
         self.panels.context().memory(|memory| memory.focused().is_some())
     }
 
-    /// Gives the keys back to the show.
+    /// Returns the keyboard focus to the show.
     pub fn drop_key_focus(&self) {
         self.panels.context().memory_mut(|memory| {
             if let Some(id) = memory.focused() {
@@ -165,8 +164,8 @@ impl Overlay {
         });
     }
 
-    /// Takes a key by which one goes through the controls: Tab, and what the control does with others that has the keys.
-    /// Returns whether it is one.
+    /// Passes a key to the controls: Tab moves the focus, Enter, Space and arrows act on the focused control. Returns
+    /// `false` for other keys.
     pub(in crate::app) fn take_key(&mut self, key: &Key, shift: bool) -> bool {
         let Some(key) = key_of_controls(key) else { return false };
         if self.has_key_focus() {
@@ -365,7 +364,7 @@ impl Drop for Overlay {
     }
 }
 
-/// The keys by which one goes through the controls, as egui calls them.
+/// Translates the keys of [`Overlay::take_key`].
 fn key_of_controls(key: &Key) -> Option<egui::Key> {
     let Key::Named(named) = key else { return None };
     match named {

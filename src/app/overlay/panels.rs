@@ -34,9 +34,9 @@ pub(super) struct Panels {
     context: Context,
     fallback: Fallback,
     kept: Kept,
-    /// Whether the first control is to have the keys.
+    /// A pending request to focus the first control.
     wants_focus: bool,
-    /// Whether controls were laid out last time: egui learns their sizes then, and gives no keys to them before.
+    /// `true` if the last layout had controls. egui focuses no control in its first layout.
     had_controls: bool,
 }
 
@@ -91,17 +91,17 @@ impl Panels {
         &self.context
     }
 
-    /// Gives the keys to the first control, as soon as there is one.
+    /// Focuses the first control as soon as one is laid out.
     pub(super) fn ask_for_focus(&mut self) {
         self.wants_focus = true;
     }
 
-    /// Whether the first control is still to get the keys.
+    /// Returns `true` while a request of [`Self::ask_for_focus`] is pending.
     pub(super) fn wants_focus(&self) -> bool {
         self.wants_focus
     }
 
-    /// Forgets that: there are no controls.
+    /// Cancels the request: there are no controls.
     pub(super) fn forget_focus(&mut self) {
         self.wants_focus = false;
         self.had_controls = false;
@@ -134,7 +134,7 @@ impl Panels {
     }
 }
 
-/// A key that is pressed and let go.
+/// The events of a key press.
 pub(super) fn pressed(key: Key, modifiers: Modifiers) -> [Event; 2] {
     let event = |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
     [true, false].map(event)

@@ -134,7 +134,7 @@ fn draw_row(
     let width = ui.available_width();
     let start = start_of_values(width);
     let height = ROW * lines_of(ui, row, width) as f32;
-    // Other rows are no control: their values are.
+    // In other rows only the values are controls.
     let sense = match row.values {
         Values::OneOfRows { .. } => Sense::click(),
         Values::Names { .. } | Values::Milliseconds(_) | Values::Percent(_) => Sense::hover(),
@@ -276,7 +276,7 @@ struct Scale {
     words: fn(f64) -> String,
     rounded: fn(f64) -> f64,
     unit: &'static str,
-    /// By which keys and screen readers move it.
+    /// Step of keys and screen readers.
     step: f64,
 }
 

@@ -52,7 +52,7 @@ pub(super) struct Seen {
     pub(super) awake: bool,
     /// Whether screen readers are told what there is.
     pub(super) assisted: bool,
-    /// Whether the window is in full screen.
+    /// `true` in full screen.
     pub(super) fullscreen: bool,
     /// The list of tracks, if it shows.
     pub(super) tracks: Option<Arc<ListedTracks>>,

@@ -12,7 +12,7 @@ use crate::limits::LIMITS;
 use crate::scenes::{SceneSource, is_scene_file};
 use crate::thumbnails::Thumbnails;
 
-/// When thumbnails are drawn ahead of a folder that is known since `now`.
+/// The time to draw thumbnails of a folder that is known since `now`.
 pub(super) fn thumbnails_ahead_at(now: Instant) -> Instant {
     now + Duration::from_secs_f64(LIMITS.thumbnails_ahead_after)
 }
@@ -24,7 +24,7 @@ impl Stage {
             return;
         }
         self.desk.panels.toggle(panel);
-        // A panel has keys of its own.
+        // Keys act on the panel.
         self.overlay.drop_key_focus();
         self.write_text(self.desk.panels.open() == Some(Panel::Editor));
         if self.desk.panels.open() == Some(Panel::Sources) {
@@ -103,7 +103,7 @@ impl Stage {
         let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
         if let Some(scene) = scenes.into_iter().next_back() {
             self.scene.show_source(SceneSource::File(scene));
-            // It may lie in another folder.
+            // The file may be from another folder.
             self.thumbnails_ahead = Some(thumbnails_ahead_at(Instant::now()));
         }
         if !music.is_empty() {
@@ -139,7 +139,7 @@ impl Stage {
         }
     }
 
-    /// Has the thumbnails of the folder's own scenes drawn, so that the list of scenes opens with them.
+    /// Requests thumbnails of the folder's scenes before the list of scenes is opened.
     fn draw_thumbnails_ahead(&mut self) {
         if self.thumbnails_ahead.take_if(|due| Instant::now() >= *due).is_none() {
             return;

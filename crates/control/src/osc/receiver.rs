@@ -44,8 +44,8 @@ pub struct OscReceiver {
 }
 
 impl OscReceiver {
-    /// Hears at `place` from now on, or as soon as the system gives the port. What is understood, by the table of actions,
-    /// goes among the wishes; questions are answered from the board. `wake` is called when the state has changed.
+    /// Hears at `place` from now on, or as soon as the system gives the port. Messages in the table of actions become
+    /// wishes; the board answers questions. `wake` is called when the state has changed.
     ///
     /// # Errors
     /// There is no thread.
