@@ -46,6 +46,9 @@ struct Extremes {
     down: TableExtremes,
 }
 
+/// The extremes of a table, and the first and last column and row of a rectangle of patches.
+type Touched<'a> = (&'a Extremes, (usize, usize), (usize, usize));
+
 impl PartialEq for TableData {
     fn eq(&self, other: &Self) -> bool {
         (self.columns, self.rows, self.scroll, self.unknown)
@@ -284,7 +287,7 @@ impl TableData {
 
     /// The extremes, and the first and last column and row of the patches that can be read. None for a table without
     /// entries.
-    fn touched(&self, u: Interval, v: Interval) -> Option<(&Extremes, (usize, usize), (usize, usize))> {
+    fn touched(&self, u: Interval, v: Interval) -> Option<Touched<'_>> {
         let derived = self.derived.as_ref()?;
         let touched = |coordinate: Interval, count: usize, place: &dyn Fn(f32) -> (usize, f32)| {
             if coordinate.is_any() {
