@@ -13,24 +13,23 @@ pub fn are_read_by(world: &World) -> bool {
     Op::CURVES.iter().any(|table| used.tables.contains(table))
 }
 
-/// The texels, one float each. A table of another shape than the shaders expect is replaced by silence.
-pub fn texels(inputs: &FrameInputs) -> Vec<f32> {
-    let mut values = Vec::new();
-    append(&mut values, &inputs.spectrum, SPECTRUM_POINTS);
-    append(&mut values, &inputs.waveform, WAVEFORM_POINTS);
-    let history = inputs.history.values();
-    values.extend(history.chunks_exact(HISTORY_POINTS).flatten());
-    // Shaders read the row after the last one, though without weight, and two where there is none.
-    values.extend([0.0; 2 * HISTORY_POINTS]);
-    values
+/// The texels: the Bézier points of each piece. A table of another shape than the shaders expect is replaced by silence.
+pub fn texels(inputs: &FrameInputs) -> Vec<[f32; 4]> {
+    const HISTORY_PIECES: usize = HISTORY_POINTS - 1;
+    let mut texels = Vec::new();
+    append(&mut texels, &inputs.spectrum, SPECTRUM_POINTS - 1);
+    append(&mut texels, &inputs.waveform, WAVEFORM_POINTS - 1);
+    texels.extend(inputs.history.rows_of_pieces().filter(|row| row.len() == HISTORY_PIECES).flatten());
+    // Shaders read four rows, even where there are none.
+    texels.resize(texels.len().max(SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + 4 * HISTORY_PIECES), [0.0; 4]);
+    texels
 }
 
-fn append(values: &mut Vec<f32>, table: &TableData, points: usize) {
-    let end = values.len() + points;
-    if table.values().len() == points {
-        values.extend(table.values());
-    }
-    values.resize(end, 0.0);
+/// Appends a table's first row, if it has so many pieces, or zeros.
+fn append(texels: &mut Vec<[f32; 4]>, table: &TableData, pieces: usize) {
+    let end = texels.len() + pieces;
+    texels.extend(table.rows_of_pieces().next().filter(|row| row.len() == pieces).into_iter().flatten());
+    texels.resize(end, [0.0; 4]);
 }
 
 #[cfg(test)]
@@ -45,14 +44,15 @@ mod tests {
             history: TableData::scrolling(vec![0.5; 3 * HISTORY_POINTS], HISTORY_POINTS, 0.5, 1.0),
             ..FrameInputs::default()
         };
-        let values = texels(&inputs);
-        let (spectrum, rest) = values.split_at(SPECTRUM_POINTS);
-        let (waveform, history) = rest.split_at(WAVEFORM_POINTS);
-        assert!(spectrum.iter().all(|value| *value == 0.25));
-        assert!(waveform.iter().all(|value| *value == 0.0), "a table of three points is none");
-        let (rows, behind) = history.split_at(3 * HISTORY_POINTS);
-        assert!(rows.iter().all(|value| *value == 0.5) && behind.iter().all(|value| *value == 0.0));
-        assert_eq!(behind.len(), 2 * HISTORY_POINTS);
+        let texels = texels(&inputs);
+        let (spectrum, rest) = texels.split_at(SPECTRUM_POINTS - 1);
+        let (waveform, history) = rest.split_at(WAVEFORM_POINTS - 1);
+        assert!(spectrum.iter().all(|points| *points == [0.25; 4]));
+        assert!(waveform.iter().all(|points| *points == [0.0; 4]), "a table of three points is none");
+        assert_eq!(history.len(), 6 * (HISTORY_POINTS - 1), "one row before, two behind");
+        assert!(history.iter().all(|points| *points == [0.5; 4]));
+        let silence = super::texels(&FrameInputs::default());
+        assert_eq!(silence.len(), SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + 4 * (HISTORY_POINTS - 1));
     }
 
     #[test]

@@ -389,11 +389,11 @@ impl SceneBuffers {
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no object left.
-    pub(super) fn new(gl: &Gl, sound: &[f32]) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, sound: &[[f32; 4]]) -> Result<Self, GpuError> {
         Ok(Self {
             tape: TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?,
             regions: TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?,
-            sound_tables: TextureBuffer::new(gl, BufferTexel::R32F, &floats_as_bytes(sound))?,
+            sound_tables: TextureBuffer::new(gl, BufferTexel::Rgba32F, &floats_as_bytes(sound))?,
         })
     }
 
@@ -443,6 +443,6 @@ fn bytes_of(texels: &[[u32; 4]]) -> Vec<u8> {
 }
 
 /// Floats as the bytes of a texture buffer.
-fn floats_as_bytes(texels: &[f32]) -> Vec<u8> {
-    texels.iter().flat_map(|value| value.to_ne_bytes()).collect()
+fn floats_as_bytes(texels: &[[f32; 4]]) -> Vec<u8> {
+    texels.as_flattened().iter().flat_map(|value| value.to_ne_bytes()).collect()
 }

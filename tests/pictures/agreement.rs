@@ -147,6 +147,10 @@ const ROWS: &[Row] = &[
     Row { op: Op::Sinh, relative: 3e-6, absolute: 1e-7, trusted: any },
     Row { op: Op::Cosh, relative: 3e-6, absolute: 0.0, trusted: any },
     Row { op: Op::Tanh, relative: 3e-6, absolute: 1e-7, trusted: number },
+    // Weights of a cubic, here summed in another order.
+    Row { op: Op::Spectrum, relative: 0.0, absolute: 1e-6, trusted: any },
+    Row { op: Op::Waveform, relative: 0.0, absolute: 1e-6, trusted: any },
+    Row { op: Op::History, relative: 0.0, absolute: 1e-6, trusted: any },
     Row { op: Op::Div, relative: 3e-7, absolute: 0.0, trusted: any },
     // A quotient below the normal numbers is 0 in a driver, which floor tells from a negative number.
     Row { op: Op::Mod, relative: 3e-7, absolute: 0.0, trusted: quotient },

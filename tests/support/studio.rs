@@ -157,7 +157,7 @@ pub(crate) fn loud_sound() -> Sound {
         spectrum: Some(points(SPECTRUM_POINTS, &|u| height(u, 0.4))),
         waveform: Some(points(WAVEFORM_POINTS, &|u| 0.7 * (19.0 * u).sin() - 0.2 * (83.0 * u).cos())),
         history: Some(rows.collect()),
-        history_offset: 0.4,
+        history_offset: 1.4,
         history_span: 234.375,
     };
     Sound { features: loud_music(), tables, ..Sound::default() }

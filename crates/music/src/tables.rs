@@ -35,7 +35,7 @@ pub struct Tables {
     /// Rows of [`HISTORY_POINTS`] heights, the newest first. The rows stand at fixed moments of the stream, so that
     /// pictures scroll without flicker.
     pub history: Option<Arc<[f32]>>,
-    /// How far the moment lies behind the first row, in rows, 0..1.
+    /// How far the moment lies behind the first row, in rows, 1..2: a cubic needs two rows ahead.
     pub history_offset: f32,
     /// Rows in [`HISTORY_SECONDS`]: age a, 0..1, is at row `history_offset` + a · `history_span`.
     pub history_span: f32,

@@ -18,8 +18,13 @@ const DEFAULT_SECONDS: f64 = 20.0;
 /// No analyzer's hop is shorter, in seconds.
 const SHORTEST_HOP: f64 = 0.0075;
 
-/// Most rows of a history: two more than it spans, because a moment lies between two rows.
-const HISTORY_ROWS: usize = (HISTORY_SECONDS / (MOMENTS_PER_ROW as f64 * SHORTEST_HOP)) as usize + 3;
+/// Rows of a history besides those it spans: a cubic through its ends reads two rows beyond each, and a moment lies
+/// between two rows.
+const ROWS_BESIDES: usize = 4;
+
+/// Most rows of a history.
+const HISTORY_ROWS: usize =
+    (HISTORY_SECONDS / (MOMENTS_PER_ROW as f64 * SHORTEST_HOP)) as usize + 1 + ROWS_BESIDES;
 
 /// A row of the history: the number of its moment divided by [`MOMENTS_PER_ROW`], and its heights.
 type Row = (u64, [f32; HISTORY_POINTS]);
@@ -147,25 +152,22 @@ impl FeatureTrack {
     /// The rows around a place the share `amount` of a hop after `moment`, the place within them, and how many rows
     /// it spans.
     fn history(&self, moment: &TimedFeatures, amount: f32) -> (Arc<[f32]>, f32, f32) {
-        let next = moment.number / MOMENTS_PER_ROW + 1;
-        let offset = 1.0 - ((moment.number % MOMENTS_PER_ROW) as f32 + amount) / MOMENTS_PER_ROW as f32;
+        let newest = moment.number / MOMENTS_PER_ROW + 2;
+        let offset = 2.0 - ((moment.number % MOMENTS_PER_ROW) as f32 + amount) / MOMENTS_PER_ROW as f32;
         // The first moment's time is 0 and does not reveal the hop.
         let hop = moment.time / moment.number as f64;
         let hop = if hop.is_finite() { hop.max(SHORTEST_HOP) } else { SHORTEST_HOP };
         let span = HISTORY_SECONDS / (hop * MOMENTS_PER_ROW as f64);
-        let mut values = vec![0.0; (span.ceil() as usize + 2).min(HISTORY_ROWS) * HISTORY_POINTS];
+        let mut values = vec![0.0; (span.ceil() as usize + ROWS_BESIDES).min(HISTORY_ROWS) * HISTORY_POINTS];
         let (lines, _) = values.as_chunks_mut::<HISTORY_POINTS>();
-        let after = self.rows.partition_point(|(row, _)| *row < next);
-        for (row, heights) in self.rows.range(..after).rev() {
-            let Some(line) = lines.get_mut((next - row) as usize) else { break };
-            *line = *heights;
+        // The next two rows are the newest heights until they are known.
+        if let Some(ahead) = lines.get_mut(..2) {
+            ahead.fill(column_means(&self.moments.back().unwrap_or(moment).spectrum));
         }
-        if let Some(line) = lines.first_mut() {
-            // The next row, or the newest heights while it is not known yet.
-            *line = match self.rows.get(after).filter(|(row, _)| *row == next) {
-                Some((_, heights)) => *heights,
-                None => column_means(&self.moments.back().unwrap_or(moment).spectrum),
-            };
+        let after = self.rows.partition_point(|(row, _)| *row <= newest);
+        for (row, heights) in self.rows.range(..after).rev() {
+            let Some(line) = lines.get_mut((newest - row) as usize) else { break };
+            *line = *heights;
         }
         (values.into(), offset, span as f32)
     }

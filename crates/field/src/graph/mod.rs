@@ -24,13 +24,14 @@ mod rules;
 mod simplify;
 mod slope_rules;
 mod sound_input;
+mod table;
 mod table_extremes;
 
 pub use build::PRODUCT_EXPONENT_MAX;
 pub(crate) use compound::{Arg, Found, Operation, Uses, Values};
 pub use compound::{Compound, Compounds, FIRST_COMPOUND};
 pub use evaluate::Point;
-pub use frame_inputs::{FrameInputs, TableData, TextureReader};
+pub use frame_inputs::{FrameInputs, TextureReader};
 pub use gradient_interval::{GradientInterval, Pieces};
 pub use interval::{Choice, Interval, LIBRARY_ERROR};
 pub use node::{BAND_COUNT, Input, Node, NodeId};
@@ -40,6 +41,7 @@ pub use op::{
 };
 pub use order::{InputsUsed, Order};
 pub use sound_input::{SoundInput, SoundInputs};
+pub use table::TableData;
 
 #[cfg(test)]
 pub(crate) mod random;

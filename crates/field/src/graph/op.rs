@@ -331,13 +331,13 @@ operators! {
         slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "table_band($a)";
-    /// The spectrum at a in 0..1, low to high, clamped; linear between entries.
+    /// The spectrum at a in 0..1, low to high, clamped; a cubic B-spline of the entries ([`TableData`](super::TableData)).
     Spectrum = 41 "SPECTRUM" READS_FRAME.and(DEAR),
         value |a, _, frame| frame.spectrum.at(a, 0.0), bounds |a, _, frame| frame.spectrum.bounds(a, Interval::point(0.0)),
         slopes |a, _, _, frame| frame.spectrum.slopes(a, 0.0),
         slope_bounds |a, _, _, frame| frame.spectrum.slope_bounds(a, Interval::point(0.0)),
         glsl "table_spectrum($a)";
-    /// The waveform at a in 0..1, old to new, clamped; linear between entries.
+    /// The waveform at a in 0..1, old to new, clamped; a cubic B-spline of the entries.
     Waveform = 42 "WAVEFORM" READS_FRAME.and(DEAR),
         value |a, _, frame| frame.waveform.at(a, 0.0), bounds |a, _, frame| frame.waveform.bounds(a, Interval::point(0.0)),
         slopes |a, _, _, frame| frame.waveform.slopes(a, 0.0),
@@ -430,8 +430,8 @@ operators! {
         value |a, b, _| cell_hash(a, b), bounds |a, b, _| rules::hash(a, b), slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "cell_hash($a, $b)";
-    /// The history of the spectrum at a in 0..1 (low to high) and the age b in 0..1 (now to oldest), clamped,
-    /// bilinear.
+    /// The history of the spectrum at a in 0..1 (low to high) and the age b in 0..1 (now to oldest), clamped; a
+    /// bicubic B-spline.
     History = 79 "HISTORY" READS_FRAME.and(DEAR),
         value |a, b, frame| frame.history.at(a, b), bounds |a, b, frame| frame.history.bounds(a, b),
         slopes |a, b, _, frame| frame.history.slopes(a, b),

@@ -1,41 +1,10 @@
-//! The least and the greatest entry of any rectangle of a table, or slope between its entries, without looking at each.
+//! The least and the greatest number in any rectangle of a table, without looking at each.
 //!
 //! Bounds of a whole tree of cells ask for rectangles of thousands of entries, thousands of times for each frame. A
 //! segment tree over the columns, whose nodes are segment trees over the rows, answers from at most four times
 //! log2(rows) times log2(columns) nodes, exactly.
 
-use std::sync::{Arc, OnceLock};
-
 use super::interval::Interval;
-
-/// The extremes of a table and of its slopes, found when they are asked for first. Tables with equal entries are equal,
-/// whether they are known or not.
-#[derive(Debug, Clone, Default)]
-pub(super) struct SharedExtremes(Arc<Extremes>);
-
-#[derive(Debug, Default)]
-struct Extremes {
-    entries: OnceLock<TableExtremes>,
-    slopes: OnceLock<[TableExtremes; 2]>,
-}
-
-impl SharedExtremes {
-    /// Those of this table.
-    pub(super) fn of(&self, values: &[f32], columns: usize) -> &TableExtremes {
-        self.0.entries.get_or_init(|| TableExtremes::of(values.iter().map(|value| (*value, *value)), columns))
-    }
-
-    /// Those of its slopes, which `find` gives.
-    pub(super) fn of_slopes(&self, find: impl FnOnce() -> [TableExtremes; 2]) -> &[TableExtremes; 2] {
-        self.0.slopes.get_or_init(find)
-    }
-}
-
-impl PartialEq for SharedExtremes {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
 
 /// Segment trees over a table's rows and columns.
 #[derive(Debug, Default)]

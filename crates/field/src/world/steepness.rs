@@ -38,6 +38,9 @@ const WORTH: f32 = 1.2;
 const AROUND: [f32; 4] = [30.0, 10.0, 3.0, 1.0];
 /// Frames that are sampled: silence at the start, then random ones.
 const FRAMES: usize = 4;
+/// Entries and rows of random tables. Neighbours in music differ less than these, so real tables have more.
+const COLUMNS: usize = 106;
+const ROWS: usize = 6;
 /// Most points with which a frame begins.
 const POINTS_MAX: usize = 1024;
 const POINTS_MIN: usize = 8;
@@ -234,11 +237,11 @@ pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
             sound: SoundInputs::each(|input| tried(input, random(1 + input as usize))),
             bands: std::array::from_fn(|band| random(128 + band)),
             params: turned.map(|(i, param)| param.min + (param.max - param.min) * random(64 + i)).collect(),
-            spectrum: TableData::row(row(1_000, 64)),
+            spectrum: TableData::row(row(1_000, COLUMNS)),
             waveform: TableData::row(
-                row(2_000, 64).iter().map(|value| 2.0 * value - 1.0).collect::<Vec<f32>>(),
+                row(2_000, COLUMNS).iter().map(|value| 2.0 * value - 1.0).collect::<Vec<f32>>(),
             ),
-            history: TableData::rows(row(3_000, 256), 64),
+            history: TableData::rows(row(3_000, ROWS * COLUMNS), COLUMNS),
             ..FrameInputs::default()
         }
     })

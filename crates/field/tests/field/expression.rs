@@ -105,21 +105,31 @@ const vec4 frame_bands[8] = vec4[8](vec4(-0.5), vec4(-0.4375), vec4(-0.375), vec
     vec4(-0.1875), vec4(-0.125), vec4(-0.0625));
 float unit(float v) { return v > 0.0 ? min(v, 1.0) : 0.0; }
 float table_band(float i) { return floor(i > 0.0 ? min(i, 31.0) : 0.0) * 0.0625 - 0.5; }
-float between(float u, float count, float a, float b, float c, float d, float e) {
-    float along = unit(u) * (count - 1.0);
-    float first = min(floor(along), count - 1.0);
-    float x = along - first;
-    float low = first == 0.0 ? a : first == 1.0 ? b : first == 2.0 ? c : first == 3.0 ? d : e;
-    float high = first == 0.0 ? b : first == 1.0 ? c : first == 2.0 ? d : e;
-    return low * (1.0 - x) + high * x;
+float entry(int table, int row, int at, int count) {
+    const float entries[15] = float[15](0.5, 0.25, 0.75, 1.0, 0.125, -0.5, 0.25, -0.75, 1.0, 0.5, 0.25, 0.75, 1.0, 0.0, 0.375);
+    at = at < 0 ? -at : at >= count ? 2 * (count - 1) - at : at;
+    return entries[table + row * count + at];
 }
-float table_spectrum(float u) { return between(u, 5.0, 0.5, 0.25, 0.75, 1.0, 0.125); }
-float table_waveform(float u) { return between(u, 4.0, -0.5, 0.25, -0.75, 1.0, 1.0); }
+float cubic(float d) {
+    d = abs(d);
+    float far = max(2.0 - d, 0.0);
+    return d < 1.0 ? 2.0 / 3.0 - d * d * (1.0 - 0.5 * d) : far * far * far / 6.0;
+}
+float along_row(int table, int row, int count, float u) {
+    float along = unit(u) * float(count - 1);
+    int first = min(int(along), count - 2);
+    float sum = 0.0;
+    for (int k = -1; k < 3; k++)
+        sum += cubic(along - float(first + k)) * entry(table, row, first + k, count);
+    return sum;
+}
+float table_spectrum(float u) { return along_row(0, 0, 5, u); }
+float table_waveform(float u) { return along_row(5, 0, 4, u); }
 float table_history(float u, float v) {
-    float now = between(u, 3.0, 0.5, 0.25, 0.75, 0.75, 0.75);
-    float oldest = between(u, 3.0, 1.0, 0.0, 0.375, 0.375, 0.375);
     float y = unit(v);
-    return now * (1.0 - y) + oldest * y;
+    float now = along_row(9, 0, 3, u);
+    float oldest = along_row(9, 1, 3, u);
+    return now * (cubic(y) + cubic(2.0 - y)) + oldest * (cubic(1.0 - y) + cubic(1.0 + y));
 }
 ";
 

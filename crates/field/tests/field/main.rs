@@ -2,4 +2,5 @@
 
 #[allow(dead_code, reason = "others take more of it")]
 mod expression;
+mod melts;
 mod steep_tracing;

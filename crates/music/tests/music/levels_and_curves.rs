@@ -113,14 +113,17 @@ fn the_spectrum_stands_where_the_tone_is_and_its_history_where_it_was() {
     let on_row = track.sound_at(moment(560.0)).tables;
     let (groups, _) = on_row.spectrum.as_deref().expect("a spectrum").as_chunks::<4>();
     let columns: Vec<f32> = groups.iter().map(|group| group.iter().sum::<f32>() / 4.0).collect();
-    assert_eq!(on_row.history_offset, 1.0);
-    assert_eq!(on_row.history.expect("a history")[HISTORY_POINTS..2 * HISTORY_POINTS], columns);
+    assert_eq!(on_row.history_offset, 2.0);
+    assert_eq!(on_row.history.expect("a history")[2 * HISTORY_POINTS..3 * HISTORY_POINTS], columns);
     let later = track.sound_at(moment(561.0)).tables.history_offset;
-    assert!((later - 0.75).abs() < 1e-3, "{later}");
+    assert!((later - 1.75).abs() < 1e-3, "{later}");
     // Rows stay what they are and move on: no flicker.
     let later = track.sound_at(6.8 + 4.0 * 512.0 / 48_000.0).tables;
     let later = later.history.expect("a history");
-    assert_eq!(later[2 * HISTORY_POINTS..4 * HISTORY_POINTS], history[HISTORY_POINTS..3 * HISTORY_POINTS]);
+    assert_eq!(
+        later[3 * HISTORY_POINTS..5 * HISTORY_POINTS],
+        history[2 * HISTORY_POINTS..4 * HISTORY_POINTS]
+    );
 }
 
 #[test]

@@ -1,91 +1,183 @@
-//! The mixture of two fields, made such that rays get through it.
+//! A union of two scenes that give way to each other.
 //!
-//! **Why no solid is deep.** `(1-s)*a + s*b` never changes faster than a distance. But deep in a solid of one side and far
-//! from those of the other, one value falls as the other rises: the mixture hardly changes, rays creep, and its surfaces
-//! are cones without end. So values inside of solids fall no lower than -[`DEEPEST`]. What goes on without end, the rock
-//! around a tunnel or all that is behind a wall, is hollow from the depth [`HOLLOW`] on: else it would lie over the other
-//! scene as a slab up to the horizon.
+//! **Union.** A mixture (1-s)*a + s*b soon loses small objects: a heart in a tunnel vanishes when s times the distance to
+//! the walls exceeds the depth of the heart. A melt therefore draws the union of both scenes, and every solid shrinks. The
+//! distance a becomes a + q*f(b): f(b) rises from 0 at the other scene's surfaces to 1 far from them, and q grows without
+//! bound while the scene's share falls to 0 ([`yielding`]). The old scene shrinks onto the surfaces of the new one, and the
+//! new one grows out of the old. q is proportional to the depth of the scene's solids ([`super::depth`]): at a share of
+//! 0.2 they have lost half of it.
 //!
-//! **Why steps are long.** Where nothing is lower than -[`DEEPEST`], the mixture has its surfaces where `a` is at most
-//! `DEEPEST * s/(1-s)`, and likewise `b`. So `a` less that much is a distance that no surface is nearer than, and it is
-//! larger than the mixture far from `a`. The largest of all three has the mixture's surfaces and its slope of at most 1.
+//! **Hollow solids.** Endless solids, such as the rock around a tunnel, are hollow below the depth [`HOLLOW`], so that they
+//! vanish in time.
+//!
+//! **Slopes.** f has a slope of at most 1 / [`REACH`], so (a + q*f(b)) / (1 + q/[`REACH`]) has a slope of at most 1. Its
+//! maximum with a has the same surfaces, and longer steps far from them. Solids are at most half of [`HOLLOW`] deep, so
+//! beyond some distance x from b, where q*f(b) exceeds that depth, the scene is empty. The maximum with b - x makes rays
+//! as fast as in the new scene alone once the old one has vanished.
+//!
+//! **Materials.** A point has the material of the nearer surface; where surfaces meet, materials mix over [`SEAM`]. Near the
+//! ends a scene is a thin film on the other one, so materials fade during the first and last [`BEGIN`] of the share.
 
-use super::Steps;
 use super::side::Side;
-use crate::graph::{Graph, NodeId};
+use super::{Steps, depth};
+use crate::graph::{Graph, NodeId, Op};
 use crate::world::PLANES_MAX;
 
-/// No value is lower inside of a solid.
-pub(super) const DEEPEST: f32 = 0.5;
+/// Thickness of the shell of a hollow solid.
+pub(super) const HOLLOW: f32 = 3.0;
 
-/// So deep in a solid values are 0 again, and rise.
-const HOLLOW: f32 = 3.0;
+/// Distance from the other scene's surfaces at which f is 1/2.
+const REACH: f32 = 4.0;
 
-/// A share next to 0, which may be divided by.
+/// Half the width of a seam between materials, as a difference of distances.
+const SEAM: f32 = 0.3;
+
+/// Share at which the new scene's materials are complete.
+const BEGIN: f32 = 0.2;
+
+/// Least divisor.
 const LEAST: f32 = 1e-6;
 
-/// The mixture of two sides: planes that are solved, and the rest.
-///
-/// A mixture of two minima is the least of all mixtures of their operands. So planes of both scenes stay planes, and
-/// what is left to be traced is far above them.
-pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> (Vec<NodeId>, Option<Steps>) {
-    let mixture = Mixture::of(graph, s);
+/// The surfaces of a melt.
+pub(super) struct Melt {
+    /// Planes that are solved.
+    pub(super) planes: Vec<NodeId>,
+    /// Everything else.
+    pub(super) rest: Option<Steps>,
+    /// Weight of the second side's material.
+    pub(super) owner: NodeId,
+    /// Least haze of the material: planes of one side alone fade into the sky.
+    pub(super) haze: NodeId,
+}
+
+/// The melt of two sides. If both have planes, each pair becomes a plane between them. The planes of one side alone recede
+/// and fade into the sky.
+pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
+    let [zero, one] = [0.0, 1.0].map(|number| graph.constant(number));
+    let remaining = graph.sub(one, s);
+    let lost_a = lost(graph, depth::of(graph, a), [s, remaining]);
+    let lost_b = lost(graph, depth::of(graph, b), [remaining, s]);
     let pairs = a.planes.len() * b.planes.len();
-    if pairs == 0 || pairs > PLANES_MAX {
-        let (Some(a), Some(b)) = (a.whole(graph), b.whole(graph)) else { return (Vec::new(), None) };
-        return (Vec::new(), Some(mixture.steps(graph, a, b)));
-    }
-    let mut planes = Vec::with_capacity(pairs);
-    for &a in &a.planes {
-        for &b in &b.planes {
-            planes.push(graph.mix(a, b, s));
+    let are_traced = pairs > PLANES_MAX;
+    let mut planes = Vec::new();
+    let (mut owner_of_planes, mut haze) = (s, zero);
+    if pairs == 0 {
+        let (alone, lost, share) = match b.planes.is_empty() {
+            true => (a, lost_a, s),
+            false => (b, lost_b, remaining),
+        };
+        planes.extend(alone.planes.iter().map(|plane| graph.add(*plane, lost)));
+        owner_of_planes = if b.planes.is_empty() { zero } else { one };
+        haze = graph.square(share);
+    } else if !are_traced {
+        for &a in &a.planes {
+            planes.extend(b.planes.iter().map(|b| graph.mix(a, *b, s)));
         }
     }
-    let (all_a, all_b) = (a.whole(graph), b.whole(graph));
-    let left = all_a.zip(b.rest).map(|(a, b)| mixture.steps(graph, a, b));
-    let right = a.rest.zip(all_b).map(|(a, b)| mixture.steps(graph, a, b));
+    let [all_a, all_b] = [a, b].map(|side| side.whole(graph));
+    let [own_a, own_b] = if are_traced { [all_a, all_b] } else { [a.rest, b.rest] };
+    let left = own_a.map(|own| yielding(graph, own, all_b, lost_a));
+    let right = own_b.map(|own| yielding(graph, own, all_a, lost_b));
     let rest = match (left, right) {
-        (Some(a), Some(b)) => Some([0, 1].map(|part| graph.min(a[part], b[part]))),
-        (a, b) => a.or(b),
+        (Some(a), Some(b)) => Some([0, 1].map(|part| graph.min(a.steps[part], b.steps[part]))),
+        (a, b) => a.or(b).map(|one| one.steps),
     };
-    (planes, rest)
+    let offset = [left, right].map(|side| side.map(|side| side.offset));
+    let [owner, haze] = owner(graph, (&planes, owner_of_planes, haze), offset, s);
+    Melt { planes, rest, owner, haze }
 }
 
-/// How values are mixed.
-struct Mixture {
-    share: NodeId,
-    /// How far from the surfaces of each side those of the mixture may be.
-    reaches: [NodeId; 2],
+/// What solids of this depth lose far from the other side; `shares` are the other side's and the own one.
+fn lost(graph: &mut Graph, depth: f32, [other_share, own_share]: [NodeId; 2]) -> NodeId {
+    // Half of the depth at an own share of 0.2.
+    let [least, eighth] = [LEAST, 0.125 * depth].map(|number| graph.constant(number));
+    let own_share = graph.max(own_share, least);
+    let ratio = graph.div(other_share, own_share);
+    graph.mul(ratio, eighth)
 }
 
-impl Mixture {
-    fn of(graph: &mut Graph, share: NodeId) -> Self {
-        let [one, least, deepest] = [1.0, LEAST, DEEPEST].map(|number| graph.constant(number));
-        let rest = graph.sub(one, share);
-        let reaches = [(share, rest), (rest, share)].map(|(other, own)| {
-            let own = graph.max(own, least);
-            let ratio = graph.div(other, own);
-            graph.mul(ratio, deepest)
-        });
-        Self { share, reaches }
-    }
-
-    fn steps(&self, graph: &mut Graph, a: Steps, b: Steps) -> Steps {
-        [0, 1].map(|part| {
-            let sides = [a[part], b[part]].map(|value| shallow(graph, value));
-            let mixed = graph.mix(sides[0], sides[1], self.share);
-            sides.into_iter().zip(self.reaches).fold(mixed, |most, (value, reach)| {
-                let beyond = graph.sub(value, reach);
-                graph.max(most, beyond)
-            })
-        })
-    }
+/// A side that gives way.
+#[derive(Clone, Copy)]
+struct Yielding {
+    steps: Steps,
+    /// The estimate before it was made a distance.
+    offset: NodeId,
 }
 
-/// The value with solids that are not deep, and hollow farther in.
-fn shallow(graph: &mut Graph, value: NodeId) -> NodeId {
-    let [deepest, hollow] = [-DEEPEST, -HOLLOW].map(|number| graph.constant(number));
+/// A side that gives way to the other one.
+fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -> Yielding {
+    let [zero, one, reach] = [0.0, 1.0, REACH].map(|number| graph.constant(number));
+    let last = farthest(graph, lost, reach);
+    let slope = graph.div(lost, reach);
+    let slope = graph.add(slope, one);
+    let parts = [0, 1].map(|part| {
+        let value = hollow(graph, own[part]);
+        // x / (x + reach), as a function whose bounds are its ends.
+        let Some(other) = other else {
+            let offset = graph.add(value, lost);
+            return [offset, offset];
+        };
+        let away = graph.max(other[part], zero);
+        let away = graph.add(away, reach);
+        let near = graph.div(reach, away);
+        let away = graph.sub(one, near);
+        let lost = graph.mul(lost, away);
+        let offset = graph.add(value, lost);
+        let distance = graph.div(offset, slope);
+        let beyond = graph.sub(other[part], last);
+        let distance = graph.max(distance, beyond);
+        [graph.max(value, distance), offset]
+    });
+    Yielding { steps: parts.map(|part| part[0]), offset: parts[1][1] }
+}
+
+/// How far from the other side there are solids, where `lost` is taken away far from it.
+fn farthest(graph: &mut Graph, lost: NodeId, reach: NodeId) -> NodeId {
+    let [one, least, deepest] = [1.0, LEAST, 0.5 * HOLLOW].map(|number| graph.constant(number));
+    let lost = graph.max(lost, least);
+    let kept = graph.div(deepest, lost);
+    let rest = graph.sub(one, kept);
+    let rest = graph.max(rest, least);
+    let kept = graph.mul(kept, reach);
+    graph.div(kept, rest)
+}
+
+/// The value with solids that are hollow far in.
+fn hollow(graph: &mut Graph, value: NodeId) -> NodeId {
+    let hollow = graph.constant(-HOLLOW);
     let farther_in = graph.sub(hollow, value);
-    let limited = graph.max(value, deepest);
-    graph.max(limited, farther_in)
+    graph.max(value, farther_in)
+}
+
+/// See [`Melt::owner`] and [`Melt::haze`]; both are given for the planes.
+fn owner(
+    graph: &mut Graph,
+    (planes, owner_of_planes, haze): (&[NodeId], NodeId, NodeId),
+    offset: [Option<NodeId>; 2],
+    s: NodeId,
+) -> [NodeId; 2] {
+    let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| graph.constant(number));
+    let away = offset.map(|offset| offset.unwrap_or_else(|| graph.constant(f32::MAX)));
+    let across = graph.sub(away[0], away[1]);
+    let seam = graph.constant(0.5 / SEAM);
+    let across = graph.mul(across, seam);
+    let across = graph.add(across, half);
+    let mut nearer = graph.clamp(across, zero, one);
+    let mut own_haze = zero;
+    if let Some(plane) = planes.iter().copied().reduce(|a, b| graph.min(a, b)) {
+        let plane = graph.abs(plane);
+        let solid = graph.min(away[0], away[1]);
+        let solid = graph.abs(solid);
+        let is_plane = graph.binary(Op::Less, plane, solid);
+        nearer = graph.select(is_plane, owner_of_planes, nearer);
+        own_haze = graph.select(is_plane, haze, zero);
+    }
+    // In proportion to the share where it begins and ends.
+    let begin = graph.constant(1.0 / BEGIN);
+    let come = graph.mul(s, begin);
+    let remaining = graph.sub(one, s);
+    let remaining = graph.mul(remaining, begin);
+    let gone = graph.sub(one, remaining);
+    let nearer = graph.max(nearer, gone);
+    [graph.min(nearer, come), own_haze]
 }

@@ -11,11 +11,12 @@
 //! **Order of parameters.** Those of the first scene, those of the second, the share: [`blended_params`].
 //!
 //! **What is mixed.** In both kinds light from nearby shines with its side's share, lights change in the middle half, and
-//! sky, reach, picture and camera are mixed. The tone map is a name and changes at the middle. A surface has the material of the first
-//! scene's nearest object and that of the second's, mixed in a melt, chosen by the side in a portal.
+//! sky, reach, picture and camera are mixed. The tone map is a name and changes at the middle. A surface has the material of its
+//! scene's nearest object: chosen by the nearer surface in a melt, by the side in a portal.
 
 mod alignment;
 mod camera;
+mod depth;
 mod melt;
 mod portal;
 mod side;
@@ -34,7 +35,7 @@ use side::Side;
 /// How one scene becomes another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BlendKind {
-    /// The fields are mixed by the share, with a slope of at most 1.
+    /// The union of both scenes, of which each gives way to the other by the share.
     Melt,
     /// The second scene is inside a shape that grows with the share, the first one outside.
     Portal(PortalShape),
@@ -127,9 +128,9 @@ impl World {
         let camera = camera::mixed(&mut graph, &a.camera, &b.camera, s);
         let (planes, rest, material) = match kind {
             BlendKind::Melt => {
-                let material = material(&mut graph, &a.material, &b.material, s);
-                let (planes, rest) = melt::melt(&mut graph, &a, &b, s);
-                (planes, rest, material)
+                let melt = melt::melt(&mut graph, &a, &b, s);
+                let material = material(&mut graph, &a.material, &b.material, &melt, s);
+                (melt.planes, melt.rest, material)
             }
             BlendKind::Portal(shape) => {
                 let to = (&to.scene, before);
@@ -252,16 +253,24 @@ fn mixed_all(graph: &mut Graph, a: &[NodeId], b: &[NodeId], s: NodeId) -> Vec<No
     a.iter().zip(b).map(|(&a, &b)| if a == b { a } else { graph.mix(a, b, s) }).collect()
 }
 
-/// The mixed material. Mirrors of one side alone are gone at the middle, and those of the other side come after it: so
+/// The material of a melt, by whose surface a point is on. Mirrors of one side alone are gone at the middle, and those of the other side come after it: so
 /// no picture follows the rays of more mirrors than one of the scenes has.
-fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], s: NodeId) -> Vec<NodeId> {
+fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s: NodeId) -> Vec<NodeId> {
     let of = |numbers: &[NodeId]| Material::of(String::new(), numbers.iter().copied());
     let (a_own, b_own) = (of(a), of(b));
-    let mut mixed = of(&mixed_all(graph, a, b, s));
+    let owner = melt.owner;
+    let mut mixed = of(&mixed_all(graph, a, b, owner));
+    mixed.haze = graph.max(mixed.haze, melt.haze);
     if a_own.reflect != b_own.reflect {
         let one = graph.constant(1.0);
         let twice = graph.add(s, s);
+        // On the surfaces of the other side there is none of this side's.
+        let on_b = graph.add(owner, owner);
+        let on_a = graph.add(one, one);
+        let on_a = graph.sub(on_a, on_b);
+        let (on_a, on_b) = (graph.min(on_a, one), graph.min(on_b, one));
         let (gone, come) = (graph.sub(one, twice), graph.sub(twice, one));
+        let (gone, come) = (graph.mul(gone, on_a), graph.mul(come, on_b));
         let (gone, come) = (graph.mul(a_own.reflect, gone), graph.mul(b_own.reflect, come));
         let alone = graph.max(gone, come);
         let both = graph.min(a_own.reflect, b_own.reflect);
@@ -325,35 +334,12 @@ fn picture(graph: &mut Graph, a: &Picture, b: &Picture, s: NodeId) -> Picture {
     Picture { tone_map, ..mixed }
 }
 
-/// Slopes of planes that differ by less are those of parallel planes, rounded.
-const PARALLEL: f32 = 1e-5;
-
-/// The box around the surfaces of both: where neither has any, their mixture has none, and neither has any choice
-/// between them.
-///
-/// Between planes there is more. Below a plane of one side its value is negative, so that surfaces of the other side
-/// swell there, down to the mixed plane; farther below nobody sees them. If the planes are parallel and `apart` from each
-/// other, what swells is at most that thick where values grow like distances ([`Side::flatter`]).
+/// The box around the surfaces of both: no solid of a melt or a portal reaches beyond those of its own scene.
 fn bounds(a: &Side, b: &Side) -> Option<Bounds> {
-    let apart = match (&a.still_planes, &b.still_planes) {
-        (Some(a), Some(b)) if a.is_empty() && b.is_empty() => 0.0,
-        (Some(a), Some(b)) => {
-            let least = |plane: &[f32; 4], others: &[[f32; 4]]| {
-                let alike = |(a, b): (&f32, &f32)| (a - b).abs() < PARALLEL;
-                let parallel = others.iter().filter(|other| plane[..3].iter().zip(*other).all(alike));
-                parallel.map(|other| (plane[3] - other[3]).abs()).reduce(f32::min)
-            };
-            let of_a = a.iter().map(|plane| least(plane, b));
-            let of_b = b.iter().map(|plane| least(plane, a));
-            of_a.chain(of_b).try_fold(0.0, |most: f32, apart| apart.map(|apart| most.max(apart)))?
-        }
-        _ => return None,
-    };
-    let swollen = |side: &Side| side.bounds.map(|bounds| bounds.hull(&bounds, apart * side.flatter));
     match (a.rest.is_some(), b.rest.is_some()) {
-        (true, true) => Some(swollen(a)?.hull(&swollen(b)?, 0.0)),
-        (true, false) => swollen(a),
-        (false, true) => swollen(b),
+        (true, true) => Some(a.bounds?.hull(&b.bounds?, 0.0)),
+        (true, false) => a.bounds,
+        (false, true) => b.bounds,
         (false, false) => None,
     }
 }

@@ -6,21 +6,14 @@ use super::{Alignment, Steps, World};
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::{Camera, Light, Picture, Scene, Sky};
 
-/// See [`Side::flatter`]: of values that were taken for distances.
-const FLATTER: f32 = 3.0;
-
 /// A world in a blend's graph. Its values are distances, or about as large as if they were.
 pub(super) struct Side {
     /// Planes of slope 1.
     pub(super) planes: Vec<NodeId>,
-    /// `[a, b, c, d]` of those planes, `a*x + b*y + c*z + d`, if all of them stay where they are.
-    pub(super) still_planes: Option<Vec<[f32; 4]>>,
     /// Whether rays may not step by the values.
     pub(super) steep: bool,
     /// The box around everything but planes, if it is known.
     pub(super) bounds: Option<Bounds>,
-    /// How much slower than a distance its values may grow outside of that box.
-    pub(super) flatter: f32,
     /// Everything else.
     pub(super) rest: Option<Steps>,
     /// The numbers of the material of the nearest object.
@@ -29,6 +22,8 @@ pub(super) struct Side {
     pub(super) glow: Option<[NodeId; 4]>,
     pub(super) lights: Vec<Light>,
     pub(super) camera: Camera,
+    /// The parameters of the blend up to its own, as the texts set them.
+    pub(super) params: Vec<f32>,
     pub(super) sky: Sky,
     pub(super) picture: Picture,
 }
@@ -54,17 +49,8 @@ impl Side {
         let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
         let on_surface = |id: NodeId| turned.get(id.index()).copied().unwrap_or_default();
         let all = |numbers: Vec<NodeId>| numbers.into_iter().map(at);
-        let mut of_slope_1 = Vec::with_capacity(planes.len());
-        let mut still_planes = Some(Vec::new());
-        for plane in &planes {
-            let plane = Plane::of(graph, at(plane.shape))?;
-            let numbers = plane.numbers(graph);
-            still_planes = still_planes.zip(numbers).map(|(mut all, numbers)| {
-                all.push(numbers);
-                all
-            });
-            of_slope_1.push(plane.value);
-        }
+        let of_slope_1: Result<_, _> =
+            planes.iter().map(|plane| of_slope_1(graph, at(plane.shape))).collect();
         let rest = rest.map(|rest| {
             [rest.bound, rest.estimate].map(|value| match world.tamed {
                 Some(tamed) => {
@@ -78,12 +64,9 @@ impl Side {
             })
         });
         Ok(Self {
-            planes: of_slope_1,
-            still_planes,
+            planes: of_slope_1?,
             steep: world.tamed.is_some_and(|tamed| !tamed.is_distance),
             bounds: world.bounds.map(|bounds| alignment.common_box(&bounds)),
-            // A tamed value is at least the distance to the box.
-            flatter: if world.tamed.is_some() { 1.0 } else { FLATTER },
             rest,
             material: material_of_the_nearest(graph, &scene, on_surface),
             glow: glow.map(|glow| glow.map(at)),
@@ -104,6 +87,9 @@ impl Side {
                     [camera.position, camera.target].map(|place| alignment.common_point(graph, place));
                 Camera { position, target, ..camera }
             },
+            params: std::iter::repeat_n(0.0, before.1)
+                .chain(scene.params.iter().map(|param| param.default))
+                .collect(),
             sky: Sky::of(scene.sky.numbers().into_iter().map(on_surface)),
             picture: Picture::of(all(scene.picture.numbers())),
         })
@@ -257,40 +243,20 @@ fn at_index(moved: &[NodeId], id: NodeId) -> NodeId {
 }
 
 /// A plane divided by its slope, so that it weighs as much as a distance.
-struct Plane {
-    value: NodeId,
-    /// Its slopes and its value at the origin, before that.
-    parts: [NodeId; 4],
-    slope: NodeId,
-}
-
-impl Plane {
-    fn of(graph: &mut Graph, plane: NodeId) -> Result<Self, GraphError> {
-        let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
-        let origin = at(graph, plane, [zero; 3])?;
-        let mut slopes = [zero; 3];
-        for (axis, slope) in slopes.iter_mut().enumerate() {
-            let mut place = [zero; 3];
-            if let Some(part) = place.get_mut(axis) {
-                *part = one;
-            }
-            let there = at(graph, plane, place)?;
-            *slope = graph.sub(there, origin);
+fn of_slope_1(graph: &mut Graph, plane: NodeId) -> Result<NodeId, GraphError> {
+    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+    let origin = at(graph, plane, [zero; 3])?;
+    let mut slopes = [zero; 3];
+    for (axis, slope) in slopes.iter_mut().enumerate() {
+        let mut place = [zero; 3];
+        if let Some(part) = place.get_mut(axis) {
+            *part = one;
         }
-        let slope = graph.length(&slopes);
-        let [x, y, z] = slopes;
-        Ok(Self { value: graph.div(plane, slope), parts: [x, y, z, origin], slope })
+        let there = at(graph, plane, place)?;
+        *slope = graph.sub(there, origin);
     }
-
-    /// The numbers of its equation, if it stays where it is.
-    fn numbers(&self, graph: &Graph) -> Option<[f32; 4]> {
-        let slope = graph.as_constant(self.slope)?;
-        let mut numbers = [0.0; 4];
-        for (number, part) in numbers.iter_mut().zip(self.parts) {
-            *number = graph.as_constant(part)? / slope;
-        }
-        Some(numbers)
-    }
+    let slope = graph.length(&slopes);
+    Ok(graph.div(plane, slope))
 }
 
 /// See [`Tamed`].

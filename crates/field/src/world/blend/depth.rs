@@ -1,0 +1,77 @@
+//! Depth of the visible solids of a scene.
+
+use super::melt::HOLLOW;
+use super::side::Side;
+use crate::graph::{FrameInputs, Graph, Point};
+use crate::tape::{PointEvaluator, Tape, TapeOptions};
+
+/// Rays across and down a picture.
+const RAYS: (usize, usize) = (15, 9);
+/// Most steps of a ray, and the least length of one.
+const STEPS: usize = 96;
+const STEP_MIN: f32 = 0.01;
+/// Steps into a solid, and the length of one.
+const STEPS_IN: usize = 40;
+const STEP_IN: f32 = 0.04;
+/// Depths are clamped to this range; the upper end is the depth of a hollow shell.
+const RANGE: (f32, f32) = (0.05, 0.5 * HOLLOW);
+/// Quantile of the depths that counts for the scene.
+const QUANTILE: f32 = 0.5;
+
+/// Median depth of the solids that rays from the side's camera hit at time 0, in silence; the upper limit if all rays
+/// miss. Ignores planes if the side has other surfaces.
+pub(super) fn of(graph: &Graph, side: &Side) -> f32 {
+    let mut depths = of_rays(graph, side).unwrap_or_default();
+    depths.sort_by(f32::total_cmp);
+    let middle = depths.get((QUANTILE * depths.len() as f32) as usize);
+    middle.map_or(RANGE.1, |depth| depth.clamp(RANGE.0, RANGE.1))
+}
+
+fn of_rays(graph: &Graph, side: &Side) -> Option<Vec<f32>> {
+    let [_, estimate] = side.rest.or_else(|| side.planes.first().map(|plane| [*plane; 2]))?;
+    let inputs = FrameInputs { params: side.params.clone(), ..FrameInputs::default() };
+    let roots = side.camera.position.into_iter().chain(side.camera.target).chain([side.camera.fov]);
+    let roots: Vec<_> = roots.collect();
+    let camera = graph.evaluate(&roots, &Point::at(0.0, 0.0, 0.0), &inputs).ok()?;
+    let [x, y, z, tx, ty, tz, fov] = camera[..] else { return None };
+    let (eye, sight) = ([x, y, z], [tx - x, ty - y, tz - z]);
+    let inputs = FrameInputs { eye, ..inputs };
+    // Textures read 0 here.
+    let tape = Tape::build(graph, &[estimate], &TapeOptions::default()).ok()?;
+    let mut evaluator = PointEvaluator::new(&tape, &inputs);
+    let mut value = |p: [f32; 3]| evaluator.at(&Point::at(p[0], p[1], p[2])).first().copied().unwrap_or(0.0);
+    let level = sight[0].hypot(sight[2]).max(1e-3);
+    let length = level.hypot(sight[1]);
+    let ahead = sight.map(|part| part / length);
+    let right = [sight[2] / level, 0.0, -sight[0] / level];
+    let up = [
+        ahead[1] * right[2] - ahead[2] * right[1],
+        ahead[2] * right[0] - ahead[0] * right[2],
+        ahead[0] * right[1] - ahead[1] * right[0],
+    ];
+    let height = (0.5 * fov.to_radians()).tan();
+    let mut depths = Vec::new();
+    for number in 0..RAYS.0 * RAYS.1 {
+        let place = |index: usize, count: usize| 2.0 * (index as f32 + 0.5) / count as f32 - 1.0;
+        let across = place(number % RAYS.0, RAYS.0) * height * 16.0 / 9.0;
+        let above = place(number / RAYS.0, RAYS.1) * height;
+        let way = [0, 1, 2].map(|axis| ahead[axis] + across * right[axis] + above * up[axis]);
+        let size = way.iter().map(|part| part * part).sum::<f32>().sqrt();
+        depths.extend(depth_along(&mut value, eye, way.map(|part| part / size)));
+    }
+    Some(depths)
+}
+
+/// Depth of the solid that a ray hits; `None` for a miss.
+fn depth_along(value: &mut impl FnMut([f32; 3]) -> f32, eye: [f32; 3], way: [f32; 3]) -> Option<f32> {
+    let at = |t: f32| [0, 1, 2].map(|axis| eye[axis] + t * way[axis]);
+    let mut t = 0.0;
+    let met = (0..STEPS).find_map(|_| {
+        let distance = value(at(t));
+        t += distance.max(STEP_MIN);
+        (distance <= 0.0).then_some(t)
+    })?;
+    let inside = (0..STEPS_IN).map(|step| value(at(met + step as f32 * STEP_IN)));
+    let deepest = inside.take_while(|value| *value <= 0.0).fold(0.0, f32::min);
+    Some(-deepest)
+}
