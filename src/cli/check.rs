@@ -2,17 +2,22 @@
 
 use std::path::Path;
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use clap::Args;
 use serde::Serialize;
 
 use super::common::colors;
 use super::files::scene_of;
 use crate::export::print::{print_line, tell};
+use crate::gpu::renderer::Counting;
+use crate::gpu::scene_program::{SCENE_SHADER, compiled_variant_of};
+use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{SceneError, SceneSource};
 use mariana_field::graph::{Graph, Input, NodeId, Op, SoundInput};
 use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, render_all};
+use mariana_field::region::RegionPlan;
 use mariana_field::tape::{Tape, TapeOptions};
+use mariana_field::world::World;
 
 #[derive(Args)]
 pub(super) struct CheckArguments {
@@ -32,7 +37,10 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     for argument in &arguments.scenes {
         let checked = scene_of(argument).and_then(|source| {
             Ok(match compile(&source)? {
-                Ok(scene) => Ok(format!("{}: {}", source.name(), cost(&scene)?)),
+                Ok(scene) => {
+                    let (name, cost) = (source.name(), cost(&scene)?);
+                    Ok(format!("{name}: {cost}{}", advice(&drawable(&source, scene)?)))
+                }
                 Err(mistakes) => Err(mistakes),
             })
         });
@@ -69,7 +77,13 @@ fn refused(scenes: usize, shown: &str) -> anyhow::Result<()> {
 fn run_json(scenes: &[String]) -> anyhow::Result<()> {
     let mut wrong = 0;
     for argument in scenes {
-        let checked = scene_of(argument).and_then(|source| Ok((compile(&source)?, source)));
+        let checked = scene_of(argument).and_then(|source| {
+            let scene = match compile(&source)? {
+                Ok(scene) => Ok(drawable(&source, scene)?),
+                Err(mistakes) => Err(mistakes),
+            };
+            Ok((scene, source))
+        });
         let mistakes = match checked {
             Ok((Ok(_), _)) => continue,
             Ok((Err(mistakes), source)) => {
@@ -81,7 +95,7 @@ fn run_json(scenes: &[String]) -> anyhow::Result<()> {
                 mistakes.diagnostics.iter().map(named).collect()
             }
             Err(error) => {
-                let (start, message) = (Position { line: 1, column: 1 }, error.to_string());
+                let (start, message) = (Position { line: 1, column: 1 }, format!("{error:#}"));
                 let file = argument.clone();
                 vec![Mistake { file, start, end: start, severity: "error", message, hint: None }]
             }
@@ -155,6 +169,22 @@ fn compile(source: &SceneSource) -> Result<Result<Scene, Mistakes>, SceneError> 
     })
 }
 
+/// The world of a scene that a window can draw: it fits an interpreter, or its own program is not too long.
+fn drawable(source: &SceneSource, scene: Scene) -> anyhow::Result<World> {
+    let world = World::new(&source.name(), scene, Vec::new())?;
+    if !RegionPlan::new(&world).runs() {
+        let variant = compiled_variant_of(&world, Counting::Off)?;
+        ShaderLibrary::embedded().assemble(SCENE_SHADER, "", &variant).with_context(|| {
+            format!(
+                "{} cannot be drawn: its distance keeps more than 256 values at once, so it needs a program of its own, \
+                 which is too long: use fewer parts",
+                source.name()
+            )
+        })?;
+    }
+    Ok(world)
+}
+
 /// What a scene costs, and what it listens to.
 fn cost(scene: &Scene) -> anyhow::Result<String> {
     let tape = Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default())?;
@@ -178,6 +208,18 @@ fn cost(scene: &Scene) -> anyhow::Result<String> {
         inputs(scene, &scene.graph, &roots)?
     ))
 }
+
+/// What to do about a shape that is no distance; empty for a distance.
+fn advice(world: &World) -> String {
+    match (world.steep, world.distance_factor) {
+        (false, _) => String::new(),
+        (true, Some(factor)) => format!("\n  {NO_DISTANCE}: multiply it by {factor:.2} to make it one"),
+        (true, None) => format!("\n  {NO_DISTANCE}, and no single factor makes it one"),
+    }
+}
+
+const NO_DISTANCE: &str =
+    "the shape's value is not a distance, so rays take short steps and its shadows are sharp";
 
 fn count(number: usize, what: &str) -> String {
     if number == 1 { format!("1 {what}") } else { format!("{number} {what}s") }

@@ -53,6 +53,19 @@ fn the_shipped_scene_is_checked_and_its_cost_told() {
     }
 }
 
+/// Rays ended in front of such a shape, and nothing said why.
+#[test]
+fn a_shape_that_is_no_distance_passed_without_a_word() {
+    let place = Workplace::new();
+    let advice = |formula: &str| place.run(&["check", formula]).done();
+    let steep = advice("3 * (length(p) - 1)");
+    assert!(steep.contains("not a distance") && steep.contains("multiply it by 0.3"), "{steep}");
+    let polynomial = advice("x^2 + y^2 - z^2 - 1");
+    assert!(polynomial.contains("not a distance"), "{polynomial}");
+    let ball = advice("length(p) - 1");
+    assert!(!ball.contains("not a distance"), "{ball}");
+}
+
 #[test]
 fn every_mistake_is_shown_where_it_is_with_a_hint() {
     let place = Workplace::new();

@@ -40,7 +40,7 @@ use image::RgbaImage;
 use crate::graph::{FrameInputs, Graph, GraphError, NodeId};
 use crate::lang::{Material, Scene, compile, no_includes};
 use crate::tape::{Tape, TapeError, TapeOptions};
-use steepness::Tamed;
+use steepness::{Steep, Tamed};
 
 /// Why a scene cannot be prepared.
 #[derive(Debug, thiserror::Error)]
@@ -146,6 +146,8 @@ pub struct World {
     pub steep: bool,
     /// The steepest slope that was sampled of a value that is not a distance; infinite where none was.
     pub steepest: f32,
+    /// For a value that is not a distance, the factor that makes one of it, where a single number does.
+    pub distance_factor: Option<f32>,
     /// How much the shortest step of a shadow ray grows with each step: 0 in a scene, whose surfaces such rays leave.
     /// Between two scenes a lamp of one may be among the surfaces of the other, and rays creep along these.
     pub shadow_step_growth: f32,
@@ -216,7 +218,7 @@ impl World {
         let (glow, roots) = (glow.is_some(), roots(&mut scene, rest.as_ref(), glow));
         scene.graph.check().map_err(graph_error)?;
         let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
-        let Traced { bounds, steep, steepest, tamed, shadow_step_growth } = match (traced, &rest) {
+        let Traced { bounds, steep, steepest, factor, tamed, shadow_step_growth } = match (traced, &rest) {
             (Some(traced), _) => traced,
             (None, Some(_)) => Traced::of(&scene, &roots, &frame_tape).map_err(tape_error)?,
             (None, None) => Traced::default(),
@@ -229,6 +231,7 @@ impl World {
             bounds,
             steep,
             steepest,
+            distance_factor: factor,
             shadow_step_growth,
             tamed,
             traits,
@@ -262,13 +265,21 @@ struct Traced {
     bounds: Option<Bounds>,
     steep: bool,
     steepest: f32,
+    factor: Option<f32>,
     tamed: Option<Tamed>,
     shadow_step_growth: f32,
 }
 
 impl Default for Traced {
     fn default() -> Self {
-        Self { bounds: None, steep: false, steepest: f32::INFINITY, tamed: None, shadow_step_growth: 0.0 }
+        Self {
+            bounds: None,
+            steep: false,
+            steepest: f32::INFINITY,
+            factor: None,
+            tamed: None,
+            shadow_step_growth: 0.0,
+        }
     }
 }
 
@@ -285,8 +296,8 @@ impl Traced {
         let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
         let reach = bounds.map_or(TAMED_REACH, |bounds| TAMED_SHARE * bounds.half());
         Ok(match steepness::tamed(&tape, frames, bounds.as_ref(), reach) {
-            Some((tamed, steepest)) => {
-                Self { bounds, steep: true, steepest, tamed: Some(tamed), ..Self::default() }
+            Some(Steep { tamed, steepest, factor }) => {
+                Self { bounds, steep: true, steepest, factor, tamed: Some(tamed), ..Self::default() }
             }
             None => Self { bounds, ..Self::default() },
         })

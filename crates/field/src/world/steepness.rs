@@ -114,15 +114,25 @@ fn length(v: [f32; 3]) -> f32 {
     v.iter().map(|part| part * part).sum::<f32>().sqrt()
 }
 
-/// None if the value of the tape's first output is a distance; else what makes it like one, and about the steepest slope
-/// that it has: it is steeper than 1 in too many samples, or much flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which its
+/// A value that is no distance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Steep {
+    pub(super) tamed: Tamed,
+    /// About the steepest slope that it has; infinite if there are too few samples to tell.
+    pub(super) steepest: f32,
+    /// The number that makes a distance of it, where one number does.
+    pub(super) factor: Option<f32>,
+}
+
+/// None if the value of the tape's first output is a distance: no steeper than 1 in nearly all samples, and not much
+/// flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which its
 /// points begin in turn. A tamed value grows without end, or up to about `reach` or a part of it.
 pub(super) fn tamed(
     tape: &Tape,
     frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>,
     bounds: Option<&Bounds>,
     reach: f32,
-) -> Option<(Tamed, f32)> {
+) -> Option<Steep> {
     let Samples { outside, surface } = samples(tape, frames);
     let steep_many = STEEP_SHARE * outside.len() as f32;
     let too_steep = |slopes: &mut dyn Iterator<Item = f32>| {
@@ -133,6 +143,7 @@ pub(super) fn tamed(
         return None;
     }
     let mut best: Option<(f32, Tamed)> = None;
+    let mut factor = None;
     let mut plain = Tamed { scale: 1.0, growth: Growth::NONE, reach, is_distance: false };
     for growth in Growth::all(bounds) {
         let usual = median(surface.iter().map(|sample| growth.divided(sample).1)).unwrap_or(1.0);
@@ -150,13 +161,16 @@ pub(super) fn tamed(
                 )
             });
             let Some(scale) = gentle else { continue };
+            if growth.power == 0 && reach.is_infinite() {
+                factor = Some(1.0 / scale);
+            }
             let slope = usual / scale;
             if best.is_none_or(|(so_far, _)| slope > WORTH * so_far) {
                 best = Some((slope, Tamed { scale, growth, reach, is_distance: true }));
             }
         }
     }
-    Some((best.map_or(plain, |(_, tamed)| tamed), steepest(&outside)))
+    Some(Steep { tamed: best.map_or(plain, |(_, tamed)| tamed), steepest: steepest(&outside), factor })
 }
 
 /// About the steepest slope of the samples: seams of blends are left out, and what they hide is allowed for. Infinite if
@@ -296,6 +310,16 @@ mod tests {
         ] {
             assert!(!world_of(text).steep, "{text}");
         }
+    }
+
+    #[test]
+    fn a_factor_makes_a_distance_of_what_is_too_steep_everywhere() {
+        for (text, least, most) in [("3*(length(p)-1)", 0.28, 0.34), ("y-0.5*sin(x)", 0.8, 0.95)] {
+            let factor = world_of(text).distance_factor.unwrap();
+            assert!((least..most).contains(&factor), "{text}: {factor}");
+            assert!(!world_of(&format!("{factor} * ({text})")).steep, "{text} times {factor}");
+        }
+        assert_eq!(world_of("length(p)-1").distance_factor, None);
     }
 
     #[test]
