@@ -90,6 +90,9 @@ struct Played {
     begun: f64,
     /// When this part of it begins.
     start: f64,
+    /// Whether it plays over later pictures, since the song went back. An earlier picture may then be less than a
+    /// millisecond before it.
+    plays_over: bool,
     /// What a show did with parameters.
     moves: Vec<Move>,
     lines: BTreeMap<String, Line>,
@@ -116,7 +119,8 @@ impl Performance {
         if !time.is_finite() || time < 0.0 {
             return;
         }
-        if self.last.is_some_and(|last| time < last) {
+        let plays_over = self.last.is_some_and(|last| time < last);
+        if plays_over {
             self.forget_from(time);
         }
         let before = self.last.replace(time).unwrap_or(time);
@@ -142,6 +146,7 @@ impl Performance {
                 entrance,
                 begun,
                 start,
+                plays_over,
                 moves: seen.moves.to_vec(),
                 lines,
             });
@@ -366,9 +371,10 @@ impl Played {
     fn entry(&self) -> Entry {
         let Entrance { way, shape, seconds, .. } = self.entrance;
         let length = if way == Way::Cut { Length::ZERO } else { Length::Seconds(seconds) };
-        // Texts tell moments to the millisecond. One that is whole is kept, not made the one before by rounding.
-        let whole = (self.start * 1e3).round() / 1e3;
-        let start = if whole <= self.start { whole } else { (self.start * 1e3).floor() / 1e3 };
+        // A whole millisecond is kept, not made the one before by rounding.
+        let ticks = if self.plays_over { 1e6 } else { 1e3 };
+        let whole = (self.start * ticks).round() / ticks;
+        let start = if whole <= self.start { whole } else { (self.start * ticks).floor() / ticks };
         let moves = self.moves.iter().map(|one| setting_of(one, start));
         let settings = moves.chain(self.lines.iter().filter_map(|(param, line)| line.setting(param, start)));
         let when = When { anchor: Anchor::Time(start), offset: Length::ZERO };

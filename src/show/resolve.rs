@@ -153,12 +153,17 @@ fn lasting(length: Length, start: f64, lines: &BarLines) -> f64 {
     lines.time_of(lines.bar_at(start) + bars) - start
 }
 
-/// A time as people write it, `1:23.5`.
+/// A time as people write it, `1:23.5`, to the millisecond: no picture is short enough to tell it from the next.
 pub(super) fn clock(seconds: f64) -> String {
-    // To the millisecond, which no picture is short enough to tell from the next.
-    let all = (seconds.max(0.0) * 1000.0).round() as u64;
-    let (minutes, rest) = (all / 60_000, all % 60_000);
-    let text = format!("{minutes}:{:02}.{:03}", rest / 1000, rest % 1000);
+    clock_to(seconds, 3)
+}
+
+/// The same with so many decimals, at most; zeros at the end are left out.
+pub(super) fn clock_to(seconds: f64, decimals: usize) -> String {
+    let second = 10_u64.pow(decimals as u32);
+    let all = (seconds.max(0.0) * second as f64).round() as u64;
+    let (minutes, rest) = (all / (60 * second), all % (60 * second));
+    let text = format!("{minutes}:{:02}.{:0decimals$}", rest / second, rest % second);
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 

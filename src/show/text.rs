@@ -2,10 +2,13 @@
 
 use std::fmt::Write;
 
-use super::resolve::clock;
+use super::resolve::clock_to;
 use super::script::{Anchor, Entry, Length, Script, Setting, is_of_no_scene};
 use mariana_field::lang::Way;
 use mariana_field::world::{BlendKind, PortalShape};
+
+/// Most decimals of a moment in seconds. Recordings need more than three only where the song went back.
+const MOMENT_DECIMALS: usize = 6;
 
 /// The text of a script, below lines of comment.
 pub fn print(script: &Script, comments: &[String]) -> String {
@@ -47,7 +50,7 @@ fn moment(entry: &Entry) -> String {
         Anchor::Start => "start".to_owned(),
         Anchor::End => "end".to_owned(),
         Anchor::Cue => "cue".to_owned(),
-        Anchor::Time(seconds) => clock(*seconds),
+        Anchor::Time(seconds) => clock_to(*seconds, MOMENT_DECIMALS),
         Anchor::Bar(bar) => numbered("bar", *bar),
         Anchor::Drop(number) => numbered("drop", *number),
         Anchor::Build(number) => numbered("build", *number),

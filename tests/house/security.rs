@@ -138,6 +138,6 @@ fn ffmpeg_is_started_and_given_inputs_by_one_builder() {
         names
     };
     let builder = "crates/player/src/ffmpeg.rs";
-    assert_eq!(with("Command::new("), [builder, "src/thumbnails/mod.rs"], "only these start programs");
+    assert_eq!(with("Command::new("), [builder, "src/thumbnails/drawing.rs"], "only these start programs");
     assert_eq!(with("\"-i\""), [builder], "only the builder names inputs");
 }

@@ -152,7 +152,7 @@ fn what_does_not_flash_stays_steady_beside_what_does_and_as_it_is_farther_away()
             assert_eq!(pixel, drawn.get_pixel(x, y), "at {x}, {y}, {time} s");
         }
         // Once flashes are limited, nothing beside them changes.
-        if let Some(last) = last.replace(shown.clone()).filter(|_| time > 0.8) {
+        if let Some(last) = last.replace(shown.clone()).filter(|_| time > 1.3) {
             for (x, y, pixel) in shown.enumerate_pixels().filter(|(x, ..)| *x > near) {
                 let apart = pixel_difference(pixel, last.get_pixel(x, y));
                 assert!(apart <= 3, "{apart} at {x}, {y}, {time} s");

@@ -71,6 +71,34 @@ proptest! {
     }
 }
 
+/// The show began the new scene at the millisecond before, where the picture before it still shows.
+#[test]
+fn a_picture_less_than_a_millisecond_before_a_step_back_got_the_scene_after_it() {
+    let mut performance = Performance::default();
+    let notes = [(8.0, "orb", 8.0), (8.6262, "orb", 8.0), (9.5, "orb", 8.0), (8.6264, "city", 8.6264)];
+    for (time, scene, start) in notes {
+        let picture = Finish::NOTHING;
+        let entrance = Entrance::CUT;
+        performance.note(
+            time,
+            &OnStage {
+                scene,
+                camera: None,
+                entrance,
+                start,
+                params: Vec::new(),
+                moves: &[],
+                turns: UNTURNED,
+                picture,
+            },
+        );
+    }
+    let text = print(&performance.script(), &[]);
+    let script = parse("performed.show", &text).script.unwrap();
+    let plan = resolve(&script, &SongStructure::default(), &[], |_, _| None).0.unwrap();
+    assert_eq!([8.6262, 8.6264].map(|time| plan.at(time).stay.scene.as_str()), ["orb", "city"], "{text}");
+}
+
 #[test]
 fn what_nobody_turns_is_not_written() {
     let mut performance = Performance::default();
