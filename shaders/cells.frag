@@ -27,10 +27,12 @@ void main() {
     vec3 sum = vec3(0.0);
     int samples = SAMPLES * SAMPLES;
 #ifdef SHOWN
-    ivec2 cell = ivec2(gl_FragCoord.xy);
-    Ceilings around = ceilings_around(cell);
     // Nothing is measured again where nothing changes.
-    bool changes = limits(around);
+    bool changes = false;
+    ivec2 cell = ivec2(gl_FragCoord.xy);
+    for (int i = 0; i < 9; i++) {
+        changes = changes || limits(ceiling_of(cell + ivec2(i % 3, i / 3) - 1));
+    }
     samples = changes ? samples : 0;
 #endif
     for (int i = 0; i < samples; i++) {
@@ -38,7 +40,7 @@ void main() {
         ivec2 texel = ivec2((floor(gl_FragCoord.xy) + inside) * pixels_per_cell);
         vec3 light = roughly_linear(texelFetch(picture, min(texel, size - 1), 0).rgb);
 #ifdef SHOWN
-        light = below_ceiling(light, around, inside);
+        light = below_ceiling(light, ceiling_at(floor(gl_FragCoord.xy) + inside));
 #endif
         sum += light;
     }

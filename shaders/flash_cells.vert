@@ -1,9 +1,7 @@
 // A rectangle for each group of cells any of which is limited, two triangles without a vertex buffer. The others shrink
 // to nothing. (A rectangle for each cell would be mostly edges.)
 
-#include "flash_rules.glsl"
-
-uniform sampler2D ceilings;         // flash_ceiling.glsl
+#include "flash_ceiling.glsl"
 
 // Cells to each side of a group.
 const int SIDE = 4;
@@ -19,8 +17,7 @@ void main() {
     // The cells around it count, too: ceilings are interpolated.
     for (int i = 0; i < (SIDE + 2) * (SIDE + 2); i++) {
         ivec2 cell = first + ivec2(i % (SIDE + 2), i / (SIDE + 2)) - 1;
-        vec4 found = texelFetch(ceilings, clamp(cell, ivec2(0), ivec2(COLUMNS, ROWS) - 1), 0);
-        limited = limited || found.w < OPEN || found.z > 0.0;
+        limited = limited || limits(ceiling_of(cell));
     }
     bvec2 far = bvec2(corner == 1 || corner == 2 || corner == 4, corner == 2 || corner == 4 || corner == 5);
     vec2 place = vec2(first) + mix(vec2(-MARGIN), vec2(float(SIDE) + MARGIN), far);

@@ -13,9 +13,8 @@ uniform sampler2D picture;      // finished
 layout(location = 0) out vec4 screen;
 
 void main() {
-    vec2 place = post_place() * vec2(float(COLUMNS), float(ROWS));
-    Ceilings around = ceilings_around(ivec2(place));
-    if (!limits(around)) {
+    vec2 ceiling = ceiling_at(post_place() * vec2(float(COLUMNS), float(ROWS)));
+    if (!limits(ceiling)) {
         discard;
     }
 #ifdef ENLARGED
@@ -23,5 +22,5 @@ void main() {
 #else
     vec3 color = texelFetch(picture, ivec2(gl_FragCoord.xy), 0).rgb;
 #endif
-    screen = vec4(srgb_from_linear(below_ceiling(linear_from_srgb(color), around, fract(place))), 1.0);
+    screen = vec4(srgb_from_linear(below_ceiling(linear_from_srgb(color), ceiling)), 1.0);
 }

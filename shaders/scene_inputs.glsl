@@ -5,7 +5,7 @@ float table_band(float index) {
 }
 
 // The spectrum, the waveform, then the rows of the history (src/frame/sound_tables.rs): cubic B-splines, of which each
-// texel holds the four Bezier points between two entries (crates/field/src/graph/table.rs). All zero without sound.
+// texel holds the polynomial between two entries, from its constant on. All zero without sound.
 uniform samplerBuffer sound_tables;
 
 // The piece of a row of so many pieces, and the place in it, 0..1. The coordinate is clamped to 0..1.
@@ -16,9 +16,8 @@ int table_piece(int pieces, float u, out float x) {
     return piece;
 }
 
-float table_curve(vec4 points, float x) {
-    float s = 1.0 - x;
-    return dot(points, vec4(s * s * s, 3.0 * s * s * x, 3.0 * s * x * x, x * x * x));
+float table_curve(vec4 piece, float x) {
+    return ((piece.w * x + piece.z) * x + piece.y) * x + piece.x;
 }
 
 float table_row(int first, int pieces, float u) {
@@ -43,12 +42,18 @@ float table_history(float u, float age) {
     float along = frame_clock.z + (age > 0.0 ? min(age, 1.0) : 0.0) * frame_clock.w;
     int upper = int(along);
     float y = along - float(upper);
-    float s = 1.0 - y;
-    vec4 rows = vec4(s * s * s / 6.0, 2.0 / 3.0 - 0.5 * y * y * (2.0 - y), 2.0 / 3.0 - 0.5 * s * s * (2.0 - s), y * y * y / 6.0);
     int at = SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + upper * PIECES + piece;
-    vec4 points = (rows.x * texelFetch(sound_tables, at) + rows.y * texelFetch(sound_tables, at + PIECES))
-        + (rows.z * texelFetch(sound_tables, at + 2 * PIECES) + rows.w * texelFetch(sound_tables, at + 3 * PIECES));
-    return table_curve(points, x);
+    float sum = 0.0;
+    // frame_reach.z is 0. Without it compilers unroll the loop, and four rows hold registers at once.
+    int rows = 4 + int(frame_reach.z);
+    for (int row = 0; row < rows; row++) {
+        // The cubic B-spline at the row's distance from that age.
+        float off = abs(y + 1.0 - float(row));
+        float far = 2.0 - off;
+        float weight = off < 1.0 ? 2.0 / 3.0 - 0.5 * off * off * far : far * far * far / 6.0;
+        sum += weight * table_curve(texelFetch(sound_tables, at + row * PIECES), x);
+    }
+    return sum;
 }
 
 #include "scene_textures.glsl"

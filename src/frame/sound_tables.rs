@@ -13,13 +13,14 @@ pub fn are_read_by(world: &World) -> bool {
     Op::CURVES.iter().any(|table| used.tables.contains(table))
 }
 
-/// The texels: the Bézier points of each piece. A table of another shape than the shaders expect is replaced by silence.
+/// The texels: the polynomial of each piece. A table of another shape than the shaders expect is replaced by silence.
 pub fn texels(inputs: &FrameInputs) -> Vec<[f32; 4]> {
     const HISTORY_PIECES: usize = HISTORY_POINTS - 1;
     let mut texels = Vec::new();
     append(&mut texels, &inputs.spectrum, SPECTRUM_POINTS - 1);
     append(&mut texels, &inputs.waveform, WAVEFORM_POINTS - 1);
-    texels.extend(inputs.history.rows_of_pieces().filter(|row| row.len() == HISTORY_PIECES).flatten());
+    let rows = inputs.history.rows_of_pieces().filter(|row| row.len() == HISTORY_PIECES);
+    texels.extend(rows.flatten().map(polynomial));
     // Shaders read four rows, even where there are none.
     texels.resize(texels.len().max(SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + 4 * HISTORY_PIECES), [0.0; 4]);
     texels
@@ -28,8 +29,15 @@ pub fn texels(inputs: &FrameInputs) -> Vec<[f32; 4]> {
 /// Appends a table's first row, if it has so many pieces, or zeros.
 fn append(texels: &mut Vec<[f32; 4]>, table: &TableData, pieces: usize) {
     let end = texels.len() + pieces;
-    texels.extend(table.rows_of_pieces().next().filter(|row| row.len() == pieces).into_iter().flatten());
+    let row = table.rows_of_pieces().next().filter(|row| row.len() == pieces);
+    texels.extend(row.into_iter().flatten().map(polynomial));
     texels.resize(end, [0.0; 4]);
+}
+
+/// The coefficients of the cubic with these Bézier points, from the constant one on: shaders evaluate them in fewer
+/// registers.
+fn polynomial(&[a, b, c, d]: &[f32; 4]) -> [f32; 4] {
+    [a, 3.0 * (b - a), 3.0 * (a - 2.0 * b + c), d - a + 3.0 * (b - c)]
 }
 
 #[cfg(test)]
@@ -47,12 +55,24 @@ mod tests {
         let texels = texels(&inputs);
         let (spectrum, rest) = texels.split_at(SPECTRUM_POINTS - 1);
         let (waveform, history) = rest.split_at(WAVEFORM_POINTS - 1);
-        assert!(spectrum.iter().all(|points| *points == [0.25; 4]));
+        assert!(spectrum.iter().all(|piece| *piece == [0.25, 0.0, 0.0, 0.0]));
         assert!(waveform.iter().all(|points| *points == [0.0; 4]), "a table of three points is none");
         assert_eq!(history.len(), 6 * (HISTORY_POINTS - 1), "one row before, two behind");
-        assert!(history.iter().all(|points| *points == [0.5; 4]));
+        assert!(history.iter().all(|piece| *piece == [0.5, 0.0, 0.0, 0.0]));
         let silence = super::texels(&FrameInputs::default());
         assert_eq!(silence.len(), SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + 4 * (HISTORY_POINTS - 1));
+    }
+
+    #[test]
+    fn a_polynomial_is_the_curve_of_its_points() {
+        let points = [0.1, 0.7, -0.4, 0.9];
+        let [a, b, c, d] = polynomial(&points);
+        for x in [0.0_f32, 0.25, 0.5, 1.0] {
+            let s = 1.0 - x;
+            let weights = [s * s * s, 3.0 * s * s * x, 3.0 * s * x * x, x * x * x];
+            let curve: f32 = points.iter().zip(weights).map(|(point, weight)| point * weight).sum();
+            assert!((((d * x + c) * x + b) * x + a - curve).abs() < 1e-6, "at {x}");
+        }
     }
 
     #[test]
