@@ -43,6 +43,7 @@
 mod encode;
 pub mod gradient;
 mod lanes;
+mod lives;
 mod part;
 mod program;
 mod prune;
@@ -66,6 +67,7 @@ use crate::graph::{
 use crate::tape::interpreter::rounded_registers;
 use crate::world::World;
 use encode::{Encoder, REGISTERS_MAX};
+use lives::ShortLives;
 use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
 
 /// Cells of the root along each axis.
@@ -209,10 +211,15 @@ impl RegionPlan {
         };
         // Without a known frame nothing is folded: that program has all operators and registers that any frame's may
         // have.
-        let program = plan.folded(&Numbers::Unknown, &FrameInputs::default());
+        let mut program = plan.folded(&Numbers::Unknown, &FrameInputs::default());
         let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
-        let fits =
-            [[BOUND, ESTIMATE], [OBJECT, OBJECT]].iter().all(|roots| encoder.encode(&program, roots).is_ok());
+        let mut fits = encodes(&mut encoder, &program);
+        if !fits {
+            plan.shorten_lives();
+            program = plan.folded(&Numbers::Unknown, &FrameInputs::default());
+            encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
+            fits = encodes(&mut encoder, &program);
+        }
         let typical = plan.folded(&Numbers::Typical, &FrameInputs::default());
         let compounds = Compounds::that_pay(|compounds| {
             let mut uses = Uses::default();
@@ -229,6 +236,13 @@ impl RegionPlan {
         let registers = rounded_registers(registers);
         plan.variant = RegionVariant { operators, compounds, registers, steep: steepest.is_some() };
         plan
+    }
+
+    /// Repeats cheap values instead of keeping them.
+    fn shorten_lives(&mut self) {
+        let lives = ShortLives::of(&self.nodes, self.graph_nodes);
+        self.roots = self.roots.map(|root| lives.position(root));
+        (self.nodes, self.graph_nodes) = (lives.nodes, lives.positions);
     }
 
     /// The requirements of all trees of this plan on an interpreter.
@@ -301,6 +315,11 @@ impl RegionPlan {
     }
 }
 
+/// Whether there are enough registers for the tapes of a program.
+fn encodes(encoder: &mut Encoder, program: &Program) -> bool {
+    [[BOUND, ESTIMATE], [OBJECT, OBJECT]].iter().all(|roots| encoder.encode(program, roots).is_ok())
+}
+
 /// Appends nodes, operands first, with the numbers of a frame folded in; gives the value of each node of their graph,
 /// which has so many. `of_point` says which value an input of the point is, or a sample of a texture.
 fn fold(
@@ -316,14 +335,34 @@ fn fold(
     // registers.
     let no_number = |arg: Arg| if let Arg::Number(_) = arg { unknown } else { arg };
     let mut places = vec![Arg::Number(0.0); graph_nodes];
+    let mut of_frame = vec![false; graph_nodes];
     for (index, node) in nodes {
+        of_frame[*index] = match *node {
+            Node::Constant(_) => true,
+            Node::Input(input) => input.of_point().is_none(),
+            Node::Texture { .. } => false,
+            Node::Unary(_, a) => of_frame[a.index()],
+            Node::Binary(_, a, b) => of_frame[a.index()] && of_frame[b.index()],
+        };
+        let folds = |of: NodeId| matches!(places[of.index()], Arg::Number(_));
+        let is_constant = match *node {
+            Node::Unary(op, a) => folds(a) && !reads_frame(op),
+            Node::Binary(op, a, b) => folds(a) && folds(b) && !reads_frame(op),
+            Node::Constant(_) => true,
+            Node::Input(_) | Node::Texture { .. } => false,
+        };
+        // One number in each frame, but not yet known: no step. As registers, thousands of them would outlive what reads
+        // them.
+        if matches!(numbers, Numbers::Unknown) && of_frame[*index] && !is_constant {
+            places[*index] = unknown;
+            continue;
+        }
         places[*index] = match *node {
             Node::Constant(number) => Arg::Number(number),
-            Node::Input(input) if input.of_point().is_none() => match numbers {
-                Numbers::Unknown => unknown,
-                Numbers::Typical => Arg::Number(TYPICAL),
-                Numbers::Of(frame) => Arg::Number(frame.value(input)),
-            },
+            Node::Input(input) if input.of_point().is_none() => Arg::Number(match numbers {
+                Numbers::Of(frame) => frame.value(input),
+                _ => TYPICAL,
+            }),
             Node::Input(_) | Node::Texture { .. } => of_point(*node),
             Node::Unary(op, a) if reads_frame(op) => {
                 program.push(op, no_number(places[a.index()]), Arg::Number(0.0), frame)

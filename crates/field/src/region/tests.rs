@@ -399,6 +399,35 @@ fn cells_hold_the_slopes_in_them() {
     }
 }
 
+/// Shared values lived until they were last read, and numbers of the frame counted as values, so that no interpreter
+/// could run the scene.
+#[test]
+fn a_foam_of_many_parts_needed_more_than_256_registers() {
+    let plan_of = |center: &str| {
+        let world = world_of(&format!("union(for i in 0..799: sphere(p - {center}, 0.1))"));
+        let plan = RegionPlan::new(&world);
+        (world, plan)
+    };
+    let numbers = plan_of("vec3(3 * sin(i * 12.9898 + t), 2 + sin(i + 0.7 * t), 3 * sin(i * 37.719 - t))");
+    // Each height is that of two parts, 400 parts apart.
+    let shared = plan_of("vec3(3 * sin(i * 12.9898), 2 + sin(t + mod(i, 400)), 3 * sin(i * 37.719))");
+    for (world, plan) in [numbers, shared] {
+        assert!(plan.runs(), "{:?}", plan.variant().registers);
+        assert!(!plan.variant().operators.contains(&Op::Sin), "{:?}", plan.variant().operators);
+        // The tree's tapes are those of the formula.
+        let inputs = inputs_of(&world, 3.5, 0.8);
+        let regions = plan.build(&inputs, &RegionOptions::default());
+        for number in 0..500 {
+            let at = point(&regions, number);
+            let asked = Point::at(at[0], at[1], at[2]);
+            let wanted = world.graph.evaluate(&world.roots.distance[..1], &asked, &inputs).unwrap();
+            let got = regions.distance(at, 0.0, &inputs);
+            assert!(random::same(got[0], wanted[0]), "{at:?}: {} instead of {}", got[0], wanted[0]);
+        }
+        assert!(registers_of(&regions, regions.whole_tape) <= plan.variant().registers);
+    }
+}
+
 #[test]
 fn the_remainder_of_an_infinite_period_was_a_number_in_cells() {
     for period in [f32::INFINITY, 100.0] {

@@ -1,0 +1,102 @@
+//! Shorter lives of shared values, for programs that would need too many registers: a value that is cheap to compute is
+//! computed again where it is read far from its last computation (rematerialisation; Briggs, Cooper and Torczon 1992).
+//!
+//! Equal operations give equal bits, so no result changes.
+
+use crate::graph::{Node, NodeId};
+
+/// A value that was computed more than this many nodes ago is computed again.
+const REACH: usize = 256;
+/// Most operations that are repeated for a value.
+const COST_MAX: u32 = 8;
+
+/// Nodes with their positions, operands first, some of them repeated at new positions.
+pub(super) struct ShortLives {
+    /// The nodes.
+    pub(super) nodes: Vec<(usize, Node)>,
+    /// How many positions there are.
+    pub(super) positions: usize,
+    /// By position in the old list: the newest position, and how many nodes preceded it.
+    newest: Vec<(usize, usize)>,
+    /// By position in the old list: the node and the operations that it takes, 0 for what takes no register.
+    sources: Vec<(Node, u32)>,
+}
+
+impl ShortLives {
+    /// The nodes of a list of `positions` positions, and of their repetitions.
+    pub(super) fn of(nodes: &[(usize, Node)], positions: usize) -> Self {
+        let none = (Node::Constant(0.0), 0);
+        let mut lives = Self {
+            nodes: Vec::with_capacity(nodes.len()),
+            positions,
+            newest: (0..positions).map(|position| (position, 0)).collect(),
+            sources: vec![none; positions],
+        };
+        for (position, node) in nodes {
+            let cost = lives.cost(*node);
+            if let Some(source) = lives.sources.get_mut(*position) {
+                *source = (*node, cost);
+            }
+            let node = lives.read(*node);
+            lives.append(*position, *position, node);
+        }
+        lives
+    }
+
+    /// Where the newest computation of a node of the old list is.
+    pub(super) fn position(&self, old: usize) -> usize {
+        self.newest.get(old).map_or(old, |(position, _)| *position)
+    }
+
+    /// The operations that a node takes; 0 for numbers, also those of the frame, and for the point.
+    fn cost(&self, node: Node) -> u32 {
+        let of = |id: NodeId| self.sources.get(id.index()).map_or(0, |(_, cost)| *cost);
+        let is_point = |id: NodeId| match self.sources.get(id.index()) {
+            Some((Node::Input(input), _)) => input.of_point().is_some(),
+            Some((_, cost)) => *cost > 0,
+            None => false,
+        };
+        match node {
+            Node::Constant(_) | Node::Input(_) | Node::Texture { .. } => 0,
+            Node::Unary(_, a) if is_point(a) => 1 + of(a),
+            Node::Binary(_, a, b) if is_point(a) || is_point(b) => (1 + of(a)).saturating_add(of(b)),
+            Node::Unary(..) | Node::Binary(..) => 0,
+        }
+    }
+
+    fn append(&mut self, old: usize, position: usize, node: Node) {
+        if let Some(newest) = self.newest.get_mut(old) {
+            *newest = (position, self.nodes.len());
+        }
+        self.nodes.push((position, node));
+    }
+
+    /// The node, reading the newest computations of its operands.
+    fn read(&mut self, node: Node) -> Node {
+        match node {
+            Node::Unary(op, a) => Node::Unary(op, self.operand(a)),
+            Node::Binary(op, a, b) => {
+                let a = self.operand(a);
+                Node::Binary(op, a, self.operand(b))
+            }
+            Node::Constant(_) | Node::Input(_) | Node::Texture { .. } => node,
+        }
+    }
+
+    /// The newest computation of a value, which is repeated if it is far and cheap. Recurses less than [`COST_MAX`] deep.
+    fn operand(&mut self, id: NodeId) -> NodeId {
+        let old = id.index();
+        let (Some(&(position, at)), Some(&(node, cost))) = (self.newest.get(old), self.sources.get(old))
+        else {
+            return id;
+        };
+        if cost == 0 || cost > COST_MAX || self.nodes.len() - at <= REACH {
+            return NodeId::at(position);
+        }
+        let node = self.read(node);
+        let position = self.positions;
+        self.positions += 1;
+        self.append(old, position, node);
+        NodeId::at(position)
+    }
+}
