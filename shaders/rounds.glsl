@@ -3,10 +3,11 @@
 // materials and light would no longer run, and the picture would show what happens to lie in the registers.
 //
 // Each texel of a tape is a round. Rays therefore take as many steps as they can afford, and longer ones when they are
-// few. Surfaces always get their rounds, because all rays end long before the limit.
+// few. The rest of the rounds is for surfaces.
 
-// How many rounds of the pixel may have run while rays of a kind are still traced. The pixels of a group run as many
-// rounds as the longest of them in each step, so these numbers stay below half of the limit.
+// How many rounds of the pixel may have run while rays of a kind are still traced. A group runs as many rounds in each step
+// as the longest of its pixels. A pixel cannot count those of the others, so these numbers leave room: they are measured,
+// not proven.
 const int EYE_ROUNDS = 26000;
 const int MIRROR_ROUNDS = 30000;
 const int SHADOW_ROUNDS = 40000;
