@@ -60,6 +60,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("lib", EVERYTHING),
     ("cli", EVERYTHING),
     ("limits", &[]),
+    ("commands", &["config", "scenes"]),
     ("placement", &[]),
     ("ending", &[]),
     ("faults", &[]),
@@ -85,6 +86,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "app",
         &[
+            "commands",
             "scenes",
             "frame",
             "view",
@@ -144,7 +146,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("signal_hook", &["ending"]),
     ("notify", &["scenes"]),
     // Whoever draws knows features of the sound, not where it comes from.
-    ("mariana_player", &["app", "export", "cli", "config", "demo_track", "song_structures"]),
+    ("mariana_player", &["app", "commands", "export", "cli", "config", "demo_track", "song_structures"]),
 ];
 
 /// Folders without I/O, clocks and threads: the same input gives the same output.

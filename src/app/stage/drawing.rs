@@ -8,11 +8,12 @@ use super::outputs::{Canvas, Lay};
 use crate::app::drawing_pace::{Verdict, drawn_size};
 use crate::app::dynamic_resolution::Level;
 use crate::app::error::AppError;
-use crate::app::overlay::{Overlay, OverlayContent, Panel, PanelSwitches};
+use crate::app::overlay::{Overlay, OverlayContent, PanelSwitches};
 use crate::app::scene_regions::Shown;
 use crate::app::scene_stage::{Drawn, WantedPicture};
 use crate::app::wallpaper::Wallpaper;
 use crate::app::window::GlWindowContext;
+use crate::commands::Panel;
 use crate::gpu::error::GpuError;
 use mariana_player::Moment;
 
@@ -141,7 +142,7 @@ impl Stage {
         if painted.params_changed {
             self.scene.note_moved();
         }
-        self.requests.extend(painted.requests);
+        self.ui_events.extend(painted.events);
         if let Some(controls) = painted.controls {
             self.controls.tell(controls);
         }

@@ -178,7 +178,7 @@ impl Opening<'_> {
             input: UserInput::default(),
             occluded: false,
             pointer_rest: PointerRest::default(),
-            requests: Vec::new(),
+            ui_events: Vec::new(),
             thumbnails: None,
             thumbnails_ahead: (!settings.wallpaper).then(|| thumbnails_ahead_at(now)),
             last_folder: None,
