@@ -15,7 +15,7 @@ use crate::limits::LIMITS;
 use mariana_field::lang::material_glsl;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
-static EMBEDDED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
+static EMBEDDED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../shaders");
 
 /// A generated file: what the shaders know about materials is made from the table of their fields.
 const MATERIAL_FIELDS: &str = "material_fields.glsl";

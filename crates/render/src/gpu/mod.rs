@@ -21,6 +21,7 @@ pub mod picture_reader;
 pub mod post;
 pub mod probe;
 pub mod program;
+pub mod program_store;
 pub mod renderer;
 pub mod samplers;
 pub mod scene_program;

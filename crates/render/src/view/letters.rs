@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use egui::epaint::text::{Fonts, TextOptions};
-use egui::{Color32, ColorImage, FontDefinitions, FontId};
+use epaint::text::{FontDefinitions, Fonts, TextOptions};
+use epaint::{Color32, ColorImage, FontId};
 
 use crate::reading_order::as_seen;
 use crate::system_fonts::SystemFonts;

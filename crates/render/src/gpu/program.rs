@@ -10,8 +10,8 @@ use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use super::error::GpuError;
 use super::gl::{Gl, GlInfo};
 use super::object::ProgramObject;
+use super::program_store::ProgramKey;
 use super::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble, name_places};
-use crate::program_cache::ProgramKey;
 
 /// The uniform blocks of the shaders, with their binding points (see `shaders/README.md`).
 pub const UNIFORM_BLOCKS: [(&str, u32); 7] = [

@@ -1,6 +1,6 @@
 //! A worker's context: makes programs there, from what was kept of them or from their texts, and draws with each once.
 //!
-//! **What a driver made is kept** from run to run ([`crate::program_cache`]): from the second start on it is only handed
+//! **What a driver made is kept** from run to run ([`crate::gpu::program_store`]): from the second start on it is only handed
 //! to the driver again. A driver that dies of its own form of a program compiles it the next time; an interpreter that
 //! it refuses, or dies of twice, is not tried again, because the scene can be drawn in other ways.
 
@@ -13,11 +13,11 @@ use crate::frame::picture::Picture;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::program::{Program, ProgramBinary, ReadyProgram};
+use crate::gpu::program_store::{ProgramKey, Work};
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::SCENE_SHADER;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::gpu::stand_ins::{SceneShape, StandIns};
-use crate::program_cache::{ProgramKey, Work};
 
 /// Size of the pictures that warm a program up: no power of two, because those of windows are none either (see
 /// [`crate::gpu::stand_ins`]).

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::program_store::GivenUp;
 use super::scene_program::DoesNotFit;
 use super::shader_source::ShaderSourceError;
-use crate::program_cache::GivenUp;
 use mariana_field::world::WorldError;
 
 /// An error of the GPU side. Each message says what, where and what to do.

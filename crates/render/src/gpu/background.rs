@@ -28,6 +28,7 @@ use glutin::display::{Display, GlDisplay};
 use super::error::GpuError;
 use super::gl::{Gl, GlInfo};
 use super::program::{ProgramTexts, ReadyProgram};
+use super::program_store::ProgramStore;
 use super::scene_program::SCENE_SHADER;
 use super::shader_source::{ShaderLibrary, Variant};
 use super::stand_ins::SceneShape;
@@ -35,7 +36,6 @@ use crate::faults::{self, Fault};
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
 use crate::limits::LIMITS;
-use crate::program_cache::ProgramCache;
 use studio::{Made, Studio};
 
 /// A context for a worker, not current anywhere yet.
@@ -274,7 +274,7 @@ pub struct Sources {
     /// The shaders' files.
     pub library: ShaderLibrary,
     /// What was kept from earlier runs, and where it is kept for later ones.
-    pub cache: ProgramCache,
+    pub cache: Arc<dyn ProgramStore>,
 }
 
 fn work(

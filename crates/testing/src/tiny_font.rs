@@ -3,7 +3,7 @@
 use tempfile::TempDir;
 
 /// What is in a font.
-pub(crate) struct TinyFont<'a> {
+pub struct TinyFont<'a> {
     /// Its family's name.
     pub name: &'a str,
     /// The language of its name, as Windows counts them.
@@ -16,12 +16,12 @@ pub(crate) struct TinyFont<'a> {
 
 impl<'a> TinyFont<'a> {
     /// A font with an English name.
-    pub(crate) fn new(name: &'a str, letters: &'a str) -> Self {
+    pub fn new(name: &'a str, letters: &'a str) -> Self {
         Self { name, language: 0x409, letters, side: 800 }
     }
 
     /// Its file: TrueType, as <https://learn.microsoft.com/typography/opentype/spec/> has it.
-    pub(crate) fn bytes(&self) -> Vec<u8> {
+    pub fn bytes(&self) -> Vec<u8> {
         let mut letters: Vec<char> = self.letters.chars().collect();
         letters.sort_unstable();
         let count = letters.len() as u16 + 1;
@@ -53,7 +53,7 @@ impl<'a> TinyFont<'a> {
 }
 
 /// A folder with files of these names.
-pub(crate) fn folder_of(files: &[(&str, Vec<u8>)]) -> TempDir {
+pub fn folder_of(files: &[(&str, Vec<u8>)]) -> TempDir {
     let folder = tempfile::tempdir().expect("a folder for the test");
     for (name, bytes) in files {
         std::fs::write(folder.path().join(name), bytes).expect("a file for the test");

@@ -3,17 +3,13 @@
 //! Finding them reads folders and files, so whoever must not wait asks on a thread of its own. A file that is damaged
 //! is passed over, and so is a letter that its font would draw many times larger than the others.
 
-#[cfg(test)]
-pub(crate) mod tiny_font;
-
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use egui::FontData;
-use egui::epaint::text::{FontInsert, FontPriority, InsertFontFamily};
+use epaint::text::{FontData, FontInsert, FontPriority, InsertFontFamily};
 use fontdb::{Database, FaceInfo, ID, Source, Stretch, Style};
 use skrifa::instance::{LocationRef, Size};
 use skrifa::{FontRef, MetadataProvider};
@@ -214,15 +210,15 @@ fn insert(face: &FaceInfo, bytes_max: u64) -> Option<(FontInsert, u64)> {
     let font = FontInsert {
         name: format!("{} ({})", face.post_script_name, path.display()),
         data: FontData { index: face.index, ..FontData::from_owned(data) },
-        families: vec![behind(egui::FontFamily::Proportional), behind(egui::FontFamily::Monospace)],
+        families: vec![behind(epaint::FontFamily::Proportional), behind(epaint::FontFamily::Monospace)],
     };
     Some((font, bytes))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::tiny_font::{TinyFont, folder_of};
     use super::*;
+    use mariana_testing::tiny_font::{TinyFont, folder_of};
 
     fn found(fonts: &mut SystemFonts, letters: &str) -> Vec<String> {
         let found = fonts.with_letters(&letters.chars().collect());
