@@ -1,7 +1,8 @@
 //! Counts the flashes of a moving picture.
 
+use super::fields;
+use super::grid::{CELLS, Grid, luminance};
 use super::swing::{DEFINED, LightSwing, RedSwing, Times};
-use super::{CELLS, Grid, fields, luminance};
 
 /// Flashes that cover no more than this share of a field of view do not count.
 const AREA: f64 = 0.25;
@@ -78,7 +79,7 @@ impl Analyser {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{COLUMNS, ROWS};
+    use super::super::grid::{COLUMNS, ROWS};
     use super::*;
 
     /// The flashes of four seconds in which a colour is on for half of each period, in some of the cells.

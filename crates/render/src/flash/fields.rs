@@ -1,6 +1,6 @@
 //! Ten degrees of the field of view: every rectangle of a third of the picture's width and height, wherever it lies.
 
-use super::{CELLS, COLUMNS, ROWS};
+use super::grid::{CELLS, COLUMNS, ROWS};
 
 pub(super) const WIDTH: usize = COLUMNS / 3;
 pub(super) const HEIGHT: usize = ROWS / 3;

@@ -18,8 +18,9 @@
 //! a change that hardly counts is dated as late as possible. A rise that is too early by less than a frame or so is only
 //! put off until it is not: three flashes a second that follow the frames would otherwise be limited now and then.
 
+use super::fields;
+use super::grid::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, luminance};
 use super::swing::{CAUTIOUS, Change, LightSwing, ROUNDING, RedSwing, Times};
-use super::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, fields, luminance};
 
 /// Share of a field from which on flashes are limited: somewhat less than the share that counts.
 pub(super) const AREA: f64 = 0.2;

@@ -1,13 +1,13 @@
 //! What the limiter's shaders share with [`super::Limiter`]: its numbers, as GLSL.
 
 use super::fields::{HEIGHT, WIDTH};
+use super::grid::{COLUMNS, FLASHES_MAX, ROWS};
 use super::limiter::{
     AREA, CEILING_RISE, EARLY, FOLLOW, GREY, HOLD, KNEE, OPEN, REACH, RED_RELEASE, RELEASE, SWING,
 };
 use super::swing::{
     CAUTIOUS, FLARE, RED, ROUNDING, SURE_CHANGE, SURE_DARKER, SURE_RED_CHANGE, SURE_RED_SHARE,
 };
-use super::{COLUMNS, FLASHES_MAX, ROWS};
 
 const _: () = assert!(FLASHES_MAX == 3, "the shaders remember six changes before the newest one");
 const _: () = assert!(COLUMNS.is_multiple_of(2) && COLUMNS <= 48, "half a row is the bits of a float");

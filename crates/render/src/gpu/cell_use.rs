@@ -1,6 +1,6 @@
 //! When rays look up the cells of a tree of regions.
 
-use super::scene_program::Mode;
+use super::mode::Mode;
 use mariana_field::world::{TapeBuffers, World};
 
 /// When space is divided into cells. The picture is the same.

@@ -3,8 +3,6 @@
 use std::path::PathBuf;
 
 use super::program_store::GivenUp;
-use super::scene_program::DoesNotFit;
-use super::shader_source::ShaderSourceError;
 use mariana_field::world::WorldError;
 
 /// An error of the GPU side. Each message says what, where and what to do.
@@ -96,5 +94,75 @@ pub enum GpuError {
         what: String,
         /// What was being done.
         doing: &'static str,
+    },
+}
+
+/// Why a scene cannot be interpreted by a driver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum DoesNotFit {
+    /// Its programs are too long for a texture buffer.
+    #[error(
+        "the scene's tape needs {needed} texels of a texture buffer, but the driver has {available}: it is compiled \
+         instead"
+    )]
+    Texels {
+        /// Texels that are needed.
+        needed: usize,
+        /// Texels that the driver reports.
+        available: usize,
+    },
+    /// Its distance keeps more values at once than a tape has registers.
+    #[error(
+        "the scene's distance keeps more than 256 values at once, which no region's tape can do: it is compiled instead"
+    )]
+    Registers,
+}
+
+/// Why shader text could not be put together.
+#[derive(Debug, thiserror::Error)]
+pub enum ShaderSourceError {
+    /// The folder of `--shaders` lacks a file, or it cannot be read.
+    #[error(
+        "the shader file {path} cannot be read: give --shaders a folder that holds every file of shaders/"
+    )]
+    Unreadable {
+        /// The file that was looked for.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// No embedded file has that name.
+    #[error(
+        "there is no shader file '{name}' (included by {asked_by}): correct the name in the #include line"
+    )]
+    Unknown {
+        /// The name as it was written.
+        name: String,
+        /// The file and line that ask for it.
+        asked_by: String,
+    },
+    /// An include line that is not of the form `#include "name"`.
+    #[error("{file}:{line}: write the include as #include \"name.glsl\", just a name, without folders")]
+    BadInclude {
+        /// The file with the line.
+        file: String,
+        /// Its line, from 1.
+        line: usize,
+    },
+    /// Includes nested deeper than [`mariana_field::limits::Limits::include_depth_max`].
+    #[error("{file}: shader includes are nested deeper than {limit}: take some out")]
+    TooDeep {
+        /// The file at which the limit was met.
+        file: String,
+        /// The limit.
+        limit: usize,
+    },
+    /// More text than [`crate::limits::Limits::shader_bytes_max`].
+    #[error("{file}: the shader is longer than {limit} bytes with its includes: take some out")]
+    TooLong {
+        /// The shader.
+        file: String,
+        /// The limit.
+        limit: usize,
     },
 }

@@ -1,5 +1,14 @@
 //! The counts of a counting renderer.
 
+/// Whether a renderer counts distance evaluations (slower) or not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Counting {
+    /// Pictures only.
+    Off,
+    /// Pictures and [`Evaluations`].
+    On,
+}
+
 /// Distance evaluations of one picture, summed over its pixels and samples, by kind of ray.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
 pub struct Evaluations {

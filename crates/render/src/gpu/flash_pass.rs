@@ -20,7 +20,7 @@ use glow::HasContext;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::VertexArray;
-use super::post::Block;
+use super::passes::Block;
 use super::program::{Program, ProgramTexts, unit_of};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};

@@ -6,7 +6,7 @@
 
 use super::error::GpuError;
 use super::gl::Gl;
-use super::post::Passes;
+use super::passes::Passes;
 use super::program::{LazyProgram, unit_of};
 use super::target::{Target, Texel};
 use crate::frame::picture::BLUR_MAX;

@@ -16,7 +16,9 @@ pub mod headless;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub mod heaps;
 mod lens;
+mod mode;
 pub mod object;
+mod passes;
 pub mod picture_reader;
 pub mod post;
 pub mod probe;

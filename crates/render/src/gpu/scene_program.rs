@@ -10,10 +10,11 @@
 //! loops over the rest.
 
 use super::cell_use::CellUse;
-use super::error::GpuError;
+use super::error::{DoesNotFit, GpuError};
+use super::evaluations::Counting;
 use super::gl::{Gl, GlInfo};
+pub use super::mode::Mode;
 use super::program::Program;
-use super::renderer::Counting;
 use super::shader_source::{ShaderLibrary, Variant};
 use crate::frame::block::block_defines;
 use crate::view::scale;
@@ -32,25 +33,6 @@ const STEEP_DEFINE: &str = "STEEP 1";
 /// Scenes with more clauses are interpreted unless compiling is asked for: drivers take minutes for them.
 pub const COMPILED_BY_ITSELF_MAX: usize = 6_000;
 
-/// How a scene's expressions are run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Mode {
-    /// From the tape in a texture buffer.
-    Interpreted,
-    /// As GLSL generated for the scene.
-    Compiled,
-}
-
-impl std::fmt::Display for Mode {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Mode::Interpreted => "interpreted",
-            Mode::Compiled => "compiled",
-        })
-    }
-}
-
 /// A variant of the interpreter.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interpreter {
@@ -60,27 +42,6 @@ pub struct Interpreter {
     regions: RegionVariant,
     /// What else the shaders hold.
     traits: SceneFeatures,
-}
-
-/// Why a scene cannot be interpreted by a driver.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum DoesNotFit {
-    /// Its programs are too long for a texture buffer.
-    #[error(
-        "the scene's tape needs {needed} texels of a texture buffer, but the driver has {available}: it is compiled \
-         instead"
-    )]
-    Texels {
-        /// Texels that are needed.
-        needed: usize,
-        /// Texels that the driver reports.
-        available: usize,
-    },
-    /// Its distance keeps more values at once than a tape has registers.
-    #[error(
-        "the scene's distance keeps more than 256 values at once, which no region's tape can do: it is compiled instead"
-    )]
-    Registers,
 }
 
 impl Interpreter {

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
 
+pub use super::error::ShaderSourceError;
 use super::gl::GlInfo;
 use crate::flash::rules_glsl;
 use crate::limits::LIMITS;
@@ -27,55 +28,6 @@ const FLASH_RULES: &str = "flash_rules.glsl";
 /// pictures on the processor (`SOFTWARE`).
 pub fn driver_preamble(info: &GlInfo) -> &'static str {
     if info.software { "#version 330 core\n#define SOFTWARE 1\n" } else { "#version 330 core\n" }
-}
-
-/// Why shader text could not be put together.
-#[derive(Debug, thiserror::Error)]
-pub enum ShaderSourceError {
-    /// The folder of `--shaders` lacks a file, or it cannot be read.
-    #[error(
-        "the shader file {path} cannot be read: give --shaders a folder that holds every file of shaders/"
-    )]
-    Unreadable {
-        /// The file that was looked for.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// No embedded file has that name.
-    #[error(
-        "there is no shader file '{name}' (included by {asked_by}): correct the name in the #include line"
-    )]
-    Unknown {
-        /// The name as it was written.
-        name: String,
-        /// The file and line that ask for it.
-        asked_by: String,
-    },
-    /// An include line that is not of the form `#include "name"`.
-    #[error("{file}:{line}: write the include as #include \"name.glsl\", just a name, without folders")]
-    BadInclude {
-        /// The file with the line.
-        file: String,
-        /// Its line, from 1.
-        line: usize,
-    },
-    /// Includes nested deeper than [`mariana_field::limits::Limits::include_depth_max`].
-    #[error("{file}: shader includes are nested deeper than {limit}: take some out")]
-    TooDeep {
-        /// The file at which the limit was met.
-        file: String,
-        /// The limit.
-        limit: usize,
-    },
-    /// More text than [`crate::limits::Limits::shader_bytes_max`].
-    #[error("{file}: the shader is longer than {limit} bytes with its includes: take some out")]
-    TooLong {
-        /// The shader.
-        file: String,
-        /// The limit.
-        limit: usize,
-    },
 }
 
 /// A folder of shader files: the embedded one, or one on disk.

@@ -99,3 +99,43 @@ impl FrameTimer {
         newest
     }
 }
+
+/// How long a GPU takes for pictures that are drawn in one go, where that is asked for.
+#[derive(Default)]
+pub(super) struct PictureClock {
+    timer: Option<FrameTimer>,
+    /// The last time, until it is taken for the costs of a scene.
+    cost: Option<Duration>,
+}
+
+impl PictureClock {
+    /// A clock that takes times.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver has no query left.
+    pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
+        Ok(Self { timer: Some(FrameTimer::new(gl)?), cost: None })
+    }
+
+    /// Begins a picture.
+    pub(super) fn begin(&mut self) {
+        self.timer.iter_mut().for_each(FrameTimer::begin);
+    }
+
+    /// Ends the picture.
+    pub(super) fn end(&mut self) {
+        self.timer.iter_mut().for_each(FrameTimer::end);
+    }
+
+    /// The newest time, if one has become known since the last call.
+    pub(super) fn take(&mut self) -> Option<Duration> {
+        let time = self.timer.as_mut()?.take();
+        self.cost = time.or(self.cost);
+        time
+    }
+
+    /// The last time that [`PictureClock::take`] gave, once.
+    pub(super) fn take_cost(&mut self) -> Option<Duration> {
+        self.cost.take()
+    }
+}

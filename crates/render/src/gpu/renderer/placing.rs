@@ -1,16 +1,12 @@
-//! What happens to a finished picture on its way to screens: a share of its light is taken away, and it is put where it
-//! lies in a window.
-//!
-//! A picture that keeps all of its light and fills its window is copied as it is, byte for byte ([`Renderer::show`]).
+//! Where a finished picture lies in a window, and how much of its light is left.
 
-use super::{LazyProgram, Renderer, Target, Texel};
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
-use crate::gpu::picture_reader::PictureReader;
-use crate::gpu::post::Block;
-use crate::gpu::program::unit_of;
+use crate::gpu::passes::{Block, Passes};
+use crate::gpu::program::{LazyProgram, unit_of};
 use crate::gpu::shader_source::{ShaderLibrary, Variant};
-use crate::placement::{Area, Map, WHOLE, within};
+use crate::gpu::target::{Target, Texel};
+use crate::placement::{Area, Map, within};
 
 /// The shaders of this module; tests compile them all.
 pub const PLACING_SHADERS: [&str; 2] = ["dim.frag", "place.frag"];
@@ -22,10 +18,8 @@ pub(super) struct Placing {
     block: Block,
     /// The share of the light that is left, 0..1.
     gain: f32,
-    /// The finished picture with that share.
-    pub(super) dimmed: Option<Target>,
-    /// Whether [`Renderer`]'s copy without flashes is of what shows now.
-    has_copy: bool,
+    /// The finished picture with that share, if it has less than all.
+    dimmed: Option<Target>,
 }
 
 impl Placing {
@@ -36,14 +30,13 @@ impl Placing {
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         let [dim, place] =
             PLACING_SHADERS.map(|name| move || LazyProgram::new(gl, library, name, &Variant::default()));
-        Ok(Self {
-            dim: dim()?,
-            place: place()?,
-            block: Block::new(gl, "PlaceBlock")?,
-            gain: 1.0,
-            dimmed: None,
-            has_copy: false,
-        })
+        let block = Block::new(gl, "PlaceBlock")?;
+        Ok(Self { dim: dim()?, place: place()?, block, gain: 1.0, dimmed: None })
+    }
+
+    /// The share of the light that is left, 0..1.
+    pub(super) fn gain(&self) -> f32 {
+        self.gain
     }
 
     /// The finished picture with less light, if it has less.
@@ -51,143 +44,66 @@ impl Placing {
         self.dimmed.as_ref()
     }
 
-    /// What shows is no longer what was copied.
-    pub(super) fn forget_copy(&mut self) {
-        self.has_copy = false;
-    }
-}
-
-impl Renderer {
-    /// Width and height of the picture that shows, in pixels.
-    pub fn shape(&self) -> Option<(u32, u32)> {
-        self.finished().map(Target::size)
-    }
-
-    /// The share of the light that the picture which shows has left, 0..1.
-    pub fn gain(&self) -> f32 {
-        self.placing.as_ref().map_or(1.0, |placing| placing.gain)
-    }
-
-    /// Leaves the picture that was finished last this share of its light, 0..1. It is to be called for each picture,
-    /// before its flashes are limited: they are those of what shows. Only a renderer does it that was told to
-    /// ([`Renderer::add_dimming`]).
+    /// Leaves a finished picture this share of its light.
     ///
     /// # Errors
     /// No room for a copy of the picture.
-    pub fn dim(&mut self, gain: f32) -> Result<(), GpuError> {
-        let Some(mut placing) = self.placing.take() else { return Ok(()) };
-        placing.gain = gain.clamp(0.0, 1.0);
-        placing.has_copy = false;
-        let old = placing.dimmed.take();
-        let dimmed = self.dimmed(&placing, old).map(|dimmed| placing.dimmed = dimmed);
-        self.placing = Some(placing);
-        dimmed?;
-        self.gl.check("dimming a picture")
-    }
-
-    /// The finished picture with the share of its light, in `room` if it has the same size; none if it keeps all.
-    fn dimmed(&self, placing: &Placing, room: Option<Target>) -> Result<Option<Target>, GpuError> {
-        let Some(finished) = self.finished().filter(|_| placing.gain < 1.0) else { return Ok(None) };
+    pub(super) fn dim(
+        &mut self,
+        passes: &Passes,
+        finished: Option<&Target>,
+        gain: f32,
+    ) -> Result<(), GpuError> {
+        self.gain = gain.clamp(0.0, 1.0);
+        let room = self.dimmed.take();
+        let Some(finished) = finished.filter(|_| self.gain < 1.0) else { return Ok(()) };
         let dimmed = match room.filter(|room| room.size() == finished.size()) {
             Some(room) => room,
-            None => Target::new(&self.gl, finished.size(), &[Texel::Rgba8], None)?,
+            None => Target::new(&passes.gl, finished.size(), &[Texel::Rgba8], None)?,
         };
-        self.prepare_passes();
+        passes.prepare();
         finished.bind_color(0, unit_of("picture"));
-        self.post.passes().draw_with(&placing.dim, &dimmed, [placing.gain, 0.0])?;
-        Ok(Some(dimmed))
+        passes.draw_with(&self.dim, &dimmed, [self.gain, 0.0])?;
+        self.dimmed = Some(dimmed);
+        Ok(())
     }
 
-    /// Copies the picture to the window's framebuffer of `window` pixels, where `map` says: from places in the window to
-    /// places in the picture, both to the right and down as shares. `part` of the picture shows, and black around it.
+    /// Draws a part of a picture into an area of the window's framebuffer of `window` pixels, where `map` says.
     ///
     /// # Errors
-    /// An error that the driver reports, or no room for a copy without flashes.
-    pub fn show_placed(&mut self, window: (u32, u32), map: &Map, part: Area) -> Result<(), GpuError> {
-        self.show_in_part(window, WHOLE, map, part)
-    }
-
-    /// The same in `area` of the window alone; the rest of it stays as it is.
-    ///
-    /// # Errors
-    /// As [`Renderer::show_placed`].
-    pub fn show_in_part(
-        &mut self,
-        window: (u32, u32),
-        [left, top, right, bottom]: Area,
-        map: &Map,
-        part: Area,
+    /// What the driver says about a malformed shader.
+    pub(super) fn place(
+        &self,
+        passes: &Passes,
+        picture: &Target,
+        (window, [left, top, right, bottom]): ((u32, u32), Area),
+        (map, part): (&Map, Area),
     ) -> Result<(), GpuError> {
-        self.copy_without_flashes()?;
-        let (Some(picture), Some(placing)) = (self.as_shown(), &self.placing) else { return Ok(()) };
-        placing.block.set(&numbers(map, part));
-        self.prepare_passes();
+        self.block.set(&numbers(map, part));
+        passes.prepare();
         picture.bind_color(0, unit_of("picture"));
         let edge = |share: f64, side: u32| (share * f64::from(side)).round() as i32;
         let (from, to) = (edge(left, window.0), edge(right, window.0));
         let (low, high) = (edge(1.0 - bottom, window.1), edge(1.0 - top, window.1));
-        let area = [from, low, to - from, high - low];
-        self.post.passes().draw_in_window(&placing.place, window, Some(area))?;
-        self.gl.check("showing a frame")
+        passes.draw_in_window(&self.place, window, Some([from, low, to - from, high - low]))
     }
 
-    /// Sends the picture on its way to whoever reads it, as [`Renderer::show_placed`] puts it into a window of the
-    /// reader's size, the top row first. False if it was left out, because too many are on their way.
+    /// Draws a part of a picture all over a target, where `map` says, the top row first.
     ///
     /// # Errors
-    /// As [`Renderer::show_placed`].
-    pub fn send_placed(
-        &mut self,
-        reader: &mut PictureReader,
-        map: &Map,
-        part: Area,
-    ) -> Result<bool, GpuError> {
-        self.copy_without_flashes()?;
-        let (Some(picture), Some(placing)) = (self.as_shown(), &self.placing) else { return Ok(false) };
+    /// What the driver says about a malformed shader.
+    pub(super) fn place_in(
+        &self,
+        passes: &Passes,
+        picture: &Target,
+        target: &Target,
+        (map, part): (&Map, Area),
+    ) -> Result<(), GpuError> {
         // OpenGL's first row is the lowest one.
-        let over = within([0.0, 1.0, 1.0, 0.0], map);
-        placing.block.set(&numbers(&over, part));
-        self.prepare_passes();
+        self.block.set(&numbers(&within([0.0, 1.0, 1.0, 0.0], map), part));
+        passes.prepare();
         picture.bind_color(0, unit_of("picture"));
-        self.post.passes().draw_with(&placing.place, reader.target(), [0.0; 2])?;
-        let begun = reader.begin();
-        self.gl.check("sending a picture").map(|()| begun)
-    }
-
-    /// The picture as screens show it, once its flashes are limited in a copy.
-    fn as_shown(&self) -> Option<&Target> {
-        let limited = self.limited.as_ref().filter(|_| self.is_limited && self.flashes.is_some());
-        limited.or(self.bright_as_shown())
-    }
-
-    /// The picture with the share of its light that is left, whatever flashes in it.
-    pub(super) fn bright_as_shown(&self) -> Option<&Target> {
-        self.placing.as_ref().and_then(Placing::dimmed).or(self.finished())
-    }
-
-    /// Whether the copy in which flashes are limited is of what shows. Without a window it always is.
-    pub(super) fn is_copied(&self) -> bool {
-        self.upscale.is_none() || self.placing.as_ref().is_none_or(|placing| placing.has_copy)
-    }
-
-    /// Makes the copy of what shows in which flashes are limited, if there is none and they are limited.
-    fn copy_without_flashes(&mut self) -> Result<(), GpuError> {
-        if self.is_copied() || !self.is_limited {
-            return Ok(());
-        }
-        let room = self.limited.take();
-        let (Some(flashes), Some(picture)) = (&self.flashes, self.bright_as_shown()) else { return Ok(()) };
-        let copy = match room.filter(|copy| copy.size() == picture.size()) {
-            Some(copy) => copy,
-            None => Target::new(&self.gl, picture.size(), &[Texel::Rgba8], None)?,
-        };
-        picture.blit_to(&copy);
-        flashes.limit(picture, &copy);
-        self.limited = Some(copy);
-        if let Some(placing) = &mut self.placing {
-            placing.has_copy = true;
-        }
-        Ok(())
+        passes.draw_with(&self.place, target, [0.0; 2])
     }
 }
 
