@@ -19,10 +19,10 @@ use crate::config::{Choices, QualityChoice};
 use crate::documents::KeptTexts;
 use crate::scenes::{Drafts, SceneSource};
 use crate::system_fonts::SystemFonts;
-use crate::system_fonts::tiny_font::{TinyFont, folder_of};
 use mariana_control::Hand;
 use mariana_player::{ListedTrack, ListedTracks};
 use mariana_testing::process::wait_until;
+use mariana_testing::tiny_font::{TinyFont, folder_of};
 
 mod assisted;
 mod hands;

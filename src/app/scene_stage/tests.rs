@@ -14,7 +14,6 @@ use crate::gpu::background::Sources;
 use crate::gpu::cell_use::CellUse;
 use crate::gpu::headless::Headless;
 use crate::gpu::shader_source::ShaderLibrary;
-use crate::program_cache::ProgramCache;
 use crate::scenes::{Drafts, Loader, NumberEdits, SceneSource, TextureCache};
 use crate::show::{Programme, ShowSource};
 
@@ -75,7 +74,7 @@ impl Staged {
         });
         let loaded = loaded.unwrap();
         let first = LoadedScene { source: loaded.source, scene: loaded.value.unwrap() };
-        let sources = Sources { library: ShaderLibrary::embedded(), cache: ProgramCache::off() };
+        let sources = Sources { library: ShaderLibrary::embedded(), cache: Arc::new(()) };
         let ways = DrawingWays { sdf: SdfChoice::Compiled, cells: CellUse::Never, view: None, fade: 0.0 };
         let loaders = SceneLoaders { shown, ahead: None };
         let stage = SceneStage::new(context.gl(), Vec::new(), sources, ways, loaders, first, || {}).unwrap();
