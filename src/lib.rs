@@ -22,6 +22,7 @@ pub mod program_cache;
 pub mod reading_order;
 pub mod scenes;
 pub mod sending;
+pub mod session;
 pub mod show;
 pub mod song_structures;
 pub mod srgb;

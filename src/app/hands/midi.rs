@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use super::deeds;
-use crate::app::scene_stage::SceneStage;
 use crate::app::window_thread::Waker;
 use crate::config::{HandSettings, KnobEdit, KnobMemory};
+use crate::session::scene::SceneStage;
 use mariana_control::midi::{
     ClockReading, KnobMove, Learning, Mapping, MidiHub, MidiState, Outcome, Ports, SystemPorts, Target,
 };

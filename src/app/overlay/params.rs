@@ -4,9 +4,9 @@
 
 use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::content::Slider;
 use super::requests::Request;
 use super::{assisted, style};
+use mariana_control::Slider;
 
 /// Width of the panel in points, if the window is wide enough.
 const WIDTH: f32 = 260.0;

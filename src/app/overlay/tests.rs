@@ -9,7 +9,7 @@ use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, Vec2};
 
 use super::panels::{LaidOut, Panels};
 use super::{
-    Bar, Notice, NowPlaying, OverlayContent, Panel, Problem, Request, SettingRequest, Slider, SourceList,
+    Bar, Notice, NowPlaying, OverlayContent, Panel, Problem, Request, SettingRequest, SourceList,
     TrackRequest, Tracks, style,
 };
 use crate::app::editor::Editor;
@@ -20,7 +20,7 @@ use crate::documents::KeptTexts;
 use crate::scenes::{Drafts, SceneSource};
 use crate::system_fonts::SystemFonts;
 use crate::system_fonts::tiny_font::{TinyFont, folder_of};
-use mariana_control::Hand;
+use mariana_control::{Hand, Slider};
 use mariana_player::{ListedTrack, ListedTracks};
 use mariana_testing::process::wait_until;
 
