@@ -19,6 +19,7 @@ pub mod limits;
 pub mod program_cache;
 pub mod scenes;
 pub mod sending;
+pub mod session;
 pub mod show;
 pub mod song_structures;
 pub mod thumbnails;

@@ -13,7 +13,6 @@ use super::accessibility::ControlsTeller;
 use super::error::AppError;
 use super::feeds::Sends;
 use super::monitors;
-use super::scene_stage::{LoadedScene, SceneLoader, SceneLoaders};
 use super::stage::{Opening, Stage, renewed};
 use super::wallpaper::{FPS, Layers, around, is_wayland, of_screen_saver};
 use super::window::{Ground, OpenWindow, WindowWishes};
@@ -25,6 +24,7 @@ use crate::export::print::print_line;
 use crate::gpu::error::GpuError;
 use crate::gpu::headless::Headless;
 use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneSource, TextureCache};
+use crate::session::scene::{LoadedScene, SceneLoader, SceneLoaders};
 use mariana_player::playlist::Opened;
 
 /// A context that is lost again this soon after it was made anew is not made again.

@@ -103,11 +103,13 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("sending", &["limits", "y4m"]),
     ("y4m", &[]),
     ("show", &["limits", "scenes"]),
+    ("session", &["config", "faults", "frame", "gpu", "limits", "program_cache", "scenes", "show", "view"]),
     (
         "app",
         &[
             "commands",
             "scenes",
+            "session",
             "frame",
             "view",
             "gpu",
@@ -164,7 +166,10 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("signal_hook", &["ending"]),
     ("notify", &["scenes"]),
     // Whoever draws knows features of the sound, not where it comes from.
-    ("mariana_player", &["app", "commands", "export", "cli", "config", "demo_track", "song_structures"]),
+    (
+        "mariana_player",
+        &["app", "commands", "export", "cli", "config", "demo_track", "session", "song_structures"],
+    ),
 ];
 
 /// Folders without I/O, clocks and threads: the same input gives the same output.

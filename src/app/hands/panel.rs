@@ -13,9 +13,9 @@ use winit::keyboard::{Key, NamedKey};
 use super::phone::PhoneFacts;
 use rows::rows_of;
 
-use crate::app::overlay::Slider;
 use crate::commands::Command;
 use crate::config::KnobEdit;
+use mariana_control::Slider;
 use mariana_control::midi::{Curve, Mapping, MidiState, Target};
 use mariana_remote::Invitation;
 

@@ -48,7 +48,7 @@ use winit::keyboard::{Key, NamedKey};
 use winit::window::Window;
 
 pub use bar::Bar;
-pub use content::{Notice, OverlayContent, Problem, Slider, SourceList};
+pub use content::{Notice, OverlayContent, Problem, SourceList};
 pub use events::{FileListEvent, SceneListEvent, SettingEvent, UiEvent};
 pub use now_playing::NowPlaying;
 use panels::{Panels, pressed};

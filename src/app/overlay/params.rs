@@ -4,10 +4,10 @@
 
 use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::content::Slider;
 use super::events::UiEvent;
 use super::{assisted, style};
 use crate::commands::Command;
+use mariana_control::Slider;
 
 /// Width of the panel in points, if the window is wide enough.
 const WIDTH: f32 = 260.0;

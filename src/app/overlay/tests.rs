@@ -9,8 +9,7 @@ use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, Vec2};
 
 use super::panels::{LaidOut, Panels};
 use super::{
-    Bar, Notice, NowPlaying, OverlayContent, Problem, SettingEvent, Slider, SourceList, Tracks, UiEvent,
-    style,
+    Bar, Notice, NowPlaying, OverlayContent, Problem, SettingEvent, SourceList, Tracks, UiEvent, style,
 };
 use crate::app::editor::Editor;
 use crate::app::settings_panel::SettingsPanel;
@@ -19,7 +18,7 @@ use crate::config::{Choices, QualityChoice};
 use crate::documents::KeptTexts;
 use crate::scenes::{Drafts, SceneSource};
 use crate::system_fonts::SystemFonts;
-use mariana_control::Hand;
+use mariana_control::{Hand, Slider};
 use mariana_player::{ListedTrack, ListedTracks};
 use mariana_testing::process::wait_until;
 use mariana_testing::tiny_font::{TinyFont, folder_of};
