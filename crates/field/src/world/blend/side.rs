@@ -2,9 +2,10 @@
 
 use super::super::steepness::{Growth, Tamed};
 use super::super::{Bounds, nearby_light, planes};
-use super::{Alignment, Steps, World};
+use super::alignment::{Alignment, Vector};
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::{Camera, Light, Picture, Scene, Sky};
+use crate::world::World;
 
 /// A world in a blend's graph. Its values are distances, or about as large as if they were.
 pub(super) struct Side {
@@ -105,8 +106,8 @@ impl Side {
     }
 }
 
-/// Three numbers.
-pub(super) type Vector = [NodeId; 3];
+/// What cannot be solved as a plane: how far a ray may step, and the estimate.
+pub(super) type Steps = [NodeId; 2];
 
 /// What the expressions of a scene read in its own place.
 #[derive(Clone, Copy)]
