@@ -169,12 +169,10 @@ const UNSAFE: &[&str] = &["src/gpu/", "src/app/", "src/sending/v4l2.rs", "crates
 
 const LINES_MAX: usize = 600;
 /// Files that may be longer than [`LINES_MAX`], and why.
-const LONG_FILES: &[(&str, &str)] = &[
-    (
-        "crates/player/tests/decoding/decoding.rs",
-        "every format and every kind of damage is measured against one signal",
-    ),
-];
+const LONG_FILES: &[(&str, &str)] = &[(
+    "crates/player/tests/decoding/decoding.rs",
+    "every format and every kind of damage is measured against one signal",
+)];
 
 /// Everything that the repository holds at its top.
 const TOP_LEVEL: &[&str] = &[

@@ -53,7 +53,7 @@ impl Side {
         let of_slope_1: Result<_, _> =
             planes.iter().map(|plane| of_slope_1(graph, at(plane.shape))).collect();
         let rest = rest.map(|rest| {
-            [rest.bound, rest.estimate].map(|value| match world.tamed {
+            [rest.bound, rest.estimate].map(|value| match world.slopes.tamed {
                 Some(tamed) => {
                     let near = like_a_distance(graph, at(value), own.point, tamed);
                     world.bounds.map_or(near, |bounds| {
@@ -66,7 +66,7 @@ impl Side {
         });
         Ok(Self {
             planes: of_slope_1?,
-            steep: world.tamed.is_some_and(|tamed| !tamed.is_distance),
+            steep: world.slopes.tamed.is_some_and(|tamed| !tamed.is_distance),
             bounds: world.bounds.map(|bounds| alignment.common_box(&bounds)),
             rest,
             material: material_of_the_nearest(graph, &scene, on_surface),
