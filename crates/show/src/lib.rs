@@ -18,7 +18,7 @@
 //! // A song of which nothing is known but its length: bars of two seconds, from the start.
 //! let song = SongStructure { seconds: 60.0, ..SongStructure::default() };
 //! let text = "at start orb\n\
-//!             at bar 9 city by melt over 2 bars\n\
+//!             at bar 9 city melt over 2 bars\n\
 //!             set height = 1 -> 3 over 4 bars";
 //! let facts = |_: &str| {
 //!     Ok(SceneFacts { about: About::default(), cameras: Vec::new(), params: vec!["height".to_owned()] })
