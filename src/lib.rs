@@ -9,6 +9,7 @@ pub use mariana_render::{faults, flash, frame, gpu, placement, reading_order, sr
 pub mod app;
 pub mod atomic_file;
 pub mod cli;
+pub mod commands;
 pub mod config;
 pub mod demo_track;
 pub mod documents;
@@ -18,6 +19,7 @@ pub mod limits;
 pub mod program_cache;
 pub mod scenes;
 pub mod sending;
+pub mod session;
 pub mod show;
 pub mod song_structures;
 pub mod thumbnails;

@@ -3,17 +3,17 @@
 use std::time::{Duration, Instant};
 
 use super::Stage;
-use super::desk::Seen;
+use super::desk::{Seen, content_of};
 use super::outputs::{Canvas, Lay};
 use crate::app::drawing_pace::{Verdict, drawn_size};
 use crate::app::dynamic_resolution::Level;
 use crate::app::error::AppError;
-use crate::app::overlay::{Overlay, OverlayContent, Panel, PanelSwitches};
-use crate::app::scene_regions::Shown;
-use crate::app::scene_stage::{Drawn, WantedPicture};
+use crate::app::overlay::{Overlay, OverlayContent, PanelSwitches};
 use crate::app::wallpaper::Wallpaper;
 use crate::app::window::GlWindowContext;
+use crate::commands::Panel;
 use crate::gpu::error::GpuError;
+use crate::session::scene::{Drawn, Shown, WantedPicture};
 use mariana_player::Moment;
 
 /// How often a window without a picture is painted again: something may have covered it.
@@ -64,8 +64,9 @@ impl Stage {
             let Moment { features, song, .. } = moment;
             let sound = mariana_music::Sound { features, tables: curves, song };
             let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
+            let Level { quality, edges, .. } = level;
             let runs = self.scene.begins_fade() && self.listening.runs();
-            let picture = WantedPicture { moment, sound, size: drawn, aspect, level, runs };
+            let picture = WantedPicture { moment, sound, size: drawn, aspect, quality, edges, runs };
             let drawn = self.scene.draw(&mut self.renderer, picture);
             new = self.without_room_smaller(drawn)?;
             if new.is_none() {
@@ -99,7 +100,7 @@ impl Stage {
         }
         self.note_scene();
         let seen = self.look_around_desk(begun);
-        let mut content = self.scene.overlay(corner.as_deref(), self.desk.panels);
+        let mut content = content_of(&mut self.scene, corner.as_deref(), self.desk.panels);
         self.desk.add_to(&mut content, &seen, &self.hands, &self.listening, &self.reports, begun);
         content.next = self.preview.next().filter(|_| !self.desk.bare);
         let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else {
@@ -141,7 +142,7 @@ impl Stage {
         if painted.params_changed {
             self.scene.note_moved();
         }
-        self.requests.extend(painted.requests);
+        self.ui_events.extend(painted.events);
         if let Some(controls) = painted.controls {
             self.controls.tell(controls);
         }
@@ -165,7 +166,7 @@ impl Stage {
         if self.waited.is_none_or(is_stale) {
             let is_first = self.waited.replace((now, size)).is_none();
             let title = self.scene.wanted_title();
-            let content = self.scene.overlay(None, PanelSwitches::default());
+            let content = content_of(&mut self.scene, None, PanelSwitches::default());
             paint_waiting(&self.window, &mut self.overlay, size, &title, content)?;
             if is_first {
                 self.warm_up()?;
@@ -206,7 +207,7 @@ impl Stage {
     pub(super) fn overlay_due(&mut self, now: Instant) -> Option<Instant> {
         let corner = self.corner_line(now);
         let seen = self.look_around_desk(now);
-        let mut content = self.scene.overlay(corner.as_deref(), self.desk.panels);
+        let mut content = content_of(&mut self.scene, corner.as_deref(), self.desk.panels);
         self.desk.add_to(&mut content, &seen, &self.hands, &self.listening, &self.reports, now);
         content.next = self.preview.next().filter(|_| !self.desk.bare);
         let due = self.overlay.due(&content, now);

@@ -30,7 +30,6 @@ use crate::app::overlay::{Overlay, OverlayContent};
 use crate::app::pointer_rest::PointerRest;
 use crate::app::recording::Recording;
 use crate::app::reports::Reports;
-use crate::app::scene_stage::{DrawingWays, LoadedScene, SceneLoaders, SceneStage};
 use crate::app::sound::{Sound, Start};
 use crate::app::user_input::UserInput;
 use crate::app::wallpaper::{Sheets, Wallpaper};
@@ -43,6 +42,7 @@ use crate::gpu::background::Sources;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::scenes::Drafts;
+use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneStage};
 use crate::song_structures::{SongReader, StructureCache};
 use mariana_player::playlist::Opened;
 use mariana_player::{OutputChoice, Player, PlayerOptions, Target};
@@ -179,7 +179,7 @@ impl Opening<'_> {
             input: UserInput::default(),
             occluded: false,
             pointer_rest: PointerRest::default(),
-            requests: Vec::new(),
+            ui_events: Vec::new(),
             thumbnails: None,
             thumbnails_ahead: (!settings.wallpaper).then(|| thumbnails_ahead_at(now)),
             last_folder: None,

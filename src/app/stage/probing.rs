@@ -2,8 +2,9 @@
 
 use super::Stage;
 use crate::app::editor::Editor;
-use crate::app::probing::{Prober, Scenery};
+use crate::app::probing::Prober;
 use crate::placement::{Map, led};
+use crate::session::scene::Scenery;
 
 /// The thread that looks into pictures, once it was needed, and how the picture lies in the window.
 #[derive(Default)]

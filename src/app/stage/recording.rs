@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::Stage;
-use crate::app::recording::Performed;
+use crate::session::scene::Performed;
 use crate::show::Finish;
 use mariana_player::Moment;
 

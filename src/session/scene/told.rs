@@ -1,9 +1,23 @@
 //! What there is to report of the scene on the stage.
 
+use std::time::Instant;
+
 use super::views::ViewsOf;
 use super::{SceneStage, Task};
-use crate::app::overlay::{Notice, OverlayContent, PanelSwitches, Problem};
 use crate::scenes::SceneSource;
+use mariana_control::Slider;
+
+/// What is shown over the picture.
+pub(crate) struct SceneWords<'a> {
+    /// What is wrong: a heading, and the messages.
+    pub problem: Option<(&'a str, &'a str)>,
+    /// A line that fades, and when it came up.
+    pub notice: Option<(&'a str, Instant)>,
+    /// A line that stays for as long as it is given.
+    pub hint: Option<&'a str>,
+    /// The parameters of the scene, which the user may move.
+    pub sliders: &'a mut [Slider],
+}
 
 impl SceneStage {
     /// The name of the scene on the stage.
@@ -87,23 +101,14 @@ impl SceneStage {
         }
     }
 
-    /// What is shown over the picture: what is wrong, what there is to tell, and what the window adds.
-    pub(crate) fn overlay<'a>(
-        &'a mut self,
-        corner: Option<&'a str>,
-        panels: PanelSwitches,
-    ) -> OverlayContent<'a> {
-        let problem = self.problem.as_ref();
-        let notice = self.notice.as_ref();
-        let sliders = self.on_stage.as_mut().map(|cast| cast.sliders.as_mut_slice());
-        OverlayContent {
-            corner,
-            problem: problem.map(|(heading, text)| Problem { heading, text }),
-            notice: notice.map(|(text, since)| Notice { text, share: None, since: *since }),
-            params: sliders.filter(|sliders| panels.sliders() && !sliders.is_empty()),
-            help: panels.help(),
+    /// What there is to say over the picture, and the sliders of the scene on the stage.
+    pub(crate) fn words(&mut self) -> SceneWords<'_> {
+        let sliders = self.on_stage.as_mut().map_or(&mut [][..], |cast| cast.sliders.as_mut_slice());
+        SceneWords {
+            problem: self.problem.as_ref().map(|(heading, text)| (&**heading, &**text)),
+            notice: self.notice.as_ref().map(|(text, since)| (&**text, *since)),
             hint: self.awaited.as_deref(),
-            ..OverlayContent::default()
+            sliders,
         }
     }
 }

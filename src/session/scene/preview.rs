@@ -6,8 +6,8 @@
 
 use std::time::{Duration, Instant};
 
+use super::hands::Stays;
 use super::{Cast, SceneStage};
-use crate::app::scene_stage::hands::Stays;
 use crate::frame::Frame;
 use crate::gpu::cell_use::CellUse;
 use crate::gpu::error::GpuError;

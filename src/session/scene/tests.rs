@@ -8,7 +8,6 @@ use mariana_music::{Section, SongStructure};
 use mariana_testing::process::wait_until;
 
 use super::{DrawingWays, LoadedScene, SceneLoader, SceneLoaders, SceneStage};
-use crate::app::overlay::PanelSwitches;
 use crate::config::SdfChoice;
 use crate::gpu::background::Sources;
 use crate::gpu::cell_use::CellUse;
@@ -101,9 +100,9 @@ impl Staged {
 
     /// The words over the picture.
     fn words(&mut self) -> Vec<String> {
-        let content = self.stage.overlay(None, PanelSwitches::default());
-        let (notice, problem) = (content.notice.map(|one| one.text), content.problem.map(|one| one.heading));
-        content.hint.into_iter().chain(notice).chain(problem).map(str::to_owned).collect()
+        let words = self.stage.words();
+        let (notice, problem) = (words.notice.map(|one| one.0), words.problem.map(|one| one.0));
+        words.hint.into_iter().chain(notice).chain(problem).map(str::to_owned).collect()
     }
 }
 

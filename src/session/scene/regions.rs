@@ -27,7 +27,7 @@ const TRIAL_SIZE: (u32, u32) = (16, 9);
 
 /// What a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shown {
+pub(crate) struct Shown {
     /// The moment of the song.
     pub moment: Moment,
     /// Width and height in pixels.

@@ -11,7 +11,7 @@ use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::scene_program::Mode;
 
 /// Further samples of pixels at edges meanwhile.
-pub(super) const SAMPLES: EdgeSamples = EdgeSamples::Two;
+pub(crate) const SAMPLES: EdgeSamples = EdgeSamples::Two;
 /// A text rests when its last change has been on the stage for this long.
 const RESTS_AFTER: Duration = Duration::from_secs(2);
 

@@ -7,10 +7,9 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use super::{Cast, SceneStage};
-use crate::app::overlay::Slider;
 use crate::scenes::{ReadyScene, SceneSource};
 use crate::show::{Moved, Stay};
-use mariana_control::{Directed, Hand, Model, Param, ParamWish, Reading, Turn};
+use mariana_control::{Directed, Hand, Model, Param, ParamWish, Reading, Slider, Turn};
 
 /// What the stage knows of hands.
 pub(super) struct Hands {
@@ -85,7 +84,7 @@ fn param_of(slider: &Slider) -> Param<'_> {
 
 impl SceneStage {
     /// Goes on to this moment of the song: sliders and the next picture are as hands and show have the parameters now.
-    pub(in crate::app) fn follow_hands(&mut self, song_time: f64) {
+    pub(crate) fn follow_hands(&mut self, song_time: f64) {
         if self.mixing.is_begun() {
             // Both scenes of a picture are drawn with the same values.
             return;
@@ -98,7 +97,7 @@ impl SceneStage {
     }
 
     /// Whether a parameter of the scene on the stage is on its way to where a hand has turned it.
-    pub(in crate::app) fn is_turning(&self) -> bool {
+    pub(crate) fn is_turning(&self) -> bool {
         let knobs = self.on_stage.iter().flat_map(|cast| &cast.knobs);
         let mut scenes: Vec<&str> = knobs.map(|knob| &*knob.scene).collect();
         scenes.dedup();
@@ -122,7 +121,7 @@ impl SceneStage {
     }
 
     /// Turns a parameter of the scene on the stage by its name, if there is one. Returns whether there is.
-    pub(in crate::app) fn turn(&mut self, wish: &ParamWish) -> bool {
+    pub(crate) fn turn(&mut self, wish: &ParamWish) -> bool {
         // In a blend, the one of the scene that comes.
         let place = self
             .on_stage
@@ -136,12 +135,12 @@ impl SceneStage {
     }
 
     /// The parameters of the scene on the stage, in their order.
-    pub(in crate::app) fn sliders(&self) -> &[Slider] {
+    pub(crate) fn sliders(&self) -> &[Slider] {
         self.on_stage.as_ref().map_or(&[], |cast| &cast.sliders)
     }
 
     /// Where a parameter of the scene on the stage goes, or stands, and who holds it.
-    pub(in crate::app) fn param_target(&self, name: &str) -> Option<(f32, Hand)> {
+    pub(crate) fn param_target(&self, name: &str) -> Option<(f32, Hand)> {
         let cast = self.on_stage.as_ref()?;
         let place = cast.sliders.iter().rposition(|slider| slider.name == name)?;
         let (slider, knob) = (cast.sliders.get(place)?, cast.knobs.get(place)?);

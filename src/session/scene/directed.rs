@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use super::ahead::WantedAhead;
 use super::hands::Stays;
+use super::performed::Performed;
 use super::{Cast, SceneStage};
-use crate::app::recording::Performed;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::{SceneSource, camera_number};
 use crate::show::{Finish, Picture, Programme, Stay, Turned, blend_kind};
@@ -64,11 +64,7 @@ impl Directed {
 
 impl SceneStage {
     /// Follows a show from now on, or none. `cue` is what may come at any moment.
-    pub(in crate::app) fn set_programme(
-        &mut self,
-        programme: Option<Arc<Programme>>,
-        cue: Option<SceneSource>,
-    ) {
+    pub(crate) fn set_programme(&mut self, programme: Option<Arc<Programme>>, cue: Option<SceneSource>) {
         let is_locked = self.directed.is_locked && programme.is_some();
         let programme = programme.map(|programme| self.without_refused(programme));
         self.directed = Directed { programme, cue, is_locked, ..Directed::default() };
@@ -76,26 +72,26 @@ impl SceneStage {
     }
 
     /// Follows a show that is the same as before up to this moment.
-    pub(in crate::app) fn extend_programme(&mut self, programme: Arc<Programme>, cue: Option<SceneSource>) {
+    pub(crate) fn extend_programme(&mut self, programme: Arc<Programme>, cue: Option<SceneSource>) {
         let programme = self.without_refused(programme);
         (self.directed.programme, self.directed.cue) = (Some(programme), cue);
         (self.directed.entered, self.directed.last_time, self.directed.overruled) = (None, None, None);
     }
 
     /// Whether there is a show.
-    pub(in crate::app) fn is_directed(&self) -> bool {
+    pub(crate) fn is_directed(&self) -> bool {
         self.directed.programme.is_some()
     }
 
     /// Lets the scene stay until this is called again; tells whether it does.
-    pub(in crate::app) fn toggle_lock(&mut self) -> bool {
+    pub(crate) fn toggle_lock(&mut self) -> bool {
         self.directed.is_locked = !self.directed.is_locked;
         self.directed.overruled = None;
         self.directed.is_locked
     }
 
     /// Whether the scene stays although there is a show.
-    pub(in crate::app) fn is_kept(&self) -> bool {
+    pub(crate) fn is_kept(&self) -> bool {
         self.directed.is_locked
     }
 
@@ -128,7 +124,7 @@ impl SceneStage {
     }
 
     /// Asks for what the show has on at `time` seconds of the song.
-    pub(in crate::app) fn follow(&mut self, time: f64) {
+    pub(crate) fn follow(&mut self, time: f64) {
         let Some(programme) = self.directed.programme.clone() else { return };
         let Some(moment) = programme.at(time) else { return };
         let is_new = self.directed.entered.is_none_or(|(index, _)| index != moment.index);
@@ -257,7 +253,7 @@ impl SceneStage {
     }
 
     /// What is on the stage at `time` seconds of the song, to be recorded.
-    pub(in crate::app) fn performed(&self, time: f64) -> Option<Performed<'_>> {
+    pub(crate) fn performed(&self, time: f64) -> Option<Performed<'_>> {
         let cast = self.on_stage.as_ref()?;
         let (stays, _) = self.stays(cast, time);
         let split = cast.resources.world().blended.unwrap_or(0);
@@ -291,7 +287,7 @@ impl SceneStage {
     }
 
     /// The effects of the show on the whole picture at `time` seconds of the song.
-    pub(in crate::app) fn picture_of_show(&self, time: f64) -> Picture {
+    pub(crate) fn picture_of_show(&self, time: f64) -> Picture {
         self.directed
             .programme()
             .and_then(Programme::plan)

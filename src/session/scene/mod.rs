@@ -15,12 +15,16 @@ mod changed_numbers;
 mod context_change;
 mod directed;
 mod drawing;
+pub(crate) mod edits;
 mod fading;
 mod hands;
 mod kept;
 mod mixing;
+mod performed;
 mod preview;
 mod quiet;
+mod region_builder;
+mod regions;
 mod requests;
 mod scenery;
 #[cfg(test)]
@@ -37,24 +41,27 @@ use std::time::{Duration, Instant};
 
 use ahead::Ahead;
 use awaited_edit::AwaitedEdit;
-pub(super) use context_change::{DrawingWays, LoadedScene, SceneLoaders};
+pub(crate) use context_change::{DrawingWays, LoadedScene, SceneLoaders};
 use directed::Directed;
 use drawing::Making;
-pub(super) use drawing::{Drawn, WantedPicture};
+pub(crate) use drawing::{Drawn, WantedPicture};
+use edits::Edits;
 use fading::Fading;
 use hands::{Hands, Knob};
 use kept::KeptPrograms;
 use mixing::Mixing;
+pub(crate) use performed::Performed;
 use preview::Sketching;
 use quiet::Quiet;
+use regions::SceneRegions;
+pub(crate) use regions::Shown;
 use scenery::Pictured;
+pub(crate) use scenery::Scenery;
+pub(crate) use told::SceneWords;
 use turning::TurnedNumbers;
 use universal::UniversalInterpreters;
 use views::{Views, ViewsOf};
 
-use super::edits::Edits;
-use super::overlay::Slider;
-use super::scene_regions::SceneRegions;
 use crate::config::SdfChoice;
 use crate::frame::Frame;
 use crate::frame::orbit_controls::OrbitControls;
@@ -66,11 +73,11 @@ use crate::gpu::program::Program;
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode};
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
-use mariana_control::Model;
+use mariana_control::{Model, Slider};
 use mariana_music::Features;
 
 /// What the loader gives.
-pub(super) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
+pub(crate) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
 
 /// A scene with what can draw it.
 struct Cast {
@@ -132,7 +139,7 @@ enum Task {
 }
 
 /// The scene on the stage, and the one behind it.
-pub(super) struct SceneStage {
+pub(crate) struct SceneStage {
     gl: Gl,
     choice: SdfChoice,
     loader: SceneLoader,
@@ -197,7 +204,7 @@ impl SceneStage {
     ///
     /// # Errors
     /// What the driver or the system refuses.
-    pub(super) fn new(
+    pub(crate) fn new(
         gl: &Gl,
         contexts: Vec<WorkerContext>,
         sources: Sources,
@@ -263,7 +270,7 @@ impl SceneStage {
     ///
     /// # Errors
     /// The driver refuses what nothing else can stand in for.
-    pub(super) fn update(&mut self) -> Result<(), GpuError> {
+    pub(crate) fn update(&mut self) -> Result<(), GpuError> {
         while let Some(loaded) = self.loader.poll() {
             self.take_loaded(loaded)?;
         }
@@ -360,7 +367,7 @@ impl SceneStage {
     }
 
     /// The mode of the scene on the stage; none before there is one.
-    pub(super) fn mode(&self) -> Option<Mode> {
+    pub(crate) fn mode(&self) -> Option<Mode> {
         self.mode_of(self.on_stage.as_ref()?)
     }
 
@@ -374,17 +381,17 @@ impl SceneStage {
     }
 
     /// Whether the scene on the stage is being edited and drawn with fewer samples meanwhile.
-    pub(super) fn saves_samples(&self, now: Instant) -> bool {
+    pub(crate) fn saves_samples(&self, now: Instant) -> bool {
         self.edits.save_samples(self.mode(), now)
     }
 
     /// Whether the regions of a requested picture have come.
-    pub(super) fn has_regions(&self) -> bool {
+    pub(crate) fn has_regions(&self) -> bool {
         self.regions.have_come()
     }
 
     /// Takes note of how long a frame took.
-    pub(super) fn note_frame_time(&mut self, time: Duration) {
+    pub(crate) fn note_frame_time(&mut self, time: Duration) {
         let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return };
         let built = cast.resources.regions();
         // Views are drawn by other programs, and during a fade two scenes are drawn.
@@ -397,34 +404,34 @@ impl SceneStage {
     }
 
     /// Whether there is something to draw.
-    pub(super) fn is_ready(&self) -> bool {
+    pub(crate) fn is_ready(&self) -> bool {
         self.on_stage.is_some()
     }
 
     /// How pictures of the scene are made that is coming; none if there is none.
-    pub(super) fn coming_picture(&self) -> Option<Picture> {
+    pub(crate) fn coming_picture(&self) -> Option<Picture> {
         let world = self.coming.as_ref()?.resources.world();
         Some(Frame::new(world, 0.0, Features::SILENCE, (16, 16)).picture)
     }
 
     /// Notes that the same moment would look different.
-    pub(super) fn look_different(&mut self) {
+    pub(crate) fn look_different(&mut self) {
         self.revision += 1;
     }
 
     /// A number that changes whenever the same moment would look different.
-    pub(super) fn revision(&self) -> u64 {
+    pub(crate) fn revision(&self) -> u64 {
         self.revision
     }
 
     /// Whether what is drawn reads curves of the sound.
-    pub(super) fn hears_curves(&self) -> bool {
+    pub(crate) fn hears_curves(&self) -> bool {
         let drawn = [self.on_stage.as_ref(), self.before.as_ref(), self.mixing.cast()];
         self.on_stage.is_none() || drawn.into_iter().flatten().any(|cast| cast.hears_curves)
     }
 
     /// Whether the scene on the stage also moves without sound.
-    pub(super) fn moves_by_itself(&self) -> bool {
+    pub(crate) fn moves_by_itself(&self) -> bool {
         self.is_moved_by_the_show()
             || self.fading.follows_song()
             || self.on_stage.as_ref().is_none_or(|cast| cast.moves)

@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 
 use super::fading::Begun;
 use super::mixing::Place;
+use super::regions::{Shown, Wishes};
 use super::scenery::Pictured;
 use super::{Cast, FirstTree, SceneStage};
-use crate::app::dynamic_resolution::Level;
-use crate::app::scene_regions::{Shown, Wishes};
 use crate::config::SdfChoice;
+use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::GpuError;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Progress, Renderer};
@@ -36,8 +36,10 @@ pub(crate) struct WantedPicture {
     pub size: (u32, u32),
     /// Width of the window for each of its height.
     pub aspect: f64,
-    /// How it is drawn.
-    pub level: Level,
+    /// The shaders' `frame_quality`.
+    pub quality: f32,
+    /// Further samples of pixels at edges.
+    pub edges: EdgeSamples,
     /// Whether the song runs.
     pub runs: bool,
 }
@@ -80,7 +82,7 @@ impl SceneStage {
         let shown = self.on_stage.as_ref().map(|cast| cast.id).zip(self.mode());
         let Some((id, mode)) = shown else { return Ok(None) };
         let now = (id, mode, self.views.choice());
-        let (size, edges) = (picture.size, picture.level.edges);
+        let (size, edges) = (picture.size, picture.edges);
         let is_of_use =
             |making: &Making| (making.shown.size, making.shown.edges) == (size, edges) && making.of == now;
         if !self.making.as_ref().is_some_and(is_of_use) {
@@ -137,8 +139,8 @@ impl SceneStage {
         of: (u64, Mode, Option<ViewChoice>),
         picture: &WantedPicture,
     ) -> Result<Option<Making>, GpuError> {
-        let WantedPicture { moment, size, aspect, level, .. } = *picture;
-        let wanted = Shown { moment, size, edges: level.edges, revision: self.revision };
+        let WantedPicture { moment, size, aspect, quality, edges, .. } = *picture;
+        let wanted = Shown { moment, size, edges, revision: self.revision };
         let (wanted, sound) = self.mixing.resume(wanted, picture.sound.clone());
         let time = wanted.moment.song_time;
         let under = self.under(&wanted.moment);
@@ -175,7 +177,7 @@ impl SceneStage {
             // An older tree has come; both scenes are drawn at one moment.
             return Ok(None);
         }
-        let frame = frame.in_window(cast.resources.world(), aspect, level.quality);
+        let frame = frame.in_window(cast.resources.world(), aspect, quality);
         let making = |program| Making {
             of,
             under: beneath.map(|under| under.place),

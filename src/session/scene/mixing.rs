@@ -11,8 +11,8 @@
 
 use std::time::Duration;
 
+use super::regions::Shown;
 use super::{Cast, SceneStage};
-use crate::app::scene_regions::Shown;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::{SceneSource, camera_number};
 use crate::show::Stay;

@@ -11,7 +11,7 @@ use crate::view::ViewChoice;
 use mariana_control::Model;
 
 /// What loads scenes.
-pub(in crate::app) struct SceneLoaders {
+pub(crate) struct SceneLoaders {
     /// The one that was asked for.
     pub shown: SceneLoader,
     /// The next and the previous one, if they are prepared ahead.
@@ -19,7 +19,7 @@ pub(in crate::app) struct SceneLoaders {
 }
 
 /// A scene that was loaded, and where it comes from.
-pub(in crate::app) struct LoadedScene {
+pub(crate) struct LoadedScene {
     /// Where it comes from.
     pub source: SceneSource,
     /// What can be drawn.
@@ -28,7 +28,7 @@ pub(in crate::app) struct LoadedScene {
 
 /// How scenes are drawn.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::app) struct DrawingWays {
+pub(crate) struct DrawingWays {
     /// Interpreted, compiled or both.
     pub sdf: SdfChoice,
     /// Whether cells of regions are used where they can be.
@@ -40,7 +40,7 @@ pub(in crate::app) struct DrawingWays {
 }
 
 /// What outlives the context that scenes are drawn in.
-pub(in crate::app) struct KeptScenes {
+pub(crate) struct KeptScenes {
     /// What loads scenes.
     pub loaders: SceneLoaders,
     /// The scene that was shown.
@@ -55,7 +55,7 @@ pub(in crate::app) struct KeptScenes {
 
 impl SceneStage {
     /// Drops everything that belongs to its context, and returns what another stage goes on with.
-    pub(in crate::app) fn let_go(self) -> KeptScenes {
+    pub(crate) fn let_go(self) -> KeptScenes {
         let shown = self.on_stage.or(self.coming).map(|cast| {
             let (world, buffers) = (cast.resources.world().clone(), cast.resources.buffers().clone());
             let scene = ReadyScene { world, buffers, plan: cast.resources.plan().clone(), settles: false };
@@ -76,7 +76,7 @@ impl SceneStage {
     }
 
     /// Goes on where another stage ended, with what hands have turned and the scene that was asked for.
-    pub(in crate::app) fn take_over(&mut self, hands: (Model, Instant), wanted: SceneSource) {
+    pub(crate) fn take_over(&mut self, hands: (Model, Instant), wanted: SceneSource) {
         self.hands = Hands::new(hands.0, hands.1);
         if wanted != self.source {
             self.list = SceneList::around(&wanted);
