@@ -74,7 +74,7 @@ const TABLE: &[Row] = &[
         meaning: "cut from scene to scene by hand, or fade",
         does: Does::Turn {
             set: |stage, on| stage.cut_by_hand(on),
-            is_on: |stage| stage.scene.is_cut_by_hand(),
+            is_on: |stage| stage.scene.composer().fading().cuts(),
         },
     },
     Row {
@@ -84,7 +84,7 @@ const TABLE: &[Row] = &[
         does: Does::Set(Stage::set_fade),
     },
     switch("follow", Action::ToggleFollow, |stage| stage.follows()),
-    switch("keep", Action::ToggleKeep, |stage| stage.scene.is_kept()),
+    switch("keep", Action::ToggleKeep, |stage| stage.scene.show().is_locked()),
     key("cue", Action::NextCue),
     switch("record", Action::ToggleRecording, |stage| stage.is_recording()),
     key("beat", Action::Tap),

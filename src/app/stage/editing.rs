@@ -37,7 +37,7 @@ impl Stage {
                 Err(error) => self.reports.answer(format!("there is no editor: {error}")),
             }
         }
-        self.scene.set_written(open);
+        self.scene.library_mut().set_written(open);
         self.window.window().set_ime_allowed(open);
         let Some(editor) = &mut self.desk.editor else { return };
         editor.set_focus(open);
@@ -45,7 +45,7 @@ impl Stage {
             editor.close_probed();
         }
         if open {
-            editor.show_scene(self.scene.wanted_source());
+            editor.show_scene(self.scene.library().wanted());
         }
         self.follow_editor();
     }
@@ -106,7 +106,7 @@ impl Stage {
             self.typing_times.note_mistake();
         }
         if open {
-            editor.show_scene(self.scene.wanted_source());
+            editor.show_scene(self.scene.library().wanted());
         }
         self.follow_editor();
     }
@@ -117,8 +117,8 @@ impl Stage {
         let effects = editor.take_effects();
         // However many keys have come, the text is loaded once.
         if effects.contains(&Effect::Reload) {
-            self.typing_times.note_key(self.scene.shown_id(), Instant::now());
-            self.scene.load_again();
+            self.typing_times.note_key(self.scene.scenes().shown_id(), Instant::now());
+            self.scene.library_mut().load_again();
         }
         for effect in effects {
             match effect {
@@ -128,10 +128,10 @@ impl Stage {
                     if let Some(editor) =
                         self.desk.editor.as_mut().filter(|_| self.desk.panels.open() == Some(Panel::Editor))
                     {
-                        editor.show_scene(self.scene.wanted_source());
+                        editor.show_scene(self.scene.library().wanted());
                     }
                 }
-                Effect::Turn { file, values } => self.scene.turn_numbers(&file, values),
+                Effect::Turn { file, values } => self.scene.parameters_mut().turn_numbers(&file, values),
                 Effect::Close => {
                     if self.is_edited() {
                         self.toggle_panel(Panel::Editor);

@@ -30,14 +30,14 @@ impl Stage {
         let Heard { params, mut deeds, knobs, since } = heard.unwrap_or_default();
         let before = self.scene.revision();
         for wish in &params {
-            if !self.scene.turn(wish) {
+            if !self.scene.shown_parameters_mut().turn(wish) {
                 self.hands.note_unknown();
             }
         }
         let (outcomes, learned) = self.hands.take_knobs(&knobs, &self.scene);
         for outcome in outcomes {
             match outcome {
-                Outcome::Turn(wish) => drop(self.scene.turn(&wish)),
+                Outcome::Turn(wish) => drop(self.scene.shown_parameters_mut().turn(&wish)),
                 Outcome::Act(deed) => deeds.push(deed),
                 Outcome::Waits { name, leads_to, stands } => {
                     let way = if leads_to < stands { "up" } else { "down" };
@@ -48,7 +48,7 @@ impl Stage {
         }
         if self.scene.revision() != before {
             self.hands.note_turned(since, self.scene.revision());
-        } else if self.scene.is_turning() {
+        } else if self.scene.shown_parameters().are_turning() {
             // It begins where it was, and the next picture shows it a little further.
             self.hands.note_turned(since, before + 1);
         }
@@ -65,7 +65,7 @@ impl Stage {
         }
         let (switches, levels) = (deeds::switches(self), deeds::levels(self));
         let tempo = self.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo);
-        let scene = self.scene.name().unwrap_or_default();
+        let scene = self.scene.scenes().name().unwrap_or_default();
         if self.hands.wants_scenes(&scene) {
             let scenes = self.numbered_scenes();
             self.hands.note_scenes(scene.clone(), scenes);
@@ -77,7 +77,7 @@ impl Stage {
         };
         let length = playing.duration.unwrap_or_default();
         let present = Present { scene, switches, levels, tempo, track, length, ..Present::default() };
-        self.hands.put_up(present, self.scene.sliders());
+        self.hands.put_up(present, self.scene.scenes().sliders());
     }
 
     /// Does what a hand wishes for, as far as it is no key's; else returns what that key does, if there is something to
@@ -175,7 +175,7 @@ impl Stage {
     pub(in crate::app) fn show_scene_named(&mut self, given: &Given) {
         match given {
             Given::Text(name) => {
-                match self.scene.all_sources().into_iter().find(|scene| scene.title() == *name) {
+                match self.scene.library().all_sources().into_iter().find(|scene| scene.title() == *name) {
                     Some(scene) => self.scene.show_source(scene),
                     None => self.reports.answer(format!("there is no scene '{name}': B shows them all")),
                 }
@@ -188,14 +188,18 @@ impl Stage {
 
     /// Cuts from scene to scene where hands change them, or lets them fade.
     pub(in crate::app) fn cut_by_hand(&mut self, cuts: bool) {
-        let words = self.scene.cut_by_hand(cuts);
+        let words = self.scene.composer_mut().fading_mut().set_cuts(cuts);
         self.reports.answer(words);
     }
 
     /// Lets a fade from scene to scene by hand take so many seconds.
     pub(in crate::app) fn set_fade(&mut self, given: &Given) {
         if let Given::Number(seconds) = given {
-            let words = self.scene.set_fade(f64::from(*seconds).clamp(0.0, LIMITS.fade_seconds_max));
+            let words = self
+                .scene
+                .composer_mut()
+                .fading_mut()
+                .set_seconds(f64::from(*seconds).clamp(0.0, LIMITS.fade_seconds_max));
             self.reports.answer(words);
         }
     }
@@ -246,8 +250,8 @@ impl Stage {
 
     fn put_up_hands(&mut self) {
         if let Some(panel) = &mut self.desk.hands {
-            let scene = self.scene.name().unwrap_or_default();
-            panel.update(&self.hands.facts(scene, self.scene.sliders()));
+            let scene = self.scene.scenes().name().unwrap_or_default();
+            panel.update(&self.hands.facts(scene, self.scene.scenes().sliders()));
         }
     }
 
@@ -265,7 +269,7 @@ impl Stage {
 
     /// Learns what turns a parameter of the scene on the stage, or stops.
     pub(super) fn learn_param(&mut self, name: String) {
-        let scene = self.scene.name().unwrap_or_default();
+        let scene = self.scene.scenes().name().unwrap_or_default();
         self.learn(Target::Param { scene, name });
         self.update_hands();
     }

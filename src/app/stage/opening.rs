@@ -41,7 +41,7 @@ use crate::gpu::background::Sources;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::scenes::Drafts;
-use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneStage};
+use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneSession};
 use crate::song_structures::{SongReader, StructureCache};
 use mariana_player::playlist::Opened;
 use mariana_player::{OutputChoice, Player, PlayerOptions, Target};
@@ -99,7 +99,7 @@ impl Opening<'_> {
         // Requested first: the driver compiles it while everything else is made.
         let of_scenes = waker.clone();
         let (choice, title) = (scene, first.source.title());
-        let mut scene = SceneStage::new(
+        let mut scene = SceneSession::new(
             window.gl(),
             window.worker_contexts(COMPILERS),
             sources(settings, choice),
@@ -108,7 +108,7 @@ impl Opening<'_> {
             first,
             move || of_scenes.wake(),
         )?;
-        scene.move_sliders(&settings.sliders);
+        scene.parameters_mut().remember(&title, &settings.sliders);
         let of_fonts = waker.clone();
         let mut overlay = Overlay::new(window.gl(), &window.window(), move || of_fonts.wake());
         if let Some(size) = window.size().filter(|_| sheets.is_none()) {
@@ -263,7 +263,7 @@ pub(in crate::app) fn renewed(
     };
     let window = window.let_go().bind()?;
     let of_scenes = waker.clone();
-    let mut scenes = SceneStage::new(
+    let mut scenes = SceneSession::new(
         window.gl(),
         window.worker_contexts(COMPILERS),
         sources(settings, scene),

@@ -52,7 +52,7 @@ impl Stage {
             SettingChange::FlashLimiter(on) => self.limit_flashes(on),
             SettingChange::ToneMap(tone_map) => {
                 self.renderer.set_tone_map(tone_map);
-                self.scene.look_different();
+                self.scene.composer_mut().look_different();
                 self.choose(move |choices| choices.tone_map = tone_map);
             }
             SettingChange::Gain(gain) => {

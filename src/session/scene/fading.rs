@@ -1,5 +1,5 @@
-//! How one scene gives way to another in the picture: it fades, or is cut. Fades of a show are in [`super::mixing`], and
-//! there is drawn what goes on under the scene that comes.
+//! How one scene gives way to another in the picture: it fades, or is cut. [`super::scene_change`] draws what goes on below the
+//! scene that comes, and the fades of a show.
 //!
 //! Where the scene that goes cannot go on, its last picture is mixed into those of the one that comes
 //! ([`Renderer::keep_light`]); so is a picture that was held.
@@ -17,7 +17,7 @@ use mariana_player::Moment;
 const STEP_MAX: Duration = Duration::from_millis(125);
 
 /// See the module.
-pub(super) struct Fading {
+pub(crate) struct Fading {
     /// How long a fade takes; zero is a cut.
     length: Duration,
     /// Whether scenes are cut all the same.
@@ -94,20 +94,28 @@ impl Fading {
         self.length.as_secs_f64()
     }
 
-    /// From now on fades take this many seconds; 0 is a cut.
-    pub(super) fn set_seconds(&mut self, seconds: f64) {
+    /// From now on fades take this many seconds; 0 is a cut. Returns what is said.
+    pub(crate) fn set_seconds(&mut self, seconds: f64) -> String {
         self.length = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         self.cuts = false;
+        match seconds > 0.0 {
+            true => format!("scenes fade into each other for {seconds:.1} s"),
+            false => "scenes are cut".to_owned(),
+        }
     }
 
     /// Whether scenes are cut.
-    pub(super) fn cuts(&self) -> bool {
+    pub(crate) fn cuts(&self) -> bool {
         self.cuts || self.length.is_zero()
     }
 
-    /// From now on scenes are cut, or fade as they did before.
-    pub(super) fn set_cuts(&mut self, cuts: bool) {
+    /// From now on scenes are cut, or fade as they did before. Returns what is said.
+    pub(crate) fn set_cuts(&mut self, cuts: bool) -> String {
         self.cuts = cuts;
+        match cuts {
+            true => "scenes are cut".to_owned(),
+            false => self.set_seconds(self.seconds()),
+        }
     }
 
     /// The next picture shows another scene.
@@ -136,7 +144,7 @@ impl Fading {
     }
 
     /// The show holds another picture than before: the last one that was drawn, in which the one before has its share.
-    pub(super) fn hold_anew(&mut self) {
+    pub(crate) fn hold_anew(&mut self) {
         if let State::Told(_, kept) = &mut self.state {
             *kept = false;
         }
@@ -173,7 +181,7 @@ impl Fading {
     }
 
     /// Whether the next picture is the first one of a fade.
-    pub(super) fn is_to_begin(&self) -> bool {
+    pub(crate) fn is_to_begin(&self) -> bool {
         self.state == State::Wanted
     }
 
@@ -189,7 +197,7 @@ impl Fading {
     }
 
     /// The share of a picture that was held in the last picture.
-    pub(super) fn share_held(&self) -> f32 {
+    pub(crate) fn share_held(&self) -> f32 {
         if self.from == From::HeldPicture && self.goes_on() { self.share } else { 0.0 }
     }
 

@@ -1,13 +1,14 @@
-//! The stage in a context without a window: requested scenes and messages.
+//! The session in a context without a window: requested scenes and messages.
 
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
 use mariana_music::{Section, SongStructure};
 use mariana_testing::process::wait_until;
 
-use super::{DrawingWays, LoadedScene, SceneLoader, SceneLoaders, SceneStage};
+use super::{DrawingWays, LoadedScene, SceneLoader, SceneLoaders, SceneSession};
 use crate::config::SdfChoice;
 use crate::gpu::background::Sources;
 use crate::gpu::cell_use::CellUse;
@@ -23,11 +24,11 @@ const SCENES: [(&str, &str); 3] = [("calm", "0 .. 0.3"), ("loud", "0.7 .. 1"), (
 const CALM: f64 = 5.0;
 const LOUD: f64 = 45.0;
 
-/// A stage with a show of a song in which the calm scene comes first and then the loud one.
+/// A session with a show of a song in which the calm scene comes first and then the loud one.
 struct Staged {
-    stage: SceneStage,
+    session: SceneSession,
     folder: tempfile::TempDir,
-    // Last: the stage draws in it.
+    // Last: the session draws in it.
     _context: Headless,
 }
 
@@ -77,11 +78,12 @@ impl Staged {
         let sources = Sources { library: ShaderLibrary::embedded(), cache: ProgramCache::off() };
         let ways = DrawingWays { sdf: SdfChoice::Compiled, cells: CellUse::Never, view: None, fade: 0.0 };
         let loaders = SceneLoaders { shown, ahead: None };
-        let stage = SceneStage::new(context.gl(), Vec::new(), sources, ways, loaders, first, || {}).unwrap();
-        let mut staged = Self { stage, folder, _context: context };
+        let session =
+            SceneSession::new(context.gl(), Vec::new(), sources, ways, loaders, first, || {}).unwrap();
+        let mut staged = Self { session, folder, _context: context };
         staged.wait_for("calm");
-        staged.stage.set_programme(Some(Arc::new(show)), None);
-        staged.stage.follow(CALM);
+        staged.session.show_mut().set_programme(Some(Arc::new(show)), None);
+        staged.session.follow(CALM);
         staged
     }
 
@@ -89,19 +91,25 @@ impl Staged {
         source(self.folder.path(), name)
     }
 
-    /// Waits until a scene is on the stage, as if its picture had been drawn.
+    /// Waits until a scene shows, as if its picture had been drawn.
     fn wait_for(&mut self, name: &str) {
-        let stage = &mut self.stage;
+        let session = &mut self.session;
         wait_until(name, || {
-            stage.update().unwrap();
-            stage.name().as_deref() == Some(name)
+            session.update().unwrap();
+            session.scenes().name().as_deref() == Some(name)
         });
-        stage.pictured = stage.shown_id();
+        self.draws(true);
+    }
+
+    /// Does as if a picture of the scene that shows had been drawn, or none yet.
+    fn draws(&mut self, drawn: bool) {
+        let id = self.session.scenes().shown_id().filter(|_| drawn);
+        self.session.composer_mut().pictures.finish(id, Duration::ZERO);
     }
 
     /// The words over the picture.
     fn words(&mut self) -> Vec<String> {
-        let words = self.stage.words();
+        let words = self.session.words();
         let (notice, problem) = (words.notice.map(|one| one.0), words.problem.map(|one| one.0));
         words.hint.into_iter().chain(notice).chain(problem).map(str::to_owned).collect()
     }
@@ -110,37 +118,40 @@ impl Staged {
 #[test]
 fn technical_words_stood_over_a_show_that_nobody_had_touched() {
     let mut staged = Staged::new();
-    staged.stage.follow(LOUD);
-    assert_eq!((staged.stage.source.clone(), staged.words()), (staged.source("loud"), Vec::new()));
+    staged.session.follow(LOUD);
+    assert_eq!(
+        (staged.session.library().wanted().clone(), staged.words()),
+        (staged.source("loud"), Vec::new())
+    );
     staged.wait_for("loud");
     assert_eq!(staged.words(), [""; 0]);
     // The user gets an answer.
     let other = staged.source("other");
-    staged.stage.show_source(other);
+    staged.session.show_source(other);
     assert_eq!(staged.words(), ["other is being prepared"]);
 }
 
 #[test]
 fn a_show_stood_still_and_said_so_in_red_where_a_scene_was_too_much_for_the_machine() {
     let mut staged = Staged::new();
-    staged.stage.follow(LOUD);
+    staged.session.follow(LOUD);
     staged.wait_for("loud");
     // Its first picture is too expensive, so the calm scene comes back.
-    staged.stage.pictured = None;
+    staged.draws(false);
     let before = staged.source("calm");
-    staged.stage.take_back("a picture of this window would take about 99 s");
+    staged.session.take_back("a picture of this window would take about 99 s");
     assert_eq!(staged.words(), [""; 0]);
-    assert_eq!(staged.stage.shown_source(), Some(&before));
-    staged.stage.follow(LOUD + 0.1);
+    assert_eq!(staged.session.scenes().shown_source(), Some(&before));
+    staged.session.follow(LOUD + 0.1);
     staged.wait_for("other");
     assert_eq!(staged.words(), [""; 0]);
-    let line = staged.stage.corner("", "").unwrap();
+    let line = staged.session.report().line("", "").unwrap();
     assert!(line.ends_with("too much for this machine: loud"), "{line}");
     // The user gets an answer.
     let loud = staged.source("loud");
-    staged.stage.show_source(loud);
+    staged.session.show_source(loud);
     staged.wait_for("loud");
-    staged.stage.take_back("a picture of this window would take about 99 s");
+    staged.session.take_back("a picture of this window would take about 99 s");
     let words = staged.words();
     assert!(words.iter().any(|words| words.contains("loud is too much for this machine")), "{words:?}");
 }
@@ -149,13 +160,13 @@ fn a_show_stood_still_and_said_so_in_red_where_a_scene_was_too_much_for_the_mach
 fn a_scene_that_somebody_asked_for_was_dropped_where_the_show_went_on() {
     let mut staged = Staged::new();
     let other = staged.source("other");
-    staged.stage.show_source(other.clone());
+    staged.session.show_source(other.clone());
     // The next scene of the show is due during the preparation.
-    staged.stage.follow(LOUD);
-    assert_eq!(staged.stage.source, other);
+    staged.session.follow(LOUD);
+    assert_eq!(*staged.session.library().wanted(), other);
     staged.wait_for("other");
-    staged.stage.follow(LOUD + 1.0);
-    assert_eq!(staged.stage.source, other, "it was to stay until the next scene of the show");
-    staged.stage.follow(CALM);
-    assert_eq!(staged.stage.source, staged.source("calm"));
+    staged.session.follow(LOUD + 1.0);
+    assert_eq!(*staged.session.library().wanted(), other, "it was to stay until the next scene of the show");
+    staged.session.follow(CALM);
+    assert_eq!(*staged.session.library().wanted(), staged.source("calm"));
 }
