@@ -342,3 +342,71 @@ fn bytes_of(world: &World) -> u64 {
         world.pictures.iter().map(|picture| u64::from(picture.width()) * u64::from(picture.height()));
     PROGRAM_BYTES + TEXEL_BYTES * texels.sum::<u64>()
 }
+
+#[cfg(test)]
+mod tests {
+    use mariana_testing::process::wait_until;
+
+    use super::super::testing::{loader, text, uploaded};
+    use super::*;
+    use crate::gpu::headless::Headless;
+
+    fn wanted(ahead: &mut PreparedAhead, sources: [&SceneSource; 2]) -> bool {
+        let sources = sources.map(|source| Some(source.clone()));
+        ahead.want(WantedAhead::Upcoming(sources), |_| [None, None])
+    }
+
+    /// Waits for the next one that is loaded; returns its place.
+    fn loaded(ahead: &PreparedAhead) -> (usize, bool) {
+        let mut found = Vec::new();
+        wait_until("a neighbour", || {
+            found = ahead.poll();
+            !found.is_empty()
+        });
+        assert_eq!(found.len(), 1, "one at a time");
+        found.first().map(|(at, loaded)| (*at, loaded.value.is_ok())).unwrap()
+    }
+
+    #[test]
+    fn the_next_scene_is_prepared_before_the_previous_one_and_a_broken_one_keeps_nobody_waiting() {
+        let context = Headless::new(false).unwrap();
+        let sdf = SdfChoice::Compiled;
+        let [broken, ball, box_] = ["sphere(p", "sphere(p, 1)", "box(p, 1)"].map(text);
+        let mut ahead = PreparedAhead::with(Some([loader(), loader()]));
+        assert!(wanted(&mut ahead, [&broken, &ball]) && !wanted(&mut ahead, [&broken, &ball]));
+        assert!(ahead.go_on(sdf).is_none(), "it is being loaded");
+        assert_eq!(loaded(&ahead), (0, false));
+        ahead.put(0, None);
+        assert!(ahead.go_on(sdf).is_none());
+        assert_eq!(loaded(&ahead), (1, true));
+        ahead.put(1, Some(uploaded(context.gl(), 7, &ball)));
+        let lacking = ahead.go_on(sdf).unwrap();
+        assert_eq!((lacking.id, lacking.program, lacking.tree), (7, Some(Mode::Compiled), true));
+        assert!(!ahead.go_on(sdf).unwrap().tree, "it was asked for");
+        assert!(!ahead.has_rehearsed(&ball) && ahead.give(&ball).is_none(), "it was not drawn yet");
+        // The scene is the next one now: it stays, whatever else comes.
+        assert!(wanted(&mut ahead, [&ball, &box_]));
+        assert_eq!(ahead.scenes().map(|scene| scene.id).collect::<Vec<_>>(), [7]);
+        assert_eq!(ahead.next_sources().next(), Some(&ball));
+        // Its tree takes too long: the other one is prepared.
+        ahead.take_tree(7, None);
+        assert!(ahead.go_on(sdf).is_none() && ahead.scenes().next().is_none());
+        assert_eq!(loaded(&ahead), (1, true));
+    }
+
+    #[test]
+    fn who_goes_to_a_neighbour_finds_the_way_back_prepared() {
+        let context = Headless::new(false).unwrap();
+        let [ball, box_] = ["sphere(p, 1)", "box(p, 1)"].map(text);
+        let mut ahead = PreparedAhead::with(Some([loader(), loader()]));
+        wanted(&mut ahead, [&box_, &box_]);
+        ahead.put(0, Some(uploaded(context.gl(), 1, &box_)));
+        let mut shown = loader();
+        let scene = ahead.take(&box_, ball.clone(), &mut shown).unwrap();
+        assert_eq!(scene.id, 1);
+        // The scene that was shown is on the other side, and comes from there at once.
+        ahead.keep(uploaded(context.gl(), 0, &ball));
+        assert!(ahead.has_rehearsed(&ball));
+        assert_eq!(ahead.take(&ball, box_, &mut shown).map(|scene| scene.id), Some(0));
+    }
+}

@@ -41,6 +41,8 @@ mod show_follower;
 mod shown_parameters;
 mod stays;
 #[cfg(test)]
+mod testing;
+#[cfg(test)]
 mod tests;
 mod tree_trials;
 mod universal;

@@ -198,3 +198,44 @@ impl Parameters {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{text, uploaded};
+    use super::*;
+    use crate::gpu::headless::Headless;
+    use mariana_control::Amount;
+
+    const BALL: &str = "param size = 1 in 0 .. 4\nobject ball { shape = sphere(p, size) }";
+
+    fn wish(name: &str, to: f32, hand: Hand) -> ParamWish {
+        ParamWish { name: name.to_owned(), to: Amount::Value(to), seconds: 0.0, hand }
+    }
+
+    #[test]
+    fn what_a_hand_turns_is_in_the_next_picture_and_remembered_by_the_scenes_title() {
+        let context = Headless::new(false).unwrap();
+        let mut scene = uploaded(context.gl(), 0, &text(BALL));
+        let mut parameters = Parameters::new(Model::default(), Instant::now());
+        let stays = Stays::default();
+        assert!(!parameters.turn(&mut scene, &stays, &wish("width", 2.0, Hand::Midi)), "there is none");
+        assert_eq!(parameters.revision(), 0);
+        assert!(parameters.turn(&mut scene, &stays, &wish("size", 2.5, Hand::Midi)));
+        assert_eq!(parameters.numbers(&scene, &stays, 0.0), [2.5]);
+        assert_eq!(parameters.target(&scene, &stays, "size"), Some((2.5, Hand::Midi)));
+        assert!(parameters.revision() > 0, "the same moment looks different");
+        let moved = parameters.moved(&scene);
+        assert_eq!(moved.get("size"), Some(&2.5));
+        // A slider that is put back to where the text has it is the text's again.
+        if let Some(slider) = scene.knobs.sliders_mut().first_mut() {
+            slider.value = slider.default;
+        }
+        parameters.note_moved(&mut scene, &stays);
+        assert_eq!(parameters.target(&scene, &stays, "size"), Some((1.0, Hand::Text)));
+        assert!(parameters.moved(&scene).is_empty());
+        // In the next run.
+        let mut again = Parameters::new(Model::default(), Instant::now());
+        again.remember(&scene.title(), &moved);
+        assert_eq!(again.numbers(&scene, &stays, 0.0), [2.5]);
+    }
+}

@@ -266,3 +266,62 @@ impl ProgramLibrary {
 fn of_kind(steep: bool) -> &'static str {
     if steep { ", for formulas that are no distances" } else { "" }
 }
+
+#[cfg(test)]
+mod tests {
+    use mariana_testing::process::wait_until;
+
+    use super::super::testing::{text, uploaded};
+    use super::*;
+    use crate::gpu::headless::Headless;
+    use crate::gpu::shader_source::ShaderLibrary;
+    use crate::program_cache::ProgramCache;
+
+    fn library(gl: &Gl) -> ProgramLibrary {
+        let sources = Sources { library: ShaderLibrary::embedded(), cache: ProgramCache::off() };
+        ProgramLibrary::start(gl, Vec::new(), sources, || {})
+    }
+
+    fn made(programs: &mut ProgramLibrary) -> (Task, Result<Program, GpuError>) {
+        let mut found = None;
+        wait_until("a program", || {
+            found = programs.poll();
+            found.is_some()
+        });
+        found.unwrap()
+    }
+
+    #[test]
+    fn a_program_comes_with_its_purpose_and_one_that_was_forgotten_never_comes() {
+        let context = Headless::new(false).unwrap();
+        let mut programs = library(context.gl());
+        let [first, second] = [(3, "sphere(p, 1)"), (4, "box(p, 1)")]
+            .map(|(id, formula)| uploaded(context.gl(), id, &text(formula)));
+        programs.request_compiled(&first, false);
+        programs.request_compiled(&second, false);
+        assert!(programs.is_making(&first, Mode::Compiled) && !programs.is_making(&first, Mode::Interpreted));
+        programs.forget_all_but(&[4]);
+        assert!(!programs.is_making(&first, Mode::Compiled) && programs.is_making(&second, Mode::Compiled));
+        // Another version of the second one is compiled alike.
+        programs.make_for(&[4], 9);
+        let (task, program) = made(&mut programs);
+        assert!(matches!(task, Task::Compiled { id: 9, has_cells: false }) && program.is_ok());
+        assert!(programs.is_idle() && programs.poll().is_none());
+    }
+
+    #[test]
+    fn an_interpreter_is_requested_once_for_all_scenes_that_it_covers() {
+        let context = Headless::new(false).unwrap();
+        let mut programs = library(context.gl());
+        let [first, second] = [(0, "sphere(p, 1)"), (1, "sphere(p, 2)")]
+            .map(|(id, formula)| uploaded(context.gl(), id, &text(formula)));
+        programs.request_interpreter(&first);
+        programs.request_interpreter(&second);
+        assert!(programs.is_making(&second, Mode::Interpreted));
+        let (Task::Interpreter(variant), Ok(program)) = made(&mut programs) else { panic!("no interpreter") };
+        assert!(programs.is_idle(), "both wait for the same");
+        programs.add_interpreter(variant, program);
+        let needed = second.programs.interpreter.as_ref().unwrap();
+        assert!(programs.interpreter_for(needed).is_some());
+    }
+}

@@ -367,3 +367,74 @@ fn upcoming(
     let mut found = found.into_iter();
     [found.next(), found.next()]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::ahead::PreparedAhead;
+    use super::*;
+    use crate::show::ShowSource;
+    use mariana_music::{Section, SongStructure};
+
+    const SCENES: [&str; 3] = ["gyroid", "orb", "terrain"];
+
+    fn shipped(name: &str) -> SceneSource {
+        SceneSource::Shipped(name.to_owned())
+    }
+
+    /// A follower of a show that the director has made of three scenes, and a moment in each of the first two stays.
+    fn follower() -> (ShowFollower, [(f64, SceneSource); 2]) {
+        let section =
+            |start: f64, energy| Section { start, end: start + 30.0, letter: format!("{start}"), energy };
+        let sections = vec![section(0.0, 0.1), section(30.0, 0.9), section(60.0, 0.2)];
+        let song = SongStructure { seconds: 90.0, sections, ..SongStructure::default() };
+        let (show, _) = Programme::of_song(&ShowSource::Auto, &song, &SCENES.map(shipped)).unwrap();
+        let [first, second, ..] = show.stays() else { panic!("{:?}", show.stays()) };
+        // Behind its transition.
+        let moments = [first, second].map(|stay| stay.start + stay.entrance.seconds + 1.0);
+        let moments = moments.map(|at| (at, show.source(&show.at(at).unwrap().stay.scene).unwrap().clone()));
+        let mut follower = ShowFollower::default();
+        follower.set_programme(Some(Arc::new(show)), None);
+        (follower, moments)
+    }
+
+    fn now(wanted: &SceneSource) -> Circumstances<'_> {
+        Circumstances { wanted, is_written: false, is_awaited: false, sdf: SdfChoice::Auto }
+    }
+
+    #[test]
+    fn a_show_asks_once_for_each_scene_and_leaves_those_alone_that_the_user_wants() {
+        let (mut show, [(first, one), (second, other)]) = follower();
+        let mut scenes = PreparedScenes::with(PreparedAhead::with(None));
+        let elsewhere = shipped("elsewhere");
+        assert_eq!(show.follow(first, &mut scenes, &now(&elsewhere)).unwrap().source, one);
+        assert!(show.asks_for(&one) && show.is_own_choice());
+        assert!(show.follow(first + 0.1, &mut scenes, &now(&elsewhere)).is_none(), "it is on its way");
+        assert!(matches!(show.wanted_ahead(&one), WantedAhead::Upcoming([Some(_), _])));
+        // The user goes somewhere else; the show comes back with its next scene.
+        show.overrule();
+        assert!(show.is_overruled() && !show.is_own_choice());
+        assert_eq!(show.wanted_ahead(&elsewhere), WantedAhead::Neighbours(elsewhere.clone()));
+        assert!(show.follow(first + 0.2, &mut scenes, &now(&elsewhere)).is_none());
+        assert_eq!(show.follow(second, &mut scenes, &now(&elsewhere)).unwrap().source, other);
+        // A scene that is locked stays.
+        assert!(show.toggle_lock());
+        assert!(show.follow(first, &mut scenes, &now(&other)).is_none());
+        assert!(!show.toggle_lock());
+        assert_eq!(show.follow(first, &mut scenes, &now(&other)).unwrap().source, one);
+    }
+
+    #[test]
+    fn a_scene_that_is_refused_or_written_gives_way_to_no_show() {
+        let (mut show, [(first, one), (second, other)]) = follower();
+        let mut scenes = PreparedScenes::with(PreparedAhead::with(None));
+        let written = Circumstances { is_written: true, ..now(&one) };
+        assert!(show.follow(second, &mut scenes, &written).is_none(), "its text is being written");
+        // What was written is looked at until the show has another scene.
+        assert!(show.follow(second, &mut scenes, &now(&one)).is_none());
+        show.refuse(other.clone());
+        assert_eq!(show.refused(), std::slice::from_ref(&other));
+        assert_eq!(show.follow(first, &mut scenes, &now(&other)).unwrap().source, one);
+        let step = show.follow(second, &mut scenes, &now(&one));
+        assert!(step.is_none_or(|step| step.source != other), "the show does without it");
+    }
+}
