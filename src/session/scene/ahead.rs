@@ -92,7 +92,7 @@ impl PreparedAhead {
         Self { neighbours: loaders.map(|loaders| loaders.map(vacant)), of: None }
     }
 
-    /// The loaders, for another stage.
+    /// The loaders, for another session.
     pub(super) fn into_loaders(self) -> Option<[SceneLoader; 2]> {
         self.neighbours.map(|neighbours| neighbours.map(|neighbour| neighbour.loader))
     }

@@ -122,11 +122,46 @@ impl SceneComposer {
     }
 
     /// Draws the scene that shows as it was at a moment for which its regions are built, or continues a picture that was
-    /// begun, for about as long as `go`. None if it is not finished. What `picture` needs is requested. `revision` is that of the whole session.
+    /// begun, for about as long as `go`. None if it is not finished. What `picture` needs is requested. `revision` is that
+    /// of the whole session. Scenes that neither show nor fade out any longer are kept only as neighbours.
     ///
     /// # Errors
     /// What the driver refuses.
     pub(super) fn draw(
+        &mut self,
+        scenes: &mut PreparedScenes,
+        (show, parameters, choice): (&ShowFollower, &Parameters, DrawingChoice),
+        renderer: &mut Renderer,
+        picture: &WantedPicture,
+        way: (Duration, u64),
+    ) -> Result<Option<Drawn>, GpuError> {
+        let of = Ingredients { scenes, show, parameters, choice };
+        if self.give_up_another(of, picture)
+            && of.scenes.fading_out.is_some()
+            && !self.fades_out(of, &picture.moment, Place::FadingOut)
+        {
+            scenes.end_fade();
+        }
+        let of = Ingredients { scenes, show, parameters, choice };
+        let drawn = self.go_on(of, renderer, picture, way)?;
+        if let Some(drawn) = drawn.as_ref().filter(|_| of.scenes.before.is_some()) {
+            // The one before is kept for its fade, or as a neighbour.
+            let fades_out = self.fades_out(of, &drawn.shown.moment, Place::Before);
+            match scenes.before.take() {
+                Some(before) if fades_out => scenes.fade_out(before),
+                Some(before) => scenes.ahead.keep(before),
+                None => {}
+            }
+        }
+        Ok(drawn)
+    }
+
+    /// Whether the scene at a place fades out at a moment of the song.
+    fn fades_out(&self, of: Ingredients<'_>, moment: &Moment, place: Place) -> bool {
+        self.outgoing(of, moment).is_some_and(|outgoing| outgoing.place == place)
+    }
+
+    fn go_on(
         &mut self,
         of: Ingredients<'_>,
         renderer: &mut Renderer,
@@ -173,7 +208,7 @@ impl SceneComposer {
     }
 
     /// Gives up a picture that was begun and is not the one that is wanted. Returns whether there is none now.
-    pub(super) fn give_up_another(&mut self, of: Ingredients<'_>, wanted: &WantedPicture) -> bool {
+    fn give_up_another(&mut self, of: Ingredients<'_>, wanted: &WantedPicture) -> bool {
         let Some((id, mode)) = shown(of) else { return false };
         let now = (id, mode, self.views.choice());
         let is_of_use = |making: &Making| {
@@ -271,7 +306,7 @@ impl SceneComposer {
     }
 
     /// What fades out below the scene that shows at a moment of the song, if both are there.
-    pub(super) fn outgoing(&self, of: Ingredients<'_>, moment: &Moment) -> Option<Outgoing> {
+    fn outgoing(&self, of: Ingredients<'_>, moment: &Moment) -> Option<Outgoing> {
         if self.views.choice().is_some() {
             return None;
         }
@@ -325,7 +360,7 @@ impl SceneComposer {
     /// Mixes this share of the picture that a show holds into what comes next, or none of it any more.
     pub(crate) fn mix_held(&mut self, share: Option<f32>) {
         if self.views.choice().is_none() {
-            self.fading.tell(share);
+            self.fading.mix_held(share);
         }
         self.revision += 1;
     }
@@ -367,6 +402,14 @@ impl SceneComposer {
     /// Whether a picture was begun and is not finished.
     pub(crate) fn is_drawing(&self) -> bool {
         self.making.is_some()
+    }
+
+    /// Whether the picture of this scene is finished and nothing about it changes by itself.
+    pub(super) fn rests_on(&self, scene: u64) -> bool {
+        self.pictures.scene() == Some(scene)
+            && self.making.is_none()
+            && self.views.choice().is_none()
+            && !self.fading.goes_on()
     }
 
     /// Whether the picture that was begun must be finished, because it would be the second one in turn that a changed text

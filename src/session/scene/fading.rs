@@ -55,7 +55,7 @@ enum State {
     /// Since when it fades, in seconds of the song, and what plays.
     WithSong(f64, (u64, u32)),
     /// A show says how far it has come; whether the light of what goes is kept.
-    Told(f32, bool),
+    Given(f32, bool),
 }
 
 /// A picture that is begun.
@@ -134,18 +134,18 @@ impl Fading {
     }
 
     /// A picture that a show holds has this share of the next ones; without a share it is gone.
-    pub(super) fn tell(&mut self, share: Option<f32>) {
+    pub(super) fn mix_held(&mut self, share: Option<f32>) {
         match (share, self.state) {
-            (Some(share), State::Told(_, kept)) => self.state = State::Told(share, kept),
-            (Some(share), _) => (self.state, self.from) = (State::Told(share, false), From::HeldPicture),
-            (None, State::Told(..)) => self.state = State::None,
+            (Some(share), State::Given(_, kept)) => self.state = State::Given(share, kept),
+            (Some(share), _) => (self.state, self.from) = (State::Given(share, false), From::HeldPicture),
+            (None, State::Given(..)) => self.state = State::None,
             (None, _) => {}
         }
     }
 
     /// The show holds another picture than before: the last one that was drawn, in which the one before has its share.
     pub(crate) fn hold_anew(&mut self) {
-        if let State::Told(_, kept) = &mut self.state {
+        if let State::Given(_, kept) = &mut self.state {
             *kept = false;
         }
     }
@@ -189,7 +189,7 @@ impl Fading {
     pub(super) fn share_of_scene(&self, moment: &Moment) -> Option<f32> {
         match self.state {
             _ if self.from != From::Scene => None,
-            State::None | State::Told(..) => None,
+            State::None | State::Given(..) => None,
             State::Wanted => Some(1.0),
             State::Going(_) => Some(self.share),
             State::WithSong(..) => self.share_in_song(moment),
@@ -218,14 +218,14 @@ impl Fading {
 
     /// Tells the renderer, before a picture is begun, what of an older one is mixed into it.
     pub(super) fn begin_picture(&mut self, renderer: &mut Renderer, begun: Begun<'_>) {
-        let keeps = matches!(self.state, State::Wanted | State::Told(_, false)) && !begun.is_live;
+        let keeps = matches!(self.state, State::Wanted | State::Given(_, false)) && !begun.is_live;
         if keeps {
             let kept = renderer.keep_light().unwrap_or_else(|error: GpuError| {
                 tracing::info!("no fade: {error}");
                 false
             });
             match &mut self.state {
-                State::Told(_, is_kept) => *is_kept = kept,
+                State::Given(_, is_kept) => *is_kept = kept,
                 state if !kept => *state = State::None,
                 _ => {}
             }
@@ -241,8 +241,8 @@ impl Fading {
             .replace(begun.now)
             .map_or(Duration::ZERO, |last| begun.now.saturating_duration_since(last));
         let share = match self.state {
-            State::None | State::Told(_, false) => return None,
-            State::Told(share, true) => Some(share),
+            State::None | State::Given(_, false) => return None,
+            State::Given(share, true) => Some(share),
             State::Wanted => {
                 self.announce();
                 let time = begun.moment.song_time;
@@ -353,7 +353,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_that_was_held_is_told_from_a_scene() {
+    fn a_picture_that_was_held_is_no_scene_that_goes() {
         let now = Instant::now();
         let mut fading = Fading::of(2.0);
         fading.release(1.0);
@@ -361,12 +361,12 @@ mod tests {
         assert_eq!((fading.share_held(), fading.share_of_scene(&at(4.0))), (1.0, None));
         fading.cut();
         assert_eq!(fading.share_held(), 0.0);
-        fading.tell(Some(0.25));
+        fading.mix_held(Some(0.25));
         assert_eq!(fading.step(begun(now, &at(4.0), true)), None, "no light of it is kept");
-        fading.state = State::Told(0.25, true);
+        fading.state = State::Given(0.25, true);
         fading.hold_anew();
-        assert_eq!(fading.state, State::Told(0.25, false), "the light of another picture is to be kept");
-        fading.tell(None);
+        assert_eq!(fading.state, State::Given(0.25, false), "the light of another picture is to be kept");
+        fading.mix_held(None);
         assert!(!fading.goes_on());
     }
 }

@@ -30,7 +30,7 @@ pub(crate) struct Shown {
     pub size: (u32, u32),
     /// Further samples of pixels at edges.
     pub edges: EdgeSamples,
-    /// The stage's revision.
+    /// The session's revision.
     pub revision: u64,
 }
 

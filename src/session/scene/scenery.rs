@@ -26,7 +26,7 @@ pub(crate) struct Scenery {
     pub request: RegionRequest,
 }
 
-/// Why nobody can be told what is in the picture.
+/// Why nobody can ask what is in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum NoScenery {
     /// There is none yet.
@@ -37,7 +37,7 @@ pub(crate) enum NoScenery {
     Between,
 }
 
-/// What a picture shows, in whatever way it was drawn. It may outlive its scene's place on the stage.
+/// What a picture shows, in whatever way it was drawn. It may outlive its scene.
 pub(super) struct Pictured {
     source: SceneSource,
     world: Arc<World>,

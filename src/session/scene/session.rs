@@ -11,7 +11,7 @@ use super::parameters::Parameters;
 use super::performed::Performed;
 use super::preparation::{ScenePreparation, TreeVerdict};
 use super::prepared_scene::{DrawingChoice, PreparedScene};
-use super::prepared_scenes::{Place, PreparedScenes};
+use super::prepared_scenes::PreparedScenes;
 use super::preview::NextPicture;
 use super::program_library::ProgramLibrary;
 use super::program_task::Task;
@@ -33,7 +33,6 @@ use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
 use crate::view::ViewChoice;
 use mariana_control::Model;
 use mariana_music::Sound;
-use mariana_player::Moment;
 
 /// Prepares scenes and draws them.
 pub(crate) struct SceneSession {
@@ -327,44 +326,18 @@ impl SceneSession {
         renderer: &mut Renderer,
         picture: WantedPicture,
     ) -> Result<Option<Drawn>, GpuError> {
-        let way = (self.library().length_of_go(), self.revision());
-        let (composer, of) = self.composing();
-        if composer.give_up_another(of, &picture)
-            && self.scenes.fading_out.is_some()
-            && !self.still_fades(&picture.moment, Place::FadingOut)
-        {
-            self.scenes.end_fade();
+        let (way, known) = ((self.library().length_of_go(), self.revision()), self.scenes.ids());
+        let of = (&self.show, &self.parameters, self.preparation.choice());
+        let drawn = self.composer.draw(&mut self.scenes, of, renderer, &picture, way)?;
+        if self.scenes.ids() != known {
             self.preparation.forget_obsolete(&self.scenes);
         }
-        let (composer, of) = self.composing();
-        let drawn = composer.draw(of, renderer, &picture, way)?;
-        if let Some(drawn) = &drawn {
+        if drawn.is_some() {
             self.preparation.programs.note_picture();
-            self.let_go_of_the_one_before(&drawn.shown.moment);
         } else if self.scenes.shown_id().is_some_and(|id| self.composer.regions.has_given_up(id)) {
             self.take_back(TREE_TOO_LONG);
         }
         Ok(drawn)
-    }
-
-    /// Whether the scene at a place fades out at a moment of the song.
-    fn still_fades(&mut self, moment: &Moment, place: Place) -> bool {
-        let (composer, of) = self.composing();
-        composer.outgoing(of, moment).is_some_and(|outgoing| outgoing.place == place)
-    }
-
-    /// A picture of the scene that shows is finished: the one before it is kept for its fade, or as a neighbour.
-    fn let_go_of_the_one_before(&mut self, moment: &Moment) {
-        if self.scenes.before.is_none() {
-            return;
-        }
-        let fades = self.still_fades(moment, Place::Before);
-        let Some(before) = self.scenes.before.take() else { return };
-        match fades {
-            true => self.scenes.fade_out(before),
-            false => self.scenes.ahead.keep(before),
-        }
-        self.preparation.forget_obsolete(&self.scenes);
     }
 
     /// Takes a scene out of the picture whose first one would take too long, and brings the previous one back, if there
@@ -410,15 +383,12 @@ impl SceneSession {
 
     /// Whether there is nothing left to do for the scene that was asked for.
     fn is_complete(&self) -> bool {
-        let PreparedScenes { shown: Some(shown), coming, before, .. } = &self.scenes else { return false };
+        let PreparedScenes { shown: Some(shown), coming: None, before: None, .. } = &self.scenes else {
+            return false;
+        };
         shown.source == *self.library().wanted()
-            && self.composer.pictures().scene() == Some(shown.id)
-            && coming.is_none()
-            && before.is_none()
-            && !self.composer.is_drawing()
+            && self.composer.rests_on(shown.id)
             && self.preparation.programs.is_idle()
-            && self.composer.view().is_none()
-            && !self.composer.fading().goes_on()
     }
 
     /// Asks for the next or the previous scene.
