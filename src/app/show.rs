@@ -241,7 +241,7 @@ impl Show {
                 }
             }
             self.stage.follow_editor();
-            if redraws || self.stage.scene.is_drawing() {
+            if redraws || self.stage.scene.composer().is_drawing() {
                 self.draw()?;
             }
         }

@@ -48,7 +48,7 @@ use crate::gpu::shader_source::ShaderLibrary;
 use crate::input::{Input, Key, Modifiers, NamedKey};
 use crate::scenes::Drafts;
 use crate::session::SessionError;
-use crate::session::scene::SceneStage;
+use crate::session::scene::SceneSession;
 use crate::session::screen::{Assistance, Screen};
 use crate::session::waker::Waker;
 use crate::show::LiveDirector;
@@ -64,7 +64,7 @@ const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
 pub(super) struct Stage {
     listening: Listening,
     renderer: Renderer,
-    pub(super) scene: SceneStage,
+    pub(super) scene: SceneSession,
     direction: Direction,
     /// Chooses scenes while an input is listened to.
     live: Option<LiveDirector>,
@@ -273,7 +273,7 @@ impl Stage {
         if let Some(live) = self.listening.live_status() {
             let paused = self.listening.is_paused();
             self.reports.look_at_input(&live, paused);
-            self.set_title(live_title(&live, self.scene.notes(), paused));
+            self.set_title(live_title(&live, self.scene.report().notes(), paused));
             return Ok(false);
         }
         let Some(status) = self.listening.song_status() else { return Ok(false) };
@@ -285,7 +285,7 @@ impl Stage {
             return Err(SessionError::SongLost(error.clone()));
         }
         self.reports.look(&status, self.listening.has_started(), self.screen.is_fullscreen());
-        self.set_title(title(self.scene.notes(), &status, silence_asked));
+        self.set_title(title(self.scene.report().notes(), &status, silence_asked));
         Ok(status.ended && settings.once)
     }
 
@@ -334,7 +334,7 @@ impl Stage {
         let to_send = self.send(now)?;
         let edited = self.scene.saves_samples(now);
         // A picture that was begun is not begun again because the text rests.
-        if edited || !self.scene.is_drawing() {
+        if edited || !self.scene.composer().is_drawing() {
             self.pace.set_edited(edited);
         }
         if let Some(until) = self.scene.awaits_edit(now)
@@ -342,7 +342,7 @@ impl Stage {
         {
             return Ok(until);
         }
-        if self.scene.is_drawing() {
+        if self.scene.composer().is_drawing() {
             return Ok(now);
         }
         self.scene.rehearse(&mut self.renderer);
@@ -369,7 +369,7 @@ impl Stage {
             }
             let idle = now + self.idle_interval(seen);
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
-        } else if now >= self.pace.due(self.hands.are_unseen()) || self.scene.has_regions() {
+        } else if now >= self.pace.due(self.hands.are_unseen()) || self.scene.composer().has_regions() {
             self.update_preview(now, Some(Duration::ZERO))?;
             self.screen.request_redraw();
             Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))

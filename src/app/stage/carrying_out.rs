@@ -74,13 +74,16 @@ impl Stage {
                 self.scene.show_source(*source);
                 self.show_scene_in_editor();
             }
-            Command::ReloadScene => self.scene.load_again(),
-            Command::TurnNumbers(turned) => self.scene.turn_numbers(&turned.file, turned.values),
+            Command::ReloadScene => self.scene.library_mut().load_again(),
+            Command::TurnNumbers(turned) => {
+                self.scene.parameters_mut().turn_numbers(&turned.file, turned.values)
+            }
             Command::MarkScenes(titles) => self.listening.remember(move |settings| {
                 settings.favourite_scenes.clone_from(&titles);
             }),
             Command::Cut(switch) => {
-                let words = self.scene.cut_by_hand(switch.applied_to(self.scene.is_cut_by_hand()));
+                let cuts = switch.applied_to(self.scene.composer().fading().cuts());
+                let words = self.scene.composer_mut().fading_mut().set_cuts(cuts);
                 self.answer(Some(words));
             }
             Command::Fade(seconds) => self.set_fade(seconds),
@@ -113,7 +116,7 @@ impl Stage {
             Command::Set(set) => self.change_setting(set),
             Command::Learn(target) => self.learn(target),
             Command::LearnParameter(name) => {
-                let scene = self.scene.name().unwrap_or_default();
+                let scene = self.scene.scenes().name().unwrap_or_default();
                 self.learn(Target::Param { scene, name });
             }
             Command::EditMappings(edit) => {
@@ -144,9 +147,9 @@ impl Stage {
             muted: song.as_ref().is_some_and(|song| song.muted),
             shuffled: song.as_ref().is_some_and(|song| song.shuffled),
             follows: self.follows(),
-            kept: self.scene.is_kept(),
+            kept: self.scene.show().is_locked(),
             recording: self.is_recording(),
-            cuts: self.scene.is_cut_by_hand(),
+            cuts: self.scene.composer().fading().cuts(),
             black: self.masters.is_black(),
             frozen: self.masters.is_frozen(),
             clean: self.desk.bare,
@@ -161,7 +164,7 @@ impl Stage {
     fn show_scene_named(&mut self, name: SceneName) {
         match name {
             SceneName::Title(title) => {
-                match self.scene.all_sources().into_iter().find(|scene| scene.title() == title) {
+                match self.scene.library().all_sources().into_iter().find(|scene| scene.title() == title) {
                     Some(scene) => self.scene.show_source(scene),
                     None => self.reports.answer(format!("there is no scene '{title}': B shows them all")),
                 }
@@ -192,7 +195,7 @@ impl Stage {
         if let Some(editor) =
             self.desk.editor.as_mut().filter(|_| self.desk.panels.open() == Some(Panel::Editor))
         {
-            editor.show_scene(self.scene.wanted_source());
+            editor.show_scene(self.scene.library().wanted());
         }
     }
 }

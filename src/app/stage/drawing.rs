@@ -31,7 +31,7 @@ impl Stage {
         }
         let begun = Instant::now();
         // A picture whose regions have come was due before.
-        if !self.scene.has_regions() && !self.scene.is_drawing() {
+        if !self.scene.composer().has_regions() && !self.scene.composer().is_drawing() {
             self.pace.begun(begun, self.hands.are_unseen());
         }
         let size = self.screen.size();
@@ -47,7 +47,7 @@ impl Stage {
         self.pace.note_wanted(Some(moment), self.scene.revision(), begun);
         let level = self.level(begun);
         let drawn = drawn_size(level, whole, self.side_max());
-        if !self.scene.is_ready() {
+        if !self.scene.scenes().is_any_shown() {
             return self.show_waiting(size).map(|()| false);
         }
         let wanted = Shown { moment, size: drawn, edges: level.edges, revision: self.scene.revision() };
@@ -56,15 +56,16 @@ impl Stage {
         let wanted = self.pace.shown().filter(|_| held).unwrap_or(wanted);
         let (mut new, gain) = (None, self.masters.gain(begun));
         let waits_for_text = self.scene.awaits_edit(begun).is_some();
-        if (self.pace.shown() != Some(wanted) || self.scene.is_drawing()) && !waits_for_text {
+        if (self.pace.shown() != Some(wanted) || self.scene.composer().is_drawing()) && !waits_for_text {
             // The curves take longer than all other inputs of a frame, so they are only computed for scenes that read
             // them.
-            let curves = if self.scene.hears_curves() { self.listening.curves() } else { Default::default() };
+            let curves =
+                if self.scene.scenes().hear_curves() { self.listening.curves() } else { Default::default() };
             let Moment { features, song, .. } = moment;
             let sound = mariana_music::Sound { features, tables: curves, song };
             let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
             let Level { quality, edges, .. } = level;
-            let runs = self.scene.begins_fade() && self.listening.runs();
+            let runs = self.scene.composer().fading().is_to_begin() && self.listening.runs();
             let picture = WantedPicture { moment, sound, size: drawn, aspect, quality, edges, runs };
             let drawn = self.scene.draw(&mut self.renderer, picture);
             new = self.without_room_smaller(drawn)?;
@@ -90,7 +91,7 @@ impl Stage {
             None => {}
         }
         let corner = self.corner_line(begun);
-        let is_drawing = self.scene.is_drawing();
+        let is_drawing = self.scene.composer().is_drawing();
         let lay = Lay { placement, screen, is_held: held };
         let area = self.note_area(&lay, size);
         self.note_map(lay.map(&self.renderer, area));
@@ -127,7 +128,7 @@ impl Stage {
             })?;
         self.screen.show_on_output(&mut self.renderer, &lay, is_new)?;
         let first = self.pace.show(shown);
-        self.typing_times.note_shown(self.scene.shown_id(), new.is_some(), laid_out, Instant::now());
+        self.typing_times.note_shown(self.scene.scenes().shown_id(), new.is_some(), laid_out, Instant::now());
         if let Some(Drawn { spent, .. }) = new {
             let showing = spent + handing_over.elapsed();
             let cost = self.cost(spent + painting, showing);
@@ -136,7 +137,7 @@ impl Stage {
             self.hands.note_shown(shown.revision);
         }
         if painted.params_changed {
-            self.scene.note_moved();
+            self.scene.shown_parameters_mut().note_moved();
         }
         self.take_painted(painted);
         if first {
@@ -155,7 +156,7 @@ impl Stage {
         let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
         if self.waited.is_none_or(is_stale) {
             let is_first = self.waited.replace((now, size)).is_none();
-            let title = self.scene.wanted_title();
+            let title = self.scene.library().wanted().title();
             let content = content_of(&mut self.scene, None, PanelSwitches::default());
             let painted = paint_waiting(&mut *self.screen, &mut self.overlay, &title, content)?;
             self.take_painted(painted);
@@ -185,11 +186,11 @@ impl Stage {
     /// # Errors
     /// What the driver refuses.
     fn warm_up(&mut self) -> Result<(), SessionError> {
-        let Some(picture) = self.scene.coming_picture() else { return Ok(()) };
+        let Some(picture) = self.scene.scenes().coming_picture() else { return Ok(()) };
         let (scene, mut updated) = (&mut self.scene, Ok(()));
         let mut is_wanted = || {
             updated = scene.update();
-            updated.is_ok() && !scene.is_ready()
+            updated.is_ok() && !scene.scenes().is_any_shown()
         };
         if let Err(error) = self.renderer.warm_up(&picture, &mut is_wanted) {
             tracing::debug!("warming up: {error}");
@@ -205,7 +206,7 @@ impl Stage {
 
     /// Whether a show that stands still could be drawn better than it is.
     pub(super) fn could_be_better(&self, now: Instant) -> bool {
-        self.pace.could_be_better(now, self.scene.view().is_some(), self.side_max())
+        self.pace.could_be_better(now, self.scene.composer().view().is_some(), self.side_max())
     }
 
     /// When the window has to be drawn again because of the overlay.
@@ -241,14 +242,14 @@ impl Stage {
 
     /// Notes which scene is on the stage, and its place among the others.
     fn note_scene(&mut self) {
-        let Some(source) = self.scene.shown_source() else { return };
+        let Some(source) = self.scene.scenes().shown_source() else { return };
         if self.desk.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
-            self.desk.placed_scene = Some((source.clone(), self.scene.placed_name(source)));
+            self.desk.placed_scene = Some((source.clone(), self.scene.library().placed_name(source)));
         }
     }
 
     fn level(&self, now: Instant) -> Level {
-        self.pace.level(now, self.scene.view().is_some())
+        self.pace.level(now, self.scene.composer().view().is_some())
     }
 
     fn side_max(&self) -> u32 {
@@ -258,16 +259,18 @@ impl Stage {
     /// The line about the scene and how it is drawn, if it is wanted.
     fn corner_line(&self, now: Instant) -> Option<String> {
         let wanted = self.desk.panels.corner();
-        wanted.then(|| self.scene.corner(&self.pace.about_pictures(now), &self.pace.quality())).flatten()
+        wanted
+            .then(|| self.scene.report().line(&self.pace.about_pictures(now), &self.pace.quality()))
+            .flatten()
     }
 
     /// Checks whether the picture that is being drawn takes too long: then it is drawn with fewer pixels or, if that
     /// would not be enough, not at all.
     fn weigh_picture(&mut self, level: Level, now: Instant) {
-        let Some(seconds) = self.scene.seconds_of_picture() else { return };
+        let Some(seconds) = self.scene.composer().seconds_of_picture() else { return };
         match self.pace.weigh(level, seconds, now) {
             Verdict::GoOn => {}
-            Verdict::DrawSmaller => self.scene.give_picture_up(),
+            Verdict::DrawSmaller => self.scene.composer_mut().give_picture_up(),
             Verdict::TakeBack => {
                 self.scene.take_back(&format!("a picture of this window would take about {seconds:.0} s"));
             }
@@ -286,7 +289,7 @@ impl Stage {
                 self.reports.answer(
                     "the driver has no memory for a picture of this size: a smaller one is drawn".to_owned(),
                 );
-                self.scene.give_picture_up();
+                self.scene.composer_mut().give_picture_up();
                 Ok(None)
             }
             drawn => drawn,

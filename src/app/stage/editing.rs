@@ -36,7 +36,7 @@ impl Stage {
                 Err(error) => self.reports.answer(format!("there is no editor: {error}")),
             }
         }
-        self.scene.set_written(open);
+        self.scene.library_mut().set_written(open);
         self.screen.allow_composing(open);
         let Some(editor) = &mut self.desk.editor else { return };
         editor.set_focus(open);
@@ -44,7 +44,7 @@ impl Stage {
             editor.close_probed();
         }
         if open {
-            editor.show_scene(self.scene.wanted_source());
+            editor.show_scene(self.scene.library().wanted());
         }
         self.follow_editor();
     }
@@ -95,7 +95,7 @@ impl Stage {
             self.typing_times.note_mistake();
         }
         if open {
-            editor.show_scene(self.scene.wanted_source());
+            editor.show_scene(self.scene.library().wanted());
         }
         self.follow_editor();
     }
@@ -108,7 +108,7 @@ impl Stage {
         let (reloads, others): (Vec<_>, Vec<_>) =
             commands.into_iter().partition(|command| *command == Command::ReloadScene);
         if !reloads.is_empty() {
-            self.typing_times.note_key(self.scene.shown_id(), Instant::now());
+            self.typing_times.note_key(self.scene.scenes().shown_id(), Instant::now());
         }
         self.carry_out_all(reloads.into_iter().next());
         let is_open = self.is_edited();

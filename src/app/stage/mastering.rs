@@ -28,7 +28,7 @@ impl Stage {
     pub(in crate::app) fn toggle_freeze(&mut self) {
         let words = match self.masters.toggle_freeze() {
             true => {
-                self.scene.give_picture_up();
+                self.scene.composer_mut().give_picture_up();
                 "the picture is held: Z lets it go"
             }
             false => {
@@ -46,7 +46,7 @@ impl Stage {
 
     /// Does to whole pictures what the show does to them at `time` seconds of the song.
     pub(super) fn follow_masters(&mut self, time: f64) {
-        let shown = self.scene.picture_of_show(time);
+        let shown = self.scene.show().picture_at(time);
         let before = self.masters.follow_show(shown);
         let share = |picture: Picture| picture.held.map(|held| held.share);
         let (was, is) = (share(before), share(shown));
@@ -55,12 +55,12 @@ impl Stage {
         }
         let since = |picture: Picture| picture.held.map(|held| held.since);
         if since(before) != since(shown) {
-            self.scene.hold_anew();
+            self.scene.composer_mut().fading_mut().hold_anew();
         }
         match is {
             // It is held as it is.
-            Some(1.0..) => self.scene.give_picture_up(),
-            share => self.scene.mix_held(share),
+            Some(1.0..) => self.scene.composer_mut().give_picture_up(),
+            share => self.scene.composer_mut().mix_held(share),
         }
     }
 
@@ -84,7 +84,7 @@ impl Stage {
     /// All scenes in the order of their numbers: marked ones first.
     pub(super) fn numbered_scenes(&self) -> Vec<SceneSource> {
         let marks = &self.listening.settings().favourite_scenes;
-        let scenes = self.scene.all_sources();
+        let scenes = self.scene.library().all_sources();
         let (marked, others): (Vec<_>, Vec<_>) =
             scenes.into_iter().partition(|scene| marks.contains(&scene.title()));
         marked.into_iter().chain(others).collect()

@@ -36,7 +36,7 @@ use crate::gpu::renderer::{Counting, Renderer};
 use crate::scenes::Drafts;
 use crate::session::SessionError;
 use crate::session::desktop::DesktopControls;
-use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneStage};
+use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneSession};
 use crate::session::screen::{Assistance, Screen};
 use crate::session::waker::Waker;
 use crate::song_structures::{SongReader, StructureCache};
@@ -93,7 +93,7 @@ impl Opening<'_> {
         // Requested first: the driver compiles it while everything else is made.
         let of_scenes = waker.clone();
         let (choice, title) = (scene, first.source.title());
-        let mut scene = SceneStage::new(
+        let mut scene = SceneSession::new(
             screen.gl(),
             screen.worker_contexts(COMPILERS),
             sources(settings, choice),
@@ -102,7 +102,7 @@ impl Opening<'_> {
             first,
             move || of_scenes.wake(),
         )?;
-        scene.move_sliders(&settings.sliders);
+        scene.parameters_mut().remember(&title, &settings.sliders);
         let of_fonts = waker.clone();
         let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
         paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
@@ -245,7 +245,7 @@ pub(in crate::app) fn renewed(
     };
     let screen = screen.renew()?;
     let of_scenes = waker.clone();
-    let mut scenes = SceneStage::new(
+    let mut scenes = SceneSession::new(
         screen.gl(),
         screen.worker_contexts(COMPILERS),
         sources(settings, scene),

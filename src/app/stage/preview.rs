@@ -78,7 +78,7 @@ impl Stage {
     /// What the driver refuses.
     pub(super) fn update_preview(&mut self, now: Instant, rest: Option<Duration>) -> Result<(), GpuError> {
         let is_wanted = self.choices.next_scene || (self.screen.has_output() && !self.desk.clean);
-        let title = self.scene.next_title().filter(|_| is_wanted && !self.desk.bare);
+        let title = self.scene.scenes().next_title().filter(|_| is_wanted && !self.desk.bare);
         let Some(title) = title else {
             if self.preview.next.take().is_some() {
                 self.screen.request_redraw();

@@ -51,7 +51,7 @@ impl Stage {
             }
             Setting::ToneMap(tone_map) => {
                 self.renderer.set_tone_map(*tone_map);
-                self.scene.look_different();
+                self.scene.composer_mut().look_different();
             }
             Setting::Gain(gain) => self.listening.set_gain(*gain),
             Setting::FollowSong(follow) => self.direction.set_follow(*follow),
