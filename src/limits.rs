@@ -22,16 +22,12 @@ pub struct Limits {
     pub standard_input_bytes_max: u64,
     /// Most bytes of the settings file.
     pub settings_bytes_max: usize,
-    /// Largest shader source after its includes were resolved, in bytes.
-    pub shader_bytes_max: usize,
     /// Most bytes of a texture's file.
     pub texture_bytes_max: usize,
     /// Largest width and height of a texture, in texels.
     pub texture_side_max: u32,
     /// Most texels of a texture (16 Mi: 64 MiB, and a third more with its mip levels).
     pub texture_pixels_max: u64,
-    /// Most texels of a frame's regions (4 Mi: 64 MiB); cells beyond that use the whole tape.
-    pub region_texels_max: usize,
     /// Most interpreters, and most programs of views, that are kept for scenes to come (some 20 MiB each on a
     /// software renderer).
     pub programs_kept_max: usize,
@@ -41,10 +37,6 @@ pub struct Limits {
     pub program_cache_bytes_max: u64,
     /// Most entries of a folder that are listed in the window.
     pub folder_entries_max: usize,
-    /// Most fonts of the system that are taken for letters that the program's own fonts lack.
-    pub system_fonts_max: usize,
-    /// Most bytes that they have together (128 MiB: one of all Chinese letters has some 20 MiB).
-    pub system_fonts_bytes_max: u64,
     /// Most letters that are looked for among the system's fonts.
     pub letters_looked_for_max: usize,
     /// Longest time in seconds that drawing a small picture of a scene for the list may take.
@@ -85,8 +77,6 @@ pub struct Limits {
     pub send_request_fields_max: usize,
     /// Most places that pictures are sent to in a run.
     pub sends_max: usize,
-    /// Time in seconds after which it is told that a driver is still compiling.
-    pub compile_seconds_told: f64,
     /// Longest time in seconds that a scene's first picture may take in a window; beyond it the previous scene stays.
     pub picture_seconds_max: f64,
 }
@@ -101,16 +91,12 @@ pub const LIMITS: Limits = Limits {
     seconds_max: 86_400.0,
     standard_input_bytes_max: 1 << 30,
     settings_bytes_max: 1 << 20,
-    shader_bytes_max: 1 << 20,
     texture_bytes_max: 1 << 25,
     texture_side_max: 8_192,
     texture_pixels_max: 1 << 24,
-    region_texels_max: 1 << 22,
     programs_kept_max: 4,
     kept_program_bytes_max: 1 << 24,
     folder_entries_max: 20_000,
-    system_fonts_max: 12,
-    system_fonts_bytes_max: 1 << 27,
     letters_looked_for_max: 20_000,
     thumbnail_seconds_max: 60.0,
     thumbnails_kept_max: 2_000,
@@ -132,6 +118,5 @@ pub const LIMITS: Limits = Limits {
     send_request_bytes_max: 8_192,
     send_request_fields_max: 64,
     sends_max: 8,
-    compile_seconds_told: 20.0,
     picture_seconds_max: 10.0,
 };

@@ -3,8 +3,9 @@
 use std::time::{Duration, Instant};
 
 use super::announcer::Announcer;
-use super::media_controls::{Asked, MediaControls};
+use super::media_controls::MediaControls;
 use super::overlay::{Notice, NowPlaying};
+use crate::commands::Command;
 use crate::export::print::tell;
 use mariana_player::PlayerStatus;
 use mariana_player::input::LiveStatus;
@@ -55,8 +56,8 @@ impl Reports {
         self.due = Instant::now();
     }
 
-    /// What the desktop asks for next, if anything.
-    pub(super) fn asked(&self) -> Option<Asked> {
+    /// The next command of media keys and the desktop, if any.
+    pub(super) fn command_of_desktop(&self) -> Option<Command> {
         self.controls.poll()
     }
 

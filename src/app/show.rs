@@ -10,17 +10,14 @@ use winit::event::WindowEvent;
 use winit::event_loop::EventLoop;
 
 use super::accessibility::ControlsTeller;
-use super::announcer::{TrackOrder, next_repeat};
 use super::error::AppError;
 use super::feeds::Sends;
-use super::keys::Action;
-use super::media_controls::Asked;
 use super::monitors;
-use super::overlay::Request;
 use super::stage::{Opening, Stage, renewed};
 use super::wallpaper::{FPS, Layers, around, is_wayland, of_screen_saver};
 use super::window::{Ground, OpenWindow, WindowWishes};
 use super::window_thread::{self, Message, Typing, Waker, inbox};
+use crate::commands::{Command, Sender};
 use crate::config::{Memory, PlaySettings};
 use crate::export::painter::SceneChoice;
 use crate::export::print::print_line;
@@ -232,8 +229,8 @@ impl Show {
                 match message {
                     Message::Window(WindowEvent::RedrawRequested) => redraws = true,
                     Message::Window(event) => {
-                        if let Some(action) = self.stage.take(&event) {
-                            self.act(action);
+                        if let Some(command) = self.stage.take(&event) {
+                            self.carry_out(command, Sender::Window);
                         }
                         self.typing.set(self.stage.takes_text());
                     }
@@ -254,8 +251,8 @@ impl Show {
 
     /// Takes in what has happened, and returns when to look again if nothing happens before.
     fn look_around(&mut self) -> Result<Instant, AppError> {
-        self.obey_controls();
-        self.obey_hands();
+        self.obey_desktop();
+        self.obey_controllers();
         self.over |= self.stage.look_at_status(&self.settings)?;
         self.stage.remember_show(&self.settings, Instant::now());
         let until = self.stage.look_around()?;
@@ -266,97 +263,32 @@ impl Show {
         if self.stage.draw()? {
             tracing::info!("first picture after {:.0} ms", self.started.elapsed().as_secs_f64() * 1000.0);
         }
-        for request in self.stage.take_requests() {
-            self.obey(request);
+        for command in self.stage.take_ui_events() {
+            self.carry_out(command, Sender::Window);
         }
         Ok(())
     }
 
-    fn act(&mut self, action: Action) {
-        let stage = &mut self.stage;
-        match action {
-            Action::TogglePause => {
-                stage.toggle_pause();
-                stage.answer_position();
-            }
-            Action::Seek(seconds) => {
-                stage.with_song(|player| player.seek_by(seconds));
-                stage.answer_position();
-            }
-            Action::ChangeVolume(delta) => stage.change_volume(|player| player.change_volume(delta)),
-            Action::ToggleMute => stage.change_volume(|player| player.toggle_mute()),
-            Action::Tap => stage.tap(),
-            Action::SkipTrack { forward } => stage.skip(forward),
-            Action::ToggleShuffle => {
-                stage.set_order(|order| TrackOrder { shuffled: !order.shuffled, ..order });
-            }
-            Action::ChangeRepeat => {
-                stage.set_order(|order| TrackOrder { repeat: next_repeat(order.repeat), ..order });
-            }
-            Action::Shift(steps) => stage.shift(steps),
-            Action::ChangeSource => stage.next_source(),
-            Action::ToggleMode => stage.scene.toggle_mode(),
-            Action::ToggleRegions => stage.scene.toggle_regions(),
-            Action::ChangeView { forward } => stage.go_view(forward),
-            Action::ChangeNumber { larger } => stage.scene.step_view(larger),
-            Action::GiveCameraBack => stage.scene.give_camera_back(),
-            Action::ChangeScene { forward } => stage.scene.go(forward),
-            Action::ShowScene { place } => stage.show_scene_at(place),
-            Action::ToggleFollow => stage.toggle_follow(),
-            Action::ToggleKeep => stage.toggle_keep(),
-            Action::NextCue => stage.next_cue(),
-            Action::ToggleRecording => stage.toggle_recording(),
-            Action::ToggleSliders => stage.desk.panels.toggle_sliders(),
-            Action::ToggleCorner => stage.desk.panels.toggle_corner(),
-            Action::ToggleBlackout => stage.toggle_blackout(),
-            Action::ToggleFreeze => stage.toggle_freeze(),
-            Action::ToggleClean => stage.toggle_clean(),
-            Action::ToggleCorners => stage.toggle_corners(),
-            Action::ToggleFullscreen => stage.toggle_fullscreen(),
-            Action::Leave => stage.leave(),
-            Action::ToggleHelp => stage.desk.panels.toggle_help(),
-            Action::TogglePanel(panel) => stage.toggle_panel(panel),
-            Action::Quit => self.over = true,
-        }
-        stage.hurry_reports();
+    /// Carries out a command.
+    fn carry_out(&mut self, command: Command, sender: Sender) {
+        self.over |= command == Command::Quit;
+        self.stage.carry_out(command, sender);
     }
 
-    /// Does what the pointer asks for.
-    fn obey(&mut self, request: Request) {
-        match request {
-            Request::Act(action) => self.act(action),
-            other => self.stage.obey(other),
-        }
-    }
-
-    /// Does what hands from outside wish for.
-    fn obey_hands(&mut self) {
-        for deed in self.stage.take_wishes() {
-            match self.stage.obey_deed(&deed) {
-                Some(action) => self.act(action),
+    /// Carries out the commands of controllers.
+    fn obey_controllers(&mut self) {
+        for action in self.stage.take_wishes() {
+            match Command::of_controller(&action) {
+                Some(command) => self.carry_out(command, Sender::Controller),
                 None => self.stage.hurry_reports(),
             }
         }
     }
 
-    /// Does what media keys and the desktop ask for.
-    fn obey_controls(&mut self) {
-        let stage = &mut self.stage;
-        while let Some(asked) = stage.asked() {
-            match asked {
-                Asked::Play(play) => stage.set_paused(!play),
-                Asked::TogglePause => stage.toggle_pause(),
-                Asked::Skip { forward } => stage.skip(forward),
-                Asked::SeekBy(seconds) => stage.with_song(|player| player.seek_by(seconds)),
-                Asked::SeekTo(seconds) => stage.with_song(|player| player.seek_to(seconds)),
-                Asked::Volume(volume) => stage.change_volume(|player| player.set_volume(volume)),
-                Asked::Repeat(repeat) => stage.set_order(|order| TrackOrder { repeat, ..order }),
-                Asked::Shuffle(shuffled) => stage.set_order(|order| TrackOrder { shuffled, ..order }),
-                Asked::Fullscreen(on) => stage.window.set_fullscreen(on),
-                Asked::Raise => stage.window.window().focus_window(),
-                Asked::Quit => self.over = true,
-            }
-            stage.hurry_reports();
+    /// Carries out the commands of media keys and the desktop.
+    fn obey_desktop(&mut self) {
+        while let Some(command) = self.stage.command_of_desktop() {
+            self.carry_out(command, Sender::Desktop);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What lives as long as the window: the sound, the scene, the pace of the drawing, the reports, and the overlay.
 
+mod carrying_out;
 mod cues;
 mod desk;
 mod directing;
@@ -37,21 +38,20 @@ use super::error::AppError;
 use super::feeds::Feeds;
 use super::frame_times::FrameTimes;
 use super::hands::Hands;
-use super::keys::Action;
 use super::listening::Listening;
 use super::masters::Masters;
-use super::media_controls::Asked;
 use super::output::Output;
-use super::overlay::{Overlay, Panel, Request};
+use super::overlay::{Overlay, UiEvent};
 use super::pointer_rest::PointerRest;
 use super::recording::Recording;
 use super::reports::Reports;
 use super::title::{live_title, title};
 use super::typing_times::TypingTimes;
-use super::user_input::{UserInput, Wish};
+use super::user_input::UserInput;
 use super::wallpaper::{Rect, Wallpaper};
 use super::window::GlWindowContext;
 use super::window_thread::Waker;
+use crate::commands::{Command, Files, Panel};
 use crate::config::{Choices, PlaySettings};
 use crate::gpu::renderer::Renderer;
 use crate::gpu::shader_source::ShaderLibrary;
@@ -90,8 +90,8 @@ pub(super) struct Stage {
     /// Whether nothing of the window can be seen.
     occluded: bool,
     pointer_rest: PointerRest,
-    /// What the pointer asked for in the last picture.
-    requests: Vec<Request>,
+    /// What was done in panels during the last picture.
+    ui_events: Vec<UiEvent>,
     pub(super) desk: Desk,
     /// Texts that are edited, for those that load scenes.
     drafts: Drafts,
@@ -141,11 +141,6 @@ impl Stage {
         }
     }
 
-    /// Pauses the sound if it runs, and lets it run if it is paused.
-    pub(super) fn toggle_pause(&mut self) {
-        self.set_paused(!self.listening.is_paused());
-    }
-
     /// Does something with the song, if it is what is listened to.
     pub(super) fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
         let _ = self.listening.with_song(act);
@@ -182,28 +177,6 @@ impl Stage {
         self.answer(words);
     }
 
-    /// Takes this moment as a beat.
-    pub(super) fn tap(&mut self) {
-        let words = self.listening.tap();
-        self.answer(words);
-    }
-
-    /// Goes to the next track, or back.
-    pub(super) fn skip(&mut self, forward: bool) {
-        self.listening.skip(forward);
-    }
-
-    /// Listens to the next source.
-    pub(super) fn next_source(&mut self) {
-        self.listening.next_source();
-    }
-
-    /// Shows the picture later by this many steps.
-    pub(super) fn shift(&mut self, steps: f64) {
-        let words = self.listening.shift(steps);
-        self.answer(Some(words));
-    }
-
     fn answer(&mut self, words: Option<String>) {
         if let Some(words) = words {
             self.reports.answer(words);
@@ -226,51 +199,13 @@ impl Stage {
         }
     }
 
-    /// Handles an event of the window. Returns what a key or the mouse asks for.
-    pub(super) fn take(&mut self, event: &WindowEvent) -> Option<Action> {
+    /// Handles an event of the window. Returns the command that a key or the mouse sends, if no panel takes it.
+    pub(super) fn take(&mut self, event: &WindowEvent) -> Option<Command> {
         self.pointer_rest.take(event, Instant::now());
         if self.overlay.on_event(&self.window.window(), event) {
             return None;
         }
-        if self.take_for_editor(event) {
-            return None;
-        }
-        if let (Some(browser), Some((key, held))) = (&mut self.desk.browser, self.input.typed(event)) {
-            let chosen = browser.take_key(key, held.control_key() || held.super_key());
-            self.follow_choice(chosen);
-            return None;
-        }
-        if let (Some(files), Some((key, held))) = (&mut self.desk.files, self.input.typed(event)) {
-            let picked = files.take_key(key, held.shift_key(), held.control_key() || held.super_key());
-            self.follow_pick(picked);
-            return None;
-        }
-        if let Some((key, held)) = self.input.typed(event)
-            && self.go_through_controls(key, held)
-        {
-            return None;
-        }
-        if let (Some(settings), Some((key, _))) = (&mut self.desk.settings, self.input.typed(event)) {
-            let (taken, change) = settings.take_key(key);
-            if let Some(change) = change {
-                self.change_setting(change);
-            }
-            if taken {
-                return None;
-            }
-        }
-        if let (Some(hands), Some((key, _))) = (&mut self.desk.hands, self.input.typed(event)) {
-            let (taken, request) = hands.take_key(key);
-            if let Some(request) = request {
-                self.obey_in_hands(request);
-            }
-            if taken {
-                return None;
-            }
-        }
-        if let Some((key, held)) = self.input.typed(event)
-            && self.take_corner_key(key, held)
-        {
+        if self.take_for_editor(event) || self.take_for_panels(event) {
             return None;
         }
         match event {
@@ -280,19 +215,39 @@ impl Stage {
                 self.window.request_redraw();
             }
             WindowEvent::Occluded(occluded) => self.occluded = *occluded,
-            _ => match self.input.take(event, Instant::now())? {
-                Wish::Act(action) => return Some(action),
-                Wish::TurnCamera(_) | Wish::ZoomCamera(_) if !self.is_for_picture(self.input.began()) => {}
-                Wish::TurnCamera(way) => {
-                    let height = f64::from(self.window.size().map_or(1, |(_, height)| height));
-                    let height = height * self.desk.picture.map_or(1.0, |[_, top, _, bottom]| bottom - top);
-                    self.scene.move_camera(|hand, own| hand.drag((way.0 / height, way.1 / height), own));
-                }
-                Wish::ZoomCamera(notches) => self.scene.move_camera(|hand, _| hand.zoom(notches)),
-                Wish::LookAt(place) => self.look_at(place),
-            },
+            _ => return self.input.take(event, Instant::now()),
         }
         None
+    }
+
+    /// Hands a key to the panel that is open. Returns whether it was meant for it.
+    fn take_for_panels(&mut self, event: &WindowEvent) -> bool {
+        let Some((key, held)) = self.input.typed(event) else { return false };
+        let command_key = held.control_key() || held.super_key();
+        if let Some(browser) = &mut self.desk.browser {
+            let commands = browser.take_key(key, command_key);
+            self.carry_out_all(commands);
+            return true;
+        }
+        if let Some(files) = &mut self.desk.files {
+            let commands = files.take_key(key, held.shift_key(), command_key);
+            self.carry_out_all(commands);
+            return true;
+        }
+        if self.go_through_controls(key, held) {
+            return true;
+        }
+        let of_settings = self.desk.settings.as_mut().map(|settings| settings.take_key(key));
+        let taken = of_settings.filter(|(taken, _)| *taken);
+        let taken = taken.or_else(|| self.desk.hands.as_mut().map(|hands| hands.take_key(key)));
+        if let Some((true, command)) = taken {
+            self.carry_out_all(command);
+            return true;
+        }
+        let of_corners = self.desk.corners.as_mut().and_then(|hands| hands.take_key(key, held.shift_key()));
+        let taken = of_corners.is_some();
+        self.carry_out_all(of_corners.flatten());
+        taken
     }
 
     /// Passes a key to the controls if they have the focus or get it; returns `true` if the key was used.
@@ -319,9 +274,9 @@ impl Stage {
         self.window.request_redraw();
     }
 
-    /// What the desktop asks for next, if anything.
-    pub(super) fn asked(&self) -> Option<Asked> {
-        self.reports.asked()
+    /// The next command of media keys and the desktop, if any.
+    pub(super) fn command_of_desktop(&self) -> Option<Command> {
+        self.reports.command_of_desktop()
     }
 
     /// Looks at the state of the sound at once, because something was changed.
@@ -384,7 +339,7 @@ impl Stage {
         let dropped = self.input.take_dropped();
         if !dropped.is_empty() {
             let append = self.input.shift_held() || self.desk.panels.open() == Some(Panel::Tracks);
-            self.open_files(dropped, append);
+            self.open_files(Files { files: dropped, append });
         }
         self.scene.update()?;
         self.update_editor();

@@ -1,4 +1,4 @@
-//! What the user asks for with the keys, the mouse and dropped files.
+//! Makes commands of keys, the mouse and dropped files.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -6,21 +6,9 @@ use std::time::Instant;
 use winit::event::{ElementState, KeyEvent, WindowEvent};
 use winit::keyboard::{Key, ModifiersState};
 
-use super::keys::{Action, action_of};
+use super::keys::command_of;
 use super::pointer::{Gesture, Pointer};
-
-/// What the user asks for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Wish {
-    /// What a key does.
-    Act(Action),
-    /// To turn the camera by a movement to the right and down, in pixels.
-    TurnCamera((f64, f64)),
-    /// To move the camera by notches of the wheel, positive nearer.
-    ZoomCamera(f64),
-    /// To know what is at a place of the window, in pixels.
-    LookAt((f64, f64)),
-}
+use crate::commands::{Command, Switch};
 
 /// The state of the keys and the mouse, from the events that are not the overlay's.
 #[derive(Debug, Default)]
@@ -33,8 +21,8 @@ pub(super) struct UserInput {
 }
 
 impl UserInput {
-    /// Takes an event and returns what the user asks for with it.
-    pub(super) fn take(&mut self, event: &WindowEvent, now: Instant) -> Option<Wish> {
+    /// Takes an event and returns the command that it makes, if any.
+    pub(super) fn take(&mut self, event: &WindowEvent, now: Instant) -> Option<Command> {
         match event {
             WindowEvent::DroppedFile(path) => {
                 self.dropped.push(path.clone());
@@ -48,12 +36,12 @@ impl UserInput {
                 event: KeyEvent { logical_key, state: ElementState::Pressed, repeat, .. },
                 is_synthetic: false,
                 ..
-            } => action_of(logical_key, *repeat, self.held).map(Wish::Act),
+            } => command_of(logical_key, *repeat, self.held),
             _ => self.pointer.take(event, now).map(|gesture| match gesture {
-                Gesture::DoubleClick => Wish::Act(Action::ToggleFullscreen),
-                Gesture::Drag(way) => Wish::TurnCamera(way),
-                Gesture::Zoom(notches) => Wish::ZoomCamera(notches),
-                Gesture::Click(place) => Wish::LookAt(place),
+                Gesture::DoubleClick => Command::Fullscreen(Switch::Toggle),
+                Gesture::Drag(way) => Command::TurnCamera(way.into()),
+                Gesture::Zoom(notches) => Command::ZoomCamera(notches),
+                Gesture::Click(place) => Command::Inspect(place.into()),
             }),
         }
     }
@@ -116,8 +104,8 @@ mod tests {
             input.take(&WindowEvent::MouseInput { device_id, state, button: MouseButton::Left }, now)
         };
         let first = [click(ElementState::Pressed), click(ElementState::Released)];
-        assert_eq!(first, [None, Some(Wish::LookAt((0.0, 0.0)))]);
-        assert_eq!(click(ElementState::Pressed), Some(Wish::Act(Action::ToggleFullscreen)));
+        assert_eq!(first, [None, Some(Command::Inspect([0.0, 0.0]))]);
+        assert_eq!(click(ElementState::Pressed), Some(Command::Fullscreen(Switch::Toggle)));
     }
 
     #[test]

@@ -18,10 +18,11 @@ use winit::window::{Window, WindowId};
 
 use super::accessibility::{Accessibility, Assistance};
 use super::error::AppError;
-use super::keys::{self, Action};
+use super::keys::command_of;
 use super::monitors::Monitor;
 use super::wallpaper::Layers;
 use super::window::{OpenWindow, SharedWindow, WindowWishes, open_output, shared};
+use crate::commands::Command;
 use crate::ending::{self, Signal};
 use crate::export::print::tell;
 
@@ -233,7 +234,7 @@ fn asks_for_the_end(event: &WindowEvent, held: ModifiersState, typing: bool) -> 
             event: KeyEvent { logical_key, state: ElementState::Pressed, repeat, .. },
             is_synthetic: false,
             ..
-        } => !typing && keys::action_of(logical_key, *repeat, held) == Some(Action::Quit),
+        } => !typing && command_of(logical_key, *repeat, held) == Some(Command::Quit),
         _ => false,
     }
 }

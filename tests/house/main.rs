@@ -4,3 +4,4 @@ mod architecture;
 mod dependencies;
 mod readme;
 mod security;
+mod shape;

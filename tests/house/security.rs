@@ -32,6 +32,7 @@ fn rows() -> String {
         "crates/music/src",
         "crates/player/src",
         "crates/remote/src",
+        "crates/render/src",
     ] {
         sources(&root().join(folder), &mut files);
     }

@@ -1,10 +1,11 @@
 //! What keys and the pointer do to the text.
 
+use crate::commands::Command;
 use mariana_editing::{Move, Refused, find};
 use winit::keyboard::{Key, ModifiersState, NamedKey, PhysicalKey};
 
-use super::keys::{command_of, way_of};
-use super::{Command, Editor, EditorRequest, Effect, Find, Owner, Question};
+use super::keys::{action_of, way_of};
+use super::{CLOSE, EditAction, Editor, EditorEvent, Find, Owner, Question};
 
 /// A key that was pressed.
 pub(crate) struct Press<'a> {
@@ -40,7 +41,7 @@ impl Editor {
         if self.choose_proposal(press.key, press.held) {
             return true;
         }
-        if let Some(command) = command_of(press.key, press.physical, press.held) {
+        if let Some(command) = action_of(press.key, press.physical, press.held) {
             self.act_with(command, press.held.shift_key());
             return true;
         }
@@ -132,9 +133,9 @@ impl Editor {
     }
 
     /// Does what was asked for.
-    pub(crate) fn obey(&mut self, request: EditorRequest) {
+    pub(crate) fn obey(&mut self, request: EditorEvent) {
         match request {
-            EditorRequest::Press { at, clicks, select } => {
+            EditorEvent::Press { at, clicks, select } => {
                 self.set_focus(true);
                 self.ignores_repeats = false;
                 self.close_small();
@@ -147,20 +148,20 @@ impl Editor {
                     }
                 });
             }
-            EditorRequest::DragTo(at) => {
+            EditorEvent::DragTo(at) => {
                 self.with_text(|document| document.editing.go_to(at, true));
             }
-            EditorRequest::Grab(at) => self.grab(at),
-            EditorRequest::Turn { points, speed } => self.turn(f64::from(points), speed),
-            EditorRequest::LetGo => self.let_go(),
-            EditorRequest::PickColor(at) => self.pick_color(at),
-            EditorRequest::ClosePicker => {
+            EditorEvent::Grab(at) => self.grab(at),
+            EditorEvent::Turn { points, speed } => self.turn(f64::from(points), speed),
+            EditorEvent::LetGo => self.let_go(),
+            EditorEvent::PickColor(at) => self.pick_color(at),
+            EditorEvent::ClosePicker => {
                 self.close_picker();
             }
-            EditorRequest::SetColor(color) => self.set_color(color),
-            EditorRequest::MovePlace(way) => self.move_place(way),
-            EditorRequest::Scroll { lines, columns } => self.scroll(lines, columns),
-            EditorRequest::Drawn { rows, columns } => {
+            EditorEvent::SetColor(color) => self.set_color(color),
+            EditorEvent::MovePlace(way) => self.move_place(way),
+            EditorEvent::Scroll { lines, columns } => self.scroll(lines, columns),
+            EditorEvent::Drawn { rows, columns } => {
                 let is_first = self.rows != rows || self.columns != columns;
                 (self.rows, self.columns) = (rows, columns);
                 if is_first {
@@ -168,31 +169,31 @@ impl Editor {
                     self.reveal();
                 }
             }
-            EditorRequest::Do(command) => self.act_with(command, false),
-            EditorRequest::ShowText(number) => self.show_text(number),
-            EditorRequest::GoToProbed => self.go_to_probed(),
-            EditorRequest::CloseProbed => {
+            EditorEvent::Act(command) => self.act_with(command, false),
+            EditorEvent::ShowText(number) => self.show_text(number),
+            EditorEvent::GoToProbed => self.go_to_probed(),
+            EditorEvent::CloseProbed => {
                 self.close_probed();
             }
-            EditorRequest::GoTo { text, byte } => {
+            EditorEvent::GoTo { text, byte } => {
                 self.set_focus(true);
                 self.go_to_place(text, byte..byte);
             }
-            EditorRequest::Take(number) => self.take_proposal(number),
-            EditorRequest::Answer { first } => self.take_answer(first),
+            EditorEvent::Take(number) => self.take_proposal(number),
+            EditorEvent::Answer { first } => self.take_answer(first),
         }
     }
 
-    fn act_with(&mut self, command: Command, shift: bool) {
-        if command != Command::Propose {
+    fn act_with(&mut self, action: EditAction, shift: bool) {
+        if action != EditAction::Propose {
             self.proposing = None;
         }
-        match command {
-            Command::Save => self.save(),
-            Command::Undo => self.step(|editing| editing.undo(), "there is nothing to take back"),
-            Command::Redo => self.step(|editing| editing.redo(), "there is nothing to do again"),
-            Command::Copy => self.copy(),
-            Command::Cut => {
+        match action {
+            EditAction::Save => self.save(),
+            EditAction::Undo => self.step(|editing| editing.undo(), "there is nothing to take back"),
+            EditAction::Redo => self.step(|editing| editing.redo(), "there is nothing to do again"),
+            EditAction::Copy => self.copy(),
+            EditAction::Cut => {
                 self.copy();
                 self.edit(|editing| {
                     if !editing.selection().is_empty() {
@@ -201,33 +202,33 @@ impl Editor {
                     Ok(())
                 });
             }
-            Command::Paste => self.clipboard.paste(),
-            Command::SelectAll => {
+            EditAction::Paste => self.clipboard.paste(),
+            EditAction::SelectAll => {
                 self.with_text(|document| document.editing.select(0..document.editing.buffer().len()));
             }
-            Command::Find => self.begin_find(),
-            Command::FindNext { forward } => self.find_next(forward),
-            Command::ToggleComment => {
+            EditAction::Find => self.begin_find(),
+            EditAction::FindNext { forward } => self.find_next(forward),
+            EditAction::ToggleComment => {
                 self.edit(|editing| {
                     editing.toggle_comment();
                     Ok(())
                 });
             }
-            Command::Propose => self.propose(true),
-            Command::MakeParam => self.make_param(),
-            Command::TurnNumber { up } => self.turn_by_key(up, shift),
-            Command::Answer { first } => self.take_answer(first),
-            Command::New => self.begin_scene(),
-            Command::NextText => self.next_text(),
-            Command::NextMistake => self.next_mistake(),
-            Command::Light => self.toggle_light(),
-            Command::Profile => self.toggle_profile(),
-            Command::Leave => {
+            EditAction::Propose => self.propose(true),
+            EditAction::MakeParam => self.make_param(),
+            EditAction::TurnNumber { up } => self.turn_by_key(up, shift),
+            EditAction::Answer { first } => self.take_answer(first),
+            EditAction::New => self.begin_scene(),
+            EditAction::NextText => self.next_text(),
+            EditAction::NextMistake => self.next_mistake(),
+            EditAction::Light => self.toggle_light(),
+            EditAction::Profile => self.toggle_profile(),
+            EditAction::Leave => {
                 let small = self.close_picker() || self.close_probed() || self.find.is_some();
                 self.close_small();
                 self.answer = None;
                 if !small {
-                    self.effects.push(Effect::Close);
+                    self.commands.push(CLOSE);
                 }
             }
         }
@@ -447,7 +448,7 @@ impl Editor {
         if reads {
             let version = if dirty { drafts.set(&file, document.bytes()) } else { drafts.remove(&file) };
             document.note_sent(version);
-            self.effects.push(Effect::Reload);
+            self.commands.push(Command::ReloadScene);
         }
     }
 }

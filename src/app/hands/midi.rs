@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use super::deeds;
 use crate::app::window_thread::Waker;
+use crate::commands;
 use crate::config::{HandSettings, KnobEdit, KnobMemory};
 use crate::session::scene::SceneSession;
 use mariana_control::midi::{
@@ -135,7 +135,7 @@ impl Midi {
                 Some(learning) => learning.notice(knob, now),
                 None => {
                     let mappings = &mut self.memory.file_mut().mappings;
-                    outcomes.extend(mappings.apply(knob, &title, deeds::table(), stands));
+                    outcomes.extend(mappings.apply(knob, &title, commands::for_controllers(), stands));
                 }
             }
         }

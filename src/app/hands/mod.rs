@@ -1,9 +1,8 @@
 //! Hands from outside: what devices and networks wish for, and what the show tells them.
 //!
-//! Everything that a hand can do stands in one table ([`deeds`]). What hands wish for comes in by [`Wishes`], the newest
+//! Everything that a hand can do stands in the table of commands. What hands wish for comes in by [`Wishes`], the newest
 //! value of each parameter; the show takes it once for each picture.
 
-pub(super) mod deeds;
 mod midi;
 mod network;
 pub mod page;

@@ -14,6 +14,7 @@ mod browser;
 mod content;
 mod corners;
 mod editor;
+mod events;
 mod files;
 mod fonts;
 mod hands;
@@ -26,7 +27,6 @@ mod params;
 mod pointer;
 mod preview;
 mod problem;
-mod requests;
 mod rooms;
 mod settings;
 mod sources;
@@ -49,10 +49,10 @@ use winit::window::Window;
 
 pub use bar::Bar;
 pub use content::{Notice, OverlayContent, Problem, SourceList};
+pub use events::{FileListEvent, SceneListEvent, SettingEvent, UiEvent};
 pub use now_playing::NowPlaying;
 use panels::{Panels, pressed};
 use pointer::Pointer;
-pub use requests::{FileRequest, Panel, Request, SceneRequest, SettingRequest, TrackRequest};
 pub use switches::PanelSwitches;
 pub use tracks::Tracks;
 pub use welcome::Welcome;
@@ -96,8 +96,8 @@ struct Shown {
 pub struct Painted {
     /// Whether the user moved a slider, so that [`OverlayContent::params`] has other values than before.
     pub params_changed: bool,
-    /// What the user asked for, in that order.
-    pub requests: Vec<Request>,
+    /// What was done in the panels, in that order.
+    pub events: Vec<UiEvent>,
     /// What assistive technology is to be told.
     pub controls: Option<TreeUpdate>,
 }
@@ -302,7 +302,7 @@ impl Overlay {
             interactive,
             changes_at: own.into_iter().chain(fades).chain(goes).chain(answer).min(),
         });
-        Ok(Painted { params_changed: laid_out.params_changed, requests: laid_out.requests, controls })
+        Ok(Painted { params_changed: laid_out.params_changed, events: laid_out.events, controls })
     }
 
     /// Tells the system where letters are typed, in pixels: an input method shows its proposals there. Whether it is

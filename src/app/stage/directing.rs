@@ -3,8 +3,8 @@
 use super::Stage;
 use super::cues::Pressed;
 use crate::app::direction::{News, Playing};
-use crate::app::settings_panel::SettingChange;
-use crate::config::FollowChoice;
+use crate::commands::SetSetting;
+use crate::config::{FollowChoice, Setting};
 use crate::show::{Hearing, LiveDirector};
 use mariana_player::Moment;
 use std::sync::Arc;
@@ -88,7 +88,7 @@ impl Stage {
             (false, Playing::Song | Playing::Demo) => (FollowChoice::Songs, FOLLOWS),
             (false, Playing::Input) => (FollowChoice::On, FOLLOWS),
         };
-        self.change_setting(SettingChange::Follow(follow));
+        self.change_setting(SetSetting { setting: Setting::FollowSong(follow), settled: true });
         self.reports.answer(words.to_owned());
     }
 

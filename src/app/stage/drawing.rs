@@ -8,9 +8,10 @@ use super::outputs::{Canvas, Lay};
 use crate::app::drawing_pace::{Verdict, drawn_size};
 use crate::app::dynamic_resolution::Level;
 use crate::app::error::AppError;
-use crate::app::overlay::{Overlay, OverlayContent, Panel, PanelSwitches};
+use crate::app::overlay::{Overlay, OverlayContent, PanelSwitches};
 use crate::app::wallpaper::Wallpaper;
 use crate::app::window::GlWindowContext;
+use crate::commands::Panel;
 use crate::gpu::error::GpuError;
 use crate::session::scene::{Drawn, Shown, WantedPicture};
 use mariana_player::Moment;
@@ -142,7 +143,7 @@ impl Stage {
         if painted.params_changed {
             self.scene.shown_parameters_mut().note_moved();
         }
-        self.requests.extend(painted.requests);
+        self.ui_events.extend(painted.events);
         if let Some(controls) = painted.controls {
             self.controls.tell(controls);
         }

@@ -5,8 +5,8 @@ use std::time::Instant;
 use winit::event::{ElementState, Ime, KeyEvent, WindowEvent};
 
 use super::Stage;
-use crate::app::editor::{Editor, EditorRequest, Effect, Press};
-use crate::app::overlay::Panel;
+use crate::app::editor::{Editor, EditorEvent, Press};
+use crate::commands::{Command, Panel};
 use crate::documents::KeptTexts;
 
 impl Stage {
@@ -89,10 +89,10 @@ impl Stage {
         taken
     }
 
-    /// Does what the pointer asked of the editor.
-    pub(super) fn obey_in_editor(&mut self, request: EditorRequest) {
+    /// Takes what was done in the editor.
+    pub(super) fn take_editor_event(&mut self, event: EditorEvent) {
         if let Some(editor) = &mut self.desk.editor {
-            editor.obey(request);
+            editor.obey(event);
         }
         self.follow_editor();
     }
@@ -111,33 +111,20 @@ impl Stage {
         self.follow_editor();
     }
 
-    /// Does what the editor wants of the show.
+    /// Carries out the commands of the editor.
     pub(in crate::app) fn follow_editor(&mut self) {
         let Some(editor) = &mut self.desk.editor else { return };
-        let effects = editor.take_effects();
+        let commands = editor.take_commands();
         // However many keys have come, the text is loaded once.
-        if effects.contains(&Effect::Reload) {
+        let (reloads, others): (Vec<_>, Vec<_>) =
+            commands.into_iter().partition(|command| *command == Command::ReloadScene);
+        if !reloads.is_empty() {
             self.typing_times.note_key(self.scene.scenes().shown_id(), Instant::now());
-            self.scene.library_mut().load_again();
         }
-        for effect in effects {
-            match effect {
-                Effect::Reload => {}
-                Effect::Show(source) => {
-                    self.scene.show_source(source);
-                    if let Some(editor) =
-                        self.desk.editor.as_mut().filter(|_| self.desk.panels.open() == Some(Panel::Editor))
-                    {
-                        editor.show_scene(self.scene.library().wanted());
-                    }
-                }
-                Effect::Turn { file, values } => self.scene.parameters_mut().turn_numbers(&file, values),
-                Effect::Close => {
-                    if self.is_edited() {
-                        self.toggle_panel(Panel::Editor);
-                    }
-                }
-            }
-        }
+        self.carry_out_all(reloads.into_iter().next());
+        let is_open = self.is_edited();
+        self.carry_out_all(
+            others.into_iter().filter(|command| is_open || *command != Command::TogglePanel(Panel::Editor)),
+        );
     }
 }

@@ -3,11 +3,11 @@
 
 use std::time::Instant;
 
-use winit::keyboard::{Key, ModifiersState};
-
 use super::Stage;
-use crate::app::corner_hands::{CornerHands, Moved};
-use crate::app::overlay::{Panel, PanelSwitches};
+use crate::app::corner_hands::CornerHands;
+use crate::app::overlay::PanelSwitches;
+use crate::commands::{MovedCorner, SetSetting};
+use crate::config::Setting;
 use crate::placement::{Corners, Placement};
 use crate::scenes::SceneSource;
 use crate::show::Picture;
@@ -88,22 +88,16 @@ impl Stage {
         marked.into_iter().chain(others).collect()
     }
 
-    /// Shows the scene at a place of the list of scenes, marked ones first, from 0.
-    pub(in crate::app) fn show_scene_at(&mut self, place: usize) {
-        let scenes = self.numbered_scenes();
-        let count = scenes.len();
-        match scenes.into_iter().nth(place) {
-            Some(scene) => self.scene.show_source(scene),
+    /// Shows the scene of this number, from 1, marked ones first.
+    pub(super) fn show_scene_number(&mut self, number: usize) {
+        let mut scenes = self.numbered_scenes();
+        match number.checked_sub(1).filter(|place| *place < scenes.len()) {
+            Some(place) => self.scene.show_source(scenes.swap_remove(place)),
             None => {
-                let words = format!("there is no scene {} among these {count}: B shows them", place + 1);
-                self.reports.answer(words);
+                let count = scenes.len();
+                self.reports.answer(format!("there is no scene {number} among these {count}: B shows them"));
             }
         }
-    }
-
-    /// Lets the corners of the picture be moved, or is done with that.
-    pub(in crate::app) fn toggle_corners(&mut self) {
-        self.toggle_panel(Panel::Corners);
     }
 
     /// Where the picture lies on its screen.
@@ -111,62 +105,31 @@ impl Stage {
         self.choices.stage.placement()
     }
 
-    /// Shows pictures with so many percent of their light, and remembers it once that is `settled`.
-    pub(super) fn set_brightness(&mut self, percent: f64, settled: bool) {
-        let percent = percent.round().clamp(0.0, 100.0) as u8;
-        self.masters.set_brightness(f32::from(percent) / 100.0);
-        self.choices.stage.brightness = percent;
-        if settled {
-            self.choose(move |choices| choices.stage.brightness = percent);
-        }
-    }
-
     /// Lets the corners be moved, or no longer.
     pub(super) fn show_corners(&mut self, open: bool) {
         if !open && self.desk.corners.is_some() {
             // One may still be held.
-            self.remember_corners();
+            let setting = Setting::Corners(self.choices.stage.corners);
+            self.change_setting(SetSetting { setting, settled: true });
         }
         self.desk.corners = open.then(|| CornerHands::new(self.choices.stage.corners));
         self.window.request_redraw();
     }
 
-    /// Moves a corner of the picture to a place of its screen, and remembers it once that is `settled`. A place at which
+    /// Moves a corner of the picture to a place of its screen, and remembers it once that is settled. A place at which
     /// nothing could be drawn is left out.
-    pub(super) fn move_corner(&mut self, corner: usize, place: [f64; 2], settled: bool) {
+    pub(super) fn move_corner(&mut self, MovedCorner { corner, place, settled }: MovedCorner) {
         // Finer than a pixel is no use to anybody.
         let place = place.map(|share| (share * 1e4).round() / 1e4);
-        if let Some(corners) = self.choices.stage.corners.with(corner, place) {
-            self.choices.stage.corners = corners;
-        }
-        let corners = self.choices.stage.corners;
+        let before = self.choices.stage.corners;
+        self.set_corners(before.with(corner, place).unwrap_or(before), corner, settled);
+    }
+
+    /// Sets all corners, of which one is selected, and remembers them once they are settled.
+    pub(super) fn set_corners(&mut self, corners: Corners, selected: usize, settled: bool) {
         if let Some(hands) = &mut self.desk.corners {
-            hands.take(corner, corners);
+            hands.take(selected, corners);
         }
-        if settled {
-            self.remember_corners();
-        }
-        self.output.look_different();
-        self.window.request_redraw();
-    }
-
-    fn remember_corners(&mut self) {
-        let corners = self.choices.stage.corners;
-        self.choose(move |choices| choices.stage.corners = corners);
-    }
-
-    /// Does what a key asks of the corners, while they are moved. Returns whether it was one of theirs.
-    pub(super) fn take_corner_key(&mut self, key: &Key, held: ModifiersState) -> bool {
-        let Some(hands) = &mut self.desk.corners else { return false };
-        match hands.take_key(key, held.shift_key()) {
-            None => return false,
-            Some(Moved::Nothing) => {}
-            Some(Moved::Corner { corner, place }) => self.move_corner(corner, place, true),
-            Some(Moved::Back) => {
-                self.choices.stage.corners = Corners::default();
-                self.move_corner(0, [0.0; 2], true);
-            }
-        }
-        true
+        self.change_setting(SetSetting { setting: Setting::Corners(corners), settled });
     }
 }

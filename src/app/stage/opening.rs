@@ -5,6 +5,7 @@
 //! (`app::stage::opening::renewed`); the song does not notice. A picture for which the driver has no memory is drawn
 //! smaller. `faults` lets tests cause both.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use winit::event_loop::EventLoopProxy;
@@ -178,7 +179,7 @@ impl Opening<'_> {
             input: UserInput::default(),
             occluded: false,
             pointer_rest: PointerRest::default(),
-            requests: Vec::new(),
+            ui_events: Vec::new(),
             thumbnails: None,
             thumbnails_ahead: (!settings.wallpaper).then(|| thumbnails_ahead_at(now)),
             last_folder: None,
@@ -221,7 +222,7 @@ fn output_of(settings: &PlaySettings) -> Target {
 
 /// What programs are made from.
 fn sources(settings: &PlaySettings, scene: &SceneChoice) -> Sources {
-    Sources { library: scene.shaders.clone(), cache: settings.program_cache.clone() }
+    Sources { library: scene.shaders.clone(), cache: Arc::new(settings.program_cache.clone()) }
 }
 
 /// A renderer for a window.

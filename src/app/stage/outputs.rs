@@ -194,12 +194,6 @@ impl Stage {
         self.desk.picture.is_none_or(|area| is_within(area, size, place))
     }
 
-    /// Moves the output to another monitor, or to none.
-    pub(super) fn choose_output_monitor(&mut self, name: Option<String>) {
-        self.output.want(name.clone());
-        self.choose(move |choices| choices.stage.output.clone_from(&name));
-    }
-
     /// Shows the picture on the output, if it shows another one.
     ///
     /// # Errors

@@ -163,12 +163,15 @@ fn work<Tag: Send>(shared: &Shared<Tag>, wake: &dyn Fn()) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::testing::world_of;
     use crate::gpu::scene_resources::RegionRequest;
     use mariana_field::region::{RegionOptions, RegionPlan};
     use mariana_field::world::World;
     use mariana_music::Features;
     use std::sync::mpsc::{Receiver, channel};
+
+    fn world(text: &str) -> World {
+        World::parse("test", text).unwrap()
+    }
 
     fn maker_of(world: &World) -> RegionMaker {
         let (plan, buffers) = (RegionPlan::new(world).into(), world.tape_buffers().unwrap().into());
@@ -177,7 +180,7 @@ mod tests {
 
     /// A builder, its wakes, and what it takes to ask it for a tree that is not built at once.
     fn long_tree() -> (RegionBuilder<usize>, Receiver<()>, Frame, RegionMaker, RegionRequest) {
-        let world = world_of("union(for i in 0..200: sphere(p - vec3(i, 0, 0), 0.3 + 0.01 * sin(t)))");
+        let world = world("union(for i in 0..200: sphere(p - vec3(i, 0, 0), 0.3 + 0.01 * sin(t)))");
         let maker = maker_of(&world);
         let (woken, wakes) = channel();
         let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
@@ -209,7 +212,7 @@ mod tests {
 
     #[test]
     fn the_latest_request_is_built_and_comes_with_its_frame() {
-        let world = world_of("object ball { shape = sphere(p, 1 + 0.1 * sin(t)) }");
+        let world = world("object ball { shape = sphere(p, 1 + 0.1 * sin(t)) }");
         let maker = maker_of(&world);
         let (woken, wakes) = channel();
         let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
@@ -238,7 +241,7 @@ mod tests {
     fn programs_are_shortened_beside_the_tree_which_stays_where_only_they_change() {
         let text = "material lit { emission = vec3(sum(for i in 1..9: sin(i * p.x - t))) * smoothstep(1, 0, abs(p.x)) }\n\
                     object wall { shape = box(p, 2) material = lit }";
-        let world = world_of(text);
+        let world = world(text);
         let mut maker = maker_of(&world);
         let (woken, wakes) = channel();
         let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();

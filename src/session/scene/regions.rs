@@ -261,9 +261,9 @@ mod tests {
     use std::sync::mpsc::channel;
 
     use super::*;
-    use crate::frame::testing::world_of;
     use crate::gpu::headless::Headless;
     use mariana_field::region::RegionPlan;
+    use mariana_field::world::World;
     use mariana_music::Features;
 
     /// Balls without end: their tree follows the eye.
@@ -274,7 +274,7 @@ mod tests {
     #[test]
     fn a_fade_between_two_cameras_of_one_scene_stood_still() {
         let context = Headless::new(false).unwrap();
-        let world = world_of(TWO_CAMERAS);
+        let world = World::parse("test", TWO_CAMERAS).unwrap();
         let (buffers, plan) = (world.tape_buffers().unwrap(), RegionPlan::new(&world));
         let scene = SceneResources::upload(context.gl(), world.into(), buffers.into(), plan.into()).unwrap();
         let (woken, wakes) = channel();

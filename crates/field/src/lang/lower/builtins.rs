@@ -7,8 +7,9 @@ use super::super::scene::TextureRef;
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
-use super::Lowering;
-use crate::graph::{BAND_COUNT, Input, NodeId, Op, SoundInput};
+use super::expr::zip;
+use super::lowering::Lowering;
+use crate::graph::{BAND_COUNT, Graph, Input, NodeId, Op, SoundInput};
 
 /// With which number a function reads one of several numbers of the sound.
 enum Number {
@@ -26,7 +27,7 @@ impl Lowering<'_> {
         if count < least || count > most {
             let hint = format!("it is declared as `{}({})`", row.name, row.parameters);
             if let Some(symbol) = self.names.get(row.name) {
-                self.count_message(symbol, count, row.arguments, hint, span);
+                self.reports.count_message(symbol, count, row.arguments, hint, span);
             }
             return Value::Unknown;
         }
@@ -55,10 +56,10 @@ impl Lowering<'_> {
             (Builtin::Pair(op), [Some(a), Some(b), ..]) => self.pair(op, a, b, row.name, span),
             (Builtin::Pow, [Some(a), Some(b), ..]) if sizes_fit(&[a, b]) => {
                 let b = self.with_known(b);
-                self.zip(a, b, |graph, a, b| graph.pow(a, b))
+                zip(&mut self.graph, a, b, |graph, a, b| graph.pow(a, b))
             }
             (Builtin::Three(three), [Some(a), Some(b), Some(c), _]) if sizes_fit(&[a, b, c]) => {
-                self.triple(three, a, b, c)
+                triple(&mut self.graph, three, a, b, c)
             }
             (Builtin::Length, [Some(a), ..]) => Value::scalar(self.graph.length(a.parts())),
             (Builtin::Dot, [Some(a), Some(b), ..]) if a.len() == b.len() => {
@@ -81,36 +82,22 @@ impl Lowering<'_> {
                 let message =
                     format!("`{}` needs vectors of the same size, not {}", row.name, types.join(" and "));
                 let hint = format!("it is declared as `{}({})`", row.name, row.parameters);
-                self.report(Diagnostic::new(span, message).hint(hint))
+                self.reports.add(Diagnostic::new(span, message).hint(hint))
             }
         }
     }
 
     fn used_frame(&mut self, name: &'static str, span: Span) {
         if let Some(symbol) = self.names.get(name) {
-            self.take_input(uses::FRAME, symbol, span);
+            self.inputs.take(uses::FRAME, symbol, span, &mut self.reports);
         }
     }
 
     fn pair(&mut self, op: Op, a: Vector, b: Vector, name: &str, span: Span) -> Value {
         if !sizes_fit(&[a, b]) {
-            return self.sizes_differ(&format!("`{name}`"), Value::Vector(a), Value::Vector(b), span);
+            return self.reports.sizes_differ(&format!("`{name}`"), Value::Vector(a), Value::Vector(b), span);
         }
-        self.zip(a, b, |graph, a, b| graph.binary(op, a, b))
-    }
-
-    fn triple(&mut self, three: Three, a: Vector, b: Vector, c: Vector) -> Value {
-        let len = a.len().max(b.len()).max(c.len());
-        let mut parts = [a.first(); 4];
-        for (index, part) in parts.iter_mut().enumerate().take(len) {
-            let (a, b, c) = (a.part(index), b.part(index), c.part(index));
-            *part = match three {
-                Three::Mix => self.graph.mix(a, b, c),
-                Three::Clamp => self.graph.clamp(a, b, c),
-                Three::Smoothstep => self.graph.smoothstep(a, b, c),
-            };
-        }
-        Vector::from_slice(parts.get(..len).unwrap_or(&parts)).map_or(Value::Unknown, Value::Vector)
+        zip(&mut self.graph, a, b, |graph, a, b| graph.binary(op, a, b))
     }
 
     /// A vector from one number, from the first components of a longer vector, or from parts whose sizes add up to
@@ -132,7 +119,7 @@ impl Lowering<'_> {
             _ => {
                 let message = format!("`{name}` needs {len} numbers, but gets {count}");
                 let hint = format!("write one number for all, or numbers and vectors that make up {len}");
-                self.report(Diagnostic::new(span, message).hint(hint))
+                self.reports.add(Diagnostic::new(span, message).hint(hint))
             }
         }
     }
@@ -187,7 +174,7 @@ impl Lowering<'_> {
         self.used_frame(name, span);
         if index.len() != 1 {
             let message = format!("`{name}` takes a number, not {}", Value::Vector(index).described());
-            self.report(Diagnostic::new(span, message));
+            self.reports.add(Diagnostic::new(span, message));
             return None;
         }
         let part = index.first();
@@ -195,7 +182,7 @@ impl Lowering<'_> {
         if number < 0.0 || number >= count as f32 || number.fract() != 0.0 {
             let what = if name == "band" { "band" } else { "pitch class" };
             let message = format!("there is no {what} {number}");
-            self.report(Diagnostic::new(span, message).hint(hint));
+            self.reports.add(Diagnostic::new(span, message).hint(hint));
             return None;
         }
         Some(Number::Known(number as usize))
@@ -203,7 +190,7 @@ impl Lowering<'_> {
 
     fn texture(&mut self, mark: usize, first: u32, span: Span) -> Value {
         if let Some(symbol) = self.names.get("texture") {
-            self.take_input(uses::TEXTURE, symbol, span);
+            self.inputs.take(uses::TEXTURE, symbol, span, &mut self.reports);
         }
         let mut arguments = self.arguments.iter().skip(mark).copied();
         let (file, at) = (arguments.next(), arguments.next());
@@ -214,7 +201,8 @@ impl Lowering<'_> {
                 let message = format!("`texture` takes a file's name in quotes, not {}", other.described());
                 let place = self.argument_span(first, 0, span);
                 return self
-                    .report(Diagnostic::new(place, message).hint("write `texture(\"wood.png\", uv)`"));
+                    .reports
+                    .add(Diagnostic::new(place, message).hint("write `texture(\"wood.png\", uv)`"));
             }
         };
         let at = match at {
@@ -224,7 +212,8 @@ impl Lowering<'_> {
                 let message = format!("`texture` reads at a vec2, not {}", other.described());
                 let place = self.argument_span(first, 1, span);
                 return self
-                    .report(Diagnostic::new(place, message).hint("take two components, as in `p.xz`"));
+                    .reports
+                    .add(Diagnostic::new(place, message).hint("take two components, as in `p.xz`"));
             }
         };
         let Some(number) = self.texture_number(file, self.argument_span(first, 0, span)) else {
@@ -236,25 +225,26 @@ impl Lowering<'_> {
     }
 
     fn texture_number(&mut self, file: Symbol, span: Span) -> Option<u16> {
-        let place = self.library_call.map_or(span, |call| call.1);
+        let place = self.reports.library_call.map_or(span, |call| call.1);
         let name = match path::checked(self.name(file)) {
             Ok(name) => name,
             Err((message, hint)) => {
-                self.report(Diagnostic::new(place, message).hint(hint));
+                self.reports.add(Diagnostic::new(place, message).hint(hint));
                 return None;
             }
         };
-        if let Some(known) = self.textures.iter().position(|one| one.name == name) {
+        if let Some(known) = self.declared.textures.iter().position(|one| one.name == name) {
             return Some(known as u16);
         }
         let max = self.limits.scene_textures_max;
-        if self.textures.len() >= max {
+        if self.declared.textures.len() >= max {
             let message = format!("the scene reads more than {max} pictures");
-            self.report(Diagnostic::over_limit(place, message).hint("put several pictures into one file"));
+            self.reports
+                .add(Diagnostic::over_limit(place, message).hint("put several pictures into one file"));
             return None;
         }
-        self.textures.push(TextureRef { name, span: place });
-        Some((self.textures.len() - 1) as u16)
+        self.declared.textures.push(TextureRef { name, span: place });
+        Some((self.declared.textures.len() - 1) as u16)
     }
 }
 
@@ -262,4 +252,19 @@ impl Lowering<'_> {
 fn sizes_fit(vectors: &[Vector]) -> bool {
     let most = vectors.iter().map(|vector| vector.len()).max().unwrap_or(1);
     vectors.iter().all(|vector| vector.len() == 1 || vector.len() == most)
+}
+
+/// A function of three numbers on each component; their sizes are known to fit.
+fn triple(graph: &mut Graph, three: Three, a: Vector, b: Vector, c: Vector) -> Value {
+    let len = a.len().max(b.len()).max(c.len());
+    let mut parts = [a.first(); 4];
+    for (index, part) in parts.iter_mut().enumerate().take(len) {
+        let (a, b, c) = (a.part(index), b.part(index), c.part(index));
+        *part = match three {
+            Three::Mix => graph.mix(a, b, c),
+            Three::Clamp => graph.clamp(a, b, c),
+            Three::Smoothstep => graph.smoothstep(a, b, c),
+        };
+    }
+    Vector::from_slice(parts.get(..len).unwrap_or(&parts)).map_or(Value::Unknown, Value::Vector)
 }

@@ -1,14 +1,15 @@
 //! Calls: of the scene's functions, of the library's functions, and with any number of arguments.
 
 use super::super::ast::{Expr, ExprId, Function, Type};
-use super::super::builtin::BUILTINS;
+use super::super::builtin::{BUILTINS, uses};
 use super::super::diagnostic::Diagnostic;
 use super::super::library;
 use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
 use super::super::value::Value;
-use super::Lowering;
+use super::lowering::Lowering;
+use crate::graph::NodeId;
 
 /// The function that a name calls.
 #[derive(Clone, Copy)]
@@ -21,8 +22,8 @@ enum Callee {
 impl Lowering<'_> {
     fn callee(&self, symbol: Symbol) -> Option<Callee> {
         let index = symbol.index();
-        let own = self.globals.get(index).map_or(0, |global| global.function);
-        if own > 0 && self.library_call.is_none() {
+        let own = self.declared.globals.get(index).map_or(0, |global| global.function);
+        if own > 0 && self.reports.library_call.is_none() {
             return Some(Callee::Scene(own as usize - 1));
         }
         match self.library.by_symbol.get(index) {
@@ -63,7 +64,7 @@ impl Lowering<'_> {
         if !takes_loops {
             let message = format!("`{}` cannot take a loop", self.name(name));
             let hint = "loops go in `union`, `intersect`, `subtract`, their `smooth_` forms, `min`, `max`, `sum`, `product`";
-            let value = self.report(Diagnostic::unsupported(span, message).hint(hint));
+            let value = self.reports.add(Diagnostic::unsupported(span, message).hint(hint));
             self.arguments.push(value);
             return;
         }
@@ -77,28 +78,28 @@ impl Lowering<'_> {
         let max = self.limits.scene_loop_max;
         if end - start > max as i64 {
             let message = format!("this loop has {} rounds, but {max} is the maximum", end - start);
-            let value = self.report(
-                Diagnostic::over_limit(span, message).hint("repeat space instead: `repeat(p, size)`"),
-            );
+            let value = self
+                .reports
+                .add(Diagnostic::over_limit(span, message).hint("repeat space instead: `repeat(p, size)`"));
             self.arguments.push(value);
             return;
         }
-        if self.depth >= self.limits.scene_depth_max {
+        if self.budget.depth >= self.limits.scene_depth_max {
             self.too_deep(span);
             return;
         }
-        self.depth += 1;
-        let mark = self.scope.len();
+        self.budget.depth += 1;
+        let mark = self.scope.bindings.len();
         for number in start..end {
-            if self.stopped {
+            if self.reports.stopped {
                 break;
             }
             let value = Value::scalar(self.constant(number as f32));
-            self.bind(variable, value);
+            self.scope.bind(variable, value);
             self.argument(body, true, name);
-            self.unbind(mark);
+            self.scope.unbind(mark);
         }
-        self.depth -= 1;
+        self.budget.depth -= 1;
     }
 
     /// A whole number that is known when the scene is compiled.
@@ -111,11 +112,11 @@ impl Lowering<'_> {
         };
         let Some(value) = value else {
             let wrong = Diagnostic::unsupported(span, "a loop's bounds must be known before the scene runs");
-            self.report(wrong.hint("write whole numbers; to leave out rounds use `if` in the loop"));
+            self.reports.add(wrong.hint("write whole numbers; to leave out rounds use `if` in the loop"));
             return None;
         };
         if value.fract() != 0.0 || value.abs() > 1e6 {
-            self.report(Diagnostic::new(
+            self.reports.add(Diagnostic::new(
                 span,
                 format!("a loop counts in small whole numbers, but this is {value}"),
             ));
@@ -138,7 +139,8 @@ impl Lowering<'_> {
                 _ => format!("`{text}` needs shapes followed by the radius of the blend"),
             };
             return self
-                .report(Diagnostic::new(span, message).hint(format!("`{}`", self.signature(callee, name))));
+                .reports
+                .add(Diagnostic::new(span, message).hint(format!("`{}`", self.signature(callee, name))));
         }
         let values = self.arguments.split_off(mark);
         let (values, rest) = values.split_at(count - tail);
@@ -153,7 +155,7 @@ impl Lowering<'_> {
             result = self.apply(callee, name, at, u32::MAX, span);
             self.arguments.truncate(at);
             one = Some(());
-            if self.stopped {
+            if self.reports.stopped {
                 break;
             }
         }
@@ -178,28 +180,28 @@ impl Lowering<'_> {
                 if !self.arguments_fit(function, callee, mark, first, span) {
                     return Value::Unknown;
                 }
-                let outside = (self.ast, self.library_call);
+                let outside = (self.ast, self.reports.library_call);
                 self.ast = &library.ast;
-                self.library_call = self.library_call.or(Some((name, span)));
+                self.reports.library_call = self.reports.library_call.or(Some((name, span)));
                 let value = self.put_in(function, mark);
-                (self.ast, self.library_call) = outside;
+                (self.ast, self.reports.library_call) = outside;
                 value
             }
             Callee::Scene(index) => {
-                let Some(called) = self.functions.get_mut(index) else { return Value::Unknown };
+                let Some(called) = self.declared.functions.get_mut(index) else { return Value::Unknown };
                 let function = called.function;
                 called.called = true;
                 if called.open {
-                    return self.circle(name, span);
+                    return self.reports.circle(name, span);
                 }
                 called.open = true;
                 let mut value = Value::Unknown;
                 if self.arguments_fit(function, callee, mark, first, span) {
-                    self.calls.push((name, span));
+                    self.reports.calls.push((name, span));
                     value = self.put_in(function, mark);
-                    self.calls.pop();
+                    self.reports.calls.pop();
                 }
-                if let Some(called) = self.functions.get_mut(index) {
+                if let Some(called) = self.declared.functions.get_mut(index) {
                     called.open = false;
                 }
                 value
@@ -209,14 +211,57 @@ impl Lowering<'_> {
 
     /// The value of a function's body with the arguments from `mark` on, in the tree that is set.
     pub(super) fn put_in(&mut self, function: &Function, mark: usize) -> Value {
-        let outside = std::mem::replace(&mut self.frame, self.scope.len());
+        let outside = std::mem::replace(&mut self.scope.frame, self.scope.bindings.len());
         for (index, parameter) in function.parameters.iter().enumerate() {
             let value = self.arguments.get(mark + index).copied().unwrap_or(Value::Unknown);
-            self.bind(parameter.name.symbol, value);
+            self.scope.bind(parameter.name.symbol, value);
         }
         let value = self.expr(function.body);
-        self.unbind(self.frame);
-        self.frame = outside;
+        self.scope.unbind(self.scope.frame);
+        self.scope.frame = outside;
+        value
+    }
+
+    /// A library function that gives a colour for a direction.
+    pub(super) fn library_color(&mut self, name: &str) -> Option<[NodeId; 3]> {
+        let symbol = self.names.get(name)?;
+        let direction = self.names.get("direction")?;
+        let value = self.within(uses::DIRECTION | uses::FRAME, "the sky", |this| {
+            let argument = this.lookup(direction, Span::default());
+            let mark = this.arguments.len();
+            this.arguments.push(argument);
+            let value = this.library_value(symbol, mark);
+            this.arguments.truncate(mark);
+            value
+        });
+        match value {
+            Value::Vector(vector) => Some([vector.part(0), vector.part(1), vector.part(2)]),
+            _ => None,
+        }
+    }
+
+    /// The result of a library function for numbers, if that is a number.
+    pub(super) fn library_number(&mut self, name: &str, arguments: &[NodeId]) -> Option<NodeId> {
+        let symbol = self.names.get(name)?;
+        let mark = self.arguments.len();
+        self.arguments.extend(arguments.iter().map(|&argument| Value::scalar(argument)));
+        let value = self.library_value(symbol, mark);
+        self.arguments.truncate(mark);
+        match value {
+            Value::Vector(vector) => Some(vector.first()),
+            _ => None,
+        }
+    }
+
+    /// The value of a library function with the arguments from `mark` on, for the builder itself.
+    fn library_value(&mut self, symbol: Symbol, mark: usize) -> Value {
+        let library = self.library;
+        let index = library.by_symbol.get(symbol.index()).copied().unwrap_or(0) as usize;
+        let Some(function) = library.functions.get(index.wrapping_sub(1)) else { return Value::Unknown };
+        let outside = (self.ast, self.reports.library_call);
+        (self.ast, self.reports.library_call) = (&library.ast, Some((symbol, Span::default())));
+        let value = self.put_in(function, mark);
+        (self.ast, self.reports.library_call) = outside;
         value
     }
 
@@ -261,7 +306,7 @@ impl Lowering<'_> {
                 );
                 let place = if first == u32::MAX { span } else { self.argument_span(first, index, span) };
                 let hint = format!("it is declared as `{}`", self.signature(callee, function.name.symbol));
-                self.report(Diagnostic::new(place, message).hint(hint));
+                self.reports.add(Diagnostic::new(place, message).hint(hint));
                 fit = false;
             }
         }
@@ -280,25 +325,7 @@ impl Lowering<'_> {
     #[cold]
     fn wrong_count(&mut self, callee: Callee, name: Symbol, count: usize, takes: (usize, usize), span: Span) {
         let hint = format!("it is declared as `{}`", self.signature(callee, name));
-        self.count_message(name, count, takes, hint, span);
-    }
-
-    #[cold]
-    pub(super) fn count_message(
-        &mut self,
-        name: Symbol,
-        count: usize,
-        (least, most): (usize, usize),
-        hint: String,
-        span: Span,
-    ) {
-        let number = match (least, most) {
-            (1, 1) => "1 argument".to_owned(),
-            (least, most) if least == most => format!("{most} arguments"),
-            (least, most) => format!("{least} to {most} arguments"),
-        };
-        let message = format!("`{}` takes {number}, but gets {count}", self.name(name));
-        self.report(Diagnostic::new(span, message).hint(hint));
+        self.reports.count_message(name, count, takes, hint, span);
     }
 
     /// Name and parameters of a function, for readers.
@@ -306,7 +333,7 @@ impl Lowering<'_> {
     fn signature(&self, callee: Callee, name: Symbol) -> String {
         let parameters = match callee {
             Callee::Scene(index) => {
-                self.functions.get(index).map(|called| self.parameters(&called.function.parameters))
+                self.declared.functions.get(index).map(|called| self.parameters(&called.function.parameters))
             }
             Callee::Library(index) => {
                 self.library.functions.get(index).map(|function| self.parameters(&function.parameters))
@@ -318,7 +345,7 @@ impl Lowering<'_> {
 
     #[cold]
     fn unknown_function(&mut self, symbol: Symbol, span: Span) -> Value {
-        if self.globals.get(symbol.index()).is_some_and(|global| global.broken) {
+        if self.declared.globals.get(symbol.index()).is_some_and(|global| global.broken) {
             return Value::Unknown;
         }
         let name = self.name(symbol);
@@ -327,15 +354,16 @@ impl Lowering<'_> {
         let unknown = Diagnostic::new(place, format!("there is no function `{short}`"));
         if matches!(name, "mat2" | "mat3" | "mat4") {
             return self
-                .report(unknown.hint(
+                .reports
+                .add(unknown.hint(
                     "there are no matrices: turn with `rotate_x`, `rotate_y`, `rotate_z` or `rotate`",
                 ));
         }
-        let own = self.functions.iter().map(|called| self.names.name(called.function.name.symbol));
+        let own = self.declared.functions.iter().map(|called| self.names.name(called.function.name.symbol));
         let shared = self.library.functions.iter().map(|function| self.names.name(function.name.symbol));
         let near = suggest::nearest(name, own.chain(shared).chain(BUILTINS.iter().map(|row| row.name)));
         let unknown = match near {
-            None if self.local(symbol).is_some() || library::input_index(symbol).is_some() => {
+            None if self.scope.local(symbol).is_some() || library::input_index(symbol).is_some() => {
                 unknown.hint(format!("`{name}` is a value; to multiply write `{name} * (…)`"))
             }
             None => match name {
@@ -346,6 +374,6 @@ impl Lowering<'_> {
             },
             _ => unknown.did_you_mean(near),
         };
-        self.report(unknown)
+        self.reports.add(unknown)
     }
 }

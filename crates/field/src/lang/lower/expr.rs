@@ -8,8 +8,9 @@ use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
-use super::{GlobalValue, Lowering};
-use crate::graph::Op;
+use super::declared::GlobalValue;
+use super::lowering::Lowering;
+use crate::graph::{Graph, NodeId, Op};
 
 impl Lowering<'_> {
     /// The value of an expression.
@@ -23,7 +24,7 @@ impl Lowering<'_> {
                 break Value::Unknown;
             }
             let expr = self.ast.expr(inner);
-            if self.library_call.is_none() && !matches!(expr, Expr::Name(_) | Expr::Number(_)) {
+            if self.reports.library_call.is_none() && !matches!(expr, Expr::Name(_) | Expr::Number(_)) {
                 self.origins.begins(span);
             }
             match expr {
@@ -63,7 +64,7 @@ impl Lowering<'_> {
     /// Notes where a number comes from that was made since a mark.
     #[inline]
     fn note_made(&mut self, value: Value, id: ExprId, from: u32) {
-        if self.library_call.is_none()
+        if self.reports.library_call.is_none()
             && let Value::Vector(vector) = value
             && vector.len() == 1
         {
@@ -82,25 +83,25 @@ impl Lowering<'_> {
             }
             _ => {}
         }
-        if self.depth >= self.limits.scene_depth_max {
+        if self.budget.depth >= self.limits.scene_depth_max {
             return self.too_deep(span);
         }
-        self.depth += 1;
+        self.budget.depth += 1;
         let value = self.expr(id);
-        self.depth -= 1;
+        self.budget.depth -= 1;
         value
     }
 
     #[cold]
     pub(super) fn too_deep(&mut self, span: Span) -> Value {
-        if self.stopped {
+        if self.reports.stopped {
             return Value::Unknown;
         }
         let max = self.limits.scene_depth_max;
         let message = format!(
             "with functions expanded where they are called, expressions are nested deeper than {max} levels"
         );
-        self.stop(span, message, "let functions call fewer functions")
+        self.reports.stop(span, message, "let functions call fewer functions")
     }
 
     /// Expressions that nest.
@@ -118,41 +119,40 @@ impl Lowering<'_> {
                 Value::Unknown => Value::Unknown,
                 other => {
                     let message = format!("`!` negates a condition, but this is {}", other.described());
-                    self.report(Diagnostic::new(span, message).hint("compare it, as in `a > 0`"))
+                    self.reports.add(Diagnostic::new(span, message).hint("compare it, as in `a > 0`"))
                 }
             },
             Expr::If(condition, yes, no) => self.choice(condition, yes, no, span),
             Expr::Block(first, count, result) => self.block(first, count, result, span),
             Expr::Call(name, first, count) => {
-                if self.depth >= self.limits.scene_depth_max {
+                if self.budget.depth >= self.limits.scene_depth_max {
                     return self.too_deep(span);
                 }
-                self.depth += 1;
+                self.budget.depth += 1;
                 let value = self.call(name, first, count, span);
-                self.depth -= 1;
+                self.budget.depth -= 1;
                 value
             }
             Expr::For(_) => {
                 let wrong = Diagnostic::unsupported(span, "a loop has many values, not a single one");
-                self.report(
-                    wrong.hint("combine them: `union(for …)`, `sum(for …)`, `min(for …)`, `max(for …)`"),
-                )
+                self.reports
+                    .add(wrong.hint("combine them: `union(for …)`, `sum(for …)`, `min(for …)`, `max(for …)`"))
             }
             _ => Value::Unknown,
         }
     }
 
     fn block(&mut self, first: u32, count: u32, result: ExprId, span: Span) -> Value {
-        let mark = self.scope.len();
+        let mark = self.scope.bindings.len();
         for index in 0..count {
             let symbol = Symbol(self.ast.extra(first + 2 * index));
             let from = self.origins.mark();
             let value = self.expr_below(ExprId(self.ast.extra(first + 2 * index + 1)), span);
             let by = self.origins.since(from);
-            self.bind_made(symbol, value, by);
+            self.scope.bind_made(symbol, value, by);
         }
         let value = self.expr_below(result, span);
-        self.unbind(mark);
+        self.scope.unbind(mark);
         value
     }
 
@@ -163,7 +163,7 @@ impl Lowering<'_> {
             Value::Unknown => None,
             other => {
                 let message = format!("`if` needs a condition, but this is {}", other.described());
-                self.report(Diagnostic::new(condition_span, message).hint("compare it, as in `a > 0`"));
+                self.reports.add(Diagnostic::new(condition_span, message).hint("compare it, as in `a > 0`"));
                 None
             }
         };
@@ -181,10 +181,10 @@ impl Lowering<'_> {
                         yes.described(),
                         no.described()
                     );
-                    return self.report(Diagnostic::new(span, message));
+                    return self.reports.add(Diagnostic::new(span, message));
                 };
                 match part {
-                    Some(part) => self.zip(a, b, |graph, a, b| graph.select(part, a, b)),
+                    Some(part) => zip(&mut self.graph, a, b, |graph, a, b| graph.select(part, a, b)),
                     None => Value::Unknown,
                 }
             }
@@ -196,7 +196,7 @@ impl Lowering<'_> {
             (Value::Text(_), Value::Text(_), _) => {
                 let wrong =
                     Diagnostic::unsupported(span, "which picture is read cannot change from point to point");
-                self.report(wrong.hint("read both and choose between the colours"))
+                self.reports.add(wrong.hint("read both and choose between the colours"))
             }
             _ => {
                 let message = format!(
@@ -204,7 +204,7 @@ impl Lowering<'_> {
                     yes.described(),
                     no.described()
                 );
-                self.report(Diagnostic::new(span, message))
+                self.reports.add(Diagnostic::new(span, message))
             }
         }
     }
@@ -227,33 +227,10 @@ impl Lowering<'_> {
                     Value::Bool(_) => wrong.hint("a condition becomes a number with `if a then 1 else 0`"),
                     _ => wrong,
                 };
-                self.report(wrong);
+                self.reports.add(wrong);
                 None
             }
         }
-    }
-
-    /// A function of two numbers on each pair of components; their sizes are known to fit.
-    pub(super) fn zip(
-        &mut self,
-        a: Vector,
-        b: Vector,
-        mut f: impl FnMut(
-            &mut crate::graph::Graph,
-            crate::graph::NodeId,
-            crate::graph::NodeId,
-        ) -> crate::graph::NodeId,
-    ) -> Value {
-        let graph = &mut self.graph;
-        if a.len() == 1 && b.len() == 1 {
-            return Value::scalar(f(graph, a.first(), b.first()));
-        }
-        let len = a.len().max(b.len());
-        let mut parts = [a.first(); 4];
-        for (index, part) in parts.iter_mut().enumerate().take(len) {
-            *part = f(graph, a.part(index), b.part(index));
-        }
-        Vector::from_slice(parts.get(..len).unwrap_or(&parts)).map_or(Value::Unknown, Value::Vector)
     }
 
     #[inline]
@@ -262,7 +239,7 @@ impl Lowering<'_> {
             return self.binary_of_others(op, left, right, span);
         };
         if a.len() != b.len() && a.len() != 1 && b.len() != 1 {
-            return self.sizes_differ(&format!("`{}`", op.sign()), left, right, span);
+            return self.reports.sizes_differ(&format!("`{}`", op.sign()), left, right, span);
         }
         let operator = match op {
             BinaryOp::Add => Op::Add,
@@ -270,29 +247,33 @@ impl Lowering<'_> {
             BinaryOp::Multiply => Op::Mul,
             BinaryOp::Divide | BinaryOp::Modulo => {
                 let zero = b.parts().iter().any(|&part| self.known(part) == Some(0.0));
-                if zero && self.library_call.is_none() {
+                if zero && self.reports.library_call.is_none() {
                     let wrong = Diagnostic::new(span, "this divides by zero");
-                    return self.report(wrong.hint("if that is one round of a loop, leave it out with `if`"));
+                    return self
+                        .reports
+                        .add(wrong.hint("if that is one round of a loop, leave it out with `if`"));
                 }
                 if op == BinaryOp::Divide { Op::Div } else { Op::Mod }
             }
             BinaryOp::Power => {
                 let b = self.with_known(b);
-                return self.zip(a, b, |graph, a, b| graph.pow(a, b));
+                return zip(&mut self.graph, a, b, |graph, a, b| graph.pow(a, b));
             }
             _ => return self.comparison(op, a, b, span),
         };
-        self.zip(a, b, |graph, a, b| graph.binary(operator, a, b))
+        zip(&mut self.graph, a, b, |graph, a, b| graph.binary(operator, a, b))
     }
 
     fn comparison(&mut self, op: BinaryOp, a: Vector, b: Vector, span: Span) -> Value {
         if matches!(op, BinaryOp::And | BinaryOp::Or) {
             let message = format!("`{}` joins conditions, but these are numbers", op.sign());
-            return self.report(Diagnostic::new(span, message).hint("compare them, as in `a > 0 && b > 0`"));
+            return self
+                .reports
+                .add(Diagnostic::new(span, message).hint("compare them, as in `a > 0 && b > 0`"));
         }
         if a.len() != 1 || b.len() != 1 {
             let message = format!("`{}` compares numbers, not vectors", op.sign());
-            return self.report(Diagnostic::new(span, message).hint("compare components or lengths"));
+            return self.reports.add(Diagnostic::new(span, message).hint("compare components or lengths"));
         }
         let (a, b) = (a.first(), b.first());
         let graph = &mut self.graph;
@@ -332,16 +313,9 @@ impl Lowering<'_> {
                     BinaryOp::And | BinaryOp::Or => "it joins conditions, as in `a > 0 && b > 0`",
                     _ => "a condition becomes a number with `if a then 1 else 0`",
                 };
-                self.report(Diagnostic::new(span, message).hint(hint))
+                self.reports.add(Diagnostic::new(span, message).hint(hint))
             }
         }
-    }
-
-    #[cold]
-    pub(super) fn sizes_differ(&mut self, what: &str, left: Value, right: Value, span: Span) -> Value {
-        let (a, b) = (left.described(), right.described());
-        let wrong = Diagnostic::new(span, format!("{what} needs vectors of the same size, not {a} and {b}"));
-        self.report(wrong.hint("take the same number of components of both, as in `p.xz`"))
     }
 
     fn swizzle(&mut self, value: Value, components: Symbol, span: Span) -> Value {
@@ -350,7 +324,7 @@ impl Lowering<'_> {
             Value::Unknown => return Value::Unknown,
             other => {
                 let message = format!("{} has no components", other.described());
-                return self.report(Diagnostic::new(span, message));
+                return self.reports.add(Diagnostic::new(span, message));
             }
         };
         let text = self.name(components);
@@ -360,14 +334,16 @@ impl Lowering<'_> {
             let message =
                 format!("`.{}` does not name components", text.chars().take(20).collect::<String>());
             let wrong = Diagnostic::new(span, message);
-            return self.report(wrong.hint("components are up to four of `xyzw` or of `rgba`, as in `.xz`"));
+            return self
+                .reports
+                .add(wrong.hint("components are up to four of `xyzw` or of `rgba`, as in `.xz`"));
         }
         let mut parts = [vector.first(); 4];
         for (part, byte) in parts.iter_mut().zip(text.bytes()) {
             let index = component(byte).map_or(0, |(_, index)| index);
             if index >= vector.len() {
                 let message = format!("{} has no component `{}`", value.described(), char::from(byte));
-                return self.report(Diagnostic::new(span, message));
+                return self.reports.add(Diagnostic::new(span, message));
             }
             *part = vector.part(index);
         }
@@ -380,12 +356,15 @@ impl Lowering<'_> {
         let short: String = name.chars().take(60).collect();
         let unknown = Diagnostic::new(span, format!("there is no `{short}` here"));
         if self.is_function(symbol) {
-            return self.report(unknown.hint(format!("`{name}` is a function: call it, as in `{name}(…)`")));
+            return self
+                .reports
+                .add(unknown.hint(format!("`{name}` is a function: call it, as in `{name}(…)`")));
         }
-        let globals = self.globals.iter().enumerate();
+        let globals = self.declared.globals.iter().enumerate();
         let globals = globals.filter(|(_, global)| !matches!(global.value, GlobalValue::None));
         let globals = globals.map(|(index, _)| self.names.name(Symbol(index as u32)));
-        let locals = self.scope.iter().skip(self.frame).map(|binding| self.names.name(binding.symbol));
+        let locals =
+            self.scope.bindings.iter().skip(self.scope.frame).map(|binding| self.names.name(binding.symbol));
         let near = suggest::nearest(name, locals.chain(globals).chain(INPUTS.iter().map(|row| row.name)));
         let unknown = match (near, name) {
             (Some(_), _) => unknown.did_you_mean(near),
@@ -395,12 +374,12 @@ impl Lowering<'_> {
             (None, "PI" | "M_PI") => unknown.hint("the number is `pi`"),
             _ => unknown,
         };
-        self.report(unknown)
+        self.reports.add(unknown)
     }
 
     /// Whether a function of this name can be called here.
     pub(super) fn is_function(&self, symbol: Symbol) -> bool {
-        let own = self.globals.get(symbol.index()).is_some_and(|global| global.function > 0);
+        let own = self.declared.globals.get(symbol.index()).is_some_and(|global| global.function > 0);
         let shared = self.library.by_symbol.get(symbol.index()).is_some_and(|&index| index > 0);
         own || shared || library::builtin_index(symbol).is_some()
     }
@@ -423,4 +402,22 @@ fn component(letter: u8) -> Option<(u8, usize)> {
         b'q' => (2, 3),
         _ => return None,
     })
+}
+
+/// A function of two numbers on each pair of components; their sizes are known to fit.
+pub(super) fn zip(
+    graph: &mut Graph,
+    a: Vector,
+    b: Vector,
+    mut f: impl FnMut(&mut Graph, NodeId, NodeId) -> NodeId,
+) -> Value {
+    if a.len() == 1 && b.len() == 1 {
+        return Value::scalar(f(graph, a.first(), b.first()));
+    }
+    let len = a.len().max(b.len());
+    let mut parts = [a.first(); 4];
+    for (index, part) in parts.iter_mut().enumerate().take(len) {
+        *part = f(graph, a.part(index), b.part(index));
+    }
+    Vector::from_slice(parts.get(..len).unwrap_or(&parts)).map_or(Value::Unknown, Value::Vector)
 }

@@ -3,10 +3,10 @@
 use super::super::diagnostic::Diagnostic;
 use super::super::scene::LightKind;
 use super::super::source::Span;
-use super::Lowering;
+use super::scene::SceneBuilder;
 use super::sections::Values;
 
-impl Lowering<'_> {
+impl SceneBuilder<'_> {
     /// The kind of a light, by which of its fields are given.
     pub(super) fn light_kind(&mut self, name: &str, span: Span, values: &Values) -> Option<LightKind> {
         let given = |field: &str| values.given(field).map(|(_, span)| span);
@@ -37,7 +37,7 @@ impl Lowering<'_> {
                 missing.hint("write `position = vec3(…)` for a lamp or `direction = vec3(…)` for a sun")
             }
         };
-        self.report(wrong);
+        self.lowering.reports.add(wrong);
         None
     }
 }

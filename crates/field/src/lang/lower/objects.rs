@@ -8,17 +8,16 @@ use super::super::material::Material;
 use super::super::scene::Object;
 use super::super::source::Span;
 use super::super::value::Value;
-use super::Lowering;
-use super::declare::Parts;
+use super::scene::SceneBuilder;
 use super::sections::Values;
-use crate::graph::NodeId;
+use crate::graph::{Graph, NodeId};
 
-impl Lowering<'_> {
-    pub(super) fn object(&mut self, parts: &mut Parts, name: String, span: Span, values: &Values) {
+impl SceneBuilder<'_> {
+    pub(super) fn object(&mut self, name: String, span: Span, values: &Values) {
         let material = match (values.material, values.given("material")) {
             (Some(index), _) => index,
             (None, Some(_)) => return,
-            (None, None) => self.default_material(parts),
+            (None, None) => self.default_material(),
         };
         let shape = match values.given("shape") {
             Some((Value::Vector(shape), _)) => shape.first(),
@@ -26,65 +25,71 @@ impl Lowering<'_> {
             None if values.broken => return,
             None => {
                 let missing = Diagnostic::new(span, format!("the object `{name}` has no shape"));
-                self.report(missing.hint("write `shape = sphere(p, 1)`, or any other distance"));
+                self.lowering
+                    .reports
+                    .add(missing.hint("write `shape = sphere(p, 1)`, or any other distance"));
                 return;
             }
         };
-        let bound = values.given("bound").map(|_| self.number_of(values, "bound", shape));
+        let bound = values.given("bound").map(|_| self.lowering.number_of(values, "bound", shape));
         let object = Object { name, span, shape, bound, material };
-        let Some((_, melts)) = values.given("melt") else { return self.add_object(parts, object) };
-        let radius = self.number_of(values, "melt", shape);
-        match parts.objects.pop() {
+        let Some((_, melts)) = values.given("melt") else { return self.add_object(object) };
+        let radius = self.lowering.number_of(values, "melt", shape);
+        match self.parts.objects.pop() {
             Some(before) => {
-                if let Some(both) = self.melted(parts, before, object, radius) {
-                    parts.objects.push(both);
+                if let Some(both) = self.melted(before, object, radius) {
+                    self.parts.objects.push(both);
                 }
             }
             None => {
                 let alone =
                     Diagnostic::new(melts, format!("the object `{}` has no object before it", object.name));
-                self.report(alone.hint("`melt` lets an object flow into the one that is declared before it"));
+                self.lowering
+                    .reports
+                    .add(alone.hint("`melt` lets an object flow into the one that is declared before it"));
             }
         }
     }
 
     /// Combines two objects into one. Their shapes flow together within `radius`, and their materials mix there: in
     /// equal shares at the seam, where both shapes are equally near.
-    fn melted(&mut self, parts: &mut Parts, a: Object, b: Object, radius: NodeId) -> Option<Object> {
-        let tiny = self.constant(1e-4);
-        let radius = self.graph.max(radius, tiny);
-        let shape = self.library_number("smooth_union", &[a.shape, b.shape, radius])?;
+    fn melted(&mut self, a: Object, b: Object, radius: NodeId) -> Option<Object> {
+        let tiny = self.lowering.constant(1e-4);
+        let radius = self.lowering.graph.max(radius, tiny);
+        let shape = self.lowering.library_number("smooth_union", &[a.shape, b.shape, radius])?;
         let bound = match (a.bound, b.bound) {
-            (Some(a), Some(b)) => Some(self.graph.min(a, b)),
+            (Some(a), Some(b)) => Some(self.lowering.graph.min(a, b)),
             (a, b) => a.or(b),
         };
         let material = if a.material == b.material {
             a.material
         } else {
-            let max = self.limits.scene_materials_max;
-            if parts.materials.len() >= max {
+            let max = self.lowering.limits.scene_materials_max;
+            if self.parts.materials.len() >= max {
                 let message = format!("the scene has more than {max} materials, counting mixed ones");
-                self.stop(b.span, message, "let one material depend on the point");
+                self.lowering.reports.stop(b.span, message, "let one material depend on the point");
                 return None;
             }
-            let difference = self.graph.sub(a.shape, b.shape);
-            let share = self.graph.div(difference, radius);
-            let (zero, half, one) = (self.constant(0.0), self.constant(0.5), self.constant(1.0));
-            let share = self.graph.mul(share, half);
-            let share = self.graph.add(share, half);
-            let share = self.graph.clamp(share, zero, one);
-            let mixed = self.mixed(parts.materials.get(a.material)?, parts.materials.get(b.material)?, share);
-            self.origins.of_mixture(parts.materials.len(), [a.material, b.material]);
-            parts.materials.push(mixed);
-            parts.materials.len() - 1
+            let difference = self.lowering.graph.sub(a.shape, b.shape);
+            let share = self.lowering.graph.div(difference, radius);
+            let (zero, half, one) =
+                (self.lowering.constant(0.0), self.lowering.constant(0.5), self.lowering.constant(1.0));
+            let share = self.lowering.graph.mul(share, half);
+            let share = self.lowering.graph.add(share, half);
+            let share = self.lowering.graph.clamp(share, zero, one);
+            let (one, other) = (self.parts.materials.get(a.material)?, self.parts.materials.get(b.material)?);
+            let mixed = mixed(&mut self.lowering.graph, one, other, share);
+            self.lowering.origins.of_mixture(self.parts.materials.len(), [a.material, b.material]);
+            self.parts.materials.push(mixed);
+            self.parts.materials.len() - 1
         };
         Some(Object { name: format!("{} and {}", a.name, b.name), span: a.span, shape, bound, material })
     }
+}
 
-    /// A mixture of two materials; at share 0 it is the first.
-    fn mixed(&mut self, a: &Material, b: &Material, share: NodeId) -> Material {
-        let both: Vec<_> = a.numbers().into_iter().zip(b.numbers()).collect();
-        let mixed = both.into_iter().map(|(a, b)| self.graph.mix(a, b, share));
-        Material::of(format!("{} and {}", a.name, b.name), mixed)
-    }
+/// A mixture of two materials; at share 0 it is the first.
+fn mixed(graph: &mut Graph, a: &Material, b: &Material, share: NodeId) -> Material {
+    let both: Vec<_> = a.numbers().into_iter().zip(b.numbers()).collect();
+    let mixed = both.into_iter().map(|(a, b)| graph.mix(a, b, share));
+    Material::of(format!("{} and {}", a.name, b.name), mixed)
 }

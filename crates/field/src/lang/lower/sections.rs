@@ -15,8 +15,9 @@ use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
-use super::Lowering;
-use super::declare::Parts;
+use super::lowering::Lowering;
+use super::reports::Reports;
+use super::scene::SceneBuilder;
 use crate::graph::NodeId;
 
 /// The fields of objects. `objects.rs` makes an object of them, so their defaults are not read.
@@ -115,75 +116,62 @@ impl Values {
     }
 }
 
-impl Lowering<'_> {
-    pub(super) fn section(
-        &mut self,
-        parts: &mut Parts,
-        section: Section,
-        name: Option<Name>,
-        span: Span,
-        values: &Values,
-    ) {
-        let title = name.map_or(String::new(), |name| self.name(name.symbol).to_owned());
+impl SceneBuilder<'_> {
+    pub(super) fn section(&mut self, section: Section, name: Option<Name>, span: Span, values: &Values) {
+        let title = name.map_or(String::new(), |name| self.lowering.name(name.symbol).to_owned());
         match section {
-            Section::Object => self.object(parts, title, span, values),
+            Section::Object => self.object(title, span, values),
             Section::Material => {
-                let max = self.limits.scene_materials_max;
-                if parts.materials.len() >= max {
+                let max = self.lowering.limits.scene_materials_max;
+                if self.parts.materials.len() >= max {
                     let message = format!("the scene has more than {max} materials");
-                    self.stop(span, message, "let one material depend on the point");
+                    self.lowering.reports.stop(span, message, "let one material depend on the point");
                     return;
                 }
-                let material = Material::of(title, self.numbers(Material::FIELDS, values));
-                parts.materials.push(material);
-                if let Some(global) = name.and_then(|name| self.globals.get_mut(name.symbol.index()))
+                let material = Material::of(title, self.lowering.numbers(Material::FIELDS, values));
+                self.parts.materials.push(material);
+                if let Some(global) =
+                    name.and_then(|name| self.lowering.declared.globals.get_mut(name.symbol.index()))
                     && global.material == 0
                 {
-                    global.material = parts.materials.len() as u32;
+                    global.material = self.parts.materials.len() as u32;
                 }
             }
             Section::Light => {
-                let max = self.limits.scene_lights_max;
-                if parts.lights.len() >= max {
+                let max = self.lowering.limits.scene_lights_max;
+                if self.parts.lights.len() >= max {
                     let message = format!("the scene has more than {max} lights");
-                    self.stop(span, message, "let surfaces shine with `emission` instead");
+                    self.lowering.reports.stop(span, message, "let surfaces shine with `emission` instead");
                 } else if let Some(kind) = self.light_kind(&title, span, values) {
-                    parts.lights.push(Light::of(kind, self.numbers(Light::FIELDS, values)));
+                    let light = Light::of(kind, self.lowering.numbers(Light::FIELDS, values));
+                    self.parts.lights.push(light);
                 }
             }
             Section::Camera => {
-                let camera = Camera::of(self.numbers(Camera::FIELDS, values));
-                let max = self.limits.scene_cameras_max;
+                let camera = Camera::of(self.lowering.numbers(Camera::FIELDS, values));
+                let max = self.lowering.limits.scene_cameras_max;
                 if name.is_none() {
-                    self.only(&mut parts.camera, camera, section, span);
-                } else if parts.cameras.len() < max {
-                    parts.cameras.push((title, camera));
+                    only(&mut self.lowering.reports, &mut self.parts.camera, camera, section, span);
+                } else if self.parts.cameras.len() < max {
+                    self.parts.cameras.push((title, camera));
                 } else {
                     let message = format!("the scene has more than {max} cameras with names");
-                    self.stop(span, message, "let one camera move");
+                    self.lowering.reports.stop(span, message, "let one camera move");
                 }
             }
             Section::Sky => {
-                let sky = Sky::of(self.numbers(Sky::FIELDS, values));
-                parts.has_own_sky |= values.given("color").is_some();
-                self.only(&mut parts.sky, sky, section, span);
+                let sky = Sky::of(self.lowering.numbers(Sky::FIELDS, values));
+                self.parts.has_own_sky |= values.given("color").is_some();
+                only(&mut self.lowering.reports, &mut self.parts.sky, sky, section, span);
             }
             Section::Picture => {
-                let picture = Picture::of(self.numbers(Picture::FIELDS, values));
-                self.only(&mut parts.picture, picture, section, span);
+                let picture = Picture::of(self.lowering.numbers(Picture::FIELDS, values));
+                only(&mut self.lowering.reports, &mut self.parts.picture, picture, section, span);
             }
             Section::About => {
                 let about = self.about(values);
-                self.only(&mut parts.about, about, section, span);
+                only(&mut self.lowering.reports, &mut self.parts.about, about, section, span);
             }
-        }
-    }
-
-    /// Keeps a section of which a scene has one, and reports a second one.
-    fn only<T>(&mut self, place: &mut Option<T>, made: T, section: Section, span: Span) {
-        if place.replace(made).is_some() {
-            let message = format!("the scene has a second {}", word(section));
-            self.report(Diagnostic::new(span, message).hint("leave one of them out"));
         }
     }
 
@@ -191,19 +179,19 @@ impl Lowering<'_> {
     pub(super) fn fields(&mut self, section: Section, entries: &[Entry], broken: bool) -> Values {
         let known = fields(section);
         let mut values = Values { broken, ..Values::default() };
-        let mark = self.scope.len();
-        let outside = std::mem::replace(&mut self.frame, mark);
+        let mark = self.lowering.scope.bindings.len();
+        let outside = std::mem::replace(&mut self.lowering.scope.frame, mark);
         let all = known.iter().fold(0, |all, field| all | field.uses);
         for entry in entries {
-            let from = self.origins.mark();
+            let from = self.lowering.origins.mark();
             if entry.is_let {
-                self.origins.begins(entry.name.span);
-                let value = self.within(all, place(section), |this| this.expr(entry.value));
-                let by = self.origins.since(from);
-                self.bind_made(entry.name.symbol, value, by);
+                self.lowering.origins.begins(entry.name.span);
+                let value = self.lowering.within(all, place(section), |this| this.expr(entry.value));
+                let by = self.lowering.origins.since(from);
+                self.lowering.scope.bind_made(entry.name.symbol, value, by);
                 continue;
             }
-            let text = self.name(entry.name.symbol);
+            let text = self.lowering.name(entry.name.symbol);
             let Some(field) = known.iter().find(|field| field.name == text) else {
                 values.broken = true;
                 self.unknown_field(section, entry.name);
@@ -212,7 +200,7 @@ impl Lowering<'_> {
             if let Some((_, first)) = values.given(text) {
                 let message = format!("`{text}` is given twice");
                 let twice = Diagnostic::new(entry.name.span, message).note(first, "the first one is here");
-                self.report(twice.hint("leave one of them out"));
+                self.lowering.reports.add(twice.hint("leave one of them out"));
                 continue;
             }
             if let Some(end) = entry.end
@@ -220,8 +208,9 @@ impl Lowering<'_> {
             {
                 values.broken = true;
                 let message = format!("`{text}` is one value, not a range");
-                self.report(
-                    Diagnostic::new(self.ast.span(end), message).hint("leave out `..` and what follows"),
+                self.lowering.reports.add(
+                    Diagnostic::new(self.lowering.ast.span(end), message)
+                        .hint("leave out `..` and what follows"),
                 );
                 continue;
             }
@@ -243,24 +232,25 @@ impl Lowering<'_> {
                 Holds::Text => self.text(field.name, entry.value),
                 Holds::Range => self.range(field.name, entry.value, entry.end),
                 Holds::Number | Holds::Vector | Holds::Shape => {
-                    let value = self.within(field.uses, place(section), |this| this.expr(entry.value));
-                    self.field_value(value, field.holds, text, self.ast.span(entry.value))
+                    let value =
+                        self.lowering.within(field.uses, place(section), |this| this.expr(entry.value));
+                    self.field_value(value, field.holds, text, self.lowering.ast.span(entry.value))
                 }
             };
             if field.holds != Holds::Number || field.name != "shape" {
-                values.beside_the_shape.push(self.origins.since(from));
+                values.beside_the_shape.push(self.lowering.origins.since(from));
             }
             values.broken |= value == Value::Unknown;
             values.given.push((field.name, value, entry.name.span));
         }
-        self.unbind(mark);
-        self.frame = outside;
+        self.lowering.scope.unbind(mark);
+        self.lowering.scope.frame = outside;
         values
     }
 
     fn field_value(&mut self, value: Value, holds: Holds, name: &str, span: Span) -> Value {
         if holds != Holds::Vector {
-            return match self.one_number(value, &format!("`{name}`"), span) {
+            return match self.lowering.one_number(value, &format!("`{name}`"), span) {
                 Some(part) => Value::scalar(part),
                 None => Value::Unknown,
             };
@@ -277,13 +267,13 @@ impl Lowering<'_> {
                     }
                     _ => wrong.hint("write `vec3(a, b, c)`, or one number for all three"),
                 };
-                self.report(wrong)
+                self.lowering.reports.add(wrong)
             }
         }
     }
 
     fn unknown_field(&mut self, section: Section, name: Name) {
-        let text = self.name(name.symbol);
+        let text = self.lowering.name(name.symbol);
         let known = fields(section).iter().map(|field| field.name);
         let near = suggest::nearest(text, known.clone());
         let message = format!("{} has no field `{text}`", place_of_field(section));
@@ -295,21 +285,21 @@ impl Lowering<'_> {
                 wrong.hint(format!("its fields are {}; introduce other names with `let`", all.join(", ")))
             }
         };
-        self.report(wrong);
+        self.lowering.reports.add(wrong);
     }
 
     /// The number of the one of `known` that an expression names.
     fn one_of(&mut self, what: &str, known: &[(&'static str, f32)], value: ExprId) -> Value {
-        let span = self.ast.span(value);
+        let span = self.lowering.ast.span(value);
         let names = || known.iter().map(|(name, _)| *name);
         let all = names().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
         let all = format!("there is {all}");
-        let wrong = match self.ast.expr(value) {
+        let wrong = match self.lowering.ast.expr(value) {
             Expr::Error => return Value::Unknown,
             Expr::Name(symbol) => {
-                let name = self.name(symbol);
+                let name = self.lowering.name(symbol);
                 if let Some((_, number)) = known.iter().find(|(known, _)| *known == name) {
-                    return Value::scalar(self.constant(*number));
+                    return Value::scalar(self.lowering.constant(*number));
                 }
                 let unknown = Diagnostic::new(span, format!("there is no {what} `{name}`"));
                 match suggest::nearest(name, names()) {
@@ -319,52 +309,54 @@ impl Lowering<'_> {
             }
             _ => Diagnostic::new(span, format!("a {what} must be given by its name")).hint(all),
         };
-        self.report(wrong)
+        self.lowering.reports.add(wrong)
     }
 
     /// A text in quotes.
     fn text(&mut self, field: &str, value: ExprId) -> Value {
-        match self.ast.expr(value) {
+        match self.lowering.ast.expr(value) {
             Expr::Error => Value::Unknown,
             Expr::Text(symbol) => Value::Text(symbol),
             _ => {
-                let wrong = Diagnostic::new(self.ast.span(value), format!("`{field}` must be a text"));
-                self.report(wrong.hint("put it in quotes"))
+                let wrong =
+                    Diagnostic::new(self.lowering.ast.span(value), format!("`{field}` must be a text"));
+                self.lowering.reports.add(wrong.hint("put it in quotes"))
             }
         }
     }
 
     /// Two numbers of 0..1, the smaller one first.
     fn range(&mut self, field: &'static str, first: ExprId, last: Option<ExprId>) -> Value {
-        let span = self.ast.span(first);
+        let span = self.lowering.ast.span(first);
         let Some(last) = last else {
-            if self.ast.expr(first) == Expr::Error {
+            if self.lowering.ast.expr(first) == Expr::Error {
                 return Value::Unknown;
             }
             let wrong = Diagnostic::new(span, format!("`{field}` must be a range"));
-            return self.report(wrong.hint(format!("write `{field} = 0.2 .. 0.6`")));
+            return self.lowering.reports.add(wrong.hint(format!("write `{field} = 0.2 .. 0.6`")));
         };
         let (Some(low), Some(high)) = (self.fixed(first, field), self.fixed(last, field)) else {
             return Value::Unknown;
         };
         if !(0.0 <= low && low <= high && high <= 1.0) {
             let wrong = Diagnostic::new(
-                span.to(self.ast.span(last)),
+                span.to(self.lowering.ast.span(last)),
                 format!("the range of `{field}` lies within 0 .. 1, but this is {low} .. {high}"),
             );
-            return self.report(wrong.hint("write the smaller number first"));
+            return self.lowering.reports.add(wrong.hint("write the smaller number first"));
         }
-        Vector::of([low, high].map(|number| self.constant(number))).map_or(Value::Unknown, Value::Vector)
+        Vector::of([low, high].map(|number| self.lowering.constant(number)))
+            .map_or(Value::Unknown, Value::Vector)
     }
 
     /// What a scene says of itself.
     fn about(&self, values: &Values) -> About {
         let text = |name: &str| match values.given(name) {
-            Some((Value::Text(symbol), _)) => Some(self.name(symbol).to_owned()),
+            Some((Value::Text(symbol), _)) => Some(self.lowering.name(symbol).to_owned()),
             _ => None,
         };
         let number = |name: &str, part: usize| match values.given(name) {
-            Some((Value::Vector(vector), _)) => self.known(vector.part(part)),
+            Some((Value::Vector(vector), _)) => self.lowering.known(vector.part(part)),
             _ => None,
         };
         let portal = match values.given("portal") {
@@ -388,35 +380,41 @@ impl Lowering<'_> {
 
     /// The material that an expression names, as its index.
     fn material_index(&mut self, value: ExprId) -> Option<usize> {
-        let span = self.ast.span(value);
-        let Expr::Name(symbol) = self.ast.expr(value) else {
-            if self.ast.expr(value) != Expr::Error {
+        let span = self.lowering.ast.span(value);
+        let Expr::Name(symbol) = self.lowering.ast.expr(value) else {
+            if self.lowering.ast.expr(value) != Expr::Error {
                 let wrong = Diagnostic::new(span, "an object's material must be given by its name");
-                self.report(wrong.hint("declare `material wood { … }` and write `material = wood`"));
+                self.lowering
+                    .reports
+                    .add(wrong.hint("declare `material wood { … }` and write `material = wood`"));
             }
             return None;
         };
-        let global = self.globals.get(symbol.index()).copied().unwrap_or_default();
+        let global = self.lowering.declared.global(symbol);
         if global.material > 0 {
             return Some(global.material as usize - 1);
         }
         if global.broken {
             return None;
         }
-        let globals = self.globals.iter().enumerate().filter(|(_, global)| global.material > 0);
-        let names = globals.map(|(index, _)| self.names.name(Symbol(index as u32)));
-        let near = suggest::nearest(self.name(symbol), names);
-        let unknown = Diagnostic::new(span, format!("there is no material `{}`", self.name(symbol)));
+        let globals =
+            self.lowering.declared.globals.iter().enumerate().filter(|(_, global)| global.material > 0);
+        let names = globals.map(|(index, _)| self.lowering.names.name(Symbol(index as u32)));
+        let near = suggest::nearest(self.lowering.name(symbol), names);
+        let unknown = Diagnostic::new(span, format!("there is no material `{}`", self.lowering.name(symbol)));
         let unknown = match near {
             Some(_) => unknown.did_you_mean(near),
-            None => {
-                unknown.hint(format!("declare it: `material {} {{ color = vec3(0.5) }}`", self.name(symbol)))
-            }
+            None => unknown.hint(format!(
+                "declare it: `material {} {{ color = vec3(0.5) }}`",
+                self.lowering.name(symbol)
+            )),
         };
-        self.report(unknown);
+        self.lowering.reports.add(unknown);
         None
     }
+}
 
+impl Lowering<'_> {
     /// The numbers of a section, in the order of its fields.
     pub(super) fn numbers(&mut self, fields: &[Field], values: &Values) -> Vec<NodeId> {
         let mut numbers = Vec::new();
@@ -454,5 +452,13 @@ fn place_of_field(section: Section) -> &'static str {
     match section {
         Section::Object => "an object",
         other => place(other),
+    }
+}
+
+/// Keeps a section of which a scene has one, and reports a second one.
+fn only<T>(reports: &mut Reports, place: &mut Option<T>, made: T, section: Section, span: Span) {
+    if place.replace(made).is_some() {
+        let message = format!("the scene has a second {}", word(section));
+        reports.add(Diagnostic::new(span, message).hint("leave one of them out"));
     }
 }

@@ -1,0 +1,322 @@
+//! The meaning of expressions, in the graph under construction.
+
+use super::super::ast::{Ast, ExprId, Parameter};
+use super::super::builtin::{INPUTS, InputValue, uses};
+use super::super::changing::ChangingNumbers;
+use super::super::diagnostic::{Diagnostic, Diagnostics};
+use super::super::library::{self, Library};
+use super::super::origins::Origins;
+use super::super::source::Span;
+use super::super::symbol::{Interner, Symbol};
+use super::super::value::{Value, Vector};
+use super::declared::{Declared, Global, GlobalValue};
+use super::reports::Reports;
+use super::scope::Scope;
+use crate::graph::{Graph, Input, NodeId};
+use crate::limits::Limits;
+
+/// Lowers expressions, in `expr.rs`, `call.rs` and `builtins.rs`.
+pub(super) struct Lowering<'a> {
+    pub graph: Graph,
+    /// The tree that is being walked: the scene's or the library's.
+    pub ast: &'a Ast,
+    scene_ast: &'a Ast,
+    pub library: &'static Library,
+    pub names: &'a Interner,
+    pub limits: &'a Limits,
+    pub reports: Reports<'a>,
+    pub declared: Declared<'a>,
+    pub scope: Scope,
+    pub inputs: Inputs,
+    /// Numbers of the scene's text that are read as inputs.
+    pub changing: ChangingNumbers,
+    pub budget: Budget,
+    /// Operators on the way down to the first operand.
+    pub spine: Vec<ExprId>,
+    /// Arguments of the calls that are open.
+    pub arguments: Vec<Value>,
+    /// Where what is made comes from.
+    pub origins: Origins,
+}
+
+/// Inputs of the place that is being lowered, as bits of [`uses`].
+pub(super) struct Inputs {
+    /// Those that may be used here, and the name of this place.
+    pub allowed: u8,
+    pub place: &'static str,
+    /// Those that were used since this was last cleared.
+    pub used: u8,
+}
+
+impl Inputs {
+    /// Notes that an input is used; reports it if it has no value here.
+    pub(super) fn take(&mut self, kind: u8, symbol: Symbol, span: Span, reports: &mut Reports) {
+        self.used |= kind;
+        let missing = kind & !self.allowed;
+        if missing != 0 {
+            self.not_here(missing, symbol, span, reports);
+        }
+    }
+
+    #[cold]
+    fn not_here(&self, missing: u8, symbol: Symbol, span: Span, reports: &mut Reports) {
+        let name = reports.names.name(symbol);
+        let here = self.place;
+        let (message, hint) = match missing {
+            _ if missing & uses::POINT != 0 => (
+                format!("{here} is the same at all points, so `{name}` has no value here"),
+                "points are known in shapes and materials",
+            ),
+            _ if missing & uses::NORMAL != 0 => (
+                format!("`{name}` is a surface's normal and has no value in {here}"),
+                "normals are known in materials, and in functions that are called there",
+            ),
+            _ if missing & uses::DIRECTION != 0 => (
+                format!("`{name}` is the direction of a ray and has no value in {here}"),
+                "it is known in the sky",
+            ),
+            _ if missing & uses::EYE != 0 => (
+                format!("{here} does not depend on who looks, so `{name}` has no value here"),
+                "the eye's place is known in materials and the sky",
+            ),
+            _ if missing & uses::TEXTURE != 0 => {
+                (format!("{here} cannot read pictures"), "materials and the sky can")
+            }
+            _ => (
+                format!("{here} is fixed before the music plays, so `{name}` has no value here"),
+                "write a number",
+            ),
+        };
+        let diagnostic = Diagnostic::unsupported(span, message).hint(hint);
+        reports.add(diagnostic);
+    }
+}
+
+/// What the work has cost so far.
+#[derive(Default)]
+pub(super) struct Budget {
+    pub depth: usize,
+    steps: usize,
+}
+
+impl<'a> Lowering<'a> {
+    pub(super) fn new(
+        ast: &'a Ast,
+        names: &'a Interner,
+        changing: ChangingNumbers,
+        limits: &'a Limits,
+        diagnostics: &'a mut Diagnostics,
+    ) -> Self {
+        let mut graph = Graph::with_limits(limits);
+        // One to two nodes for an expression where little is repeated.
+        graph.reserve(2 * ast.len());
+        Self {
+            graph,
+            ast,
+            scene_ast: ast,
+            library: library::library(),
+            names,
+            limits,
+            reports: Reports { diagnostics, names, calls: Vec::new(), library_call: None, stopped: false },
+            declared: Declared::new(names.len()),
+            scope: Scope::new(names.len()),
+            inputs: Inputs { allowed: uses::NOTHING, place: "", used: uses::NOTHING },
+            changing,
+            budget: Budget::default(),
+            spine: Vec::new(),
+            arguments: Vec::new(),
+            origins: Origins::default(),
+        }
+    }
+
+    pub(super) fn name(&self, symbol: Symbol) -> &'a str {
+        self.names.name(symbol)
+    }
+
+    /// Counts a step and says whether work goes on.
+    #[inline]
+    pub(super) fn step(&mut self, span: Span) -> bool {
+        self.budget.steps += 1;
+        if self.budget.steps > self.limits.scene_expansion_max && !self.reports.stopped {
+            let max = self.limits.scene_expansion_max;
+            let message = format!("the scene expands to more than {max} operations");
+            self.reports.stop(span, message, "call fewer functions in functions, or shorten the loops");
+        }
+        !self.reports.stopped
+    }
+
+    /// A number of the text.
+    pub(super) fn written_number(&mut self, value: f32, id: ExprId) -> Value {
+        // Only where a frame's inputs are known, and not in the library's texts, whose places are others.
+        let may_change = self.inputs.allowed & uses::FRAME != 0 && std::ptr::eq(self.ast, self.scene_ast);
+        if self.reports.library_call.is_none() {
+            self.origins.begins(self.ast.span(id));
+        }
+        let (offset, declared) = (self.ast.span(id).start, self.declared.params.len());
+        let input = if may_change {
+            self.changing.input(offset, value, declared, self.limits.scene_params_max)
+        } else {
+            None
+        };
+        Value::scalar(match input {
+            Some(input) => self.graph.input(input),
+            None => self.graph.constant(value),
+        })
+    }
+
+    /// The value of an expression that does not depend on anything, if it does not.
+    pub(super) fn known(&self, value: NodeId) -> Option<f32> {
+        self.changing.known(&self.graph, value)
+    }
+
+    /// The same vector with what is known written as numbers.
+    pub(super) fn with_known(&mut self, vector: Vector) -> Vector {
+        vector.map(|part| match self.known(part) {
+            Some(value) => self.graph.constant(value),
+            None => part,
+        })
+    }
+
+    pub(super) fn constant(&mut self, value: f32) -> NodeId {
+        self.graph.constant(value)
+    }
+
+    pub(super) fn vector(&mut self, values: [f32; 3]) -> [NodeId; 3] {
+        values.map(|value| self.graph.constant(value))
+    }
+
+    /// The value of a name.
+    #[inline]
+    pub(super) fn lookup(&mut self, symbol: Symbol, span: Span) -> Value {
+        let is_noted = self.reports.library_call.is_none();
+        if is_noted {
+            self.origins.begins(span);
+        }
+        if let Some((value, by)) = self.scope.local(symbol) {
+            if is_noted {
+                self.origins.uses(by);
+            }
+            return value;
+        }
+        if self.reports.library_call.is_none() {
+            match self.declared.global(symbol) {
+                Global { value: GlobalValue::Param(index), .. } => {
+                    if let Some(param) = self.declared.params.get(index as usize) {
+                        self.origins.begins(param.span);
+                    }
+                    self.inputs.take(uses::FRAME, symbol, span, &mut self.reports);
+                    return Value::scalar(self.graph.input(Input::Param(index as u16)));
+                }
+                Global { value: GlobalValue::Let(index), .. } => {
+                    return self.global_let(index as usize, span);
+                }
+                Global { broken: true, .. } => return Value::Unknown,
+                _ => {}
+            }
+        }
+        match library::input_index(symbol).and_then(|index| INPUTS.get(index)) {
+            Some(row) => {
+                self.inputs.take(row.uses, symbol, span, &mut self.reports);
+                match row.value {
+                    InputValue::One(input) => Value::scalar(self.graph.input(input)),
+                    InputValue::Constant(value) => Value::scalar(self.graph.constant(value)),
+                    InputValue::Many(inputs) => {
+                        let mut parts = inputs.iter().map(|&input| self.graph.input(input));
+                        let first = parts.next();
+                        let parts: [Option<NodeId>; 3] = [first, parts.next(), parts.next()];
+                        match parts {
+                            [Some(a), Some(b), Some(c)] => {
+                                Vector::of([a, b, c]).map_or(Value::Unknown, Value::Vector)
+                            }
+                            [Some(a), Some(b), None] => {
+                                Vector::of([a, b]).map_or(Value::Unknown, Value::Vector)
+                            }
+                            _ => Value::Unknown,
+                        }
+                    }
+                }
+            }
+            None => self.unknown_name(symbol, span),
+        }
+    }
+
+    pub(super) fn global_let(&mut self, index: usize, span: Span) -> Value {
+        let Some(global) = self.declared.lets.get_mut(index) else { return Value::Unknown };
+        let name = global.name;
+        if let Some((value, used)) = global.known {
+            let by = global.by;
+            self.origins.uses(by);
+            self.inputs.take(used, name, span, &mut self.reports);
+            return value;
+        }
+        if std::mem::replace(&mut global.open, true) {
+            return self.reports.circle(name, span);
+        }
+        let (expr, global_span) = (global.value, global.span);
+        let outside =
+            (self.inputs.used, self.inputs.allowed, self.scope.frame, self.ast, self.reports.library_call);
+        (self.inputs.used, self.inputs.allowed, self.scope.frame) =
+            (uses::NOTHING, u8::MAX, self.scope.bindings.len());
+        (self.ast, self.reports.library_call) = (self.scene_ast, None);
+        self.reports.calls.push((name, span));
+        let from = self.origins.mark();
+        self.origins.begins(global_span);
+        let value = self.expr(expr);
+        let by = self.origins.since(from);
+        self.reports.calls.pop();
+        let used = self.inputs.used;
+        (self.inputs.used, self.inputs.allowed, self.scope.frame, self.ast, self.reports.library_call) =
+            outside;
+        if let Some(global) = self.declared.lets.get_mut(index) {
+            global.known = Some((value, used));
+            global.by = by;
+            global.open = false;
+        }
+        self.inputs.take(used, name, span, &mut self.reports);
+        value
+    }
+
+    pub(super) fn parameters(&self, parameters: &[Parameter]) -> String {
+        let shown = |one: &Parameter| match one.of {
+            Some(of) => format!("{}: {}", self.names.name(one.name.symbol), of.name()),
+            None => self.names.name(one.name.symbol).to_owned(),
+        };
+        parameters.iter().map(shown).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Lowers something with its own set of allowed inputs.
+    pub(super) fn within<T>(
+        &mut self,
+        allowed: u8,
+        place: &'static str,
+        lower: impl FnOnce(&mut Self) -> T,
+    ) -> T {
+        let outside = (self.inputs.allowed, self.inputs.place);
+        (self.inputs.allowed, self.inputs.place) = (allowed, place);
+        let result = lower(self);
+        (self.inputs.allowed, self.inputs.place) = outside;
+        result
+    }
+
+    /// The number that `what` must be; `None` if it is not one, which is then reported.
+    pub(super) fn one_number(&mut self, value: Value, what: &str, span: Span) -> Option<NodeId> {
+        match value {
+            Value::Unknown => None,
+            Value::Vector(vector) if vector.len() == 1 => Some(vector.first()),
+            other => {
+                let wrong = Diagnostic::new(
+                    span,
+                    format!("{what} must be a number, but this is {}", other.described()),
+                );
+                let wrong = match other {
+                    Value::Vector(_) => {
+                        wrong.hint("a distance is made by `length(…)` or by a shape such as `sphere(p, 1)`")
+                    }
+                    _ => wrong,
+                };
+                self.reports.add(wrong);
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! The scene as a whole: its items, the order in which they are lowered, and its defaults.
+
+use std::sync::Arc;
+
+use super::super::about::About;
+use super::super::ast::{Entry, ExprId, Item, Section};
+use super::super::builtin::uses;
+use super::super::diagnostic::Diagnostic;
+use super::super::material::Material;
+use super::super::origins::Stretch;
+use super::super::scene::{Camera, Light, LightKind, Object, Param, Picture, Scene, Sky};
+use super::super::source::{Sources, Span};
+use super::lowering::Lowering;
+use super::sections::Values;
+use crate::graph::NodeId;
+
+/// A scene under construction.
+#[derive(Default)]
+pub(super) struct Parts {
+    pub objects: Vec<Object>,
+    pub materials: Vec<Material>,
+    pub lights: Vec<Light>,
+    pub camera: Option<Camera>,
+    /// Further ones, with their names.
+    pub cameras: Vec<(String, Camera)>,
+    pub sky: Option<Sky>,
+    pub has_own_sky: bool,
+    pub picture: Option<Picture>,
+    pub about: Option<About>,
+    /// Index of the material of objects that name none.
+    pub default_material: Option<usize>,
+}
+
+/// The name given to a bare expression.
+const BARE_NAME: &str = "shape";
+
+/// Makes a scene of its items. `declare.rs` knows what they declare, `sections.rs` those with fields.
+pub(super) struct SceneBuilder<'a> {
+    pub lowering: Lowering<'a>,
+    pub parts: Parts,
+}
+
+impl<'a> SceneBuilder<'a> {
+    pub(super) fn new(lowering: Lowering<'a>) -> Self {
+        Self { lowering, parts: Parts::default() }
+    }
+
+    /// The scene of these items; `None` if it has no shape, or a limit was reached.
+    pub(super) fn scene(
+        mut self,
+        items: &'a [Item],
+        includes: Vec<String>,
+        sources: &Sources,
+    ) -> Option<Scene> {
+        self.declare(items);
+        self.lower_lets();
+        // Materials come first because objects name them.
+        for of_materials in [true, false] {
+            let wanted = |section: &Section| (*section == Section::Material) == of_materials;
+            for item in items {
+                if self.lowering.reports.stopped {
+                    return None;
+                }
+                match item {
+                    Item::Section { section, name, span, entries, broken } if wanted(section) => {
+                        let from = self.lowering.origins.mark();
+                        let values = self.fields(*section, entries, *broken);
+                        self.section(*section, *name, *span, &values);
+                        self.note_block((*section, *span), entries, from, &values);
+                    }
+                    Item::Bare(value) if wanted(&Section::Object) => self.bare(*value),
+                    _ => {}
+                }
+            }
+        }
+        self.check_the_unused();
+        self.check_the_graph();
+        let distance = self.distance(sources)?;
+        self.add_default_light();
+        self.add_changing_numbers();
+        self.lowering.origins.finish(sources);
+        let unset = Values::default();
+        let camera =
+            self.parts.camera.unwrap_or_else(|| Camera::of(self.lowering.numbers(Camera::FIELDS, &unset)));
+        let sky = self.parts.sky.unwrap_or_else(|| Sky::of(self.lowering.numbers(Sky::FIELDS, &unset)));
+        let picture =
+            self.parts.picture.unwrap_or_else(|| Picture::of(self.lowering.numbers(Picture::FIELDS, &unset)));
+        Some(Scene {
+            graph: self.lowering.graph,
+            objects: self.parts.objects,
+            distance,
+            materials: self.parts.materials,
+            lights: self.parts.lights,
+            camera,
+            cameras: self.parts.cameras,
+            sky,
+            has_own_sky: self.parts.has_own_sky,
+            picture,
+            about: self.parts.about.unwrap_or_default(),
+            params: self.lowering.declared.params,
+            textures: self.lowering.declared.textures,
+            includes,
+            origins: Arc::new(self.lowering.origins),
+        })
+    }
+
+    /// Lowers all lets in textual order, so that a long chain of them needs no deep recursion.
+    fn lower_lets(&mut self) {
+        self.lowering.within(u8::MAX, "", |this| {
+            for index in 0..this.declared.lets.len() {
+                let span = this.declared.lets[index].span;
+                if this.declared.lets[index].known.is_none() && !this.reports.stopped {
+                    this.global_let(index, span);
+                }
+            }
+        });
+    }
+
+    /// Reports a graph that is over a limit.
+    fn check_the_graph(&mut self) {
+        if let Err(error) = self.lowering.graph.check()
+            && !self.lowering.reports.stopped
+        {
+            let span = self.parts.objects.first().map_or(Span::default(), |object| object.span);
+            let hint = "call fewer functions in functions, or shorten the loops";
+            self.lowering.reports.stop(span, error.to_string(), hint);
+        }
+    }
+
+    /// The distance to the nearest object. A scene without one is reported, unless something else was.
+    fn distance(&mut self, sources: &Sources) -> Option<NodeId> {
+        let shapes: Vec<NodeId> = self.parts.objects.iter().map(|object| object.shape).collect();
+        let distance = shapes.into_iter().reduce(|a, b| self.lowering.graph.min(a, b));
+        if distance.is_none() && self.lowering.reports.diagnostics.is_empty() {
+            let text = sources.files().first().map_or(0, |file| file.text.len() as u32);
+            let empty = Diagnostic::new(Span::new(text, text), "the scene has no shape");
+            let hint = "write an expression in x, y, z, as in `length(p) - 1`, or `object ball { shape = sphere(p, 1) }`";
+            self.lowering.reports.add(empty.hint(hint));
+        }
+        distance
+    }
+
+    fn add_default_light(&mut self) {
+        if self.parts.lights.is_empty() {
+            self.parts.lights.push(Light {
+                position: self.lowering.vector([-6.0, 9.0, -6.0]),
+                color: self.lowering.vector([500.0, 480.0, 450.0]),
+                radius: self.lowering.constant(0.5),
+                ..Light::of(LightKind::Lamp, self.lowering.numbers(Light::FIELDS, &Values::default()))
+            });
+        }
+    }
+
+    /// Numbers of the text that are being changed are inputs behind the parameters.
+    fn add_changing_numbers(&mut self) {
+        self.lowering.declared.params.extend(self.lowering.changing.numbers().map(|number| Param {
+            name: String::new(),
+            default: number.value,
+            min: number.range.0,
+            max: number.range.1,
+            is_number: true,
+            span: Span::new(number.offset, number.offset),
+        }));
+    }
+
+    /// Notes which text an object or a material is made of, of which the fields were noted from a mark on.
+    fn note_block(
+        &mut self,
+        (section, span): (Section, Span),
+        entries: &[Entry],
+        from: u32,
+        values: &Values,
+    ) {
+        let inside = self.lowering.origins.since(from);
+        let fields = entries.iter().filter(|entry| !entry.is_let).map(|entry| entry.name.span);
+        let head = self.lowering.origins.head([span].into_iter().chain(fields), &values.beside_the_shape);
+        let whole = self.lowering.origins.head([].into_iter(), &[head, inside]);
+        match (section, self.parts.objects.len().checked_sub(1), self.parts.materials.len().checked_sub(1)) {
+            (Section::Object, Some(object), _) => self.lowering.origins.of_object(object, head, whole),
+            (Section::Material, _, Some(material)) => self.lowering.origins.of_material(material, whole),
+            _ => {}
+        }
+    }
+
+    fn bare(&mut self, value: ExprId) {
+        let span = self.lowering.ast.span(value);
+        if let Some(first) = self.parts.objects.iter().find(|object| object.name == BARE_NAME) {
+            let second = Diagnostic::new(span, "this is a second expression for the scene's shape");
+            let second = second.note(first.span, "the first one is here");
+            self.lowering
+                .reports
+                .add(second.hint("combine them: `union(a, b)`; or give this one a name with `let`"));
+            return;
+        }
+        let from = self.lowering.origins.mark();
+        let shape = self.lowering.within(uses::POINT | uses::FRAME, "a shape", |this| this.expr(value));
+        let by = self.lowering.origins.since(from);
+        if let Some(shape) = self.lowering.one_number(shape, "a shape", span) {
+            let material = self.default_material();
+            self.add_object(Object { name: BARE_NAME.to_owned(), span, shape, bound: None, material });
+            self.lowering.origins.of_object(
+                self.parts.objects.len().saturating_sub(1),
+                Stretch::default(),
+                by,
+            );
+        }
+    }
+
+    pub(super) fn add_object(&mut self, object: Object) {
+        let max = self.lowering.limits.scene_objects_max;
+        if self.parts.objects.len() >= max {
+            let message = format!("the scene has more than {max} objects");
+            self.lowering.reports.stop(object.span, message, "combine shapes of one material by `union`");
+        } else {
+            self.parts.objects.push(object);
+        }
+    }
+
+    pub(super) fn default_material(&mut self) -> usize {
+        if let Some(index) = self.parts.default_material {
+            return index;
+        }
+        let material =
+            Material::of("default".to_owned(), self.lowering.numbers(Material::FIELDS, &Values::default()));
+        self.parts.materials.push(material);
+        self.parts.default_material = Some(self.parts.materials.len() - 1);
+        self.parts.materials.len() - 1
+    }
+}
