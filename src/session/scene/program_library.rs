@@ -269,16 +269,17 @@ fn of_kind(steep: bool) -> &'static str {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use mariana_testing::process::wait_until;
 
     use super::super::testing::{text, uploaded};
     use super::*;
     use crate::gpu::headless::Headless;
     use crate::gpu::shader_source::ShaderLibrary;
-    use crate::program_cache::ProgramCache;
 
     fn library(gl: &Gl) -> ProgramLibrary {
-        let sources = Sources { library: ShaderLibrary::embedded(), cache: ProgramCache::off() };
+        let sources = Sources { library: ShaderLibrary::embedded(), cache: Arc::new(()) };
         ProgramLibrary::start(gl, Vec::new(), sources, || {})
     }
 
