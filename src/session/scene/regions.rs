@@ -263,6 +263,7 @@ mod tests {
     use super::*;
     use crate::gpu::headless::Headless;
     use mariana_field::region::RegionPlan;
+    use mariana_field::world::World;
     use mariana_music::Features;
 
     /// Balls without end: their tree follows the eye.

@@ -18,7 +18,6 @@ use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::headless::Headless;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::shader_source::ShaderLibrary;
-use crate::program_cache::ProgramCache;
 use crate::scenes::SceneSource;
 use crate::show::{Programme, ShowSource};
 
@@ -81,7 +80,7 @@ impl Staged {
         });
         let loaded = loaded.unwrap();
         let first = LoadedScene { source: loaded.source, scene: loaded.value.unwrap() };
-        let sources = Sources { library: ShaderLibrary::embedded(), cache: ProgramCache::off() };
+        let sources = Sources { library: ShaderLibrary::embedded(), cache: Arc::new(()) };
         let ways = DrawingWays { sdf: SdfChoice::Compiled, cells: CellUse::Never, view: None, fade };
         let loaders = SceneLoaders { shown, ahead };
         let session =
