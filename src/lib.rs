@@ -16,6 +16,8 @@ pub mod ending;
 pub mod export;
 pub mod input;
 pub mod limits;
+pub mod monitor;
+pub mod probing;
 pub mod program_cache;
 pub mod scenes;
 pub mod sending;

@@ -6,7 +6,7 @@
 //! that had to be left soon after it was tried is tried again later and later, so that nothing oscillates at a
 //! boundary.
 //!
-//! **The window gives way, the files do not.** `app::dynamic_resolution` chooses among fourteen levels. A level sets
+//! **The window gives way, the files do not.** `session::dynamic_resolution` chooses among fourteen levels. A level sets
 //! the number of pixels, which `upscale.frag` enlarges, and the shaders' `frame_quality`, which lets costly and
 //! hardly noticed terms become cheaper. A frame's cost is what the GPU's timer reports, or the clock on a software
 //! renderer. A quarter of a second of frames that take too long is answered at once, by as many levels as it takes;

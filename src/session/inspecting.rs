@@ -2,8 +2,8 @@
 
 use super::Session;
 use crate::placement::{Map, led};
-use crate::session::probing::Prober;
-use crate::session::scene::Scenery;
+use crate::probing::Prober;
+use crate::probing::Scenery;
 use crate::ui::editor::Editor;
 
 /// The thread that looks into pictures, once it was needed, and how the picture lies in the window.

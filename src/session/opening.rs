@@ -2,7 +2,7 @@
 //!
 //! **A lost context is made anew.** When the driver reports that its context is lost, everything that belongs to it
 //! is dropped while it is still current, and made again from the worlds, which are plain values
-//! (`app::stage::opening::renewed`); the song does not notice. A picture for which the driver has no memory is drawn
+//! (`session::opening::renewed`); the song does not notice. A picture for which the driver has no memory is drawn
 //! smaller. `faults` lets tests cause both.
 
 use std::sync::Arc;
@@ -33,10 +33,11 @@ use crate::session::masters::Masters;
 use crate::session::recording::Recording;
 use crate::session::reports::Reports;
 use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneSession};
-use crate::session::screen::{Assistance, Screen};
+use crate::session::screen::Screen;
 use crate::session::sound::{Sound, Start};
 use crate::session::waker::Waker;
 use crate::song_structures::{SongReader, StructureCache};
+use crate::ui::overlay::Assistance;
 use crate::ui::overlay::{Overlay, OverlayContent};
 use crate::ui::pointer_rest::PointerRest;
 use crate::ui::user_input::UserInput;

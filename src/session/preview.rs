@@ -13,6 +13,7 @@ use super::Session;
 use crate::gpu::error::GpuError;
 use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::renderer::Sketch;
+use crate::ui::overlay::NextScene;
 use mariana_music::Sound;
 
 /// Size of the picture in pixels.
@@ -41,21 +42,6 @@ pub(super) struct Preview {
 
 /// A picture that was drawn: its scene's title, and the moment of the song.
 type Drawn = (String, f64);
-
-/// What the desk shows of the scene that comes next.
-#[derive(Debug, Clone)]
-pub struct NextScene {
-    /// Its title.
-    pub title: String,
-    /// Its picture, once there is one.
-    pub picture: Option<Arc<RgbaImage>>,
-    /// How loud it is, 0..1.
-    pub level: f32,
-    /// How strong the beat is, 0..1.
-    pub beat: f32,
-    /// Changes with all of that.
-    pub revision: u64,
-}
 
 impl Preview {
     /// Nothing was drawn yet.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::commands::SHIFT_STEP_MS;
 use crate::config::{DEFAULT_DEVICE, KeptSettings, ListenChoice, Memory, Settings};
 use crate::export::print::tell;
 use crate::session::SessionError;
@@ -15,9 +16,6 @@ use mariana_player::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use mariana_player::input::{Live, LiveOptions, LiveStatus};
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 use mariana_player::{Moment, Player, PlayerStatus, Target};
-
-/// How much `[` and `]` shift the picture, in milliseconds.
-pub(crate) const SHIFT_STEP_MS: f64 = 5.0;
 
 /// How long the list of sources stays after it was asked for.
 const LIST_STANDS: Duration = Duration::from_secs(4);

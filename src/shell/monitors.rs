@@ -5,8 +5,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-pub use crate::session::monitor::Monitor;
-pub(crate) use crate::session::monitor::{named, names};
+pub use crate::monitor::Monitor;
+pub(crate) use crate::monitor::{named, names};
 
 /// What is known of the monitors.
 #[derive(Default)]

@@ -7,10 +7,9 @@ mod screens;
 
 use crate::input::{Key, NamedKey};
 
-use crate::commands::{Command, Delay, SetSetting};
+use crate::commands::{Command, Delay, SHIFT_STEP_MS, SetSetting};
 use crate::config::{Choices, Setting, SettingRow, Values};
-use crate::session::sound::SHIFT_STEP_MS;
-use crate::shell::monitors::Monitor;
+use crate::monitor::Monitor;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 
 /// An output that songs can play on.

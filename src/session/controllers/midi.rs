@@ -6,6 +6,7 @@ use crate::commands;
 use crate::config::{HandSettings, KnobEdit, KnobMemory};
 use crate::session::scene::SceneSession;
 use crate::session::waker::Waker;
+use crate::ui::controllers_panel::words_of;
 use mariana_control::midi::{
     ClockReading, KnobMove, Learning, Mapping, MidiHub, MidiState, Outcome, Ports, SystemPorts, Target,
 };
@@ -160,15 +161,6 @@ impl Midi {
     pub(super) fn due(&self) -> Option<Instant> {
         let at = self.learning.as_ref()?.known_at()?;
         Some(self.zero + std::time::Duration::try_from_secs_f64(at).unwrap_or_default())
-    }
-}
-
-/// What people call something that knobs turn.
-pub(super) fn words_of(target: &Target) -> String {
-    match target {
-        Target::Param { scene, name } => format!("{name} in {scene}"),
-        Target::Deed { name, value: None } => name.replace('_', " "),
-        Target::Deed { name, value: Some(value) } => format!("{} {value}", name.replace('_', " ")),
     }
 }
 

@@ -6,14 +6,13 @@
 mod midi;
 mod network;
 pub mod page;
-pub mod panel;
 mod phone;
 
 use std::time::{Duration, Instant};
 
+use crate::ui::controllers_panel::HandFacts;
 use midi::Midi;
 use network::Network;
-use panel::HandFacts;
 use phone::Phones;
 
 use crate::config::{HandSettings, KnobEdit};

@@ -4,17 +4,9 @@ use crate::commands;
 use crate::config::HandSettings;
 use crate::session::waker::Waker;
 use crate::thumbnails::{About, Looked};
+use crate::ui::controllers_panel::PhoneFacts;
 use mariana_control::{Board, Wishes};
 use mariana_remote::{Album, Remote, RemoteState};
-
-/// What there is to say of it.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct PhoneFacts {
-    /// How it stands.
-    pub state: RemoteState,
-    /// How many phones there are.
-    pub phones: usize,
-}
 
 /// See the module.
 pub(super) struct Phones {

@@ -3,7 +3,7 @@
 //! On Linux this is MPRIS (the Media Player Remote Interfacing Specification 2.2) on the session's D-Bus. Without a
 //! bus, and on other systems, nothing is served; media keys then work while the window has the keyboard.
 //!
-//! **Media keys ask the show.** `app::media_controls` serves MPRIS on a thread of its own and hands over what was
+//! **Media keys ask the show.** `shell::media_controls` serves MPRIS on a thread of its own and hands over what was
 //! asked; it answers from a copy of what the window last reported. Without a bus, with a dead one or on another
 //! system nothing is served and nothing is reported.
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::{Document, Editor};
 use crate::frame::camera::Camera;
 use crate::placement::Map;
-use crate::session::probing::{Answer, Probed};
+use crate::probing::{Answer, Probed};
 use mariana_field::sight::{ObjectShare, PartShare, Survey};
 
 /// See the module.

@@ -2,10 +2,21 @@
 
 use std::ops::RangeInclusive;
 
-use egui::accesskit::{Action, ActionData, Live, Role};
+use egui::accesskit::{Action, ActionData, ActionRequest, Live, Role};
 use egui::{Context, EventFilter, Id, Key, Painter, Response, Stroke, StrokeKind, Ui, accesskit_root_id};
 
 use super::style;
+
+/// What assistive technology asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Assistance {
+    /// It is there: the controls are to be reported from now on.
+    Begins,
+    /// It presses or moves a control.
+    Act(ActionRequest),
+    /// It has gone.
+    Ends,
+}
 
 /// Names the window.
 pub(super) fn window(context: &Context) {

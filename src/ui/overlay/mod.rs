@@ -12,12 +12,12 @@ mod assisted;
 mod bar;
 mod browser;
 mod content;
+mod controllers;
 mod corners;
 mod editor;
 mod events;
 mod files;
 mod fonts;
-mod hands;
 mod help;
 mod icons;
 mod invitation;
@@ -44,6 +44,7 @@ use egui::accesskit::TreeUpdate;
 use egui::{ClippedPrimitive, CursorIcon, Event, Modifiers, RawInput, Rect, Vec2};
 use egui_glow::Painter;
 
+pub use assisted::Assistance;
 pub use bar::Bar;
 pub use content::{Notice, OverlayContent, Problem, SourceList};
 pub use events::{FileListEvent, SceneListEvent, SettingEvent, UiEvent};
@@ -51,15 +52,15 @@ pub use now_playing::NowPlaying;
 use panels::{LaidOut, Panels, pressed};
 use pending::PendingInput;
 use pointer::Pointer;
+pub use preview::NextScene;
 pub use switches::PanelSwitches;
 pub use tracks::Tracks;
 pub use welcome::Welcome;
 
 use crate::gpu::gl::Gl;
 use crate::input::{Input, Key, NamedKey};
-use crate::session::SessionError;
-use crate::session::screen::Assistance;
 use crate::system_fonts::SystemFonts;
+use crate::ui::UiError;
 
 /// The overlay of a window. Drop it before the window's context.
 pub struct Overlay {
@@ -202,14 +203,14 @@ impl Overlay {
     /// OpenGL when there is nothing to show.
     ///
     /// # Errors
-    /// [`SessionError::Overlay`] and [`SessionError::Gpu`] for what the driver refuses.
+    /// [`UiError::Painter`] and [`UiError::Gpu`] for what the driver refuses.
     pub fn paint(
         &mut self,
         scale: f32,
         size: (u32, u32),
         mut content: OverlayContent<'_>,
         now: Instant,
-    ) -> Result<Painted, SessionError> {
+    ) -> Result<Painted, UiError> {
         self.scale = scale;
         if content.is_empty(now) {
             self.panels.forget_focus();
@@ -239,11 +240,11 @@ impl Overlay {
         size: (u32, u32),
         content: &mut OverlayContent<'_>,
         now: Instant,
-    ) -> Result<Painted, SessionError> {
+    ) -> Result<Painted, UiError> {
         // First, because egui's textures need a place.
         if self.painter.is_none() {
             let painter = Painter::new(self.gl.shared(), "", None, false);
-            self.painter = Some(painter.map_err(|error| SessionError::Overlay(error.to_string()))?);
+            self.painter = Some(painter.map_err(|error| UiError::Painter(error.to_string()))?);
         }
         let interactive = content.is_interactive();
         let input = self.take_input(size, interactive, now);

@@ -13,8 +13,8 @@ use super::events::UiEvent;
 use super::fonts::Fallback;
 use super::rooms::Rooms;
 use super::{
-    assisted, bar, browser, corners, editor, files, hands, help, params, preview, problem, settings, sources,
-    style, tracks, welcome,
+    assisted, bar, browser, controllers, corners, editor, files, help, params, preview, problem, settings,
+    sources, style, tracks, welcome,
 };
 use crate::system_fonts::SystemFonts;
 
@@ -47,7 +47,7 @@ struct Kept {
     /// The file that was selected when the list was last drawn.
     selected_file: Option<usize>,
     seen_setting: Option<settings::Seen>,
-    seen_hand: Option<hands::Seen>,
+    seen_hand: Option<controllers::Seen>,
     next: preview::PreviewPicture,
 }
 
@@ -225,7 +225,7 @@ fn show(
         None => kept.seen_setting = None,
     }
     match content.hands {
-        Some(rows) => panels.push(hands::show(context, space, rows, &mut kept.seen_hand, events)),
+        Some(rows) => panels.push(controllers::show(context, space, rows, &mut kept.seen_hand, events)),
         None => kept.seen_hand = None,
     }
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {

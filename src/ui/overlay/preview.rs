@@ -7,7 +7,21 @@ use image::RgbaImage;
 
 use super::rooms::Rooms;
 use super::{assisted, style};
-use crate::session::NextScene;
+
+/// What the desk shows of the scene that comes next.
+#[derive(Debug, Clone)]
+pub struct NextScene {
+    /// Its title.
+    pub title: String,
+    /// Its picture, once there is one.
+    pub picture: Option<Arc<RgbaImage>>,
+    /// How loud it is, 0..1.
+    pub level: f32,
+    /// How strong the beat is, 0..1.
+    pub beat: f32,
+    /// Changes with all of that.
+    pub revision: u64,
+}
 
 /// Width of the picture in points, and the share of the window that it may have.
 const WIDTH: f32 = 160.0;

@@ -1,7 +1,7 @@
 //! The rows of monitors that the picture can fill.
 
 use crate::config::{Setting, SettingRow, Values};
-use crate::shell::monitors::{Monitor, named};
+use crate::monitor::{Monitor, named};
 
 /// The rows of where the picture shows: with one monitor there is no choice.
 pub(super) fn rows(monitors: &[Monitor], now: Option<&str>, remembered: Option<&str>) -> Vec<SettingRow> {

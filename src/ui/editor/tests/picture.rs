@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::placement::Placement;
-use crate::session::probing::Answer;
-use crate::session::probing::testing::{probed_at, scenery_of, surveyed};
+use crate::probing::Answer;
+use crate::probing::testing::{probed_at, scenery_of, surveyed};
 
 const SCENE: &str = "\
 material red { color = vec3(0.9, 0.3, 0.1)  emission = vec3(2, 1, 0.5) }

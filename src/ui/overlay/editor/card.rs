@@ -3,7 +3,7 @@
 use egui::{Context, Id, LayerId, Order, Pos2, Rect, Sense, Stroke, WidgetInfo, pos2, vec2};
 
 use super::light::on_screen;
-use crate::session::probing::Surface;
+use crate::probing::Surface;
 use crate::ui::editor::{Editor, EditorEvent};
 use crate::ui::overlay::{assisted, icons, style};
 

@@ -4,7 +4,7 @@ use egui::Event;
 
 use super::*;
 use crate::config::KnobEdit;
-use crate::session::controllers::panel::{HandFacts, HandsPanel};
+use crate::ui::controllers_panel::{HandFacts, HandsPanel};
 use mariana_control::midi::{Mapping, MidiState, Source, Target};
 
 fn clicked(

@@ -2,7 +2,6 @@
 
 use super::{HandFacts, HandRow};
 use crate::commands;
-use crate::session::controllers::midi::words_of;
 use mariana_control::Param;
 use mariana_control::deed::Takes;
 use mariana_control::midi::{Mapping, Target};
@@ -127,4 +126,13 @@ fn knob_words(mapping: &Mapping, facts: &HandFacts<'_>) -> String {
     let devices = facts.midi.as_ref().map(|midi| &midi.devices[..]).unwrap_or_default();
     let gone = if devices.contains(&mapping.device) { "" } else { ", which is not there" };
     format!("{} of {}{gone}", mapping.source, mapping.device)
+}
+
+/// What people call something that knobs turn.
+pub(crate) fn words_of(target: &Target) -> String {
+    match target {
+        Target::Param { scene, name } => format!("{name} in {scene}"),
+        Target::Deed { name, value: None } => name.replace('_', " "),
+        Target::Deed { name, value: Some(value) } => format!("{} {value}", name.replace('_', " ")),
+    }
 }

@@ -8,7 +8,7 @@ use super::invitation;
 use super::style;
 use crate::commands::{Command, Panel};
 use crate::config::KnobEdit;
-use crate::session::controllers::panel::{Field, HandRow, HandsPanel};
+use crate::ui::controllers_panel::{Field, HandRow, HandsPanel};
 use mariana_control::midi::Mapping;
 
 /// Widest panel, in points.

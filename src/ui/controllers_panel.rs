@@ -10,14 +10,14 @@ use std::sync::Arc;
 
 use crate::input::{Key, NamedKey};
 
-use super::phone::PhoneFacts;
 use rows::rows_of;
+pub(crate) use rows::words_of;
 
 use crate::commands::Command;
 use crate::config::KnobEdit;
 use mariana_control::Slider;
 use mariana_control::midi::{Curve, Mapping, MidiState, Target};
-use mariana_remote::Invitation;
+use mariana_remote::{Invitation, RemoteState};
 
 /// A row of the panel.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,6 +130,15 @@ const SMOOTHINGS: [f32; 7] = [0.0, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0];
 fn next<T: Copy + PartialEq>(all: &[T], present: T) -> T {
     let place = all.iter().position(|one| *one == present).map_or(0, |place| (place + 1) % all.len().max(1));
     all.get(place).copied().unwrap_or(present)
+}
+
+/// The page for phones.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PhoneFacts {
+    /// How it stands.
+    pub state: RemoteState,
+    /// How many phones there are.
+    pub phones: usize,
 }
 
 /// What holds at present.
