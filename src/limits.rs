@@ -55,16 +55,6 @@ pub struct Limits {
     pub prepared_bytes_max: u64,
     /// Most bytes of a text that is edited or kept unsaved, with what is said of it.
     pub kept_text_bytes_max: usize,
-    /// Most bytes of a show file.
-    pub show_bytes_max: usize,
-    /// Most entries of a show.
-    pub show_entries_max: usize,
-    /// Most parameters that an entry of a show moves.
-    pub show_settings_max: usize,
-    /// Most steps of one of their movements.
-    pub show_steps_max: usize,
-    /// Pictures of a show of which one is held while another gives way, that are mixed into one.
-    pub show_held_max: usize,
     /// Longest time in seconds for which a video's encoder may make no progress while it is waited for.
     pub encoder_wait_seconds: f64,
     /// Longest fade from one scene to another, in seconds.
@@ -107,11 +97,6 @@ pub const LIMITS: Limits = Limits {
     program_cache_bytes_max: 1 << 26,
     prepared_bytes_max: 1 << 27,
     kept_text_bytes_max: (1 << 20) + (1 << 16),
-    show_bytes_max: 1 << 24,
-    show_entries_max: 10_000,
-    show_settings_max: 64,
-    show_steps_max: 20_000,
-    show_held_max: 8,
     encoder_wait_seconds: 300.0,
     fade_seconds_max: 60.0,
     send_readers_max: 8,

@@ -33,6 +33,7 @@ fn rows() -> String {
         "crates/player/src",
         "crates/remote/src",
         "crates/render/src",
+        "crates/show/src",
     ] {
         sources(&root().join(folder), &mut files);
     }

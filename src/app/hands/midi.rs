@@ -2,10 +2,10 @@
 
 use std::time::Instant;
 
-use crate::app::window_thread::Waker;
 use crate::commands;
 use crate::config::{HandSettings, KnobEdit, KnobMemory};
 use crate::session::scene::SceneSession;
+use crate::session::waker::Waker;
 use mariana_control::midi::{
     ClockReading, KnobMove, Learning, Mapping, MidiHub, MidiState, Outcome, Ports, SystemPorts, Target,
 };

@@ -96,7 +96,7 @@ impl Stage {
             Command::ResetCamera => self.scene.give_camera_back(),
             Command::TurnCamera(way) => self.turn_camera(way),
             Command::ZoomCamera(notches) => self.zoom_camera(notches),
-            Command::Inspect(place) => self.look_at(place.into()),
+            Command::Inspect(place) => self.look_at(place),
             Command::NextView => self.go_view(true),
             Command::PreviousView => self.go_view(false),
             Command::StepView(larger) => self.scene.step_view(larger),
@@ -112,7 +112,7 @@ impl Stage {
             Command::MoveCorner(moved) => self.move_corner(moved),
             Command::ResetCorners => self.set_corners(Corners::default(), 0, true),
             Command::Fullscreen(_) => self.toggle_fullscreen(),
-            Command::Raise => self.window.window().focus_window(),
+            Command::Raise => self.screen.raise(),
             Command::Set(set) => self.change_setting(set),
             Command::Learn(target) => self.learn(target),
             Command::LearnParameter(name) => {
@@ -153,7 +153,7 @@ impl Stage {
             black: self.masters.is_black(),
             frozen: self.masters.is_frozen(),
             clean: self.desk.bare,
-            fullscreen: self.window.is_fullscreen(),
+            fullscreen: self.screen.is_fullscreen(),
             brightness: f32::from(self.choices.stage.brightness) / 100.0,
             position: playing.share(),
             volume: (!playing.live).then_some(playing.volume),
@@ -178,7 +178,7 @@ impl Stage {
         if !self.is_for_picture(self.input.began()) {
             return;
         }
-        let height = f64::from(self.window.size().map_or(1, |(_, height)| height));
+        let height = f64::from(self.screen.size().map_or(1, |(_, height)| height));
         let height = height * self.desk.picture.map_or(1.0, |[_, top, _, bottom]| bottom - top);
         self.scene.move_camera(|hand, own| hand.drag((way[0] / height, way[1] / height), own));
     }

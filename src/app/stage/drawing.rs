@@ -4,16 +4,15 @@ use std::time::{Duration, Instant};
 
 use super::Stage;
 use super::desk::{Seen, content_of};
-use super::outputs::{Canvas, Lay};
 use crate::app::drawing_pace::{Verdict, drawn_size};
 use crate::app::dynamic_resolution::Level;
-use crate::app::error::AppError;
-use crate::app::overlay::{Overlay, OverlayContent, PanelSwitches};
-use crate::app::wallpaper::Wallpaper;
-use crate::app::window::GlWindowContext;
+use crate::app::overlay::{Overlay, OverlayContent, Painted, PanelSwitches};
 use crate::commands::Panel;
 use crate::gpu::error::GpuError;
+use crate::session::SessionError;
+use crate::session::lay::Lay;
 use crate::session::scene::{Drawn, Shown, WantedPicture};
+use crate::session::screen::Screen;
 use mariana_player::Moment;
 
 /// How often a window without a picture is painted again: something may have covered it.
@@ -25,7 +24,7 @@ impl Stage {
     ///
     /// # Errors
     /// What the driver refuses.
-    pub(in crate::app) fn draw(&mut self) -> Result<bool, AppError> {
+    pub(in crate::app) fn draw(&mut self) -> Result<bool, SessionError> {
         if let Some(seconds) = self.first_shown_after.take() {
             // Nothing is dimmed in the first picture, so it was shown before the driver had made the limiter's programs.
             self.renderer.limit_flashes(seconds)?;
@@ -35,9 +34,9 @@ impl Stage {
         if !self.scene.composer().has_regions() && !self.scene.composer().is_drawing() {
             self.pace.begun(begun, self.hands.are_unseen());
         }
-        let size = self.window.size();
+        let size = self.screen.size();
         let placement = self.placement();
-        let screen = self.screen_size().map(|screen| (screen, placement.picture_size(screen)));
+        let screen = self.screen.picture_size().map(|screen| (screen, placement.picture_size(screen)));
         self.pace.set_window_size(screen.map(|(_, whole)| whole));
         let Some((screen, whole)) = screen else { return Ok(false) };
         let Some((size, moment)) = size.and_then(|size| Some((size, self.moment()?))) else {
@@ -110,27 +109,24 @@ impl Stage {
         let handing_over = Instant::now();
         // Without a new picture there is something to show only if the overlay or the window changes.
         let waits = new.is_none() && !dims && (shown != wanted || is_drawing);
-        let has_words = self.overlay.due(&content, begun).is_some_and(|due| due <= begun)
-            && self.wallpaper.as_ref().is_none_or(Wallpaper::shows_words);
-        let ground_is_due = self.wallpaper.as_ref().is_some_and(Wallpaper::is_due);
-        if waits && !self.output.is_stale() && !ground_is_due && !has_words {
+        let has_words =
+            self.overlay.due(&content, begun).is_some_and(|due| due <= begun) && self.screen.shows_words();
+        if waits && !self.screen.is_stale() && !has_words {
             return Ok(false);
         }
-        let canvas = Canvas {
-            renderer: &mut self.renderer,
-            wallpaper: self.wallpaper.as_mut(),
-            window: &self.window,
-            size,
-            small: self.desk.picture,
-        };
-        let mut laid_out = Duration::ZERO;
-        let (painted, painting) = canvas.show(&lay, new.is_some() || dims || has_words, |size| {
-            let laying_out = Instant::now();
-            let painted = self.overlay.paint(&self.window.window(), size, content);
-            laid_out = laying_out.elapsed();
-            painted
-        })?;
-        self.show_on_output(&lay, new.is_some() || dims)?;
+        let (scale, is_new) = (self.screen.scale(), new.is_some() || dims);
+        let (mut painted, mut laid_out, mut content) = (Painted::default(), Duration::ZERO, Some(content));
+        let (overlay, small) = (&mut self.overlay, self.desk.picture);
+        let painting =
+            self.screen.show(&mut self.renderer, &lay, small, is_new || has_words, &mut |size| {
+                let laying_out = Instant::now();
+                if let Some(content) = content.take() {
+                    painted = overlay.paint(scale, size, content, laying_out)?;
+                }
+                laid_out = laying_out.elapsed();
+                Ok(())
+            })?;
+        self.screen.show_on_output(&mut self.renderer, &lay, is_new)?;
         let first = self.pace.show(shown);
         self.typing_times.note_shown(self.scene.scenes().shown_id(), new.is_some(), laid_out, Instant::now());
         if let Some(Drawn { spent, .. }) = new {
@@ -143,10 +139,7 @@ impl Stage {
         if painted.params_changed {
             self.scene.shown_parameters_mut().note_moved();
         }
-        self.ui_events.extend(painted.events);
-        if let Some(controls) = painted.controls {
-            self.controls.tell(controls);
-        }
+        self.take_painted(painted);
         if first {
             self.desk.welcomed.get_or_insert_with(Instant::now);
             self.listening.follow_wish();
@@ -158,17 +151,15 @@ impl Stage {
     ///
     /// # Errors
     /// What the driver refuses.
-    pub(super) fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), AppError> {
-        if self.hides_window() {
-            return Ok(());
-        }
+    pub(super) fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), SessionError> {
         let now = Instant::now();
         let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
         if self.waited.is_none_or(is_stale) {
             let is_first = self.waited.replace((now, size)).is_none();
             let title = self.scene.library().wanted().title();
             let content = content_of(&mut self.scene, None, PanelSwitches::default());
-            paint_waiting(&self.window, &mut self.overlay, size, &title, content)?;
+            let painted = paint_waiting(&mut *self.screen, &mut self.overlay, &title, content)?;
+            self.take_painted(painted);
             if is_first {
                 self.warm_up()?;
             }
@@ -176,11 +167,25 @@ impl Stage {
         Ok(())
     }
 
+    /// Takes what was done in the panels and what they want of the screen.
+    fn take_painted(&mut self, painted: Painted) {
+        self.ui_events.extend(painted.events);
+        if let Some(controls) = painted.controls {
+            self.screen.show_controls(controls);
+        }
+        if let Some(cursor) = painted.cursor {
+            self.screen.set_cursor(cursor);
+        }
+        if let Some(place) = painted.typed_at {
+            self.screen.set_place_of_letters(place);
+        }
+    }
+
     /// Lets the driver make the programs that all scenes share while it makes that of the first one.
     ///
     /// # Errors
     /// What the driver refuses.
-    fn warm_up(&mut self) -> Result<(), AppError> {
+    fn warm_up(&mut self) -> Result<(), SessionError> {
         let Some(picture) = self.scene.scenes().coming_picture() else { return Ok(()) };
         let (scene, mut updated) = (&mut self.scene, Ok(()));
         let mut is_wanted = || {
@@ -231,7 +236,7 @@ impl Stage {
         let (tracks, shape) = song.unwrap_or_default();
         let song = self.listening.present_structure().filter(|_| shows_bar);
         let (assisted, follows) = (self.overlay.is_assisted(), self.follows());
-        let fullscreen = self.window.is_fullscreen();
+        let fullscreen = self.screen.is_fullscreen();
         Seen { awake, assisted, fullscreen, tracks, shape, follows, song }
     }
 
@@ -248,7 +253,7 @@ impl Stage {
     }
 
     fn side_max(&self) -> u32 {
-        self.window.gl().info().texture_side_max
+        self.screen.gl().info().texture_side_max
     }
 
     /// The line about the scene and how it is drawn, if it is wanted.
@@ -294,26 +299,31 @@ impl Stage {
     /// What a picture cost that took `drawing` until it was handed over and `showing` in all. Handing over waits for a
     /// monitor, but on a software renderer it is what draws.
     fn cost(&mut self, drawing: Duration, showing: Duration) -> Duration {
-        match (self.window.gl().info().software, self.renderer.gpu_time()) {
+        match (self.screen.gl().info().software, self.renderer.gpu_time()) {
             (true, _) => showing,
             (false, gpu) => drawing.max(gpu.unwrap_or_default()),
         }
     }
 }
 
-/// Paints a window of `size` pixels that has no picture yet: what there is to say, and the scene's title, over black.
+/// Paints a window that has no picture yet: what there is to say, and the scene's title, over black.
 ///
 /// # Errors
 /// What the driver refuses.
 pub(super) fn paint_waiting(
-    window: &GlWindowContext,
+    screen: &mut dyn Screen,
     overlay: &mut Overlay,
-    size: (u32, u32),
     title: &str,
     content: OverlayContent<'_>,
-) -> Result<(), AppError> {
+) -> Result<Painted, SessionError> {
     let words = format!("Mariana is preparing {title}");
-    window.gl().clear_window(size, [0.0; 3])?;
-    overlay.paint(&window.window(), size, OverlayContent { hint: Some(&words), ..content })?;
-    window.swap()
+    let (scale, mut painted) = (screen.scale(), Painted::default());
+    let mut content = Some(OverlayContent { hint: Some(&words), ..content });
+    screen.show_waiting(&mut |size| {
+        if let Some(content) = content.take() {
+            painted = overlay.paint(scale, size, content, Instant::now())?;
+        }
+        Ok(())
+    })?;
+    Ok(painted)
 }

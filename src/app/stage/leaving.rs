@@ -118,11 +118,11 @@ impl Stage {
 
     fn left(&mut self) -> Left {
         let before = self.listening.settings().last_show.clone().unwrap_or_default();
-        let fullscreen = self.window.is_fullscreen();
+        let fullscreen = self.screen.is_fullscreen();
         let mut show = LastShow {
             fullscreen,
-            size: self.window.size().filter(|_| !fullscreen).or(before.size),
-            place: self.window.place().or(before.place),
+            size: self.screen.size().filter(|_| !fullscreen).or(before.size),
+            place: self.screen.place().or(before.place),
             scene: name_of(self.scene.scenes().shown_source().unwrap_or(self.scene.library().wanted()))
                 .or(before.scene),
             volume: before.volume,

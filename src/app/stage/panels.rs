@@ -184,7 +184,7 @@ impl Stage {
             return self.update_hands();
         }
         if !self.desk.panels.close() {
-            self.window.set_fullscreen(false);
+            self.screen.set_fullscreen(false);
         }
         self.leave_panels();
     }

@@ -26,12 +26,12 @@ impl Stage {
     }
 
     /// Asks what is at a place of the window, in pixels, if the editor is open.
-    pub(super) fn look_at(&mut self, place: (f64, f64)) {
+    pub(super) fn look_at(&mut self, place: [f64; 2]) {
         if !self.is_edited() {
             return;
         }
-        let Some((width, height)) = self.window.size() else { return };
-        let share = [place.0 / f64::from(width), place.1 / f64::from(height)];
+        let Some((width, height)) = self.screen.size() else { return };
+        let share = [place[0] / f64::from(width), place[1] / f64::from(height)];
         let at = self.probing.map.and_then(|map| led(&map, share));
         let at = at.filter(|at| at.iter().all(|share| (0.0..=1.0).contains(share)));
         let Some(at) = at else { return };

@@ -56,7 +56,18 @@ const GROUP: usize = 16;
 
 /// The limiter, and what it needs on the GPU.
 pub struct FlashPass {
-    gl: Gl,
+    programs: FlashPrograms,
+    memory: FlashMemory,
+    cells: CellDraws,
+    /// What the passes over cells read.
+    step_block: Block,
+    steps: Steps,
+    /// Whether nothing is known of any picture before the next.
+    is_fresh: bool,
+}
+
+/// A program for each of [`FLASH_SHADERS`].
+struct FlashPrograms {
     measure: Program,
     follow: Program,
     gather: Program,
@@ -68,12 +79,11 @@ pub struct FlashPass {
     note: Program,
     limit: Program,
     limit_enlarged: Program,
-    /// What the passes over cells read.
-    step_block: Block,
-    /// What is told to a single pass.
-    place_block: Block,
-    vertices: VertexArray,
-    cells: Target,
+}
+
+/// What is known of each cell of a picture.
+struct FlashMemory {
+    measured: Target,
     /// What is remembered: of this picture, and of the one before.
     followed: [Target; 2],
     noted: [Target; 2],
@@ -82,10 +92,15 @@ pub struct FlashPass {
     areas: Target,
     /// Ceilings of the cells themselves, spread along rows, and spread along both axes.
     ceilings: [Target; 3],
-    shown_cells: Target,
-    steps: Steps,
-    /// Whether nothing is known of any picture before the next.
-    is_fresh: bool,
+    shown: Target,
+}
+
+/// What draws over cells, in whose state all its draws begin.
+struct CellDraws {
+    gl: Gl,
+    /// What is told to a single pass.
+    place_block: Block,
+    vertices: VertexArray,
 }
 
 impl FlashPass {
@@ -94,46 +109,15 @@ impl FlashPass {
     /// # Errors
     /// What the driver refuses, with its log.
     pub fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
-        let [
-            measure,
-            follow,
-            gather,
-            find_fields,
-            find_areas,
-            decide,
-            spread,
-            measure_shown,
-            note,
-            limit,
-            limit_enlarged,
-        ] = FLASH_SHADERS.map(|(shader, defines)| move || linked(gl, library, shader, defines));
-        let of_cells =
-            |count: usize| Target::new(gl, (COLUMNS as u32, ROWS as u32), &vec![Texel::Rgba32F; count], None);
-        let of_rows = |count: usize| Target::new(gl, (1, ROWS as u32), &vec![Texel::Rgba32F; count], None);
         let pass = Self {
-            gl: gl.clone(),
-            measure: measure()?,
-            follow: follow()?,
-            gather: gather()?,
-            find_fields: find_fields()?,
-            find_areas: find_areas()?,
-            decide: decide()?,
-            spread: spread()?,
-            measure_shown: measure_shown()?,
-            note: note()?,
-            limit: limit()?,
-            limit_enlarged: limit_enlarged()?,
+            programs: FlashPrograms::new(gl, library)?,
+            memory: FlashMemory::new(gl)?,
+            cells: CellDraws {
+                gl: gl.clone(),
+                place_block: Block::new(gl, "PostBlock")?,
+                vertices: VertexArray::new(gl)?,
+            },
             step_block: Block::new(gl, "FlashBlock")?,
-            place_block: Block::new(gl, "PostBlock")?,
-            vertices: VertexArray::new(gl)?,
-            cells: of_cells(1)?,
-            followed: [of_cells(FOLLOWED.len())?, of_cells(FOLLOWED.len())?],
-            noted: [of_cells(NOTED.len())?, of_cells(NOTED.len())?],
-            marks: of_rows(1)?,
-            covered: of_rows(1)?,
-            areas: of_rows(1)?,
-            ceilings: [of_cells(1)?, of_cells(1)?, of_cells(1)?],
-            shown_cells: of_cells(1)?,
             steps: Steps::default(),
             is_fresh: true,
         };
@@ -153,7 +137,7 @@ impl FlashPass {
         self.begin(0.0);
         let passes = (0..PASSES).take_while(|_| is_wanted());
         passes.for_each(|number| {
-            self.reset_state();
+            self.cells.reset_state();
             self.pass(number, picture);
         });
         // A picture after none is dimmed nowhere, so nothing of the window changes.
@@ -176,79 +160,76 @@ impl FlashPass {
         let flag = |is: bool| f32::from(u8::from(is));
         let is_fresh = std::mem::take(&mut self.is_fresh);
         self.step_block.set(&[step.seconds as f32, flag(step.forgets), flag(is_fresh), 0.0]);
-        self.followed.swap(0, 1);
-        self.noted.swap(0, 1);
-        self.reset_state();
+        self.memory.followed.swap(0, 1);
+        self.memory.noted.swap(0, 1);
+        self.cells.reset_state();
     }
 
     /// One of the [`PASSES`] of a picture, which reads what the ones before have bound and drawn.
     fn pass(&self, number: usize, finished: &Target) {
-        let [followed, followed_before] = &self.followed;
-        let [noted, noted_before] = &self.noted;
-        let [own, along_rows, spread] = &self.ceilings;
+        let Self { programs, memory, cells, .. } = self;
+        let [followed, followed_before] = &memory.followed;
+        let [noted, noted_before] = &memory.noted;
+        let [own, along_rows, spread] = &memory.ceilings;
         match number {
             0 => {
                 finished.bind_color(0, unit_of("picture"));
-                self.draw(&self.measure, &self.cells);
+                cells.draw(&programs.measure, &memory.measured);
             }
             1 => {
-                self.cells.bind_color(0, unit_of("cells"));
+                memory.measured.bind_color(0, unit_of("cells"));
                 bind(followed_before, &FOLLOWED);
                 bind(noted_before, &NOTED);
-                self.draw(&self.follow, followed);
+                cells.draw(&programs.follow, followed);
             }
             2 => {
                 bind(followed, &FOLLOWED);
-                self.draw(&self.gather, &self.marks);
+                cells.draw(&programs.gather, &memory.marks);
             }
             3 => {
-                bind(&self.marks, &["marked_rows"]);
-                self.draw(&self.find_fields, &self.covered);
+                bind(&memory.marks, &["marked_rows"]);
+                cells.draw(&programs.find_fields, &memory.covered);
             }
             4 => {
-                bind(&self.covered, &["covered_rows"]);
-                self.draw(&self.find_areas, &self.areas);
+                bind(&memory.covered, &["covered_rows"]);
+                cells.draw(&programs.find_areas, &memory.areas);
             }
             5 => {
-                bind(&self.areas, &["limited_rows"]);
-                self.draw(&self.decide, own);
+                bind(&memory.areas, &["limited_rows"]);
+                cells.draw(&programs.decide, own);
             }
             6 => self.spread_along([1.0, 0.0], own, along_rows),
             7 => self.spread_along([0.0, 1.0], along_rows, spread),
             8 => {
                 finished.bind_color(0, unit_of("picture"));
                 bind(spread, &["ceilings"]);
-                self.draw(&self.measure_shown, &self.shown_cells);
+                cells.draw(&programs.measure_shown, &memory.shown);
             }
             _ => {
-                bind(&self.shown_cells, &["shown_cells"]);
+                bind(&memory.shown, &["shown_cells"]);
                 bind(own, &["own_ceilings"]);
-                self.draw(&self.note, noted);
+                cells.draw(&programs.note, noted);
             }
         }
     }
 
     /// Spreads ceilings along an axis.
     fn spread_along(&self, [right, up]: [f32; 2], ceilings: &Target, target: &Target) {
-        self.place_block.set(&[0.0, 0.0, right, up]);
+        self.cells.place_block.set(&[0.0, 0.0, right, up]);
         bind(ceilings, &["ceilings"]);
-        self.draw(&self.spread, target);
+        self.cells.draw(&self.programs.spread, target);
     }
 
     /// Draws over `target`, which shows the `finished` picture that was taken last, whatever is dimmed in it.
     pub fn limit(&self, finished: &Target, target: &Target) {
         target.bind();
-        self.draw_cells(finished, target.size());
+        self.dim_cells(finished, target.size());
     }
 
     /// The same over the window's framebuffer of `window` pixels.
     pub fn limit_in_window(&self, finished: &Target, window: (u32, u32)) {
-        // SAFETY: plain state.
-        unsafe {
-            self.gl.bind_framebuffer(glow::FRAMEBUFFER, None);
-            self.gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
-        }
-        self.draw_cells(finished, window);
+        self.cells.bind_window(window);
+        self.dim_cells(finished, window);
     }
 
     /// The cells of the picture that was taken last, what is done to them, and the cells as they are shown, the top row
@@ -258,10 +239,67 @@ impl FlashPass {
             let colors = target.read_rgba32f(0);
             Grid::new(colors.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b]))
         };
-        let ceilings = self.spread_ceilings().read_rgba32f(0);
+        let ceilings = self.memory.spread_ceilings().read_rgba32f(0);
         let correction = |[_, _, grey, ceiling]: &[f32; 4]| Correction { ceiling: *ceiling, grey: *grey };
         let corrections = ceilings.as_chunks::<4>().0.iter().map(correction).collect();
-        (grid(&self.cells), corrections, grid(&self.shown_cells))
+        (grid(&self.memory.measured), corrections, grid(&self.memory.shown))
+    }
+
+    /// Draws the limited cells into the framebuffer of `size` pixels that is bound.
+    fn dim_cells(&self, finished: &Target, size: (u32, u32)) {
+        let FlashPrograms { limit, limit_enlarged, .. } = &self.programs;
+        finished.bind_color(0, unit_of("picture"));
+        bind(self.memory.spread_ceilings(), &["ceilings"]);
+        self.cells.draw_cells(if finished.size() == size { limit } else { limit_enlarged }, size);
+    }
+}
+
+impl FlashPrograms {
+    fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+        let [
+            measure,
+            follow,
+            gather,
+            find_fields,
+            find_areas,
+            decide,
+            spread,
+            measure_shown,
+            note,
+            limit,
+            limit_enlarged,
+        ] = FLASH_SHADERS.map(|(shader, defines)| move || linked(gl, library, shader, defines));
+        Ok(Self {
+            measure: measure()?,
+            follow: follow()?,
+            gather: gather()?,
+            find_fields: find_fields()?,
+            find_areas: find_areas()?,
+            decide: decide()?,
+            spread: spread()?,
+            measure_shown: measure_shown()?,
+            note: note()?,
+            limit: limit()?,
+            limit_enlarged: limit_enlarged()?,
+        })
+    }
+}
+
+impl FlashMemory {
+    fn new(gl: &Gl) -> Result<Self, GpuError> {
+        let of = |size, count| Target::new(gl, size, &vec![Texel::Rgba32F; count], None);
+        let of_cells = |count: usize| of((COLUMNS as u32, ROWS as u32), count);
+        let of_rows = || of((1, ROWS as u32), 1);
+        Ok(Self {
+            measured: of_cells(1)?,
+            followed: [of_cells(FOLLOWED.len())?, of_cells(FOLLOWED.len())?],
+            noted: [of_cells(NOTED.len())?, of_cells(NOTED.len())?],
+            marks: of_rows()?,
+            covered: of_rows()?,
+            areas: of_rows()?,
+            ceilings: [of_cells(1)?, of_cells(1)?, of_cells(1)?],
+            shown: of_cells(1)?,
+        })
     }
 
     /// The ceilings that the picture is dimmed by.
@@ -269,20 +307,10 @@ impl FlashPass {
         let [.., spread] = &self.ceilings;
         spread
     }
+}
 
-    /// Draws the limited cells into the framebuffer of `size` pixels that is bound.
-    fn draw_cells(&self, finished: &Target, size: (u32, u32)) {
-        self.reset_state();
-        self.place_block.set(&[1.0 / size.0.max(1) as f32, 1.0 / size.1.max(1) as f32, 0.0, 0.0]);
-        finished.bind_color(0, unit_of("picture"));
-        bind(self.spread_ceilings(), &["ceilings"]);
-        if finished.size() == size { &self.limit } else { &self.limit_enlarged }.bind();
-        // SAFETY: a plain draw on objects of ours, in the current context.
-        let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, (6 * CELLS / GROUP) as i32) };
-        self.gl.replacing(draw);
-    }
-
-    /// The state in which all its draws begin.
+impl CellDraws {
+    /// The state in which all draws begin.
     fn reset_state(&self) {
         // SAFETY: plain state; the vertices are ours.
         unsafe {
@@ -300,6 +328,15 @@ impl FlashPass {
         }
     }
 
+    /// Draws into the window's framebuffer of `window` pixels from now on.
+    fn bind_window(&self, window: (u32, u32)) {
+        // SAFETY: plain state.
+        unsafe {
+            self.gl.bind_framebuffer(glow::FRAMEBUFFER, None);
+            self.gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
+        }
+    }
+
     /// Draws all over a target with what is bound.
     fn draw(&self, program: &Program, target: &Target) {
         target.bind();
@@ -307,6 +344,16 @@ impl FlashPass {
         // SAFETY: a plain draw on objects of ours, in the current context.
         let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) };
         if target.colors() == 1 { self.gl.replacing(draw) } else { draw() }
+    }
+
+    /// Draws rectangles over the limited cells of a framebuffer of `size` pixels.
+    fn draw_cells(&self, program: &Program, size: (u32, u32)) {
+        self.reset_state();
+        self.place_block.set(&[1.0 / size.0.max(1) as f32, 1.0 / size.1.max(1) as f32, 0.0, 0.0]);
+        program.bind();
+        // SAFETY: a plain draw on objects of ours, in the current context.
+        let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, (6 * CELLS / GROUP) as i32) };
+        self.gl.replacing(draw);
     }
 }
 

@@ -10,7 +10,8 @@
 //! loops over the rest.
 
 use super::cell_use::CellUse;
-use super::error::{DoesNotFit, GpuError};
+pub use super::error::DoesNotFit;
+use super::error::GpuError;
 use super::evaluations::Counting;
 use super::gl::{Gl, GlInfo};
 pub use super::mode::Mode;

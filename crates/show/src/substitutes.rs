@@ -66,7 +66,7 @@ fn substituted(stay: &Stay, refused: &SceneCard, substitute: &SceneCard) -> Stay
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::show::plan::{Entrance, Move};
+    use crate::plan::{Entrance, Move};
     use mariana_field::lang::About;
 
     fn card(scene: &str, energy: f32, cameras: &[&str]) -> SceneCard {

@@ -62,7 +62,7 @@ impl BarLines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::show::resolve::testing::song;
+    use crate::resolve::testing::song;
 
     #[test]
     fn bars_and_seconds_lead_to_each_other() {

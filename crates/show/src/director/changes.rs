@@ -1,7 +1,7 @@
 //! The moments at which another scene may come.
 
-use crate::show::bar_lines::BarLines;
-use crate::show::script::{Anchor, Length, When};
+use crate::bar_lines::BarLines;
+use crate::script::{Anchor, Length, When};
 use mariana_music::{Section, SongStructure};
 
 /// A scene is on for at least so many seconds, unless a drop comes.

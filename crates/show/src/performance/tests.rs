@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::show::{parse, print, resolve};
+use crate::{parse, print, resolve};
 use mariana_music::SongStructure;
 
 /// A picture: seconds since the one before, whether another scene comes, where a knob and the camera are, how bright it
@@ -151,7 +151,7 @@ fn what_a_show_moves_is_its_own_until_a_hand_takes_it() {
 #[test]
 fn a_long_performance_goes_on_in_another_entry() {
     let mut performance = Performance::default();
-    let frames = LIMITS.show_steps_max as u32 + 5;
+    let frames = LIMITS.steps_max as u32 + 5;
     for frame in 0..frames {
         performance.note(
             f64::from(frame) / 60.0,

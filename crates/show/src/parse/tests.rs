@@ -1,5 +1,5 @@
 use super::*;
-use crate::show::{CAMERA_TURNS, print};
+use crate::{CAMERA_TURNS, print};
 use proptest::prelude::*;
 
 fn script(text: &str) -> Script {
@@ -106,13 +106,13 @@ fn a_movement_goes_on_in_lines_of_its_own() {
 fn what_is_too_much_is_over_a_limit() {
     use mariana_field::lang::Fault;
     let fault = |text: &str| parse("test.show", text).diagnostics.first().map(|one| one.fault);
-    assert_eq!(fault(&"at start x\n".repeat(LIMITS.show_entries_max + 1)), Some(Fault::OverLimit));
-    assert_eq!(fault(&"#".repeat(LIMITS.show_bytes_max + 1)), Some(Fault::OverLimit));
-    let steps = format!("at start x\nset a = 1{}", " -> 1 over 1 s".repeat(LIMITS.show_steps_max + 1));
+    assert_eq!(fault(&"at start x\n".repeat(LIMITS.entries_max + 1)), Some(Fault::OverLimit));
+    assert_eq!(fault(&"#".repeat(LIMITS.bytes_max + 1)), Some(Fault::OverLimit));
+    let steps = format!("at start x\nset a = 1{}", " -> 1 over 1 s".repeat(LIMITS.steps_max + 1));
     assert_eq!(fault(&steps), Some(Fault::OverLimit));
-    let lines = format!("at start x\nset a = 1{}", "\n-> 1 over 1 s".repeat(LIMITS.show_steps_max + 1));
+    let lines = format!("at start x\nset a = 1{}", "\n-> 1 over 1 s".repeat(LIMITS.steps_max + 1));
     assert_eq!(fault(&lines), Some(Fault::OverLimit));
-    let settings = format!("at start x\n{}", "set a = 1\n".repeat(LIMITS.show_settings_max + 1));
+    let settings = format!("at start x\n{}", "set a = 1\n".repeat(LIMITS.settings_max + 1));
     assert_eq!(fault(&settings), Some(Fault::OverLimit));
 }
 

@@ -63,7 +63,7 @@ impl Pictures {
     /// [`Plan::held_at`]: super::Plan::held_at
     pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
         let [_, freeze] = &self.moves;
-        held_at(freeze, time).take(LIMITS.show_held_max).collect()
+        held_at(freeze, time).take(LIMITS.held_max).collect()
     }
 }
 
@@ -122,7 +122,7 @@ fn begin_of_hold(freeze: &[Move], last: usize, time: f64) -> (f64, Option<usize>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::show::{Plan, parse, resolve};
+    use crate::{Plan, parse, resolve};
     use mariana_music::SongStructure;
 
     fn plan(text: &str) -> Plan {
@@ -143,7 +143,7 @@ mod tests {
             [1.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.25, 0.5]
         );
         assert!(plan.dims());
-        assert!(plan.stays().iter().all(|stay| stay.turns_at(5.0) == crate::show::UNTURNED));
+        assert!(plan.stays().iter().all(|stay| stay.turns_at(5.0) == crate::UNTURNED));
     }
 
     #[test]
@@ -188,15 +188,11 @@ mod tests {
     #[test]
     fn no_more_pictures_are_mixed_into_one_than_the_limit_says() {
         let mut text = "at 0 one\n set picture freeze = 1".to_owned();
-        for _ in 0..LIMITS.show_held_max + 5 {
+        for _ in 0..LIMITS.held_max + 5 {
             text.push_str(" -> 0.5 over 1 s -> 1 over 0 s");
         }
         let held = plan(&text).held_at(1_000.0);
-        assert_eq!(held.len(), LIMITS.show_held_max);
-        assert_eq!(
-            held.first().map(|held| held.since),
-            Some(LIMITS.show_held_max as f64 + 5.0),
-            "the last ones"
-        );
+        assert_eq!(held.len(), LIMITS.held_max);
+        assert_eq!(held.first().map(|held| held.since), Some(LIMITS.held_max as f64 + 5.0), "the last ones");
     }
 }

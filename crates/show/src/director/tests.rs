@@ -1,7 +1,7 @@
 use super::*;
-use crate::show::plan::Entrance;
-use crate::show::resolve::testing::song;
-use crate::show::{parse, print, resolve};
+use crate::plan::Entrance;
+use crate::resolve::testing::song;
+use crate::{parse, print, resolve};
 use proptest::prelude::*;
 
 fn card(scene: &str, energy: (f32, f32), moods: &str, cameras: &[&str]) -> SceneCard {

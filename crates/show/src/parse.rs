@@ -54,9 +54,9 @@ pub(super) const DIAGNOSTICS_MAX: usize = 20;
 /// Reads the text of a show file that messages call `name`.
 pub fn parse(name: &str, text: &str) -> Parsed {
     let mut sources = Sources::default();
-    let too_long = text.len() > LIMITS.show_bytes_max || sources.add(name, text).is_none();
+    let too_long = text.len() > LIMITS.bytes_max || sources.add(name, text).is_none();
     if too_long {
-        let max = LIMITS.show_bytes_max;
+        let max = LIMITS.bytes_max;
         let refusal = Diagnostic::over_limit(Span::default(), format!("{name} is longer than {max} bytes"));
         return Parsed { diagnostics: vec![refusal], sources, ..Parsed::default() };
     }
@@ -84,8 +84,8 @@ pub fn parse(name: &str, text: &str) -> Parsed {
             scrap = Some(Script { entries: vec![Entry::new(when, "", None, None)] });
         }
         diagnostics.extend(read.err().map(|mistake| *mistake));
-        if script.entries.len() > LIMITS.show_entries_max {
-            let max = LIMITS.show_entries_max;
+        if script.entries.len() > LIMITS.entries_max {
+            let max = LIMITS.entries_max;
             let span = script.entries.last().map_or(Span::default(), |entry| entry.span);
             let many = Diagnostic::over_limit(span, format!("the show has more than {max} entries"));
             diagnostics.push(many.hint("make several shows of it"));
@@ -124,8 +124,8 @@ impl<'a> Reader<'a> {
                         Diagnostic::new(first.span, "no scene is on yet whose parameter this could be");
                     return Err(Box::new(early.hint("write `at start` and a scene above it")));
                 };
-                if entry.settings.len() >= LIMITS.show_settings_max {
-                    let max = LIMITS.show_settings_max;
+                if entry.settings.len() >= LIMITS.settings_max {
+                    let max = LIMITS.settings_max;
                     let many = format!("an entry has more than {max} lines that begin with `set`");
                     return Err(Box::new(Diagnostic::over_limit(first.span, many)));
                 }
@@ -314,8 +314,8 @@ impl<'a> Reader<'a> {
                 return Err(self.missing("`over` and how long it takes", "as in `0.2 -> 0.5 over 8 bars`"));
             }
             steps.push(Step { to, over: self.length()? });
-            if steps.len() > LIMITS.show_steps_max {
-                let many = format!("a parameter moves in more than {} steps", LIMITS.show_steps_max);
+            if steps.len() > LIMITS.steps_max {
+                let many = format!("a parameter moves in more than {} steps", LIMITS.steps_max);
                 let many = Diagnostic::over_limit(place, many);
                 return Err(Box::new(
                     many.hint("write an entry for the rest, with the same scene and `cut`"),

@@ -92,7 +92,7 @@ pub struct Moment<'a> {
 impl Plan {
     /// The plan of stays that follow each other; `None` if there are none. A transition ends before the next one begins,
     /// or breaks off there.
-    pub(super) fn new(mut stays: Vec<Stay>) -> Option<Self> {
+    pub fn new(mut stays: Vec<Stay>) -> Option<Self> {
         if stays.is_empty() {
             return None;
         }

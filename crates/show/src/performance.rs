@@ -126,7 +126,7 @@ impl Performance {
         let before = self.last.replace(time).unwrap_or(time);
         let last = self.scenes.last().filter(|played| played.is_of(seen));
         if last.is_none_or(Played::is_long) {
-            if self.scenes.len() >= LIMITS.show_entries_max {
+            if self.scenes.len() >= LIMITS.entries_max {
                 self.is_full = true;
                 return;
             }
@@ -170,7 +170,7 @@ impl Performance {
                     // The show moves it more evenly than pictures tell.
                     continue;
                 }
-                if played.lines.len() >= LIMITS.show_settings_max {
+                if played.lines.len() >= LIMITS.settings_max {
                     self.is_full = true;
                     continue;
                 }
@@ -238,7 +238,7 @@ impl Performance {
                 if (is_moved && picture.is_shown) || last.to_bits() == value.to_bits() {
                     continue;
                 }
-                if played.lines.len() >= LIMITS.show_settings_max {
+                if played.lines.len() >= LIMITS.settings_max {
                     self.is_full = true;
                     continue;
                 }
@@ -365,7 +365,7 @@ impl Played {
 
     /// Whether there is no room for more steps.
     fn is_long(&self) -> bool {
-        self.lines.values().any(|line| line.points.len() + 3 > LIMITS.show_steps_max)
+        self.lines.values().any(|line| line.points.len() + 3 > LIMITS.steps_max)
     }
 
     fn entry(&self) -> Entry {

@@ -172,7 +172,7 @@ pub(super) mod testing {
     use mariana_music::{Section, SongBeat, SongStructure, Stretch};
 
     /// 32 bars of two seconds from 0.5 s on: A, B with a build at its end, B with a drop, A.
-    pub(in crate::show) fn song() -> SongStructure {
+    pub(crate) fn song() -> SongStructure {
         let beat = |index: usize| SongBeat {
             time: 0.5 + 0.5 * index as f64,
             of_bar: (index % 4) as u8 + 1,
@@ -205,7 +205,7 @@ pub(super) mod testing {
 mod tests {
     use super::testing::song;
     use super::*;
-    use crate::show::parse;
+    use crate::parse;
 
     fn resolved(text: &str) -> (Plan, Vec<String>) {
         let parsed = parse("test.show", text);
