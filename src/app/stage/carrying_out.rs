@@ -82,8 +82,8 @@ impl Stage {
                 settings.favourite_scenes.clone_from(&titles);
             }),
             Command::Cut(switch) => {
-                let fading = self.scene.composer_mut().fading_mut();
-                let words = fading.set_cuts(switch.applied_to(fading.cuts()));
+                let cuts = switch.applied_to(self.scene.composer().fading().cuts());
+                let words = self.scene.composer_mut().fading_mut().set_cuts(cuts);
                 self.answer(Some(words));
             }
             Command::Fade(seconds) => self.set_fade(seconds),
