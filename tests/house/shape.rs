@@ -28,38 +28,21 @@ const OVER: &[(Kind, &str, usize)] = &[
     (Modules, "app/stage.rs", 66),
     (Modules, "gpu/renderer.rs", 24),
     (Modules, "scenes/mod.rs", 6),
-    (Modules, "graph/op.rs", 8),
-    (Modules, "world/blend/mod.rs", 6),
-    (Modules, "music/src/features.rs", 15),
-    (Modules, "player/src/decode/mod.rs", 6),
-    (Modules, "xtask/src/main.rs", 9),
-    (Fields, "Analyzer", 27),
     (Fields, "Cast", 16),
     (Fields, "Editor", 23),
-    (Fields, "Filling", 16),
     (Fields, "FlashPass", 25),
-    (Fields, "Lowering", 27),
-    (Fields, "NativeDecoder", 18),
-    (Fields, "PacketReader", 18),
-    (Fields, "Player", 21),
     (Fields, "Renderer", 22),
     (Fields, "SceneStage", 41),
-    (Fields, "SongListener", 19),
-    (Fields, "SongStructure", 17),
     (Fields, "Sound", 16),
     (Fields, "Stage", 38),
-    (Fields, "Trunk", 17),
-    (Fields, "World", 17),
     (Methods, "Editor", 102),
-    (Methods, "Graph", 63),
-    (Methods, "Lowering", 91),
     (Methods, "Renderer", 63),
     (Methods, "SceneStage", 161),
     (Methods, "Stage", 146),
 ];
 
 /// Functions of more than [`FUNCTION_MAX`] lines in the whole repository. Lower it when one is taken apart.
-const LONG_FUNCTIONS: usize = 16;
+const LONG_FUNCTIONS: usize = 9;
 
 /// Types with more than [`FIELDS_MAX`] fields that are plain records, and what each records. Their fields are open, or
 /// they have no methods at all.
@@ -70,6 +53,7 @@ const RECORDS: &[(&str, &str)] = &[
     ("PlayArguments", "the command line of `play`"),
     ("PlaySettings", "the settings of a run"),
     ("PlayerStatus", "the player's state, for display"),
+    ("SongStructure", "all that is known of a song"),
     ("VideoArguments", "the command line of `video`"),
     ("VideoRequest", "the settings of a video"),
 ];
