@@ -1,4 +1,4 @@
-// How light is dimmed below the ceilings of cells (src/flash/limiter.rs).
+// How light is dimmed below the ceilings of cells (`flash::limiter`).
 
 #include "flash_rules.glsl"
 

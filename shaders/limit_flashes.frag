@@ -1,4 +1,4 @@
-// Dims a finished picture where it would flash too often (src/gpu/flash_pass.rs). It is drawn over that picture, where it
+// Dims a finished picture where it would flash too often (`gpu::flash_pass`). It is drawn over that picture, where it
 // is shown or over a copy, so that all other pixels stay as they are.
 
 #include "post_block.glsl"

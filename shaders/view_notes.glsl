@@ -1,4 +1,4 @@
-// What the views (src/view/) record while a sample is computed, in the variant VIEWS; compiled to nothing elsewhere.
+// What the views (`view`) record while a sample is computed, in the variant VIEWS; compiled to nothing elsewhere.
 
 #ifdef VIEWS
 #include "view_scales.glsl"

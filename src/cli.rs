@@ -12,6 +12,7 @@ mod presets;
 mod progress;
 mod scene;
 mod scenes;
+mod setting_flags;
 mod show;
 mod staging;
 mod still;

@@ -22,16 +22,12 @@ pub struct Limits {
     pub standard_input_bytes_max: u64,
     /// Most bytes of the settings file.
     pub settings_bytes_max: usize,
-    /// Largest shader source after its includes were resolved, in bytes.
-    pub shader_bytes_max: usize,
     /// Most bytes of a texture's file.
     pub texture_bytes_max: usize,
     /// Largest width and height of a texture, in texels.
     pub texture_side_max: u32,
     /// Most texels of a texture (16 Mi: 64 MiB, and a third more with its mip levels).
     pub texture_pixels_max: u64,
-    /// Most texels of a frame's regions (4 Mi: 64 MiB); cells beyond that use the whole tape.
-    pub region_texels_max: usize,
     /// Most interpreters, and most programs of views, that are kept for scenes to come (some 20 MiB each on a
     /// software renderer).
     pub programs_kept_max: usize,
@@ -41,10 +37,6 @@ pub struct Limits {
     pub program_cache_bytes_max: u64,
     /// Most entries of a folder that are listed in the window.
     pub folder_entries_max: usize,
-    /// Most fonts of the system that are taken for letters that the program's own fonts lack.
-    pub system_fonts_max: usize,
-    /// Most bytes that they have together (128 MiB: one of all Chinese letters has some 20 MiB).
-    pub system_fonts_bytes_max: u64,
     /// Most letters that are looked for among the system's fonts.
     pub letters_looked_for_max: usize,
     /// Longest time in seconds that drawing a small picture of a scene for the list may take.
@@ -63,16 +55,6 @@ pub struct Limits {
     pub prepared_bytes_max: u64,
     /// Most bytes of a text that is edited or kept unsaved, with what is said of it.
     pub kept_text_bytes_max: usize,
-    /// Most bytes of a show file.
-    pub show_bytes_max: usize,
-    /// Most entries of a show.
-    pub show_entries_max: usize,
-    /// Most parameters that an entry of a show moves.
-    pub show_settings_max: usize,
-    /// Most steps of one of their movements.
-    pub show_steps_max: usize,
-    /// Pictures of a show of which one is held while another gives way, that are mixed into one.
-    pub show_held_max: usize,
     /// Longest time in seconds for which a video's encoder may make no progress while it is waited for.
     pub encoder_wait_seconds: f64,
     /// Longest fade from one scene to another, in seconds.
@@ -85,8 +67,6 @@ pub struct Limits {
     pub send_request_fields_max: usize,
     /// Most places that pictures are sent to in a run.
     pub sends_max: usize,
-    /// Time in seconds after which it is told that a driver is still compiling.
-    pub compile_seconds_told: f64,
     /// Longest time in seconds that a scene's first picture may take in a window; beyond it the previous scene stays.
     pub picture_seconds_max: f64,
 }
@@ -101,16 +81,12 @@ pub const LIMITS: Limits = Limits {
     seconds_max: 86_400.0,
     standard_input_bytes_max: 1 << 30,
     settings_bytes_max: 1 << 20,
-    shader_bytes_max: 1 << 20,
     texture_bytes_max: 1 << 25,
     texture_side_max: 8_192,
     texture_pixels_max: 1 << 24,
-    region_texels_max: 1 << 22,
     programs_kept_max: 4,
     kept_program_bytes_max: 1 << 24,
     folder_entries_max: 20_000,
-    system_fonts_max: 12,
-    system_fonts_bytes_max: 1 << 27,
     letters_looked_for_max: 20_000,
     thumbnail_seconds_max: 60.0,
     thumbnails_kept_max: 2_000,
@@ -121,17 +97,11 @@ pub const LIMITS: Limits = Limits {
     program_cache_bytes_max: 1 << 26,
     prepared_bytes_max: 1 << 27,
     kept_text_bytes_max: (1 << 20) + (1 << 16),
-    show_bytes_max: 1 << 24,
-    show_entries_max: 10_000,
-    show_settings_max: 64,
-    show_steps_max: 20_000,
-    show_held_max: 8,
     encoder_wait_seconds: 300.0,
     fade_seconds_max: 60.0,
     send_readers_max: 8,
     send_request_bytes_max: 8_192,
     send_request_fields_max: 64,
     sends_max: 8,
-    compile_seconds_told: 20.0,
     picture_seconds_max: 10.0,
 };

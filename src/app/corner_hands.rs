@@ -4,30 +4,15 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use winit::keyboard::{Key, NamedKey};
+use crate::input::{Key, NamedKey};
 
+use crate::commands::{Command, MovedCorner};
 use crate::placement::{Area, Corners};
 
 /// How far an arrow moves a corner, as a share of the screen.
 const STEP: f64 = 0.001;
 /// The same with Shift held.
 const LARGE_STEP: f64 = 0.01;
-
-/// What a key did.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Moved {
-    /// Nothing that others need to know.
-    Nothing,
-    /// To move a corner.
-    Corner {
-        /// Which, clockwise from the upper left.
-        corner: usize,
-        /// Where to, as shares of the screen to the right and down.
-        place: [f64; 2],
-    },
-    /// To put all of them back.
-    Back,
-}
 
 /// See the module.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,15 +39,15 @@ impl CornerHands {
         (self.selected, self.corners) = (selected.min(3), corners);
     }
 
-    /// Takes a key, if it is one of theirs: Tab selects the next corner, arrows move it, Home puts all of them back.
-    pub(super) fn take_key(&mut self, key: &Key, shift: bool) -> Option<Moved> {
+    /// Takes a key and returns the command that it sends, if any; `None` for keys that are not theirs. Tab selects the next corner, arrows move it, Home puts all of them back.
+    pub(super) fn take_key(&mut self, key: &Key, shift: bool) -> Option<Option<Command>> {
         let step = if shift { LARGE_STEP } else { STEP };
         let way = match key {
             Key::Named(NamedKey::Tab) => {
                 self.selected = (self.selected + if shift { 3 } else { 1 }) % 4;
-                return Some(Moved::Nothing);
+                return Some(None);
             }
-            Key::Named(NamedKey::Home) => return Some(Moved::Back),
+            Key::Named(NamedKey::Home) => return Some(Some(Command::ResetCorners)),
             Key::Named(NamedKey::ArrowLeft) => [-step, 0.0],
             Key::Named(NamedKey::ArrowRight) => [step, 0.0],
             Key::Named(NamedKey::ArrowUp) => [0.0, -step],
@@ -70,7 +55,8 @@ impl CornerHands {
             _ => return None,
         };
         let [x, y] = <[[f64; 2]; 4]>::from(self.corners).get(self.selected).copied()?;
-        Some(Moved::Corner { corner: self.selected, place: [x + way[0], y + way[1]] })
+        let place = [x + way[0], y + way[1]];
+        Some(Some(Command::MoveCorner(MovedCorner { corner: self.selected, place, settled: true })))
     }
 
     /// Which corner keys move.
@@ -110,15 +96,16 @@ mod tests {
     fn keys_select_and_move_corners_and_leave_other_keys_alone() {
         let mut hands = CornerHands::new(Corners::default());
         let key = |key: NamedKey| Key::Named(key);
-        assert_eq!(hands.take_key(&key(NamedKey::Tab), false), Some(Moved::Nothing));
+        assert_eq!(hands.take_key(&key(NamedKey::Tab), false), Some(None));
         let moved = hands.take_key(&key(NamedKey::ArrowLeft), true);
-        assert_eq!(moved, Some(Moved::Corner { corner: 1, place: [1.0 - LARGE_STEP, 0.0] }));
+        let to = |place| Some(Some(Command::MoveCorner(MovedCorner { corner: 1, place, settled: true })));
+        assert_eq!(moved, to([1.0 - LARGE_STEP, 0.0]));
         hands.take(1, Corners::default().with(1, [0.9, 0.1]).unwrap());
         let moved = hands.take_key(&key(NamedKey::ArrowDown), false);
-        assert_eq!(moved, Some(Moved::Corner { corner: 1, place: [0.9, 0.1 + STEP] }));
-        assert_eq!(hands.take_key(&key(NamedKey::Tab), true), Some(Moved::Nothing));
+        assert_eq!(moved, to([0.9, 0.1 + STEP]));
+        assert_eq!(hands.take_key(&key(NamedKey::Tab), true), Some(None));
         assert_eq!(hands.selected(), 0);
-        assert_eq!(hands.take_key(&key(NamedKey::Home), false), Some(Moved::Back));
+        assert_eq!(hands.take_key(&key(NamedKey::Home), false), Some(Some(Command::ResetCorners)));
         assert_eq!(hands.take_key(&Key::Character("n".into()), false), None);
     }
 

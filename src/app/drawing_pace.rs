@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 use super::dynamic_resolution::{DynamicResolution, Level};
 use super::frame_times::FrameTimes;
 use super::pacing::Pacing;
-use super::scene_regions::Shown;
 use crate::config::QualityChoice;
 use crate::limits::LIMITS;
+use crate::session::scene::Shown;
 use mariana_player::Moment;
 
 /// After standing still for this long, a show is drawn as well as possible.

@@ -17,9 +17,9 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use super::edits;
 use crate::config::QualityChoice;
 use crate::gpu::edge_samples::EdgeSamples;
+use crate::session::scene::edits;
 
 /// How a picture is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]

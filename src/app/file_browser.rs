@@ -8,10 +8,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use crate::input::{Key, NamedKey};
 use directories::UserDirs;
-use winit::keyboard::{Key, NamedKey};
 
 use super::text_query::TextQuery;
+use crate::commands::{Command, Files, Panel};
 use crate::limits::LIMITS;
 
 /// What stands in a folder.
@@ -34,21 +35,8 @@ pub struct Place {
     pub path: PathBuf,
 }
 
-/// What a key or a click did.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Picked {
-    /// Nothing that others need to know.
-    Nothing,
-    /// To close the list.
-    Close,
-    /// This file or folder.
-    Open {
-        /// Where it is.
-        path: PathBuf,
-        /// Whether it follows the tracks that are there.
-        append: bool,
-    },
-}
+/// Closes the list.
+const CLOSE: Command = Command::TogglePanel(Panel::Files);
 
 /// See the module.
 #[derive(Debug)]
@@ -167,13 +155,13 @@ impl FileBrowser {
         }
     }
 
-    /// Takes a key. Letters are searched for; arrows select; Enter opens; Backspace leads upwards; Escape clears, then
+    /// Takes a key and returns the commands that it sends. Letters are searched for; arrows select; Enter opens; Backspace leads upwards; Escape clears, then
     /// closes. With `shift` what is opened follows the tracks that are there; with `command` Enter opens the folder
     /// itself.
-    pub(super) fn take_key(&mut self, key: &Key, shift: bool, command: bool) -> Picked {
+    pub(super) fn take_key(&mut self, key: &Key, shift: bool, command: bool) -> Vec<Command> {
         self.revision += 1;
         match key {
-            Key::Named(NamedKey::Escape) if self.query.text().is_empty() => return Picked::Close,
+            Key::Named(NamedKey::Escape) if self.query.text().is_empty() => return vec![CLOSE],
             Key::Named(NamedKey::Enter) if command => return self.open_folder(shift),
             Key::Named(NamedKey::Enter) => return self.open(self.selected, shift),
             Key::Named(NamedKey::ArrowUp) => self.select(self.selected.saturating_sub(1)),
@@ -191,23 +179,27 @@ impl FileBrowser {
                 }
             }
         }
-        Picked::Nothing
+        Vec::new()
     }
 
     /// Opens the entry at a place: a folder is entered, a file is picked.
-    pub(super) fn open(&mut self, place: usize, append: bool) -> Picked {
+    pub(super) fn open(&mut self, place: usize, append: bool) -> Vec<Command> {
         self.select(place);
-        let Some(entry) = self.entry(place).cloned() else { return Picked::Nothing };
+        let Some(entry) = self.entry(place).cloned() else { return Vec::new() };
         if entry.is_folder {
             self.enter(entry.path);
-            return Picked::Nothing;
+            return Vec::new();
         }
-        Picked::Open { path: entry.path, append }
+        self.pick(entry.path, append)
     }
 
     /// Picks the folder itself, with everything in it.
-    pub(super) fn open_folder(&self, append: bool) -> Picked {
-        Picked::Open { path: self.folder.clone(), append }
+    pub(super) fn open_folder(&self, append: bool) -> Vec<Command> {
+        self.pick(self.folder.clone(), append)
+    }
+
+    fn pick(&self, path: PathBuf, append: bool) -> Vec<Command> {
+        vec![Command::Open(Files { files: vec![path], append }), CLOSE]
     }
 
     /// Enters the folder of a place to begin with.
@@ -317,7 +309,7 @@ mod tests {
         folder
     }
 
-    fn key(browser: &mut FileBrowser, key: NamedKey) -> Picked {
+    fn key(browser: &mut FileBrowser, key: NamedKey) -> Vec<Command> {
         browser.take_key(&Key::Named(key), false, false)
     }
 
@@ -327,20 +319,21 @@ mod tests {
         let mut browser = FileBrowser::start(Some(folder.path().to_owned()), || {}).unwrap();
         read(&mut browser);
         assert_eq!(names(&browser), ["album", "empty", "A.mp3", "b.flac"]);
-        assert_eq!(key(&mut browser, NamedKey::Enter), Picked::Nothing);
+        assert_eq!(key(&mut browser, NamedKey::Enter), []);
         read(&mut browser);
         assert_eq!(names(&browser), ["1.ogg"]);
         let path = folder.path().join("album/1.ogg");
         let picked = browser.take_key(&Key::Named(NamedKey::Enter), true, false);
-        assert_eq!(picked, Picked::Open { path, append: true });
+        let open = |path, append| [Command::Open(Files { files: vec![path], append }), CLOSE];
+        assert_eq!(picked, open(path, true));
         let album = browser.take_key(&Key::Named(NamedKey::Enter), false, true);
-        assert_eq!(album, Picked::Open { path: folder.path().join("album"), append: false });
+        assert_eq!(album, open(folder.path().join("album"), false));
         // Upwards, where the folder that was left is selected.
-        assert_eq!(key(&mut browser, NamedKey::ArrowDown), Picked::Nothing);
-        assert_eq!(key(&mut browser, NamedKey::Backspace), Picked::Nothing);
+        assert_eq!(key(&mut browser, NamedKey::ArrowDown), []);
+        assert_eq!(key(&mut browser, NamedKey::Backspace), []);
         read(&mut browser);
         assert_eq!(browser.entry(browser.selected()).unwrap().name, "album");
-        assert_eq!(key(&mut browser, NamedKey::Escape), Picked::Close);
+        assert_eq!(key(&mut browser, NamedKey::Escape), [CLOSE]);
     }
 
     #[test]
@@ -354,7 +347,7 @@ mod tests {
         assert_eq!((browser.query(), names(&browser)), ("MP", vec!["empty", "A.mp3"]));
         let _ = key(&mut browser, NamedKey::Backspace);
         assert_eq!((browser.query(), browser.folder()), ("M", folder.path()));
-        assert_eq!(key(&mut browser, NamedKey::Escape), Picked::Nothing);
+        assert_eq!(key(&mut browser, NamedKey::Escape), []);
         assert_eq!((browser.query(), browser.count()), ("", 4));
     }
 
@@ -364,7 +357,7 @@ mod tests {
         let mut browser = FileBrowser::start(Some(folder.path().join("empty")), || {}).unwrap();
         read(&mut browser);
         assert_eq!(browser.trouble(), Some("this folder is empty"));
-        assert_eq!(key(&mut browser, NamedKey::Enter), Picked::Nothing);
+        assert_eq!(key(&mut browser, NamedKey::Enter), []);
         let mut browser = FileBrowser::start(Some(folder.path().join("missing")), || {}).unwrap();
         read(&mut browser);
         assert!(browser.trouble().unwrap().contains("cannot be read"), "{:?}", browser.trouble());

@@ -9,10 +9,9 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::frame::Frame;
-use crate::gpu::scene_resources::{RegionMaker, RegionRequest};
 use crate::scenes::SceneSource;
+use crate::session::scene::Scenery;
 use mariana_field::sight::{Deciding, Ray, Sight, Survey, SurveyOptions};
-use mariana_field::world::World;
 
 /// How long an answer may take: then the scene is too large for it.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -22,21 +21,6 @@ const REST_MAX: Duration = Duration::from_secs(1);
 const COLUMNS: usize = 160;
 /// Share of a pixel that the ray of a probe is wide.
 const PROBE_WIDTH: f64 = 0.05;
-
-/// A picture that can be asked about.
-#[derive(Clone)]
-pub(super) struct Scenery {
-    /// The scene.
-    pub source: SceneSource,
-    /// Its world.
-    pub world: Arc<World>,
-    /// The numbers of the picture, and its camera.
-    pub frame: Frame,
-    /// What builds its tree.
-    pub maker: RegionMaker,
-    /// What the tree is built for.
-    pub request: RegionRequest,
-}
 
 /// What is at a point of the picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -259,6 +243,7 @@ fn survey_of(scenery: &Scenery, is_wanted: &(dyn Fn() -> bool + Sync)) -> Option
 #[cfg(test)]
 pub(super) mod testing {
     use super::*;
+    use crate::gpu::scene_resources::{RegionMaker, RegionRequest};
     use mariana_field::region::RegionOptions;
     use mariana_music::Features;
 

@@ -7,35 +7,13 @@ use std::time::{Duration, Instant};
 
 use super::direction::OfTrack;
 use crate::config::PerformanceFiles;
-use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::SceneSource;
-use crate::show::{Entrance, Finish, Move, OnStage, Performance, Turned, name_of, print};
+use crate::session::scene::Performed;
+use crate::show::{Entrance, Finish, OnStage, Performance, name_of, print};
 use mariana_field::lang::Way;
 
 /// How often a performance is written while it changes.
 const KEPT_EVERY: Duration = Duration::from_secs(1);
-
-/// What the stage shows at a moment.
-pub(super) struct Performed<'a> {
-    /// What it comes from.
-    pub source: &'a SceneSource,
-    /// One of its cameras.
-    pub camera: Option<&'a str>,
-    /// How it came and when that began, in seconds of the song, where a show says so.
-    pub directed: Option<(Entrance, f64)>,
-    /// How it came where no show says so, and when that began, in seconds of the song; none if it was cut.
-    pub faded: Option<(f64, f64)>,
-    /// Whether another scene fades away in it.
-    pub fades: bool,
-    /// Its parameters.
-    pub params: Vec<Turned<'a>>,
-    /// What a show does with them.
-    pub moves: &'a [Move],
-    /// How the camera is moved by hand.
-    pub hand: OrbitControls,
-    /// What is done to the whole picture.
-    pub picture: Finish,
-}
 
 /// A performance that goes on.
 struct Take {
@@ -248,6 +226,7 @@ fn keep(files: &PerformanceFiles, take: &mut Take, now: Instant) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::orbit_controls::OrbitControls;
 
     fn seen(source: &SceneSource, directed: Option<(Entrance, f64)>) -> Performed<'_> {
         Performed {

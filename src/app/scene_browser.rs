@@ -7,10 +7,11 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::input::{Key, NamedKey};
 use image::RgbaImage;
-use winit::keyboard::{Key, NamedKey};
 
 use super::text_query::TextQuery;
+use crate::commands::{Command, Panel};
 use crate::scenes::SceneSource;
 use crate::thumbnails::{About, Looked, Thumbnails};
 
@@ -41,23 +42,8 @@ pub enum TilePicture {
     Missing(String),
 }
 
-/// What a key did to the list.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Chosen {
-    /// Nothing that others need to know.
-    Nothing,
-    /// To close the list.
-    Close,
-    /// To show this scene; `close` closes the list, too.
-    Show {
-        /// The scene.
-        source: SceneSource,
-        /// Whether the list closes.
-        close: bool,
-    },
-    /// The marks have changed.
-    Marked,
-}
+/// Closes the list.
+const CLOSE: Command = Command::TogglePanel(Panel::Scenes);
 
 /// See the module.
 #[derive(Debug)]
@@ -196,11 +182,12 @@ impl SceneBrowser {
         }
     }
 
-    /// Takes a key. Letters are searched for; arrows select; Enter shows; Tab marks; Escape clears, then closes.
-    pub(super) fn take_key(&mut self, key: &Key, command: bool) -> Chosen {
+    /// Takes a key, with Ctrl or Command held or not, and returns the commands that it sends. Letters are searched for;
+    /// arrows select; Enter shows; Tab marks; Escape clears, then closes.
+    pub(super) fn take_key(&mut self, key: &Key, command: bool) -> Vec<Command> {
         self.revision += 1;
         match key {
-            Key::Named(NamedKey::Escape) if self.query().is_empty() => return Chosen::Close,
+            Key::Named(NamedKey::Escape) if self.query().is_empty() => return vec![CLOSE],
             Key::Named(NamedKey::Enter) => return self.show(self.selected, true),
             Key::Named(NamedKey::Tab) => return self.mark(self.selected),
             Key::Named(NamedKey::ArrowLeft) => self.select(self.selected.saturating_sub(1)),
@@ -216,20 +203,21 @@ impl SceneBrowser {
                 }
             }
         }
-        Chosen::Nothing
+        Vec::new()
     }
 
     /// Asks for the scene at a place among those found.
-    pub(super) fn show(&mut self, place: usize, close: bool) -> Chosen {
+    pub(super) fn show(&mut self, place: usize, close: bool) -> Vec<Command> {
         self.select(place);
-        let source = self.tile(place).map(|tile| tile.source.clone());
-        source.map_or(Chosen::Nothing, |source| Chosen::Show { source, close })
+        let show = self.tile(place).map(|tile| Command::ShowScene(Box::new(tile.source.clone())));
+        let close = show.is_some().then_some(CLOSE).filter(|_| close);
+        show.into_iter().chain(close).collect()
     }
 
     /// Marks the scene at a place among those found, or takes its mark away.
-    pub(super) fn mark(&mut self, place: usize) -> Chosen {
-        let Some(at) = self.found.get(place).copied() else { return Chosen::Nothing };
-        let Some(tile) = self.tiles.get_mut(at) else { return Chosen::Nothing };
+    pub(super) fn mark(&mut self, place: usize) -> Vec<Command> {
+        let Some(at) = self.found.get(place).copied() else { return Vec::new() };
+        let Some(tile) = self.tiles.get_mut(at) else { return Vec::new() };
         tile.favourite = !tile.favourite;
         let name = tile.name.clone();
         if tile.favourite {
@@ -239,12 +227,7 @@ impl SceneBrowser {
         }
         self.search();
         self.selected = self.place_of(at).unwrap_or(0);
-        Chosen::Marked
-    }
-
-    /// The names of the marked scenes.
-    pub(super) fn favourites(&self) -> &BTreeSet<String> {
-        &self.favourites
+        vec![Command::MarkScenes(self.favourites.clone())]
     }
 
     fn select(&mut self, place: usize) {
@@ -285,7 +268,7 @@ mod tests {
 
     fn typed(browser: &mut SceneBrowser, text: &str) {
         for letter in text.chars() {
-            assert_eq!(browser.take_key(&Key::Character(letter.to_string().into()), false), Chosen::Nothing);
+            assert_eq!(browser.take_key(&Key::Character(letter.to_string()), false), []);
         }
     }
 
@@ -299,16 +282,16 @@ mod tests {
         assert_eq!(names(&browser), ["clockwork"]);
         let shown = browser.take_key(&Key::Named(NamedKey::Enter), false);
         let source = SceneSource::Shipped("clockwork".into());
-        assert_eq!(shown, Chosen::Show { source, close: true });
+        assert_eq!(shown, [Command::ShowScene(Box::new(source)), CLOSE]);
         // Nothing fits: nothing is shown, and nothing breaks.
         typed(&mut browser, "zz");
-        assert_eq!(browser.take_key(&Key::Named(NamedKey::Enter), false), Chosen::Nothing);
+        assert_eq!(browser.take_key(&Key::Named(NamedKey::Enter), false), []);
         let _ = browser.take_key(&Key::Named(NamedKey::Backspace), false);
-        assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), Chosen::Nothing);
+        assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), []);
         assert_eq!((browser.query(), names(&browser).len()), ("", 5));
-        assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), Chosen::Close);
+        assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), [CLOSE]);
         // Ctrl+C is no letter.
-        assert_eq!(browser.take_key(&Key::Character("c".into()), true), Chosen::Nothing);
+        assert_eq!(browser.take_key(&Key::Character("c".into()), true), []);
         assert_eq!(browser.query(), "");
     }
 
@@ -331,11 +314,11 @@ mod tests {
     fn marked_scenes_come_first_and_the_selection_stays_with_its_scene() {
         let mut browser = browser(&["a", "b", "c"]);
         let _ = browser.take_key(&Key::Named(NamedKey::End), false);
-        assert_eq!(browser.take_key(&Key::Named(NamedKey::Tab), false), Chosen::Marked);
+        let marked = Command::MarkScenes(["c".to_owned()].into());
+        assert_eq!(browser.take_key(&Key::Named(NamedKey::Tab), false), [marked]);
         assert_eq!((names(&browser), browser.selected()), (vec!["c", "a", "b"], 0));
-        assert_eq!(browser.favourites().iter().collect::<Vec<_>>(), ["c"]);
         assert!(browser.is_present(2));
-        assert_eq!(browser.mark(0), Chosen::Marked);
+        assert_eq!(browser.mark(0), [Command::MarkScenes(BTreeSet::new())]);
         assert_eq!((names(&browser), browser.selected()), (vec!["a", "b", "c"], 2));
     }
 
@@ -343,7 +326,7 @@ mod tests {
     fn an_empty_list_costs_nothing() {
         let mut browser = browser(&[]);
         for key in [NamedKey::Enter, NamedKey::Tab, NamedKey::ArrowDown, NamedKey::End] {
-            assert_eq!(browser.take_key(&Key::Named(key), false), Chosen::Nothing);
+            assert_eq!(browser.take_key(&Key::Named(key), false), []);
         }
     }
 }

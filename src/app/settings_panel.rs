@@ -1,137 +1,17 @@
-//! What the user chooses for good: the rows of the panel of settings.
+//! The panel of the settings that users choose for good: a row for each row of their table, and rows for outputs,
+//! monitors and the delay of the picture, which depend on what is plugged in.
 //!
-//! It is a plain value: the overlay draws it, keys and pointer change it, and what they ask for is done by the stage.
-//! Names of choices come from the tables of [`crate::config::Choice`].
+//! It is a plain value: the overlay draws it, and keys and pointer make commands of it.
 
-mod staging;
+mod screens;
 
-use winit::keyboard::{Key, NamedKey};
+use crate::input::{Key, NamedKey};
 
 use super::monitors::Monitor;
 use super::sound::SHIFT_STEP_MS;
-#[cfg(doc)]
-use crate::config::StageChoices;
-use crate::config::{Choice, Choices, FollowChoice, QualityChoice};
-use crate::placement::{Crop, Flip};
-use mariana_field::world::ToneMap;
-use mariana_music::Gain;
+use crate::commands::{Command, Delay, SetSetting};
+use crate::config::{Choices, Setting, SettingRow, Values};
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
-
-/// What a row is about.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Fact {
-    /// The output with this id plays songs; none is the system's default.
-    Output(Option<String>),
-    /// The shift of the picture for the device in use.
-    Latency,
-    /// See [`Choices::quality`].
-    Quality,
-    /// See [`Choices::flash_limiter`].
-    FlashLimiter,
-    /// See [`Choices::tone_map`].
-    ToneMap,
-    /// See [`Choices::gain`].
-    Gain,
-    /// See [`Choices::follow_song`].
-    Follow,
-    /// See [`Choices::last_tracks`].
-    LastTracks,
-    /// See [`Choices::hints`].
-    Hints,
-    /// See [`Choices::next_scene`].
-    NextScene,
-    /// The picture also fills the monitor with this name; none is the window alone.
-    Screen(Option<String>),
-    /// See [`StageChoices::brightness`].
-    Brightness,
-    /// See [`StageChoices::blackout_fade`].
-    BlackoutFade,
-    /// See [`StageChoices::flip`].
-    Flip,
-    /// See [`StageChoices::crop`].
-    Crop,
-}
-
-/// What there is to see and to change in a row.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Values {
-    /// One of several rows, of which one holds.
-    OneOfRows {
-        /// Whether it does.
-        holds: bool,
-    },
-    /// One of several names.
-    Names {
-        /// The names.
-        names: Vec<&'static str>,
-        /// The place of the one that holds.
-        present: usize,
-    },
-    /// Milliseconds, negative for earlier.
-    Milliseconds(f64),
-    /// 0..100.
-    Percent(f64),
-}
-
-/// A row of the panel.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SettingRow {
-    /// What it is about.
-    pub fact: Fact,
-    /// The same in a word or two.
-    pub name: String,
-    /// What it is for.
-    pub meaning: String,
-    /// What can be chosen.
-    pub values: Values,
-    /// Whether the command line says something else than what is remembered.
-    pub for_this_run: bool,
-}
-
-/// A change that the user asks for.
-#[derive(Debug, Clone, PartialEq)]
-pub enum SettingChange {
-    /// To play songs on the output with this id, or on the system's default.
-    Output(Option<String>),
-    /// To show the picture so many milliseconds later.
-    Latency {
-        /// Milliseconds.
-        shift: f64,
-        /// Whether it stays so, or the user still moves it.
-        settled: bool,
-    },
-    /// See [`Choices::quality`].
-    Quality(QualityChoice),
-    /// See [`Choices::flash_limiter`].
-    FlashLimiter(bool),
-    /// See [`Choices::tone_map`].
-    ToneMap(Option<ToneMap>),
-    /// See [`Choices::gain`].
-    Gain(Gain),
-    /// See [`Choices::follow_song`].
-    Follow(FollowChoice),
-    /// See [`Choices::last_tracks`].
-    LastTracks(bool),
-    /// See [`Choices::hints`].
-    Hints(bool),
-    /// See [`Choices::next_scene`].
-    NextScene(bool),
-    /// To fill the monitor with this name with the picture, too, or none.
-    Screen(Option<String>),
-    /// See [`StageChoices::brightness`].
-    Brightness {
-        /// 0..100.
-        percent: f64,
-        /// Whether it stays so, or the user still moves it.
-        settled: bool,
-    },
-    /// See [`StageChoices::blackout_fade`].
-    BlackoutFade(f64),
-    /// See [`StageChoices::flip`].
-    Flip(Flip),
-    /// See [`StageChoices::crop`].
-    Crop(Crop),
-}
 
 /// An output that songs can play on.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -192,17 +72,17 @@ impl SettingsPanel {
         if rows == self.rows {
             return;
         }
-        let fact = self.rows.get(self.selected).map(|row| row.fact.clone());
-        let place = rows.iter().position(|row| Some(&row.fact) == fact.as_ref());
+        let before = self.rows.get(self.selected);
+        let place = before.and_then(|before| rows.iter().position(|row| is_same(row, before)));
         self.selected = place.unwrap_or(self.selected).min(rows.len().saturating_sub(1));
         self.rows = rows;
         self.revision += 1;
     }
 
     /// Takes a key, if it is one of the panel's: arrows select and change, Enter chooses the next value. Returns whether
-    /// it was, and the change that it asks for.
-    pub(super) fn take_key(&mut self, key: &Key) -> (bool, Option<SettingChange>) {
-        let change = match key {
+    /// it was, and the command that it sends.
+    pub(super) fn take_key(&mut self, key: &Key) -> (bool, Option<Command>) {
+        let command = match key {
             Key::Named(NamedKey::ArrowUp) => {
                 self.select(self.selected.saturating_sub(1));
                 None
@@ -216,29 +96,30 @@ impl SettingsPanel {
             Key::Named(NamedKey::Enter) => self.enter(),
             _ => return (false, None),
         };
-        (true, change)
+        (true, command)
     }
 
     /// Selects the row at a place, and chooses its value at another place, if that is one.
-    pub(super) fn pick(&mut self, row: usize, value: usize) -> Option<SettingChange> {
+    pub(super) fn pick(&mut self, row: usize, value: usize) -> Option<Command> {
         self.select(row);
         let row = self.rows.get(row)?;
-        let change = change_to(&row.fact, value);
-        let holds = match row.values {
-            Values::OneOfRows { holds } => holds,
-            Values::Names { present, .. } => present == value && !row.for_this_run,
-            Values::Milliseconds(_) | Values::Percent(_) => true,
+        let setting = match &row.values {
+            Values::OneOfRows { chosen: false, setting } => setting,
+            Values::Names { options, chosen } if *chosen != value || row.for_this_run => {
+                &options.get(value)?.1
+            }
+            _ => return None,
         };
-        change.filter(|_| !holds)
+        Some(Command::Set(SetSetting { setting: setting.clone(), settled: true }))
     }
 
     /// Selects the row at a place, and changes its number, if it has one.
-    pub(super) fn shift(&mut self, row: usize, number: f64, settled: bool) -> Option<SettingChange> {
+    pub(super) fn change_number(&mut self, row: usize, number: f64, settled: bool) -> Option<Command> {
         self.select(row);
-        match self.rows.get(row)?.values {
-            Values::Milliseconds(_) => Some(SettingChange::Latency { shift: number, settled }),
-            Values::Percent(_) => {
-                Some(SettingChange::Brightness { percent: number.clamp(0.0, 100.0), settled })
+        match &self.rows.get(row)?.values {
+            Values::Delay(_) => Some(Command::Delay(Delay { milliseconds: number, settled })),
+            Values::Percent { setting, .. } => {
+                Some(Command::Set(SetSetting { setting: setting.at(number), settled }))
             }
             Values::OneOfRows { .. } | Values::Names { .. } => None,
         }
@@ -251,76 +132,38 @@ impl SettingsPanel {
     }
 
     /// The next value of the selected row, or the one before.
-    fn step(&mut self, forward: bool) -> Option<SettingChange> {
-        let row = self.rows.get(self.selected)?;
-        match &row.values {
+    fn step(&mut self, forward: bool) -> Option<Command> {
+        let sign = if forward { 1.0 } else { -1.0 };
+        match &self.rows.get(self.selected)?.values {
             Values::OneOfRows { .. } => None,
-            Values::Names { names, present } => {
-                let last = names.len().saturating_sub(1);
-                let value = if forward { (present + 1).min(last) } else { present.saturating_sub(1) };
+            Values::Names { options, chosen } => {
+                let last = options.len().saturating_sub(1);
+                let value = if forward { (chosen + 1).min(last) } else { chosen.saturating_sub(1) };
                 self.pick(self.selected, value)
             }
-            Values::Milliseconds(shift) => {
-                let shift = shift + if forward { SHIFT_STEP_MS } else { -SHIFT_STEP_MS };
-                self.shift(self.selected, shift, true)
-            }
-            Values::Percent(percent) => {
-                let percent = percent + if forward { PERCENT_STEP } else { -PERCENT_STEP };
-                self.shift(self.selected, percent, true)
+            Values::Delay(shift) => self.change_number(self.selected, shift + sign * SHIFT_STEP_MS, true),
+            Values::Percent { percent, .. } => {
+                self.change_number(self.selected, percent + sign * PERCENT_STEP, true)
             }
         }
     }
 
     /// Chooses the selected row, or its next value, after the last the first.
-    fn enter(&mut self) -> Option<SettingChange> {
+    fn enter(&mut self) -> Option<Command> {
         let value = match &self.rows.get(self.selected)?.values {
             Values::OneOfRows { .. } => 0,
-            Values::Names { names, present } => (present + 1) % names.len().max(1),
-            Values::Milliseconds(_) | Values::Percent(_) => return None,
+            Values::Names { options, chosen } => (chosen + 1) % options.len().max(1),
+            Values::Delay(_) | Values::Percent { .. } => return None,
         };
         self.pick(self.selected, value)
     }
 }
 
-/// The change that chooses the value at this place of a row.
-fn change_to(fact: &Fact, value: usize) -> Option<SettingChange> {
-    fn at<T: Choice>(value: usize) -> Option<T> {
-        T::ALL.get(value).map(|(value, ..)| *value)
-    }
-    Some(match fact {
-        Fact::Output(id) => SettingChange::Output(id.clone()),
-        Fact::Latency | Fact::Brightness => return None,
-        Fact::Quality => SettingChange::Quality(at(value)?),
-        Fact::FlashLimiter => SettingChange::FlashLimiter(at(value)?),
-        Fact::ToneMap => SettingChange::ToneMap(at(value)?),
-        Fact::Gain => SettingChange::Gain(at(value)?),
-        Fact::Follow => SettingChange::Follow(at(value)?),
-        Fact::LastTracks => SettingChange::LastTracks(at(value)?),
-        Fact::Hints => SettingChange::Hints(at(value)?),
-        Fact::NextScene => SettingChange::NextScene(at(value)?),
-        Fact::BlackoutFade => SettingChange::BlackoutFade(staging::fade(value)?),
-        Fact::Screen(name) => SettingChange::Screen(name.clone()),
-        Fact::Flip => SettingChange::Flip(at(value)?),
-        Fact::Crop => SettingChange::Crop(staging::crop(value)?),
-    })
-}
-
-/// The row of a choice, which is `now` in this run.
-fn row_of<T: Choice>(fact: Fact, name: &str, meaning: &str, now: T, remembered: T) -> SettingRow {
-    let of_value = T::ALL.iter().find(|(value, ..)| *value == now).map_or("", |(.., meaning)| meaning);
-    let meaning = match of_value {
-        "" => meaning.to_owned(),
-        of_value => format!("{meaning} · {}: {of_value}", now.name()),
-    };
-    SettingRow {
-        fact,
-        name: name.to_owned(),
-        meaning,
-        values: Values::Names {
-            names: T::ALL.iter().map(|(_, name, _)| *name).collect(),
-            present: T::ALL.iter().position(|(value, ..)| *value == now).unwrap_or_default(),
-        },
-        for_this_run: now != remembered,
+/// Whether two rows are about the same thing, whichever value it has.
+fn is_same(a: &SettingRow, b: &SettingRow) -> bool {
+    match (&a.values, &b.values) {
+        (Values::OneOfRows { setting: a, .. }, Values::OneOfRows { setting: b, .. }) => a == b,
+        _ => a.name == b.name,
     }
 }
 
@@ -330,80 +173,26 @@ const PERCENT_STEP: f64 = 5.0;
 fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
     let Facts { choices: now, remembered, .. } = facts;
     let outputs = facts.outputs.iter().map(|output| SettingRow {
-        fact: Fact::Output(output.id.clone()),
         name: output.name.clone(),
-        meaning: "Songs play here; a song that plays moves at once, and comes back when the output does"
+        purpose: "Songs play here; a song that plays moves at once, and comes back when the output does"
             .to_owned(),
-        values: Values::OneOfRows { holds: output.is_chosen },
+        values: Values::OneOfRows { chosen: output.is_chosen, setting: Setting::Output(output.id.clone()) },
         for_this_run: output.is_chosen && facts.output_for_this_run,
     });
     let of_device = facts.device.map_or_else(String::new, |device| format!("; for {device}"));
-    let latency = SettingRow {
-        fact: Fact::Latency,
+    let delay = SettingRow {
         name: "Latency".to_owned(),
-        meaning: format!("The picture comes so much later, for headphones or a TV that lag{of_device}"),
-        values: Values::Milliseconds(facts.shift),
+        purpose: format!("The picture comes so much later, for headphones or a TV that lag{of_device}"),
+        values: Values::Delay(facts.shift),
         for_this_run: false,
     };
-    let choices = [
-        row_of(Fact::Quality, "Quality", "What a picture may cost", now.quality, remembered.quality),
-        row_of(
-            Fact::FlashLimiter,
-            "Limit flashes",
-            "Dims more than three flashes a second: those can cause seizures (WCAG 2.3.1)",
-            now.flash_limiter,
-            remembered.flash_limiter,
-        ),
-        row_of(
-            Fact::ToneMap,
-            "Tone map",
-            "How light becomes colours of the screen",
-            now.tone_map,
-            remembered.tone_map,
-        ),
-        row_of(
-            Fact::Gain,
-            "Gain",
-            "Auto levels quiet and loud music for the picture; what you hear stays as it is",
-            now.gain,
-            remembered.gain,
-        ),
-        row_of(
-            Fact::Follow,
-            "Follow the song",
-            "Scenes change with the song's sections and drops, as a director would; A does the same",
-            now.follow_song,
-            remembered.follow_song,
-        ),
-        row_of(
-            Fact::LastTracks,
-            "Go on with tracks",
-            "The next start goes on with these tracks where they are; off forgets them",
-            now.last_tracks,
-            remembered.last_tracks,
-        ),
-        row_of(
-            Fact::Hints,
-            "Hints",
-            "First words, answers and the bar; without them G still opens this panel",
-            now.hints,
-            remembered.hints,
-        ),
-        row_of(
-            Fact::NextScene,
-            "Next scene",
-            "A small picture of it in this window, too; beside a picture on another monitor it always shows",
-            now.next_scene,
-            remembered.next_scene,
-        ),
-    ];
     let screens =
-        staging::screens(&facts.monitors, now.stage.output.as_deref(), remembered.stage.output.as_deref());
+        screens::rows(&facts.monitors, now.stage.output.as_deref(), remembered.stage.output.as_deref());
     outputs
-        .chain([latency])
-        .chain(choices)
+        .chain([delay])
+        .chain(now.rows(remembered))
         .chain(screens)
-        .chain(staging::rows(&now.stage, &remembered.stage))
+        .chain(now.stage.rows(&remembered.stage))
         .collect()
 }
 
@@ -416,6 +205,8 @@ pub fn whole_steps(shift: f64) -> f64 {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::config::QualityChoice;
+    use crate::placement::Crop;
 
     /// A panel with two outputs besides the default, of which `chosen` is chosen.
     pub(crate) fn panel(choices: &Choices, chosen: Option<&str>) -> SettingsPanel {
@@ -441,10 +232,14 @@ pub(crate) mod tests {
         });
     }
 
-    fn press(panel: &mut SettingsPanel, key: NamedKey) -> Option<SettingChange> {
+    fn press(panel: &mut SettingsPanel, key: NamedKey) -> Option<Command> {
         let (taken, change) = panel.take_key(&Key::Named(key));
         assert!(taken, "{key:?} is not the panel's");
         change
+    }
+
+    fn set(setting: Setting) -> Option<Command> {
+        Some(Command::Set(SetSetting { setting, settled: true }))
     }
 
     fn select(panel: &mut SettingsPanel, name: &str) {
@@ -460,32 +255,29 @@ pub(crate) mod tests {
         // The output that is chosen already is no change, and no arrow plays through the others.
         assert_eq!((press(&mut panel, Enter), press(&mut panel, ArrowRight)), (None, None));
         assert_eq!((press(&mut panel, ArrowDown), panel.selected()), (None, 1));
-        assert_eq!(press(&mut panel, Enter), Some(SettingChange::Output(Some("usb".into()))));
+        assert_eq!(press(&mut panel, Enter), set(Setting::Output(Some("usb".into()))));
         select(&mut panel, "Latency");
-        let shift = |shift| Some(SettingChange::Latency { shift, settled: true });
+        let shift = |milliseconds| Some(Command::Delay(Delay { milliseconds, settled: true }));
         assert_eq!((press(&mut panel, ArrowLeft), press(&mut panel, ArrowRight)), (shift(30.0), shift(40.0)));
         select(&mut panel, "Brightness");
-        let percent = |percent| Some(SettingChange::Brightness { percent, settled: true });
+        let percent = |percent| set(Setting::Brightness(percent));
         assert_eq!(
             (press(&mut panel, ArrowLeft), press(&mut panel, ArrowRight)),
-            (percent(95.0), percent(100.0))
+            (percent(95), percent(100))
         );
         select(&mut panel, "Blackout fade");
-        assert_eq!(press(&mut panel, ArrowRight), Some(SettingChange::BlackoutFade(1.0)));
+        assert_eq!(press(&mut panel, ArrowRight), set(Setting::BlackoutFade(1.0)));
         select(&mut panel, "Quality");
         assert_eq!(press(&mut panel, ArrowLeft), None, "there is none before the first");
-        assert_eq!(press(&mut panel, ArrowRight), Some(SettingChange::Quality(QualityChoice::Low)));
+        assert_eq!(press(&mut panel, ArrowRight), set(Setting::Quality(QualityChoice::Low)));
         select(&mut panel, "Limit flashes");
-        assert_eq!(press(&mut panel, Enter), Some(SettingChange::FlashLimiter(false)));
+        assert_eq!(press(&mut panel, Enter), set(Setting::FlashLimiter(false)));
         let off = Choices { flash_limiter: false, ..Choices::default() };
         update(&mut panel, &off, None, &["usb", "tv"]);
-        assert_eq!(press(&mut panel, Enter), Some(SettingChange::FlashLimiter(true)));
+        assert_eq!(press(&mut panel, Enter), set(Setting::FlashLimiter(true)));
         (0..99).for_each(|_| drop(press(&mut panel, ArrowDown)));
         assert_eq!(panel.rows()[panel.selected()].name, "Crop");
-        assert_eq!(
-            press(&mut panel, ArrowRight),
-            Some(SettingChange::Crop(Crop::try_from([1.0; 4]).unwrap()))
-        );
+        assert_eq!(press(&mut panel, ArrowRight), set(Setting::Crop(Crop::try_from([1.0; 4]).unwrap())));
         for key in [Key::Character("q".into()), Key::Named(NamedKey::Escape), Key::Named(NamedKey::Space)] {
             assert_eq!(panel.take_key(&key), (false, None), "{key:?} is the show's");
         }
@@ -514,8 +306,8 @@ pub(crate) mod tests {
         let marked: Vec<&str> =
             panel.rows().iter().filter(|row| row.for_this_run).map(|row| &*row.name).collect();
         assert_eq!(marked, ["Quality"]);
-        let row = panel.rows().iter().position(|row| row.fact == Fact::Quality).unwrap();
-        assert_eq!(panel.pick(row, 3), Some(SettingChange::Quality(QualityChoice::High)));
+        let row = panel.rows().iter().position(|row| row.name == "Quality").unwrap();
+        assert_eq!(panel.pick(row, 3), set(Setting::Quality(QualityChoice::High)));
         assert_eq!((panel.pick(row, 99), panel.pick(99, 0)), (None, None));
     }
 
@@ -523,7 +315,7 @@ pub(crate) mod tests {
     fn every_row_has_its_words() {
         let panel = panel(&Choices::default(), Some("tv"));
         for row in panel.rows() {
-            assert!(!row.name.is_empty() && row.meaning.len() > 20, "{row:?}");
+            assert!(!row.name.is_empty() && row.purpose.len() > 20, "{row:?}");
         }
         assert_eq!([whole_steps(12.4), whole_steps(-1e9), whole_steps(-2.6)], [10.0, -5_000.0, -5.0]);
     }

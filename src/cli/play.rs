@@ -9,13 +9,12 @@ use super::choices::{RepeatChoice, choice};
 use super::common::{CommonArguments, DEFAULT_SCENE, OneScene};
 use super::files::{Files, is_standard, song_or_demo};
 use super::parse::{parse_fade, parse_fps, parse_latency, parse_osc_rate, parse_percent, parse_size};
+use super::setting_flags::SettingFlags;
 use super::show::ShowChoice;
 use super::staging::StagingArguments;
 use super::view::ViewArguments;
 use crate::app;
-use crate::config::{
-    Choices, HandSettings, LastShow, ListenChoice, Memory, PlaySettings, QualityChoice, SettingsFile,
-};
+use crate::config::{HandSettings, LastShow, ListenChoice, Memory, PlaySettings, SettingsFile};
 use crate::demo_track::DEMO_TRACK;
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
@@ -63,14 +62,6 @@ pub(super) struct PlayArguments {
     /// Maximum frames per second [default: the monitor's rate]
     #[arg(long, value_name = "FPS", value_parser = parse_fps, allow_negative_numbers = true)]
     fps_cap: Option<f64>,
-    /// How good the picture is; auto draws fewer pixels if frames take too long [default: what was chosen in the
-    /// window, at first auto]
-    #[arg(long, value_name = "HOW", value_parser = choice::<QualityChoice>())]
-    quality: Option<QualityChoice>,
-    /// Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for [default: what was
-    /// chosen in the window, at first on]
-    #[arg(long, value_name = "ON-OFF", value_parser = choice::<bool>())]
-    flash_limiter: Option<bool>,
     /// How many seconds one scene fades into another with N and P; 0 cuts
     #[arg(long, value_name = "SECONDS", default_value = "0.5", value_parser = parse_fade, allow_negative_numbers = true)]
     fade: f64,
@@ -118,6 +109,8 @@ pub(super) struct PlayArguments {
     #[arg(long)]
     gl_info: bool,
     #[command(flatten)]
+    chosen: SettingFlags,
+    #[command(flatten)]
     staging: StagingArguments,
     #[command(flatten)]
     scene: OneScene,
@@ -158,16 +151,12 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
     // What is wrong with the file is told when the window opens.
     let (file, trouble) = SettingsFile::of_user();
     let remembered = file.settings().choices.clone();
-    let choices = Choices {
-        quality: arguments.quality.unwrap_or(remembered.quality),
-        flash_limiter: arguments.flash_limiter.unwrap_or(remembered.flash_limiter),
-        tone_map: common.tone_map.unwrap_or(remembered.tone_map),
-        gain: common.gain.unwrap_or(remembered.gain),
-        follow_song: arguments.show.as_ref().map_or(remembered.follow_song, ShowChoice::follow),
-        hints: remembered.hints && !arguments.clean,
-        stage: arguments.staging.over(&remembered.stage),
-        ..remembered
-    };
+    let mut choices = arguments.chosen.over(&remembered);
+    choices.tone_map = common.tone_map.unwrap_or(choices.tone_map);
+    choices.gain = common.gain.unwrap_or(choices.gain);
+    choices.follow_song = arguments.show.as_ref().map_or(choices.follow_song, ShowChoice::follow);
+    choices.hints &= !arguments.clean;
+    choices.stage.output = arguments.staging.output(choices.stage.output);
     let last = match arguments.new {
         true => LastShow::default(),
         false => file.settings().last_show.clone().unwrap_or_default(),

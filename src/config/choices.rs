@@ -5,10 +5,14 @@
 
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 
-use super::{FollowChoice, QualityChoice, StageChoices};
-use crate::placement::Flip;
+use super::setting_rows::{SettingRow, Shown};
+use super::setting_table::with_settings;
+use super::{FollowChoice, QualityChoice};
+use crate::limits::LIMITS;
+use crate::placement::{Corners, Crop, Flip, Placement};
 
 /// One of several things, each with a name.
 pub trait Choice: Copy + PartialEq + 'static {
@@ -73,56 +77,113 @@ impl Choice for Option<ToneMap> {
     ];
 }
 
-/// Everything that is chosen for good. What is not remembered is as it is by default.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Choices {
-    /// Id of the output that songs play on while it is there; none is the system's default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub output: Option<String>,
-    /// How much a picture may cost.
-    #[serde(with = "by_name", skip_serializing_if = "is_default")]
-    pub quality: QualityChoice,
-    /// Whether more than three flashes a second are dimmed.
-    #[serde(with = "by_name", skip_serializing_if = "is_on")]
-    pub flash_limiter: bool,
-    /// How light is turned into screen colours; none is as the scene says.
-    #[serde(with = "by_name", skip_serializing_if = "is_default")]
-    pub tone_map: Option<ToneMap>,
-    /// Whether quiet and loud sound move the picture alike.
-    #[serde(with = "by_name", skip_serializing_if = "is_default")]
-    pub gain: Gain,
-    /// Whether scenes follow the song.
-    #[serde(with = "by_name", skip_serializing_if = "is_default")]
-    pub follow_song: FollowChoice,
-    /// Whether the next show goes on with the tracks of the last one.
-    #[serde(with = "by_name", skip_serializing_if = "is_on")]
-    pub last_tracks: bool,
-    /// Whether more shows over the picture than what was asked for and what is wrong.
-    #[serde(with = "by_name", skip_serializing_if = "is_on")]
-    pub hints: bool,
-    /// Whether the scene that comes next shows in a window that has no output beside it.
-    #[serde(with = "by_name", skip_serializing_if = "is_default")]
-    pub next_scene: bool,
-    /// How pictures come onto screens.
-    #[serde(skip_serializing_if = "is_default")]
-    pub stage: StageChoices,
+/// Makes the settings from their table.
+macro_rules! define_settings {
+    ($( $table:ident { $(
+        $(#[$of_field:meta])* $field:ident: $type:ty = $default:expr, $variant:ident
+            $({ $name:literal, $purpose:literal })? $([ $($flag:tt)* ])?;
+    )* } )*) => {
+        define_settings! { @structs $( $table { $( $(#[$of_field])* $field: $type = $default; )* } )* }
+
+        /// A setting and its value.
+        #[derive(Debug, Clone, PartialEq)]
+        pub enum Setting { $($(
+            #[doc = concat!("See [`", stringify!($table), "::", stringify!($field), "`].")]
+            $variant($type),
+        )*)* }
+
+        $( impl $table {
+            /// Returns the rows of the panel: these settings hold now, and those are `remembered`.
+            pub fn rows(&self, remembered: &Self) -> Vec<SettingRow> {
+                vec![$( $( SettingRow {
+                    name: $name.to_owned(),
+                    purpose: self.$field.purpose($purpose),
+                    values: self.$field.values(Setting::$variant),
+                    for_this_run: self.$field != remembered.$field,
+                }, )? )*]
+            }
+
+            /// Sets one of these settings. Returns `false` if it is another table's.
+            fn set_own(&mut self, setting: &Setting) -> bool {
+                match setting {
+                    $( Setting::$variant(value) => self.$field = value.clone(), )*
+                    _ => return false,
+                }
+                true
+            }
+        } )*
+    };
+    (@structs Choices { $( $(#[$of_field:meta])* $field:ident: $type:ty = $default:expr; )* }
+        StageChoices { $( $(#[$of_stage:meta])* $staged:ident: $staged_type:ty = $staged_default:expr; )* }) => {
+        /// Everything that is chosen for good. What is not remembered is as it is by default.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct Choices {
+            $( $(#[$of_field])* pub $field: $type, )*
+            /// How pictures come onto screens.
+            #[serde(skip_serializing_if = "is_default")]
+            pub stage: StageChoices,
+        }
+
+        impl Default for Choices {
+            fn default() -> Self {
+                Self { $( $field: $default, )* stage: StageChoices::default() }
+            }
+        }
+
+        /// How pictures come onto screens.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct StageChoices {
+            $( $(#[$of_stage])* pub $staged: $staged_type, )*
+        }
+
+        impl Default for StageChoices {
+            fn default() -> Self {
+                Self { $( $staged: $staged_default, )* }
+            }
+        }
+    };
 }
 
-impl Default for Choices {
-    fn default() -> Self {
-        Self {
-            output: None,
-            quality: QualityChoice::default(),
-            flash_limiter: true,
-            tone_map: None,
-            gain: Gain::default(),
-            follow_song: FollowChoice::default(),
-            last_tracks: true,
-            hints: true,
-            next_scene: false,
-            stage: StageChoices::default(),
-        }
+with_settings!(define_settings);
+
+impl Choices {
+    /// Sets one setting.
+    pub fn set(&mut self, setting: &Setting) {
+        let _ = self.set_own(setting) || self.stage.set_own(setting);
+    }
+}
+
+impl StageChoices {
+    /// Where pictures lie on a screen.
+    pub fn placement(&self) -> Placement {
+        Placement { crop: self.crop, flip: self.flip, corners: self.corners }
+    }
+}
+
+/// How long a blackout takes where nothing else is chosen, in seconds.
+const FADE_SECONDS: f64 = 0.5;
+
+fn is_full(percent: &u8) -> bool {
+    *percent == 100
+}
+
+fn is_usual(seconds: &f64) -> bool {
+    *seconds == FADE_SECONDS
+}
+
+fn percent<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u8, D::Error> {
+    let percent = u8::deserialize(deserializer)?;
+    if percent <= 100 { Ok(percent) } else { Err(D::Error::custom("a brightness is 0 to 100 percent")) }
+}
+
+fn fade<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    let seconds = f64::deserialize(deserializer)?;
+    if (0.0..=LIMITS.fade_seconds_max).contains(&seconds) {
+        Ok(seconds)
+    } else {
+        Err(D::Error::custom("a fade takes 0 to 60 seconds"))
     }
 }
 
@@ -195,5 +256,27 @@ mod tests {
         let text = toml::to_string(&chosen).unwrap();
         assert!(text.contains("flash_limiter = \"off\"") && text.contains("tone_map = \"none\""), "{text}");
         assert_eq!(toml::from_str::<Choices>(&text).unwrap(), chosen);
+    }
+
+    #[test]
+    fn what_was_chosen_is_read_again_and_what_cannot_be_drawn_is_not() {
+        assert_eq!(toml::to_string(&StageChoices::default()).unwrap(), "");
+        let corners = Corners::default().with(1, [0.9, 0.1]).unwrap();
+        let crop = Crop::try_from([1.0, 2.0, 3.0, 4.5]).unwrap();
+        let output = Some("HDMI-1".to_owned());
+        let chosen =
+            StageChoices { brightness: 7, blackout_fade: 2.5, flip: Flip::Vertical, crop, corners, output };
+        let text = toml::to_string(&chosen).unwrap();
+        assert_eq!(toml::from_str::<StageChoices>(&text).unwrap(), chosen, "{text}");
+        for text in [
+            "brightness = 101",
+            "blackout_fade = 61.0",
+            "blackout_fade = nan",
+            "flip = \"over\"",
+            "crop = [60.0, 0.0, 60.0, 0.0]",
+            "corners = [[0.0, 0.0], [0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]",
+        ] {
+            assert!(toml::from_str::<StageChoices>(text).is_err(), "{text}");
+        }
     }
 }

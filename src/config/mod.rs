@@ -7,17 +7,19 @@ mod knobs;
 mod last_show;
 mod performances;
 mod scribe;
+mod setting_rows;
+mod setting_table;
 mod settings;
-mod stage_choices;
 mod understood;
 
-pub use choices::{Choice, Choices};
+pub use choices::{Choice, Choices, Setting, StageChoices};
 pub use kept_settings::KeptSettings;
 pub use knobs::{KnobEdit, KnobMemory, KnobsError};
 pub use last_show::LastShow;
 pub use performances::{Kept, PerformanceFiles};
+pub use setting_rows::{SettingRow, Values};
+pub(crate) use setting_table::with_settings;
 pub use settings::{Settings, SettingsError, SettingsFile};
-pub use stage_choices::StageChoices;
 
 use std::collections::BTreeMap;
 

@@ -10,30 +10,14 @@ use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use crate::ending::{self, Undo};
+use crate::gpu::program_store::Work;
 
-/// What a driver is asked to do with a program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Work {
-    /// To take its own form of it.
-    Taking,
-    /// To compile its text.
-    Compiling,
-}
-
-impl Work {
-    const ALL: [Self; 2] = [Self::Taking, Self::Compiling];
-
-    fn word(self) -> &'static str {
-        match self {
-            Self::Taking => "taking",
-            Self::Compiling => "compiling",
-        }
-    }
-}
+/// Every kind of work, and the word that stands for it in a mark.
+const WORKS: [(Work, &str); 2] = [(Work::Taking, "taking"), (Work::Compiling, "compiling")];
 
 /// Work that was begun; dropping it says that the process has outlived it.
 #[derive(Debug)]
-pub struct Attempt {
+pub(super) struct Attempt {
     // Open, and so locked, for as long as it lives.
     _mark: File,
     undo: Option<Undo>,
@@ -54,10 +38,11 @@ impl Drop for Attempt {
 /// Puts a mark at `path`. None if another process is at the same work, which has put one, or if there is no room for
 /// a file: then nobody learns of a death.
 pub(super) fn begin(path: &Path, work: Work) -> Option<Attempt> {
+    let word = WORKS.iter().find(|(known, _)| *known == work).map_or("", |(_, word)| word);
     let begun = ending::begin(|| {
         let mut mark = File::options().write(true).create(true).truncate(false).open(path).map_err(|_| ())?;
         mark.try_lock().map_err(|_| ())?;
-        mark.set_len(0).and_then(|()| mark.write_all(work.word().as_bytes())).map_err(|_| ())?;
+        mark.set_len(0).and_then(|()| mark.write_all(word.as_bytes())).map_err(|_| ())?;
         let undone = path.to_owned();
         let undo = move || {
             let _ = fs::remove_file(undone);
@@ -75,5 +60,5 @@ pub(super) fn death(path: &Path) -> Option<Work> {
     let mut word = String::new();
     let _ = (&mark).take(16).read_to_string(&mut word);
     let _ = fs::remove_file(path);
-    Work::ALL.into_iter().find(|work| work.word() == word)
+    WORKS.iter().find(|(_, known)| *known == word).map(|(work, _)| *work)
 }

@@ -12,7 +12,7 @@
 
 use std::hash::Hasher as _;
 
-use super::ProgramKey;
+use crate::gpu::program_store::ProgramKey;
 
 const MAGIC: [u8; 8] = *b"mariana\0";
 const VERSION: u32 = 1;
@@ -32,7 +32,7 @@ pub(super) fn decode(key: ProgramKey, bytes: &[u8]) -> Option<&[u8]> {
 
 fn header(key: ProgramKey, content: &[u8]) -> Vec<u8> {
     let length = content.len() as u64;
-    [&MAGIC[..], &VERSION.to_le_bytes(), &key.0, &length.to_le_bytes(), &checksum(content).to_le_bytes()]
+    [&MAGIC[..], &VERSION.to_le_bytes(), key.bytes(), &length.to_le_bytes(), &checksum(content).to_le_bytes()]
         .concat()
 }
 

@@ -19,11 +19,11 @@
 mod attempts;
 mod entry;
 
+use std::any::Any;
 use std::collections::HashSet;
 use std::ffi::OsStr;
 use std::fmt;
 use std::fs::{self, File};
-use std::hash::Hasher as _;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,77 +32,15 @@ use std::time::SystemTime;
 
 use directories::ProjectDirs;
 
-pub use attempts::{Attempt, Work};
+use attempts::Attempt;
 
 use crate::atomic_file::AtomicFile;
+use crate::gpu::program_store::{GivenUp, ProgramKey, ProgramStore, Work};
 use crate::limits::LIMITS;
 
-/// What a program is known by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct ProgramKey([u8; 16]);
-
-impl ProgramKey {
-    /// The key of a program that `parts` describe. Another version of Mariana has other keys.
-    pub fn of<'a>(parts: impl IntoIterator<Item = &'a str>) -> Self {
-        // Two hashes of 64 bits. Another version of Rust may hash otherwise, which costs compiling once.
-        let mut hashers = [0_u8, 1].map(|first| {
-            let mut hasher = std::hash::DefaultHasher::new();
-            hasher.write_u8(first);
-            hasher
-        });
-        for part in [env!("CARGO_PKG_VERSION")].into_iter().chain(parts) {
-            for hasher in &mut hashers {
-                hasher.write_usize(part.len());
-                hasher.write(part.as_bytes());
-            }
-        }
-        let [a, b] = hashers.map(|hasher| hasher.finish());
-        Self(((u128::from(a) << 64) | u128::from(b)).to_le_bytes())
-    }
-}
-
-impl fmt::Display for ProgramKey {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
-    }
-}
-
-/// Why a program is not tried.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum GivenUp {
-    /// The driver refused it.
-    Refused,
-    /// A process died while the driver compiled it. The next run tries it once more.
-    DiedOnce,
-    /// Two processes died while the driver compiled it.
-    DiedTwice,
-}
-
-impl GivenUp {
-    const ALL: [Self; 3] = [Self::Refused, Self::DiedOnce, Self::DiedTwice];
-
-    fn word(self) -> &'static str {
-        match self {
-            Self::Refused => "refused",
-            Self::DiedOnce => "died once",
-            Self::DiedTwice => "died twice",
-        }
-    }
-
-    /// A sentence for the user; `mark` is the file that remembers it.
-    pub fn sentence(self, mark: &Path) -> String {
-        let reason = match self {
-            Self::Refused => "the driver refused it before",
-            Self::DiedOnce => {
-                return "it is left out this time, because Mariana ended while the driver compiled it before; \
-                        the next start tries it once more"
-                    .to_owned();
-            }
-            Self::DiedTwice => "Mariana ended twice while the driver compiled it",
-        };
-        format!("it is not tried again, because {reason}; delete {} to have it tried", mark.display())
-    }
-}
+/// Every reason, and the word that stands for it in a file.
+const REASONS: [(GivenUp, &str); 3] =
+    [(GivenUp::Refused, "refused"), (GivenUp::DiedOnce, "died once"), (GivenUp::DiedTwice, "died twice")];
 
 /// The kept programs. Clones are of the same folder; any thread may use them.
 #[derive(Debug, Clone)]
@@ -143,68 +81,9 @@ impl ProgramCache {
         }
     }
 
-    /// The program of this key, if there is one that is whole; any other is removed.
-    pub fn load(&self, key: ProgramKey) -> Option<Vec<u8>> {
-        let path = self.path(key, PROGRAM)?;
-        let bytes = read_file(&path, LIMITS.kept_program_bytes_max + entry::HEADER)?.unwrap_or_default();
-        let Some(content) = entry::decode(key, &bytes) else {
-            tracing::info!("{} is damaged and removed", path.display());
-            self.discard(key);
-            return None;
-        };
-        touch(&path);
-        Some(content.to_owned())
-    }
-
-    /// Keeps a program, unless it is larger than [`crate::limits::Limits::kept_program_bytes_max`].
-    pub fn save(&self, key: ProgramKey, content: &[u8]) {
-        if content.len() <= LIMITS.kept_program_bytes_max {
-            self.write(key, PROGRAM, &entry::encode(key, content));
-        }
-    }
-
-    /// Forgets a program.
-    pub fn discard(&self, key: ProgramKey) {
-        if let Some(path) = self.path(key, PROGRAM) {
-            let _ = fs::remove_file(path);
-        }
-    }
-
-    /// Notes that a driver begins to work on a program, until the attempt is dropped.
-    pub fn attempt(&self, key: ProgramKey, work: Work) -> Option<Attempt> {
+    fn begin(&self, key: ProgramKey, work: Work) -> Option<Attempt> {
         self.make_folder()?;
         attempts::begin(&self.path(key, ATTEMPT)?, work)
-    }
-
-    /// The work on a program in which an earlier run died. It is told once.
-    pub fn death(&self, key: ProgramKey) -> Option<Work> {
-        attempts::death(&self.path(key, ATTEMPT)?)
-    }
-
-    /// Notes that the driver refused a program: it is not tried again.
-    pub fn note_refused(&self, key: ProgramKey) {
-        self.give_up(key, GivenUp::Refused);
-    }
-
-    /// Notes that an earlier process died while the driver compiled a program.
-    pub fn note_died(&self, key: ProgramKey) {
-        let Some(folder) = &self.folder else { return };
-        folder.left_out().insert(key);
-        let died_before = matches!(self.noted(key), Some((GivenUp::DiedOnce | GivenUp::DiedTwice, _)));
-        self.give_up(key, if died_before { GivenUp::DiedTwice } else { GivenUp::DiedOnce });
-    }
-
-    /// Notes that the driver compiled a program: earlier deaths are forgotten.
-    pub fn note_compiled(&self, key: ProgramKey) {
-        if let Some(path) = self.path(key, GIVEN_UP) {
-            let _ = fs::remove_file(path);
-        }
-    }
-
-    /// Why a program is not tried in this run, and the file of the record; `None` if it may be tried.
-    pub fn given_up(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
-        let is_retried = |why| why == GivenUp::DiedOnce && !self.is_left_out(key);
-        self.noted(key).filter(|(why, _)| !is_retried(*why))
     }
 
     fn is_left_out(&self, key: ProgramKey) -> bool {
@@ -212,7 +91,8 @@ impl ProgramCache {
     }
 
     fn give_up(&self, key: ProgramKey, why: GivenUp) {
-        self.write(key, GIVEN_UP, why.word().as_bytes());
+        let word = REASONS.iter().find(|(known, _)| *known == why).map_or("", |(_, word)| word);
+        self.write(key, GIVEN_UP, word.as_bytes());
     }
 
     /// The recorded failure of a program, and its file.
@@ -220,8 +100,8 @@ impl ProgramCache {
         let path = self.path(key, GIVEN_UP)?;
         let word = read_file(&path, WORD_MAX)?.ok()?;
         touch(&path);
-        let known = GivenUp::ALL.into_iter().find(|why| why.word().as_bytes() == word);
-        Some((known?, path))
+        let known = REASONS.iter().find(|(_, known)| known.as_bytes() == word);
+        Some((known?.0, path))
     }
 
     fn path(&self, key: ProgramKey, kind: &str) -> Option<PathBuf> {
@@ -242,6 +122,70 @@ impl ProgramCache {
             Ok(()) => make_room(&folder.path, LIMITS.program_cache_bytes_max),
             Err(error) => folder.complain(&error.reason),
         }
+    }
+}
+
+impl ProgramStore for ProgramCache {
+    /// The program of this key, if there is one that is whole; any other is removed.
+    fn load(&self, key: ProgramKey) -> Option<Vec<u8>> {
+        let path = self.path(key, PROGRAM)?;
+        let bytes = read_file(&path, LIMITS.kept_program_bytes_max + entry::HEADER)?.unwrap_or_default();
+        let Some(content) = entry::decode(key, &bytes) else {
+            tracing::info!("{} is damaged and removed", path.display());
+            self.discard(key);
+            return None;
+        };
+        touch(&path);
+        Some(content.to_owned())
+    }
+
+    /// Keeps a program, unless it is larger than [`crate::limits::Limits::kept_program_bytes_max`].
+    fn save(&self, key: ProgramKey, content: &[u8]) {
+        if content.len() <= LIMITS.kept_program_bytes_max {
+            self.write(key, PROGRAM, &entry::encode(key, content));
+        }
+    }
+
+    /// Forgets a program.
+    fn discard(&self, key: ProgramKey) {
+        if let Some(path) = self.path(key, PROGRAM) {
+            let _ = fs::remove_file(path);
+        }
+    }
+
+    fn attempt(&self, key: ProgramKey, work: Work) -> Option<Box<dyn Any>> {
+        Some(Box::new(self.begin(key, work)?))
+    }
+
+    /// The work on a program in which an earlier run died. It is told once.
+    fn death(&self, key: ProgramKey) -> Option<Work> {
+        attempts::death(&self.path(key, ATTEMPT)?)
+    }
+
+    /// Notes that the driver refused a program: it is not tried again.
+    fn note_refused(&self, key: ProgramKey) {
+        self.give_up(key, GivenUp::Refused);
+    }
+
+    /// Notes that an earlier process died while the driver compiled a program.
+    fn note_died(&self, key: ProgramKey) {
+        let Some(folder) = &self.folder else { return };
+        folder.left_out().insert(key);
+        let died_before = matches!(self.noted(key), Some((GivenUp::DiedOnce | GivenUp::DiedTwice, _)));
+        self.give_up(key, if died_before { GivenUp::DiedTwice } else { GivenUp::DiedOnce });
+    }
+
+    /// Notes that the driver compiled a program: earlier deaths are forgotten.
+    fn note_compiled(&self, key: ProgramKey) {
+        if let Some(path) = self.path(key, GIVEN_UP) {
+            let _ = fs::remove_file(path);
+        }
+    }
+
+    /// Why a program is not tried in this run, and the file of the record; `None` if it may be tried.
+    fn given_up(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
+        let is_retried = |why| why == GivenUp::DiedOnce && !self.is_left_out(key);
+        self.noted(key).filter(|(why, _)| !is_retried(*why))
     }
 }
 

@@ -3,19 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::director::{SceneCard, direct};
-use super::parse::DIAGNOSTICS_MAX;
-use super::plan::{Entrance, Moment, Plan, Stay};
-use super::resolve::resolve;
-use super::scene_facts::{NamedScenes, SceneFacts};
-use super::script::Script;
-use super::substitutes::with_substitutes;
-use super::{parse, print};
-use crate::limits::LIMITS;
+use super::scene_facts::{facts_of, refusal, source_of};
 use crate::scenes::{SceneBlend, SceneSource, SeenScene};
-use mariana_field::lang::{Diagnostic, Sources, Way, render_all};
 use mariana_field::world::BlendKind;
 use mariana_music::SongStructure;
+use mariana_show::limits::LIMITS as SHOW_LIMITS;
+use mariana_show::{Entrance, Moment, Plan, SceneCard, ScriptError, Show, Stay};
 
 /// See [`ShowSource::Demo`].
 const DEMO_SHOW: &str = include_str!("../../assets/demo.show");
@@ -59,21 +52,9 @@ pub enum ShowError {
         /// The first byte that is none.
         position: usize,
     },
-    /// The text has mistakes, or asks for what the song does not have.
-    #[error("the show has mistakes: correct what is underlined\n{}", .report.trim_end())]
-    Mistakes {
-        /// They with their places.
-        report: String,
-    },
-    /// Every entry names a moment that the song lacks.
-    #[error(
-        "nothing of the show is in this song: give its first entry a moment that every song has, such as `at start`\n{}",
-        .report.trim_end()
-    )]
-    NothingFits {
-        /// The entries that are left out, with their places.
-        report: String,
-    },
+    /// The text is no show for the song.
+    #[error(transparent)]
+    Script(#[from] ScriptError),
     /// Every entry is a cue, but only a window has the key for cues.
     #[error(
         "every entry of the show waits for a key (`at cue`), which only a window has: write `at start` and a scene \
@@ -85,19 +66,11 @@ pub enum ShowError {
     NoScenes,
 }
 
-/// How a scene likes to come and to go.
-type Liked = (Option<Way>, Option<Way>);
-
 /// See the module.
 #[derive(Debug, Clone, Default)]
 pub struct Programme {
-    /// `None` as long as every entry waits for a key.
-    plan: Option<Plan>,
-    script: Script,
+    show: Show,
     scenes: BTreeMap<String, SceneSource>,
-    /// How scenes like to come and to go.
-    ways: BTreeMap<String, Liked>,
-    cards: Vec<SceneCard>,
     author: Author,
 }
 
@@ -116,7 +89,7 @@ enum Author {
 impl Programme {
     /// The same scenes by another plan.
     pub(super) fn with_plan(&self, plan: Option<Plan>) -> Self {
-        Self { plan, ..self.clone() }
+        Self { show: self.show.with_plan(plan), ..self.clone() }
     }
 
     /// Whether the director made it.
@@ -135,13 +108,12 @@ impl Programme {
             return None;
         }
         let is_refused = |scene: &str| self.source(scene).is_some_and(|source| refused.contains(source));
-        let stays = with_substitutes(self.stays(), &self.cards, is_refused)?;
-        Some(self.with_plan(Plan::new(stays)))
+        Some(Self { show: self.show.without(is_refused)?, ..self.clone() })
     }
 
     /// Descriptions of the scenes; for the director, of all that it may choose.
     pub(super) fn cards(&self) -> &[SceneCard] {
-        &self.cards
+        self.show.cards()
     }
 
     /// Scenes that are cut from one to the next at these moments, in seconds.
@@ -153,8 +125,7 @@ impl Programme {
             programme.scenes.insert(scene.clone(), source);
             stays.push(Stay { start, scene, camera: None, entrance: Entrance::CUT, moves: Vec::new() });
         }
-        programme.plan = Plan::new(stays);
-        programme
+        programme.with_plan(Plan::new(stays))
     }
 
     /// The show of a song: from a file, or the director's choice among `scenes`. Scenes that are broken are no choice.
@@ -180,71 +151,54 @@ impl Programme {
     }
 
     fn directed(song: &SongStructure, scenes: &[SceneSource]) -> Result<Self, ShowError> {
-        let mut known = BTreeMap::new();
+        let (mut known, mut sources) = (BTreeMap::new(), BTreeMap::new());
         for source in scenes {
-            match SceneFacts::of(source.clone()) {
-                Ok(scene) => {
-                    known.insert(name_of(source), scene);
+            match facts_of(source) {
+                Ok(facts) => {
+                    known.insert(name_of(source), facts);
+                    sources.insert(name_of(source), source.clone());
                 }
                 Err(error) => tracing::warn!("not shown: {error}"),
             }
         }
-        let cards = cards_of(&known);
-        let script = direct(song, &cards, seed_of(song));
-        let ways = ways_of(&known);
-        let plan = resolved(&script, song, &[], &ways).0.ok_or(ShowError::NoScenes)?;
-        let scenes = known.into_iter().map(|(name, scene)| (name, scene.source)).collect();
-        Ok(Self { plan: Some(plan), script, scenes, ways, cards, author: Author::Director })
+        let show = Show::directed(song, &known).ok_or(ShowError::NoScenes)?;
+        Ok(Self { show, scenes: sources, author: Author::Director })
     }
 
     /// The show that a text describes for a song, and a report of the entries that do not fit the song. Scenes are shipped
     /// ones or files in `folder`. Messages call the text `name`.
     ///
     /// # Errors
-    /// [`ShowError::Mistakes`] with all mistakes of the text and of its scenes, and [`ShowError::NothingFits`].
+    /// [`ShowError::Script`].
     pub fn of_text(
         name: &str,
         text: &str,
         folder: &Path,
         song: &SongStructure,
     ) -> Result<(Self, Option<String>), ShowError> {
-        let parsed = parse(name, text);
-        let named = NamedScenes::of(&parsed.entries, folder);
-        let script = match parsed.script {
-            Some(script) if named.mistakes.is_empty() => script,
-            _ => {
-                let mut mistakes = [parsed.diagnostics, named.mistakes].concat();
-                mistakes.sort_by_key(|one| one.span.start);
-                mistakes.truncate(DIAGNOSTICS_MAX);
-                let of_text = render_all(&mistakes, &parsed.sources, false);
-                let report = std::iter::once(of_text).chain(named.reports).collect::<Vec<_>>().join("\n");
-                return Err(ShowError::Mistakes { report });
-            }
-        };
-        let (ways, cards) = (ways_of(&named.facts), cards_of(&named.facts));
-        let (plan, left_out) = resolved(&script, song, &[], &ways);
-        let told = told(&left_out, &parsed.sources);
-        if plan.is_none() && script.cues().next().is_none() {
-            return Err(ShowError::NothingFits { report: told.unwrap_or_default() });
-        }
-        let scenes = named.facts.into_iter().map(|(name, scene)| (name, scene.source)).collect();
-        Ok((Self { plan, script, scenes, ways, cards, author: Author::User }, told))
+        let mut scenes = BTreeMap::new();
+        let (show, told) = Show::of_text(name, text, song, |scene| {
+            let source = source_of(scene, folder).map_err(refusal)?;
+            let facts = facts_of(&source).map_err(refusal)?;
+            scenes.insert(scene.to_owned(), source);
+            Ok(facts)
+        })?;
+        Ok((Self { show, scenes, author: Author::User }, told))
     }
 
     /// The same show where the key was pressed at these moments, in seconds, for which entries wait.
     pub fn with_cues(&self, song: &SongStructure, cues: &[f64]) -> Self {
-        let (plan, _) = resolved(&self.script, song, cues, &self.ways);
-        self.with_plan(plan)
+        Self { show: self.show.with_cues(song, cues), ..self.clone() }
     }
 
     /// The scenes that wait for a key, in their order.
     pub fn cues(&self) -> Vec<&str> {
-        self.script.cues().map(|entry| entry.scene.as_str()).collect()
+        self.show.cues()
     }
 
     /// What is on when; `None` as long as every entry waits for a key.
     pub fn plan(&self) -> Option<&Plan> {
-        self.plan.as_ref()
+        self.show.plan()
     }
 
     /// What is on at `time` seconds; `None` without a plan.
@@ -254,7 +208,7 @@ impl Programme {
 
     /// The stays in their order; none without a plan.
     pub fn stays(&self) -> &[Stay] {
-        self.plan().map_or(&[], Plan::stays)
+        self.show.stays()
     }
 
     /// Where a scene of the plan comes from.
@@ -284,37 +238,8 @@ impl Programme {
 
     /// The text of a show file that is this show, below lines of comment.
     pub fn text(&self, comments: &[String]) -> String {
-        print(&self.script, comments)
+        self.show.text(comments)
     }
-}
-
-fn ways_of(known: &BTreeMap<String, SceneFacts>) -> BTreeMap<String, Liked> {
-    known.iter().map(|(name, scene)| (name.clone(), scene.ways())).collect()
-}
-
-fn cards_of(known: &BTreeMap<String, SceneFacts>) -> Vec<SceneCard> {
-    let card = |(name, scene): (&String, &SceneFacts)| SceneCard {
-        scene: name.clone(),
-        about: scene.about.clone(),
-        cameras: scene.cameras.clone(),
-    };
-    known.iter().map(card).collect()
-}
-
-fn resolved(
-    script: &Script,
-    song: &SongStructure,
-    cues: &[f64],
-    ways: &BTreeMap<String, Liked>,
-) -> (Option<Plan>, Vec<Diagnostic>) {
-    resolve(script, song, cues, |from, to| {
-        let liked = |name: &str| ways.get(name).copied().unwrap_or_default();
-        liked(to).0.or(from.and_then(|from| liked(from).1))
-    })
-}
-
-fn told(left_out: &[Diagnostic], sources: &Sources) -> Option<String> {
-    (!left_out.is_empty()).then(|| render_all(left_out, sources, false))
 }
 
 /// What a show calls a scene.
@@ -335,7 +260,7 @@ fn read(path: &Path) -> Result<String, ShowError> {
         let reason = "it is no regular file".to_owned();
         return Err(ShowError::Unreadable { path: path.to_owned(), reason });
     }
-    let max = LIMITS.show_bytes_max;
+    let max = SHOW_LIMITS.bytes_max;
     let bytes = crate::scenes::read_at_most(path, max).map_err(unreadable)?;
     let bytes = bytes.ok_or_else(|| ShowError::TooLarge { path: path.to_owned(), max })?;
     String::from_utf8(bytes).map_err(|error| {
@@ -344,23 +269,27 @@ fn read(path: &Path) -> Result<String, ShowError> {
     })
 }
 
-/// The seed of a song's show. It follows from the song's content, but not from anything that the arithmetic of another
-/// machine might round in another way.
-pub fn seed_of(song: &SongStructure) -> u64 {
-    let whole = |number: f64| number.round() as u64;
-    let key = song.key.map_or(99, |key| u64::from(key.root));
-    let of_sections = song.sections.iter().flat_map(|section| {
-        section.letter.bytes().map(u64::from).chain([whole(section.start), whole(section.end)])
-    });
-    let all = [whole(song.seconds), key, song.beats.len() as u64 / 8].into_iter().chain(of_sections);
-    // FNV-1a, by words.
-    all.fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ word).wrapping_mul(0x0100_0000_01b3))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::show::resolve::testing::song;
+    use mariana_music::{Section, SongBeat};
+
+    /// 32 bars of two seconds, all of them the section A.
+    fn song() -> SongStructure {
+        let beat = |index: usize| SongBeat {
+            time: 0.5 + 0.5 * index as f64,
+            of_bar: (index % 4) as u8 + 1,
+            tempo: 120.0,
+        };
+        let section = Section { start: 0.0, end: 64.5, letter: "A".to_owned(), energy: 0.5 };
+        SongStructure {
+            seconds: 64.5,
+            tempo: Some(120.0),
+            beats: (0..128).map(beat).collect(),
+            sections: vec![section],
+            ..SongStructure::default()
+        }
+    }
 
     fn file(text: &str) -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().unwrap();
@@ -409,7 +338,7 @@ mod tests {
         std::fs::write(&path, [b'a', 0xff]).unwrap();
         let refused = |path: PathBuf| Programme::of_song(&ShowSource::File(path), &song(), &[]).unwrap_err();
         assert!(matches!(refused(path.clone()), ShowError::NotText { position: 1, .. }));
-        std::fs::write(&path, vec![b'#'; LIMITS.show_bytes_max + 1]).unwrap();
+        std::fs::write(&path, vec![b'#'; SHOW_LIMITS.bytes_max + 1]).unwrap();
         assert!(matches!(refused(path), ShowError::TooLarge { .. }));
         assert!(matches!(refused(folder.path().join("none.show")), ShowError::Unreadable { .. }));
         // A device, and a pipe would be the same: reading one may never end.

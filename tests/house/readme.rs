@@ -6,7 +6,7 @@ const README: &str = include_str!("../../README.md");
 
 #[test]
 fn the_keys_are_those_of_the_program() {
-    let table = mariana::app::keys::markdown_table();
+    let table = mariana::commands::markdown_table();
     assert!(README.contains(&table), "README.md's table of keys should read:\n{table}");
 }
 

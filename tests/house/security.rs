@@ -32,6 +32,8 @@ fn rows() -> String {
         "crates/music/src",
         "crates/player/src",
         "crates/remote/src",
+        "crates/render/src",
+        "crates/show/src",
     ] {
         sources(&root().join(folder), &mut files);
     }

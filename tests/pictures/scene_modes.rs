@@ -10,12 +10,11 @@ use image::RgbaImage;
 use mariana::config::SdfChoice;
 use mariana::export::painter::{Painter, SceneChoice, mode_on};
 use mariana::gpu::cell_use::CellUse;
+use mariana::gpu::error::DoesNotFit;
 use mariana::gpu::gl::GlInfo;
 use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, Evaluations};
-use mariana::gpu::scene_program::{
-    DoesNotFit, Interpreter, Mode, compiled_variant, compiled_variant_of, without_cells,
-};
+use mariana::gpu::scene_program::{Interpreter, Mode, compiled_variant, compiled_variant_of, without_cells};
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana_music::{Sound, Tables};

@@ -22,10 +22,12 @@ pub mod midi;
 mod model;
 pub mod osc;
 mod present;
+mod slider;
 mod wishes;
 
 pub use glide::Glide;
 pub use hand::Hand;
 pub use model::{Directed, Model, Param, Reading, Turn};
 pub use present::{Board, Present, PresentParam};
+pub use slider::Slider;
 pub use wishes::{Amount, Heard, ParamWish, Refusals, Wishes};

@@ -14,4 +14,5 @@ pub mod sound_server;
 #[cfg(unix)]
 pub mod sound_session;
 pub mod thesis;
+pub mod tiny_font;
 pub mod wave;

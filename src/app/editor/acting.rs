@@ -1,24 +1,11 @@
 //! What keys and the pointer do to the text.
 
+use crate::commands::Command;
+use crate::input::{Key, KeyPress, Modifiers, NamedKey};
 use mariana_editing::{Move, Refused, find};
-use winit::keyboard::{Key, ModifiersState, NamedKey, PhysicalKey};
 
-use super::keys::{command_of, way_of};
-use super::{Command, Editor, EditorRequest, Effect, Find, Owner, Question};
-
-/// A key that was pressed.
-pub(crate) struct Press<'a> {
-    /// What it means on this keyboard.
-    pub key: &'a Key,
-    /// Where it is.
-    pub physical: PhysicalKey,
-    /// What it types.
-    pub text: Option<&'a str>,
-    /// What is held with it.
-    pub held: ModifiersState,
-    /// Whether it is held.
-    pub repeat: bool,
-}
+use super::keys::{action_of, way_of};
+use super::{CLOSE, EditAction, Editor, EditorEvent, Find, Owner, Question};
 
 /// Most letters that are shown while they are put together.
 const PREEDIT_MAX: usize = 64;
@@ -28,33 +15,32 @@ const READ_ONLY: &str =
     "this scene comes with Mariana: Ctrl+S copies it to your folder, and there it can be changed";
 
 impl Editor {
-    /// Takes a key. Returns whether it was meant for the editor.
-    pub(crate) fn take_key(&mut self, press: &Press<'_>) -> bool {
+    /// Takes a key that was pressed while these are held. Returns whether it was meant for the editor.
+    pub(crate) fn take_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
         if press.repeat && self.ignores_repeats {
             return true;
         }
         self.ignores_repeats &= press.repeat;
-        if self.find.as_ref().is_some_and(|find| find.typing) && self.type_query(press) {
+        if self.find.as_ref().is_some_and(|find| find.typing) && self.type_query(press, held) {
             return true;
         }
-        if self.choose_proposal(press.key, press.held) {
+        if self.choose_proposal(&press.key, held) {
             return true;
         }
-        if let Some(command) = command_of(press.key, press.physical, press.held) {
-            self.act_with(command, press.held.shift_key());
+        if let Some(action) = action_of(&press.key, press.latin, held) {
+            self.act_with(action, held.shift_key());
             return true;
         }
-        let select = press.held.shift_key();
-        let plain =
-            !press.held.intersects(ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER);
-        if let Some(way) = way_of(press.key, press.held, self.rows)
-            && !press.held.alt_key()
+        let select = held.shift_key();
+        let plain = !held.intersects(Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER);
+        if let Some(way) = way_of(&press.key, held, self.rows)
+            && !held.alt_key()
         {
             self.proposing = None;
             return self.with_text(|document| document.editing.go(way, select));
         }
-        let word = press.held.control_key();
-        match press.key {
+        let word = held.control_key();
+        match &press.key {
             Key::Named(NamedKey::Enter) if plain => return self.edit(|editing| editing.insert_line()),
             Key::Named(NamedKey::Backspace) => {
                 let way = if word { Move::WordLeft } else { Move::Left };
@@ -88,8 +74,12 @@ impl Editor {
             _ => {}
         }
         // With AltGr, some systems hold Ctrl and Alt.
-        let types = plain || press.held.contains(ModifiersState::CONTROL | ModifiersState::ALT);
-        match press.text.filter(|text| types && !text.is_empty() && !text.contains(char::is_control)) {
+        let types = plain || held.contains(Modifiers::CONTROL | Modifiers::ALT);
+        match press
+            .text
+            .as_deref()
+            .filter(|text| types && !text.is_empty() && !text.contains(char::is_control))
+        {
             Some(text) => {
                 self.type_text(text);
                 true
@@ -132,9 +122,9 @@ impl Editor {
     }
 
     /// Does what was asked for.
-    pub(crate) fn obey(&mut self, request: EditorRequest) {
+    pub(crate) fn obey(&mut self, request: EditorEvent) {
         match request {
-            EditorRequest::Press { at, clicks, select } => {
+            EditorEvent::Press { at, clicks, select } => {
                 self.set_focus(true);
                 self.ignores_repeats = false;
                 self.close_small();
@@ -147,20 +137,20 @@ impl Editor {
                     }
                 });
             }
-            EditorRequest::DragTo(at) => {
+            EditorEvent::DragTo(at) => {
                 self.with_text(|document| document.editing.go_to(at, true));
             }
-            EditorRequest::Grab(at) => self.grab(at),
-            EditorRequest::Turn { points, speed } => self.turn(f64::from(points), speed),
-            EditorRequest::LetGo => self.let_go(),
-            EditorRequest::PickColor(at) => self.pick_color(at),
-            EditorRequest::ClosePicker => {
+            EditorEvent::Grab(at) => self.grab(at),
+            EditorEvent::Turn { points, speed } => self.turn(f64::from(points), speed),
+            EditorEvent::LetGo => self.let_go(),
+            EditorEvent::PickColor(at) => self.pick_color(at),
+            EditorEvent::ClosePicker => {
                 self.close_picker();
             }
-            EditorRequest::SetColor(color) => self.set_color(color),
-            EditorRequest::MovePlace(way) => self.move_place(way),
-            EditorRequest::Scroll { lines, columns } => self.scroll(lines, columns),
-            EditorRequest::Drawn { rows, columns } => {
+            EditorEvent::SetColor(color) => self.set_color(color),
+            EditorEvent::MovePlace(way) => self.move_place(way),
+            EditorEvent::Scroll { lines, columns } => self.scroll(lines, columns),
+            EditorEvent::Drawn { rows, columns } => {
                 let is_first = self.rows != rows || self.columns != columns;
                 (self.rows, self.columns) = (rows, columns);
                 if is_first {
@@ -168,31 +158,31 @@ impl Editor {
                     self.reveal();
                 }
             }
-            EditorRequest::Do(command) => self.act_with(command, false),
-            EditorRequest::ShowText(number) => self.show_text(number),
-            EditorRequest::GoToProbed => self.go_to_probed(),
-            EditorRequest::CloseProbed => {
+            EditorEvent::Act(command) => self.act_with(command, false),
+            EditorEvent::ShowText(number) => self.show_text(number),
+            EditorEvent::GoToProbed => self.go_to_probed(),
+            EditorEvent::CloseProbed => {
                 self.close_probed();
             }
-            EditorRequest::GoTo { text, byte } => {
+            EditorEvent::GoTo { text, byte } => {
                 self.set_focus(true);
                 self.go_to_place(text, byte..byte);
             }
-            EditorRequest::Take(number) => self.take_proposal(number),
-            EditorRequest::Answer { first } => self.take_answer(first),
+            EditorEvent::Take(number) => self.take_proposal(number),
+            EditorEvent::Answer { first } => self.take_answer(first),
         }
     }
 
-    fn act_with(&mut self, command: Command, shift: bool) {
-        if command != Command::Propose {
+    fn act_with(&mut self, action: EditAction, shift: bool) {
+        if action != EditAction::Propose {
             self.proposing = None;
         }
-        match command {
-            Command::Save => self.save(),
-            Command::Undo => self.step(|editing| editing.undo(), "there is nothing to take back"),
-            Command::Redo => self.step(|editing| editing.redo(), "there is nothing to do again"),
-            Command::Copy => self.copy(),
-            Command::Cut => {
+        match action {
+            EditAction::Save => self.save(),
+            EditAction::Undo => self.step(|editing| editing.undo(), "there is nothing to take back"),
+            EditAction::Redo => self.step(|editing| editing.redo(), "there is nothing to do again"),
+            EditAction::Copy => self.copy(),
+            EditAction::Cut => {
                 self.copy();
                 self.edit(|editing| {
                     if !editing.selection().is_empty() {
@@ -201,33 +191,33 @@ impl Editor {
                     Ok(())
                 });
             }
-            Command::Paste => self.clipboard.paste(),
-            Command::SelectAll => {
+            EditAction::Paste => self.clipboard.paste(),
+            EditAction::SelectAll => {
                 self.with_text(|document| document.editing.select(0..document.editing.buffer().len()));
             }
-            Command::Find => self.begin_find(),
-            Command::FindNext { forward } => self.find_next(forward),
-            Command::ToggleComment => {
+            EditAction::Find => self.begin_find(),
+            EditAction::FindNext { forward } => self.find_next(forward),
+            EditAction::ToggleComment => {
                 self.edit(|editing| {
                     editing.toggle_comment();
                     Ok(())
                 });
             }
-            Command::Propose => self.propose(true),
-            Command::MakeParam => self.make_param(),
-            Command::TurnNumber { up } => self.turn_by_key(up, shift),
-            Command::Answer { first } => self.take_answer(first),
-            Command::New => self.begin_scene(),
-            Command::NextText => self.next_text(),
-            Command::NextMistake => self.next_mistake(),
-            Command::Light => self.toggle_light(),
-            Command::Profile => self.toggle_profile(),
-            Command::Leave => {
+            EditAction::Propose => self.propose(true),
+            EditAction::MakeParam => self.make_param(),
+            EditAction::TurnNumber { up } => self.turn_by_key(up, shift),
+            EditAction::Answer { first } => self.take_answer(first),
+            EditAction::New => self.begin_scene(),
+            EditAction::NextText => self.next_text(),
+            EditAction::NextMistake => self.next_mistake(),
+            EditAction::Light => self.toggle_light(),
+            EditAction::Profile => self.toggle_profile(),
+            EditAction::Leave => {
                 let small = self.close_picker() || self.close_probed() || self.find.is_some();
                 self.close_small();
                 self.answer = None;
                 if !small {
-                    self.effects.push(Effect::Close);
+                    self.commands.push(CLOSE);
                 }
             }
         }
@@ -309,11 +299,11 @@ impl Editor {
     }
 
     /// Types into the line for finding. Returns whether the key was meant for it.
-    fn type_query(&mut self, press: &Press<'_>) -> bool {
+    fn type_query(&mut self, press: &KeyPress, held: Modifiers) -> bool {
         let Some(find) = &mut self.find else { return false };
-        match press.key {
+        match &press.key {
             Key::Named(NamedKey::Enter) => {
-                self.find_next(!press.held.shift_key());
+                self.find_next(!held.shift_key());
                 return true;
             }
             Key::Named(NamedKey::Backspace) => {
@@ -447,7 +437,7 @@ impl Editor {
         if reads {
             let version = if dirty { drafts.set(&file, document.bytes()) } else { drafts.remove(&file) };
             document.note_sent(version);
-            self.effects.push(Effect::Reload);
+            self.commands.push(Command::ReloadScene);
         }
     }
 }

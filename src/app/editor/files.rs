@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Document, Editor, Effect, Owner, Question};
+use super::{Document, Editor, Owner, Question};
+use crate::commands::Command;
 use crate::documents::{News, OnDisk, own_scenes};
 use crate::scenes::SceneSource;
 
@@ -51,7 +52,7 @@ impl Editor {
                     self.clerk.keep(&file, Some(bytes));
                 } else {
                     document.note_sent(drafts.remove(&file));
-                    self.effects.push(Effect::Reload);
+                    self.commands.push(Command::ReloadScene);
                 }
                 self.say(format!("{name} is saved"));
             }
@@ -64,7 +65,7 @@ impl Editor {
             News::Changed { file, holds } => self.take_change(&file, holds),
             News::Created { file } => {
                 self.say(format!("this is your own scene now: {}", file.display()));
-                self.effects.push(Effect::Show(SceneSource::File(file)));
+                self.commands.push(Command::ShowScene(Box::new(SceneSource::File(file))));
             }
         }
     }
@@ -105,7 +106,7 @@ impl Editor {
                 if let Some(document) = self.documents.get_mut(at) {
                     document.note_sent(version);
                 }
-                self.effects.push(Effect::Reload);
+                self.commands.push(Command::ReloadScene);
             }
             OnDisk::Unreadable(reason) => {
                 let words = format!("{} cannot be read any more: {reason}", document.name());

@@ -1,12 +1,12 @@
 //! What keys do while they are text: one table, from which the handling and the page about the editor are made.
 
-use winit::keyboard::{Key, KeyCode, ModifiersState, NamedKey, PhysicalKey};
+use crate::input::{Key, Modifiers, NamedKey};
 
 use mariana_editing::Move;
 
 /// What a key or a click asks of the editor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Command {
+pub enum EditAction {
     /// To save the text; a text without a file is copied to the user's folder.
     Save,
     /// To take the last change back.
@@ -63,85 +63,106 @@ pub struct Row {
     /// The key, letters in lower case.
     key: Key<&'static str>,
     /// What is held with it.
-    held: ModifiersState,
+    held: Modifiers,
     /// The key as people write it.
     pub written: &'static str,
     /// What it does.
-    pub command: Command,
+    pub action: EditAction,
     /// The same in words.
     pub meaning: &'static str,
 }
 
-const CTRL: ModifiersState = ModifiersState::CONTROL;
-const ALT: ModifiersState = ModifiersState::ALT;
-const NONE: ModifiersState = ModifiersState::empty();
+const CTRL: Modifiers = Modifiers::CONTROL;
+const ALT: Modifiers = Modifiers::ALT;
+const NONE: Modifiers = Modifiers::empty();
 
-const fn letter(letter: &'static str, written: &'static str, command: Command, meaning: &'static str) -> Row {
-    Row { key: Key::Character(letter), held: CTRL, written, command, meaning }
+const fn letter(
+    letter: &'static str,
+    written: &'static str,
+    action: EditAction,
+    meaning: &'static str,
+) -> Row {
+    Row { key: Key::Character(letter), held: CTRL, written, action, meaning }
 }
 
 const fn named(
     key: NamedKey,
-    held: ModifiersState,
+    held: Modifiers,
     written: &'static str,
-    command: Command,
+    action: EditAction,
     meaning: &'static str,
 ) -> Row {
-    Row { key: Key::Named(key), held, written, command, meaning }
+    Row { key: Key::Named(key), held, written, action, meaning }
 }
 
 /// Every key with a meaning of its own. Shift turns finding around, and undoing into doing again.
 pub const ROWS: &[Row] = &[
-    letter("s", "Ctrl+S", Command::Save, "save; a shipped scene is copied to your folder"),
-    letter("z", "Ctrl+Z", Command::Undo, "take back"),
-    letter("y", "Ctrl+Y or Ctrl+Shift+Z", Command::Redo, "do again"),
-    letter("c", "Ctrl+C", Command::Copy, "copy"),
-    letter("x", "Ctrl+X", Command::Cut, "cut"),
-    letter("v", "Ctrl+V", Command::Paste, "paste"),
-    letter("a", "Ctrl+A", Command::SelectAll, "select all"),
-    letter("f", "Ctrl+F", Command::Find, "find; Enter goes to the next place, Shift+Enter to the one before"),
+    letter("s", "Ctrl+S", EditAction::Save, "save; a shipped scene is copied to your folder"),
+    letter("z", "Ctrl+Z", EditAction::Undo, "take back"),
+    letter("y", "Ctrl+Y or Ctrl+Shift+Z", EditAction::Redo, "do again"),
+    letter("c", "Ctrl+C", EditAction::Copy, "copy"),
+    letter("x", "Ctrl+X", EditAction::Cut, "cut"),
+    letter("v", "Ctrl+V", EditAction::Paste, "paste"),
+    letter("a", "Ctrl+A", EditAction::SelectAll, "select all"),
+    letter(
+        "f",
+        "Ctrl+F",
+        EditAction::Find,
+        "find; Enter goes to the next place, Shift+Enter to the one before",
+    ),
     letter(
         "g",
         "Ctrl+G or F3",
-        Command::FindNext { forward: true },
+        EditAction::FindNext { forward: true },
         "find the next one; with Shift the one before",
     ),
-    named(NamedKey::F3, NONE, "", Command::FindNext { forward: true }, ""),
-    letter("/", "Ctrl+/", Command::ToggleComment, "leave lines out as comments, or bring them back"),
-    named(NamedKey::Space, CTRL, "Ctrl+Space", Command::Propose, "propose what may be written; Tab takes it"),
-    letter("p", "Ctrl+P", Command::MakeParam, "make a parameter with a slider of the number at the cursor"),
+    named(NamedKey::F3, NONE, "", EditAction::FindNext { forward: true }, ""),
+    letter("/", "Ctrl+/", EditAction::ToggleComment, "leave lines out as comments, or bring them back"),
+    named(
+        NamedKey::Space,
+        CTRL,
+        "Ctrl+Space",
+        EditAction::Propose,
+        "propose what may be written; Tab takes it",
+    ),
+    letter(
+        "p",
+        "Ctrl+P",
+        EditAction::MakeParam,
+        "make a parameter with a slider of the number at the cursor",
+    ),
     named(
         NamedKey::ArrowUp,
         ALT,
         "Alt+Up, Alt+Down",
-        Command::TurnNumber { up: true },
+        EditAction::TurnNumber { up: true },
         "turn the number at the cursor; with Shift finely. Dragging its grip, or it with Alt, does the same",
     ),
-    named(NamedKey::ArrowDown, ALT, "", Command::TurnNumber { up: false }, ""),
-    letter("e", "Ctrl+E or F8", Command::NextMistake, "go to the next mistake"),
-    named(NamedKey::F8, NONE, "", Command::NextMistake, ""),
+    named(NamedKey::ArrowDown, ALT, "", EditAction::TurnNumber { up: false }, ""),
+    letter("e", "Ctrl+E or F8", EditAction::NextMistake, "go to the next mistake"),
+    named(NamedKey::F8, NONE, "", EditAction::NextMistake, ""),
     named(
         NamedKey::Tab,
         CTRL,
         "Ctrl+Tab",
-        Command::NextText,
+        EditAction::NextText,
         "the next text of this scene: those that it includes",
     ),
-    letter("l", "Ctrl+L", Command::Light, "light up in the picture what the line at the cursor makes"),
-    letter("k", "Ctrl+K", Command::Profile, "show what each object costs"),
+    letter("l", "Ctrl+L", EditAction::Light, "light up in the picture what the line at the cursor makes"),
+    letter("k", "Ctrl+K", EditAction::Profile, "show what each object costs"),
     letter(
         "1",
         "Ctrl+1",
-        Command::Answer { first: true },
+        EditAction::Answer { first: true },
         "the first answer to what is asked above the text",
     ),
-    letter("2", "Ctrl+2", Command::Answer { first: false }, "the second answer"),
-    letter("n", "Ctrl+N", Command::New, "begin a new scene"),
+    letter("2", "Ctrl+2", EditAction::Answer { first: false }, "the second answer"),
+    letter("n", "Ctrl+N", EditAction::New, "begin a new scene"),
     named(
         NamedKey::Escape,
         NONE,
         "Esc",
-        Command::Leave,
+        EditAction::Leave,
         "close what is open, then the editor; nothing is lost",
     ),
 ];
@@ -152,20 +173,20 @@ pub fn written_rows() -> impl Iterator<Item = &'static Row> {
 }
 
 /// What a key asks for with what is held, if it has a meaning of its own. Where the keyboard has other letters, the
-/// key's place counts.
-pub(super) fn command_of(key: &Key, physical: PhysicalKey, held: ModifiersState) -> Option<Command> {
+/// key's place counts: `latin` is the letter that it has elsewhere.
+pub(super) fn action_of(key: &Key, latin: Option<char>, held: Modifiers) -> Option<EditAction> {
     let shift = held.shift_key();
-    let mut held = held - ModifiersState::SHIFT;
+    let mut held = held - Modifiers::SHIFT;
     // What Ctrl does elsewhere, Command does on a Mac.
-    if held == ModifiersState::SUPER && cfg!(target_os = "macos") {
+    if held == Modifiers::SUPER && cfg!(target_os = "macos") {
         held = CTRL;
     }
     let lower = match key {
         Key::Character(text) => text.to_lowercase(),
         _ => String::new(),
     };
-    let latin = if lower.is_ascii() { None } else { letter_at(physical) };
-    let letter = latin.unwrap_or(&lower);
+    let latin = latin.filter(|_| !lower.is_ascii()).map(String::from);
+    let letter = latin.unwrap_or(lower);
     let row = ROWS.iter().find(|row| {
         row.held == held
             && match (&row.key, key) {
@@ -174,38 +195,15 @@ pub(super) fn command_of(key: &Key, physical: PhysicalKey, held: ModifiersState)
                 _ => false,
             }
     })?;
-    Some(match (row.command, shift) {
-        (Command::Undo, true) => Command::Redo,
-        (Command::FindNext { .. }, true) => Command::FindNext { forward: false },
-        (command, _) => command,
+    Some(match (row.action, shift) {
+        (EditAction::Undo, true) => EditAction::Redo,
+        (EditAction::FindNext { .. }, true) => EditAction::FindNext { forward: false },
+        (action, _) => action,
     })
 }
 
-/// The letter that a key has on a keyboard with Latin letters.
-fn letter_at(physical: PhysicalKey) -> Option<&'static str> {
-    let PhysicalKey::Code(code) = physical else { return None };
-    let keys = [
-        (KeyCode::KeyS, "s"),
-        (KeyCode::KeyZ, "z"),
-        (KeyCode::KeyY, "y"),
-        (KeyCode::KeyC, "c"),
-        (KeyCode::KeyX, "x"),
-        (KeyCode::KeyV, "v"),
-        (KeyCode::KeyA, "a"),
-        (KeyCode::KeyF, "f"),
-        (KeyCode::KeyG, "g"),
-        (KeyCode::KeyP, "p"),
-        (KeyCode::KeyE, "e"),
-        (KeyCode::KeyN, "n"),
-        (KeyCode::KeyL, "l"),
-        (KeyCode::KeyK, "k"),
-        (KeyCode::Slash, "/"),
-    ];
-    keys.into_iter().find(|(known, _)| *known == code).map(|(_, letter)| letter)
-}
-
 /// Where a key moves the cursor; `rows` lines are a page.
-pub(super) fn way_of(key: &Key, held: ModifiersState, rows: usize) -> Option<Move> {
+pub(super) fn way_of(key: &Key, held: Modifiers, rows: usize) -> Option<Move> {
     let (Key::Named(named), word) = (key, held.control_key()) else { return None };
     Some(match named {
         NamedKey::ArrowLeft if word => Move::WordLeft,
@@ -245,13 +243,12 @@ mod tests {
     #[test]
     fn letters_of_other_keyboards_are_taken_by_their_place() {
         let key = |text: &str| Key::Character(text.into());
-        let at = |code| PhysicalKey::Code(code);
-        assert_eq!(command_of(&key("s"), at(KeyCode::KeyO), CTRL), Some(Command::Save));
-        assert_eq!(command_of(&key("ы"), at(KeyCode::KeyS), CTRL), Some(Command::Save));
-        assert_eq!(command_of(&key("S"), at(KeyCode::KeyS), NONE), None);
-        let shift = CTRL | ModifiersState::SHIFT;
-        assert_eq!(command_of(&key("Z"), at(KeyCode::KeyZ), shift), Some(Command::Redo));
-        assert_eq!(command_of(&key("s"), at(KeyCode::KeyS), CTRL | ALT), None);
+        assert_eq!(action_of(&key("s"), None, CTRL), Some(EditAction::Save));
+        assert_eq!(action_of(&key("ы"), Some('s'), CTRL), Some(EditAction::Save));
+        assert_eq!(action_of(&key("S"), Some('s'), NONE), None);
+        let shift = CTRL | Modifiers::SHIFT;
+        assert_eq!(action_of(&key("Z"), Some('z'), shift), Some(EditAction::Redo));
+        assert_eq!(action_of(&key("s"), Some('s'), CTRL | ALT), None);
     }
 
     #[test]

@@ -18,12 +18,11 @@ mod turning;
 
 use std::io;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
-pub(crate) use acting::Press;
 pub(crate) use document::{Document, Marked, Owner, Question};
-pub use keys::Command;
+pub use keys::EditAction;
 use mariana_editing::{About, TurnSpeed};
 pub(crate) use portraits::{Portrait, SIDE as PORTRAIT_SIDE};
 pub(crate) use probed::Light;
@@ -31,6 +30,7 @@ pub(crate) use proposing::Proposing;
 use turning::Turn;
 
 use super::clipboard::Clipboard;
+use crate::commands::{Command, Panel};
 use crate::documents::{Clerk, KeptTexts};
 use crate::scenes::{Drafts, Findings, SceneSource};
 
@@ -39,27 +39,9 @@ const ANSWER_STAYS: Duration = Duration::from_secs(6);
 /// How long the end of the program waits for texts to be kept.
 const KEEP_LIMIT: Duration = Duration::from_secs(3);
 
-/// What the editor wants of the show.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Effect {
-    /// The scene is loaded again, with the drafts.
-    Reload,
-    /// This scene is shown.
-    Show(SceneSource),
-    /// The numbers whose digits begin at these bytes of a file's text, as it was last loaded, have these values.
-    Turn {
-        /// The file.
-        file: PathBuf,
-        /// The bytes and the values.
-        values: Vec<(usize, f32)>,
-    },
-    /// The editor closes.
-    Close,
-}
-
 /// What the pointer asks of the editor. Places are bytes of the text that shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum EditorRequest {
+pub enum EditorEvent {
     /// The pointer was pressed at a place.
     Press {
         /// The place.
@@ -104,8 +86,8 @@ pub enum EditorRequest {
         /// The columns.
         columns: usize,
     },
-    /// What a key asks for, too.
-    Do(Command),
+    /// What a key does, too.
+    Act(EditAction),
     /// To show another text of the scene.
     ShowText(usize),
     /// To go to what made the point of the picture that was clicked.
@@ -127,6 +109,9 @@ pub enum EditorRequest {
         first: bool,
     },
 }
+
+/// Closes the editor.
+const CLOSE: Command = Command::TogglePanel(Panel::Editor);
 
 /// What is looked for.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
@@ -163,7 +148,8 @@ pub struct Editor {
     picked: Option<usize>,
     /// What it knows of the picture.
     picture: probed::Picture,
-    effects: Vec<Effect>,
+    /// Commands that wait to be sent.
+    commands: Vec<Command>,
     answer: Option<(String, Instant)>,
     /// Lines and columns that show.
     rows: usize,
@@ -207,7 +193,7 @@ impl Editor {
             turn: None,
             picked: None,
             picture: probed::Picture::default(),
-            effects: Vec::new(),
+            commands: Vec::new(),
             answer: None,
             rows: 20,
             columns: 60,
@@ -318,9 +304,9 @@ impl Editor {
         }
     }
 
-    /// What the editor wants of the show since the last call.
-    pub(super) fn take_effects(&mut self) -> Vec<Effect> {
-        std::mem::take(&mut self.effects)
+    /// Returns the commands that the editor has sent since the last call.
+    pub(super) fn take_commands(&mut self) -> Vec<Command> {
+        std::mem::take(&mut self.commands)
     }
 
     /// Keeps what is not saved: the program ends.

@@ -7,10 +7,11 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
+use crate::input::{Key, KeyPress, Modifiers, NamedKey};
 use tempfile::TempDir;
-use winit::keyboard::{Key, KeyCode, ModifiersState, NamedKey, NativeKeyCode, PhysicalKey};
 
 use super::*;
+use crate::commands::TurnedNumbers;
 use crate::documents::OnDisk;
 use crate::scenes::{NumberEdits, TextureCache};
 
@@ -23,7 +24,7 @@ struct Desk {
     woken: Receiver<()>,
     edits: NumberEdits,
     /// What the show was asked for since it was looked at.
-    effects: Vec<Effect>,
+    commands: Vec<Command>,
 }
 
 impl Desk {
@@ -39,7 +40,7 @@ impl Desk {
         let kept = KeptTexts::in_folder(&folder.path().join("state"));
         let editor =
             Editor::start(Drafts::default(), kept, move || wake.send(()).unwrap_or_default()).unwrap();
-        let mut desk = Self { folder, editor, woken, edits: NumberEdits::default(), effects: Vec::new() };
+        let mut desk = Self { folder, editor, woken, edits: NumberEdits::default(), commands: Vec::new() };
         desk.editor.set_focus(true);
         desk.editor.ignores_repeats = false;
         let source = desk.source();
@@ -61,7 +62,7 @@ impl Desk {
         let start = Instant::now();
         loop {
             self.editor.update();
-            self.effects.extend(self.editor.take_effects());
+            self.commands.extend(self.editor.take_commands());
             if is_there(&self.editor) {
                 return;
             }
@@ -70,13 +71,13 @@ impl Desk {
         }
     }
 
-    fn effects(&mut self) -> Vec<Effect> {
-        self.effects.extend(self.editor.take_effects());
-        std::mem::take(&mut self.effects)
+    fn commands(&mut self) -> Vec<Command> {
+        self.commands.extend(self.editor.take_commands());
+        std::mem::take(&mut self.commands)
     }
 
     fn reloads(&mut self) -> usize {
-        self.effects().into_iter().filter(|effect| *effect == Effect::Reload).count()
+        self.commands().into_iter().filter(|command| *command == Command::ReloadScene).count()
     }
 
     /// Does what the loader does; returns whether the scene can be drawn.
@@ -88,33 +89,27 @@ impl Desk {
         result.is_ok()
     }
 
-    fn key(&mut self, key: Key, held: ModifiersState) -> bool {
+    fn key(&mut self, key: Key, held: Modifiers) -> bool {
         let text = match &key {
-            Key::Character(text) => Some(text.to_string()),
+            Key::Character(text) => Some(text.clone()),
             _ => None,
         };
-        self.editor.take_key(&Press {
-            key: &key,
-            physical: PhysicalKey::Unidentified(NativeKeyCode::Unidentified),
-            text: text.as_deref(),
-            held,
-            repeat: false,
-        })
+        self.editor.take_key(&KeyPress { key, latin: None, text, repeat: false }, held)
     }
 
     fn ctrl(&mut self, letter: &str) {
-        assert!(self.key(Key::Character(letter.into()), ModifiersState::CONTROL));
+        assert!(self.key(Key::Character(letter.into()), Modifiers::CONTROL));
     }
 
     fn named(&mut self, named: NamedKey) -> bool {
-        self.key(Key::Named(named), ModifiersState::empty())
+        self.key(Key::Named(named), Modifiers::empty())
     }
 
     fn type_text(&mut self, text: &str) {
         for letter in text.chars() {
             match letter {
                 '\n' => self.named(NamedKey::Enter),
-                letter => self.key(Key::Character(letter.to_string().into()), ModifiersState::empty()),
+                letter => self.key(Key::Character(letter.to_string()), Modifiers::empty()),
             };
         }
     }
@@ -131,7 +126,7 @@ impl Desk {
     fn go_to(&mut self, part: &str) {
         let bytes = self.editor.document().unwrap().editing.buffer().bytes();
         let at = bytes.windows(part.len()).position(|bytes| bytes == part.as_bytes()).unwrap();
-        self.editor.obey(EditorRequest::Press { at, clicks: 1, select: false });
+        self.editor.obey(EditorEvent::Press { at, clicks: 1, select: false });
     }
 
     fn asked(&self) -> Option<&Question> {
@@ -254,18 +249,18 @@ fn while_a_number_is_turned_no_text_is_read() {
     let mut desk = Desk::new(BALL.as_bytes());
     assert!(desk.load());
     let at = BALL.find("0.5").unwrap();
-    desk.editor.obey(EditorRequest::Grab(at + 1));
+    desk.editor.obey(EditorEvent::Grab(at + 1));
     assert_eq!(desk.reloads(), 1, "once, to make it an input");
     assert!(desk.load());
     for _ in 0..50 {
-        desk.editor.obey(EditorRequest::Turn { points: 2.0, speed: TurnSpeed::Usual });
+        desk.editor.obey(EditorEvent::Turn { points: 2.0, speed: TurnSpeed::Usual });
     }
-    let effects = desk.effects();
-    assert_eq!(effects.len(), 50, "no text is read: {effects:?}");
-    let last = Effect::Turn { file: desk.file(), values: vec![(at, 0.7)] };
-    assert_eq!(effects.last(), Some(&last));
+    let commands = desk.commands();
+    assert_eq!(commands.len(), 50, "no text is read: {commands:?}");
+    let last = Command::TurnNumbers(TurnedNumbers { file: desk.file(), values: vec![(at, 0.7)] });
+    assert_eq!(commands.last(), Some(&last));
     assert_eq!(desk.text(), BALL.replace("0.5", "0.7"));
-    desk.editor.obey(EditorRequest::LetGo);
+    desk.editor.obey(EditorEvent::LetGo);
     assert_eq!(desk.reloads(), 1, "the text holds again");
     assert!(desk.load());
     assert_eq!(desk.editor.findings.as_ref().unwrap().numbers, [0_usize; 0]);
@@ -277,43 +272,43 @@ fn while_a_number_is_turned_no_text_is_read() {
 fn a_hand_that_leaves_the_room_of_a_number_goes_on_in_another() {
     let mut desk = Desk::new(BALL.as_bytes());
     let at = BALL.find("0.5").unwrap();
-    desk.editor.obey(EditorRequest::Grab(at));
+    desk.editor.obey(EditorEvent::Grab(at));
     assert!(desk.load());
     assert_eq!(desk.reloads(), 1);
-    desk.editor.obey(EditorRequest::Turn { points: 200.0, speed: TurnSpeed::Coarse });
+    desk.editor.obey(EditorEvent::Turn { points: 200.0, speed: TurnSpeed::Coarse });
     assert_eq!((desk.text(), desk.reloads()), (BALL.replace("0.5", "4.5"), 1));
     assert!(desk.load());
-    desk.editor.obey(EditorRequest::Turn { points: 100.0, speed: TurnSpeed::Usual });
-    let effects = desk.effects();
-    let is = |effects: &[Effect], at: usize, wanted: f32| match effects {
-        [Effect::Turn { values, .. }] => {
+    desk.editor.obey(EditorEvent::Turn { points: 100.0, speed: TurnSpeed::Usual });
+    let commands = desk.commands();
+    let is = |commands: &[Command], at: usize, wanted: f32| match commands {
+        [Command::TurnNumbers(TurnedNumbers { values, .. })] => {
             matches!(values[..], [(digits, value)] if digits == at && (value - wanted).abs() < 1e-5)
         }
         _ => false,
     };
-    assert!(is(&effects, at, 4.7), "{effects:?}");
+    assert!(is(&commands, at, 4.7), "{commands:?}");
     // Below nothing it has a sign of its own, and the digits stand behind it.
-    desk.editor.obey(EditorRequest::Turn { points: -400.0, speed: TurnSpeed::Coarse });
+    desk.editor.obey(EditorEvent::Turn { points: -400.0, speed: TurnSpeed::Coarse });
     assert_eq!(desk.text(), BALL.replace("0.5", "-3.3"));
     assert!(desk.load());
     assert_eq!(desk.editor.findings.as_ref().unwrap().numbers, [at + 1]);
-    let _ = desk.effects();
-    desk.editor.obey(EditorRequest::Turn { points: 50.0, speed: TurnSpeed::Usual });
-    let effects = desk.effects();
-    assert!(is(&effects, at + 1, 3.2), "{effects:?}");
+    let _ = desk.commands();
+    desk.editor.obey(EditorEvent::Turn { points: 50.0, speed: TurnSpeed::Usual });
+    let commands = desk.commands();
+    assert!(is(&commands, at + 1, 3.2), "{commands:?}");
 }
 
 #[test]
 fn a_number_on_which_the_meaning_depends_is_read_each_time() {
     let text = "object o { shape = length(p) - sum(for i in 0..4: 0.1) }";
     let mut desk = Desk::new(text.as_bytes());
-    desk.editor.obey(EditorRequest::Grab(text.find("4:").unwrap()));
+    desk.editor.obey(EditorEvent::Grab(text.find("4:").unwrap()));
     assert!(desk.load());
-    let _ = desk.effects();
-    desk.editor.obey(EditorRequest::Turn { points: 24.0, speed: TurnSpeed::Usual });
+    let _ = desk.commands();
+    desk.editor.obey(EditorEvent::Turn { points: 24.0, speed: TurnSpeed::Usual });
     assert_eq!((desk.text(), desk.reloads()), (text.replace("4:", "6:"), 1));
     assert!(desk.load());
-    desk.editor.obey(EditorRequest::LetGo);
+    desk.editor.obey(EditorEvent::LetGo);
     assert_eq!(desk.text(), text.replace("4:", "6:"));
 }
 
@@ -323,9 +318,9 @@ fn keys_turn_numbers_and_make_parameters_of_them() {
         b"# A ball.\nmaterial m { roughness = 0.3 }\nobject o { shape = length(p) - 1  material = m }\n",
     );
     desk.go_to("0.3");
-    assert!(desk.key(Key::Named(NamedKey::ArrowUp), ModifiersState::ALT));
+    assert!(desk.key(Key::Named(NamedKey::ArrowUp), Modifiers::ALT));
     assert!(desk.text().contains("roughness = 0.32"), "{}", desk.text());
-    assert!(desk.key(Key::Named(NamedKey::ArrowDown), ModifiersState::ALT | ModifiersState::SHIFT));
+    assert!(desk.key(Key::Named(NamedKey::ArrowDown), Modifiers::ALT | Modifiers::SHIFT));
     assert!(desk.text().contains("roughness = 0.318"), "{}", desk.text());
     desk.ctrl("p");
     assert_eq!(
@@ -362,9 +357,12 @@ fn proposals_come_while_one_types_and_tab_takes_them() {
     assert!(desk.text().contains(&format!("\n{second}")), "{}", desk.text());
     desk.type_text(" bo");
     assert!(desk.named(NamedKey::Escape) && desk.editor.proposing().is_none());
-    assert!(desk.effects().iter().all(|effect| *effect == Effect::Reload), "Esc has closed the list only");
+    assert!(
+        desk.commands().iter().all(|command| *command == Command::ReloadScene),
+        "Esc has closed the list only"
+    );
     desk.named(NamedKey::Escape);
-    assert_eq!(desk.effects(), [Effect::Close]);
+    assert_eq!(desk.commands(), [CLOSE]);
 }
 
 #[test]
@@ -423,7 +421,7 @@ fn words_are_found_from_key_to_key() {
     desk.named(NamedKey::F3);
     assert_eq!(selected(&desk), 4..7, "around the end");
     desk.named(NamedKey::Escape);
-    assert!(desk.effects().is_empty() && desk.editor.find_line().is_none());
+    assert!(desk.commands().is_empty() && desk.editor.find_line().is_none());
     desk.type_text("2");
     assert_eq!(desk.text(), "one 2\ntwo one\n");
 }
@@ -433,17 +431,13 @@ fn the_key_that_opened_the_editor_is_not_typed_while_it_is_held() {
     let mut desk = Desk::new(b"y");
     desk.editor.set_focus(false);
     desk.editor.set_focus(true);
-    let key = Key::Character("e".into());
-    let press = |repeat| Press {
-        key: &key,
-        physical: PhysicalKey::Code(KeyCode::KeyE),
-        text: Some("e"),
-        held: ModifiersState::empty(),
-        repeat,
-    };
-    assert!(desk.editor.take_key(&press(true)));
+    let key = Key::Character("e".to_owned());
+    let press = |repeat| KeyPress { key: key.clone(), latin: Some('e'), text: Some("e".to_owned()), repeat };
+    let mut take = |repeat| desk.editor.take_key(&press(repeat), Modifiers::empty());
+    assert!(take(true));
     assert_eq!(desk.text(), "y");
-    assert!(desk.editor.take_key(&press(false)) && desk.editor.take_key(&press(true)));
+    let mut take = |repeat| desk.editor.take_key(&press(repeat), Modifiers::empty());
+    assert!(take(false) && take(true));
     assert_eq!(desk.text(), "eey");
     // Keys without letters are the show's.
     assert!(!desk.named(NamedKey::F11) && !desk.named(NamedKey::MediaPlayPause));

@@ -8,10 +8,11 @@
 use std::ops::Range;
 use std::path::PathBuf;
 
+use crate::commands::{Command, TurnedNumbers};
 use mariana_editing::{Number, TurnSpeed, numbers_before};
 use mariana_field::lang::Turning;
 
-use super::{Editor, Effect};
+use super::Editor;
 use crate::scenes::Findings;
 
 /// Points of the hand for a key.
@@ -142,7 +143,7 @@ impl Editor {
         let since = self.drafts.turn(Some((&turn.file, &turning)));
         document.note_sent(since);
         turn.held = Some(Held { inputs, since });
-        self.effects.push(Effect::Reload);
+        self.commands.push(Command::ReloadScene);
     }
 
     /// Turns the number by so many points of the hand.
@@ -190,7 +191,7 @@ impl Editor {
             inputs.map(|(input, value)| (*input, digits_value(*value, input.negated))).collect();
         if of_frame.iter().all(|(input, value)| (input.room.0..=input.room.1).contains(value)) {
             let values = of_frame.into_iter().map(|(input, value)| (input.digits, value)).collect();
-            self.effects.push(Effect::Turn { file, values });
+            self.commands.push(Command::TurnNumbers(TurnedNumbers { file, values }));
         } else {
             // Read with the new text, as numbers that go on from there.
             let places: Vec<usize> = held.inputs.iter().map(|input| input.place).collect();
@@ -225,7 +226,7 @@ impl Editor {
             false => self.drafts.remove(file),
         };
         document.note_sent(version);
-        self.effects.push(Effect::Reload);
+        self.commands.push(Command::ReloadScene);
     }
 
     /// Lets go of the number: the text holds from now on.

@@ -1,9 +1,8 @@
 //! Hands from outside: what devices and networks wish for, and what the show tells them.
 //!
-//! Everything that a hand can do stands in one table ([`deeds`]). What hands wish for comes in by [`Wishes`], the newest
+//! Everything that a hand can do stands in the table of commands. What hands wish for comes in by [`Wishes`], the newest
 //! value of each parameter; the show takes it once for each picture.
 
-pub(super) mod deeds;
 mod midi;
 mod network;
 pub mod page;
@@ -18,14 +17,13 @@ use panel::HandFacts;
 use phone::Phones;
 
 use super::frame_times::FrameTimes;
-use super::overlay::Slider;
-use super::scene_stage::SceneStage;
-use super::window_thread::Waker;
 use crate::config::{HandSettings, KnobEdit};
 use crate::scenes::SceneSource;
+use crate::session::scene::SceneSession;
+use crate::session::waker::Waker;
 use crate::thumbnails::Looked;
 use mariana_control::midi::{ClockReading, KnobMove, Outcome, Target};
-use mariana_control::{Board, Heard, Present, PresentParam, Wishes};
+use mariana_control::{Board, Heard, Present, PresentParam, Slider, Wishes};
 use mariana_music::{Features, SongMoment};
 
 /// How often wishes are taken at most: a flood must not keep the show from drawing.
@@ -154,7 +152,7 @@ impl Hands {
     pub(super) fn take_knobs(
         &mut self,
         knobs: &[KnobMove],
-        scene: &SceneStage,
+        scene: &SceneSession,
     ) -> (Vec<Outcome>, Option<String>) {
         (self.midi.take(knobs, scene), self.midi.finish_learning())
     }

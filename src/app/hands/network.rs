@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use super::deeds;
-use crate::app::window_thread::Waker;
+use crate::commands;
 use crate::config::HandSettings;
+use crate::session::waker::Waker;
 use mariana_control::osc::{OscReceiver, OscSender, ReceiverState, Sample};
 use mariana_control::{Board, Wishes};
 use mariana_field::graph::SoundInput;
@@ -36,7 +36,8 @@ impl Network {
             move || waker.wake()
         };
         let receiver = settings.osc.clone().and_then(|place| {
-            let started = OscReceiver::start(place, deeds::table(), wishes.clone(), board.clone(), wake());
+            let started =
+                OscReceiver::start(place, commands::for_controllers(), wishes.clone(), board.clone(), wake());
             started.map_err(&mut no_thread).ok()
         });
         let sender = settings.osc_send.clone().and_then(|place| {

@@ -1,7 +1,7 @@
 //! The tables of docs/osc.md: addresses as the program understands them.
 
-use super::deeds;
 use crate::app::hands::network::sent_addresses;
+use crate::commands;
 use mariana_control::deed::Takes;
 use mariana_control::osc::fixed_addresses;
 
@@ -17,7 +17,7 @@ pub fn address_table() -> String {
 /// The actions as rows of Markdown.
 pub fn action_table() -> String {
     let mut text = String::from("| address | arguments | what it does |\n|---|---|---|\n");
-    for row in deeds::table() {
+    for row in commands::for_controllers() {
         let arguments = match row.takes {
             Takes::Press => "",
             Takes::Switch => "1 on, 0 off; without one it changes over",

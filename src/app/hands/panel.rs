@@ -8,12 +8,14 @@ mod tests;
 
 use std::sync::Arc;
 
-use winit::keyboard::{Key, NamedKey};
+use crate::input::{Key, NamedKey};
 
 use super::phone::PhoneFacts;
 use rows::rows_of;
 
-use crate::app::overlay::Slider;
+use crate::commands::Command;
+use crate::config::KnobEdit;
+use mariana_control::Slider;
 use mariana_control::midi::{Curve, Mapping, MidiState, Target};
 use mariana_remote::Invitation;
 
@@ -56,21 +58,6 @@ pub enum HandRow {
         /// Where the parameter stands, 0..1, if it is one of the scene on the stage.
         stands: Option<f32>,
     },
-}
-
-/// What is asked of the panel.
-#[derive(Debug, Clone, PartialEq)]
-pub enum HandsRequest {
-    /// To learn what turns this, or to stop.
-    Learn(Target),
-    /// To change the first mapping into the second.
-    Change(Mapping, Mapping),
-    /// To forget a mapping.
-    Remove(Mapping),
-    /// To let a device's clock set the tempo, or not.
-    Clock(bool),
-    /// To close the panel.
-    Close,
 }
 
 /// What can be changed of a mapping, from the left.
@@ -119,8 +106,8 @@ impl Field {
         }
     }
 
-    /// What a click or Enter on it asks for, where the parameter stands there.
-    pub fn request(self, mapping: &Mapping, stands: Option<f32>) -> Option<HandsRequest> {
+    /// The command that a click or Enter on it sends, where the parameter stands there.
+    pub fn request(self, mapping: &Mapping, stands: Option<f32>) -> Option<Command> {
         let mut after = mapping.clone();
         let [from, to] = &mut after.range;
         match self {
@@ -130,9 +117,9 @@ impl Field {
             Self::Curve => after.curve = next(&Curve::ALL, after.curve),
             Self::Smoothing => after.smoothing = next(&SMOOTHINGS, after.smoothing),
             Self::PickUp => after.picks_up = !after.picks_up,
-            Self::Remove => return Some(HandsRequest::Remove(after)),
+            Self::Remove => return Some(Command::EditMappings(KnobEdit::Remove(after))),
         }
-        Some(HandsRequest::Change(mapping.clone(), after))
+        Some(Command::EditMappings(KnobEdit::Change(mapping.clone(), after)))
     }
 }
 
@@ -215,8 +202,8 @@ impl HandsPanel {
         }
     }
 
-    /// Takes a key. Returns whether it is the panel's, and what it asks for.
-    pub fn take_key(&mut self, key: &Key) -> (bool, Option<HandsRequest>) {
+    /// Takes a key. Returns whether it is the panel's, and the command that it sends.
+    pub fn take_key(&mut self, key: &Key) -> (bool, Option<Command>) {
         let Key::Named(named) = key else { return (false, None) };
         let row = self.rows.get(self.selected);
         match named {
@@ -235,8 +222,8 @@ impl HandsPanel {
             }
             NamedKey::Enter => {
                 let request = match row {
-                    Some(HandRow::Target { target, .. }) => Some(HandsRequest::Learn(target.clone())),
-                    Some(HandRow::Clock(on)) => Some(HandsRequest::Clock(!on)),
+                    Some(HandRow::Target { target, .. }) => Some(Command::Learn(target.clone())),
+                    Some(HandRow::Clock(on)) => Some(Command::EditMappings(KnobEdit::Clock(!on))),
                     Some(HandRow::Knob { mapping, stands, .. }) => self.field().request(mapping, *stands),
                     Some(HandRow::Words { .. } | HandRow::Phone { .. }) | None => None,
                 };
@@ -244,7 +231,7 @@ impl HandsPanel {
             }
             NamedKey::Delete | NamedKey::Backspace => {
                 let Some(HandRow::Knob { mapping, .. }) = row else { return (true, None) };
-                return (true, Some(HandsRequest::Remove(mapping.clone())));
+                return (true, Some(Command::EditMappings(KnobEdit::Remove(mapping.clone()))));
             }
             _ => return (false, None),
         }

@@ -1,8 +1,8 @@
 //! The page for phones, as the command line wants it.
 
-use super::deeds;
-use crate::app::window_thread::Waker;
+use crate::commands;
 use crate::config::HandSettings;
+use crate::session::waker::Waker;
 use crate::thumbnails::{About, Looked};
 use mariana_control::{Board, Wishes};
 use mariana_remote::{Album, Remote, RemoteState};
@@ -34,7 +34,7 @@ impl Phones {
         let album = Album::default();
         let remote = settings.remote.clone().and_then(|place| {
             let waker = waker.clone();
-            let table = deeds::table_for_phones();
+            let table = commands::for_phones();
             let shown = (board.clone(), album.clone());
             let started = Remote::start(place, table, wishes.clone(), shown, move || waker.wake());
             let words = |error| trouble = Some(format!("phones are not listened to: {error}"));
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn the_buttons_and_sliders_of_the_page_are_actions_of_the_table() {
-        let row = |name: &str| deeds::table_for_phones().iter().find(|row| row.name == name);
+        let row = |name: &str| commands::for_phones().iter().find(|row| row.name == name);
         let buttons = elements("data-do=\"");
         assert!(buttons.len() > 8, "{buttons:?}");
         for (name, rest) in buttons {
@@ -125,11 +125,5 @@ mod tests {
             assert_eq!(row(name).map(|row| row.takes), Some(Takes::Level), "{name}");
         }
         assert!(row("scene").is_some());
-    }
-
-    #[test]
-    fn phones_cause_no_file_to_be_written() {
-        assert!(deeds::table().iter().any(|row| row.name == "record"));
-        assert!(deeds::table_for_phones().iter().all(|row| row.name != "record"));
     }
 }

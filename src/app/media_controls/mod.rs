@@ -14,41 +14,13 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
+use crate::commands::Command;
+use crate::session::desktop::DesktopControls;
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_player::{PlayerStatus, Position};
 
 /// A position is a jump if it differs by more than this from where playback would have come by itself, in seconds.
 const JUMP: f64 = 0.5;
-
-/// What the desktop asks for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Asked {
-    /// Go on (true) or pause.
-    Play(bool),
-    /// Pause or go on.
-    TogglePause,
-    /// The next track, or the previous one.
-    Skip {
-        /// Whether it is the next.
-        forward: bool,
-    },
-    /// Seek by this many seconds.
-    SeekBy(f64),
-    /// Seek to a time of the track, in seconds.
-    SeekTo(f64),
-    /// Set the volume, 0..1.
-    Volume(f32),
-    /// Change what plays after a track.
-    Repeat(Repeat),
-    /// Change to a random order, or to the list's.
-    Shuffle(bool),
-    /// Enter or leave full screen.
-    Fullscreen(bool),
-    /// Show the window in front of others.
-    Raise,
-    /// End the program.
-    Quit,
-}
 
 /// What the desktop may see.
 #[derive(Debug, Clone, PartialEq)]
@@ -102,43 +74,42 @@ impl SharedSeen {
 /// The desktop's controls of this program. See the module.
 pub(super) struct MediaControls {
     seen: SharedSeen,
-    asked: Receiver<Asked>,
+    commands: Receiver<Command>,
     #[cfg(target_os = "linux")]
     changes: mpris::Changes,
 }
 
 impl MediaControls {
-    /// Serves the desktop on another thread, which calls `wake` for each request. Without a `position` it reports 0.
+    /// Serves the desktop on another thread, which calls `wake` for each command. Without a `position` it reports 0.
     pub(super) fn start(position: Option<Position>, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let position: ReadPosition = Arc::new(move || position.as_ref().map_or(0.0, Position::seconds));
         let seen = SharedSeen(Arc::new(Mutex::new(Seen::new())));
-        let (asks, asked) = channel();
-        let ask = move |what| {
-            // After the show's end nobody does what is asked for.
-            if asks.send(what).is_ok() {
+        let (sender, commands) = channel();
+        let send = move |command| {
+            // After the show's end nobody carries it out.
+            if sender.send(command).is_ok() {
                 wake();
             }
         };
         #[cfg(target_os = "linux")]
-        let changes = mpris::serve(seen.clone(), position, ask);
+        let changes = mpris::serve(seen.clone(), position, send);
         #[cfg(not(target_os = "linux"))]
-        drop((position, ask));
+        drop((position, send));
         Self {
             seen,
-            asked,
+            commands,
             #[cfg(target_os = "linux")]
             changes,
         }
     }
+}
 
-    /// What was asked for next, if anything.
-    pub(super) fn poll(&self) -> Option<Asked> {
-        self.asked.try_recv().ok()
+impl DesktopControls for MediaControls {
+    fn poll(&self) -> Option<Command> {
+        self.commands.try_recv().ok()
     }
 
-    /// Reports the state of playback to the desktop. A song that has not `started` is paused: it waits for the first
-    /// picture.
-    pub(super) fn show(&self, status: &PlayerStatus, started: bool, fullscreen: bool) {
+    fn show(&self, status: &PlayerStatus, started: bool, fullscreen: bool) {
         let now = Instant::now();
         let new = Seen {
             track: Some(status.track.clone()),

@@ -9,7 +9,8 @@ use mpris_server::{
 };
 
 use super::super::identity::APP_ID;
-use super::{Asked, ReadPosition, Seen, SharedSeen};
+use super::{ReadPosition, Seen, SharedSeen};
+use crate::commands::{Command, Switch};
 use mariana_player::track::{Repeat, TrackInfo};
 
 /// The program's name on the bus. The process id is appended, because several may run.
@@ -56,10 +57,10 @@ impl Changes {
 pub(super) fn serve(
     seen: SharedSeen,
     position: ReadPosition,
-    ask: impl Fn(Asked) + Send + Sync + 'static,
+    send: impl Fn(Command) + Send + Sync + 'static,
 ) -> Changes {
     let (changes, inbox) = async_channel::bounded(CHANGES_MAX);
-    let player = Offered { seen, position, ask: std::sync::Arc::new(ask) };
+    let player = Offered { seen, position, send: std::sync::Arc::new(send) };
     let started = std::thread::Builder::new().name("media controls".into()).spawn(move || {
         // Without a bus there are no keys, which is no error.
         if let Err(error) = zbus::block_on(run(player, &inbox)) {
@@ -89,7 +90,7 @@ async fn run(player: Offered, inbox: &Receiver<Change>) -> zbus::Result<()> {
 struct Offered {
     seen: SharedSeen,
     position: ReadPosition,
-    ask: std::sync::Arc<dyn Fn(Asked) + Send + Sync>,
+    send: std::sync::Arc<dyn Fn(Command) + Send + Sync>,
 }
 
 fn time(seconds: f64) -> Time {
@@ -134,19 +135,19 @@ fn metadata(seen: &Seen) -> Metadata {
 }
 
 impl Offered {
-    fn asked(&self, what: Asked) -> fdo::Result<()> {
-        (self.ask)(what);
+    fn send(&self, command: Command) -> fdo::Result<()> {
+        (self.send)(command);
         Ok(())
     }
 }
 
 impl RootInterface for Offered {
     async fn raise(&self) -> fdo::Result<()> {
-        self.asked(Asked::Raise)
+        self.send(Command::Raise)
     }
 
     async fn quit(&self) -> fdo::Result<()> {
-        self.asked(Asked::Quit)
+        self.send(Command::Quit)
     }
 
     async fn can_quit(&self) -> fdo::Result<bool> {
@@ -158,7 +159,7 @@ impl RootInterface for Offered {
     }
 
     async fn set_fullscreen(&self, fullscreen: bool) -> zbus::Result<()> {
-        Ok(self.asked(Asked::Fullscreen(fullscreen))?)
+        Ok(self.send(Command::Fullscreen(fullscreen.into()))?)
     }
 
     async fn can_set_fullscreen(&self) -> fdo::Result<bool> {
@@ -192,31 +193,31 @@ impl RootInterface for Offered {
 
 impl PlayerInterface for Offered {
     async fn next(&self) -> fdo::Result<()> {
-        self.asked(Asked::Skip { forward: true })
+        self.send(Command::NextTrack)
     }
 
     async fn previous(&self) -> fdo::Result<()> {
-        self.asked(Asked::Skip { forward: false })
+        self.send(Command::PreviousTrack)
     }
 
     async fn pause(&self) -> fdo::Result<()> {
-        self.asked(Asked::Play(false))
+        self.send(Command::Pause(Switch::On))
     }
 
     async fn play_pause(&self) -> fdo::Result<()> {
-        self.asked(Asked::TogglePause)
+        self.send(Command::Pause(Switch::Toggle))
     }
 
     async fn stop(&self) -> fdo::Result<()> {
-        self.asked(Asked::Play(false))
+        self.send(Command::Pause(Switch::On))
     }
 
     async fn play(&self) -> fdo::Result<()> {
-        self.asked(Asked::Play(true))
+        self.send(Command::Pause(Switch::Off))
     }
 
     async fn seek(&self, offset: Time) -> fdo::Result<()> {
-        self.asked(Asked::SeekBy(seconds(offset)))
+        self.send(Command::SeekBy(seconds(offset)))
     }
 
     async fn set_position(&self, track: TrackId, position: Time) -> fdo::Result<()> {
@@ -226,7 +227,7 @@ impl PlayerInterface for Offered {
         };
         // A position of another track, or beyond the end: to be ignored, says the specification.
         let within = seconds(position) >= 0.0 && length.is_none_or(|length| seconds(position) <= length);
-        if within && current == Some(track) { self.asked(Asked::SeekTo(seconds(position))) } else { Ok(()) }
+        if within && current == Some(track) { self.send(Command::SeekTo(seconds(position))) } else { Ok(()) }
     }
 
     async fn open_uri(&self, _: String) -> fdo::Result<()> {
@@ -242,7 +243,7 @@ impl PlayerInterface for Offered {
     }
 
     async fn set_loop_status(&self, status: LoopStatus) -> zbus::Result<()> {
-        Ok(self.asked(Asked::Repeat(match status {
+        Ok(self.send(Command::Repeat(match status {
             LoopStatus::Playlist => Repeat::All,
             LoopStatus::Track => Repeat::One,
             LoopStatus::None => Repeat::Off,
@@ -255,7 +256,7 @@ impl PlayerInterface for Offered {
 
     async fn set_rate(&self, rate: f64) -> zbus::Result<()> {
         // 0 means pause; other rates are out of range.
-        if rate == 0.0 { Ok(self.asked(Asked::Play(false))?) } else { Ok(()) }
+        if rate == 0.0 { Ok(self.send(Command::Pause(Switch::On))?) } else { Ok(()) }
     }
 
     async fn shuffle(&self) -> fdo::Result<bool> {
@@ -263,7 +264,7 @@ impl PlayerInterface for Offered {
     }
 
     async fn set_shuffle(&self, shuffled: bool) -> zbus::Result<()> {
-        Ok(self.asked(Asked::Shuffle(shuffled))?)
+        Ok(self.send(Command::Shuffle(shuffled.into()))?)
     }
 
     async fn metadata(&self) -> fdo::Result<Metadata> {
@@ -276,7 +277,7 @@ impl PlayerInterface for Offered {
 
     async fn set_volume(&self, volume: f64) -> zbus::Result<()> {
         // The volume is clamped where it is set, and a value that is not a number is silence.
-        Ok(self.asked(Asked::Volume(volume as f32))?)
+        Ok(self.send(Command::Volume(volume as f32))?)
     }
 
     async fn position(&self) -> fdo::Result<Time> {
@@ -330,7 +331,7 @@ mod tests {
         let offered = Offered {
             seen: SharedSeen(Arc::new(Mutex::new(seen))),
             position: Arc::new(|| 2.5),
-            ask: Arc::new(|_| ()),
+            send: Arc::new(|_| ()),
         };
         assert_eq!(zbus::block_on(offered.position()).unwrap(), Time::from_millis(2_500));
     }

@@ -11,11 +11,11 @@ use mariana_music::SongStructure;
 use mariana_player::LoudnessShape;
 use mariana_player::track::Repeat;
 
+use super::events::UiEvent;
 use super::icons::{self, Icon};
 use super::now_playing::{NowPlaying, clock_time};
-use super::requests::{Panel, Request};
 use super::{assisted, style};
-use crate::app::keys::{Action, SEEK_SECONDS, VOLUME_STEP, binding_of};
+use crate::commands::{Command, Panel, SEEK_SECONDS, Switch, VOLUME_STEP};
 use crate::reading_order::isolated;
 
 /// Widest bar, in points.
@@ -98,7 +98,7 @@ impl Hash for Bar<'_> {
 }
 
 /// Draws the bar at the bottom of `space`; returns where it is, and adds what was asked for.
-pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, requests: &mut Vec<Request>) -> Rect {
+pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, events: &mut Vec<UiEvent>) -> Rect {
     let width = space.width().min(WIDTH_MAX);
     let area = style::area(Id::unique("bar"), Order::Middle)
         .pivot(egui::Align2::CENTER_BOTTOM)
@@ -111,8 +111,8 @@ pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, requests
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
             ui.spacing_mut().item_spacing = vec2(BUTTON_GAP, GAP);
             words(ui, bar);
-            seek_rail(ui, bar, requests);
-            buttons(ui, bar, requests);
+            seek_rail(ui, bar, events);
+            buttons(ui, bar, events);
         });
     });
     shown.response.rect
@@ -142,7 +142,7 @@ fn words(ui: &mut Ui, bar: &Bar<'_>) {
 }
 
 /// Where in the track we are, and by a click or a drag where we will be. Of an input it is the level.
-fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
+fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     let full = ui.available_width();
     let (place, response) = ui.allocate_exact_size(vec2(full, RAIL_HEIGHT), Sense::click_and_drag());
     let rail = Rect::from_center_size(place.center(), vec2(full, LINE_HEIGHT));
@@ -166,12 +166,12 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
     painter.circle_filled(knob, if response.hovered() || held { 7.0 } else { 5.0 }, style::ACCENT);
     let (name, position) = ("position in the track in seconds", bar.now.position);
     if let Some(wanted) = assisted::rail(ui, &response, name, position, 0.0..=duration, SEEK_SECONDS) {
-        requests.push(Request::SeekTo(wanted));
+        events.push(UiEvent::Command(Command::SeekTo(wanted)));
     }
     let Some(pointed) = pointed else { return };
     let seconds = f64::from(pointed) * duration;
     if response.clicked() || response.drag_stopped() {
-        requests.push(Request::SeekTo(seconds));
+        events.push(UiEvent::Command(Command::SeekTo(seconds)));
     }
     // The time under the pointer stands above it, within the window.
     let front = ui.ctx().layer_painter(egui::LayerId::new(Order::Tooltip, Id::unique("hover time")));
@@ -237,24 +237,24 @@ fn draw_share(painter: &Painter, rail: Rect, share: f32) {
     painter.rect_filled(passed, LINE_HEIGHT / 2.0, style::ACCENT);
 }
 
-fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
+fn buttons(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     let now = bar.now;
     let right = RIGHT_BUTTONS * (BUTTON + BUTTON_GAP);
     ui.horizontal(|ui| {
         if !now.live {
-            key_button(ui, Icon::Previous, Action::SkipTrack { forward: false }, Lamp::None, requests);
+            key_button(ui, Icon::Previous, Command::PreviousTrack, Lamp::None, events);
         }
         let pause = if now.paused { Icon::Play } else { Icon::Pause };
-        key_button(ui, pause, Action::TogglePause, Lamp::Hidden(now.paused), requests);
+        key_button(ui, pause, Command::Pause(Switch::Toggle), Lamp::Hidden(now.paused), events);
         if !now.live {
-            key_button(ui, Icon::Next, Action::SkipTrack { forward: true }, Lamp::None, requests);
-            key_button(ui, Icon::Shuffle, Action::ToggleShuffle, Lamp::Seen(now.shuffled), requests);
-            repeat_button(ui, now, requests);
+            key_button(ui, Icon::Next, Command::NextTrack, Lamp::None, events);
+            key_button(ui, Icon::Shuffle, Command::Shuffle(Switch::Toggle), Lamp::Seen(now.shuffled), events);
+            repeat_button(ui, now, events);
             let sound = if now.muted { Icon::Muted } else { Icon::Volume };
-            key_button(ui, sound, Action::ToggleMute, Lamp::Hidden(now.muted), requests);
+            key_button(ui, sound, Command::Mute(Switch::Toggle), Lamp::Hidden(now.muted), events);
             let room = ui.available_width() - right;
             if room >= VOLUME_WIDTH.0 {
-                volume(ui, now, room.min(VOLUME_WIDTH.1), requests);
+                volume(ui, now, room.min(VOLUME_WIDTH.1), events);
             }
             let font = style::proportional(style::SMALL_SIZE);
             ui.add_space(6.0);
@@ -269,57 +269,51 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
             key_button(
                 ui,
                 Icon::Fullscreen,
-                Action::ToggleFullscreen,
+                Command::Fullscreen(Switch::Toggle),
                 Lamp::Hidden(bar.fullscreen),
-                requests,
+                events,
             );
-            key_button(ui, Icon::Keys, Action::ToggleHelp, Lamp::Seen(bar.help), requests);
-            panel_button(ui, Icon::Settings, Panel::Settings, bar, requests);
-            key_button(ui, Icon::Sliders, Action::ToggleSliders, Lamp::Seen(bar.sliders), requests);
-            panel_button(ui, Icon::Text, Panel::Editor, bar, requests);
-            panel_button(ui, Icon::Scenes, Panel::Scenes, bar, requests);
-            key_button(ui, Icon::Show, Action::ToggleFollow, Lamp::Seen(bar.follows), requests);
-            let source = panel_button(ui, Icon::Source, Panel::Sources, bar, requests);
+            key_button(ui, Icon::Keys, Command::ToggleHelp, Lamp::Seen(bar.help), events);
+            panel_button(ui, Icon::Settings, Panel::Settings, bar, events);
+            key_button(ui, Icon::Sliders, Command::ToggleSliders, Lamp::Seen(bar.sliders), events);
+            panel_button(ui, Icon::Text, Panel::Editor, bar, events);
+            panel_button(ui, Icon::Scenes, Panel::Scenes, bar, events);
+            key_button(ui, Icon::Show, Command::Follow(Switch::Toggle), Lamp::Seen(bar.follows), events);
+            let source = panel_button(ui, Icon::Source, Panel::Sources, bar, events);
             // How loud it is, under the sign.
             let bottom = source.rect.center_bottom() - vec2(0.0, LEVEL.y);
             draw_share(ui.painter(), Rect::from_center_size(bottom, LEVEL), bar.level.clamp(0.0, 1.0));
             if !now.live {
-                panel_button(ui, Icon::Tracks, Panel::Tracks, bar, requests);
+                panel_button(ui, Icon::Tracks, Panel::Tracks, bar, events);
             }
-            panel_button(ui, Icon::Folder, Panel::Files, bar, requests);
+            panel_button(ui, Icon::Folder, Panel::Files, bar, events);
         });
     });
 }
 
 /// A button that does what a key does, and says which.
-fn key_button(ui: &mut Ui, icon: Icon, action: Action, lamp: Lamp, requests: &mut Vec<Request>) -> Response {
-    let response = button(ui, icon, &words_of(action), lamp);
+fn key_button(ui: &mut Ui, icon: Icon, command: Command, lamp: Lamp, events: &mut Vec<UiEvent>) -> Response {
+    let response = button(ui, icon, &words_of(&command), lamp);
     if response.clicked() {
-        requests.push(Request::Act(action));
+        events.push(UiEvent::Command(command));
     }
     response
 }
 
-/// What a button does, and the key for it.
-pub(super) fn words_of(action: Action) -> String {
-    match (action, binding_of(action)) {
-        (_, Some(binding)) => format!("{} ({})", binding.meaning, binding.written),
-        (Action::TogglePanel(Panel::Sources), None) => {
-            let key = binding_of(Action::ChangeSource).map_or("", |binding| binding.written);
+/// The effect of a button, and the key for it.
+pub(super) fn words_of(command: &Command) -> String {
+    match (command, command.binding()) {
+        (_, Some(binding)) => format!("{} ({})", binding.help, binding.written),
+        (Command::TogglePanel(Panel::Sources), None) => {
+            let key = Command::NextSource.binding().map_or("", |binding| binding.written);
             format!("what is listened to ({key} goes to the next)")
         }
         (_, None) => String::new(),
     }
 }
 
-fn panel_button(
-    ui: &mut Ui,
-    icon: Icon,
-    panel: Panel,
-    bar: &Bar<'_>,
-    requests: &mut Vec<Request>,
-) -> Response {
-    key_button(ui, icon, Action::TogglePanel(panel), Lamp::Seen(bar.open == Some(panel)), requests)
+fn panel_button(ui: &mut Ui, icon: Icon, panel: Panel, bar: &Bar<'_>, events: &mut Vec<UiEvent>) -> Response {
+    key_button(ui, icon, Command::TogglePanel(panel), Lamp::Seen(bar.open == Some(panel)), events)
 }
 
 /// How a button shows its state.
@@ -353,19 +347,19 @@ pub(super) fn button(ui: &mut Ui, icon: Icon, words: &str, lamp: Lamp) -> Respon
 }
 
 /// The button for repeating all tracks, one or none. Its description names the present choice.
-fn repeat_button(ui: &mut Ui, now: &NowPlaying, requests: &mut Vec<Request>) {
+fn repeat_button(ui: &mut Ui, now: &NowPlaying, events: &mut Vec<UiEvent>) {
     let (icon, holds) = match now.repeat {
         Repeat::Off => (Icon::Repeat, "none is repeated"),
         Repeat::All => (Icon::Repeat, "all are repeated"),
         Repeat::One => (Icon::RepeatOne, "one is repeated"),
     };
     let lamp = Lamp::Seen(now.repeat != Repeat::Off);
-    let response = key_button(ui, icon, Action::ChangeRepeat, lamp, requests);
+    let response = key_button(ui, icon, Command::NextRepeat, lamp, events);
     assisted::describe(ui.ctx(), response.id, holds);
 }
 
 /// The volume's rail.
-fn volume(ui: &mut Ui, now: &NowPlaying, width: f32, requests: &mut Vec<Request>) {
+fn volume(ui: &mut Ui, now: &NowPlaying, width: f32, events: &mut Vec<UiEvent>) {
     let (place, response) = ui.allocate_exact_size(vec2(width, BUTTON), Sense::click_and_drag());
     let rail = Rect::from_center_size(place.center(), vec2(width - 14.0, LINE_HEIGHT));
     let volume = if now.muted { 0.0 } else { now.volume };
@@ -373,7 +367,7 @@ fn volume(ui: &mut Ui, now: &NowPlaying, width: f32, requests: &mut Vec<Request>
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on()) {
         shown = ((at.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
         if shown.to_bits() != now.volume.to_bits() || now.muted {
-            requests.push(Request::SetVolume(shown));
+            events.push(UiEvent::Command(Command::Volume(shown)));
         }
     }
     draw_share(ui.painter(), rail, shown);
@@ -381,7 +375,7 @@ fn volume(ui: &mut Ui, now: &NowPlaying, width: f32, requests: &mut Vec<Request>
     ui.painter().circle_filled(knob, if response.hovered() { 6.0 } else { 5.0 }, style::ACCENT);
     let (percent, step) = (100.0 * f64::from(volume), 100.0 * f64::from(VOLUME_STEP));
     if let Some(wanted) = assisted::rail(ui, &response, "volume in percent", percent, 0.0..=100.0, step) {
-        requests.push(Request::SetVolume(wanted as f32 / 100.0));
+        events.push(UiEvent::Command(Command::Volume(wanted as f32 / 100.0)));
     }
     response.on_hover_text(format!("volume {:.0} %", 100.0 * shown));
 }

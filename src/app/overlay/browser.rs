@@ -9,12 +9,13 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 
+use super::events::{SceneListEvent, UiEvent};
 use super::icons::{self, Icon};
-use super::requests::{Request, SceneRequest};
 use super::style;
 use image::RgbaImage;
 
 use crate::app::scene_browser::{SceneBrowser, Tile, TilePicture};
+use crate::commands::{Command, Panel};
 
 /// Narrowest tile, in points; as many stand side by side as fit.
 const TILE_MIN: f32 = 168.0;
@@ -59,7 +60,7 @@ pub(super) fn show(
     space: Rect,
     browser: &SceneBrowser,
     pictures: &mut TilePictures,
-    requests: &mut Vec<Request>,
+    events: &mut Vec<UiEvent>,
 ) -> Rect {
     let width = space.width().min(WIDTH_MAX);
     let area = style::area(Id::unique("scenes"), Order::Foreground)
@@ -68,8 +69,8 @@ pub(super) fn show(
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
             ui.spacing_mut().item_spacing = vec2(GAP, 0.0);
-            heading(ui, browser, requests);
-            tiles(ui, space.height() - 2.0 * style::PADDING.y - 2.0 * LINE, browser, pictures, requests);
+            heading(ui, browser, events);
+            tiles(ui, space.height() - 2.0 * style::PADDING.y - 2.0 * LINE, browser, pictures, events);
             comment(ui, browser);
         });
     });
@@ -77,11 +78,11 @@ pub(super) fn show(
 }
 
 /// What was typed, or what one can do; and how many scenes there are.
-fn heading(ui: &mut Ui, browser: &SceneBrowser, requests: &mut Vec<Request>) {
+fn heading(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));
     if icons::closing_cross(ui, cross, "close the list of scenes") {
-        requests.push(Request::Scenes(SceneRequest::Close));
+        events.push(UiEvent::Command(Command::TogglePanel(Panel::Scenes)));
     }
     let painter = ui.painter();
     let found = match browser.found() {
@@ -115,7 +116,7 @@ fn tiles(
     height: f32,
     browser: &SceneBrowser,
     pictures: &mut TilePictures,
-    requests: &mut Vec<Request>,
+    events: &mut Vec<UiEvent>,
 ) {
     let lane = 10.0;
     let room = ui.available_width() - lane;
@@ -145,7 +146,7 @@ fn tiles(
                 let Some(tile) = browser.tile(place) else { break };
                 let left = line.left() + column as f32 * (width + GAP);
                 let rect = Rect::from_min_size(pos2(left, line.top()), vec2(width, tile_height));
-                draw_tile(ui, rect, tile, place, browser, pictures, requests);
+                draw_tile(ui, rect, tile, place, browser, pictures, events);
             }
         }
     });
@@ -154,7 +155,7 @@ fn tiles(
         shown.any(|tile| matches!(&tile.picture, TilePicture::There(of) if Arc::ptr_eq(of, image)))
     };
     pictures.textures.retain(|_, (image, _)| kept(image));
-    requests.push(Request::Scenes(SceneRequest::Drawn { places: seen, columns }));
+    events.push(UiEvent::Scenes(SceneListEvent::Drawn { places: seen, columns }));
 }
 
 fn draw_tile(
@@ -164,7 +165,7 @@ fn draw_tile(
     place: usize,
     browser: &SceneBrowser,
     pictures: &mut TilePictures,
-    requests: &mut Vec<Request>,
+    events: &mut Vec<UiEvent>,
 ) {
     let picture = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - NAME));
     let response = ui.interact(picture, ui.scope_id().with(("tile", place)), Sense::click());
@@ -212,9 +213,9 @@ fn draw_tile(
         WidgetInfo::selected(egui::Role::CheckBox, true, tile.favourite, format!("mark {}", tile.name))
     });
     if marks.clicked() {
-        requests.push(Request::Scenes(SceneRequest::Mark(place)));
+        events.push(UiEvent::Scenes(SceneListEvent::Mark(place)));
     } else if response.clicked() {
-        requests.push(Request::Scenes(SceneRequest::Show { place, close: response.double_clicked() }));
+        events.push(UiEvent::Scenes(SceneListEvent::Show { place, close: response.double_clicked() }));
     }
     if !tile.comment.is_empty() {
         response.on_hover_text(&tile.comment);

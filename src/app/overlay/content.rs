@@ -14,7 +14,7 @@ use crate::app::scene_browser::SceneBrowser;
 use crate::app::settings_panel::SettingsPanel;
 use crate::app::stage::NextScene;
 use crate::placement::Area;
-use mariana_control::Hand;
+use mariana_control::Slider;
 
 /// What is shown over the picture; every part is optional, and by default there is none.
 #[derive(Debug, Default)]
@@ -90,23 +90,6 @@ pub struct Notice<'a> {
     pub since: Instant,
 }
 
-/// A parameter that the user may move.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Slider {
-    /// Its name in the scene.
-    pub name: String,
-    /// Its value, from `min` to `max`.
-    pub value: f32,
-    /// Its least value.
-    pub min: f32,
-    /// Its greatest value.
-    pub max: f32,
-    /// What a double click brings back.
-    pub default: f32,
-    /// Whose hand turned it last.
-    pub hand: Hand,
-}
-
 /// How long a notice stays before it fades, at least, and for each of its characters.
 const NOTICE_STANDS: Duration = Duration::from_millis(1_600);
 /// See [`NOTICE_STANDS`].
@@ -137,44 +120,6 @@ impl Notice<'_> {
     /// Whether it no longer shows.
     pub fn is_gone(&self, now: Instant) -> bool {
         self.opacity(now) <= 0.0
-    }
-}
-
-impl Slider {
-    /// The value, brought into its range; what is not a number becomes the default.
-    pub(super) fn clamped(&self, value: f32) -> f32 {
-        let value = if value.is_finite() { value } else { self.default };
-        value.max(self.min).min(self.max)
-    }
-
-    /// Where the value stands between `min` and `max`, 0..1.
-    pub(super) fn position_of(&self, value: f32) -> f32 {
-        let position = (value - self.min) / (self.max - self.min);
-        if position.is_finite() { position.clamp(0.0, 1.0) } else { 0.0 }
-    }
-
-    /// The value at a position between `min` (0) and `max` (1).
-    pub(super) fn value_at(&self, position: f32) -> f32 {
-        self.clamped(self.min + position.clamp(0.0, 1.0) * (self.max - self.min))
-    }
-
-    /// Whose hand holds it, where that is neither the text nor the slider itself.
-    pub(super) fn hand_words(&self) -> &'static str {
-        match self.hand {
-            Hand::Text | Hand::Slider => "",
-            other => other.name(),
-        }
-    }
-
-    /// The value with as many digits as a slider can distinguish.
-    pub(in crate::app) fn value_text(&self) -> String {
-        let decimals = match self.max - self.min {
-            span if span >= 200.0 => 0,
-            span if span >= 20.0 => 1,
-            span if span >= 2.0 => 2,
-            _ => 3,
-        };
-        format!("{:.decimals$}", self.value)
     }
 }
 
@@ -257,6 +202,7 @@ impl OverlayContent<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mariana_control::Hand;
 
     #[test]
     fn a_notice_stands_then_fades_then_is_gone() {
@@ -320,22 +266,6 @@ mod tests {
         assert_eq!(
             again.fingerprint(later + Duration::from_secs(5)),
             OverlayContent::default().fingerprint(now)
-        );
-    }
-
-    #[test]
-    fn values_of_sliders_stay_in_their_range() {
-        let slider =
-            |min, max| Slider { name: "x".into(), value: 0.25, min, max, default: 0.5, hand: Hand::Text };
-        let unit = slider(0.0, 1.0);
-        assert_eq!([-1.0, 0.25, 7.0, f32::NAN].map(|value| unit.clamped(value)), [0.0, 0.25, 1.0, 0.5]);
-        assert_eq!([-1.0, 0.25, 2.0].map(|position| slider(-4.0, 4.0).value_at(position)), [-4.0, -2.0, 4.0]);
-        assert_eq!(slider(-4.0, 4.0).position_of(2.0), 0.75);
-        // A range without extent.
-        assert_eq!((slider(1.0, 1.0).position_of(1.0), slider(1.0, 1.0).value_at(0.3)), (0.0, 1.0));
-        assert_eq!(
-            [1.0, 10.0, 100.0, 1_000.0].map(|max| slider(0.0, max).value_text()),
-            ["0.250", "0.25", "0.2", "0"]
         );
     }
 }

@@ -2,9 +2,10 @@
 
 use egui::{Id, LayerId, Order, Rect, Sense, Stroke, WidgetInfo, pos2, vec2};
 
-use super::requests::Request;
+use super::events::UiEvent;
 use super::{assisted, style};
 use crate::app::corner_hands::CornerHands;
+use crate::commands::{Command, MovedCorner};
 
 /// Width and height of what can be grabbed, in points.
 const HOLD: f32 = 44.0;
@@ -19,7 +20,7 @@ pub(super) fn show(
     context: &egui::Context,
     screen: Rect,
     hands: &CornerHands,
-    requests: &mut Vec<Request>,
+    events: &mut Vec<UiEvent>,
 ) -> Vec<Rect> {
     let places = hands.places().map(|[x, y]| {
         pos2(screen.left() + x as f32 * screen.width(), screen.top() + y as f32 * screen.height())
@@ -65,7 +66,7 @@ pub(super) fn show(
                 let share =
                     [(to.x - screen.left()) / screen.width(), (to.y - screen.top()) / screen.height()];
                 let place = hands.on_screen(share.map(f64::from));
-                requests.push(Request::Corner { corner, place, settled });
+                events.push(UiEvent::Command(Command::MoveCorner(MovedCorner { corner, place, settled })));
             }
         });
         grabs.push(grab);

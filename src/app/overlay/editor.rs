@@ -10,11 +10,11 @@ mod text;
 
 use egui::{Id, Order, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::requests::Request;
+use super::events::UiEvent;
 use super::rooms::Rooms;
 use super::{assisted, icons, style};
 use crate::app::editor::keys::written_rows;
-use crate::app::editor::{Command, Document, Editor, EditorRequest, Owner, Question};
+use crate::app::editor::{Document, EditAction, Editor, EditorEvent, Owner, Question};
 
 /// Share of the window's width that the editor takes, and its least and greatest width in points.
 const WIDTH_SHARE: f32 = 0.56;
@@ -35,7 +35,7 @@ pub(super) fn show(
     context: &egui::Context,
     rooms: &Rooms,
     editor: &Editor,
-    requests: &mut Vec<Request>,
+    events: &mut Vec<UiEvent>,
 ) -> Vec<Rect> {
     let space = rooms.main;
     let share = if rooms.is_desk { 1.0 } else { WIDTH_SHARE };
@@ -45,7 +45,7 @@ pub(super) fn show(
     let lines = editor.document().map_or(0, |document| document.editing.buffer().line_count());
     let wanted = (lines + 2).max(LINES_MIN) as f32 * text::cell(&font).y + AROUND;
     let rect = Rect::from_min_size(space.min, vec2(width, wanted.min(space.height())));
-    let mut ask = |request| requests.push(Request::Editor(request));
+    let mut ask = |request| events.push(UiEvent::Editor(request));
     let screen = context.viewport_rect();
     light::show(context, screen, editor);
     let area = style::area(Id::unique("editor"), Order::Middle).fixed_pos(rect.min);
@@ -77,12 +77,12 @@ fn header(
     space: Rect,
     editor: &Editor,
     document: &Document,
-    ask: &mut impl FnMut(EditorRequest),
+    ask: &mut impl FnMut(EditorEvent),
 ) -> f32 {
     let line = Rect::from_min_size(space.min, vec2(space.width(), LINE));
     let cross = Rect::from_center_size(pos2(line.right() - 0.5 * LINE, line.center().y), vec2(LINE, LINE));
     if icons::closing_cross(ui, cross, "leave the editor (Esc)") {
-        ask(EditorRequest::Do(Command::Leave));
+        ask(EditorEvent::Act(EditAction::Leave));
     }
     let mut right = cross.left() - 6.0;
     let save = match (&document.owner, document.is_dirty()) {
@@ -90,19 +90,19 @@ fn header(
         (_, true) => Some("save"),
         _ => None,
     };
-    let save = save.map(|words| (words, Command::Save, false));
+    let save = save.map(|words| (words, EditAction::Save, false));
     let (lights, profiles) = editor.switches();
     let others = [
-        ("new", Command::New, false),
-        ("profile", Command::Profile, profiles),
-        ("light up", Command::Light, lights),
+        ("new", EditAction::New, false),
+        ("profile", EditAction::Profile, profiles),
+        ("light up", EditAction::Light, lights),
     ];
     for (words, command, is_on) in save.into_iter().chain(others) {
         let key = written_key(command);
         let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key, is_on);
         right = rect.left() - 6.0;
         if clicked {
-            ask(EditorRequest::Do(command));
+            ask(EditorEvent::Act(command));
         }
     }
     let mut left = line.left();
@@ -122,7 +122,7 @@ fn header(
         let response = ui.interact(rect, Id::unique(("editor tab", number)), Sense::click());
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Tab, true, &tab.name));
         if response.clicked() && !tab.shows {
-            ask(EditorRequest::ShowText(number));
+            ask(EditorEvent::ShowText(number));
         }
         left = rect.right() + 14.0;
         if left > right {
@@ -133,7 +133,7 @@ fn header(
 }
 
 /// What is asked about the text, with its answers; returns where what follows begins.
-fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(EditorRequest)) -> f32 {
+fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(EditorEvent)) -> f32 {
     let (words, first, second) = match &document.question {
         None => return space.top(),
         Some(Question::Kept(_)) => {
@@ -150,11 +150,11 @@ fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(Edit
     let line = Rect::from_min_size(space.min, vec2(space.width(), LINE));
     let mut right = line.right();
     for (words, is_first) in [(second, false), (first, true)] {
-        let key = written_key(Command::Answer { first: is_first });
+        let key = written_key(EditAction::Answer { first: is_first });
         let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key, false);
         right = rect.left() - 6.0;
         if clicked {
-            ask(EditorRequest::Answer { first: is_first });
+            ask(EditorEvent::Answer { first: is_first });
         }
     }
     let font = style::proportional(style::SMALL_SIZE);
@@ -164,8 +164,8 @@ fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(Edit
 }
 
 /// The key for a command, as people write it.
-fn written_key(command: Command) -> &'static str {
-    written_rows().find(|row| row.command == command).map_or("", |row| row.written)
+fn written_key(action: EditAction) -> &'static str {
+    written_rows().find(|row| row.action == action).map_or("", |row| row.written)
 }
 
 /// A button with a word, for which there is a key, too, whose right edge is at a place; returns where it is and whether it was clicked.

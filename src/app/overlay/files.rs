@@ -2,8 +2,8 @@
 
 use egui::{Id, Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
+use super::events::{FileListEvent, UiEvent};
 use super::icons;
-use super::requests::{FileRequest, Request};
 use super::style;
 use crate::app::file_browser::FileBrowser;
 
@@ -20,7 +20,7 @@ pub(super) fn show(
     space: Rect,
     files: &FileBrowser,
     last_selected: &mut Option<usize>,
-    requests: &mut Vec<Request>,
+    events: &mut Vec<UiEvent>,
 ) -> Rect {
     let width = space.width().min(WIDTH_MAX);
     let area = style::area(Id::unique("files"), Order::Foreground)
@@ -29,7 +29,7 @@ pub(super) fn show(
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
             ui.spacing_mut().item_spacing = vec2(6.0, 0.0);
-            let mut ask = |request| requests.push(Request::Files(request));
+            let mut ask = |request| events.push(UiEvent::Files(request));
             heading(ui, files, &mut ask);
             places(ui, files, &mut ask);
             rows(ui, space.height() - 2.0 * style::PADDING.y - 4.0 * ROW, files, last_selected, &mut ask);
@@ -40,11 +40,11 @@ pub(super) fn show(
 }
 
 /// The folder, or what was typed, and the cross.
-fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileRequest)) {
+fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), 1.2 * ROW), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 2.0), vec2(ROW, ROW));
     if icons::closing_cross(ui, cross, "close the list of files") {
-        ask(FileRequest::Close);
+        ask(FileListEvent::Close);
     }
     let words = match files.query() {
         "" => files.folder().display().to_string(),
@@ -56,22 +56,22 @@ fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileRequest)) 
 }
 
 /// Up, the places to begin with, and the folder as a whole.
-fn places(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileRequest)) {
+fn places(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)) {
     ui.horizontal_wrapped(|ui| {
         if word(ui, "up").clicked() {
-            ask(FileRequest::Up);
+            ask(FileListEvent::Up);
         }
         for (index, place) in files.places().iter().enumerate() {
             if word(ui, &place.name).clicked() {
-                ask(FileRequest::EnterPlace(index));
+                ask(FileListEvent::EnterPlace(index));
             }
         }
         ui.add_space(12.0);
         if word(ui, "play this folder").clicked() {
-            ask(FileRequest::OpenFolder { append: false });
+            ask(FileListEvent::OpenFolder { append: false });
         }
         if word(ui, "add it").clicked() {
-            ask(FileRequest::OpenFolder { append: true });
+            ask(FileListEvent::OpenFolder { append: true });
         }
     });
 }
@@ -93,7 +93,7 @@ fn rows(
     height: f32,
     files: &FileBrowser,
     last_selected: &mut Option<usize>,
-    ask: &mut impl FnMut(FileRequest),
+    ask: &mut impl FnMut(FileListEvent),
 ) {
     if let Some(trouble) = files.trouble() {
         let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), 2.0 * ROW), Sense::hover());
@@ -124,7 +124,7 @@ fn rows(
             response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &entry.name));
             if response.clicked() {
                 let append = ui.input(|input| input.modifiers.shift);
-                ask(FileRequest::Open { place, append });
+                ask(FileListEvent::Open { place, append });
             }
         }
     });

@@ -2,11 +2,13 @@
 
 use egui::{Color32, Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
+use super::events::UiEvent;
 use super::icons;
 use super::invitation;
-use super::requests::Request;
 use super::style;
-use crate::app::hands::panel::{Field, HandRow, HandsPanel, HandsRequest};
+use crate::app::hands::panel::{Field, HandRow, HandsPanel};
+use crate::commands::{Command, Panel};
+use crate::config::KnobEdit;
 use mariana_control::midi::Mapping;
 
 /// Widest panel, in points.
@@ -29,7 +31,7 @@ pub(super) fn show(
     space: Rect,
     panel: &HandsPanel,
     last_seen: &mut Option<Seen>,
-    requests: &mut Vec<Request>,
+    events: &mut Vec<UiEvent>,
 ) -> Rect {
     let width = space.width().min(WIDTH_MAX);
     let area = style::area(Id::unique("hands"), Order::Foreground)
@@ -38,7 +40,7 @@ pub(super) fn show(
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
             ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-            let mut ask = |request| requests.push(Request::Hands(request));
+            let mut ask = |command| events.push(UiEvent::Command(command));
             heading(ui, &mut ask);
             let height = (space.height() - 2.0 * style::PADDING.y - LINE).max(LINE);
             let before = last_seen.replace(panel.selected());
@@ -64,11 +66,11 @@ pub(super) fn show(
     shown.response.rect
 }
 
-fn heading(ui: &mut Ui, ask: &mut impl FnMut(HandsRequest)) {
+fn heading(ui: &mut Ui, ask: &mut impl FnMut(Command)) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));
     if icons::closing_cross(ui, cross, "close the knobs") {
-        ask(HandsRequest::Close);
+        ask(Command::TogglePanel(Panel::Controllers));
     }
     let painter = ui.painter();
     let font = style::proportional(style::HEADING_SIZE);
@@ -86,7 +88,7 @@ fn draw_row(
     row: &HandRow,
     is_selected: bool,
     field: Field,
-    ask: &mut impl FnMut(HandsRequest),
+    ask: &mut impl FnMut(Command),
 ) -> Response {
     match row {
         HandRow::Words { text, is_bad } => {
@@ -107,7 +109,7 @@ fn draw_row(
             );
             response.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, *on, name));
             if response.clicked() {
-                ask(HandsRequest::Clock(!on));
+                ask(Command::EditMappings(KnobEdit::Clock(!on)));
             }
             response
         }
@@ -119,7 +121,7 @@ fn draw_row(
                 WidgetInfo::selected(egui::Role::Button, true, *learns, format!("learn {name}"))
             });
             if response.clicked() {
-                ask(HandsRequest::Learn(target.clone()));
+                ask(Command::Learn(target.clone()));
             }
             response
         }
@@ -146,7 +148,7 @@ fn draw_knob(
     ui: &mut Ui,
     (mapping, words, stands): (&Mapping, &str, Option<f32>),
     selected: Option<Field>,
-    ask: &mut impl FnMut(HandsRequest),
+    ask: &mut impl FnMut(Command),
 ) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 2.0 * LINE), Sense::hover());
     if selected.is_some() {

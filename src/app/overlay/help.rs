@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::{CornerRadius, Galley, Painter, Rect, vec2};
 
 use super::style;
-use crate::app::keys::{BINDINGS, Binding};
+use crate::commands::{Binding, bindings};
 
 /// The smallest size of the text, in points, for windows that are too small for the table.
 const SIZE_MIN: f32 = 6.0;
@@ -58,11 +58,10 @@ impl Table {
     fn new(painter: &Painter, em: f32, columns: usize) -> Self {
         let text =
             |text: &str, color| painter.layout_no_wrap(text.to_owned(), style::proportional(em), color);
-        let rows: Vec<Row> = BINDINGS
-            .iter()
+        let rows: Vec<Row> = bindings()
             .map(|binding| Row {
                 caps: caps(binding).map(|cap| text(cap, style::TEXT)).collect(),
-                meaning: text(binding.meaning, style::TEXT),
+                meaning: text(binding.help, style::TEXT),
             })
             .collect();
         let caps_width = |row: &Row| row.caps.iter().map(|cap| cap.size().x + em * 1.4).sum::<f32>();
@@ -122,9 +121,9 @@ mod tests {
 
     #[test]
     fn every_way_to_do_a_thing_has_its_cap() {
-        let full_screen = BINDINGS.iter().find(|binding| binding.written.contains("F11")).unwrap();
+        let full_screen = bindings().find(|binding| binding.written.contains("F11")).unwrap();
         assert_eq!(caps(full_screen).collect::<Vec<_>>(), ["F", "F11", "double click"]);
-        for binding in BINDINGS {
+        for binding in bindings() {
             // Every named key has a cap; some are not named (media keys).
             assert!(caps(binding).count() <= binding.keys.len() + 1, "{}", binding.written);
         }

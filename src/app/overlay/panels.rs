@@ -9,8 +9,8 @@ use egui::{
 
 use super::browser::TilePictures;
 use super::content::{Notice, OverlayContent};
+use super::events::UiEvent;
 use super::fonts::Fallback;
-use super::requests::Request;
 use super::rooms::Rooms;
 use super::{
     assisted, bar, browser, corners, editor, files, hands, help, params, preview, problem, settings, sources,
@@ -60,7 +60,7 @@ pub(super) struct LaidOut {
     /// Whether the user moved a slider.
     pub params_changed: bool,
     /// What the user asked for.
-    pub requests: Vec<Request>,
+    pub events: Vec<UiEvent>,
     /// When egui wants to be asked again without input; very long if never.
     pub repaint_after: Duration,
 }
@@ -118,19 +118,19 @@ impl Panels {
             input.events.extend(pressed(Key::Tab, Modifiers::NONE));
         }
         self.had_controls = content.bar.is_some() || content.is_interactive();
-        let (mut panels, mut params_changed, mut requests) = (Vec::new(), false, Vec::new());
+        let (mut panels, mut params_changed, mut events) = (Vec::new(), false, Vec::new());
         self.fallback.add_found(&self.context);
         // egui may ask for another pass when it learns sizes.
         let kept = &mut self.kept;
         let output = self.context.run_pass(input, |context| {
             panels.clear();
-            requests.clear();
-            params_changed |= show(context, content, now, &mut panels, &mut requests, kept);
+            events.clear();
+            params_changed |= show(context, content, now, &mut panels, &mut events, kept);
         });
         self.fallback.look();
         let root = output.viewport_output.values().next();
         let repaint_after = root.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
-        LaidOut { output, panels, params_changed, requests, repaint_after }
+        LaidOut { output, panels, params_changed, events, repaint_after }
     }
 }
 
@@ -146,7 +146,7 @@ fn show(
     content: &mut OverlayContent<'_>,
     now: Instant,
     panels: &mut Vec<Rect>,
-    requests: &mut Vec<Request>,
+    events: &mut Vec<UiEvent>,
     kept: &mut Kept,
 ) -> bool {
     assisted::window(context);
@@ -158,14 +158,14 @@ fn show(
     // What follows stands above the bar.
     let mut space = space;
     if let Some(bar) = &content.bar {
-        let rect = bar::show(context, space, bar, requests);
+        let rect = bar::show(context, space, bar, events);
         if bar.seen {
             panels.push(rect);
             space.max.y = (rect.top() - 0.5 * style::MARGIN).max(space.top());
         }
     }
     if let Some(hands) = &content.corners {
-        panels.extend(corners::show(context, screen, hands, requests));
+        panels.extend(corners::show(context, screen, hands, events));
     }
     let mut rooms = Rooms::of(space, screen, content.picture);
     if let Some(next) = content.next {
@@ -187,19 +187,19 @@ fn show(
     let mut changed = false;
     let help = content.help.then(|| help::draw(&front, space));
     if let Some(sliders) = content.params.as_deref_mut().filter(|sliders| !sliders.is_empty()) {
-        let (rect, moved) = params::show(context, side, help, (sliders, content.learning), requests);
+        let (rect, moved) = params::show(context, side, help, (sliders, content.learning), events);
         panels.push(rect);
         changed = moved;
         leave_beside(&mut left, rect);
     }
     if let Some(text) = content.editor {
-        let parts = editor::show(context, &rooms, text, requests);
+        let parts = editor::show(context, &rooms, text, events);
         let right = parts.first().map_or(left.left(), |rect| rect.right() + style::MARGIN);
         panels.extend(parts);
         left.min.x = right.min(left.right());
     }
     if let Some(list) = &content.tracks {
-        let rect = tracks::show(context, space, list, requests);
+        let rect = tracks::show(context, space, list, events);
         panels.push(rect);
         leave_beside(&mut left, rect);
     }
@@ -211,21 +211,21 @@ fn show(
     }
     panels.extend(help);
     match content.scenes {
-        Some(scenes) => panels.push(browser::show(context, space, scenes, &mut kept.pictures, requests)),
+        Some(scenes) => panels.push(browser::show(context, space, scenes, &mut kept.pictures, events)),
         None => kept.pictures.clear(),
     }
     match content.files {
-        Some(list) => panels.push(files::show(context, space, list, &mut kept.selected_file, requests)),
+        Some(list) => panels.push(files::show(context, space, list, &mut kept.selected_file, events)),
         None => kept.selected_file = None,
     }
     match content.settings {
         Some(rows) => {
-            panels.push(settings::show(context, space, rows, &mut kept.seen_setting, requests));
+            panels.push(settings::show(context, space, rows, &mut kept.seen_setting, events));
         }
         None => kept.seen_setting = None,
     }
     match content.hands {
-        Some(rows) => panels.push(hands::show(context, space, rows, &mut kept.seen_hand, requests)),
+        Some(rows) => panels.push(hands::show(context, space, rows, &mut kept.seen_hand, events)),
         None => kept.seen_hand = None,
     }
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
@@ -250,7 +250,7 @@ fn show(
         below.min.y = draw_notice(&front, below, notice, now).bottom() + 0.5 * style::MARGIN;
     }
     if let Some(list) = &content.sources {
-        panels.push(sources::show(context, below, list, requests));
+        panels.push(sources::show(context, below, list, events));
     }
     assisted::ring(context, &front);
     changed

@@ -4,9 +4,10 @@
 
 use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::content::Slider;
-use super::requests::Request;
+use super::events::UiEvent;
 use super::{assisted, style};
+use crate::commands::Command;
+use mariana_control::Slider;
 
 /// Width of the panel in points, if the window is wide enough.
 const WIDTH: f32 = 260.0;
@@ -32,7 +33,7 @@ pub(super) fn show(
     space: Rect,
     cover: Option<Rect>,
     (sliders, learning): (&mut [Slider], Option<&str>),
-    requests: &mut Vec<Request>,
+    events: &mut Vec<UiEvent>,
 ) -> (Rect, bool) {
     let width = width(space.width() + 2.0 * style::MARGIN);
     let id = Id::unique("overlay parameters");
@@ -56,7 +57,7 @@ pub(super) fn show(
                         let rows = sliders.iter_mut().enumerate();
                         rows.fold(false, |changed, (i, slider)| {
                             let is_learning = learning == Some(&*slider.name);
-                            ui.push_id(i, |ui| row(ui, slider, is_learning, requests)).inner || changed
+                            ui.push_id(i, |ui| row(ui, slider, is_learning, events)).inner || changed
                         })
                     })
                     .inner
@@ -67,7 +68,7 @@ pub(super) fn show(
 }
 
 /// Name, value and rail of one parameter; returns whether the value changed. A click on the name learns what turns it.
-fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, requests: &mut Vec<Request>) -> bool {
+fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiEvent>) -> bool {
     let before = slider.value;
     slider.value = slider.clamped(slider.value);
     let full = ui.available_width();
@@ -106,7 +107,7 @@ fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, requests: &mut Vec<R
         WidgetInfo::selected(egui::Role::Button, true, is_learning, format!("learn {}", slider.name))
     });
     if label.clicked() {
-        requests.push(Request::LearnParam(slider.name.clone()));
+        events.push(UiEvent::Command(Command::LearnParameter(slider.name.clone())));
     }
     if changed_by_user {
         let response = ui.interact(reset, ui.scope_id().with("reset"), Sense::click());

@@ -2,10 +2,11 @@
 
 use egui::{Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::requests::{Request, SettingRequest};
+use super::events::{SettingEvent, UiEvent};
 use super::style;
 use super::{assisted, icons};
-use crate::app::settings_panel::{Fact, SettingRow, SettingsPanel, Values, whole_steps};
+use crate::app::settings_panel::{SettingsPanel, whole_steps};
+use crate::config::{Setting, SettingRow, Values};
 
 /// Widest panel, in points.
 const WIDTH_MAX: f32 = 640.0;
@@ -36,7 +37,7 @@ pub(super) fn show(
     space: Rect,
     settings: &SettingsPanel,
     last_seen: &mut Option<Seen>,
-    requests: &mut Vec<Request>,
+    events: &mut Vec<UiEvent>,
 ) -> Rect {
     let width = space.width().min(WIDTH_MAX);
     let area = style::area(Id::unique("settings"), Order::Foreground)
@@ -45,23 +46,23 @@ pub(super) fn show(
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
             ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-            let mut ask = |request| requests.push(Request::Settings(request));
+            let mut ask = |request| events.push(UiEvent::Settings(request));
             heading(ui, &mut ask);
             let meaning = MEANING_LINES as f32 * 1.3 * style::SMALL_SIZE + 6.0;
             let height = (space.height() - 2.0 * style::PADDING.y - ROW - meaning).max(ROW);
             let pointed = rows(ui, height, settings, last_seen, &mut ask);
             let row = settings.rows().get(pointed.unwrap_or(settings.selected()));
-            footing(ui, row.map_or("", |row| &row.meaning), meaning);
+            footing(ui, row.map_or("", |row| &row.purpose), meaning);
         });
     });
     shown.response.rect
 }
 
-fn heading(ui: &mut Ui, ask: &mut impl FnMut(SettingRequest)) {
+fn heading(ui: &mut Ui, ask: &mut impl FnMut(SettingEvent)) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 3.0), vec2(ROW, ROW));
     if icons::closing_cross(ui, cross, "close the settings") {
-        ask(SettingRequest::Close);
+        ask(SettingEvent::Close);
     }
     let painter = ui.painter();
     let title = style::line(
@@ -86,7 +87,7 @@ fn rows(
     height: f32,
     settings: &SettingsPanel,
     last_seen: &mut Option<Seen>,
-    ask: &mut impl FnMut(SettingRequest),
+    ask: &mut impl FnMut(SettingEvent),
 ) -> Option<usize> {
     let selected = settings.selected();
     let width = ui.available_width() - LANE;
@@ -129,7 +130,7 @@ fn draw_row(
     row: &SettingRow,
     place: usize,
     is_selected: bool,
-    ask: &mut impl FnMut(SettingRequest),
+    ask: &mut impl FnMut(SettingEvent),
 ) -> Response {
     let width = ui.available_width();
     let start = start_of_values(width);
@@ -137,7 +138,7 @@ fn draw_row(
     // In other rows only the values are controls.
     let sense = match row.values {
         Values::OneOfRows { .. } => Sense::click(),
-        Values::Names { .. } | Values::Milliseconds(_) | Values::Percent(_) => Sense::hover(),
+        Values::Names { .. } | Values::Delay(_) | Values::Percent { .. } => Sense::hover(),
     };
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), sense);
     if is_selected || response.hovered() && matches!(row.values, Values::OneOfRows { .. }) {
@@ -146,29 +147,29 @@ fn draw_row(
     let values = Rect::from_min_max(pos2(rect.left() + start, rect.top()), rect.max);
     let name_width = match row.values {
         Values::OneOfRows { .. } => width - 12.0,
-        Values::Names { .. } | Values::Milliseconds(_) | Values::Percent(_) => start - 12.0,
+        Values::Names { .. } | Values::Delay(_) | Values::Percent { .. } => start - 12.0,
     };
     draw_name(ui, row, rect, name_width, is_selected);
     match &row.values {
-        Values::OneOfRows { holds } => {
-            response.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, true, *holds, &row.name));
+        Values::OneOfRows { chosen, .. } => {
+            response.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, true, *chosen, &row.name));
             if response.clicked() {
-                ask(SettingRequest::Pick { row: place, value: 0 });
+                ask(SettingEvent::Pick { row: place, value: 0 });
             }
         }
-        Values::Names { names, present } => {
-            if let Some(value) = draw_names(ui, values, row, names, *present) {
-                ask(SettingRequest::Pick { row: place, value });
+        Values::Names { options, chosen } => {
+            if let Some(value) = draw_names(ui, values, row, options, *chosen) {
+                ask(SettingEvent::Pick { row: place, value });
             }
         }
-        Values::Milliseconds(shift) => {
+        Values::Delay(shift) => {
             if let Some((shift, settled)) = draw_number(ui, values, &row.name, *shift, &SHIFT) {
-                ask(SettingRequest::Shift { row: place, shift, settled });
+                ask(SettingEvent::Change { row: place, number: shift, settled });
             }
         }
-        Values::Percent(percent) => {
+        Values::Percent { percent, .. } => {
             if let Some((shift, settled)) = draw_number(ui, values, &row.name, *percent, &PERCENT) {
-                ask(SettingRequest::Shift { row: place, shift, settled });
+                ask(SettingEvent::Change { row: place, number: shift, settled });
             }
         }
     }
@@ -179,16 +180,13 @@ fn draw_row(
 fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: bool) {
     let painter = ui.painter();
     let (mark, color) = match (&row.values, is_selected) {
-        (Values::OneOfRows { holds: true }, _) => ("> ", style::ACCENT),
-        (Values::OneOfRows { holds: false }, false) => ("· ", style::TEXT),
-        (Values::OneOfRows { holds: false }, true) => ("· ", style::ACCENT),
+        (Values::OneOfRows { chosen: true, .. }, _) => ("> ", style::ACCENT),
+        (Values::OneOfRows { chosen: false, .. }, false) => ("· ", style::TEXT),
+        (Values::OneOfRows { chosen: false, .. }, true) => ("· ", style::ACCENT),
         (_, true) => ("", style::ACCENT),
         (_, false) => ("", style::TEXT),
     };
-    let words = match &row.fact {
-        Fact::Output(_) | Fact::Screen(_) => format!("{mark}{}", row.name),
-        _ => row.name.clone(),
-    };
+    let words = format!("{mark}{}", row.name);
     let name = style::line(painter, &words, style::proportional(style::TEXT_SIZE), color, width);
     let middle = rect.top() + 0.5 * ROW;
     let end = rect.left() + 6.0 + name.size().x;
@@ -218,11 +216,11 @@ fn start_of_values(width: f32) -> f32 {
 
 /// How many lines a row of that width takes.
 fn lines_of(ui: &Ui, row: &SettingRow, width: f32) -> usize {
-    let Values::Names { names, .. } = &row.values else { return 1 };
+    let Values::Names { options, .. } = &row.values else { return 1 };
     let width = width - start_of_values(width);
     let mut lines = 1;
     let mut left = 0.0;
-    for name in names {
+    for (name, _) in options {
         let next = name_width(ui, name);
         if left > 0.0 && left + next > width {
             (lines, left) = (lines + 1, 0.0);
@@ -233,10 +231,16 @@ fn lines_of(ui: &Ui, row: &SettingRow, width: f32) -> usize {
 }
 
 /// Draws names side by side, in as many lines as it takes; returns the place of the one that was clicked.
-fn draw_names(ui: &Ui, rect: Rect, row: &SettingRow, names: &[&str], present: usize) -> Option<usize> {
+fn draw_names(
+    ui: &Ui,
+    rect: Rect,
+    row: &SettingRow,
+    options: &[(&str, Setting)],
+    chosen: usize,
+) -> Option<usize> {
     let mut clicked = None;
     let mut at = rect.min;
-    for (place, name) in names.iter().enumerate() {
+    for (place, (name, _)) in options.iter().enumerate() {
         let width = name_width(ui, name);
         if at.x > rect.left() && at.x + width > rect.right() + 0.5 {
             at = pos2(rect.left(), at.y + ROW);
@@ -244,7 +248,7 @@ fn draw_names(ui: &Ui, rect: Rect, row: &SettingRow, names: &[&str], present: us
         let ground = Rect::from_min_size(at, vec2(width, ROW)).shrink2(vec2(2.0, 3.0));
         at.x += width;
         let response = ui.interact(ground, ui.scope_id().with(("value", place)), Sense::click());
-        let (fill, color) = match (place == present, response.hovered()) {
+        let (fill, color) = match (place == chosen, response.hovered()) {
             (true, _) => (Some(style::ACCENT), style::ON_ACCENT),
             (false, true) => (Some(style::RAIL), style::TEXT),
             (false, false) => (None, style::BUTTON),
@@ -257,7 +261,7 @@ fn draw_names(ui: &Ui, rect: Rect, row: &SettingRow, names: &[&str], present: us
         painter.galley_with_override_text_color(ground.center() - 0.5 * galley.size(), galley, color);
         response.widget_info(|| {
             let words = format!("{}: {name}", row.name);
-            WidgetInfo::selected(egui::Role::RadioButton, true, place == present, words)
+            WidgetInfo::selected(egui::Role::RadioButton, true, place == chosen, words)
         });
         if response.clicked() {
             clicked = Some(place);

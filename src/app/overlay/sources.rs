@@ -3,8 +3,9 @@
 use egui::{Id, Order, Rect, ScrollArea, Sense, WidgetInfo, pos2, vec2};
 
 use super::content::SourceList;
-use super::requests::Request;
+use super::events::UiEvent;
 use super::style;
+use crate::commands::Command;
 
 /// Height of a row, in sizes of the text.
 const ROW: f32 = 1.7;
@@ -16,7 +17,7 @@ pub(super) fn show(
     context: &egui::Context,
     space: Rect,
     list: &SourceList,
-    requests: &mut Vec<Request>,
+    events: &mut Vec<UiEvent>,
 ) -> Rect {
     let row_height = ROW * style::TEXT_SIZE;
     let area = style::area(Id::unique("sources"), Order::Foreground).fixed_pos(space.min);
@@ -55,7 +56,7 @@ pub(super) fn show(
                         WidgetInfo::selected(egui::Role::RadioButton, true, is_present, name)
                     });
                     if response.clicked() {
-                        requests.push(Request::Listen(index));
+                        events.push(UiEvent::Command(Command::Listen(index)));
                     } else if is_present && response.rect.is_positive() && !ui.is_rect_visible(place) {
                         response.scroll_to_me(None);
                     }

@@ -1,6 +1,6 @@
 //! Which panels of the overlay the user has turned on.
 
-use super::requests::Panel;
+use crate::commands::Panel;
 
 /// At first there is none: the picture is what the window is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

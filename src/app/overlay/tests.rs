@@ -9,20 +9,19 @@ use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, Vec2};
 
 use super::panels::{LaidOut, Panels};
 use super::{
-    Bar, Notice, NowPlaying, OverlayContent, Panel, Problem, Request, SettingRequest, Slider, SourceList,
-    TrackRequest, Tracks, style,
+    Bar, Notice, NowPlaying, OverlayContent, Problem, SettingEvent, SourceList, Tracks, UiEvent, style,
 };
 use crate::app::editor::Editor;
-use crate::app::keys::Action;
 use crate::app::settings_panel::SettingsPanel;
+use crate::commands::{Command, Panel, Switch};
 use crate::config::{Choices, QualityChoice};
 use crate::documents::KeptTexts;
 use crate::scenes::{Drafts, SceneSource};
 use crate::system_fonts::SystemFonts;
-use crate::system_fonts::tiny_font::{TinyFont, folder_of};
-use mariana_control::Hand;
+use mariana_control::{Hand, Slider};
 use mariana_player::{ListedTrack, ListedTracks};
 use mariana_testing::process::wait_until;
+use mariana_testing::tiny_font::{TinyFont, folder_of};
 
 mod assisted;
 mod hands;
@@ -215,7 +214,7 @@ fn bar(now: &NowPlaying) -> Bar<'_> {
 }
 
 /// Moves the pointer to `place` and clicks; returns what was asked for.
-fn asked(stage: &mut Stage, place: Pos2, content: impl Fn() -> OverlayContent<'static>) -> Vec<Request> {
+fn asked(stage: &mut Stage, place: Pos2, content: impl Fn() -> OverlayContent<'static>) -> Vec<UiEvent> {
     let button = |pressed| Event::PointerButton {
         pos: place,
         button: PointerButton::Primary,
@@ -224,7 +223,7 @@ fn asked(stage: &mut Stage, place: Pos2, content: impl Fn() -> OverlayContent<'s
     };
     let mut all = Vec::new();
     for events in [vec![Event::PointerMoved(place)], vec![button(true)], vec![button(false)], vec![]] {
-        all.extend(stage.frame(events, content()).requests);
+        all.extend(stage.frame(events, content()).events);
     }
     all
 }
@@ -249,8 +248,10 @@ fn the_bar_is_inside_the_window_and_seeks_where_it_is_clicked() {
         // The rail is below the words. A quarter from its left end is at 25 s.
         let inner = rect.shrink2(style::PADDING);
         let place = Pos2::new(inner.left() + 0.25 * inner.width(), words.bottom() + 18.0);
-        let requests = asked(&mut stage, place, content);
-        let [Request::SeekTo(seconds)] = requests[..] else { panic!("{screen:?}: {requests:?}") };
+        let events = asked(&mut stage, place, content);
+        let [UiEvent::Command(Command::SeekTo(seconds))] = events[..] else {
+            panic!("{screen:?}: {events:?}")
+        };
         assert!((seconds - 25.0).abs() < 1.0, "{screen:?}: {seconds} s");
     }
 }
@@ -267,36 +268,36 @@ fn every_button_of_the_bar_has_words_and_asks_for_something_else() {
     let mut x = rect.left() + style::PADDING.x + 15.0;
     while x < rect.right() - style::PADDING.x {
         for request in asked(&mut stage, Pos2::new(x, y), content) {
-            if !met.contains(&request) && !matches!(request, Request::SetVolume(_)) {
+            if !met.contains(&request) && !matches!(request, UiEvent::Command(Command::Volume(_))) {
                 met.push(request);
             }
         }
         x += 8.0;
         stage.seconds += 1.0;
     }
-    let act = Request::Act;
+    let act = UiEvent::Command;
     let expected = [
-        act(Action::SkipTrack { forward: false }),
-        act(Action::TogglePause),
-        act(Action::SkipTrack { forward: true }),
-        act(Action::ToggleShuffle),
-        act(Action::ChangeRepeat),
-        act(Action::ToggleMute),
-        act(Action::TogglePanel(Panel::Files)),
-        act(Action::TogglePanel(Panel::Tracks)),
-        act(Action::TogglePanel(Panel::Sources)),
-        act(Action::ToggleFollow),
-        act(Action::TogglePanel(Panel::Scenes)),
-        act(Action::TogglePanel(Panel::Editor)),
-        act(Action::ToggleSliders),
-        act(Action::TogglePanel(Panel::Settings)),
-        act(Action::ToggleHelp),
-        act(Action::ToggleFullscreen),
+        act(Command::PreviousTrack),
+        act(Command::Pause(Switch::Toggle)),
+        act(Command::NextTrack),
+        act(Command::Shuffle(Switch::Toggle)),
+        act(Command::NextRepeat),
+        act(Command::Mute(Switch::Toggle)),
+        act(Command::TogglePanel(Panel::Files)),
+        act(Command::TogglePanel(Panel::Tracks)),
+        act(Command::TogglePanel(Panel::Sources)),
+        act(Command::Follow(Switch::Toggle)),
+        act(Command::TogglePanel(Panel::Scenes)),
+        act(Command::TogglePanel(Panel::Editor)),
+        act(Command::ToggleSliders),
+        act(Command::TogglePanel(Panel::Settings)),
+        act(Command::ToggleHelp),
+        act(Command::Fullscreen(Switch::Toggle)),
     ];
     assert_eq!(met, expected);
     for request in expected {
-        let Request::Act(action) = request else { continue };
-        assert!(!super::bar::words_of(action).is_empty(), "{action:?} has no words");
+        let UiEvent::Command(command) = request else { continue };
+        assert!(!super::bar::words_of(&command).is_empty(), "{command:?} has no words");
     }
 }
 
@@ -313,9 +314,9 @@ fn ten_thousand_tracks_cost_the_rows_that_show_and_a_click_plays_one() {
     let (_, texts) = drawn(&laid_out);
     assert!(texts.len() < 200, "{} texts are laid out", texts.len());
     let third = place_of(&texts, "track 2").center();
-    assert_eq!(asked(&mut stage, third, content), [Request::Tracks(TrackRequest::Play(2))]);
+    assert_eq!(asked(&mut stage, third, content), [UiEvent::Command(Command::PlayTrack(2))]);
     let cross = Pos2::new(laid_out.panels[0].right() - style::PADDING.x - 10.0 - 12.0, third.y);
-    assert_eq!(asked(&mut stage, cross, content), [Request::Tracks(TrackRequest::Remove(2))]);
+    assert_eq!(asked(&mut stage, cross, content), [UiEvent::Command(Command::RemoveTrack(2))]);
 }
 
 #[test]
@@ -338,15 +339,16 @@ fn settings_are_inside_the_window_and_a_click_chooses() {
         assert!(texts.iter().any(|(text, _)| text == "this run"), "{texts:?}");
         for (name, row, value) in [("medium", "Quality", 2), ("· USB", "USB", 0)] {
             let Some((_, at)) = texts.iter().find(|(text, _)| text == name) else { continue };
-            let pick = Request::Settings(SettingRequest::Pick { row: place(row), value });
+            let pick = UiEvent::Settings(SettingEvent::Pick { row: place(row), value });
             assert_eq!(asked(&mut stage, at.center(), content), [pick], "{screen:?}: {name}");
         }
         // The rail: a click far to the right is settled when it is let go.
         let rail = Pos2::new(place_of(&texts, "+35 ms").left() - 40.0, place_of(&texts, "+35 ms").center().y);
-        let requests = asked(&mut stage, rail, content);
-        let Some(Request::Settings(SettingRequest::Shift { shift, settled: true, .. })) = requests.last()
+        let events = asked(&mut stage, rail, content);
+        let Some(UiEvent::Settings(SettingEvent::Change { number: shift, settled: true, .. })) =
+            events.last()
         else {
-            panic!("{screen:?}: {requests:?}")
+            panic!("{screen:?}: {events:?}")
         };
         assert!(*shift > 300.0, "{screen:?}: {shift}");
     }
@@ -375,7 +377,7 @@ fn a_notice_covered_the_heading_of_a_panel() {
 #[test]
 fn the_selected_setting_is_seen_however_small_the_window_is() {
     use crate::app::settings_panel::tests::panel;
-    use winit::keyboard::{Key, NamedKey};
+    use crate::input::{Key, NamedKey};
     let mut rows = panel(&Choices::default(), None);
     let mut stage = Stage::new(Vec2::new(560.0, 200.0));
     stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });

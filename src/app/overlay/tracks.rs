@@ -1,11 +1,12 @@
 //! The list of tracks: a click plays one, a drag moves it, the cross takes it out.
 
+use crate::commands::Command;
 use egui::{Id, Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 use mariana_player::ListedTracks;
 
+use super::events::UiEvent;
 use super::icons::{self, Icon};
 use super::now_playing::clock_time;
-use super::requests::{Request, TrackRequest};
 use super::style;
 
 /// Width of the panel in points, if the window is wide enough.
@@ -29,7 +30,7 @@ pub(super) fn show(
     context: &egui::Context,
     space: Rect,
     tracks: &Tracks<'_>,
-    requests: &mut Vec<Request>,
+    events: &mut Vec<UiEvent>,
 ) -> Rect {
     let width = WIDTH.min(space.width());
     let area =
@@ -43,7 +44,7 @@ pub(super) fn show(
             let scroll = ScrollArea::vertical().max_height(height);
             scroll.show_rows(ui, ROW, tracks.list.entries.len(), |ui, rows| {
                 ui.set_width((ui.available_width() - LANE).max(0.0));
-                rows.for_each(|index| row(ui, tracks, index, requests));
+                rows.for_each(|index| row(ui, tracks, index, events));
             });
         });
     });
@@ -62,7 +63,7 @@ fn heading(ui: &mut Ui, tracks: &Tracks<'_>) {
     ui.painter().galley(place.left_top(), galley, style::DIM);
 }
 
-fn row(ui: &mut Ui, tracks: &Tracks<'_>, index: usize, requests: &mut Vec<Request>) {
+fn row(ui: &mut Ui, tracks: &Tracks<'_>, index: usize, events: &mut Vec<UiEvent>) {
     let Some(track) = tracks.list.entries.get(index) else { return };
     let (place, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click_and_drag());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 0.0), vec2(ROW, ROW));
@@ -96,9 +97,9 @@ fn row(ui: &mut Ui, tracks: &Tracks<'_>, index: usize, requests: &mut Vec<Reques
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &track.name));
     crossed.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("remove {}", track.name)));
     if crossed.clicked() {
-        requests.push(Request::Tracks(TrackRequest::Remove(index)));
+        events.push(UiEvent::Command(Command::RemoveTrack(index)));
     } else if response.clicked() {
-        requests.push(Request::Tracks(TrackRequest::Play(index)));
+        events.push(UiEvent::Command(Command::PlayTrack(index)));
     }
     response.dnd_set_drag_payload(index);
     // A line where the dragged row would come: above the row that is pointed at, or below it.
@@ -114,7 +115,7 @@ fn row(ui: &mut Ui, tracks: &Tracks<'_>, index: usize, requests: &mut Vec<Reques
         let gap = index + usize::from(below);
         let to = if gap > *from { gap - 1 } else { gap };
         if to != *from {
-            requests.push(Request::Tracks(TrackRequest::Move { from: *from, to }));
+            events.push(UiEvent::Command(Command::MoveTrack((*from, to))));
         }
     }
 }

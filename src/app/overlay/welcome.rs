@@ -6,15 +6,14 @@ use std::time::{Duration, Instant};
 use egui::{Galley, Painter, Rect, pos2, vec2};
 
 use super::style;
-use crate::app::keys::{Action, binding_of};
+use crate::commands::{Command, Switch};
 
 /// How long the words stand before they fade.
 const STANDS: Duration = Duration::from_secs(6);
 /// How long they take to fade.
 const FADES: Duration = Duration::from_millis(700);
 /// The keys that are named.
-const NAMED: [Action; 3] =
-    [Action::ToggleHelp, Action::ChangeScene { forward: true }, Action::ToggleFullscreen];
+const NAMED: [Command; 3] = [Command::ToggleHelp, Command::NextScene, Command::Fullscreen(Switch::Toggle)];
 /// Widest line, as a share of the window's width.
 const WIDTH_MAX: f32 = 0.9;
 
@@ -93,8 +92,8 @@ impl Hints {
             painter.layout_no_wrap(text.to_owned(), style::proportional(style::SMALL_SIZE), color)
         };
         let mut parts = Vec::new();
-        for (action, words) in NAMED.into_iter().zip(["all keys", "next scene", "full screen"]) {
-            let Some(binding) = binding_of(action) else { continue };
+        for (command, words) in NAMED.iter().zip(["all keys", "next scene", "full screen"]) {
+            let Some(binding) = command.binding() else { continue };
             let cap = binding.written.split([',', ' ']).next().unwrap_or(binding.written);
             parts.push((text(cap, style::TEXT), true));
             parts.push((text(words, style::DIM), false));

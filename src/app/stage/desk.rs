@@ -9,12 +9,14 @@ use crate::app::file_browser::FileBrowser;
 use crate::app::hands::Hands;
 use crate::app::hands::panel::HandsPanel;
 use crate::app::listening::Listening;
-use crate::app::overlay::{Bar, OverlayContent, Panel, PanelSwitches, Tracks, Welcome};
+use crate::app::overlay::{Bar, Notice, OverlayContent, PanelSwitches, Problem, Tracks, Welcome};
 use crate::app::reports::Reports;
 use crate::app::scene_browser::SceneBrowser;
 use crate::app::settings_panel::SettingsPanel;
+use crate::commands::Panel;
 use crate::placement::Area;
 use crate::scenes::SceneSource;
+use crate::session::scene::{SceneSession, SceneWords};
 use mariana_music::SongStructure;
 use mariana_player::{ListedTracks, LoudnessShape};
 
@@ -62,6 +64,24 @@ pub(super) struct Seen {
     pub(super) follows: bool,
     /// What the track is made of, if the bar shows and that is known.
     pub(super) song: Option<Arc<SongStructure>>,
+}
+
+/// What is shown over the picture of the scene: its messages, its sliders, and what the window adds.
+pub(super) fn content_of<'a>(
+    scene: &'a mut SceneSession,
+    corner: Option<&'a str>,
+    panels: PanelSwitches,
+) -> OverlayContent<'a> {
+    let SceneWords { problem, notice, hint, sliders } = scene.words();
+    OverlayContent {
+        corner,
+        problem: problem.map(|(heading, text)| Problem { heading, text }),
+        notice: notice.map(|(text, since)| Notice { text, share: None, since }),
+        params: Some(sliders).filter(|sliders| panels.sliders() && !sliders.is_empty()),
+        help: panels.help(),
+        hint,
+        ..OverlayContent::default()
+    }
 }
 
 impl Desk {

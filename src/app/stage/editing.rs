@@ -2,12 +2,11 @@
 
 use std::time::Instant;
 
-use winit::event::{ElementState, Ime, KeyEvent, WindowEvent};
-
 use super::Stage;
-use crate::app::editor::{Editor, EditorRequest, Effect, Press};
-use crate::app::overlay::Panel;
+use crate::app::editor::{Editor, EditorEvent};
+use crate::commands::{Command, Panel};
 use crate::documents::KeptTexts;
+use crate::input::Input;
 
 impl Stage {
     /// Whether keys are text of the scene.
@@ -37,51 +36,41 @@ impl Stage {
                 Err(error) => self.reports.answer(format!("there is no editor: {error}")),
             }
         }
-        self.scene.set_written(open);
-        self.window.window().set_ime_allowed(open);
+        self.scene.library_mut().set_written(open);
+        self.screen.allow_composing(open);
         let Some(editor) = &mut self.desk.editor else { return };
         editor.set_focus(open);
         if !open {
             editor.close_probed();
         }
         if open {
-            editor.show_scene(self.scene.wanted_source());
+            editor.show_scene(self.scene.library().wanted());
         }
         self.follow_editor();
     }
 
-    /// Takes an event for the editor. Returns whether it was meant for the text.
-    pub(super) fn take_for_editor(&mut self, event: &WindowEvent) -> bool {
+    /// Takes input for the editor. Returns whether it was meant for the text.
+    pub(super) fn take_for_editor(&mut self, input: &Input) -> bool {
         if !self.is_edited() {
             return false;
         }
         let (held, begun) = (self.input.held(), Instant::now());
         let Some(editor) = &mut self.desk.editor else { return false };
-        let taken = match event {
+        let taken = match input {
             // The overlay takes those on the editor.
-            WindowEvent::MouseInput { state: ElementState::Pressed, .. } => {
+            Input::PointerButton { pressed: true, .. } => {
                 editor.set_focus(false);
                 false
             }
-            WindowEvent::Ime(Ime::Preedit(letters, _)) if editor.has_focus() => {
+            Input::Composing(letters) if editor.has_focus() => {
                 editor.set_preedit(letters);
                 true
             }
-            WindowEvent::Ime(Ime::Commit(text)) if editor.has_focus() => {
+            Input::Text(text) if editor.has_focus() => {
                 editor.type_text(text);
                 true
             }
-            WindowEvent::KeyboardInput {
-                event: KeyEvent { logical_key, physical_key, text, state: ElementState::Pressed, repeat, .. },
-                is_synthetic: false,
-                ..
-            } if editor.has_focus() => editor.take_key(&Press {
-                key: logical_key,
-                physical: *physical_key,
-                text: text.as_deref(),
-                held,
-                repeat: *repeat,
-            }),
+            Input::Key(press) if editor.has_focus() => editor.take_key(press, held),
             _ => return false,
         };
         self.follow_editor();
@@ -89,10 +78,10 @@ impl Stage {
         taken
     }
 
-    /// Does what the pointer asked of the editor.
-    pub(super) fn obey_in_editor(&mut self, request: EditorRequest) {
+    /// Takes what was done in the editor.
+    pub(super) fn take_editor_event(&mut self, event: EditorEvent) {
         if let Some(editor) = &mut self.desk.editor {
-            editor.obey(request);
+            editor.obey(event);
         }
         self.follow_editor();
     }
@@ -106,38 +95,25 @@ impl Stage {
             self.typing_times.note_mistake();
         }
         if open {
-            editor.show_scene(self.scene.wanted_source());
+            editor.show_scene(self.scene.library().wanted());
         }
         self.follow_editor();
     }
 
-    /// Does what the editor wants of the show.
+    /// Carries out the commands of the editor.
     pub(in crate::app) fn follow_editor(&mut self) {
         let Some(editor) = &mut self.desk.editor else { return };
-        let effects = editor.take_effects();
+        let commands = editor.take_commands();
         // However many keys have come, the text is loaded once.
-        if effects.contains(&Effect::Reload) {
-            self.typing_times.note_key(self.scene.shown_id(), Instant::now());
-            self.scene.load_again();
+        let (reloads, others): (Vec<_>, Vec<_>) =
+            commands.into_iter().partition(|command| *command == Command::ReloadScene);
+        if !reloads.is_empty() {
+            self.typing_times.note_key(self.scene.scenes().shown_id(), Instant::now());
         }
-        for effect in effects {
-            match effect {
-                Effect::Reload => {}
-                Effect::Show(source) => {
-                    self.scene.show_source(source);
-                    if let Some(editor) =
-                        self.desk.editor.as_mut().filter(|_| self.desk.panels.open() == Some(Panel::Editor))
-                    {
-                        editor.show_scene(self.scene.wanted_source());
-                    }
-                }
-                Effect::Turn { file, values } => self.scene.turn_numbers(&file, values),
-                Effect::Close => {
-                    if self.is_edited() {
-                        self.toggle_panel(Panel::Editor);
-                    }
-                }
-            }
-        }
+        self.carry_out_all(reloads.into_iter().next());
+        let is_open = self.is_edited();
+        self.carry_out_all(
+            others.into_iter().filter(|command| is_open || *command != Command::TogglePanel(Panel::Editor)),
+        );
     }
 }

@@ -3,13 +3,15 @@
 
 use std::time::Instant;
 
-use winit::keyboard::{Key, ModifiersState};
-
 use super::Stage;
-use crate::app::corner_hands::{CornerHands, Moved};
-use crate::app::overlay::{Panel, PanelSwitches};
-use crate::placement::{Corners, Placement};
+use crate::app::corner_hands::CornerHands;
+use crate::app::desk_picture::{is_within, small_in};
+use crate::app::overlay::PanelSwitches;
+use crate::commands::{MovedCorner, SetSetting};
+use crate::config::Setting;
+use crate::placement::{Area, Corners, Placement};
 use crate::scenes::SceneSource;
+use crate::session::lay::Lay;
 use crate::show::Picture;
 
 impl Stage {
@@ -26,7 +28,7 @@ impl Stage {
     pub(in crate::app) fn toggle_freeze(&mut self) {
         let words = match self.masters.toggle_freeze() {
             true => {
-                self.scene.give_picture_up();
+                self.scene.composer_mut().give_picture_up();
                 "the picture is held: Z lets it go"
             }
             false => {
@@ -44,7 +46,7 @@ impl Stage {
 
     /// Does to whole pictures what the show does to them at `time` seconds of the song.
     pub(super) fn follow_masters(&mut self, time: f64) {
-        let shown = self.scene.picture_of_show(time);
+        let shown = self.scene.show().picture_at(time);
         let before = self.masters.follow_show(shown);
         let share = |picture: Picture| picture.held.map(|held| held.share);
         let (was, is) = (share(before), share(shown));
@@ -53,12 +55,12 @@ impl Stage {
         }
         let since = |picture: Picture| picture.held.map(|held| held.since);
         if since(before) != since(shown) {
-            self.scene.hold_anew();
+            self.scene.composer_mut().fading_mut().hold_anew();
         }
         match is {
             // It is held as it is.
-            Some(1.0..) => self.scene.give_picture_up(),
-            share => self.scene.mix_held(share),
+            Some(1.0..) => self.scene.composer_mut().give_picture_up(),
+            share => self.scene.composer_mut().mix_held(share),
         }
     }
 
@@ -70,7 +72,7 @@ impl Stage {
     /// Hides every word and panel until this is called again.
     pub(in crate::app) fn toggle_clean(&mut self) {
         self.desk.bare = !self.desk.bare;
-        self.window.request_redraw();
+        self.screen.request_redraw();
         if self.desk.bare {
             self.desk.panels = PanelSwitches::default();
             self.leave_panels();
@@ -82,28 +84,22 @@ impl Stage {
     /// All scenes in the order of their numbers: marked ones first.
     pub(super) fn numbered_scenes(&self) -> Vec<SceneSource> {
         let marks = &self.listening.settings().favourite_scenes;
-        let scenes = self.scene.all_sources();
+        let scenes = self.scene.library().all_sources();
         let (marked, others): (Vec<_>, Vec<_>) =
             scenes.into_iter().partition(|scene| marks.contains(&scene.title()));
         marked.into_iter().chain(others).collect()
     }
 
-    /// Shows the scene at a place of the list of scenes, marked ones first, from 0.
-    pub(in crate::app) fn show_scene_at(&mut self, place: usize) {
-        let scenes = self.numbered_scenes();
-        let count = scenes.len();
-        match scenes.into_iter().nth(place) {
-            Some(scene) => self.scene.show_source(scene),
+    /// Shows the scene of this number, from 1, marked ones first.
+    pub(super) fn show_scene_number(&mut self, number: usize) {
+        let mut scenes = self.numbered_scenes();
+        match number.checked_sub(1).filter(|place| *place < scenes.len()) {
+            Some(place) => self.scene.show_source(scenes.swap_remove(place)),
             None => {
-                let words = format!("there is no scene {} among these {count}: B shows them", place + 1);
-                self.reports.answer(words);
+                let count = scenes.len();
+                self.reports.answer(format!("there is no scene {number} among these {count}: B shows them"));
             }
         }
-    }
-
-    /// Lets the corners of the picture be moved, or is done with that.
-    pub(in crate::app) fn toggle_corners(&mut self) {
-        self.toggle_panel(Panel::Corners);
     }
 
     /// Where the picture lies on its screen.
@@ -111,62 +107,45 @@ impl Stage {
         self.choices.stage.placement()
     }
 
-    /// Shows pictures with so many percent of their light, and remembers it once that is `settled`.
-    pub(super) fn set_brightness(&mut self, percent: f64, settled: bool) {
-        let percent = percent.round().clamp(0.0, 100.0) as u8;
-        self.masters.set_brightness(f32::from(percent) / 100.0);
-        self.choices.stage.brightness = percent;
-        if settled {
-            self.choose(move |choices| choices.stage.brightness = percent);
-        }
-    }
-
     /// Lets the corners be moved, or no longer.
     pub(super) fn show_corners(&mut self, open: bool) {
         if !open && self.desk.corners.is_some() {
             // One may still be held.
-            self.remember_corners();
+            let setting = Setting::Corners(self.choices.stage.corners);
+            self.change_setting(SetSetting { setting, settled: true });
         }
         self.desk.corners = open.then(|| CornerHands::new(self.choices.stage.corners));
-        self.window.request_redraw();
+        self.screen.request_redraw();
     }
 
-    /// Moves a corner of the picture to a place of its screen, and remembers it once that is `settled`. A place at which
+    /// Moves a corner of the picture to a place of its screen, and remembers it once that is settled. A place at which
     /// nothing could be drawn is left out.
-    pub(super) fn move_corner(&mut self, corner: usize, place: [f64; 2], settled: bool) {
+    pub(super) fn move_corner(&mut self, MovedCorner { corner, place, settled }: MovedCorner) {
         // Finer than a pixel is no use to anybody.
         let place = place.map(|share| (share * 1e4).round() / 1e4);
-        if let Some(corners) = self.choices.stage.corners.with(corner, place) {
-            self.choices.stage.corners = corners;
-        }
-        let corners = self.choices.stage.corners;
+        let before = self.choices.stage.corners;
+        self.set_corners(before.with(corner, place).unwrap_or(before), corner, settled);
+    }
+
+    /// Sets all corners, of which one is selected, and remembers them once they are settled.
+    pub(super) fn set_corners(&mut self, corners: Corners, selected: usize, settled: bool) {
         if let Some(hands) = &mut self.desk.corners {
-            hands.take(corner, corners);
+            hands.take(selected, corners);
         }
-        if settled {
-            self.remember_corners();
-        }
-        self.output.look_different();
-        self.window.request_redraw();
+        self.change_setting(SetSetting { setting: Setting::Corners(corners), settled });
     }
 
-    fn remember_corners(&mut self) {
-        let corners = self.choices.stage.corners;
-        self.choose(move |choices| choices.stage.corners = corners);
+    /// Where in the window of `size` pixels the picture lies: as large as it can, or small beside the panels while an output
+    /// shows it. It is large there, too, while its corners are moved, and where nothing else is to be seen.
+    pub(super) fn note_area(&mut self, lay: &Lay, size: (u32, u32)) -> Area {
+        let is_small = self.screen.has_output() && !self.desk.bare && self.desk.corners.is_none();
+        self.desk.picture = is_small.then(|| small_in(size, lay.screen));
+        self.desk.picture.unwrap_or_else(|| lay.area_in(size))
     }
 
-    /// Does what a key asks of the corners, while they are moved. Returns whether it was one of theirs.
-    pub(super) fn take_corner_key(&mut self, key: &Key, held: ModifiersState) -> bool {
-        let Some(hands) = &mut self.desk.corners else { return false };
-        match hands.take_key(key, held.shift_key()) {
-            None => return false,
-            Some(Moved::Nothing) => {}
-            Some(Moved::Corner { corner, place }) => self.move_corner(corner, place, true),
-            Some(Moved::Back) => {
-                self.choices.stage.corners = Corners::default();
-                self.move_corner(0, [0.0; 2], true);
-            }
-        }
-        true
+    /// Whether what the pointer does at a place of the window, in pixels, is meant for the picture.
+    pub(super) fn is_for_picture(&self, place: [f64; 2]) -> bool {
+        let size = self.screen.size().unwrap_or_default();
+        self.desk.picture.is_none_or(|area| is_within(area, size, place))
     }
 }

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::Stage;
-use crate::app::file_browser::{FileBrowser, Picked};
-use crate::app::overlay::{FileRequest, Panel, Request, SceneRequest, TrackRequest};
-use crate::app::scene_browser::{Chosen, SceneBrowser};
+use crate::app::file_browser::FileBrowser;
+use crate::app::overlay::{FileListEvent, SceneListEvent, UiEvent};
+use crate::app::scene_browser::SceneBrowser;
+use crate::commands::{Command, Files, Panel};
 use crate::limits::LIMITS;
 use crate::scenes::{SceneSource, is_scene_file};
 use crate::thumbnails::Thumbnails;
@@ -33,7 +34,7 @@ impl Stage {
         self.look_through_scenes(self.desk.panels.open() == Some(Panel::Scenes));
         self.look_through_files(self.desk.panels.open() == Some(Panel::Files));
         self.show_settings(self.desk.panels.open() == Some(Panel::Settings));
-        self.show_hands(self.desk.panels.open() == Some(Panel::Hands));
+        self.show_hands(self.desk.panels.open() == Some(Panel::Controllers));
         self.show_corners(self.desk.panels.open() == Some(Panel::Corners));
     }
 
@@ -64,42 +65,28 @@ impl Stage {
         std::path::absolute(file).ok()?.parent().map(Path::to_owned)
     }
 
-    /// Does what was picked in the list of files.
-    pub(super) fn follow_pick(&mut self, picked: Picked) {
-        match picked {
-            Picked::Nothing => return,
-            Picked::Close => {}
-            Picked::Open { path, append } => {
-                self.last_folder = path.parent().map(Path::to_owned);
-                self.open_files(vec![path], append);
-            }
-        }
-        if self.desk.panels.open() == Some(Panel::Files) {
-            self.toggle_panel(Panel::Files);
-        }
-    }
-
-    /// Does what the pointer asked of the list of files.
-    fn obey_in_files(&mut self, request: FileRequest) {
+    /// Takes what was done in the list of files, and carries out what it asks for.
+    fn take_file_event(&mut self, event: FileListEvent) {
         let Some(files) = &mut self.desk.files else { return };
-        let picked = match request {
-            FileRequest::Open { place, append } => files.open(place, append),
-            FileRequest::OpenFolder { append } => files.open_folder(append),
-            FileRequest::EnterPlace(place) => {
+        let commands = match event {
+            FileListEvent::Open { place, append } => files.open(place, append),
+            FileListEvent::OpenFolder { append } => files.open_folder(append),
+            FileListEvent::EnterPlace(place) => {
                 files.enter_place(place);
-                Picked::Nothing
+                Vec::new()
             }
-            FileRequest::Up => {
+            FileListEvent::Up => {
                 files.go_up();
-                Picked::Nothing
+                Vec::new()
             }
-            FileRequest::Close => Picked::Close,
+            FileListEvent::Close => vec![Command::TogglePanel(Panel::Files)],
         };
-        self.follow_pick(picked);
+        self.carry_out_all(commands);
     }
 
     /// Shows the last scene among these files, and plays the others or adds them to the tracks.
-    pub(super) fn open_files(&mut self, files: Vec<PathBuf>, append: bool) {
+    pub(super) fn open_files(&mut self, Files { files, append }: Files) {
+        self.last_folder = files.last().and_then(|file| file.parent()).map(Path::to_owned);
         let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
         if let Some(scene) = scenes.into_iter().next_back() {
             self.scene.show_source(SceneSource::File(scene));
@@ -119,9 +106,9 @@ impl Stage {
             return;
         }
         self.look_for_thumbnails();
-        let scenes = self.scene.all_sources();
+        let scenes = self.scene.library().all_sources();
         let favourites = self.listening.settings().favourite_scenes.clone();
-        let browser = SceneBrowser::new(scenes, self.scene.shown_source(), favourites);
+        let browser = SceneBrowser::new(scenes, self.scene.scenes().shown_source(), favourites);
         if let Some(thumbnails) = &mut self.thumbnails {
             browser.ask_for_comments(thumbnails);
         }
@@ -144,7 +131,8 @@ impl Stage {
         if self.thumbnails_ahead.take_if(|due| Instant::now() >= *due).is_none() {
             return;
         }
-        let of_folder = self.scene.all_sources().into_iter().filter(|source| source.file().is_some());
+        let of_folder =
+            self.scene.library().all_sources().into_iter().filter(|source| source.file().is_some());
         let of_folder: Vec<_> = of_folder.take(LIMITS.thumbnails_ahead_max).collect();
         if of_folder.is_empty() {
             return;
@@ -169,55 +157,25 @@ impl Stage {
         let found: Vec<_> = std::iter::from_fn(|| thumbnails.poll()).collect();
         found.iter().for_each(|looked| self.hands.note_picture(looked));
         if let Some(browser) = &mut self.desk.browser {
-            browser.set_present(self.scene.shown_source());
+            browser.set_present(self.scene.scenes().shown_source());
             browser.take(found);
         }
     }
 
-    /// Does what was chosen in the list of scenes.
-    pub(super) fn follow_choice(&mut self, chosen: Chosen) {
-        match chosen {
-            Chosen::Nothing => {}
-            Chosen::Close => self.close_scenes(),
-            Chosen::Show { source, close } => {
-                self.scene.show_source(source);
-                if close {
-                    self.close_scenes();
-                }
-            }
-            Chosen::Marked => {
-                if let Some(favourites) =
-                    self.desk.browser.as_ref().map(|browser| browser.favourites().clone())
-                {
-                    self.listening.remember(move |settings| {
-                        settings.favourite_scenes.clone_from(&favourites);
-                    });
-                }
-            }
-        }
-    }
-
-    fn close_scenes(&mut self) {
-        if self.desk.panels.open() == Some(Panel::Scenes) {
-            self.toggle_panel(Panel::Scenes);
-        }
-    }
-
-    /// Does what the pointer asked of the list of scenes.
-    fn obey_in_scenes(&mut self, request: SceneRequest) {
+    /// Takes what was done in the list of scenes, and carries out what it asks for.
+    fn take_scene_event(&mut self, event: SceneListEvent) {
         let Some(browser) = &mut self.desk.browser else { return };
-        let chosen = match request {
-            SceneRequest::Show { place, close } => browser.show(place, close),
-            SceneRequest::Mark(place) => browser.mark(place),
-            SceneRequest::Close => Chosen::Close,
-            SceneRequest::Drawn { places, columns } => {
+        let commands = match event {
+            SceneListEvent::Show { place, close } => browser.show(place, close),
+            SceneListEvent::Mark(place) => browser.mark(place),
+            SceneListEvent::Drawn { places, columns } => {
                 if let Some(thumbnails) = &mut self.thumbnails {
                     browser.note_drawn(places, columns, thumbnails);
                 }
-                Chosen::Nothing
+                return;
             }
         };
-        self.follow_choice(chosen);
+        self.carry_out_all(commands);
     }
 
     /// Closes what is open, or leaves full screen.
@@ -226,7 +184,7 @@ impl Stage {
             return self.update_hands();
         }
         if !self.desk.panels.close() {
-            self.window.set_fullscreen(false);
+            self.screen.set_fullscreen(false);
         }
         self.leave_panels();
     }
@@ -241,39 +199,18 @@ impl Stage {
         self.show_corners(false);
     }
 
-    /// What the pointer asked for since the last call.
-    pub(in crate::app) fn take_requests(&mut self) -> Vec<Request> {
-        std::mem::take(&mut self.requests)
-    }
-
-    /// Does what the pointer asked for in a panel.
-    pub(in crate::app) fn obey(&mut self, request: Request) {
-        match request {
-            // What keys do, too, is the show's.
-            Request::Act(_) => {}
-            Request::SeekTo(seconds) => self.with_song(|player| player.seek_to(seconds)),
-            Request::SetVolume(volume) => self.with_song(|player| {
-                player.set_volume(volume);
-                if player.status().muted {
-                    player.toggle_mute();
-                }
-            }),
-            Request::Tracks(TrackRequest::Play(entry)) => self.with_song(|player| player.play_entry(entry)),
-            Request::Tracks(TrackRequest::Remove(entry)) => {
-                self.with_song(|player| player.remove_entry(entry));
+    /// Takes what was done in the panels during the last picture. Returns the commands in it.
+    pub(in crate::app) fn take_ui_events(&mut self) -> Vec<Command> {
+        let mut commands = Vec::new();
+        for event in std::mem::take(&mut self.ui_events) {
+            match event {
+                UiEvent::Command(command) => commands.push(command),
+                UiEvent::Editor(event) => self.take_editor_event(event),
+                UiEvent::Scenes(event) => self.take_scene_event(event),
+                UiEvent::Files(event) => self.take_file_event(event),
+                UiEvent::Settings(event) => self.take_setting_event(event),
             }
-            Request::Tracks(TrackRequest::Move { from, to }) => {
-                self.with_song(|player| player.move_entry(from, to));
-            }
-            Request::Listen(place) => self.listening.choose_source(place),
-            Request::Editor(request) => return self.obey_in_editor(request),
-            Request::Scenes(request) => return self.obey_in_scenes(request),
-            Request::Files(request) => self.obey_in_files(request),
-            Request::Settings(request) => self.obey_in_settings(request),
-            Request::Hands(request) => self.obey_in_hands(request),
-            Request::LearnParam(name) => self.learn_param(name),
-            Request::Corner { corner, place, settled } => self.move_corner(corner, place, settled),
         }
-        self.hurry_reports();
+        commands
     }
 }

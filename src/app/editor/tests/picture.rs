@@ -31,19 +31,19 @@ fn the_card_of_a_point_brings_the_cursor_to_what_made_it() {
     probe(&mut desk, [0.5, 0.5]);
     assert_eq!((line_of_cursor(&desk), desk.editor.probed_line()), (1, Some(2)), "one goes on writing");
     desk.editor.set_focus(false);
-    desk.editor.obey(EditorRequest::GoToProbed);
+    desk.editor.obey(EditorEvent::GoToProbed);
     assert_eq!((line_of_cursor(&desk), desk.editor.has_focus()), (3, true));
     let surface = desk.editor.probed().unwrap().surface.clone().unwrap();
     assert_eq!((surface.object.as_str(), surface.material.as_str()), ("near", "red"));
     probe(&mut desk, [0.5, 0.9]);
-    desk.editor.obey(EditorRequest::GoToProbed);
+    desk.editor.obey(EditorEvent::GoToProbed);
     assert_eq!(line_of_cursor(&desk), 6);
     // The picture knows the text that was loaded; meanwhile a line was put in above.
     let scenery = scenery_of(desk.source());
     desk.go_to("object near");
     desk.type_text("# far\n");
     desk.editor.take_answer_about_the_picture(Answer::Point(probed_at(&scenery, [0.5, 0.5])));
-    desk.editor.obey(EditorRequest::GoToProbed);
+    desk.editor.obey(EditorEvent::GoToProbed);
     assert_eq!(line_of_cursor(&desk), 4);
     let surface = desk.editor.probed().unwrap().surface.clone().unwrap();
     let (file, range) = surface.written.unwrap();
@@ -54,11 +54,11 @@ fn the_card_of_a_point_brings_the_cursor_to_what_made_it() {
     );
     // The sky has no line, and Esc closes what is told before it closes the editor.
     probe(&mut desk, [0.5, 0.1]);
-    desk.editor.obey(EditorRequest::GoToProbed);
+    desk.editor.obey(EditorEvent::GoToProbed);
     assert_eq!((line_of_cursor(&desk), desk.editor.probed().unwrap().surface.as_ref()), (4, None));
-    let _ = desk.effects();
+    let _ = desk.commands();
     desk.named(NamedKey::Escape);
-    assert!(desk.editor.probed().is_none() && desk.effects().is_empty());
+    assert!(desk.editor.probed().is_none() && desk.commands().is_empty());
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn a_point_that_an_included_text_made_shows_that_text() {
     assert!(desk.load());
     probe(&mut desk, [0.5, 0.5]);
     assert_eq!(desk.editor.probed_line(), None, "it stands in another text");
-    desk.editor.obey(EditorRequest::GoToProbed);
+    desk.editor.obey(EditorEvent::GoToProbed);
     desk.wait("the included text", |editor| {
         editor.document().is_some_and(|document| document.disk.is_some() && document.name() == "part.scene")
     });
@@ -80,7 +80,7 @@ fn a_point_that_an_included_text_made_shows_that_text() {
     // It is there already.
     desk.editor.show_text(0);
     probe(&mut desk, [0.5, 0.5]);
-    desk.editor.obey(EditorRequest::GoToProbed);
+    desk.editor.obey(EditorEvent::GoToProbed);
     assert_eq!((desk.editor.document().unwrap().name().as_str(), line_of_cursor(&desk)), ("part.scene", 2));
 }
 
@@ -125,7 +125,7 @@ fn the_dearest_object_is_told_first() {
     assert!(objects[0].run >= objects[1].run, "{objects:?}");
     assert_eq!(survey.run(), survey.sky.1 + objects[0].run + objects[1].run);
     let (text, byte) = objects.iter().find(|object| object.name == "floor").unwrap().place.unwrap();
-    desk.editor.obey(EditorRequest::GoTo { text, byte });
+    desk.editor.obey(EditorEvent::GoTo { text, byte });
     assert_eq!(line_of_cursor(&desk), 6);
 }
 
@@ -152,13 +152,15 @@ fn lines_that_make_parts_of_an_object_are_told_with_it() {
     assert!(named("one").parts.len() == 2 && desk.editor.parts_of(named("one")).is_empty());
 }
 
-/// What the effects of a hand were: how often the text was read, and the values that went into the frame.
+/// What the commands of a hand were: how often the text was read, and the values that went into the frame.
 fn turned(desk: &mut Desk) -> (usize, Vec<Vec<f32>>) {
     let (mut reads, mut all) = (0, Vec::new());
-    for effect in desk.effects() {
-        match effect {
-            Effect::Reload => reads += 1,
-            Effect::Turn { values, .. } => all.push(values.into_iter().map(|(_, value)| value).collect()),
+    for command in desk.commands() {
+        match command {
+            Command::ReloadScene => reads += 1,
+            Command::TurnNumbers(TurnedNumbers { values, .. }) => {
+                all.push(values.into_iter().map(|(_, value)| value).collect())
+            }
             other => panic!("{other:?}"),
         }
     }
@@ -169,25 +171,25 @@ fn turned(desk: &mut Desk) -> (usize, Vec<Vec<f32>>) {
 fn a_colour_is_picked_without_a_reading_of_the_text_and_is_one_step() {
     let mut desk = Desk::new(SCENE.as_bytes());
     assert!(desk.load());
-    desk.editor.obey(EditorRequest::PickColor(SCENE.find("vec3(0.9").unwrap()));
+    desk.editor.obey(EditorEvent::PickColor(SCENE.find("vec3(0.9").unwrap()));
     assert_eq!(desk.editor.picked_color().unwrap().1, [0.9, 0.3, 0.1]);
     assert_eq!(turned(&mut desk), (0, vec![]));
-    desk.editor.obey(EditorRequest::SetColor([0.8, 0.3, 0.1]));
+    desk.editor.obey(EditorEvent::SetColor([0.8, 0.3, 0.1]));
     assert_eq!(turned(&mut desk), (1, vec![vec![0.8, 0.3, 0.1]]), "once, to make it three inputs");
     assert!(desk.load());
     assert_eq!(desk.editor.findings.as_ref().unwrap().numbers.len(), 3);
     for step in 1..=20 {
-        desk.editor.obey(EditorRequest::SetColor([0.8, 0.02 * f64::from(step), 0.0]));
+        desk.editor.obey(EditorEvent::SetColor([0.8, 0.02 * f64::from(step), 0.0]));
     }
     let (reads, values) = turned(&mut desk);
     assert_eq!((reads, values.len(), &values[19][..]), (0, 20, &[0.8, 0.4, 0.0][..]));
-    desk.editor.obey(EditorRequest::LetGo);
+    desk.editor.obey(EditorEvent::LetGo);
     assert_eq!(turned(&mut desk), (1, vec![]), "the text holds again");
     assert_eq!(desk.text(), SCENE.replace("vec3(0.9, 0.3, 0.1)", "vec3(0.8, 0.4, 0)"));
     assert!(desk.load());
     // It goes on being picked, brighter than white, too.
-    desk.editor.obey(EditorRequest::PickColor(desk.text().find("vec3(2").unwrap()));
-    desk.editor.obey(EditorRequest::SetColor([2.0, 1.5, 0.25]));
+    desk.editor.obey(EditorEvent::PickColor(desk.text().find("vec3(2").unwrap()));
+    desk.editor.obey(EditorEvent::SetColor([2.0, 1.5, 0.25]));
     desk.named(NamedKey::Escape);
     assert!(desk.editor.picked_color().is_none());
     assert!(desk.text().contains("emission = vec3(2, 1.5, 0.25)"), "{}", desk.text());
@@ -202,16 +204,16 @@ fn a_position_is_moved_through_nothing_without_a_reading_of_the_text() {
     assert!(desk.load());
     desk.go_to("0, 0, 5), 1)");
     assert_eq!(desk.editor.place(), Some([0.0, 0.0, 5.0]));
-    desk.editor.obey(EditorRequest::MovePlace([0.25, 0.0, 0.0]));
+    desk.editor.obey(EditorEvent::MovePlace([0.25, 0.0, 0.0]));
     assert_eq!(turned(&mut desk).0, 1);
     assert!(desk.load());
     for _ in 0..10 {
-        desk.editor.obey(EditorRequest::MovePlace([-0.1, 0.05, 0.0]));
+        desk.editor.obey(EditorEvent::MovePlace([-0.1, 0.05, 0.0]));
     }
     let (reads, values) = turned(&mut desk);
     assert_eq!((reads, values.len()), (0, 10));
     assert_eq!(desk.editor.place(), Some([-0.75, 0.5, 5.0]));
-    desk.editor.obey(EditorRequest::LetGo);
+    desk.editor.obey(EditorEvent::LetGo);
     assert_eq!(desk.text(), SCENE.replace("p - vec3(0, 0, 5)", "p - vec3(-0.75, 0.5, 5)"));
     assert!(desk.load());
     desk.ctrl("z");
@@ -221,7 +223,7 @@ fn a_position_is_moved_through_nothing_without_a_reading_of_the_text() {
     let mut desk = Desk::new(text.as_bytes());
     desk.go_to("vec3(1, 2");
     assert_eq!(desk.editor.place(), Some([-1.0, -2.0, 5.0]));
-    desk.editor.obey(EditorRequest::MovePlace([1.0, 0.0, 0.0]));
+    desk.editor.obey(EditorEvent::MovePlace([1.0, 0.0, 0.0]));
     assert!(desk.text().contains("p + vec3(0, 2, -5)"), "{}", desk.text());
     // A colour is no place.
     desk.go_to("0.9, 0.3");
@@ -234,8 +236,8 @@ fn colours_of_a_shipped_scene_are_not_picked() {
     let orb = SceneSource::Shipped("first_steps".into());
     desk.editor.show_scene(&orb);
     let text = desk.text();
-    desk.editor.obey(EditorRequest::PickColor(text.find("vec3(0.9, 0.25").unwrap()));
-    desk.editor.obey(EditorRequest::SetColor([0.0; 3]));
+    desk.editor.obey(EditorEvent::PickColor(text.find("vec3(0.9, 0.25").unwrap()));
+    desk.editor.obey(EditorEvent::SetColor([0.0; 3]));
     assert!(desk.editor.picked_color().is_none() && desk.text() == text);
     assert!(desk.said().contains("Ctrl+S"), "{}", desk.said());
 }
@@ -280,7 +282,7 @@ fn a_shape_that_is_proposed_has_a_small_picture() {
 #[test]
 fn letters_that_are_put_together_are_not_in_the_text_before_they_are_typed() {
     let mut desk = Desk::new(b"# ");
-    desk.editor.obey(EditorRequest::Press { at: 2, clicks: 1, select: false });
+    desk.editor.obey(EditorEvent::Press { at: 2, clicks: 1, select: false });
     desk.editor.set_preedit("\u{304b}\n");
     assert_eq!((desk.editor.preedit(), desk.text().as_str()), ("\u{304b}", "# "));
     desk.editor.type_text("\u{5bb6}");

@@ -1,8 +1,8 @@
 //! The rows of the panel, from what holds at present.
 
 use super::{HandFacts, HandRow};
-use crate::app::hands::deeds;
 use crate::app::hands::midi::words_of;
+use crate::commands;
 use mariana_control::Param;
 use mariana_control::deed::Takes;
 use mariana_control::midi::{Mapping, Target};
@@ -42,7 +42,7 @@ pub(super) fn rows_of(facts: &HandFacts<'_>) -> Vec<HandRow> {
         add(&mut rows, target, slider.name.clone(), about, Some(param.share_of(slider.value)));
     }
     rows.push(words("Actions".to_owned()));
-    for row in deeds::table() {
+    for row in commands::for_controllers() {
         let deed = |value: Option<String>| Target::Deed { name: row.name.to_owned(), value };
         if row.takes == Takes::Choice {
             let here = deed(Some(facts.scene.clone()));

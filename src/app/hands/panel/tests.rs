@@ -1,7 +1,7 @@
 //! The panel as keys meet it.
 
 use super::*;
-use crate::app::hands::deeds;
+use crate::commands;
 use mariana_control::Hand;
 use mariana_control::midi::Source;
 use mariana_remote::RemoteState;
@@ -55,7 +55,7 @@ fn everything_that_can_be_turned_has_a_row_with_what_turns_it_below() {
         "{below:?}"
     );
     let targets = panel.rows().iter().filter(|row| matches!(row, HandRow::Target { .. })).count();
-    assert_eq!(targets, 1 + deeds::table().len() + 1);
+    assert_eq!(targets, 1 + commands::for_controllers().len() + 1);
     let last = panel.rows().last();
     assert!(
         matches!(last, Some(HandRow::Knob { words, .. }) if words.starts_with("fog in city")),
@@ -68,20 +68,32 @@ fn everything_that_can_be_turned_has_a_row_with_what_turns_it_below() {
 #[test]
 fn keys_learn_change_and_forget() {
     let mut panel = panel(&[knob(size())], None);
-    assert_eq!(panel.take_key(&key(NamedKey::Enter)), (true, Some(HandsRequest::Clock(false))));
+    assert_eq!(
+        panel.take_key(&key(NamedKey::Enter)),
+        (true, Some(Command::EditMappings(KnobEdit::Clock(false))))
+    );
     panel.take_key(&key(NamedKey::ArrowDown));
-    assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(HandsRequest::Learn(size())));
+    assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(Command::Learn(size())));
     panel.take_key(&key(NamedKey::ArrowDown));
     // The lower end of its way is where the parameter stands.
     let mut after = knob(size());
     after.range = [0.25, 1.0];
-    assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(HandsRequest::Change(knob(size()), after)));
+    assert_eq!(
+        panel.take_key(&key(NamedKey::Enter)).1,
+        Some(Command::EditMappings(KnobEdit::Change(knob(size()), after)))
+    );
     panel.take_key(&key(NamedKey::ArrowRight));
     panel.take_key(&key(NamedKey::ArrowRight));
     let mut after = knob(size());
     after.range = [1.0, 0.0];
-    assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(HandsRequest::Change(knob(size()), after)));
-    assert_eq!(panel.take_key(&key(NamedKey::Delete)).1, Some(HandsRequest::Remove(knob(size()))));
+    assert_eq!(
+        panel.take_key(&key(NamedKey::Enter)).1,
+        Some(Command::EditMappings(KnobEdit::Change(knob(size()), after)))
+    );
+    assert_eq!(
+        panel.take_key(&key(NamedKey::Delete)).1,
+        Some(Command::EditMappings(KnobEdit::Remove(knob(size()))))
+    );
     assert_eq!(panel.take_key(&Key::Character("n".into())), (false, None), "letters are the show's");
     for _ in 0..100 {
         panel.take_key(&key(NamedKey::ArrowDown));
@@ -113,7 +125,7 @@ fn a_row_that_moves_stays_selected() {
         mappings: &[],
         learning: None,
     });
-    assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(HandsRequest::Learn(next)));
+    assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(Command::Learn(next)));
 }
 
 #[test]
@@ -124,7 +136,10 @@ fn every_field_says_what_holds_and_goes_round() {
         let mut seen = Vec::new();
         loop {
             seen.push(field.words(&mapping));
-            let Some(HandsRequest::Change(_, after)) = field.request(&mapping, None) else { panic!() };
+            let Some(Command::EditMappings(KnobEdit::Change(_, after))) = field.request(&mapping, None)
+            else {
+                panic!()
+            };
             mapping = after;
             if field.words(&mapping) == first {
                 break;

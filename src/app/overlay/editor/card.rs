@@ -3,7 +3,7 @@
 use egui::{Context, Id, LayerId, Order, Pos2, Rect, Sense, Stroke, WidgetInfo, pos2, vec2};
 
 use super::light::on_screen;
-use crate::app::editor::{Editor, EditorRequest};
+use crate::app::editor::{Editor, EditorEvent};
 use crate::app::overlay::{assisted, icons, style};
 use crate::app::probing::Surface;
 
@@ -21,7 +21,7 @@ pub(super) fn show(
     screen: Rect,
     space: Rect,
     editor: &Editor,
-    ask: &mut impl FnMut(EditorRequest),
+    ask: &mut impl FnMut(EditorEvent),
 ) -> Option<Rect> {
     let probed = editor.probed()?;
     let point = on_screen(editor.map()?, screen, probed.at)?;
@@ -49,7 +49,7 @@ pub(super) fn show(
         style::ground(painter, rect);
         let cross = Rect::from_min_size(pos2(rect.right() - ROW - 6.0, rect.top() + 5.0), vec2(ROW, ROW));
         if icons::closing_cross(ui, cross, "close (Esc in the text)") {
-            ask(EditorRequest::CloseProbed);
+            ask(EditorEvent::CloseProbed);
         }
         let (left, width) = (rect.left() + 10.0, rect.width() - 20.0);
         let mut y = rect.top() + 6.0;
@@ -81,7 +81,7 @@ pub(super) fn show(
         add(&heading, style::proportional(style::SMALL_SIZE), style::DIM);
         add(words, style::monospace(12.0), style::TEXT);
         if response.clicked() {
-            ask(EditorRequest::GoToProbed);
+            ask(EditorEvent::GoToProbed);
         }
     });
     Some(rect)

@@ -4,7 +4,7 @@ use egui::{Color32, Context, CursorIcon, Id, LayerId, Order, Pos2, Rect, Sense, 
 use glam::DVec3;
 
 use super::light::on_screen;
-use crate::app::editor::{Editor, EditorRequest};
+use crate::app::editor::{Editor, EditorEvent};
 use crate::app::overlay::style;
 use crate::frame::camera::Camera;
 use crate::placement::Map;
@@ -34,7 +34,7 @@ pub(super) fn show(
     screen: Rect,
     hidden: Rect,
     editor: &Editor,
-    ask: &mut impl FnMut(EditorRequest),
+    ask: &mut impl FnMut(EditorEvent),
 ) -> Vec<Rect> {
     let parts = editor.place().zip(editor.view());
     let Some((place, (map, camera))) = parts else { return Vec::new() };
@@ -74,7 +74,7 @@ fn seen_at(camera: &Camera, map: &Map, screen: Rect, point: DVec3) -> Option<Pos
 }
 
 /// Takes the pointer at a handle; returns where.
-fn drag(context: &Context, handle: &Handle, ask: &mut impl FnMut(EditorRequest)) -> Rect {
+fn drag(context: &Context, handle: &Handle, ask: &mut impl FnMut(EditorEvent)) -> Rect {
     let rect = Rect::from_center_size(handle.at, Vec2::splat(2.0 * HANDLE));
     let id = Id::unique(("cross handle", handle.name));
     let area = style::area(id, Order::Background).fixed_pos(rect.min);
@@ -89,7 +89,7 @@ fn drag(context: &Context, handle: &Handle, ask: &mut impl FnMut(EditorRequest))
             return;
         }
         let fine = if ui.input(|input| input.modifiers.shift) { FINE } else { 1.0 };
-        ask(EditorRequest::MovePlace((fine * way_of(&handle.ways, moved)).to_array()));
+        ask(EditorEvent::MovePlace((fine * way_of(&handle.ways, moved)).to_array()));
     });
     rect
 }

@@ -4,7 +4,7 @@ use egui::color_picker::{Alpha, color_picker_hsva_2d};
 use egui::ecolor::Hsva;
 use egui::{Color32, Context, Id, Order, Pos2, Rect, Rgba, pos2};
 
-use crate::app::editor::{Editor, EditorRequest};
+use crate::app::editor::{Editor, EditorEvent};
 use crate::app::overlay::{icons, style};
 
 /// Width of the field of colours, and about the height of all of it.
@@ -36,7 +36,7 @@ pub(super) fn show(
     context: &Context,
     at: Rect,
     editor: &Editor,
-    ask: &mut impl FnMut(EditorRequest),
+    ask: &mut impl FnMut(EditorEvent),
 ) -> Option<Rect> {
     let (place, values) = editor.picked_color()?;
     let id = Id::unique("picked color");
@@ -80,12 +80,12 @@ pub(super) fn show(
     let closes = style::area(Id::unique("picker cross"), Order::Foreground).fixed_pos(cross.min);
     closes.show(context, |ui| {
         if icons::closing_cross(ui, cross, "close (Esc)") {
-            ask(EditorRequest::ClosePicker);
+            ask(EditorEvent::ClosePicker);
         }
     });
     if shown.inner.inner {
         let color = picked.color.to_rgb().map(|part| f64::from(part) * picked.bright);
-        ask(EditorRequest::SetColor(color));
+        ask(EditorEvent::SetColor(color));
     }
     context.data_mut(|data| data.insert_temp(id, picked));
     Some(rect)

@@ -7,7 +7,7 @@ use egui::{
     TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 
-use crate::app::editor::{EditorRequest, PORTRAIT_SIDE, Portrait, Proposing};
+use crate::app::editor::{EditorEvent, PORTRAIT_SIDE, Portrait, Proposing};
 use crate::app::overlay::{assisted, style};
 
 /// Names that show at a time.
@@ -28,7 +28,7 @@ pub(super) fn show(
     at: Pos2,
     line: f32,
     (proposing, portrait): (&Proposing, Option<&Portrait>),
-    ask: &mut impl FnMut(EditorRequest),
+    ask: &mut impl FnMut(EditorEvent),
 ) {
     let painter = ui.ctx().layer_painter(LayerId::new(Order::Foreground, Id::unique("proposals")));
     let count = proposing.list.len().min(ROWS);
@@ -55,7 +55,7 @@ pub(super) fn show(
         painter.galley(pos2(place.left() + 4.0, place.center().y - 0.5 * galley.size().y), galley, color);
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &one.name));
         if response.clicked() {
-            ask(EditorRequest::Take(number));
+            ask(EditorEvent::Take(number));
         }
     }
     let Some(one) = proposing.list.get(proposing.selected) else { return };

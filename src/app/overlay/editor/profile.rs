@@ -2,7 +2,7 @@
 
 use egui::{Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use crate::app::editor::{Editor, EditorRequest};
+use crate::app::editor::{Editor, EditorEvent};
 use crate::app::overlay::{assisted, style};
 
 /// Height of a row.
@@ -35,7 +35,7 @@ fn leave_out_parts(rows: &mut Vec<Row>, rows_max: usize) {
 }
 
 /// Draws the table at the bottom of `space`; returns where it begins.
-pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(EditorRequest)) -> f32 {
+pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(EditorEvent)) -> f32 {
     if !editor.switches().1 {
         return space.bottom();
     }
@@ -72,7 +72,7 @@ pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(E
                 painter.rect_filled(place, 3.0, style::RAIL);
             }
             if response.clicked() {
-                ask(EditorRequest::GoTo { text, byte });
+                ask(EditorEvent::GoTo { text, byte });
             }
         }
         draw(y, &row.name, &row.cells, style::TEXT);

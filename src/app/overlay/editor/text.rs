@@ -13,7 +13,7 @@ use mariana_editing::{Buffer, TripleKind, TurnSpeed, cells, column_of, offset_of
 use mariana_field::lang::WordKind;
 
 use super::{picker, popup};
-use crate::app::editor::{Document, Editor, EditorRequest};
+use crate::app::editor::{Document, Editor, EditorEvent};
 use crate::app::overlay::{assisted, style};
 
 /// Size of the text, in points.
@@ -92,7 +92,7 @@ pub(super) fn show(
     space: Rect,
     editor: &Editor,
     document: &Document,
-    ask: &mut impl FnMut(EditorRequest),
+    ask: &mut impl FnMut(EditorEvent),
 ) -> Option<Rect> {
     let buffer = document.editing.buffer();
     let font = style::monospace(SIZE);
@@ -103,7 +103,7 @@ pub(super) fn show(
     let (top, left) = document.view;
     let page = Page { rect, cell, top, left };
     let rows = (rect.height() / cell.y).max(1.0);
-    ask(EditorRequest::Drawn { rows: rows as usize, columns: (rect.width() / cell.x).max(1.0) as usize });
+    ask(EditorEvent::Drawn { rows: rows as usize, columns: (rect.width() / cell.x).max(1.0) as usize });
 
     let whole = Rect::from_min_max(space.min, rect.max);
     let response = ui.interact(whole, Id::unique("editor text"), Sense::click_and_drag());
@@ -351,7 +351,7 @@ fn point(
     editor: &Editor,
     document: &Document,
     response: &Response,
-    ask: &mut impl FnMut(EditorRequest),
+    ask: &mut impl FnMut(EditorEvent),
 ) {
     let buffer = document.editing.buffer();
     let (modifiers, pressed, down, moved, scrolled) = ui.input(|input| {
@@ -368,7 +368,7 @@ fn point(
     if editor.turns_three() {
         // What turns them lies elsewhere.
         if !down {
-            ask(EditorRequest::LetGo);
+            ask(EditorEvent::LetGo);
         }
         return;
     }
@@ -381,16 +381,16 @@ fn point(
         draw_grip(painter, grip_of(page.rect_of(buffer, &turned)), true);
         ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
         if !down {
-            ask(EditorRequest::LetGo);
+            ask(EditorEvent::LetGo);
         } else if moved != 0.0 {
-            ask(EditorRequest::Turn { points: moved, speed });
+            ask(EditorEvent::Turn { points: moved, speed });
         }
         return;
     }
     let Some(at) = response.hover_pos().or_else(|| response.interact_pointer_pos()) else { return };
     if scrolled != Vec2::ZERO {
         let lines = -scrolled.y / page.cell.y;
-        ask(EditorRequest::Scroll { lines, columns: -scrolled.x / page.cell.x });
+        ask(EditorEvent::Scroll { lines, columns: -scrolled.x / page.cell.x });
     }
     let offset = page.offset(buffer, at);
     let number = document.is_open().then(|| number_at(page, document, at)).flatten();
@@ -405,18 +405,18 @@ fn point(
         (false, false) => CursorIcon::Text,
     });
     if let Some(rect) = grips.filter(|_| pressed) {
-        return ask(EditorRequest::Grab(page.offset(buffer, rect.center())));
+        return ask(EditorEvent::Grab(page.offset(buffer, rect.center())));
     }
     if let Some(color) = color.filter(|_| response.clicked() && !modifiers.shift) {
-        ask(EditorRequest::PickColor(color));
+        ask(EditorEvent::PickColor(color));
     } else if pressed && response.contains_pointer() {
-        ask(EditorRequest::Press { at: offset, clicks: 1, select: modifiers.shift });
+        ask(EditorEvent::Press { at: offset, clicks: 1, select: modifiers.shift });
     } else if response.triple_clicked() {
-        ask(EditorRequest::Press { at: offset, clicks: 3, select: false });
+        ask(EditorEvent::Press { at: offset, clicks: 3, select: false });
     } else if response.double_clicked() {
-        ask(EditorRequest::Press { at: offset, clicks: 2, select: false });
+        ask(EditorEvent::Press { at: offset, clicks: 2, select: false });
     } else if response.dragged() && down && moved_enough(ui) {
-        ask(EditorRequest::DragTo(offset));
+        ask(EditorEvent::DragTo(offset));
     } else if grips.is_none() {
         hover_help(response, document, page, offset, at);
     }
@@ -502,7 +502,7 @@ fn hover_help(response: &Response, document: &Document, page: &Page, offset: usi
 }
 
 /// The lane at the right: what part of the text shows, and where mistakes are. Dragged, it scrolls.
-fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnMut(EditorRequest)) {
+fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnMut(EditorEvent)) {
     let count = document.editing.buffer().line_count() as f32;
     if count <= rows {
         return;
@@ -523,6 +523,6 @@ fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnM
     }
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged() || response.clicked()) {
         let wanted = (at.y - lane.top()) / lane.height().max(1.0) * whole - 0.5 * rows;
-        ask(EditorRequest::Scroll { lines: wanted - document.view.0, columns: 0.0 });
+        ask(EditorEvent::Scroll { lines: wanted - document.view.0, columns: 0.0 });
     }
 }

@@ -100,16 +100,26 @@ fn tab_did_not_reach_the_bar() {
     // The rail first: arrows seek.
     assert!(focused(&stage).is_some());
     stage.frame(vec![], content());
-    assert_eq!(stage.frame(press(Key::ArrowRight), content()).requests, [Request::SeekTo(55.0)]);
-    assert_eq!(stage.frame(press(Key::ArrowLeft), content()).requests, [Request::SeekTo(45.0)]);
+    assert_eq!(
+        stage.frame(press(Key::ArrowRight), content()).events,
+        [UiEvent::Command(Command::SeekTo(55.0))]
+    );
+    assert_eq!(
+        stage.frame(press(Key::ArrowLeft), content()).events,
+        [UiEvent::Command(Command::SeekTo(45.0))]
+    );
     // Then each button; Enter presses it.
     let mut asked = Vec::new();
     for _ in 0..20 {
         stage.frame(press(Key::Tab), content());
-        asked.extend(stage.frame(press(Key::Enter), content()).requests);
+        asked.extend(stage.frame(press(Key::Enter), content()).events);
     }
-    for action in [Action::TogglePause, Action::ToggleShuffle, Action::TogglePanel(Panel::Scenes)] {
-        assert!(asked.contains(&Request::Act(action)), "no way to {action:?} in {asked:?}");
+    for command in [
+        Command::Pause(Switch::Toggle),
+        Command::Shuffle(Switch::Toggle),
+        Command::TogglePanel(Panel::Scenes),
+    ] {
+        assert!(asked.contains(&UiEvent::Command(command.clone())), "no way to {command:?} in {asked:?}");
     }
     stage.frame(press(Key::Escape), content());
     assert_eq!(focused(&stage), None, "the keys are the show's again");

@@ -3,14 +3,15 @@
 use egui::Event;
 
 use super::*;
-use crate::app::hands::panel::{HandFacts, HandsPanel, HandsRequest};
+use crate::app::hands::panel::{HandFacts, HandsPanel};
+use crate::config::KnobEdit;
 use mariana_control::midi::{Mapping, MidiState, Source, Target};
 
 fn clicked(
     stage: &mut Stage,
     place: Pos2,
     mut content: impl FnMut() -> OverlayContent<'static>,
-) -> Vec<Request> {
+) -> Vec<UiEvent> {
     let button = |pressed| Event::PointerButton {
         pos: place,
         button: PointerButton::Primary,
@@ -18,7 +19,7 @@ fn clicked(
         modifiers: Modifiers::NONE,
     };
     let events = [vec![Event::PointerMoved(place)], vec![button(true)], vec![button(false)]];
-    events.into_iter().flat_map(|events| stage.frame(events, content()).requests).collect()
+    events.into_iter().flat_map(|events| stage.frame(events, content()).events).collect()
 }
 
 fn size() -> Target {
@@ -60,7 +61,7 @@ fn a_click_on_the_name_of_a_slider_learns_what_turns_it_and_who_holds_it_is_told
         assert!(place_of(&texts, words).area() > 50.0, "{words} does not show");
     }
     let place = place_of(&texts, "knob 1").center();
-    let mut requests = Vec::new();
+    let mut done = Vec::new();
     for pressed in [None, Some(true), Some(false)] {
         let events = match pressed {
             None => vec![Event::PointerMoved(place)],
@@ -74,9 +75,9 @@ fn a_click_on_the_name_of_a_slider_learns_what_turns_it_and_who_holds_it_is_told
         let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
         let laid_out = stage.frame(events, content);
         assert!(!laid_out.params_changed);
-        requests.extend(laid_out.requests);
+        done.extend(laid_out.events);
     }
-    assert_eq!(requests, [Request::LearnParam("knob 1".to_owned())]);
+    assert_eq!(done, [UiEvent::Command(Command::LearnParameter("knob 1".to_owned()))]);
 }
 
 #[test]
@@ -93,14 +94,14 @@ fn with_the_pointer_alone_one_learns_changes_and_forgets() {
     let mut narrow = knob();
     narrow.range = [0.25, 1.0];
     for (words, wanted) in [
-        ("size", HandsRequest::Learn(size())),
-        ("invert", HandsRequest::Change(knob(), inverted)),
-        ("from 0 %", HandsRequest::Change(knob(), narrow)),
-        ("forget", HandsRequest::Remove(knob())),
-        ("MIDI clock sets the tempo", HandsRequest::Clock(false)),
+        ("size", Command::Learn(size())),
+        ("invert", Command::EditMappings(KnobEdit::Change(knob(), inverted))),
+        ("from 0 %", Command::EditMappings(KnobEdit::Change(knob(), narrow))),
+        ("forget", Command::EditMappings(KnobEdit::Remove(knob()))),
+        ("MIDI clock sets the tempo", Command::EditMappings(KnobEdit::Clock(false))),
     ] {
         let place = place_of(&texts, words).center();
-        assert_eq!(clicked(&mut stage, place, content), [Request::Hands(wanted)], "{words}");
+        assert_eq!(clicked(&mut stage, place, content), [UiEvent::Command(wanted)], "{words}");
         stage.seconds += 2.0;
     }
 }

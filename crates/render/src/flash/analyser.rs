@@ -1,0 +1,121 @@
+//! Counts the flashes of a moving picture.
+
+use super::fields;
+use super::grid::{CELLS, Grid, luminance};
+use super::swing::{DEFINED, LightSwing, RedSwing, Times};
+
+/// Flashes that cover no more than this share of a field of view do not count.
+const AREA: f64 = 0.25;
+
+/// The most flashes in one second.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Flashes {
+    /// Of luminance.
+    pub general: usize,
+    /// To or from a saturated red.
+    pub red: usize,
+}
+
+struct Cell {
+    light: LightSwing,
+    light_changes: Times,
+    red: RedSwing,
+    red_changes: Times,
+}
+
+/// Counts the flashes of a moving picture, frame by frame.
+pub struct Analyser {
+    cells: Vec<Cell>,
+    worst: Flashes,
+}
+
+impl Default for Analyser {
+    fn default() -> Self {
+        let cell = || Cell {
+            light: LightSwing::NEW,
+            light_changes: Times::NEW,
+            red: RedSwing::NEW,
+            red_changes: Times::NEW,
+        };
+        Self { cells: (0..CELLS).map(|_| cell()).collect(), worst: Flashes::default() }
+    }
+}
+
+impl Analyser {
+    /// Takes the next frame, which is shown at `time` seconds, later than the one before.
+    pub fn note(&mut self, time: f64, frame: &Grid) {
+        for (cell, color) in self.cells.iter_mut().zip(frame.colors()) {
+            let changes = [
+                (cell.light.step(luminance(*color), &DEFINED), &mut cell.light_changes),
+                (cell.red.step(*color, &DEFINED), &mut cell.red_changes),
+            ];
+            for (change, times) in changes {
+                times.forget(time);
+                if change.is_some() {
+                    times.note(time);
+                }
+            }
+        }
+        let more = |worst: usize, changes: fn(&Cell) -> &Times| {
+            let flashes =
+                |cell: usize| self.cells.get(cell).map_or(0, |cell| changes(cell).count(time, 0.0) / 2);
+            let mut worst = worst;
+            while fields::largest_share(|cell| flashes(cell) > worst) > AREA {
+                worst += 1;
+            }
+            worst
+        };
+        self.worst = Flashes {
+            general: more(self.worst.general, |cell| &cell.light_changes),
+            red: more(self.worst.red, |cell| &cell.red_changes),
+        };
+    }
+
+    /// Flashes in the worst second so far.
+    pub fn worst(&self) -> Flashes {
+        self.worst
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::grid::{COLUMNS, ROWS};
+    use super::*;
+
+    /// The flashes of four seconds in which a colour is on for half of each period, in some of the cells.
+    fn flashes(hz: f64, fps: u32, on: [f32; 3], off: [f32; 3], lit: fn(usize) -> bool) -> Flashes {
+        let mut analyser = Analyser::default();
+        for frame in 0..4 * fps {
+            let time = f64::from(frame) / f64::from(fps);
+            let color = if (time * hz + 1e-9).fract() < 0.5 { on } else { off };
+            analyser.note(time, &Grid::new((0..CELLS).map(|cell| if lit(cell) { color } else { off })));
+        }
+        analyser.worst()
+    }
+
+    #[test]
+    fn a_strobe_has_as_many_flashes_as_it_has_hertz() {
+        for (hz, fps) in [(1.0, 30), (3.0, 30), (4.0, 60), (10.0, 60), (30.0, 60), (5.0, 1000)] {
+            let seen = flashes(hz, fps, [1.0; 3], [0.0; 3], |_| true);
+            assert_eq!(seen, Flashes { general: hz as usize, red: 0 }, "{hz} Hz at {fps} fps");
+        }
+    }
+
+    #[test]
+    fn red_counts_by_itself_and_so_does_light() {
+        let (red, black) = ([1.0, 0.0, 0.0], [0.0; 3]);
+        assert_eq!(flashes(6.0, 60, red, black, |_| true), Flashes { general: 6, red: 6 });
+        // Equally bright, and dimmer than a flash.
+        assert_eq!(flashes(6.0, 60, red, [0.2126; 3], |_| true), Flashes { general: 0, red: 6 });
+        assert_eq!(flashes(6.0, 60, [0.4, 0.0, 0.0], black, |_| true), Flashes { general: 0, red: 6 });
+    }
+
+    #[test]
+    fn what_is_small_does_not_count() {
+        let (on, off) = ([1.0; 3], [0.0; 3]);
+        let quarter = |cell: usize| cell % COLUMNS < COLUMNS / 6 && cell / COLUMNS < ROWS / 6;
+        let more = |cell: usize| cell % COLUMNS < COLUMNS / 6 + 1 && cell / COLUMNS < ROWS / 6;
+        assert_eq!(flashes(8.0, 60, on, off, quarter).general, 0);
+        assert_eq!(flashes(8.0, 60, on, off, more).general, 8);
+    }
+}

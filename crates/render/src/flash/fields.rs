@@ -1,0 +1,102 @@
+//! Ten degrees of the field of view: every rectangle of a third of the picture's width and height, wherever it lies.
+
+use super::grid::{CELLS, COLUMNS, ROWS};
+
+pub(super) const WIDTH: usize = COLUMNS / 3;
+pub(super) const HEIGHT: usize = ROWS / 3;
+const _: () = assert!(COLUMNS.is_multiple_of(3) && ROWS.is_multiple_of(3), "a field has whole cells");
+/// Cells of one field.
+const FIELD: usize = WIDTH * HEIGHT;
+
+/// Sums over all cells above and to the left of a place, with one more column per row.
+type Sums = Vec<u32>;
+
+/// Calls `see` with the place of the first cell of each field and the share of its cells that are marked, 0..1.
+fn look(marked: impl Fn(usize) -> bool, mut see: impl FnMut(usize, f64)) {
+    let sums = summed(|cell| u32::from(marked(cell)));
+    let at = |x: usize, y: usize| sums.get(y * (COLUMNS + 1) + x).copied().unwrap_or(0);
+    for y in 0..=ROWS - HEIGHT {
+        for x in 0..=COLUMNS - WIDTH {
+            let inside = at(x + WIDTH, y + HEIGHT) + at(x, y) - at(x + WIDTH, y) - at(x, y + HEIGHT);
+            see(y * COLUMNS + x, f64::from(inside) / FIELD as f64);
+        }
+    }
+}
+
+fn summed(value: impl Fn(usize) -> u32) -> Sums {
+    let mut sums = vec![0; (COLUMNS + 1) * (ROWS + 1)];
+    for cell in 0..CELLS {
+        let (x, y) = (cell % COLUMNS, cell / COLUMNS);
+        let at = |x: usize, y: usize| sums.get(y * (COLUMNS + 1) + x).copied().unwrap_or(0);
+        let sum = value(cell) + at(x, y + 1) + at(x + 1, y) - at(x, y);
+        if let Some(place) = sums.get_mut((y + 1) * (COLUMNS + 1) + x + 1) {
+            *place = sum;
+        }
+    }
+    sums
+}
+
+/// The largest share of marked cells in any field, 0..1.
+pub(super) fn largest_share(marked: impl Fn(usize) -> bool) -> f64 {
+    let mut largest: f64 = 0.0;
+    look(marked, |_, share| largest = largest.max(share));
+    largest
+}
+
+/// The cells in any field of which more than `share` is marked. Empty if there is no such field.
+pub(super) fn crowded(marked: impl Fn(usize) -> bool, share: f64) -> Vec<bool> {
+    let mut first = vec![0; CELLS];
+    let mut any = false;
+    look(marked, |cell, inside| {
+        if inside > share
+            && let Some(place) = first.get_mut(cell)
+        {
+            (*place, any) = (1, true);
+        }
+    });
+    if !any {
+        return Vec::new();
+    }
+    // A cell is in a field that begins at the cell or before it, less than a field away.
+    let sums = summed(|cell| first.get(cell).copied().unwrap_or(0));
+    let at = |x: usize, y: usize| sums.get(y * (COLUMNS + 1) + x).copied().unwrap_or(0);
+    let covered = (0..CELLS).map(|cell| {
+        let (right, below) = (cell % COLUMNS + 1, cell / COLUMNS + 1);
+        let (left, above) = (right.saturating_sub(WIDTH), below.saturating_sub(HEIGHT));
+        at(right, below) + at(left, above) > at(left, below) + at(right, above)
+    });
+    covered.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a cell is in a rectangle.
+    fn within(cell: usize, x: std::ops::Range<usize>, y: std::ops::Range<usize>) -> bool {
+        x.contains(&(cell % COLUMNS)) && y.contains(&(cell / COLUMNS))
+    }
+
+    #[test]
+    fn shares_are_of_the_fullest_field_wherever_it_is() {
+        assert_eq!(largest_share(|_| true), 1.0);
+        assert_eq!(largest_share(|_| false), 0.0);
+        for (x, y) in [(0, 0), (17, 11), (COLUMNS - 8, ROWS - 6)] {
+            assert_eq!(largest_share(|cell| within(cell, x..x + 8, y..y + 6)), 0.25);
+        }
+        // Two places that no field contains together.
+        let apart = |cell| within(cell, 0..4, 0..6) || within(cell, 40..48, 30..36);
+        assert_eq!(largest_share(apart), 0.25);
+    }
+
+    #[test]
+    fn crowded_cells_are_those_of_crowded_fields() {
+        assert!(crowded(|cell| within(cell, 0..8, 0..6), 0.25).is_empty());
+        let cells = crowded(|cell| within(cell, 0..9, 0..6), 0.25);
+        // Only fields that contain the whole place: those in the corner.
+        for (cell, crowded) in cells.iter().enumerate() {
+            assert_eq!(*crowded, within(cell, 0..WIDTH, 0..HEIGHT), "{cell}");
+        }
+        assert!(crowded(|_| true, 0.25).iter().all(|cell| *cell));
+    }
+}

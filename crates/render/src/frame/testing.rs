@@ -1,0 +1,11 @@
+//! Worlds for tests.
+
+use mariana_field::world::World;
+
+/// The thesis' speakers.
+pub(crate) const SPEAKERS: &str = include_str!("../../../../tests/oracle/speakers.scene");
+
+/// The world of a text.
+pub(crate) fn world_of(text: &str) -> World {
+    World::parse("test", text).unwrap()
+}

@@ -1,0 +1,117 @@
+//! Bloom: light that lens and eye scatter around its true place.
+//!
+//! The picture is halved in size again and again, then brought back up; each level is mixed with what came from the
+//! smaller ones (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014). Unlike there,
+//! nothing is added: every level is a mean of light, and the light that `present.frag` mixes in is taken away from
+//! its true place, so that the picture gets no brighter.
+
+use super::error::GpuError;
+use super::gl::Gl;
+use super::passes::Passes;
+use super::program::{LazyProgram, unit_of};
+use super::target::{Target, Texel};
+
+/// Most levels: the smallest is then a 256th of the picture.
+const LEVELS_MAX: u32 = 8;
+/// Approximate height of the smallest level, in pixels.
+const SMALLEST: u32 = 6;
+/// The weight of each level relative to the one twice as large.
+const FADING: f32 = 0.85;
+
+/// The programs of its passes.
+pub(super) struct Bloom {
+    pub(super) first: LazyProgram,
+    pub(super) down: LazyProgram,
+    pub(super) up: LazyProgram,
+}
+
+/// Its levels, the largest first.
+pub(super) struct BloomTargets {
+    levels: Vec<Target>,
+}
+
+impl Bloom {
+    /// Scatters light; the result is half as large.
+    ///
+    /// # Errors
+    /// What the driver says about malformed programs.
+    pub(super) fn draw<'a>(
+        &self,
+        passes: &Passes,
+        light: &'a Target,
+        targets: &'a BloomTargets,
+    ) -> Result<&'a Target, GpuError> {
+        let levels = &targets.levels;
+        let (mut source, mut program) = (light, &self.first);
+        let mut largest = None;
+        for level in levels {
+            source.bind_color(0, unit_of("picture"));
+            passes.draw(program, level)?;
+            (source, program) = (level, &self.down);
+            largest.get_or_insert(level);
+        }
+        for (index, pair) in levels.windows(2).enumerate().rev() {
+            let [larger, smaller] = pair else { continue };
+            smaller.bind_color(0, unit_of("picture"));
+            passes.mix(&self.up, larger, share_of_smaller(levels.len() - index))?;
+        }
+        Ok(largest.unwrap_or(light))
+    }
+}
+
+/// The share of the smaller levels when `levels` are left, so that all weights sum to 1 and each is smaller than the
+/// one before.
+fn share_of_smaller(levels: usize) -> f32 {
+    let weights = |from: usize| (from..levels).map(|level| FADING.powi(level as i32)).sum::<f32>();
+    weights(1) / weights(0)
+}
+
+impl BloomTargets {
+    /// For light of `size` pixels.
+    ///
+    /// # Errors
+    /// As [`Target::new`].
+    pub(super) fn new(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
+        let level = |size| Ok(Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth());
+        Ok(Self { levels: level_sizes(size).into_iter().map(level).collect::<Result<_, GpuError>>()? })
+    }
+}
+
+/// Sizes of the levels, the largest first: at least one.
+fn level_sizes(size: (u32, u32)) -> Vec<(u32, u32)> {
+    let mut sizes = vec![(size.0.div_ceil(2).max(1), size.1.div_ceil(2).max(1))];
+    while let Some(&(width, height)) = sizes.last()
+        && width.min(height) >= 2 * SMALLEST
+        && sizes.len() < LEVELS_MAX as usize
+    {
+        sizes.push((width.div_ceil(2), height.div_ceil(2)));
+    }
+    sizes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_size_has_its_levels() {
+        assert_eq!(level_sizes((1, 1)), [(1, 1)]);
+        assert_eq!(level_sizes((16384, 1)), [(8192, 1)]);
+        assert_eq!(level_sizes((640, 360)), [(320, 180), (160, 90), (80, 45), (40, 23), (20, 12), (10, 6)]);
+        assert_eq!(level_sizes((16384, 16384)).len(), LEVELS_MAX as usize);
+    }
+
+    #[test]
+    fn the_levels_weigh_one_in_all_and_each_less_than_the_one_before() {
+        for count in 1..=8 {
+            let (mut left, mut weights) = (1.0, Vec::new());
+            for index in 0..count {
+                let share = if index + 1 < count { share_of_smaller(count - index) } else { 0.0 };
+                weights.push(left * (1.0 - share));
+                left *= share;
+            }
+            assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-5, "{weights:?}");
+            assert!(weights.is_sorted_by(|a, b| (b / a - FADING).abs() < 1e-4), "{weights:?}");
+        }
+    }
+}

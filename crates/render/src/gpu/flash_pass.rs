@@ -1,0 +1,377 @@
+//! Limits the flashes of finished pictures: measures their cells, decides which to dim, and dims them.
+//!
+//! Everything stays on the GPU, so that no picture waits for what the GPU says about it, and yet the picture that
+//! shows the fourth flash is itself dimmed. What is known of each cell lies in textures of a texel for each, which two
+//! passes write anew for each picture; what depends on many cells, the crowded fields and the areas around flashes,
+//! is computed in rows of bits:
+//!
+//! 1. `cells.frag` takes the mean colours of the cells.
+//! 2. `flash_follow.frag` finds changes, and marks the cells that change too often.
+//! 3. `flash_rows.frag`, `flash_fields.frag` and `flash_areas.frag` find those that are limited.
+//! 4. `flash_decide.frag` gives cells ceilings, and `flash_spread.frag` spreads them over the cells around.
+//! 5. `cells.frag` takes the mean colours below those ceilings, and `flash_note.frag` remembers their changes.
+//! 6. `limit_flashes.frag` is drawn over the picture where it is shown, near limited cells alone. All other pixels stay
+//!    as they are, and a picture in which nothing is limited costs no pass over it.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use glow::HasContext;
+
+use super::error::GpuError;
+use super::gl::Gl;
+use super::object::VertexArray;
+use super::passes::Block;
+use super::program::{Program, ProgramTexts, unit_of};
+use super::shader_source::{ShaderLibrary, Variant};
+use super::target::{Target, Texel};
+use crate::flash::{CELLS, COLUMNS, Correction, Grid, ROWS, Steps};
+
+/// The shader that places the cells to be dimmed.
+pub const FLASH_VERTEX_SHADER: &str = "flash_cells.vert";
+/// The fragment shaders of the limiter and their defines.
+pub const FLASH_SHADERS: [(&str, &[&str]); 11] = [
+    ("cells.frag", &[]),
+    ("flash_follow.frag", &[]),
+    ("flash_rows.frag", &[]),
+    ("flash_fields.frag", &[]),
+    ("flash_areas.frag", &[]),
+    ("flash_decide.frag", &[]),
+    ("flash_spread.frag", &[]),
+    ("cells.frag", &["SHOWN"]),
+    ("flash_note.frag", &[]),
+    ("limit_flashes.frag", &[]),
+    ("limit_flashes.frag", &["ENLARGED"]),
+];
+
+/// What `flash_follow.frag` writes, in the order of its outputs.
+const FOLLOWED: [&str; 6] =
+    ["light_swings", "red_swings", "light_ages", "light_rest", "red_ages", "red_rest"];
+/// What `flash_note.frag` writes.
+const NOTED: [&str; 6] =
+    ["shown_swings", "shown_ages", "shown_rest", "shown_lows", "shown_red_swings", "shown_red_ages"];
+/// What is drawn for each picture, one after the other.
+pub const PASSES: usize = 10;
+/// Cells of a rectangle of `flash_cells.vert`.
+const GROUP: usize = 16;
+
+/// The limiter, and what it needs on the GPU.
+pub struct FlashPass {
+    programs: FlashPrograms,
+    memory: FlashMemory,
+    cells: CellDraws,
+    /// What the passes over cells read.
+    step_block: Block,
+    steps: Steps,
+    /// Whether nothing is known of any picture before the next.
+    is_fresh: bool,
+}
+
+/// A program for each of [`FLASH_SHADERS`].
+struct FlashPrograms {
+    measure: Program,
+    follow: Program,
+    gather: Program,
+    find_fields: Program,
+    find_areas: Program,
+    decide: Program,
+    spread: Program,
+    measure_shown: Program,
+    note: Program,
+    limit: Program,
+    limit_enlarged: Program,
+}
+
+/// What is known of each cell of a picture.
+struct FlashMemory {
+    measured: Target,
+    /// What is remembered: of this picture, and of the one before.
+    followed: [Target; 2],
+    noted: [Target; 2],
+    marks: Target,
+    covered: Target,
+    areas: Target,
+    /// Ceilings of the cells themselves, spread along rows, and spread along both axes.
+    ceilings: [Target; 3],
+    shown: Target,
+}
+
+/// What draws over cells, in whose state all its draws begin.
+struct CellDraws {
+    gl: Gl,
+    /// What is told to a single pass.
+    place_block: Block,
+    vertices: VertexArray,
+}
+
+impl FlashPass {
+    /// Compiles the shaders.
+    ///
+    /// # Errors
+    /// What the driver refuses, with its log.
+    pub fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+        let pass = Self {
+            programs: FlashPrograms::new(gl, library)?,
+            memory: FlashMemory::new(gl)?,
+            cells: CellDraws {
+                gl: gl.clone(),
+                place_block: Block::new(gl, "PostBlock")?,
+                vertices: VertexArray::new(gl)?,
+            },
+            step_block: Block::new(gl, "FlashBlock")?,
+            steps: Steps::default(),
+            is_fresh: true,
+        };
+        gl.check("setting up the flash limiter")?;
+        Ok(pass)
+    }
+
+    /// Starts afresh: what comes next is another kind of picture, which the user asked for.
+    pub fn forget(&mut self) {
+        self.is_fresh = true;
+        self.steps = Steps::default();
+    }
+
+    /// Draws once with each program, for as long as that `is_wanted`, so that the driver has nothing left to make when
+    /// pictures come. Nothing is seen, and nothing of it is known later.
+    pub fn warm_up(&mut self, picture: &Target, is_wanted: &mut dyn FnMut() -> bool) {
+        self.begin(0.0);
+        let passes = (0..PASSES).take_while(|_| is_wanted());
+        passes.for_each(|number| {
+            self.cells.reset_state();
+            self.pass(number, picture);
+        });
+        // A picture after none is dimmed nowhere, so nothing of the window changes.
+        let (width, height) = picture.size();
+        let windows = [(width, height), (width + 1, height)].into_iter().take_while(|_| is_wanted());
+        windows.for_each(|window| self.limit_in_window(picture, window));
+        self.forget();
+    }
+
+    /// Takes a finished picture that is shown `seconds` after the last one, and decides what to dim in it. In the first one
+    /// nothing is dimmed.
+    pub fn take(&mut self, finished: &Target, seconds: f64) {
+        self.begin(seconds);
+        (0..PASSES).for_each(|number| self.pass(number, finished));
+    }
+
+    /// Begins the passes of a picture.
+    fn begin(&mut self, seconds: f64) {
+        let step = self.steps.next(seconds);
+        let flag = |is: bool| f32::from(u8::from(is));
+        let is_fresh = std::mem::take(&mut self.is_fresh);
+        self.step_block.set(&[step.seconds as f32, flag(step.forgets), flag(is_fresh), 0.0]);
+        self.memory.followed.swap(0, 1);
+        self.memory.noted.swap(0, 1);
+        self.cells.reset_state();
+    }
+
+    /// One of the [`PASSES`] of a picture, which reads what the ones before have bound and drawn.
+    fn pass(&self, number: usize, finished: &Target) {
+        let Self { programs, memory, cells, .. } = self;
+        let [followed, followed_before] = &memory.followed;
+        let [noted, noted_before] = &memory.noted;
+        let [own, along_rows, spread] = &memory.ceilings;
+        match number {
+            0 => {
+                finished.bind_color(0, unit_of("picture"));
+                cells.draw(&programs.measure, &memory.measured);
+            }
+            1 => {
+                memory.measured.bind_color(0, unit_of("cells"));
+                bind(followed_before, &FOLLOWED);
+                bind(noted_before, &NOTED);
+                cells.draw(&programs.follow, followed);
+            }
+            2 => {
+                bind(followed, &FOLLOWED);
+                cells.draw(&programs.gather, &memory.marks);
+            }
+            3 => {
+                bind(&memory.marks, &["marked_rows"]);
+                cells.draw(&programs.find_fields, &memory.covered);
+            }
+            4 => {
+                bind(&memory.covered, &["covered_rows"]);
+                cells.draw(&programs.find_areas, &memory.areas);
+            }
+            5 => {
+                bind(&memory.areas, &["limited_rows"]);
+                cells.draw(&programs.decide, own);
+            }
+            6 => self.spread_along([1.0, 0.0], own, along_rows),
+            7 => self.spread_along([0.0, 1.0], along_rows, spread),
+            8 => {
+                finished.bind_color(0, unit_of("picture"));
+                bind(spread, &["ceilings"]);
+                cells.draw(&programs.measure_shown, &memory.shown);
+            }
+            _ => {
+                bind(&memory.shown, &["shown_cells"]);
+                bind(own, &["own_ceilings"]);
+                cells.draw(&programs.note, noted);
+            }
+        }
+    }
+
+    /// Spreads ceilings along an axis.
+    fn spread_along(&self, [right, up]: [f32; 2], ceilings: &Target, target: &Target) {
+        self.cells.place_block.set(&[0.0, 0.0, right, up]);
+        bind(ceilings, &["ceilings"]);
+        self.cells.draw(&self.programs.spread, target);
+    }
+
+    /// Draws over `target`, which shows the `finished` picture that was taken last, whatever is dimmed in it.
+    pub fn limit(&self, finished: &Target, target: &Target) {
+        target.bind();
+        self.dim_cells(finished, target.size());
+    }
+
+    /// The same over the window's framebuffer of `window` pixels.
+    pub fn limit_in_window(&self, finished: &Target, window: (u32, u32)) {
+        self.cells.bind_window(window);
+        self.dim_cells(finished, window);
+    }
+
+    /// The cells of the picture that was taken last, what is done to them, and the cells as they are shown, the top row
+    /// first. Waits for the GPU: this is for comparing it with [`crate::flash::Limiter`].
+    pub fn read(&self) -> (Grid, Vec<Correction>, Grid) {
+        let grid = |target: &Target| {
+            let colors = target.read_rgba32f(0);
+            Grid::new(colors.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b]))
+        };
+        let ceilings = self.memory.spread_ceilings().read_rgba32f(0);
+        let correction = |[_, _, grey, ceiling]: &[f32; 4]| Correction { ceiling: *ceiling, grey: *grey };
+        let corrections = ceilings.as_chunks::<4>().0.iter().map(correction).collect();
+        (grid(&self.memory.measured), corrections, grid(&self.memory.shown))
+    }
+
+    /// Draws the limited cells into the framebuffer of `size` pixels that is bound.
+    fn dim_cells(&self, finished: &Target, size: (u32, u32)) {
+        let FlashPrograms { limit, limit_enlarged, .. } = &self.programs;
+        finished.bind_color(0, unit_of("picture"));
+        bind(self.memory.spread_ceilings(), &["ceilings"]);
+        self.cells.draw_cells(if finished.size() == size { limit } else { limit_enlarged }, size);
+    }
+}
+
+impl FlashPrograms {
+    fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+        let [
+            measure,
+            follow,
+            gather,
+            find_fields,
+            find_areas,
+            decide,
+            spread,
+            measure_shown,
+            note,
+            limit,
+            limit_enlarged,
+        ] = FLASH_SHADERS.map(|(shader, defines)| move || linked(gl, library, shader, defines));
+        Ok(Self {
+            measure: measure()?,
+            follow: follow()?,
+            gather: gather()?,
+            find_fields: find_fields()?,
+            find_areas: find_areas()?,
+            decide: decide()?,
+            spread: spread()?,
+            measure_shown: measure_shown()?,
+            note: note()?,
+            limit: limit()?,
+            limit_enlarged: limit_enlarged()?,
+        })
+    }
+}
+
+impl FlashMemory {
+    fn new(gl: &Gl) -> Result<Self, GpuError> {
+        let of = |size, count| Target::new(gl, size, &vec![Texel::Rgba32F; count], None);
+        let of_cells = |count: usize| of((COLUMNS as u32, ROWS as u32), count);
+        let of_rows = || of((1, ROWS as u32), 1);
+        Ok(Self {
+            measured: of_cells(1)?,
+            followed: [of_cells(FOLLOWED.len())?, of_cells(FOLLOWED.len())?],
+            noted: [of_cells(NOTED.len())?, of_cells(NOTED.len())?],
+            marks: of_rows()?,
+            covered: of_rows()?,
+            areas: of_rows()?,
+            ceilings: [of_cells(1)?, of_cells(1)?, of_cells(1)?],
+            shown: of_cells(1)?,
+        })
+    }
+
+    /// The ceilings that the picture is dimmed by.
+    fn spread_ceilings(&self) -> &Target {
+        let [.., spread] = &self.ceilings;
+        spread
+    }
+}
+
+impl CellDraws {
+    /// The state in which all draws begin.
+    fn reset_state(&self) {
+        // SAFETY: plain state; the vertices are ours.
+        unsafe {
+            for state in [
+                glow::SCISSOR_TEST,
+                glow::STENCIL_TEST,
+                glow::DEPTH_TEST,
+                glow::CULL_FACE,
+                glow::BLEND,
+                glow::FRAMEBUFFER_SRGB,
+            ] {
+                self.gl.disable(state);
+            }
+            self.gl.bind_vertex_array(Some(self.vertices.native()));
+        }
+    }
+
+    /// Draws into the window's framebuffer of `window` pixels from now on.
+    fn bind_window(&self, window: (u32, u32)) {
+        // SAFETY: plain state.
+        unsafe {
+            self.gl.bind_framebuffer(glow::FRAMEBUFFER, None);
+            self.gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
+        }
+    }
+
+    /// Draws all over a target with what is bound.
+    fn draw(&self, program: &Program, target: &Target) {
+        target.bind();
+        program.bind();
+        // SAFETY: a plain draw on objects of ours, in the current context.
+        let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) };
+        if target.colors() == 1 { self.gl.replacing(draw) } else { draw() }
+    }
+
+    /// Draws rectangles over the limited cells of a framebuffer of `size` pixels.
+    fn draw_cells(&self, program: &Program, size: (u32, u32)) {
+        self.reset_state();
+        self.place_block.set(&[1.0 / size.0.max(1) as f32, 1.0 / size.1.max(1) as f32, 0.0, 0.0]);
+        program.bind();
+        // SAFETY: a plain draw on objects of ours, in the current context.
+        let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, (6 * CELLS / GROUP) as i32) };
+        self.gl.replacing(draw);
+    }
+}
+
+/// Links one of [`FLASH_SHADERS`].
+fn linked(gl: &Gl, library: &ShaderLibrary, shader: &str, defines: &[&str]) -> Result<Program, GpuError> {
+    let variant = Variant::of(defines);
+    match shader {
+        "limit_flashes.frag" => {
+            let both = (FLASH_VERTEX_SHADER, shader);
+            Program::of(gl, &ProgramTexts::assemble_both(library, both, &variant, gl.info())?)
+        }
+        _ => Program::link(gl, library, shader, &variant),
+    }
+}
+
+/// Makes the textures of a target readable under their names.
+fn bind(target: &Target, names: &[&str]) {
+    for (index, name) in names.iter().enumerate() {
+        target.bind_color(index, unit_of(name));
+    }
+}

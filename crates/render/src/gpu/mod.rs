@@ -1,0 +1,37 @@
+//! The GPU side: context, programs, targets, passes and readback. The only room that uses glow.
+
+pub mod background;
+mod bloom;
+pub mod cell_use;
+#[cfg(target_os = "linux")]
+pub mod driver_cache;
+mod edge_list;
+pub mod edge_samples;
+pub mod error;
+mod evaluations;
+pub mod flash_pass;
+pub mod gl;
+mod guest;
+pub mod headless;
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub mod heaps;
+mod lens;
+mod mode;
+pub mod object;
+mod passes;
+pub mod picture_reader;
+pub mod post;
+pub mod probe;
+pub mod program;
+pub mod program_store;
+pub mod renderer;
+pub mod samplers;
+pub mod scene_program;
+pub mod scene_resources;
+pub mod shader_source;
+pub mod stand_ins;
+pub mod target;
+pub mod texture;
+pub mod texture_buffer;
+mod tiles;
+pub mod timer;

@@ -1,0 +1,183 @@
+//! Passes over whole pictures, and the uniform blocks that they read.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use glow::HasContext;
+
+use super::error::GpuError;
+use super::gl::Gl;
+use super::object::{Buffer, VertexArray};
+use super::program::{LazyProgram, binding_of};
+use super::target::Target;
+
+/// Most pixels of one draw: a pass over a picture of 8K is some of them, and no watchdog takes it for a hang.
+const BAND_PIXELS: u32 = 1 << 21;
+
+/// What all passes over light share.
+pub(super) struct Passes {
+    pub(super) gl: Gl,
+    vertices: VertexArray,
+    picture: Block,
+    post: Block,
+}
+
+impl Passes {
+    /// For the current context.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver has no object left.
+    pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
+        Ok(Self {
+            gl: gl.clone(),
+            vertices: VertexArray::new(gl)?,
+            picture: Block::new(gl, "PictureBlock")?,
+            post: Block::new(gl, "PostBlock")?,
+        })
+    }
+
+    /// Sets what every pass needs: the vertices, and the state in which passes begin.
+    pub(super) fn prepare(&self) {
+        self.bind_vertices();
+        // SAFETY: plain state.
+        unsafe {
+            let gl = &*self.gl;
+            gl.disable(glow::DEPTH_TEST);
+            gl.disable(glow::CULL_FACE);
+            gl.disable(glow::SCISSOR_TEST);
+            gl.disable(glow::FRAMEBUFFER_SRGB);
+
+            gl.clear_color(0.0, 0.0, 0.0, 0.0);
+            gl.disable(glow::STENCIL_TEST);
+            gl.disable(glow::BLEND);
+        }
+    }
+
+    /// Binds the vertices of a triangle that covers everything.
+    pub(super) fn bind_vertices(&self) {
+        // SAFETY: the vertices are ours.
+        unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
+    }
+
+    /// Tells all passes, including the scene's, the numbers of `PictureBlock`.
+    pub(super) fn set_picture(&self, numbers: &[f32]) {
+        self.picture.set(numbers);
+    }
+
+    /// Draws all over a target with what is bound.
+    ///
+    /// # Errors
+    /// What the driver says about a malformed program.
+    pub(super) fn draw(&self, program: &LazyProgram, target: &Target) -> Result<(), GpuError> {
+        self.draw_with(program, target, [0.0; 2])
+    }
+
+    /// Draws all over the window's framebuffer of `window` pixels with what is bound, or only in an area: left and lower
+    /// edge, width and height in pixels.
+    ///
+    /// # Errors
+    /// As [`Passes::draw`].
+    pub(super) fn draw_in_window(
+        &self,
+        program: &LazyProgram,
+        window: (u32, u32),
+        area: Option<[i32; 4]>,
+    ) -> Result<(), GpuError> {
+        self.post.set(&[1.0 / window.0.max(1) as f32, 1.0 / window.1.max(1) as f32, 0.0, 0.0]);
+        program.bind(&self.gl)?;
+        // SAFETY: plain state and a draw on objects of ours, in the current context.
+        unsafe {
+            let gl = &self.gl;
+            for state in [glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::BLEND, glow::FRAMEBUFFER_SRGB] {
+                gl.disable(state);
+            }
+            gl.bind_framebuffer(glow::FRAMEBUFFER, None);
+            gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
+            if let Some([x, y, width, height]) = area {
+                gl.enable(glow::SCISSOR_TEST);
+                gl.scissor(x, y, width.max(0), height.max(0));
+            }
+            gl.replacing(|| gl.draw_arrays(glow::TRIANGLES, 0, 3));
+            gl.disable(glow::SCISSOR_TEST);
+        }
+        Ok(())
+    }
+
+    /// The same, and passes two numbers to the shader.
+    ///
+    /// # Errors
+    /// As [`Passes::draw`].
+    pub(super) fn draw_with(
+        &self,
+        program: &LazyProgram,
+        target: &Target,
+        told: [f32; 2],
+    ) -> Result<(), GpuError> {
+        self.gl.replacing(|| self.cover(program, target, told))
+    }
+
+    /// Mixes a share, 0..1, of what it draws into the whole of a target.
+    ///
+    /// # Errors
+    /// As [`Passes::draw`].
+    pub(super) fn mix(&self, program: &LazyProgram, target: &Target, share: f32) -> Result<(), GpuError> {
+        // SAFETY: plain state.
+        unsafe {
+            self.gl.enable(glow::BLEND);
+            self.gl.blend_func(glow::CONSTANT_ALPHA, glow::ONE_MINUS_CONSTANT_ALPHA);
+            self.gl.blend_color(0.0, 0.0, 0.0, share);
+        }
+        let drawn = self.cover(program, target, [0.0; 2]);
+        // SAFETY: plain state.
+        unsafe { self.gl.disable(glow::BLEND) }
+        drawn
+    }
+
+    /// Draws all over a target, in bands where it is large.
+    fn cover(&self, program: &LazyProgram, target: &Target, told: [f32; 2]) -> Result<(), GpuError> {
+        let (width, height) = target.size();
+        self.post.set(&[1.0 / width as f32, 1.0 / height as f32, told[0], told[1]]);
+        target.bind();
+        program.bind(&self.gl)?;
+        let rows = (BAND_PIXELS / width.max(1)).max(1);
+        // SAFETY: plain state and draws on objects of ours, in the current context.
+        unsafe {
+            if rows >= height {
+                self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
+                return Ok(());
+            }
+            self.gl.enable(glow::SCISSOR_TEST);
+            for y in (0..height).step_by(rows as usize) {
+                self.gl.scissor(0, y.cast_signed(), width.cast_signed(), rows.cast_signed());
+                self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
+                // Each is handed over by itself, whatever a driver would gather.
+                self.gl.flush();
+            }
+            self.gl.disable(glow::SCISSOR_TEST);
+        }
+        Ok(())
+    }
+}
+
+/// A uniform block that is rewritten again and again.
+pub(super) struct Block {
+    gl: Gl,
+    buffer: Buffer,
+    binding: u32,
+}
+
+impl Block {
+    pub(super) fn new(gl: &Gl, name: &str) -> Result<Self, GpuError> {
+        Ok(Self { gl: gl.clone(), buffer: Buffer::new(gl)?, binding: binding_of(name) })
+    }
+
+    pub(super) fn set(&self, numbers: &[f32]) {
+        let bytes: Vec<u8> = numbers.iter().flat_map(|value| value.to_ne_bytes()).collect();
+        let buffer = Some(self.buffer.native());
+        // SAFETY: the buffer is ours.
+        unsafe {
+            self.gl.bind_buffer(glow::UNIFORM_BUFFER, buffer);
+            self.gl.buffer_data_u8_slice(glow::UNIFORM_BUFFER, &bytes, glow::STREAM_DRAW);
+            self.gl.bind_buffer_base(glow::UNIFORM_BUFFER, self.binding, buffer);
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! From the scene's samples to the finished picture: passes over light, after all rays.
+//!
+//! 1. `resolve.frag` turns the samples of each pixel into its light.
+//! 2. `lens_*.frag` blur what a lens does not show sharply ([`super::lens`]), in scenes that have a lens.
+//! 3. `bloom_down.frag` and `bloom_up.frag` scatter it ([`super::bloom`]).
+//! 4. `present.frag` mixes in a share of that, exposes it, maps it to the screen's range, encodes it as sRGB and adds
+//!    the grain. While one scene fades into another, it mixes in the light of the other before the tone map.
+//!
+//! The light has the size of the scene's targets, the finished picture that of the output.
+//!
+//! **Light until the last pass.** Samples, their means, blur and bloom are linear light in 16-bit floats; exposure,
+//! tone map and sRGB come at the very end, in `present.frag`. Samples are weighted by how much of their light will be
+//! seen, otherwise one bright sample would outshine the edge that it is part of. AgX is the default, because bright
+//! saturated colours fade to white in it, as on film, instead of being cut off; its look is a little more saturated
+//! than neutral, because emissive scenes depend on colour. Bloom and lens are means, so they make a picture no
+//! brighter. No noise changes from frame to frame: a still part stays the same, bit for bit.
+
+use super::bloom::{Bloom, BloomTargets};
+use super::edge_samples::EdgeSamples;
+use super::error::GpuError;
+use super::gl::Gl;
+use super::lens::{LensBlur, LensTargets};
+use super::passes::Passes;
+use super::program::{LazyProgram, unit_of};
+use super::shader_source::{ShaderLibrary, Variant};
+use super::target::{Target, Texel};
+use crate::frame::picture::Picture;
+use mariana_field::world::ToneMap;
+
+/// The shaders of these passes and their defines; tests compile them all.
+pub const POST_SHADERS: [(&str, &[&str]); 18] = [
+    ("resolve.frag", &[]),
+    ("resolve.frag", &["EDGE_LIST"]),
+    ("resolve.frag", &["ALL_SAMPLES"]),
+    ("lens_down.frag", &[]),
+    ("lens_blur.frag", &[]),
+    ("lens_mix.frag", &[]),
+    ("bloom_down.frag", &["FIRST"]),
+    ("bloom_down.frag", &[]),
+    ("bloom_up.frag", &[]),
+    ("present.frag", &["TONE_MAP 0"]),
+    ("present.frag", &["TONE_MAP 1"]),
+    ("present.frag", &["TONE_MAP 2"]),
+    ("present.frag", &["TONE_MAP 3"]),
+    ("present.frag", &["TONE_MAP 0", "FADE"]),
+    ("present.frag", &["TONE_MAP 1", "FADE"]),
+    ("present.frag", &["TONE_MAP 2", "FADE"]),
+    ("present.frag", &["TONE_MAP 3", "FADE"]),
+    ("present.frag", &["TONE_MAP 3", "LIGHT"]),
+];
+
+/// The programs of these passes.
+pub(super) struct Post {
+    passes: Passes,
+    resolve: LazyProgram,
+    resolve_all: LazyProgram,
+    lens: LensBlur,
+    bloom: Bloom,
+    /// In the order of [`ToneMap::ALL`].
+    present: [LazyProgram; 4],
+    /// The same for pictures that another one fades into.
+    present_faded: [LazyProgram; 4],
+    /// Gives light as it arrives at the screen.
+    expose: LazyProgram,
+    tone_map: Option<ToneMap>,
+}
+
+/// What depends on the picture's size.
+pub(super) struct PostTargets {
+    light: Target,
+    lens: Option<LensTargets>,
+    bloom: BloomTargets,
+    finished: Target,
+}
+
+impl Post {
+    /// Assembles the shaders. Each is compiled when it is first needed.
+    ///
+    /// # Errors
+    /// Missing shader files, or no object left.
+    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+        let programs = POST_SHADERS
+            .map(|(name, defines)| move || LazyProgram::new(gl, library, name, &Variant::of(defines)));
+        let [of_stencil, of_list, of_all, halve, blur, mix, first, down, up, presents @ ..] = programs;
+        let [agx, aces, reinhard, none, agx_faded, aces_faded, reinhard_faded, none_faded, expose] = presents;
+        Ok(Self {
+            passes: Passes::new(gl)?,
+            resolve: if gl.info().software { of_list() } else { of_stencil() }?,
+            resolve_all: of_all()?,
+            lens: LensBlur { down: halve()?, blur: blur()?, mix: mix()? },
+            bloom: Bloom { first: first()?, down: down()?, up: up()? },
+            present: [agx()?, aces()?, reinhard()?, none()?],
+            present_faded: [agx_faded()?, aces_faded()?, reinhard_faded()?, none_faded()?],
+            expose: expose()?,
+            tone_map: None,
+        })
+    }
+
+    /// What draws the passes.
+    pub(super) fn passes(&self) -> &Passes {
+        &self.passes
+    }
+
+    /// Uses this tone map from now on, whatever the scene says; none means as the scene says.
+    pub(super) fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
+        self.tone_map = tone_map;
+    }
+
+    /// Gives all passes, including the scene's, the picture's settings, and says which edges get more samples.
+    pub(super) fn bind_picture(&self, picture: &Picture, samples: EdgeSamples) {
+        let [surfaces, inner] = samples.contrasts();
+        self.passes.set_picture(&[picture.block().as_flattened(), &[surfaces, inner, 0.0, 0.0]].concat());
+    }
+
+    /// Makes light of a pixel's first samples and of the further ones; both are bound. `block` is the arrangement of
+    /// the further samples side by side.
+    ///
+    /// # Errors
+    /// What the driver says about malformed shaders, as for all passes.
+    pub(super) fn resolve(&self, targets: &PostTargets, block: (u32, u32)) -> Result<(), GpuError> {
+        self.passes.draw_with(&self.resolve, &targets.light, [block.0 as f32, block.1 as f32])
+    }
+
+    /// Makes light of only the sum of samples that is bound as further ones.
+    ///
+    /// # Errors
+    /// As [`Post::resolve`].
+    pub(super) fn resolve_all(&self, targets: &PostTargets) -> Result<(), GpuError> {
+        self.passes.draw(&self.resolve_all, &targets.light)
+    }
+
+    /// Finishes the picture from the light that was made last; `samples` are the first ones. `fade` is the light of
+    /// another picture, and its share of this one.
+    ///
+    /// # Errors
+    /// As [`Post::resolve`].
+    pub(super) fn finish(
+        &self,
+        targets: &PostTargets,
+        picture: &Picture,
+        samples: &Target,
+        fade: Option<(&Target, f32)>,
+    ) -> Result<(), GpuError> {
+        self.bind_light(targets, picture, samples)?;
+        let tone_map = self.tone_map.unwrap_or(picture.tone_map);
+        let [agx, aces, reinhard, none] = if fade.is_some() { &self.present_faded } else { &self.present };
+        let present = match tone_map {
+            ToneMap::Agx => agx,
+            ToneMap::Aces => aces,
+            ToneMap::Reinhard => reinhard,
+            ToneMap::None => none,
+        };
+        let share = fade.map_or(0.0, |(before, share)| {
+            before.bind_color(0, unit_of("before"));
+            share
+        });
+        self.passes.draw_with(present, &targets.finished, [share, 0.0])
+    }
+
+    /// Writes the light of the picture that was finished last, exposed and not yet mapped to the screen's range, to a
+    /// target of the same size.
+    ///
+    /// # Errors
+    /// As [`Post::resolve`].
+    pub(super) fn expose(
+        &self,
+        targets: &PostTargets,
+        picture: &Picture,
+        samples: &Target,
+        output: &Target,
+    ) -> Result<(), GpuError> {
+        self.bind_light(targets, picture, samples)?;
+        self.passes.draw(&self.expose, output)
+    }
+
+    /// Binds the light that was made last, after the lens and scattered.
+    fn bind_light(&self, targets: &PostTargets, picture: &Picture, samples: &Target) -> Result<(), GpuError> {
+        let passes = &self.passes;
+        let light = match &targets.lens {
+            Some(lens) => self.lens.draw(passes, &targets.light, samples, lens)?,
+            None => &targets.light,
+        };
+        // Without bloom its share is 0, so any picture will do.
+        let scattered = match picture.bloom {
+            share if share > 0.0 => self.bloom.draw(passes, light, &targets.bloom)?,
+            _ => light,
+        };
+        light.bind_color(0, unit_of("picture"));
+        scattered.bind_color(0, unit_of("bloom"));
+        Ok(())
+    }
+}
+
+impl PostTargets {
+    /// For light of `size` pixels, seen through a lens or not, and finished pictures of `output` pixels.
+    ///
+    /// # Errors
+    /// As [`Target::new`].
+    pub(super) fn new(
+        gl: &Gl,
+        size: (u32, u32),
+        has_lens: bool,
+        output: (u32, u32),
+    ) -> Result<Self, GpuError> {
+        Ok(Self {
+            lens: has_lens.then(|| LensTargets::new(gl, size)).transpose()?,
+            light: Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth(),
+            bloom: BloomTargets::new(gl, size)?,
+            finished: Target::new(gl, output, &[Texel::Rgba8], None)?,
+        })
+    }
+
+    /// The finished picture.
+    pub(super) fn finished(&self) -> &Target {
+        &self.finished
+    }
+
+    /// The finished picture alone.
+    pub(super) fn into_finished(self) -> Target {
+        self.finished
+    }
+}

@@ -1,0 +1,298 @@
+//! A picture that is being made: its passes, each in as many parts as it takes, in one go or in several.
+//!
+//! Between two goes anything may be drawn and shown, as long as the scene's tape, regions and sound stay as they are;
+//! meanwhile the previous picture is shown.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use std::time::{Duration, Instant};
+
+use glow::HasContext;
+
+use super::fade::Fade;
+use super::sampling::{Sample, Sampling};
+use super::targets::{Edges, Targets};
+use crate::frame::picture::Picture;
+use crate::gpu::error::GpuError;
+use crate::gpu::post::Post;
+use crate::gpu::program::{Program, unit_of};
+use crate::gpu::tiles::{PART_SECONDS, Part, Parts, PixelCost};
+
+/// How far a picture is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Progress {
+    /// It is finished: [`Renderer::show`] and [`Renderer::read`] bring it out.
+    ///
+    /// [`Renderer::show`]: super::Renderer::show
+    /// [`Renderer::read`]: super::Renderer::read
+    Finished {
+        /// How long it took, in all goes.
+        spent: Duration,
+    },
+    /// It needs another go.
+    Going {
+        /// How long it will take in all, in seconds, as far as is known.
+        seconds: Option<f64>,
+    },
+}
+
+/// What is made of a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Product {
+    /// A picture.
+    Picture,
+    /// Only its light, to be mixed into another picture.
+    Light,
+    /// A view: colours of the screen, one sample per pixel.
+    View,
+}
+
+/// What is drawn next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Pass {
+    /// A sample in the middle of each pixel.
+    First,
+    /// One of the further samples, where the stencil is set.
+    Further(usize),
+    /// All further samples, side by side.
+    Listed,
+    /// Light.
+    Post,
+}
+
+/// What every picture is made with.
+pub(super) struct Tools<'a> {
+    /// What draws samples.
+    pub sampling: &'a Sampling,
+    /// What makes a picture of them.
+    pub post: &'a Post,
+    /// What is mixed in.
+    pub fade: Option<&'a Fade>,
+}
+
+/// A picture that was begun.
+pub(super) struct Making {
+    pub(super) picture: Picture,
+    pub(super) product: Product,
+    pass: Pass,
+    parts: Parts,
+    pub(super) spent: Duration,
+    /// Seconds that the draws will take which the driver was given since it was last told to begin.
+    held_back: f64,
+    /// Draws of samples so far, and the pixels of the largest.
+    draws: (u32, u64),
+}
+
+/// Share of a picture's time that goes into its further samples, if nothing else is known.
+const FURTHER_SHARE: f64 = 0.3;
+
+impl Making {
+    /// A picture of which nothing is drawn yet.
+    pub(super) fn new(picture: Picture, product: Product) -> Self {
+        Self {
+            picture,
+            product,
+            pass: Pass::First,
+            parts: Parts::default(),
+            spent: Duration::ZERO,
+            held_back: 0.0,
+            draws: (0, 0),
+        }
+    }
+
+    /// Plans the first pass over `targets`. Returns whether it is one draw that need not be waited for.
+    pub(super) fn plan(&mut self, targets: &Targets, cost: PixelCost) -> bool {
+        let size = targets.first.size();
+        self.parts = Parts::of(vec![Part::whole(size)], size, cost);
+        self.parts.are_one(cost)
+    }
+
+    /// How long the picture will take in all, in seconds, as far as is known.
+    pub(super) fn seconds(&self) -> Option<f64> {
+        let is_first = self.pass == Pass::First && self.product != Product::View;
+        let share = if is_first { 1.0 - FURTHER_SHARE } else { 1.0 };
+        self.parts.seconds().map(|seconds| seconds / share)
+    }
+
+    /// Draws of samples so far, and the pixels of the largest.
+    pub(super) fn draws(&self) -> (u32, u64) {
+        self.draws
+    }
+
+    /// Draws for about `patience`. Returns whether the picture is finished.
+    ///
+    /// # Errors
+    /// No room for samples, or what the driver says about malformed shaders.
+    pub(super) fn go_on(
+        &mut self,
+        tools: &Tools<'_>,
+        targets: &mut Targets,
+        (program, cost): (&Program, &mut PixelCost),
+        (begun, patience): (Instant, Duration),
+    ) -> Result<bool, GpuError> {
+        let mut is_finished = false;
+        while !is_finished && begun.elapsed() < patience {
+            is_finished = match self.parts.next(*cost) {
+                Some(part) => {
+                    self.draw_measured(tools.sampling, targets, (program, cost), part);
+                    false
+                }
+                None => self.finish_pass(tools, targets, *cost)?,
+            };
+        }
+        Ok(is_finished)
+    }
+
+    /// Draws the next part of a pass of samples, and notes how long it took.
+    fn draw_measured(
+        &mut self,
+        sampling: &Sampling,
+        targets: &Targets,
+        (program, cost): (&Program, &mut PixelCost),
+        part: Part,
+    ) {
+        let gl = sampling.gl();
+        // On a GPU, a draw that is a whole pass and is known to be short is not waited for.
+        let is_measured = gl.info().software || !self.parts.were_one();
+        let begun = Instant::now();
+        self.draw_part(sampling, targets, program, part);
+        self.draws = (self.draws.0 + 1, self.draws.1.max(part.pixels()));
+        if is_measured {
+            gl.finish();
+            self.held_back = 0.0;
+            self.parts.note(part, begun.elapsed(), cost);
+        } else {
+            // A watchdog looks at what was handed over together, which may be several passes.
+            self.held_back += cost.seconds(part.pixels());
+            if self.held_back > PART_SECONDS / 2.0 {
+                // SAFETY: plain state.
+                unsafe { gl.flush() }
+                self.held_back = 0.0;
+            }
+        }
+    }
+
+    /// Moves on to the next pass. Returns whether the picture is finished.
+    fn finish_pass(
+        &mut self,
+        tools: &Tools<'_>,
+        targets: &mut Targets,
+        cost: PixelCost,
+    ) -> Result<bool, GpuError> {
+        if self.product == Product::View {
+            return Ok(true);
+        }
+        let (sampling, size) = (tools.sampling, targets.first.size());
+        (self.pass, self.parts) = match (self.pass, &mut targets.edges) {
+            (Pass::First, Edges::Stencil(sum)) => {
+                sampling.mark_in_stencil(&targets.first, sum)?;
+                (Pass::Further(0), Parts::of(vec![Part::whole(size)], size, cost))
+            }
+            (Pass::Further(sample), Edges::Stencil(_)) if sample + 1 < sampling.edge_samples.count() => {
+                (Pass::Further(sample + 1), Parts::of(vec![Part::whole(size)], size, cost))
+            }
+            (Pass::First, Edges::List(list)) => {
+                sampling.mark_in_list(&targets.first, list.marks())?;
+                let areas = list.prepare(&targets.first.read_last_red32f())?;
+                (Pass::Listed, Parts::of(areas, list.samples().size(), cost))
+            }
+            (Pass::Post, _) => return Ok(true),
+            _ => {
+                self.finish_light(tools, targets)?;
+                (Pass::Post, Parts::default())
+            }
+        };
+        Ok(false)
+    }
+
+    /// Draws a part of a pass of samples.
+    fn draw_part(&self, sampling: &Sampling, targets: &Targets, program: &Program, part: Part) {
+        let is_view = self.product == Product::View;
+        match (&targets.edges, self.pass) {
+            _ if is_view => targets.post.finished().bind(),
+            (Edges::List(list), Pass::Listed) => list.samples().bind(),
+            (Edges::Stencil(sum), Pass::Further(_)) => sum.bind(),
+            _ => targets.first.bind(),
+        }
+        match &targets.edges {
+            Edges::List(list) if !is_view => {
+                list.bind_pixels();
+                program.bind();
+            }
+            Edges::Stencil(_) if !is_view => sampling.prepare(program),
+            _ => {
+                sampling.unbind_edge_pixels();
+                program.bind();
+            }
+        }
+        let has_stencil = matches!(targets.edges, Edges::Stencil(_)) && !is_view;
+        let gl = sampling.gl();
+        // SAFETY: plain state and a clear of what is bound.
+        unsafe {
+            if has_stencil {
+                gl.enable(glow::STENCIL_TEST);
+            }
+            gl.enable(glow::SCISSOR_TEST);
+            let [x, y, width, height] = [part.x, part.y, part.width, part.height].map(u32::cast_signed);
+            gl.scissor(x, y, width, height);
+            if has_stencil && self.pass == Pass::First {
+                gl.clear_stencil(1);
+                gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
+            }
+        }
+        match self.pass {
+            Pass::Further(sample) => sampling.draw_further(sample),
+            Pass::Listed => sampling.draw(Sample::Listed),
+            // A view has no further samples.
+            _ if is_view => sampling.draw(Sample::Only),
+            _ => sampling.draw(Sample::First),
+        }
+        // SAFETY: plain state.
+        unsafe {
+            gl.disable(glow::SCISSOR_TEST);
+            gl.disable(glow::STENCIL_TEST);
+            gl.disable(glow::BLEND);
+        }
+    }
+
+    /// Makes the picture of all samples, or only its light.
+    fn finish_light(&self, tools: &Tools<'_>, targets: &Targets) -> Result<(), GpuError> {
+        resolve(tools, targets)?;
+        if self.product == Product::Light {
+            return Ok(());
+        }
+        let fade = tools.fade.map(Fade::mixed_in);
+        tools.post.finish(&targets.post, &self.picture, &targets.first, fade)
+    }
+}
+
+/// Draws the passes that follow on a picture's first samples, whatever is in `targets`: no further sample, and nothing that
+/// fades.
+///
+/// # Errors
+/// As [`Making::go_on`].
+pub(super) fn rehearse_passes(
+    tools: &Tools<'_>,
+    targets: &mut Targets,
+    picture: &Picture,
+) -> Result<(), GpuError> {
+    match &mut targets.edges {
+        Edges::Stencil(sum) => tools.sampling.mark_in_stencil(&targets.first, sum)?,
+        Edges::List(list) => {
+            tools.sampling.mark_in_list(&targets.first, list.marks())?;
+            list.prepare(&[])?;
+        }
+    }
+    resolve(tools, targets)?;
+    tools.post.finish(&targets.post, picture, &targets.first, None)
+}
+
+/// Makes light of the samples.
+fn resolve(tools: &Tools<'_>, targets: &Targets) -> Result<(), GpuError> {
+    targets.first.bind_color(0, unit_of("picture"));
+    match &targets.edges {
+        Edges::Stencil(sum) => sum.bind_color(0, unit_of("extra_samples")),
+        Edges::List(list) => list.bind_samples(),
+    }
+    tools.post.resolve(&targets.post, tools.sampling.edge_samples.block())
+}

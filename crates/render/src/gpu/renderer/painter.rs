@@ -1,0 +1,313 @@
+//! Draws pictures: what all scenes share, and what it is drawn on.
+
+use std::time::{Duration, Instant};
+
+use super::canvas::Canvas;
+use super::fade::Fade;
+use super::making::{Making, Product, Progress, Tools, rehearse_passes};
+use super::sampling::Sampling;
+use super::targets::Targets;
+use crate::frame::Frame;
+use crate::frame::block::FrameBlock;
+use crate::frame::picture::Picture;
+use crate::gpu::edge_samples::EdgeSamples;
+use crate::gpu::error::GpuError;
+use crate::gpu::evaluations::Counting;
+use crate::gpu::gl::Gl;
+use crate::gpu::passes::Passes;
+use crate::gpu::post::Post;
+use crate::gpu::program::{Program, unit_of};
+use crate::gpu::scene_resources::{SceneNames, SceneResources};
+use crate::gpu::shader_source::ShaderLibrary;
+use crate::gpu::target::{Target, Texel};
+use crate::gpu::tiles::{Costs, Part};
+use crate::gpu::timer::PictureClock;
+
+/// Samples of a reference picture along each side of a pixel.
+const REFERENCE_SIDE: u32 = 8;
+
+/// Size of the picture that warms up what all scenes share: large enough for several levels of bloom. Software renderers
+/// make programs of their own for powers of two, which are neither here nor among the levels' sides.
+const WARM_UP_SIZE: (u32, u32) = (90, 54);
+
+/// See the module.
+pub(super) struct Painter {
+    gl: Gl,
+    pub(super) counting: Counting,
+    pub(super) sampling: Sampling,
+    pub(super) post: Post,
+    pub(super) canvas: Canvas,
+    pub(super) clock: PictureClock,
+    /// What fades away.
+    fade: Option<Fade>,
+}
+
+impl Painter {
+    /// Assembles the shaders.
+    ///
+    /// # Errors
+    /// Missing shader files, or no object left.
+    pub(super) fn new(gl: &Gl, library: &ShaderLibrary, counting: Counting) -> Result<Self, GpuError> {
+        Ok(Self {
+            gl: gl.clone(),
+            counting,
+            sampling: Sampling::new(gl, library)?,
+            post: Post::new(gl, library)?,
+            canvas: Canvas::default(),
+            clock: PictureClock::default(),
+            fade: None,
+        })
+    }
+
+    /// What draws passes over pictures.
+    pub(super) fn passes(&self) -> &Passes {
+        self.post.passes()
+    }
+
+    /// The finished picture that is shown.
+    pub(super) fn finished(&self) -> Option<&Target> {
+        self.canvas.finished()
+    }
+
+    /// From now on pixels at edges get this many samples; the default is four.
+    pub(super) fn set_edge_samples(&mut self, samples: EdgeSamples) {
+        if self.sampling.edge_samples != samples {
+            tracing::debug!("{} further samples at edges", samples.count());
+            self.sampling.edge_samples = samples;
+            self.canvas.put_targets_away();
+        }
+    }
+
+    /// Draws an empty picture with every pass that follows on a scene's samples, unless something was drawn before. Returns
+    /// the targets of it.
+    ///
+    /// # Errors
+    /// What the driver says about malformed shaders.
+    pub(super) fn warm_up(&mut self, picture: &Picture) -> Result<Option<Targets>, GpuError> {
+        if !self.canvas.is_empty() {
+            return Ok(None);
+        }
+        self.need_targets(WARM_UP_SIZE, picture)?;
+        let Some(mut targets) = self.canvas.targets.take() else { return Ok(None) };
+        self.post.bind_picture(picture, self.sampling.edge_samples);
+        self.post.passes().prepare();
+        let tools = Tools { sampling: &self.sampling, post: &self.post, fade: None };
+        rehearse_passes(&tools, &mut targets, picture)?;
+        Ok(Some(targets))
+    }
+
+    /// Makes targets for pictures of `size` pixels that are made as `picture` says.
+    fn need_targets(&mut self, size: (u32, u32), picture: &Picture) -> Result<(), GpuError> {
+        let kind = (size, picture.lens.is_some());
+        self.canvas.need_targets(&self.gl, kind, self.sampling.edge_samples, self.counting)
+    }
+
+    /// Begins to make something of a frame in place of any picture that was not finished.
+    ///
+    /// # Errors
+    /// A size beyond the driver's.
+    pub(super) fn begin(
+        &mut self,
+        product: Product,
+        frame: &Frame,
+        scene: &SceneResources,
+    ) -> Result<(), GpuError> {
+        let tree = scene.tree_of(frame);
+        scene.upload_inputs(frame);
+        self.begin_block(product, frame.size, (&frame.block(scene.world(), &tree), &frame.picture))
+    }
+
+    /// Begins a picture: targets of its size, and what every pass reads.
+    ///
+    /// # Errors
+    /// A size beyond the driver's.
+    pub(super) fn begin_block(
+        &mut self,
+        product: Product,
+        size: (u32, u32),
+        (block, picture): (&FrameBlock, &Picture),
+    ) -> Result<(), GpuError> {
+        self.need_targets(size, picture)?;
+        self.sampling.set_frame(block);
+        self.post.bind_picture(picture, self.sampling.edge_samples);
+        self.canvas.making = Some(Making::new(*picture, product));
+        Ok(())
+    }
+
+    /// Continues the picture that was begun for about `patience`, with what is bound for its scene.
+    ///
+    /// # Errors
+    /// An error that the driver reports.
+    pub(super) fn go_on(
+        &mut self,
+        scene: &SceneNames,
+        (program, costs): (&Program, &Costs),
+        patience: Duration,
+    ) -> Result<Progress, GpuError> {
+        let begun = Instant::now();
+        // Taken away, so that an error leaves no half of a picture.
+        let (Some(mut making), Some(mut targets)) = (self.canvas.making.take(), self.canvas.targets.take())
+        else {
+            return Ok(Progress::Finished { spent: Duration::ZERO });
+        };
+        self.post.passes().prepare();
+        self.sampling.settle_samplers(&targets.first)?;
+        scene.bind(&self.gl);
+        let mut cost = costs.of(program);
+        if making.spent == Duration::ZERO {
+            if let Some(time) = self.clock.take_cost() {
+                cost.note(Part::whole(targets.first.size()).pixels(), time);
+                cost.finish_picture();
+            }
+            if making.plan(&targets, cost) {
+                self.clock.begin();
+            }
+        }
+        let tools = Tools { sampling: &self.sampling, post: &self.post, fade: self.fade.as_ref() };
+        let finished = making.go_on(&tools, &mut targets, (program, &mut cost), (begun, patience));
+        self.clock.end();
+        making.spent += begun.elapsed();
+        if matches!(finished, Ok(true)) {
+            cost.finish_picture();
+        }
+        costs.keep(program, cost);
+        self.canvas.targets = Some(targets);
+        let progress = if finished? {
+            let (draws, largest) = making.draws();
+            tracing::debug!("a picture in {draws} draws, the largest of {largest} pixels");
+            self.canvas.finish(&making);
+            Progress::Finished { spent: making.spent }
+        } else {
+            let seconds = making.seconds();
+            self.canvas.making = Some(making);
+            Progress::Going { seconds }
+        };
+        self.gl.check("drawing a frame")?;
+        Ok(progress)
+    }
+
+    /// Draws a picture in one go.
+    ///
+    /// # Errors
+    /// As [`Painter::begin`] and [`Painter::go_on`].
+    pub(super) fn draw(
+        &mut self,
+        frame: &Frame,
+        scene: &SceneResources,
+        (program, costs): (&Program, &Costs),
+    ) -> Result<(), GpuError> {
+        self.begin(Product::Picture, frame, scene)?;
+        self.go_on(&scene.names(), (program, costs), Duration::MAX).map(|_| ())
+    }
+
+    /// Sums a regular grid of samples for the picture that was drawn last, and finishes it anew. Slow.
+    ///
+    /// # Errors
+    /// No room for the sum, or what the driver says about malformed shaders.
+    pub(super) fn draw_reference(
+        &self,
+        picture: &Picture,
+        scene: &SceneNames,
+        program: &Program,
+    ) -> Result<(), GpuError> {
+        let Some(targets) = &self.canvas.targets else { return Ok(()) };
+        scene.bind(&self.gl);
+        let sum = Target::new(&self.gl, targets.first.size(), &[Texel::Rgba32F], None)?;
+        sum.bind();
+        self.sampling.draw_grid(program, REFERENCE_SIDE);
+        sum.bind_color(0, unit_of("extra_samples"));
+        self.post.resolve_all(&targets.post)?;
+        self.post.finish(&targets.post, picture, &targets.first, None)?;
+        self.gl.check("drawing a reference")
+    }
+
+    /// Does something with another canvas and nothing that fades, and goes back to this one without a picture that is being
+    /// drawn.
+    pub(super) fn elsewhere<R>(&mut self, canvas: &mut Canvas, draw: impl FnOnce(&mut Self) -> R) -> R {
+        let (clock, fade) = (std::mem::take(&mut self.clock), self.fade.take());
+        std::mem::swap(&mut self.canvas, canvas);
+        let result = draw(self);
+        self.canvas.making = None;
+        std::mem::swap(&mut self.canvas, canvas);
+        self.canvas.making = None;
+        (self.clock, self.fade) = (clock, fade);
+        result
+    }
+
+    /// Draws a frame twice on a canvas that nobody sees: alone, and with light that fades into it.
+    ///
+    /// # Errors
+    /// As [`Painter::draw`].
+    pub(super) fn rehearse(
+        &mut self,
+        frame: &Frame,
+        scene: &SceneResources,
+        program: &Program,
+    ) -> Result<(), GpuError> {
+        self.elsewhere(&mut Canvas::default(), |painter| {
+            // The driver's work is no cost of the scene.
+            painter.draw(frame, scene, (program, &Costs::default()))?;
+            // As it is drawn while the scene before fades away.
+            painter.keep_light()?;
+            painter.set_fade(Some(0.5));
+            painter.draw(frame, scene, (program, scene.costs()))
+        })
+    }
+
+    /// Draws a frame with few samples on another canvas, and hands the picture to `send`.
+    ///
+    /// # Errors
+    /// As [`Painter::draw`], and what `send` says.
+    pub(super) fn sketch(
+        &mut self,
+        canvas: &mut Canvas,
+        (frame, scene, program): (&Frame, &SceneResources, &Program),
+        send: impl FnOnce(&Passes, &Target) -> Result<bool, GpuError>,
+    ) -> Result<bool, GpuError> {
+        let edges = std::mem::replace(&mut self.sampling.edge_samples, EdgeSamples::Two);
+        let sent = self.elsewhere(canvas, |painter| {
+            painter.draw(frame, scene, (program, scene.costs()))?;
+            let Some(picture) = painter.finished() else { return Ok(false) };
+            let sent = send(painter.passes(), picture)?;
+            painter.gl.check("sending a picture").map(|()| sent)
+        });
+        self.sampling.edge_samples = edges;
+        sent
+    }
+
+    /// Keeps the light of the picture that was finished last, to be mixed into the next ones. Returns whether there is any.
+    ///
+    /// # Errors
+    /// No room for it.
+    pub(super) fn keep_light(&mut self) -> Result<bool, GpuError> {
+        let old = self.fade.take().map(Fade::into_light);
+        self.fade = self.exposed(old)?.map(Fade::of);
+        Ok(self.fade.is_some())
+    }
+
+    /// The light of the picture that was finished last, exposed and linear, in `room` if it has the same size; none for a
+    /// view.
+    ///
+    /// # Errors
+    /// No room for it.
+    pub(super) fn exposed(&self, room: Option<Target>) -> Result<Option<Target>, GpuError> {
+        let Some((picture, targets)) = self.canvas.finished_light() else { return Ok(None) };
+        let light = match room.filter(|room| room.size() == targets.first.size()) {
+            Some(room) => room,
+            None => Target::new(&self.gl, targets.first.size(), &[Texel::Rgba16F], None)?.smooth(),
+        };
+        self.post.passes().prepare();
+        self.post.bind_picture(picture, self.sampling.edge_samples);
+        self.post.expose(&targets.post, picture, &targets.first, &light)?;
+        self.gl.check("keeping a picture's light").map(|()| Some(light))
+    }
+
+    /// From now on this share of finished pictures, 0..1, is the light that was kept. Without a share it is
+    /// forgotten.
+    pub(super) fn set_fade(&mut self, share: Option<f32>) {
+        match (share, &mut self.fade) {
+            (Some(share), Some(fade)) => fade.set_share(share),
+            _ => self.fade = None,
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Where a finished picture lies in a window, and how much of its light is left.
+
+use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
+use crate::gpu::passes::{Block, Passes};
+use crate::gpu::program::{LazyProgram, unit_of};
+use crate::gpu::shader_source::{ShaderLibrary, Variant};
+use crate::gpu::target::{Target, Texel};
+use crate::placement::{Area, Map, within};
+
+/// The shaders of this module; tests compile them all.
+pub const PLACING_SHADERS: [&str; 2] = ["dim.frag", "place.frag"];
+
+/// See the module.
+pub(super) struct Placing {
+    dim: LazyProgram,
+    place: LazyProgram,
+    block: Block,
+    /// The share of the light that is left, 0..1.
+    gain: f32,
+    /// The finished picture with that share, if it has less than all.
+    dimmed: Option<Target>,
+}
+
+impl Placing {
+    /// Assembles the shaders.
+    ///
+    /// # Errors
+    /// Missing shader files, or no object left.
+    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+        let [dim, place] =
+            PLACING_SHADERS.map(|name| move || LazyProgram::new(gl, library, name, &Variant::default()));
+        let block = Block::new(gl, "PlaceBlock")?;
+        Ok(Self { dim: dim()?, place: place()?, block, gain: 1.0, dimmed: None })
+    }
+
+    /// The share of the light that is left, 0..1.
+    pub(super) fn gain(&self) -> f32 {
+        self.gain
+    }
+
+    /// The finished picture with less light, if it has less.
+    pub(super) fn dimmed(&self) -> Option<&Target> {
+        self.dimmed.as_ref()
+    }
+
+    /// Leaves a finished picture this share of its light.
+    ///
+    /// # Errors
+    /// No room for a copy of the picture.
+    pub(super) fn dim(
+        &mut self,
+        passes: &Passes,
+        finished: Option<&Target>,
+        gain: f32,
+    ) -> Result<(), GpuError> {
+        self.gain = gain.clamp(0.0, 1.0);
+        let room = self.dimmed.take();
+        let Some(finished) = finished.filter(|_| self.gain < 1.0) else { return Ok(()) };
+        let dimmed = match room.filter(|room| room.size() == finished.size()) {
+            Some(room) => room,
+            None => Target::new(&passes.gl, finished.size(), &[Texel::Rgba8], None)?,
+        };
+        passes.prepare();
+        finished.bind_color(0, unit_of("picture"));
+        passes.draw_with(&self.dim, &dimmed, [self.gain, 0.0])?;
+        self.dimmed = Some(dimmed);
+        Ok(())
+    }
+
+    /// Draws a part of a picture into an area of the window's framebuffer of `window` pixels, where `map` says.
+    ///
+    /// # Errors
+    /// What the driver says about a malformed shader.
+    pub(super) fn place(
+        &self,
+        passes: &Passes,
+        picture: &Target,
+        (window, [left, top, right, bottom]): ((u32, u32), Area),
+        (map, part): (&Map, Area),
+    ) -> Result<(), GpuError> {
+        self.block.set(&numbers(map, part));
+        passes.prepare();
+        picture.bind_color(0, unit_of("picture"));
+        let edge = |share: f64, side: u32| (share * f64::from(side)).round() as i32;
+        let (from, to) = (edge(left, window.0), edge(right, window.0));
+        let (low, high) = (edge(1.0 - bottom, window.1), edge(1.0 - top, window.1));
+        passes.draw_in_window(&self.place, window, Some([from, low, to - from, high - low]))
+    }
+
+    /// Draws a part of a picture all over a target, where `map` says, the top row first.
+    ///
+    /// # Errors
+    /// What the driver says about a malformed shader.
+    pub(super) fn place_in(
+        &self,
+        passes: &Passes,
+        picture: &Target,
+        target: &Target,
+        (map, part): (&Map, Area),
+    ) -> Result<(), GpuError> {
+        // OpenGL's first row is the lowest one.
+        self.block.set(&numbers(&within([0.0, 1.0, 1.0, 0.0], map), part));
+        passes.prepare();
+        picture.bind_color(0, unit_of("picture"));
+        passes.draw_with(&self.place, target, [0.0; 2])
+    }
+}
+
+/// What the shader is told of a map and of the part that shows: OpenGL counts places from the bottom.
+fn numbers(map: &Map, [left, top, right, bottom]: Area) -> [f32; 16] {
+    let [across, down, depth] = *map;
+    let down: [f64; 3] = std::array::from_fn(|i| depth[i] - down[i]);
+    let upwards = |[x, y, one]: [f64; 3]| [x, -y, one + y, 0.0];
+    let part = [left, 1.0 - bottom, right, 1.0 - top];
+    let all = [upwards(across), upwards(down), upwards(depth), part];
+    let mut numbers = [0.0; 16];
+    for (number, value) in numbers.iter_mut().zip(all.as_flattened()) {
+        *number = *value as f32;
+    }
+    numbers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::placement::{Corners, Crop, Flip, Placement, led};
+
+    #[test]
+    fn the_shader_is_told_the_same_places_from_the_bottom() {
+        let placement = Placement {
+            crop: Crop::try_from([10.0, 20.0, 0.0, 5.0]).unwrap(),
+            flip: Flip::Horizontal,
+            corners: Corners::try_from([[0.1, 0.0], [1.0, 0.2], [0.9, 1.0], [0.0, 0.8]]).unwrap(),
+        };
+        let map = placement.map();
+        let told = numbers(&map, placement.part()).map(f64::from);
+        for [x, y] in [[0.5, 0.5], [0.2, 0.3], [0.7, 0.9]] {
+            let row = |at: usize| told[4 * at] * x + told[4 * at + 1] * (1.0 - y) + told[4 * at + 2];
+            let (u, v) = (row(0) / row(2), 1.0 - row(1) / row(2));
+            let [x, y] = led(&map, [x, y]).unwrap();
+            assert!((u - x).abs() < 1e-5 && (v - y).abs() < 1e-5, "{u}, {v} is not {x}, {y}");
+        }
+        assert_eq!(
+            told[12..].iter().map(|edge| (edge * 100.0).round()).collect::<Vec<_>>(),
+            [10.0, 5.0, 100.0, 80.0]
+        );
+    }
+}

@@ -1,0 +1,181 @@
+//! What happens to a finished picture on its way to screens: a share of its light is taken away, its flashes are limited,
+//! and it is put where it lies in a window.
+//!
+//! A picture that keeps all of its light and fills its window is copied as it is, byte for byte.
+
+use super::flashes::Flashes;
+use super::placing::Placing;
+use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
+use crate::gpu::passes::Passes;
+use crate::gpu::picture_reader::PictureReader;
+use crate::gpu::program::{LazyProgram, unit_of};
+use crate::gpu::shader_source::{ShaderLibrary, Variant};
+use crate::gpu::target::Target;
+use crate::placement::{Area, Map};
+
+/// Enlarges a picture for a window.
+pub const UPSCALE_SHADER: &str = "upscale.frag";
+
+/// See the module. It is told at each call which picture is finished.
+#[derive(Default)]
+pub(super) struct Presenter {
+    /// Enlarges pictures for a window; none without one.
+    upscale: Option<LazyProgram>,
+    pub(super) placing: Option<Placing>,
+    pub(super) flashes: Flashes,
+}
+
+impl Presenter {
+    /// Prepares what only a window needs.
+    ///
+    /// # Errors
+    /// Missing shader files, or no object left.
+    pub(super) fn prepare_for_window(&mut self, gl: &Gl, library: &ShaderLibrary) -> Result<(), GpuError> {
+        self.upscale = Some(LazyProgram::new(gl, library, UPSCALE_SHADER, &Variant::default())?);
+        Ok(())
+    }
+
+    /// Whether pictures are for a window.
+    pub(super) fn is_for_window(&self) -> bool {
+        self.upscale.is_some()
+    }
+
+    /// Takes away light, as [`Placing::dim`] does.
+    ///
+    /// # Errors
+    /// No room for a copy of the picture.
+    pub(super) fn dim(
+        &mut self,
+        passes: &Passes,
+        finished: Option<&Target>,
+        gain: f32,
+    ) -> Result<(), GpuError> {
+        let Some(placing) = &mut self.placing else { return Ok(()) };
+        if self.upscale.is_some() {
+            self.flashes.forget_copy();
+        }
+        placing.dim(passes, finished, gain)
+    }
+
+    /// Limits the flashes of a picture that is shown `seconds` after the one before.
+    ///
+    /// # Errors
+    /// No room for a copy of the picture, which all but windows need.
+    pub(super) fn limit_flashes(
+        &mut self,
+        gl: &Gl,
+        finished: Option<&Target>,
+        seconds: f64,
+    ) -> Result<(), GpuError> {
+        let Self { upscale, placing, flashes } = self;
+        let Some(picture) = bright(placing.as_ref(), finished) else { return Ok(()) };
+        flashes.take(picture, seconds);
+        if upscale.is_none() { flashes.make_copy(gl, picture) } else { Ok(()) }
+    }
+
+    /// Copies the picture to the window's framebuffer of `window` pixels, enlarged if that has more.
+    ///
+    /// # Errors
+    /// What the driver says about a malformed shader.
+    pub(super) fn show(
+        &self,
+        passes: &Passes,
+        finished: Option<&Target>,
+        window: (u32, u32),
+    ) -> Result<(), GpuError> {
+        let Some(picture) = bright(self.placing.as_ref(), finished) else { return Ok(()) };
+        if self.upscale.is_some() && picture.size() != window {
+            self.enlarge(passes, picture, window, None)?;
+        } else {
+            picture.blit_to_window(window);
+        }
+        if let Some(limiter) = self.flashes.limiting() {
+            limiter.limit_in_window(picture, window);
+        }
+        Ok(())
+    }
+
+    /// Draws a picture, enlarged, over the window's framebuffer of `window` pixels, or only in an area of it.
+    fn enlarge(
+        &self,
+        passes: &Passes,
+        picture: &Target,
+        window: (u32, u32),
+        area: Option<[i32; 4]>,
+    ) -> Result<(), GpuError> {
+        let Some(upscale) = &self.upscale else { return Ok(()) };
+        picture.bind_color(0, unit_of("picture"));
+        passes.bind_vertices();
+        passes.draw_in_window(upscale, window, area)
+    }
+
+    /// Shows a picture in an area of a window, where `map` says.
+    ///
+    /// # Errors
+    /// What the driver says about a malformed shader, or no room for a copy without flashes.
+    pub(super) fn show_in_part(
+        &mut self,
+        passes: &Passes,
+        finished: Option<&Target>,
+        window: ((u32, u32), Area),
+        map: (&Map, Area),
+    ) -> Result<(), GpuError> {
+        let Some((placing, picture)) = self.placed(passes, finished)? else { return Ok(()) };
+        placing.place(passes, picture, window, map)
+    }
+
+    /// Sends a picture on its way to whoever reads it. False if it was left out.
+    ///
+    /// # Errors
+    /// As [`Presenter::show_in_part`].
+    pub(super) fn send(
+        &mut self,
+        passes: &Passes,
+        finished: Option<&Target>,
+        reader: &mut PictureReader,
+        map: (&Map, Area),
+    ) -> Result<bool, GpuError> {
+        let Some((placing, picture)) = self.placed(passes, finished)? else { return Ok(false) };
+        placing.place_in(passes, picture, reader.target(), map)?;
+        Ok(reader.begin())
+    }
+
+    /// The picture as screens show it, once its flashes are limited in a copy, and what places it.
+    fn placed<'a>(
+        &'a mut self,
+        passes: &Passes,
+        finished: Option<&'a Target>,
+    ) -> Result<Option<(&'a Placing, &'a Target)>, GpuError> {
+        let Self { placing, flashes, .. } = self;
+        let Some(picture) = bright(placing.as_ref(), finished) else { return Ok(None) };
+        flashes.make_copy(&passes.gl, picture)?;
+        Ok(placing.as_ref().map(|placing| (placing, flashes.limited().unwrap_or(picture))))
+    }
+
+    /// The picture, its flashes limited, four bytes per pixel, the top row first. Empty if there is none.
+    pub(super) fn read(&self, finished: Option<&Target>) -> Vec<u8> {
+        let shown = self.flashes.limited().or(bright(self.placing.as_ref(), finished));
+        shown.map_or_else(Vec::new, |picture| picture.read_rgba8(0))
+    }
+
+    /// Draws with every program that a window's first picture takes, for as long as that `is_wanted`.
+    ///
+    /// # Errors
+    /// What the driver says about malformed shaders.
+    pub(super) fn warm_up(
+        &mut self,
+        passes: &Passes,
+        finished: &Target,
+        is_wanted: &mut dyn FnMut() -> bool,
+    ) -> Result<(), GpuError> {
+        self.enlarge(passes, finished, finished.size(), Some([0; 4]))?;
+        self.flashes.pass.iter_mut().for_each(|pass| pass.warm_up(finished, is_wanted));
+        Ok(())
+    }
+}
+
+/// The picture with the share of its light that is left, whatever flashes in it.
+fn bright<'a>(placing: Option<&'a Placing>, finished: Option<&'a Target>) -> Option<&'a Target> {
+    placing.and_then(Placing::dimmed).or(finished)
+}

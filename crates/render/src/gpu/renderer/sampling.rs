@@ -1,0 +1,194 @@
+//! Samples of a scene: one in the middle of each pixel, and further ones where edges are.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use glow::HasContext;
+
+use crate::frame::block::FrameBlock;
+use crate::gpu::edge_samples::EdgeSamples;
+use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
+use crate::gpu::passes::Block;
+use crate::gpu::program::{LazyProgram, Program, unit_of};
+use crate::gpu::samplers::Samplers;
+use crate::gpu::shader_source::{ShaderLibrary, Variant};
+use crate::gpu::target::Target;
+use crate::view::setup::ViewBlock;
+
+/// Marks edges.
+pub const EDGE_SHADER: &str = "edges.frag";
+
+/// Numbers in the `PassBlock` of `frame_block.glsl`.
+const PASS_BLOCK_NUMBERS: usize = 8 + 2 * 16;
+
+/// The radius of the beam that holds all rays of a pixel, in half widths of it: half the diagonal, and a little more.
+const BEAM: f32 = 1.4143;
+
+/// A sample of each pixel, as `frame_block.glsl` tells them apart.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Sample {
+    /// The one in the middle, and how far its beam is free.
+    First,
+    /// The only one.
+    Only,
+    /// A further one: its place in the pixel, and its number.
+    Further([f32; 2], usize),
+    /// All further ones, side by side.
+    Listed,
+}
+
+/// The programs and blocks that draw samples, of any scene.
+pub(super) struct Sampling {
+    gl: Gl,
+    edges: LazyProgram,
+    /// On a software renderer.
+    samplers: Option<Samplers>,
+    frame_block: Block,
+    pass_block: Block,
+    view_block: Block,
+    /// How many samples pixels at edges get.
+    pub(super) edge_samples: EdgeSamples,
+}
+
+impl Sampling {
+    /// Assembles the shaders.
+    ///
+    /// # Errors
+    /// Missing shader files, or no object left.
+    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+        Ok(Self {
+            gl: gl.clone(),
+            edges: LazyProgram::new(gl, library, EDGE_SHADER, &Variant::default())?,
+            samplers: gl.info().software.then(|| Samplers::new(gl, library)).transpose()?,
+            frame_block: Block::new(gl, "FrameBlock")?,
+            pass_block: Block::new(gl, "PassBlock")?,
+            view_block: Block::new(gl, "ViewBlock")?,
+            edge_samples: EdgeSamples::Four,
+        })
+    }
+
+    /// The context that it draws in.
+    pub(super) fn gl(&self) -> &Gl {
+        &self.gl
+    }
+
+    /// Gives all samples a frame.
+    pub(super) fn set_frame(&self, block: &FrameBlock) {
+        self.frame_block.set(block.as_flattened());
+    }
+
+    /// Gives all samples of a view its numbers.
+    pub(super) fn set_view(&self, view: &ViewBlock) {
+        self.view_block.set(view.as_flattened());
+    }
+
+    /// Lets a scene's program find the same samplers whatever was drawn last. `edges.frag`, which is drawn within a
+    /// picture, changes only the first slot, where scenes have a texture that brings its own sampler.
+    ///
+    /// # Errors
+    /// What the driver says about a malformed shader.
+    pub(super) fn settle_samplers(&self, target: &Target) -> Result<(), GpuError> {
+        self.samplers.as_ref().map_or(Ok(()), |samplers| samplers.settle(&self.gl, target))
+    }
+
+    /// Sets the stencil at edges; `sum` shares it with `first`. Clears the sum.
+    ///
+    /// # Errors
+    /// What the driver says about a malformed shader.
+    pub(super) fn mark_in_stencil(&self, first: &Target, sum: &Target) -> Result<(), GpuError> {
+        // SAFETY: plain state and draws on objects of ours, in the current context.
+        unsafe {
+            let gl = &*self.gl;
+            sum.bind();
+            gl.clear_stencil(0);
+            gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
+            gl.enable(glow::STENCIL_TEST);
+            gl.stencil_func(glow::ALWAYS, 1, 0xff);
+            gl.stencil_op(glow::KEEP, glow::KEEP, glow::REPLACE);
+            gl.color_mask(false, false, false, false);
+            first.bind_color(0, unit_of("picture"));
+            self.edges.bind(&self.gl)?;
+            gl.draw_arrays(glow::TRIANGLES, 0, 3);
+            gl.color_mask(true, true, true, true);
+            gl.disable(glow::STENCIL_TEST);
+        }
+        Ok(())
+    }
+
+    /// Draws the marks of edges.
+    ///
+    /// # Errors
+    /// What the driver says about a malformed shader.
+    pub(super) fn mark_in_list(&self, first: &Target, marks: &Target) -> Result<(), GpuError> {
+        marks.bind();
+        // SAFETY: plain draws on objects of ours, in the current context.
+        unsafe {
+            self.gl.clear(glow::COLOR_BUFFER_BIT);
+            first.bind_color(0, unit_of("picture"));
+            self.edges.bind(&self.gl)?;
+            self.gl.replacing(|| self.gl.draw_arrays(glow::TRIANGLES, 0, 3));
+        }
+        Ok(())
+    }
+
+    /// Sets the states in which all samples are drawn, the first and the further ones: some drivers compile a program
+    /// once for each set of states.
+    pub(super) fn prepare(&self, program: &Program) {
+        self.unbind_edge_pixels();
+        // SAFETY: plain state.
+        unsafe {
+            self.gl.stencil_func(glow::EQUAL, 1, 0xff);
+            self.gl.stencil_op(glow::KEEP, glow::KEEP, glow::KEEP);
+            self.gl.enable(glow::BLEND);
+            self.gl.blend_func(glow::ONE, glow::ONE);
+        }
+        program.bind();
+    }
+
+    /// Unbinds the list of edges where none is read: a texture left in its place may be the target of the draw.
+    pub(super) fn unbind_edge_pixels(&self) {
+        // SAFETY: plain state.
+        unsafe {
+            self.gl.active_texture(glow::TEXTURE0 + unit_of("edge_pixels"));
+            self.gl.bind_texture(glow::TEXTURE_2D, None);
+        }
+    }
+
+    /// Draws a sample everywhere in the target that is bound.
+    pub(super) fn draw(&self, sample: Sample) {
+        let (place, number, kind, beam) = match sample {
+            Sample::First => ([0.0; 2], 0, 0.0, BEAM),
+            Sample::Only => ([0.0; 2], 0, 0.0, 0.0),
+            Sample::Further(place, number) => (place, number, 1.0, 0.0),
+            Sample::Listed => ([0.0; 2], 0, 2.0, 0.0),
+        };
+        let (across, down) = self.edge_samples.block();
+        let head = [place[0], place[1], kind, number as f32, across as f32, down as f32, beam, 0.0];
+        let mut block = head.into_iter().chain(self.edge_samples.offsets().flatten()).collect::<Vec<f32>>();
+        block.resize(PASS_BLOCK_NUMBERS, 0.0);
+        self.pass_block.set(&block);
+        // SAFETY: the draw reads only what was bound for the go.
+        unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
+    }
+
+    /// Draws the further sample `number`.
+    pub(super) fn draw_further(&self, number: usize) {
+        let place = self.edge_samples.offsets().nth(number).unwrap_or_default();
+        self.draw(Sample::Further(place, number));
+    }
+
+    /// Draws the sum of a regular grid of `side` times `side` samples into the target that is bound. Slow.
+    pub(super) fn draw_grid(&self, program: &Program, side: u32) {
+        // SAFETY: plain state.
+        unsafe { self.gl.clear(glow::COLOR_BUFFER_BIT) }
+        self.prepare(program);
+        for number in 0..side * side {
+            let place = [number % side, number / side];
+            let place = place.map(|at| (at as f32 + 0.5) / side as f32 - 0.5);
+            self.draw(Sample::Further(place, number as usize));
+            self.gl.finish();
+        }
+        // SAFETY: plain state.
+        unsafe { self.gl.disable(glow::BLEND) }
+    }
+}

@@ -1,0 +1,117 @@
+//! The targets of a picture: what depends on its size.
+
+use std::rc::Rc;
+
+use crate::gpu::edge_list::EdgeList;
+use crate::gpu::edge_samples::EdgeSamples;
+use crate::gpu::error::GpuError;
+use crate::gpu::evaluations::{Counting, Evaluations};
+use crate::gpu::gl::Gl;
+use crate::gpu::post::PostTargets;
+use crate::gpu::target::{Stencil, Target, Texel};
+
+/// See the module.
+pub(super) struct Targets {
+    has_lens: bool,
+    /// The samples in the middle of the pixels.
+    pub(super) first: Target,
+    pub(super) edges: Edges,
+    pub(super) post: PostTargets,
+}
+
+/// How pixels at edges get more samples.
+pub(super) enum Edges {
+    /// With the stencil, all over the picture, summed in a target: on a GPU.
+    Stencil(Target),
+    /// Side by side: on a software renderer.
+    List(EdgeList),
+}
+
+impl Edges {
+    fn samples(&self) -> &Target {
+        match self {
+            Edges::Stencil(sum) => sum,
+            Edges::List(list) => list.samples(),
+        }
+    }
+}
+
+impl Targets {
+    /// For pictures of `size` pixels, seen through a lens or not.
+    ///
+    /// # Errors
+    /// As [`Target::new`].
+    pub(super) fn new(
+        gl: &Gl,
+        size: (u32, u32),
+        has_lens: bool,
+        samples: EdgeSamples,
+        counting: Counting,
+    ) -> Result<Self, GpuError> {
+        // Counts are written in place of what a lens needs: such pictures are not looked at.
+        let texels: &[Texel] = match (counting, has_lens) {
+            (Counting::On, _) => &[Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F],
+            (Counting::Off, true) => &[Texel::Rgba16F, Texel::R16F],
+            (Counting::Off, false) => &[Texel::Rgba16F],
+        };
+        let mut texels = texels.to_vec();
+        if gl.info().software {
+            // How far the beams of first samples are free (shaders/sphere_tracing.glsl).
+            texels.push(Texel::R32F);
+        }
+        Target::check_size(gl, size)?;
+        let (stencil, edges) = if gl.info().software {
+            (None, Edges::List(EdgeList::new(gl, size, &texels, samples)?))
+        } else {
+            let stencil = Rc::new(Stencil::new(gl, size)?);
+            (Some(stencil.clone()), Edges::Stencil(Target::new(gl, size, &texels, Some(stencil))?))
+        };
+        Ok(Self {
+            has_lens,
+            first: Target::new(gl, size, &texels, stencil)?,
+            edges,
+            post: PostTargets::new(gl, size, has_lens && counting == Counting::Off, size)?,
+        })
+    }
+
+    /// Whether they are for pictures of this size, seen through a lens or not.
+    pub(super) fn fit(&self, size: (u32, u32), has_lens: bool) -> bool {
+        self.first.size() == size && self.has_lens == has_lens
+    }
+
+    /// What a counting program noted.
+    pub(super) fn evaluations(&self, samples: EdgeSamples) -> Evaluations {
+        let mut sum = Evaluations::default();
+        for target in [&self.first, self.edges.samples()] {
+            let (kinds, more) = (target.read_rgba32f(1), target.read_rgba32f(2));
+            for texel in kinds.as_chunks::<4>().0 {
+                let [primary, reflection, normal, shadow] = texel.map(f64::from);
+                sum.primary += primary;
+                sum.reflection += reflection;
+                sum.normal += normal;
+                sum.shadow += shadow;
+            }
+            for texel in more.as_chunks::<4>().0 {
+                sum.occlusion += f64::from(texel[0]);
+                sum.capped_rays += f64::from(texel[1]);
+                sum.clauses += f64::from(texel[2]);
+                sum.lookups += f64::from(texel[3]);
+            }
+            for texel in target.read_rgba32f(3).as_chunks::<4>().0 {
+                sum.surface_clauses += f64::from(texel[0]);
+            }
+        }
+        sum.edge_pixels = self.edge_pixels(samples);
+        sum
+    }
+
+    /// Pixels that got the samples of an edge.
+    pub(super) fn edge_pixels(&self, samples: EdgeSamples) -> f64 {
+        let drawn = self.edges.samples().read_rgba32f(0);
+        let texels = drawn.as_chunks::<4>().0.iter().filter(|texel| texel[3] > 0.0).count() as f64;
+        match &self.edges {
+            Edges::Stencil(_) => texels,
+            Edges::List(_) => texels / samples.count() as f64,
+        }
+    }
+}

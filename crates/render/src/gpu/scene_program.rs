@@ -1,0 +1,241 @@
+//! The program that draws a scene, in its two forms: interpreted and compiled.
+//!
+//! Both are `scene.frag`; they differ in the file `scene_functions.glsl` that it includes. The compiled form contains
+//! the scene's expressions. The interpreted form runs them from a texture buffer, and so fits every scene for which
+//! its variant has the operators, registers and textures.
+//!
+//! **One loop around the interpreter.** Drivers inline every call and compile it anew. Therefore one call in a loop
+//! computes normals, object and occlusion of a surface, and another the material and ambient light. A renderer that
+//! never skips a branch would compute textures and rare operators for every clause; so they are computed between
+//! loops over the rest.
+
+use super::cell_use::CellUse;
+pub use super::error::DoesNotFit;
+use super::error::GpuError;
+use super::evaluations::Counting;
+use super::gl::{Gl, GlInfo};
+pub use super::mode::Mode;
+use super::program::Program;
+use super::shader_source::{ShaderLibrary, Variant};
+use crate::frame::block::block_defines;
+use crate::view::scale;
+use mariana_field::graph::CELL_HASH_GLSL;
+use mariana_field::region::{RegionPlan, RegionVariant};
+use mariana_field::tape::interpreter;
+use mariana_field::world::{SceneFeatures, TapeBuffers, World};
+
+/// The fragment shader of scenes.
+pub const SCENE_SHADER: &str = "scene.frag";
+/// The define of the variant that counts distance evaluations and clauses.
+pub const COUNTING_DEFINE: &str = "COUNT_EVALUATIONS";
+/// The define of scenes whose value is not a distance.
+const STEEP_DEFINE: &str = "STEEP 1";
+
+/// Scenes with more clauses are interpreted unless compiling is asked for: drivers take minutes for them.
+pub const COMPILED_BY_ITSELF_MAX: usize = 6_000;
+
+/// A variant of the interpreter.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Interpreter {
+    /// What runs materials and light.
+    tapes: interpreter::Variant,
+    /// What runs the regions' tapes.
+    regions: RegionVariant,
+    /// What else the shaders hold.
+    traits: SceneFeatures,
+}
+
+impl Interpreter {
+    /// The narrowest variant for a scene on this driver.
+    pub fn for_scene(traits: SceneFeatures, buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Self {
+        let tapes = if info.software { &buffers.software_variant } else { &buffers.variant }.clone();
+        Self { tapes, regions: plan.variant().clone(), traits }
+    }
+
+    /// The variant that draws nearly every scene whose value is a distance or, `steep`, is none: on GPUs it is made
+    /// before anyone edits.
+    pub fn universal(steep: bool) -> Self {
+        Self {
+            tapes: interpreter::Variant::universal(),
+            regions: RegionVariant::universal(steep),
+            traits: SceneFeatures::ALL,
+        }
+    }
+
+    /// Whether it draws scenes whose value is no distance.
+    pub fn is_steep(&self) -> bool {
+        self.regions.steep
+    }
+
+    /// Whether this variant can draw every scene that `other` can.
+    pub fn covers(&self, other: &Self) -> bool {
+        let (regions, others) = (&self.regions, &other.regions);
+        let every_case = self.tapes.every_case;
+        let registers = |of: &RegionVariant| {
+            if every_case { of.registers } else { of.registers.next_power_of_two() }
+        };
+        self.tapes.covers(&other.tapes)
+            && self.traits.covers(other.traits)
+            && regions.steep == others.steep
+            && registers(regions) >= registers(others)
+            && regions.operators.is_superset(&others.operators)
+            && regions.compounds.covers(others.compounds)
+    }
+
+    /// Whether a scene's buffers fit what the driver reports.
+    ///
+    /// # Errors
+    /// [`DoesNotFit`].
+    pub fn fits(buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Result<(), DoesNotFit> {
+        if !plan.runs() {
+            return Err(DoesNotFit::Registers);
+        }
+        let needed = buffers.texels_max().max(plan.whole_texels());
+        let available = info.texture_buffer_texels_max as usize;
+        if needed <= available { Ok(()) } else { Err(DoesNotFit::Texels { needed, available }) }
+    }
+
+    /// The shader's text of the variant.
+    pub fn variant(&self, counting: Counting) -> Variant {
+        let mut variant = common(self.tapes.textures, self.traits, counting);
+        if self.regions.steep {
+            variant.defines.push(STEEP_DEFINE.to_owned());
+        }
+        if self.tapes.every_case {
+            variant.defines.push("LIMITED_ROUNDS 1".to_owned());
+        }
+        let functions = "#include \"interpreted_scene.glsl\"\n".to_owned();
+        variant.generated.push(("scene_functions.glsl".into(), functions));
+        variant.generated.push((
+            "operators.glsl".into(),
+            self.tapes.text(&self.regions.operators, self.regions.compounds, self.regions.registers),
+        ));
+        variant
+    }
+}
+
+/// The shader's text of a scene whose functions are `functions`: [`World::compiled_glsl`], or others of the same
+/// names.
+pub fn compiled_variant(
+    functions: &str,
+    textures: usize,
+    traits: SceneFeatures,
+    counting: Counting,
+) -> Variant {
+    let mut variant = common(textures, traits, counting);
+    let functions = format!("{functions}#include \"surface.glsl\"\n");
+    variant.generated.push(("scene_functions.glsl".into(), functions));
+    variant
+}
+
+/// What both forms share.
+fn common(textures: usize, traits: SceneFeatures, counting: Counting) -> Variant {
+    let mut variant = Variant::default();
+    variant.defines.extend(block_defines());
+    variant.defines.extend(mariana_field::rays::defines());
+    variant.defines.push(format!("TEXTURES {textures}"));
+    variant.defines.extend(traits.defines().map(str::to_owned));
+    if counting == Counting::On {
+        variant.defines.push(COUNTING_DEFINE.to_owned());
+    }
+    variant.generated.push(("cell_hash.glsl".into(), CELL_HASH_GLSL.to_owned()));
+    // Read only by views.
+    variant.generated.push(("view_scales.glsl".into(), scale::glsl()));
+    variant
+}
+
+/// The shader's text of a world as GLSL generated for it.
+///
+/// # Errors
+/// Generated GLSL that is rejected.
+pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant, GpuError> {
+    let functions = world.compiled_glsl()?;
+    let mut variant = compiled_variant(&functions, world.pictures.len(), world.traits, counting);
+    if world.steep {
+        variant.defines.push(STEEP_DEFINE.to_owned());
+    }
+    variant.defines.push(format!("PLANES {}", world.planes.len()));
+    Ok(variant)
+}
+
+/// The variant of a world in a mode.
+///
+/// # Errors
+/// A scene over its limits, generated GLSL that is rejected, or a tape for which the driver has no room.
+pub fn variant_of(
+    world: &World,
+    buffers: &TapeBuffers,
+    plan: &RegionPlan,
+    mode: Mode,
+    info: &GlInfo,
+    counting: Counting,
+) -> Result<Variant, GpuError> {
+    match mode {
+        Mode::Compiled => compiled_variant_of(world, counting),
+        Mode::Interpreted => {
+            Interpreter::fits(buffers, plan, info)?;
+            Ok(Interpreter::for_scene(world.traits, buffers, plan, info).variant(counting))
+        }
+    }
+}
+
+/// The variant of a compiled scene that is drawn without cells ([`CellUse::divides`]): it holds no code that looks them
+/// up, and draws the same picture in less time. No scene whose value is not a distance has one.
+pub fn without_cells(mut variant: Variant) -> Variant {
+    variant.defines.push("NO_CELLS 1".to_owned());
+    variant
+}
+
+/// The variant that draws a compiled world's pictures, with code that looks up cells or without.
+///
+/// # Errors
+/// As [`compiled_variant_of`].
+pub fn compiled_drawing_variant(world: &World, has_cells: bool) -> Result<Variant, GpuError> {
+    let variant = compiled_variant_of(world, Counting::Off)?;
+    Ok(if has_cells { variant } else { without_cells(variant) })
+}
+
+/// The variant that draws a world's pictures in a mode, with the code for cells if they are used.
+///
+/// # Errors
+/// As [`variant_of`].
+pub fn drawing_variant_of(
+    world: &World,
+    buffers: &TapeBuffers,
+    plan: &RegionPlan,
+    (mode, cells): (Mode, CellUse),
+    info: &GlInfo,
+) -> Result<Variant, GpuError> {
+    match mode {
+        Mode::Compiled => compiled_drawing_variant(world, cells.divides(world, buffers, mode)),
+        Mode::Interpreted => variant_of(world, buffers, plan, mode, info, Counting::Off),
+    }
+}
+
+/// The variant that draws views, made from one that counts.
+pub fn as_views(mut counting: Variant) -> Variant {
+    counting.defines.push("VIEWS 1".to_owned());
+    counting
+}
+
+/// The variant that leaves out the sky where the eye sees it, for pictures that are laid over others.
+pub fn without_sky(mut variant: Variant) -> Variant {
+    variant.defines.push("NO_SKY 1".to_owned());
+    variant
+}
+
+/// The variant whose light is the share of a ray from the eye that meets no sky: 1 where there is a surface without
+/// haze.
+pub fn as_coverage(variant: Variant) -> Variant {
+    let mut variant = without_sky(variant);
+    variant.defines.push("COVERAGE 1".to_owned());
+    variant
+}
+
+/// Links the program of a variant.
+///
+/// # Errors
+/// What the driver refuses, with its log.
+pub fn link_scene(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<Program, GpuError> {
+    Program::link(gl, library, SCENE_SHADER, variant)
+}

@@ -1,0 +1,271 @@
+//! Shader text: where it comes from, and how its includes are resolved.
+//!
+//! A shader is a file of `shaders/`. A line `#include "name.glsl"` includes another file of the same folder by its
+//! bare name, once per shader however often it is named. The files are embedded in the binary; `--shaders DIR` reads
+//! them from disk instead, for work on them. This module does not depend on OpenGL.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use include_dir::{Dir, include_dir};
+
+pub use super::error::ShaderSourceError;
+use super::gl::GlInfo;
+use crate::flash::rules_glsl;
+use crate::limits::LIMITS;
+use mariana_field::lang::material_glsl;
+use mariana_field::limits::LIMITS as FIELD_LIMITS;
+
+static EMBEDDED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../shaders");
+
+/// A generated file: what the shaders know about materials is made from the table of their fields.
+const MATERIAL_FIELDS: &str = "material_fields.glsl";
+
+/// A generated file: the numbers of the flash limiter, which the processor's has, too.
+const FLASH_RULES: &str = "flash_rules.glsl";
+
+/// The first lines of every shader that a driver sees: the language of OpenGL 3.3 core, and whether the driver computes
+/// pictures on the processor (`SOFTWARE`).
+pub fn driver_preamble(info: &GlInfo) -> &'static str {
+    if info.software { "#version 330 core\n#define SOFTWARE 1\n" } else { "#version 330 core\n" }
+}
+
+/// A folder of shader files: the embedded one, or one on disk.
+#[derive(Debug, Clone, Default)]
+pub struct ShaderLibrary {
+    folder: Option<PathBuf>,
+}
+
+impl ShaderLibrary {
+    /// The shaders that were compiled into the program.
+    pub fn embedded() -> Self {
+        Self { folder: None }
+    }
+
+    /// The shaders of `folder`, read again at every [`ShaderLibrary::assemble`].
+    pub fn on_disk(folder: &Path) -> Self {
+        Self { folder: Some(folder.to_owned()) }
+    }
+
+    /// The text of `name` after `preamble`, a `#define` line for each of the variant's macros, and all includes;
+    /// those that the variant generates are taken from it.
+    ///
+    /// Comments mark where each file begins and continues, so that [`name_places`] can turn a driver's line numbers
+    /// into those of the files. (`#line` would do, but Mesa forgets the file at the next `#ifdef`.)
+    ///
+    /// # Errors
+    /// A file that is missing or unreadable, an include line that is not a bare name, and text over the limits of
+    /// depth and length.
+    pub fn assemble(
+        &self,
+        name: &str,
+        preamble: &str,
+        variant: &Variant,
+    ) -> Result<String, ShaderSourceError> {
+        let generated = &variant.generated;
+        let mut assembly =
+            Assembly { library: self, generated, included: HashSet::new(), text: preamble.to_owned() };
+        for define in &variant.defines {
+            assembly.text.push_str("#define ");
+            assembly.text.push_str(define);
+            assembly.text.push('\n');
+        }
+        assembly.append(name, "the program", 0)?;
+        Ok(assembly.text)
+    }
+
+    /// The names of all files of the library, sorted.
+    pub fn embedded_names() -> Vec<String> {
+        let mut names: Vec<String> =
+            EMBEDDED.files().map(|file| file.path().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
+    fn read(&self, name: &str, asked_by: &str) -> Result<String, ShaderSourceError> {
+        match &self.folder {
+            Some(folder) => {
+                let path = folder.join(name);
+                std::fs::read_to_string(&path)
+                    .map_err(|source| ShaderSourceError::Unreadable { path, source })
+            }
+            None => {
+                EMBEDDED.get_file(name).and_then(|file| file.contents_utf8()).map(str::to_owned).ok_or_else(
+                    || ShaderSourceError::Unknown { name: name.into(), asked_by: asked_by.into() },
+                )
+            }
+        }
+    }
+}
+
+/// What distinguishes one variant of a shader from another.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Variant {
+    /// Macros, each as `NAME` or `NAME VALUE`.
+    pub defines: Vec<String>,
+    /// Generated files: the names and texts of what is made for a scene.
+    pub generated: Vec<(String, String)>,
+}
+
+impl Variant {
+    /// A variant of macros alone.
+    pub fn of(defines: &[&str]) -> Self {
+        Self { defines: defines.iter().map(|define| (*define).to_owned()).collect(), generated: Vec::new() }
+    }
+}
+
+struct Assembly<'a> {
+    library: &'a ShaderLibrary,
+    generated: &'a [(String, String)],
+    included: HashSet<String>,
+    text: String,
+}
+
+impl Assembly<'_> {
+    fn append(&mut self, name: &str, asked_by: &str, depth: usize) -> Result<(), ShaderSourceError> {
+        if depth > FIELD_LIMITS.include_depth_max {
+            return Err(ShaderSourceError::TooDeep {
+                file: name.into(),
+                limit: FIELD_LIMITS.include_depth_max,
+            });
+        }
+        if !self.included.insert(name.to_owned()) {
+            return Ok(());
+        }
+        let generated = self.generated.iter().find(|(generated, _)| generated == name);
+        let source = match generated {
+            Some((_, text)) => text.clone(),
+            None if name == MATERIAL_FIELDS => material_glsl(),
+            None if name == FLASH_RULES => rules_glsl(),
+            None => self.library.read(name, asked_by)?,
+        };
+        self.mark(name, 1);
+        for (index, line) in source.lines().enumerate() {
+            if let Some(rest) = line.trim_start().strip_prefix("#include") {
+                let bare = bare_name(rest)
+                    .ok_or_else(|| ShaderSourceError::BadInclude { file: name.into(), line: index + 1 })?;
+                self.append(bare, &format!("{name}:{}", index + 1), depth + 1)?;
+                self.mark(name, index + 2);
+            } else {
+                self.text.push_str(line);
+                self.text.push('\n');
+            }
+            if self.text.len() > LIMITS.shader_bytes_max {
+                return Err(ShaderSourceError::TooLong { file: name.into(), limit: LIMITS.shader_bytes_max });
+            }
+        }
+        Ok(())
+    }
+
+    /// The next line of the text is `line` of `file`.
+    fn mark(&mut self, file: &str, line: usize) {
+        self.text.push_str(&format!("{PLACE_MARK}{file}:{line}\n"));
+    }
+}
+
+/// Begins a comment that names the file and the line of what follows.
+const PLACE_MARK: &str = "//@ ";
+
+/// The file and its line at `line` (from 1) of an assembled text, as `name:line`.
+fn place_at(text: &str, line: usize) -> Option<String> {
+    let before: Vec<&str> = text.lines().take(line.checked_sub(1)?).collect();
+    let mark = before.iter().rposition(|line| line.starts_with(PLACE_MARK))?;
+    let (file, first) = before.get(mark)?.strip_prefix(PLACE_MARK)?.rsplit_once(':')?;
+    Some(format!("{file}:{}", first.parse::<usize>().ok()? + before.len() - mark - 1))
+}
+
+/// A driver's `log` about the assembled `text`, with the places in files instead of those in the text. Drivers write
+/// `0:12(3): ...`, `0(12) : ...` or `ERROR: 0:12: ...`.
+pub fn name_places(log: &str, text: &str) -> String {
+    let named = |line: &str| {
+        let (_, rest) = line.strip_prefix("ERROR: ").unwrap_or(line).split_once([':', '('])?;
+        let (number, rest) = rest.split_at(rest.find(|c: char| !c.is_ascii_digit())?);
+        let place = place_at(text, number.parse().ok()?)?;
+        Some(format!("{place}{}", rest.trim_start_matches(')')))
+    };
+    let lines = log.trim().lines().map(|line| named(line).unwrap_or_else(|| line.to_owned()));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// The name between the quotes, if it is a bare file name.
+fn bare_name(rest: &str) -> Option<&str> {
+    let name = rest.trim().strip_prefix('"')?.strip_suffix('"')?;
+    let bare = !name.is_empty() && !name.contains(['/', '\\', '"']) && name != "." && name != "..";
+    bare.then_some(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn library(files: &[(&str, &str)]) -> (tempfile::TempDir, ShaderLibrary) {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let library = ShaderLibrary::on_disk(folder.path());
+        (folder, library)
+    }
+
+    #[test]
+    fn an_include_is_taken_once_and_lines_keep_their_numbers() {
+        let (_folder, library) =
+            library(&[("a", "one\n#include \"b\"\n#include \"b\"\nfour"), ("b", "in b\n#include \"a\"")]);
+        let text = library.assemble("a", "#version 330 core\n", &Variant::of(&["X 1"])).unwrap();
+        let expected =
+            "#version 330 core\n#define X 1\n//@ a:1\none\n//@ b:1\nin b\n//@ b:3\n//@ a:3\n//@ a:4\nfour\n";
+        assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn drivers_messages_get_the_places_in_the_files() {
+        let (_folder, library) = library(&[("a", "one\n#include \"b\"\nthree"), ("b", "in b\nb two")]);
+        let text = library.assemble("a", "#version 330 core\n", &Variant::default()).unwrap();
+        let line = |wanted: &str| text.lines().position(|line| line == wanted).unwrap() + 1;
+        let (two, three) = (line("b two"), line("three"));
+        let log =
+            format!("0:{two}(3): error: x\n0({three}) : error y\nERROR: 0:{two}: z\nnot a place: w\n\n");
+        let expected = "b:2(3): error: x\na:3 : error y\nb:2: z\nnot a place: w";
+        assert_eq!(name_places(&log, &text), expected);
+    }
+
+    #[test]
+    fn an_include_with_a_folder_is_refused_with_its_line() {
+        let (_folder, library) = library(&[("a", "one\n#include \"../b\"")]);
+        let error = library.assemble("a", "", &Variant::default()).unwrap_err().to_string();
+        assert!(error.starts_with("a:2:"), "{error}");
+    }
+
+    #[test]
+    fn depth_and_length_have_limits() {
+        let names: Vec<String> = (0..=FIELD_LIMITS.include_depth_max + 1).map(|i| format!("f{i}")).collect();
+        let texts: Vec<String> =
+            (0..names.len()).map(|i| format!("#include \"f{}\"", (i + 1).min(names.len() - 1))).collect();
+        let files: Vec<(&str, &str)> =
+            names.iter().zip(&texts).map(|(name, text)| (name.as_str(), text.as_str())).collect();
+        let (_folder, deep) = library(&files);
+        assert!(matches!(
+            deep.assemble("f0", "", &Variant::default()),
+            Err(ShaderSourceError::TooDeep { .. })
+        ));
+
+        let long_text = "// padding\n".repeat(LIMITS.shader_bytes_max / 11 + 1);
+        let (_folder, long) = library(&[("long", &long_text)]);
+        assert!(matches!(
+            long.assemble("long", "", &Variant::default()),
+            Err(ShaderSourceError::TooLong { .. })
+        ));
+    }
+
+    #[test]
+    fn a_missing_file_is_named() {
+        let error = ShaderLibrary::embedded()
+            .assemble("no_such.frag", "", &Variant::default())
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("no_such.frag"), "{error}");
+        let (_folder, library) = library(&[]);
+        let error = library.assemble("scene.frag", "", &Variant::default()).unwrap_err().to_string();
+        assert!(error.contains("scene.frag"), "{error}");
+    }
+}

@@ -1,0 +1,141 @@
+//! How long the GPU itself takes, by GL_TIME_ELAPSED. The times of software renderers are meaningless: do not use
+//! them.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use glow::HasContext;
+
+use super::error::GpuError;
+use super::gl::Gl;
+use super::object::Query;
+
+/// A timer of draws.
+pub struct GpuTimer {
+    gl: Gl,
+    query: Query,
+}
+
+impl GpuTimer {
+    /// A timer in the current context.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver has no query left.
+    pub fn new(gl: &Gl) -> Result<Self, GpuError> {
+        Ok(Self { gl: gl.clone(), query: Query::new(gl)? })
+    }
+
+    /// Runs `draws`, waits for the GPU and returns what they returned and how long the GPU took.
+    pub fn time<T>(&self, draws: impl FnOnce() -> T) -> (T, Duration) {
+        // SAFETY: the query is ours and no other is active; the result is waited for by the driver.
+        unsafe {
+            self.gl.begin_query(glow::TIME_ELAPSED, self.query.native());
+            let result = draws();
+            self.gl.end_query(glow::TIME_ELAPSED);
+            let nanoseconds = self.gl.get_query_parameter_u64(self.query.native(), glow::QUERY_RESULT);
+            (result, Duration::from_nanos(nanoseconds))
+        }
+    }
+}
+
+/// Most frames whose times are not known yet.
+const TIMES_ON_THEIR_WAY: usize = 4;
+
+/// A timer of frames that never waits: times arrive some frames later.
+pub(super) struct FrameTimer {
+    gl: Gl,
+    free: Vec<Query>,
+    running: Option<Query>,
+    on_their_way: VecDeque<Query>,
+}
+
+impl FrameTimer {
+    /// A timer in the current context.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver has no query left.
+    pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
+        let free = (0..TIMES_ON_THEIR_WAY).map(|_| Query::new(gl)).collect::<Result<_, _>>()?;
+        Ok(Self { gl: gl.clone(), free, running: None, on_their_way: VecDeque::new() })
+    }
+
+    /// Begins a frame. It is not timed if too many times are still unknown.
+    pub(super) fn begin(&mut self) {
+        if self.running.is_some() {
+            return;
+        }
+        let Some(query) = self.free.pop() else { return };
+        // SAFETY: the query is ours and no other is active.
+        unsafe { self.gl.begin_query(glow::TIME_ELAPSED, query.native()) }
+        self.running = Some(query);
+    }
+
+    /// Ends the frame.
+    pub(super) fn end(&mut self) {
+        let Some(query) = self.running.take() else { return };
+        // SAFETY: the query is the active one.
+        unsafe { self.gl.end_query(glow::TIME_ELAPSED) }
+        self.on_their_way.push_back(query);
+    }
+
+    /// How long the GPU took for the newest frame whose time has become known since the last call.
+    pub(super) fn take(&mut self) -> Option<Duration> {
+        let mut newest = None;
+        while let Some(query) = self.on_their_way.pop_front() {
+            // SAFETY: the query is ours and has ended.
+            let time = unsafe {
+                let available = self.gl.get_query_parameter_u32(query.native(), glow::QUERY_RESULT_AVAILABLE);
+                (available != 0).then(|| self.gl.get_query_parameter_u64(query.native(), glow::QUERY_RESULT))
+            };
+            let Some(nanoseconds) = time else {
+                self.on_their_way.push_front(query);
+                break;
+            };
+            newest = Some(Duration::from_nanos(nanoseconds));
+            self.free.push(query);
+        }
+        newest
+    }
+}
+
+/// How long a GPU takes for pictures that are drawn in one go, where that is asked for.
+#[derive(Default)]
+pub(super) struct PictureClock {
+    timer: Option<FrameTimer>,
+    /// The last time, until it is taken for the costs of a scene.
+    cost: Option<Duration>,
+}
+
+impl PictureClock {
+    /// A clock that takes times.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver has no query left.
+    pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
+        Ok(Self { timer: Some(FrameTimer::new(gl)?), cost: None })
+    }
+
+    /// Begins a picture.
+    pub(super) fn begin(&mut self) {
+        self.timer.iter_mut().for_each(FrameTimer::begin);
+    }
+
+    /// Ends the picture.
+    pub(super) fn end(&mut self) {
+        self.timer.iter_mut().for_each(FrameTimer::end);
+    }
+
+    /// The newest time, if one has become known since the last call.
+    pub(super) fn take(&mut self) -> Option<Duration> {
+        let time = self.timer.as_mut()?.take();
+        self.cost = time.or(self.cost);
+        time
+    }
+
+    /// The last time that [`PictureClock::take`] gave, once.
+    pub(super) fn take_cost(&mut self) -> Option<Duration> {
+        self.cost.take()
+    }
+}

@@ -1,0 +1,82 @@
+//! One world with all that draws it: the short way in.
+
+use std::sync::Arc;
+
+use crate::frame::Frame;
+use crate::gpu::cell_use::CellUse;
+use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
+use crate::gpu::program::Program;
+use crate::gpu::renderer::{Counting, Renderer};
+use crate::gpu::scene_program::{Mode, drawing_variant_of, link_scene};
+use crate::gpu::scene_resources::SceneResources;
+use crate::gpu::shader_source::ShaderLibrary;
+use mariana_field::region::RegionPlan;
+use mariana_field::world::World;
+use mariana_music::Sound;
+
+/// Draws the pictures of one world in one OpenGL context, which must be current on this thread at every call. Drop it
+/// before the context.
+pub struct SceneRenderer {
+    renderer: Renderer,
+    program: Program,
+    resources: SceneResources,
+}
+
+impl SceneRenderer {
+    /// Uploads a world and compiles its program, for which drivers take from tens of milliseconds to seconds.
+    ///
+    /// # Errors
+    /// A world over its limits, or what the driver refuses.
+    pub fn new(gl: &Gl, world: World) -> Result<Self, GpuError> {
+        let library = ShaderLibrary::embedded();
+        let world = Arc::new(world);
+        let (buffers, plan) = (Arc::new(world.tape_buffers()?), Arc::new(RegionPlan::new(&world)));
+        let (mode, cells) = (Mode::Compiled, CellUse::default());
+        let variant = drawing_variant_of(&world, &buffers, &plan, (mode, cells), gl.info())?;
+        let program = link_scene(gl, &library, &variant)?;
+        let resources = SceneResources::upload(gl, world, buffers, plan)?;
+        resources.set_cells(resources.uses_cells(cells, mode), mode);
+        Ok(Self { renderer: Renderer::new(gl, &library, Counting::Off)?, program, resources })
+    }
+
+    /// Draws the world at `time` seconds with the sound that is audible then, in `size` pixels.
+    ///
+    /// # Errors
+    /// A size beyond the driver's, or an error that the driver reports.
+    pub fn draw(&mut self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Result<(), GpuError> {
+        let frame = Frame::new(self.resources.world(), time, sound, size);
+        self.draw_frame(&frame)
+    }
+
+    /// Draws a frame of the world that was changed before: its camera, its parameters.
+    ///
+    /// # Errors
+    /// As [`SceneRenderer::draw`].
+    pub fn draw_frame(&mut self, frame: &Frame) -> Result<(), GpuError> {
+        self.renderer.draw(frame, &self.resources, &self.program)
+    }
+
+    /// Copies the picture to the default framebuffer of `window` pixels.
+    ///
+    /// # Errors
+    /// An error that the driver reports.
+    pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
+        self.renderer.show(window)
+    }
+
+    /// The picture: four bytes of sRGB and alpha per pixel, the top row first. Empty before the first draw.
+    pub fn read(&self) -> Vec<u8> {
+        self.renderer.read()
+    }
+
+    /// The world that is drawn.
+    pub fn world(&self) -> &World {
+        self.resources.world()
+    }
+
+    /// The renderer, for all that it can do besides: limit flashes, fade, place pictures.
+    pub fn renderer(&mut self) -> &mut Renderer {
+        &mut self.renderer
+    }
+}

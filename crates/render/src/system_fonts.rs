@@ -1,0 +1,283 @@
+//! Fonts of the system, for letters that the program's own fonts lack: Japanese, Arabic, emoji.
+//!
+//! Finding them reads folders and files, so whoever must not wait asks on a thread of its own. A file that is damaged
+//! is passed over, and so is a letter that its font would draw many times larger than the others.
+
+use std::cmp::Reverse;
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use epaint::text::{FontData, FontInsert, FontPriority, InsertFontFamily};
+use fontdb::{Database, FaceInfo, ID, Source, Stretch, Style};
+use skrifa::instance::{LocationRef, Size};
+use skrifa::{FontRef, MetadataProvider};
+
+use crate::limits::LIMITS;
+
+/// How far a letter may reach from its origin, in sizes of the font.
+const LETTER_REACH_MAX: f32 = 8.0;
+
+/// A writing whose letters look different from another one's with the same code: how a locale begins, the language in
+/// which a font for it names itself, and the end of such a font's name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Writing(&'static str, &'static str, &'static str);
+
+const JAPANESE: Writing = Writing("ja", "Japanese", " JP");
+const KOREAN: Writing = Writing("ko", "Korean", " KR");
+const WRITINGS: [Writing; 5] = [
+    JAPANESE,
+    KOREAN,
+    Writing("zh_TW", "Chinese", " TC"),
+    Writing("zh_HK", "Chinese", " HK"),
+    Writing("zh", "Chinese", " SC"),
+];
+
+/// The fonts of the system, of which some are taken.
+pub struct SystemFonts {
+    /// Instead of the system's folders.
+    folder: Option<PathBuf>,
+    /// Read when it is first needed.
+    database: Option<Database>,
+    /// That of the user.
+    writing: Option<Writing>,
+    taken: Vec<ID>,
+    bytes_left: u64,
+}
+
+/// A font with some of the letters.
+struct Candidate {
+    id: ID,
+    /// Which of the wanted letters it has.
+    has: Vec<char>,
+    rank: Rank,
+}
+
+/// What makes one of two fonts with equally many letters better, the most important first: the user's writing, upright
+/// letters, their usual weight and width, letters of different widths, no serifs.
+type Rank = (bool, bool, Reverse<u16>, Reverse<u16>, bool, bool);
+
+impl SystemFonts {
+    /// Those of the system, for the user's language. Reads nothing yet.
+    pub fn new() -> Self {
+        let variables = ["LC_ALL", "LC_CTYPE", "LANG"].map(|name| std::env::var(name).unwrap_or_default());
+        let locale = variables.iter().find(|value| !value.is_empty());
+        Self { writing: locale.and_then(|locale| writing_of(locale)), ..Self::in_folder(None) }
+    }
+
+    /// Those in a folder and in the folders within it. Reads nothing yet.
+    pub fn in_folder(folder: Option<PathBuf>) -> Self {
+        Self {
+            folder,
+            database: None,
+            writing: None,
+            taken: Vec::new(),
+            bytes_left: LIMITS.system_fonts_bytes_max,
+        }
+    }
+
+    /// Fonts that were not given before and together have as many of `letters` as the system's fonts have, those with
+    /// most letters first. Says in the log what letters no font has.
+    pub fn with_letters(&mut self, letters: &BTreeSet<char>) -> Vec<FontInsert> {
+        let folder = self.folder.as_deref();
+        let database = self.database.get_or_insert_with(|| read_fonts(folder));
+        let writing = writing_among(letters).or(self.writing);
+        let faces = database.faces().filter(|face| !self.taken.contains(&face.id));
+        let mut candidates: Vec<Candidate> = faces
+            .filter_map(|face| {
+                let has = letters_in(database, face.id, letters);
+                (!has.is_empty()).then(|| Candidate { id: face.id, has, rank: rank(face, writing) })
+            })
+            .collect();
+        let mut missing = letters.clone();
+        let mut found = Vec::new();
+        while !missing.is_empty() && self.taken.len() < LIMITS.system_fonts_max {
+            for candidate in &mut candidates {
+                candidate.has.retain(|letter| missing.contains(letter));
+            }
+            candidates.retain(|candidate| !candidate.has.is_empty());
+            let best =
+                (0..candidates.len()).max_by_key(|&at| (candidates[at].has.len(), candidates[at].rank));
+            let Some(best) = best.map(|at| candidates.swap_remove(at)) else { break };
+            let Some(face) = database.face(best.id) else { continue };
+            if let Some((font, bytes)) = insert(face, self.bytes_left) {
+                tracing::info!("letters of the font {} stand in for what is missing", font.name);
+                self.taken.push(best.id);
+                self.bytes_left -= bytes;
+                missing.retain(|letter| !best.has.contains(letter));
+                found.push(font);
+            }
+        }
+        if !missing.is_empty() {
+            let letters: Vec<String> =
+                missing.iter().map(|letter| format!("{letter} (U+{:04X})", u32::from(*letter))).collect();
+            tracing::warn!("no font of this system has {}: boxes stand for it", letters.join(", "));
+        }
+        found
+    }
+}
+
+impl Default for SystemFonts {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+fn read_fonts(folder: Option<&Path>) -> Database {
+    let mut database = Database::new();
+    match folder {
+        Some(folder) => database.load_fonts_dir(folder),
+        None => database.load_system_fonts(),
+    }
+    tracing::debug!("the system has {} fonts", database.len());
+    database
+}
+
+/// The writing of a locale such as `ja_JP.UTF-8`.
+fn writing_of(locale: &str) -> Option<Writing> {
+    WRITINGS.into_iter().find(|writing| locale.starts_with(writing.0))
+}
+
+/// The writing that letters tell: syllables of Japanese and Korean stand in no other one.
+fn writing_among(letters: &BTreeSet<char>) -> Option<Writing> {
+    let any = |first: char, last: char| letters.range(first..=last).next().is_some();
+    if any('\u{3041}', '\u{30FF}') {
+        Some(JAPANESE)
+    } else if any('\u{AC00}', '\u{D7A3}') {
+        Some(KOREAN)
+    } else {
+        None
+    }
+}
+
+fn rank(face: &FaceInfo, writing: Option<Writing>) -> Rank {
+    let is_of = |Writing(_, language, end): Writing| {
+        face.families.iter().any(|(name, of)| name.ends_with(end) || of.primary_language() == language)
+    };
+    let stretch = face.stretch.to_number().abs_diff(Stretch::Normal.to_number());
+    let serifs = face.families.iter().any(|(name, _)| name.contains("Serif") || name.contains("Mincho"));
+    (
+        writing.is_some_and(is_of),
+        face.style == Style::Normal,
+        Reverse(face.weight.0.abs_diff(400)),
+        Reverse(stretch),
+        !face.monospaced,
+        !serifs,
+    )
+}
+
+/// Those of `letters` that a font can draw.
+fn letters_in(database: &Database, id: ID, letters: &BTreeSet<char>) -> Vec<char> {
+    let drawn = database.with_face_data(id, |data, index| {
+        let Ok(font) = FontRef::from_index(data, index) else { return Vec::new() };
+        letters.iter().copied().filter(|letter| can_draw(&font, *letter)).collect()
+    });
+    drawn.unwrap_or_default()
+}
+
+/// Whether `font` has a picture or an outline of usual size for `letter`.
+fn can_draw(font: &FontRef<'_>, letter: char) -> bool {
+    let Some(glyph) = font.charmap().map(letter).filter(|glyph| glyph.to_u32() != 0) else { return false };
+    if font.color_glyphs().get(glyph).is_some() {
+        return true;
+    }
+    if font.bitmap_strikes().glyph_for_size(Size::new(64.0), glyph).is_some() {
+        return true;
+    }
+    // In sizes of the font.
+    let metrics = font.glyph_metrics(Size::new(1.0), LocationRef::default());
+    let fits = metrics.bounds(glyph).is_some_and(|bounds| {
+        [bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max]
+            .into_iter()
+            .all(|edge| edge.abs() <= LETTER_REACH_MAX)
+    });
+    fits && font.outline_glyphs().get(glyph).is_some()
+}
+
+/// The font for egui, behind all others, and how many bytes it has; none if it cannot be read or has more than
+/// `bytes_max`.
+fn insert(face: &FaceInfo, bytes_max: u64) -> Option<(FontInsert, u64)> {
+    let (Source::File(path) | Source::SharedFile(path, _)) = &face.source else { return None };
+    let mut data = Vec::new();
+    File::open(path).ok()?.take(bytes_max.saturating_add(1)).read_to_end(&mut data).ok()?;
+    let bytes = data.len() as u64;
+    if bytes > bytes_max || FontRef::from_index(&data, face.index).is_err() {
+        tracing::debug!("{} is passed over: damaged, or too large", path.display());
+        return None;
+    }
+    let behind = |family| InsertFontFamily { family, priority: FontPriority::Lowest };
+    let font = FontInsert {
+        name: format!("{} ({})", face.post_script_name, path.display()),
+        data: FontData { index: face.index, ..FontData::from_owned(data) },
+        families: vec![behind(epaint::FontFamily::Proportional), behind(epaint::FontFamily::Monospace)],
+    };
+    Some((font, bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mariana_testing::tiny_font::{TinyFont, folder_of};
+
+    fn found(fonts: &mut SystemFonts, letters: &str) -> Vec<String> {
+        let found = fonts.with_letters(&letters.chars().collect());
+        found.into_iter().map(|font| font.name.split(' ').next().unwrap_or_default().to_owned()).collect()
+    }
+
+    #[test]
+    fn few_fonts_have_all_letters_and_each_is_given_once() {
+        let folder = folder_of(&[
+            ("a.ttf", TinyFont::new("Few", "日").bytes()),
+            ("b.ttf", TinyFont::new("Most", "日本語").bytes()),
+            ("c.otf", TinyFont::new("Hangul", "한日").bytes()),
+        ]);
+        let mut fonts = SystemFonts::in_folder(Some(folder.path().to_owned()));
+        assert_eq!(found(&mut fonts, "日本語한ب"), ["Most", "Hangul"]);
+        assert_eq!(found(&mut fonts, "日"), ["Few"], "the others are there already");
+        assert_eq!(found(&mut fonts, "ب"), [""; 0]);
+    }
+
+    #[test]
+    fn one_code_looks_different_in_different_languages() {
+        let folder = folder_of(&[
+            ("c.ttf", TinyFont::new("Some CJK SC", "骨あ한").bytes()),
+            ("j.ttf", TinyFont::new("Some CJK JP", "骨あ한").bytes()),
+            ("k.ttf", TinyFont { language: 0x412, ..TinyFont::new("Myeongjo", "骨あ한") }.bytes()),
+        ]);
+        let first = |letters: &str, locale: &str| {
+            let mut fonts = SystemFonts::in_folder(Some(folder.path().to_owned()));
+            fonts.writing = writing_of(locale);
+            found(&mut fonts, letters)
+        };
+        assert_eq!(first("骨", "zh_CN.UTF-8"), ["SomeCJKSC"]);
+        assert_eq!(first("骨", "ja_JP.UTF-8"), ["SomeCJKJP"]);
+        assert_eq!(first("骨", "ko_KR.UTF-8"), ["Myeongjo"]);
+        assert_eq!(first("骨あ", "zh_CN.UTF-8"), ["SomeCJKJP"], "kana tell that the title is Japanese");
+        assert_eq!(first("骨한", "C"), ["Myeongjo"]);
+    }
+
+    #[test]
+    fn damaged_fonts_are_passed_over() {
+        let whole = TinyFont::new("Whole", "日").bytes();
+        let cut = |bytes: usize| whole[..bytes].to_vec();
+        let mut damaged: Vec<(String, Vec<u8>)> =
+            (0..whole.len()).step_by(7).map(|bytes| (format!("{bytes}.ttf"), cut(bytes))).collect();
+        for at in (0..whole.len()).step_by(3) {
+            let mut bytes = whole.clone();
+            bytes[at] = !bytes[at];
+            // The name would not be that of the whole one.
+            damaged.push((format!("x{at}.ttf"), bytes));
+        }
+        damaged.push(("huge.ttf".into(), TinyFont { side: 9_000, ..TinyFont::new("Huge", "語") }.bytes()));
+        let files: Vec<(&str, Vec<u8>)> =
+            damaged.iter().map(|(name, bytes)| (name.as_str(), bytes.clone())).collect();
+        let folder = folder_of(&files);
+        let mut fonts = SystemFonts::in_folder(Some(folder.path().to_owned()));
+        assert_eq!(found(&mut fonts, "語"), [""; 0], "a letter of nine sizes");
+        // Some damage does not matter; what is taken has the letter.
+        assert!(found(&mut fonts, "日").len() <= 1);
+        let mut nothing = SystemFonts::in_folder(Some(folder.path().join("nothing")));
+        assert_eq!(found(&mut nothing, "日"), [""; 0]);
+    }
+}

@@ -1,0 +1,70 @@
+//! What is on when: the structure of a song and a text make a plan, and the director writes such texts.
+//!
+//! ```text
+//! song's structure ─► director ─► script ◄─ text of a show file
+//!        │                          │
+//!        └────► bar lines ────► resolved: plan ─► at a moment: scene, camera, transition, parameters
+//! ```
+//!
+//! Everything here is pure: the same song and the same text give the same plan in the window, in a video and on every
+//! machine. A script names moments as musicians do (`section B`, `bar 17`, `drop 1`); a plan knows them in seconds. Scenes
+//! are names here; whoever knows what they stand for hands in the facts about them:
+//!
+//! ```
+//! use mariana_field::lang::About;
+//! use mariana_music::SongStructure;
+//! use mariana_show::{SceneFacts, Show};
+//!
+//! // A song of which nothing is known but its length: bars of two seconds, from the start.
+//! let song = SongStructure { seconds: 60.0, ..SongStructure::default() };
+//! let text = "at start orb\n\
+//!             at bar 9 city melt over 2 bars\n\
+//!             set height = 1 -> 3 over 4 bars";
+//! let facts = |_: &str| {
+//!     Ok(SceneFacts { about: About::default(), cameras: Vec::new(), params: vec!["height".to_owned()] })
+//! };
+//! let (show, left_out) = Show::of_text("my.show", text, &song, facts)?;
+//! assert_eq!(left_out, None);
+//!
+//! // Bar 9 begins at 16 s, and the melt takes four seconds.
+//! let plan = show.plan().expect("the show has an entry that waits for no key");
+//! let moment = plan.at(18.0);
+//! assert_eq!(moment.stay.scene, "city");
+//! let (leaving, share) = moment.leaving.expect("a transition");
+//! assert_eq!((leaving.scene.as_str(), share), ("orb", 0.5));
+//! # Ok::<(), mariana_show::ScriptError>(())
+//! ```
+//!
+//! [`Show::directed`] chooses scenes by a song's structure and what they say about themselves, [`LiveDirector`] while an
+//! input is heard. [`Performance`] makes a script of what somebody has played by hand.
+
+mod bar_lines;
+mod director;
+pub mod limits;
+mod live;
+mod parse;
+mod performance;
+mod picture;
+mod plan;
+mod resolve;
+mod scene_facts;
+mod script;
+mod show;
+mod substitutes;
+mod text;
+
+pub use bar_lines::BarLines;
+pub use director::{SceneCard, direct};
+pub use live::{Hearing, LiveDirector};
+pub use parse::{Parsed, parse};
+pub use performance::{Finish, OnStage, Performance, Turned};
+pub use picture::{Held, Picture};
+pub use plan::{Entrance, Moment, Move, Moved, Plan, Stay, blend_kind};
+pub use resolve::resolve;
+pub use scene_facts::{Refusal, SceneFacts};
+pub use script::{
+    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Script, Setting, Step, Transition,
+    UNTURNED, When,
+};
+pub use show::{ScriptError, Show, seed_of};
+pub use text::print;

@@ -1,0 +1,169 @@
+//! Chooses scenes while an input is listened to, of which nobody knows what comes.
+//!
+//! The next scene is chosen as soon as one is on, so that it can be prepared. When it comes the music decides: where it
+//! gets much louder or calmer, or when a scene was on for long, and then on a beat.
+
+use super::director::{SceneCard, next_scene};
+use super::plan::{Entrance, Plan, Stay};
+use mariana_field::lang::Way;
+
+/// A scene is on for at least so many seconds, and for about so many at most.
+const STAY: [f64; 2] = [12.0, 45.0];
+/// Energy counts over these times, in seconds: of what is new, and of what it is new against.
+const OVER: [f64; 2] = [2.0, 20.0];
+/// By so much the energy has to change for another scene.
+const NOVEL: f32 = 0.18;
+/// Music below this energy flows, and from the other one on it is cut.
+const CALM: f32 = 0.4;
+const LOUD: f32 = 0.65;
+/// Stays that are over and still known.
+const KEPT: usize = 2;
+/// When the next scene comes, as long as nobody knows.
+const SOME_DAY: f64 = 1e12;
+
+/// What is heard at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hearing {
+    /// Seconds of the input.
+    pub time: f64,
+    /// Energy, 0..1.
+    pub energy: f32,
+    /// Beats per minute; 0 while unknown.
+    pub tempo: f32,
+    /// Way from the last beat to the next.
+    pub phase: f32,
+}
+
+/// See the module.
+#[derive(Debug, Clone)]
+pub struct LiveDirector {
+    cards: Vec<SceneCard>,
+    stays: Vec<Stay>,
+    seen: Vec<usize>,
+    last: Option<Hearing>,
+    /// Energy over each of [`OVER`].
+    energies: [f32; 2],
+}
+
+impl LiveDirector {
+    /// Among these scenes.
+    pub fn new(cards: Vec<SceneCard>) -> Self {
+        Self { cards, stays: Vec::new(), seen: Vec::new(), last: None, energies: [0.5; 2] }
+    }
+
+    /// Takes in what is heard, and returns another plan if another scene comes.
+    pub fn hear(&mut self, heard: Hearing) -> Option<Plan> {
+        let step = self.last.map_or(0.0, |last| heard.time - last.time);
+        let has_jumped = !(0.0..5.0).contains(&step);
+        let is_beat = heard.tempo <= 0.0 || self.last.is_some_and(|last| heard.phase < last.phase);
+        self.last = Some(heard);
+        if self.stays.is_empty() || has_jumped {
+            // Another input, or the first moment.
+            self.energies = [heard.energy; 2];
+            self.stays.clear();
+            return self.enter(heard, Entrance::new(Way::Fade, 1.0));
+        }
+        for (energy, over) in self.energies.iter_mut().zip(OVER) {
+            *energy += (heard.energy - *energy) * (step / over).min(1.0) as f32;
+        }
+        let [now, before] = self.energies;
+        let since = self.stays.iter().rev().nth(1).map_or(0.0, |stay| heard.time - stay.start);
+        let is_new = (now - before).abs() >= NOVEL;
+        if !is_beat || since < STAY[0] || !(is_new || since >= STAY[1]) {
+            return None;
+        }
+        let (way, seconds) = match is_new {
+            true if now > before => (Way::Cut, 0.0),
+            true => (Way::Fade, 2.0),
+            // Worlds are mixed only where the moment is known beforehand.
+            false if now < CALM => (Way::Fade, 4.0),
+            false if now < LOUD => (Way::Fade, 2.0),
+            false => (Way::Cut, 0.0),
+        };
+        self.enter(heard, Entrance::new(way, seconds))
+    }
+
+    /// The scene that was next comes now, and another one is next.
+    fn enter(&mut self, heard: Hearing, entrance: Entrance) -> Option<Plan> {
+        self.energies[1] = self.energies[0];
+        let expected = self.stays.pop();
+        let stay = match expected {
+            Some(stay) => Stay { start: heard.time, entrance, ..stay },
+            None => self.chosen(heard.time, entrance)?,
+        };
+        self.stays.push(stay);
+        let next = self.chosen(SOME_DAY, Entrance::CUT)?;
+        self.stays.push(next);
+        let surplus = self.stays.len().saturating_sub(KEPT + 2);
+        self.stays.drain(..surplus);
+        Plan::new(self.stays.clone())
+    }
+
+    fn chosen(&mut self, start: f64, entrance: Entrance) -> Option<Stay> {
+        let scene = next_scene(&self.cards, &self.seen, self.energies[0])?;
+        self.seen.push(scene);
+        let scene = self.cards.get(scene)?.scene.clone();
+        Some(Stay { start, scene, camera: None, entrance, moves: Vec::new() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mariana_field::lang::About;
+
+    fn director() -> LiveDirector {
+        let ranges = [(0.0, 0.4), (0.1, 0.5), (0.5, 1.0), (0.6, 1.0)];
+        let card = |(index, energy): (usize, (f32, f32))| SceneCard {
+            scene: format!("scene {index}"),
+            about: About { energy, ..About::default() },
+            cameras: Vec::new(),
+        };
+        LiveDirector::new(ranges.into_iter().enumerate().map(card).collect())
+    }
+
+    /// When scenes begin, at a tempo of 120, with an energy for each second.
+    fn starts(seconds: usize, energy: impl Fn(f64) -> f32) -> Vec<(f64, Way)> {
+        let mut director = director();
+        let mut found = Vec::new();
+        for step in 0..seconds * 50 {
+            let time = step as f64 / 50.0;
+            let heard =
+                Hearing { time, energy: energy(time), tempo: 120.0, phase: (time * 2.0).fract() as f32 };
+            if let Some(plan) = director.hear(heard) {
+                let stay = plan.at(time + 10.0).stay;
+                found.push((stay.start, stay.entrance.way));
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn scenes_change_with_the_energy_and_else_after_a_while_and_on_a_beat() {
+        let even = starts(200, |_| 0.3);
+        assert!((4..=6).contains(&even.len()), "{even:?}");
+        assert!(even.iter().skip(1).all(|(_, way)| *way == Way::Fade), "{even:?}");
+        assert!(even.iter().all(|(start, _)| (start * 2.0).fract() < 0.05), "on a beat: {even:?}");
+        let loud = starts(60, |time| if time < 30.0 { 0.2 } else { 0.9 });
+        let change = loud.iter().find(|(start, _)| *start > 1.0).unwrap();
+        assert!((30.0..32.0).contains(&change.0) && change.1 == Way::Cut, "{loud:?}");
+        // What flickers is nothing new, and no scene has to leave at once.
+        let flicker = starts(100, |time| if (time * 4.0).fract() < 0.5 { 0.1 } else { 0.9 });
+        assert!(flicker.windows(2).all(|pair| pair[1].0 - pair[0].0 >= STAY[0]), "{flicker:?}");
+    }
+
+    #[test]
+    fn another_input_begins_anew_and_no_scene_follows_itself() {
+        let mut director = director();
+        let mut hear = |time| {
+            director
+                .hear(Hearing { time, energy: 0.5, tempo: 0.0, phase: 0.0 })
+                .map(|plan| plan.stays().iter().map(|stay| stay.scene.clone()).collect::<Vec<_>>())
+        };
+        assert_eq!(hear(100.0).map(|scenes| scenes.len()), Some(2));
+        assert_eq!(hear(100.1), None);
+        let again = hear(3.0).unwrap();
+        assert!(again.windows(2).all(|pair| pair[0] != pair[1]), "{again:?}");
+        assert!(hear(f64::NAN).is_some());
+    }
+}

@@ -1,0 +1,472 @@
+//! The text of a show file.
+//!
+//! ```text
+//! # a comment
+//! at start            speakers
+//! at section B        tunnel  camera inside  melt over 2 bars
+//!   set swell = 0.2 -> 0.5 over 8 bars after 1 bar
+//!     -> 0.1 over 2 bars
+//! at drop 1 - 1 beat  city    cut
+//! at 2:31.5           "my own/orb.scene"  portal plane over 3 s
+//! at cue              letters  fade over 1 bar
+//! ```
+//!
+//! Each line is read for itself, so that one mistake hides no other. A line that begins with `->` adds steps to the `set`
+//! above it.
+
+mod words;
+
+use super::script::{
+    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, Script, Setting, Step, Transition, When,
+    is_of_no_scene,
+};
+use crate::limits::LIMITS;
+use mariana_field::lang::{Diagnostic, Sources, Span, Way, nearest, render_all};
+use mariana_field::world::{BlendKind, PortalShape};
+use words::{Kind, Word, lines};
+
+/// A text that was read.
+#[derive(Debug, Clone, Default)]
+pub struct Parsed {
+    /// The show; `None` if there are mistakes.
+    pub script: Option<Script>,
+    /// The entries without mistakes.
+    pub entries: Vec<Entry>,
+    /// The mistakes.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The text.
+    pub sources: Sources,
+}
+
+impl Parsed {
+    /// The mistakes as text, for a terminal when `color` is set.
+    pub fn render(&self, color: bool) -> String {
+        render_all(&self.diagnostics, &self.sources, color)
+    }
+}
+
+/// The largest value of a parameter. Between two of them there are finite numbers only.
+const VALUE_MAX: f32 = 1e30;
+
+/// Most mistakes that are reported at once.
+pub(super) const DIAGNOSTICS_MAX: usize = 20;
+
+/// Reads the text of a show file that messages call `name`.
+pub fn parse(name: &str, text: &str) -> Parsed {
+    let mut sources = Sources::default();
+    let too_long = text.len() > LIMITS.bytes_max || sources.add(name, text).is_none();
+    if too_long {
+        let max = LIMITS.bytes_max;
+        let refusal = Diagnostic::over_limit(Span::default(), format!("{name} is longer than {max} bytes"));
+        return Parsed { diagnostics: vec![refusal], sources, ..Parsed::default() };
+    }
+    let mut diagnostics = Vec::new();
+    let mut script = Script::default();
+    // Takes the settings of an entry with a mistake, so that the entry before it does not get them.
+    let mut scrap: Option<Script> = None;
+    let mut was_wrong = false;
+    for line in lines(text) {
+        if diagnostics.len() >= DIAGNOSTICS_MAX {
+            break;
+        }
+        let first = line.first().map_or("", |word| word.text);
+        if first == "->" && was_wrong {
+            // Steps of a `set` with a mistake.
+            continue;
+        }
+        let is_entry = !["set", "->"].contains(&first);
+        scrap = scrap.filter(|_| !is_entry);
+        let mut reader = Reader { words: &line, at: 0 };
+        let read = reader.line(scrap.as_mut().unwrap_or(&mut script));
+        was_wrong = read.is_err();
+        if is_entry && was_wrong {
+            let when = When { anchor: Anchor::Start, offset: Length::ZERO };
+            scrap = Some(Script { entries: vec![Entry::new(when, "", None, None)] });
+        }
+        diagnostics.extend(read.err().map(|mistake| *mistake));
+        if script.entries.len() > LIMITS.entries_max {
+            let max = LIMITS.entries_max;
+            let span = script.entries.last().map_or(Span::default(), |entry| entry.span);
+            let many = Diagnostic::over_limit(span, format!("the show has more than {max} entries"));
+            diagnostics.push(many.hint("make several shows of it"));
+            break;
+        }
+    }
+    if script.entries.is_empty() && diagnostics.is_empty() {
+        let end = Span::new(text.len() as u32, text.len() as u32);
+        let empty = Diagnostic::new(end, "the show has no entry");
+        diagnostics.push(empty.hint("write which scene is on from when: `at start speakers`"));
+    }
+    let entries = script.entries.clone();
+    let script = diagnostics.is_empty().then_some(script);
+    Parsed { script, entries, diagnostics, sources }
+}
+
+type Read<T> = Result<T, Box<Diagnostic>>;
+
+struct Reader<'a> {
+    words: &'a [Word<'a>],
+    at: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn line(&mut self, script: &mut Script) -> Read<()> {
+        let Some(first) = self.next() else { return Ok(()) };
+        match first.text {
+            "at" if first.kind == Kind::Name => {
+                let entry = self.entry(first)?;
+                script.entries.push(entry);
+            }
+            "set" if first.kind == Kind::Name => {
+                let setting = self.setting()?;
+                let Some(entry) = script.entries.last_mut() else {
+                    let early =
+                        Diagnostic::new(first.span, "no scene is on yet whose parameter this could be");
+                    return Err(Box::new(early.hint("write `at start` and a scene above it")));
+                };
+                if entry.settings.len() >= LIMITS.settings_max {
+                    let max = LIMITS.settings_max;
+                    let many = format!("an entry has more than {max} lines that begin with `set`");
+                    return Err(Box::new(Diagnostic::over_limit(first.span, many)));
+                }
+                entry.settings.push(setting);
+            }
+            "->" if first.kind == Kind::Sign => {
+                self.at -= 1;
+                let moving = script.entries.last_mut().and_then(|entry| entry.settings.last_mut());
+                let Some(Setting { param, steps, .. }) = moving else {
+                    let early = Diagnostic::new(first.span, "there is no movement above this line");
+                    return Err(Box::new(early.hint("write `set`, a parameter and its value above it")));
+                };
+                self.steps(steps, is_share(param), first.span)?;
+            }
+            _ => {
+                let unknown =
+                    Diagnostic::new(first.span, format!("{} begins no line of a show", first.shown()));
+                let near = nearest(first.text, ["at", "set"]);
+                return Err(Box::new(match near {
+                    Some(_) => unknown.did_you_mean(near),
+                    None => unknown.hint("a line begins with `at`, as in `at bar 17 tunnel`, or with `set`"),
+                }));
+            }
+        }
+        match self.next() {
+            None => Ok(()),
+            Some(word) => {
+                let more = Diagnostic::new(word.span, format!("{} is not expected here", word.shown()));
+                Err(Box::new(more.hint(
+                    "an entry is `at WHEN SCENE`, then `camera NAME`, then `cut`, `fade`, `melt` or `portal` with `over` and \
+                     a length",
+                )))
+            }
+        }
+    }
+
+    fn entry(&mut self, at: Word<'_>) -> Read<Entry> {
+        let when = self.when()?;
+        let scene = self.named("a scene's name")?;
+        let camera = if self.eat("camera") { Some(self.named("a camera's name")?) } else { None };
+        let transition = self.transition()?;
+        Ok(Entry {
+            span: at.span.to(scene.span),
+            scene_span: scene.span,
+            camera_span: camera.map_or(Span::default(), |camera| camera.span),
+            ..Entry::new(when, scene.text, camera.map(|camera| camera.text.to_owned()), transition)
+        })
+    }
+
+    fn when(&mut self) -> Read<When> {
+        const ANCHORS: [&str; 7] = ["start", "end", "bar", "section", "drop", "build", "cue"];
+        let word = self.expect("a moment", "such as `start`, `1:30`, `bar 17`, `section B` or `drop 1`")?;
+        let anchor = match (word.kind, word.text) {
+            (Kind::Number, _) => Anchor::Time(self.clock(word)?),
+            (Kind::Name, "start") => Anchor::Start,
+            (Kind::Name, "end") => Anchor::End,
+            (Kind::Name, "cue") => Anchor::Cue,
+            (Kind::Name, "bar") => Anchor::Bar(self.count("a bar's number")?),
+            (Kind::Name, "drop") => Anchor::Drop(self.count_or_first()?),
+            (Kind::Name, "build") => Anchor::Build(self.count_or_first()?),
+            (Kind::Name, "section") => {
+                let letter =
+                    self.expect("a section's letter", "as `mariana analyze --structure` prints it")?;
+                let is_letter =
+                    letter.kind == Kind::Name && letter.text.bytes().all(|b| b.is_ascii_alphabetic());
+                if !is_letter {
+                    let wrong = format!("a section has letters, not {}", letter.shown());
+                    return Err(Box::new(
+                        Diagnostic::new(letter.span, wrong).hint("write `section B` or `section B 2`"),
+                    ));
+                }
+                Anchor::Section(letter.text.to_ascii_uppercase(), self.count_or_first()?)
+            }
+            _ => {
+                let unknown = Diagnostic::new(word.span, format!("{} is no moment of a song", word.shown()));
+                let near = nearest(word.text, ANCHORS);
+                return Err(Box::new(match near {
+                    Some(_) => unknown.did_you_mean(near),
+                    None => unknown.hint("a moment is `start`, `end`, `1:30`, `12 s`, `bar 17`, `section B 2`, `drop 1`, `build 1` or `cue`"),
+                }));
+            }
+        };
+        let sign = if self.eat("+") {
+            1.0
+        } else if self.eat("-") {
+            -1.0
+        } else {
+            return Ok(When { anchor, offset: Length::ZERO });
+        };
+        let offset = match self.length()? {
+            Length::Seconds(number) => Length::Seconds(sign * number),
+            Length::Beats(number) => Length::Beats(sign * number),
+            Length::Bars(number) => Length::Bars(sign * number),
+        };
+        Ok(When { anchor, offset })
+    }
+
+    /// `12`, `12 s` or `1:23.5`, of which the first number is read.
+    fn clock(&mut self, first: Word<'_>) -> Read<f64> {
+        let mut seconds = self.value(first)?;
+        let mut span = first.span;
+        if self.eat(":") {
+            let rest = self.expect("seconds", "as in `1:23.5`")?;
+            let number = self.value(rest)?;
+            span = span.to(rest.span);
+            if number >= 60.0 || rest.kind != Kind::Number {
+                let wrong = Diagnostic::new(rest.span, "behind the colon stand seconds, below 60");
+                return Err(Box::new(wrong.hint("write `1:23.5` for a minute and 23.5 seconds")));
+            }
+            // So that it is the number nearest to what stands there.
+            let all = 60.0 * seconds + number;
+            let whole = (all * 1e3).round() / 1e3;
+            seconds = if (all - whole).abs() < 1e-9 { whole } else { all };
+        } else {
+            self.eat("s");
+        }
+        if seconds > LIMITS.seconds_max {
+            let late = format!("no song takes more than {:.0} s", LIMITS.seconds_max);
+            return Err(Box::new(Diagnostic::over_limit(span, late)));
+        }
+        Ok(seconds)
+    }
+
+    fn transition(&mut self) -> Read<Option<Transition>> {
+        let Some(word) = self.peek() else { return Ok(None) };
+        let Some(way) = Way::named(word.text).filter(|_| word.kind == Kind::Name) else {
+            let ways = Way::ALL.map(Way::name);
+            let near = nearest(word.text, ways.into_iter().chain(["camera"]));
+            let unknown =
+                Diagnostic::new(word.span, format!("{} is no way from scene to scene", word.shown()));
+            return Err(Box::new(match near {
+                Some(_) => unknown.did_you_mean(near),
+                None => unknown.hint(format!("the ways are {}", quoted(ways.into_iter()))),
+            }));
+        };
+        self.at += 1;
+        if way == Way::Cut {
+            return Ok(Some(Transition::CUT));
+        }
+        let named = self.peek().filter(|_| way == Way::Portal).and_then(|word| BlendKind::named(word.text));
+        let shape = match named {
+            Some(BlendKind::Portal(shape)) => {
+                self.at += 1;
+                shape
+            }
+            _ => match self.peek().filter(|word| way == Way::Portal && word.kind == Kind::Name) {
+                Some(word) if word.text != "over" => return Err(no_shape(word)),
+                _ => PortalShape::default(),
+            },
+        };
+        let length = if self.eat("over") { self.length()? } else { Length::Bars(1.0) };
+        let unfinished = self.eat("unfinished");
+        Ok(Some(Transition { way, shape, length, unfinished }))
+    }
+
+    fn setting(&mut self) -> Read<Setting> {
+        let named = self.named("a parameter's name")?;
+        let both = self.peek().map(|next| format!("{} {}", named.text, next.text));
+        let param = match both.filter(|both| is_of_no_scene(both)) {
+            Some(both) => {
+                self.at += 1;
+                both
+            }
+            None => named.text.to_owned(),
+        };
+        let span = named.span;
+        if !self.eat("=") {
+            let next = self.peek().filter(|next| next.kind == Kind::Name);
+            return Err(match next.and_then(|next| no_second_word(named, next)) {
+                Some(unknown) => unknown,
+                None => self.missing("`=` and a value", "as in `set swell = 0.2 -> 0.5 over 8 bars`"),
+            });
+        }
+        let from = self.number(is_share(&param))?;
+        let mut steps = Vec::new();
+        self.steps(&mut steps, is_share(&param), span)?;
+        let after = if self.eat("after") { self.length()? } else { Length::ZERO };
+        Ok(Setting { param, from, steps, after, span })
+    }
+
+    /// Reads further steps of a movement. `place` is underlined if there are too many.
+    fn steps(&mut self, steps: &mut Vec<Step>, is_share: bool, place: Span) -> Read<()> {
+        while self.eat("->") {
+            let to = self.number(is_share)?;
+            if !self.eat("over") {
+                return Err(self.missing("`over` and how long it takes", "as in `0.2 -> 0.5 over 8 bars`"));
+            }
+            steps.push(Step { to, over: self.length()? });
+            if steps.len() > LIMITS.steps_max {
+                let many = format!("a parameter moves in more than {} steps", LIMITS.steps_max);
+                let many = Diagnostic::over_limit(place, many);
+                return Err(Box::new(
+                    many.hint("write an entry for the rest, with the same scene and `cut`"),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// A value of a parameter, or a share within 0..1.
+    fn number(&mut self, is_share: bool) -> Read<f32> {
+        let sign = if self.eat("-") { -1.0 } else { 1.0 };
+        let word = self.expect("a number", "the value of the parameter")?;
+        let number = (sign * self.value(word)?) as f32;
+        if number.abs() > VALUE_MAX {
+            let large = format!("no parameter takes a number as large as {}", word.shown());
+            return Err(Box::new(Diagnostic::over_limit(word.span, large)));
+        }
+        if is_share && !(0.0..=1.0).contains(&number) {
+            let beyond = format!("{number} is no share of a picture");
+            return Err(Box::new(Diagnostic::new(word.span, beyond).hint("write a number from 0 to 1")));
+        }
+        Ok(number)
+    }
+
+    fn length(&mut self) -> Read<Length> {
+        let word = self.expect("a length", "as in `2 bars`, `4 beats` or `1.5 s`")?;
+        let number = self.value(word)?;
+        let unit = self.expect("`bars`, `beats` or `s`", "as in `2 bars`")?;
+        let known = Length::UNITS.iter().find(|known| known.names.contains(&unit.text));
+        let Some(known) = known else {
+            let wrong = Diagnostic::new(unit.span, format!("{} is no unit of time", unit.shown()));
+            return Err(Box::new(wrong.hint("the units are `bars`, `beats` and `s`")));
+        };
+        if number > LIMITS.seconds_max {
+            let long = Diagnostic::over_limit(
+                word.span,
+                format!("no show takes more than {:.0}", LIMITS.seconds_max),
+            );
+            return Err(Box::new(long));
+        }
+        Ok((known.of)(number))
+    }
+
+    fn count(&mut self, what: &str) -> Read<u32> {
+        let word = self.expect(what, "counted from 1")?;
+        let number = self.value(word)?;
+        if number.fract() != 0.0 || !(1.0..=1e6).contains(&number) {
+            let wrong = Diagnostic::new(word.span, format!("{} is no number to count by", word.shown()));
+            return Err(Box::new(wrong.hint("count from 1")));
+        }
+        Ok(number as u32)
+    }
+
+    fn count_or_first(&mut self) -> Read<u32> {
+        match self.peek() {
+            Some(word) if word.kind == Kind::Number => self.count("a number"),
+            _ => Ok(1),
+        }
+    }
+
+    /// The number that a word is; finite and not negative.
+    fn value(&self, word: Word<'_>) -> Read<f64> {
+        let number = (word.kind == Kind::Number).then(|| word.text.parse::<f64>().ok()).flatten();
+        number.filter(|number| number.is_finite()).ok_or_else(|| {
+            Box::new(Diagnostic::new(word.span, format!("a number is expected here, not {}", word.shown())))
+        })
+    }
+
+    fn named(&mut self, what: &str) -> Read<Word<'a>> {
+        let word = self.expect(what, "names with blanks or slashes stand in quotes")?;
+        if !matches!(word.kind, Kind::Name | Kind::Quoted) || word.text.is_empty() {
+            let wrong = format!("{what} is expected here, not {}", word.shown());
+            return Err(Box::new(
+                Diagnostic::new(word.span, wrong).hint("names with blanks or slashes stand in quotes"),
+            ));
+        }
+        Ok(word)
+    }
+
+    fn peek(&self) -> Option<Word<'a>> {
+        self.words.get(self.at).copied()
+    }
+
+    fn next(&mut self) -> Option<Word<'a>> {
+        let word = self.peek();
+        self.at += usize::from(word.is_some());
+        word
+    }
+
+    /// Passes this word or sign, if it comes next.
+    fn eat(&mut self, text: &str) -> bool {
+        let is_next = self.peek().is_some_and(|word| word.text == text && word.kind != Kind::Quoted);
+        self.at += usize::from(is_next);
+        is_next
+    }
+
+    fn expect(&mut self, what: &str, hint: &str) -> Read<Word<'a>> {
+        self.next().ok_or_else(|| self.missing(what, hint))
+    }
+
+    fn missing(&self, what: &str, hint: &str) -> Box<Diagnostic> {
+        let (span, found) = match self.peek() {
+            Some(word) => (word.span, word.shown()),
+            None => {
+                let end = self.words.last().map_or(0, |word| word.span.end);
+                (Span::new(end, end), "the end of the line".to_owned())
+            }
+        };
+        Box::new(Diagnostic::new(span, format!("expected {what}, found {found}")).hint(hint))
+    }
+}
+
+/// True for parameters in the range 0..1.
+fn is_share(param: &str) -> bool {
+    PICTURE_NUMBERS.contains(&param)
+}
+
+/// What is said of a shape that no portal has.
+fn no_shape(word: Word<'_>) -> Box<Diagnostic> {
+    let shapes = || BlendKind::ALL.into_iter().filter(|(kind, ..)| matches!(kind, BlendKind::Portal(_)));
+    let unknown = Diagnostic::new(word.span, format!("{} is no shape of a portal", word.shown()));
+    Box::new(match nearest(word.text, shapes().map(|(_, name, _)| name).chain(["over"])) {
+        near @ Some(_) => unknown.did_you_mean(near),
+        None => unknown.hint(format!("the shapes are {}", quoted(shapes().map(|(_, name, _)| name)))),
+    })
+}
+
+/// What is said of `set first second` where names of two words are like that; none where none is.
+fn no_second_word(first: Word<'_>, second: Word<'_>) -> Option<Box<Diagnostic>> {
+    let names = || CAMERA_TURNS.into_iter().chain(PICTURE_NUMBERS);
+    let pairs = || names().filter_map(|name| name.split_once(' '));
+    let words = || pairs().filter(|(group, _)| *group == first.text).map(|(_, word)| word);
+    if words().next().is_none() {
+        let both = format!("{} {}", first.text, second.text);
+        let near = nearest(&both, names())?;
+        let unknown = Diagnostic::new(first.span.to(second.span), format!("there is no `{both}`"));
+        return Some(Box::new(unknown.did_you_mean(Some(near))));
+    }
+    let unknown = format!("there is no {} in `set {}`", second.shown(), first.text);
+    let unknown = Diagnostic::new(second.span, unknown);
+    Some(Box::new(match nearest(second.text, words()) {
+        near @ Some(_) => unknown.did_you_mean(near),
+        None => unknown.hint(format!("there are {}", quoted(words()))),
+    }))
+}
+
+/// These names, with commas between.
+fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,304 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::{parse, print, resolve};
+use mariana_music::SongStructure;
+
+/// A picture: seconds since the one before, whether another scene comes, where a knob and the camera are, how bright it
+/// is.
+type Picture = (f64, Option<u8>, f32, f32, f32);
+
+fn pictures() -> impl Strategy<Value = Vec<Picture>> {
+    let since = prop_oneof![0.001..0.04f64, 0.5..3.0f64];
+    let bright = prop_oneof![Just(1.0), 0.0..=1.0f32];
+    let one = (since, proptest::option::weighted(0.1, 0..3u8), -2.0..2.0f32, -90.0..90.0f32, bright);
+    // Often nothing is turned.
+    let one = (one, any::<bool>()).prop_map(|((since, scene, knob, yaw, bright), still)| match still {
+        true => (since, scene, 0.5, 0.0, 1.0),
+        false => (since, scene, knob, yaw, bright),
+    });
+    proptest::collection::vec(one, 1..60)
+}
+
+proptest! {
+    #[test]
+    fn the_show_of_a_performance_has_each_picture_again(pictures in pictures(), back in 0usize..60) {
+        let mut performance = Performance::default();
+        let (mut time, mut scene, mut start) = (0.0, "first", 0.0);
+        let mut seen = Vec::new();
+        let begun = 7.25;
+        for (number, (since, change, knob, yaw, bright)) in pictures.into_iter().enumerate() {
+            time += since;
+            if number == back {
+                // Back to the middle: what came later is played over.
+                time *= 0.5;
+                seen.retain(|(at, ..): &(f64, &str, f32, [f32; 3], f32)| *at < time);
+                (scene, start) = ("again", time);
+            }
+            if let Some(change) = change {
+                (scene, start) = (["first", "second", "third"][usize::from(change)], time);
+            }
+            let turns = [yaw, 0.0, 1.0];
+            let picture = Finish { numbers: [bright, 0.0], is_shown: false };
+            performance.note(begun + time, &OnStage {
+                scene,
+                camera: None,
+                entrance: Entrance::CUT,
+                start: begun + start,
+                params: vec![Turned { name: "knob", value: knob, own: 0.5, is_shown: false }],
+                moves: &[],
+                turns,
+                picture,
+            });
+            seen.push((time, scene, knob, turns, bright));
+        }
+        let text = print(&performance.script(), &[]);
+        let script = parse("performed.show", &text).script;
+        prop_assert!(script.is_some(), "{text}");
+        let (plan, left_out) = resolve(&script.unwrap_or_default(), &SongStructure::default(), &[], |_, _| None);
+        prop_assert!(left_out.is_empty());
+        let plan = plan.unwrap();
+        for (time, scene, knob, turns, bright) in seen {
+            let stay = plan.at(begun + time).stay;
+            prop_assert_eq!(stay.scene.as_str(), scene, "{}", text);
+            let params = stay.params_at(begun + time);
+            let found = params.iter().find(|(name, _)| *name == "knob").map_or(0.5, |(_, value)| *value);
+            prop_assert_eq!(found.to_bits(), knob.to_bits(), "{} at {}: {}", found, begun + time, text);
+            prop_assert_eq!(stay.turns_at(begun + time), turns, "{}", text);
+            let found = plan.picture_at(begun + time).brightness;
+            prop_assert_eq!(found.to_bits(), bright.to_bits(), "{} at {}: {}", found, begun + time, text);
+        }
+    }
+}
+
+/// The show began the new scene at the millisecond before, where the picture before it still shows.
+#[test]
+fn a_picture_less_than_a_millisecond_before_a_step_back_got_the_scene_after_it() {
+    let mut performance = Performance::default();
+    let notes = [(8.0, "orb", 8.0), (8.6262, "orb", 8.0), (9.5, "orb", 8.0), (8.6264, "city", 8.6264)];
+    for (time, scene, start) in notes {
+        let picture = Finish::NOTHING;
+        let entrance = Entrance::CUT;
+        performance.note(
+            time,
+            &OnStage {
+                scene,
+                camera: None,
+                entrance,
+                start,
+                params: Vec::new(),
+                moves: &[],
+                turns: UNTURNED,
+                picture,
+            },
+        );
+    }
+    let text = print(&performance.script(), &[]);
+    let script = parse("performed.show", &text).script.unwrap();
+    let plan = resolve(&script, &SongStructure::default(), &[], |_, _| None).0.unwrap();
+    assert_eq!([8.6262, 8.6264].map(|time| plan.at(time).stay.scene.as_str()), ["orb", "city"], "{text}");
+}
+
+#[test]
+fn what_nobody_turns_is_not_written() {
+    let mut performance = Performance::default();
+    assert!(performance.is_empty());
+    for frame in 0..100 {
+        performance.note(
+            f64::from(frame) / 60.0,
+            &OnStage {
+                scene: "orb",
+                camera: Some("pole"),
+                entrance: Entrance::new(Way::Melt, 2.0),
+                start: 0.0,
+                params: vec![Turned { name: "relief", value: 0.5, own: 0.5, is_shown: false }],
+                moves: &[],
+                turns: UNTURNED,
+                picture: Finish::NOTHING,
+            },
+        );
+    }
+    assert_eq!(print(&performance.script(), &[]), "at 0:00  orb  camera pole  melt over 2 s\n");
+}
+
+#[test]
+fn what_a_show_moves_is_its_own_until_a_hand_takes_it() {
+    let mut performance = Performance::default();
+    let moves = [Move { param: "swell".to_owned(), start: 12.0, seconds: 8.0, from: 0.0, to: 1.0 }];
+    for frame in 0..=160 {
+        // Ten pictures a second; a hand takes it at 20 s.
+        let time = 10.0 + f64::from(frame) / 10.0;
+        let value = if time < 20.0 { 0.125 * (time - 12.0).clamp(0.0, 8.0) as f32 } else { 0.25 };
+        performance.note(
+            time,
+            &OnStage {
+                scene: "orb",
+                camera: None,
+                entrance: Entrance::CUT,
+                start: 10.0,
+                params: vec![Turned { name: "swell", value, own: 0.5, is_shown: time < 20.0 }],
+                moves: &moves,
+                turns: UNTURNED,
+                picture: Finish::NOTHING,
+            },
+        );
+    }
+    let wanted =
+        "at 0:10  orb  cut\n  set swell = 0 -> 1 over 8 s after 2 s\n  set swell = 0.25 after 10 s\n";
+    assert_eq!(print(&performance.script(), &[]), wanted);
+}
+
+#[test]
+fn a_long_performance_goes_on_in_another_entry() {
+    let mut performance = Performance::default();
+    let frames = LIMITS.steps_max as u32 + 5;
+    for frame in 0..frames {
+        performance.note(
+            f64::from(frame) / 60.0,
+            &OnStage {
+                scene: "orb",
+                camera: None,
+                entrance: Entrance::CUT,
+                start: 0.0,
+                params: vec![Turned { name: "relief", value: frame as f32, own: 0.5, is_shown: false }],
+                moves: &[],
+                turns: UNTURNED,
+                picture: Finish::NOTHING,
+            },
+        );
+    }
+    let text = print(&performance.script(), &[]);
+    let read = parse("long.show", &text);
+    assert_eq!(read.script.map(|script| script.entries.len()), Some(2), "{:?}", read.diagnostics.first());
+    assert!(!performance.is_full());
+}
+
+#[test]
+fn a_smoothed_turn_was_recorded_as_one_line_of_seventy_steps() {
+    let mut performance = Performance::default();
+    // A controller that glides to its place, at 60 pictures a second.
+    let value = |frame: u32| if frame < 30 { 0.5 } else { 1.0 - 0.5 * 0.93f32.powi(frame as i32 - 30) };
+    for frame in 0..100 {
+        let params = vec![Turned { name: "relief", value: value(frame), own: 0.5, is_shown: false }];
+        performance.note(
+            f64::from(frame) / 60.0,
+            &OnStage {
+                scene: "orb",
+                camera: None,
+                entrance: Entrance::CUT,
+                start: 0.0,
+                params,
+                moves: &[],
+                turns: UNTURNED,
+                picture: Finish::NOTHING,
+            },
+        );
+    }
+    let text = print(&performance.script(), &[]);
+    assert!(text.matches("->").count() >= 70, "{text}");
+    assert!(text.lines().all(|line| line.len() <= 100), "{text}");
+    // The broken lines give the same values.
+    let script = parse("performed.show", &text).script.unwrap();
+    let plan = resolve(&script, &SongStructure::default(), &[], |_, _| None).0.unwrap();
+    for frame in 0..100 {
+        let time = f64::from(frame) / 60.0;
+        let params = plan.at(time).stay.params_at(time);
+        assert_eq!(params, [("relief", value(frame))], "{text}");
+    }
+}
+
+/// A picture of the orb at `time` to which this is done by hand.
+fn note_orb(performance: &mut Performance, time: f64, scene: &str, numbers: [f32; 2]) {
+    let picture = Finish { numbers, is_shown: numbers == PLAIN_PICTURE };
+    let start = if scene == "orb" { 0.0 } else { 7.0 };
+    let (entrance, params) = (Entrance::CUT, Vec::new());
+    let seen = OnStage { scene, camera: None, entrance, start, params, moves: &[], turns: UNTURNED, picture };
+    performance.note(time, &seen);
+}
+
+#[test]
+fn a_picture_that_is_held_is_held_from_its_moment_on_while_scenes_change() {
+    let mut performance = Performance::default();
+    for frame in 0..=120 {
+        note_orb(&mut performance, f64::from(frame) / 60.0, "orb", PLAIN_PICTURE);
+    }
+    let held = Finish { numbers: [1.0, 1.0], is_shown: false };
+    let shown = performance.last().unwrap();
+    assert_eq!(shown, 2.0);
+    performance.note_picture(shown, &held);
+    for frame in 121..=480 {
+        performance.note_picture(f64::from(frame) / 60.0, &held);
+    }
+    // Another scene has come meanwhile, into which the picture fades.
+    for frame in 0..=4u8 {
+        let share = 1.0 - f32::from(frame) / 4.0;
+        note_orb(&mut performance, 8.0 + f64::from(frame) / 64.0, "city", [1.0, share]);
+    }
+    let text = print(&performance.script(), &[]);
+    let wanted = "at 0:00  orb  cut\n  set picture freeze = 0 -> 0 over 2 s -> 1 over 0 s\n\
+                  at 0:07  city  cut\n  set picture freeze = 1\n    -> 1 over 1 s -> 0.75 over 0.015625 s \
+                  -> 0.5 over 0.015625 s -> 0.25 over 0.015625 s\n    -> 0 over 0.015625 s\n";
+    assert_eq!(text, wanted);
+    let script = parse("performed.show", &text).script.unwrap();
+    let plan = resolve(&script, &SongStructure::default(), &[], |_, _| None).0.unwrap();
+    let at = |time| plan.picture_at(time).held.map(|held| (held.since, held.share));
+    assert_eq!([1.5, 9.0].map(at), [None, None]);
+    assert_eq!(
+        [2.0, 6.5, 7.5, 8.0, 8.03125].map(at),
+        [1.0, 1.0, 1.0, 1.0, 0.5].map(|share| Some((2.0, share)))
+    );
+}
+
+#[test]
+fn a_picture_that_is_held_while_another_gives_way_keeps_that_one_s_share() {
+    let mut performance = Performance::default();
+    note_orb(&mut performance, 1.0, "orb", PLAIN_PICTURE);
+    performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
+    for (time, share) in [(2.0, 1.0), (2.0625, 0.75), (2.125, 0.5)] {
+        note_orb(&mut performance, time, "orb", [1.0, share]);
+    }
+    // Once with the song running, once while it rests, in the picture that is noted for another moment.
+    performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
+    note_orb(&mut performance, 3.0, "orb", [1.0, 1.0]);
+    note_orb(&mut performance, 8.0, "orb", [1.0, 0.25]);
+    performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
+    let text = print(&performance.script(), &[]);
+    let script = parse("performed.show", &text).script.unwrap();
+    let plan = resolve(&script, &SongStructure::default(), &[], |_, _| None).0.unwrap();
+    let at = |time| -> Vec<(f64, f32)> {
+        plan.held_at(time).iter().map(|held| (held.since, held.share)).collect()
+    };
+    assert_eq!(at(2.0625), [(1.0, 0.75)], "{text}");
+    assert_eq!(at(2.5), [(2.125, 1.0), (1.0, 0.5)], "{text}");
+    assert_eq!(at(9.0), [(8.0, 1.0), (2.125, 0.25), (1.0, 0.5)], "{text}");
+}
+
+#[test]
+fn only_a_transition_that_broke_off_is_unfinished() {
+    let mut performance = Performance::default();
+    for (time, scene, start, seconds) in
+        [(1.0, "one", 1.0, 0.0), (3.0, "two", 2.0, 8.0), (7.0, "three", 6.0, 1.5), (9.0, "four", 7.5, 3.0)]
+    {
+        let entrance = if seconds > 0.0 { Entrance::new(Way::Fade, seconds) } else { Entrance::CUT };
+        let picture = Finish::NOTHING;
+        let params = Vec::new();
+        performance.note(
+            time,
+            &OnStage { scene, camera: None, entrance, start, params, moves: &[], turns: UNTURNED, picture },
+        );
+    }
+    let wanted = "at 0:01    one  cut\nat 0:02    two  fade over 8 s unfinished\nat 0:06    three  fade over 1.5 s\n\
+                  at 0:07.5  four  fade over 3 s\n";
+    assert_eq!(print(&performance.script(), &[]), wanted);
+}
+
+#[test]
+fn a_light_that_was_low_from_the_start_is_set_once() {
+    let mut performance = Performance::default();
+    for frame in 0..=60 {
+        note_orb(&mut performance, f64::from(frame) / 60.0, "orb", [0.25, 0.0]);
+    }
+    note_orb(&mut performance, 7.5, "city", [0.25, 0.0]);
+    let wanted = "at 0:00  orb  cut\n  set picture brightness = 0.25\nat 0:07  city  cut\n";
+    assert_eq!(print(&performance.script(), &[]), wanted);
+}

@@ -1,0 +1,278 @@
+//! From the words of a script to the seconds of a song.
+
+use super::bar_lines::BarLines;
+use super::plan::{Entrance, Move, Plan, Stay};
+use super::script::{Anchor, Length, Script, Setting, Step, Transition, When};
+use mariana_field::lang::{Diagnostic, Span, Way};
+use mariana_music::SongStructure;
+
+/// How a scene comes of which neither the script nor the scene says more.
+const USUAL: Transition = Transition { way: Way::Fade, length: Length::Seconds(1.0), ..Transition::CUT };
+/// How long a transition takes of which only the way is known.
+const USUAL_BARS: f64 = 1.0;
+
+/// The plan of a script for a song, and the entries that are left out because the song lacks their moments. The plan is
+/// `None` if all entries are left out or wait for a key. `cues` are the moments, in seconds, at which the key was pressed; each
+/// brings one of the entries that wait for it. `likes` returns the preferred transition from a scene, if there is one, to
+/// the next scene.
+pub fn resolve(
+    script: &Script,
+    song: &SongStructure,
+    cues: &[f64],
+    likes: impl Fn(Option<&str>, &str) -> Option<Way>,
+) -> (Option<Plan>, Vec<Diagnostic>) {
+    let lines = BarLines::of(song);
+    let mut left_out = Vec::new();
+    let mut stays: Vec<Stay> = Vec::new();
+    let mut last: Option<(f64, Span)> = None;
+    let mut cues = cues.iter();
+    for entry in &script.entries {
+        let is_cue = entry.when.anchor == Anchor::Cue;
+        let cue = if is_cue { cues.next().copied() } else { None };
+        let start = match time_of(&entry.when, song, cue, &lines) {
+            Ok(Some(start)) => start,
+            Ok(None) => continue,
+            Err(missing) => {
+                let missed = Diagnostic::new(entry.span, missing.sentence);
+                left_out.push(missed.label("left out").hint(missing.hint));
+                continue;
+            }
+        };
+        if let Some((before, span)) = last.filter(|(before, _)| start < *before && !is_cue) {
+            let back = format!("this is at {}, which is before {}", clock(start), clock(before));
+            let backwards =
+                Diagnostic::new(entry.span, back).label("left out").note(span, "what comes before it");
+            left_out.push(backwards.hint("write what comes first above what comes later"));
+            continue;
+        }
+        if !is_cue {
+            last = Some((start, entry.span));
+        }
+        let transition = entry.transition.unwrap_or_else(|| {
+            let way = likes(stays.last().map(|stay| stay.scene.as_str()), &entry.scene);
+            way.map_or(USUAL, |way| Transition::new(way, Length::Bars(USUAL_BARS)))
+        });
+        let seconds = lasting(transition.length, start, &lines);
+        let mut moves: Vec<Move> =
+            entry.settings.iter().flat_map(|setting| moves_of(setting, start, &lines)).collect();
+        moves.sort_by(|a, b| a.start.total_cmp(&b.start));
+        stays.push(Stay {
+            start,
+            scene: entry.scene.clone(),
+            camera: entry.camera.clone(),
+            entrance: Entrance {
+                way: transition.way,
+                shape: transition.shape,
+                seconds,
+                unfinished: transition.unfinished,
+            },
+            moves,
+        });
+    }
+    (Plan::new(stays), left_out)
+}
+
+/// The parts of a movement that belongs to an entry at `start`.
+fn moves_of(setting: &Setting, start: f64, lines: &BarLines) -> Vec<Move> {
+    let param = || setting.param.clone();
+    let (mut begin, mut from) = (start + lasting(setting.after, start, lines), setting.from);
+    if setting.steps.is_empty() {
+        return vec![Move { param: param(), start: begin, seconds: 0.0, from, to: from }];
+    }
+    let part = |step: &Step| {
+        let seconds = lasting(step.over, begin, lines);
+        let part = Move { param: param(), start: begin, seconds, from, to: step.to };
+        (begin, from) = (begin + seconds, step.to);
+        part
+    };
+    setting.steps.iter().map(part).collect()
+}
+
+/// Why a moment is not in a song.
+struct Missing {
+    sentence: String,
+    hint: String,
+}
+
+/// When that is; none if it waits for its cue.
+fn time_of(
+    when: &When,
+    song: &SongStructure,
+    cue: Option<f64>,
+    lines: &BarLines,
+) -> Result<Option<f64>, Missing> {
+    let numbered = |what: &str, number: u32, times: &[f64]| {
+        let index = (number as usize).checked_sub(1);
+        index.and_then(|index| times.get(index)).copied().ok_or_else(|| Missing {
+            sentence: format!("the song has no {what} {number}"),
+            hint: match times.len() {
+                0 => format!("it has no {what}s"),
+                count => format!("it has {count}: see `mariana analyze --structure`"),
+            },
+        })
+    };
+    let anchor = match &when.anchor {
+        Anchor::Start => 0.0,
+        Anchor::End => song.seconds,
+        Anchor::Time(seconds) => *seconds,
+        Anchor::Cue => match cue {
+            Some(seconds) => seconds,
+            None => return Ok(None),
+        },
+        Anchor::Bar(bar) => lines.time_of(f64::from(*bar)),
+        Anchor::Drop(number) => numbered("drop", *number, &song.drops)?,
+        Anchor::Build(number) => {
+            let starts: Vec<f64> = song.builds.iter().map(|build| build.start).collect();
+            numbered("build", *number, &starts)?
+        }
+        Anchor::Section(letter, number) => {
+            let of_letter = song.sections.iter().filter(|section| section.letter == *letter);
+            let starts: Vec<f64> = of_letter.map(|section| section.start).collect();
+            if starts.is_empty() {
+                let mut letters: Vec<&str> = song.sections.iter().map(|one| one.letter.as_str()).collect();
+                letters.dedup();
+                let hint = match letters.len() {
+                    0 => "it has no sections".to_owned(),
+                    _ => format!("its sections are {}", letters.join(" ")),
+                };
+                return Err(Missing { sentence: format!("the song has no section {letter}"), hint });
+            }
+            numbered(&format!("section {letter}"), *number, &starts)?
+        }
+    };
+    Ok(Some(anchor + lasting(when.offset, anchor, lines)))
+}
+
+/// How many seconds a length takes from `start` on.
+fn lasting(length: Length, start: f64, lines: &BarLines) -> f64 {
+    let bars = match length {
+        Length::Seconds(seconds) => return seconds,
+        Length::Bars(bars) => bars,
+        Length::Beats(beats) => beats / lines.beats(),
+    };
+    lines.time_of(lines.bar_at(start) + bars) - start
+}
+
+/// A time as people write it, `1:23.5`, to the millisecond: no picture is short enough to tell it from the next.
+pub(super) fn clock(seconds: f64) -> String {
+    clock_to(seconds, 3)
+}
+
+/// The same with so many decimals, at most; zeros at the end are left out.
+pub(super) fn clock_to(seconds: f64, decimals: usize) -> String {
+    let second = 10_u64.pow(decimals as u32);
+    let all = (seconds.max(0.0) * second as f64).round() as u64;
+    let (minutes, rest) = (all / (60 * second), all % (60 * second));
+    let text = format!("{minutes}:{:02}.{:0decimals$}", rest / second, rest % second);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+pub(super) mod testing {
+    use mariana_music::{Section, SongBeat, SongStructure, Stretch};
+
+    /// 32 bars of two seconds from 0.5 s on: A, B with a build at its end, B with a drop, A.
+    pub(crate) fn song() -> SongStructure {
+        let beat = |index: usize| SongBeat {
+            time: 0.5 + 0.5 * index as f64,
+            of_bar: (index % 4) as u8 + 1,
+            tempo: 120.0,
+        };
+        let section = |letter: &str, bars: [usize; 2], energy| Section {
+            start: if bars[0] == 0 { 0.0 } else { 0.5 + 2.0 * bars[0] as f64 },
+            end: 0.5 + 2.0 * bars[1] as f64,
+            letter: letter.to_owned(),
+            energy,
+        };
+        SongStructure {
+            seconds: 64.5,
+            tempo: Some(120.0),
+            beats: (0..128).map(beat).collect(),
+            sections: vec![
+                section("A", [0, 8], 0.2),
+                section("B", [8, 16], 0.5),
+                section("B", [16, 24], 0.9),
+                section("A", [24, 32], 0.25),
+            ],
+            builds: vec![Stretch { start: 24.5, end: 32.5 }],
+            drops: vec![32.5],
+            ..SongStructure::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::testing::song;
+    use super::*;
+    use crate::parse;
+
+    fn resolved(text: &str) -> (Plan, Vec<String>) {
+        let parsed = parse("test.show", text);
+        let script = parsed.script.clone().unwrap_or_else(|| panic!("{}", parsed.render(false)));
+        let (plan, left_out) =
+            resolve(&script, &song(), &[3.0, 40.0], |_, to| (to == "liked").then_some(Way::Melt));
+        (plan.unwrap(), left_out.into_iter().map(|one| one.message).collect())
+    }
+
+    #[test]
+    fn moments_of_a_song_are_found() {
+        let (plan, left_out) = resolved(
+            "at start  one\nat 0:07.25 two cut\nat bar 5 + 2 beats  three  melt over 2 bars\n\
+             at section B four\nat build 1 liked\nat drop 1 - 1 bar five portal over 1 bar\n\
+             at section B 2 six\nat end - 4 s seven fade over 0.5 s",
+        );
+        assert_eq!(left_out, [""; 0]);
+        let starts: Vec<f64> = plan.stays().iter().map(|stay| stay.start).collect();
+        assert_eq!(starts, [0.0, 7.25, 9.5, 16.5, 24.5, 30.5, 32.5, 60.5]);
+        let entrances: Vec<(Way, f64)> =
+            plan.stays().iter().map(|stay| (stay.entrance.way, stay.entrance.seconds)).collect();
+        use Way::{Cut, Fade, Melt, Portal};
+        let wanted = [
+            (Fade, 0.0),
+            (Cut, 0.0),
+            (Melt, 4.0),
+            (Fade, 1.0),
+            (Melt, 2.0),
+            (Portal, 2.0),
+            (Fade, 1.0),
+            (Fade, 0.5),
+        ];
+        assert_eq!(entrances, wanted);
+    }
+
+    #[test]
+    fn what_a_song_does_not_have_is_left_out_and_told() {
+        let (plan, left_out) = resolved(
+            "at start one\nat section C two\nat section A 3 three\nat drop 2 four\nat 30 s five\nat bar 2 six",
+        );
+        assert_eq!(plan.stays().len(), 2);
+        let wanted = [
+            "the song has no section C",
+            "the song has no section A 3",
+            "the song has no drop 2",
+            "this is at 0:02.5, which is before 0:30",
+        ];
+        assert_eq!(left_out, wanted);
+    }
+
+    #[test]
+    fn what_waits_for_a_key_comes_when_it_was_pressed() {
+        let (plan, left_out) = resolved(
+            "at start one\nat cue two cut\nat 10 s three\nat cue + 1 bar four\nat 30 s five\nat cue six",
+        );
+        assert_eq!(left_out, [""; 0]);
+        let stays: Vec<(f64, &str)> =
+            plan.stays().iter().map(|stay| (stay.start, stay.scene.as_str())).collect();
+        assert_eq!(stays, [(0.0, "one"), (3.0, "two"), (10.0, "three"), (30.0, "five"), (42.0, "four")]);
+    }
+
+    #[test]
+    fn parameters_move_by_bars() {
+        let (plan, _) = resolved("at bar 3 one\n  set a = 0.25 -> 0.5 over 2 bars\n  set b = 3 after 1 beat");
+        let stay = &plan.stays()[0];
+        let times: Vec<(f64, f64)> = stay.moves.iter().map(|one| (one.start, one.seconds)).collect();
+        assert_eq!(times, [(4.5, 4.0), (5.0, 0.0)]);
+        assert_eq!(stay.params_at(6.5), [("a", 0.375), ("b", 3.0)]);
+    }
+}

@@ -1,0 +1,165 @@
+//! A plan with the script that it is made of, and what is known of the scenes.
+
+use std::collections::BTreeMap;
+
+use super::director::{SceneCard, direct};
+use super::parse::{DIAGNOSTICS_MAX, parse};
+use super::plan::{Plan, Stay};
+use super::resolve::resolve;
+use super::scene_facts::{NamedScenes, Refusal, SceneFacts};
+use super::script::Script;
+use super::substitutes::with_substitutes;
+use super::text::print;
+use mariana_field::lang::{Diagnostic, Way, render_all};
+use mariana_music::SongStructure;
+
+/// Why a text is no show for a song.
+#[derive(Debug, thiserror::Error)]
+pub enum ScriptError {
+    /// The text has mistakes, or asks for what its scenes do not have.
+    #[error("the show has mistakes: correct what is underlined\n{}", .report.trim_end())]
+    Mistakes {
+        /// They with their places.
+        report: String,
+    },
+    /// Every entry names a moment that the song lacks.
+    #[error(
+        "nothing of the show is in this song: give its first entry a moment that every song has, such as `at start`\n{}",
+        .report.trim_end()
+    )]
+    NothingFits {
+        /// The entries that are left out, with their places.
+        report: String,
+    },
+}
+
+/// How a scene likes to come and to go.
+type Liked = (Option<Way>, Option<Way>);
+
+/// See the module.
+#[derive(Debug, Clone, Default)]
+pub struct Show {
+    /// `None` as long as every entry waits for a key.
+    plan: Option<Plan>,
+    script: Script,
+    /// How scenes like to come and to go.
+    ways: BTreeMap<String, Liked>,
+    cards: Vec<SceneCard>,
+}
+
+impl Show {
+    /// The director's choice among scenes, by their names; `None` without one.
+    pub fn directed(song: &SongStructure, scenes: &BTreeMap<String, SceneFacts>) -> Option<Self> {
+        let (ways, cards) = (ways_of(scenes), cards_of(scenes));
+        let script = direct(song, &cards, seed_of(song));
+        let plan = Some(resolved(&script, song, &[], &ways).0?);
+        Some(Self { plan, script, ways, cards })
+    }
+
+    /// The show that a text describes for a song, and a report of the entries that do not fit the song. Messages call the
+    /// text `name`. `find` finds scenes by their names in the text, each once.
+    ///
+    /// # Errors
+    /// [`ScriptError::Mistakes`] with all mistakes of the text and of its scenes, and [`ScriptError::NothingFits`].
+    pub fn of_text(
+        name: &str,
+        text: &str,
+        song: &SongStructure,
+        find: impl FnMut(&str) -> Result<SceneFacts, Refusal>,
+    ) -> Result<(Self, Option<String>), ScriptError> {
+        let parsed = parse(name, text);
+        let named = NamedScenes::of(&parsed.entries, find);
+        let script = match parsed.script {
+            Some(script) if named.mistakes.is_empty() => script,
+            _ => {
+                let mut mistakes = [parsed.diagnostics, named.mistakes].concat();
+                mistakes.sort_by_key(|one| one.span.start);
+                mistakes.truncate(DIAGNOSTICS_MAX);
+                let of_text = render_all(&mistakes, &parsed.sources, false);
+                let report = std::iter::once(of_text).chain(named.reports).collect::<Vec<_>>().join("\n");
+                return Err(ScriptError::Mistakes { report });
+            }
+        };
+        let (ways, cards) = (ways_of(&named.facts), cards_of(&named.facts));
+        let (plan, left_out) = resolved(&script, song, &[], &ways);
+        let told = (!left_out.is_empty()).then(|| render_all(&left_out, &parsed.sources, false));
+        if plan.is_none() && script.cues().next().is_none() {
+            return Err(ScriptError::NothingFits { report: told.unwrap_or_default() });
+        }
+        Ok((Self { plan, script, ways, cards }, told))
+    }
+
+    /// The same scenes by another plan.
+    pub fn with_plan(&self, plan: Option<Plan>) -> Self {
+        Self { plan, ..self.clone() }
+    }
+
+    /// The same show where the key was pressed at these moments, in seconds, for which entries wait.
+    pub fn with_cues(&self, song: &SongStructure, cues: &[f64]) -> Self {
+        self.with_plan(resolved(&self.script, song, cues, &self.ways).0)
+    }
+
+    /// Replaces scenes by others that the show knows. `None` if every scene is refused.
+    pub fn without(&self, is_refused: impl Fn(&str) -> bool) -> Option<Self> {
+        let stays = with_substitutes(self.stays(), &self.cards, is_refused)?;
+        Some(self.with_plan(Plan::new(stays)))
+    }
+
+    /// What is on when; `None` as long as every entry waits for a key.
+    pub fn plan(&self) -> Option<&Plan> {
+        self.plan.as_ref()
+    }
+
+    /// The stays in their order; none without a plan.
+    pub fn stays(&self) -> &[Stay] {
+        self.plan().map_or(&[], Plan::stays)
+    }
+
+    /// The scenes that wait for a key, in their order.
+    pub fn cues(&self) -> Vec<&str> {
+        self.script.cues().map(|entry| entry.scene.as_str()).collect()
+    }
+
+    /// Descriptions of the scenes; for the director, of all that it may choose.
+    pub fn cards(&self) -> &[SceneCard] {
+        &self.cards
+    }
+
+    /// The text of a show file that is this show, below lines of comment.
+    pub fn text(&self, comments: &[String]) -> String {
+        print(&self.script, comments)
+    }
+}
+
+fn ways_of(known: &BTreeMap<String, SceneFacts>) -> BTreeMap<String, Liked> {
+    known.iter().map(|(name, scene)| (name.clone(), scene.ways())).collect()
+}
+
+fn cards_of(known: &BTreeMap<String, SceneFacts>) -> Vec<SceneCard> {
+    known.iter().map(|(name, scene)| scene.card(name)).collect()
+}
+
+fn resolved(
+    script: &Script,
+    song: &SongStructure,
+    cues: &[f64],
+    ways: &BTreeMap<String, Liked>,
+) -> (Option<Plan>, Vec<Diagnostic>) {
+    resolve(script, song, cues, |from, to| {
+        let liked = |name: &str| ways.get(name).copied().unwrap_or_default();
+        liked(to).0.or(from.and_then(|from| liked(from).1))
+    })
+}
+
+/// The seed of a song's show. It follows from the song's content, but not from anything that the arithmetic of another
+/// machine might round in another way.
+pub fn seed_of(song: &SongStructure) -> u64 {
+    let whole = |number: f64| number.round() as u64;
+    let key = song.key.map_or(99, |key| u64::from(key.root));
+    let of_sections = song.sections.iter().flat_map(|section| {
+        section.letter.bytes().map(u64::from).chain([whole(section.start), whole(section.end)])
+    });
+    let all = [whole(song.seconds), key, song.beats.len() as u64 / 8].into_iter().chain(of_sections);
+    // FNV-1a, by words.
+    all.fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ word).wrapping_mul(0x0100_0000_01b3))
+}

@@ -1,0 +1,117 @@
+//! Replaces scenes of a show that this machine cannot draw.
+//!
+//! The substitute suits music of about the same energy and differs from its neighbours. It keeps the rhythm of the
+//! camera changes.
+
+use super::director::SceneCard;
+use super::plan::Stay;
+use super::script::is_of_no_scene;
+
+/// Replaces the scene of each refused stay. Returns `None` if all scenes are refused.
+pub(super) fn with_substitutes(
+    stays: &[Stay],
+    cards: &[SceneCard],
+    is_refused: impl Fn(&str) -> bool,
+) -> Option<Vec<Stay>> {
+    let usable: Vec<&SceneCard> = cards.iter().filter(|card| !is_refused(&card.scene)).collect();
+    let mut found: Vec<Stay> = Vec::with_capacity(stays.len());
+    // The refused scene of the last stay, and its substitute.
+    let mut last: Option<(&str, &SceneCard)> = None;
+    for (index, stay) in stays.iter().enumerate() {
+        if !is_refused(&stay.scene) {
+            last = None;
+            found.push(stay.clone());
+            continue;
+        }
+        let refused = cards.iter().find(|card| card.scene == stay.scene)?;
+        let substitute = match last {
+            Some((scene, substitute)) if scene == stay.scene => substitute,
+            _ => {
+                let later = stays.iter().skip(index).map(|later| later.scene.as_str());
+                let next = later.into_iter().find(|scene| *scene != stay.scene);
+                let before = found.last().map(|stay| stay.scene.as_str());
+                let neighbours = [before, next];
+                let rank = |card: &SceneCard| {
+                    let is_neighbour = neighbours.contains(&Some(card.scene.as_str()));
+                    (is_neighbour, (energy(card) - energy(refused)).abs())
+                };
+                let order = |a: &&&SceneCard, b: &&&SceneCard| {
+                    let (a, b) = (rank(a), rank(b));
+                    a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+                };
+                usable.iter().min_by(order)?
+            }
+        };
+        last = Some((&stay.scene, substitute));
+        found.push(substituted(stay, refused, substitute));
+    }
+    Some(found)
+}
+
+/// The middle of the energies for which a scene is made.
+fn energy(card: &SceneCard) -> f32 {
+    0.5 * (card.about.energy.0 + card.about.energy.1)
+}
+
+fn substituted(stay: &Stay, refused: &SceneCard, substitute: &SceneCard) -> Stay {
+    let number = refused.cameras.iter().position(|camera| Some(camera) == stay.camera.as_ref());
+    Stay {
+        scene: substitute.scene.clone(),
+        camera: number.and_then(|number| substitute.cameras.get(number)).cloned(),
+        moves: stay.moves.iter().filter(|one| is_of_no_scene(&one.param)).cloned().collect(),
+        ..stay.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{Entrance, Move};
+    use mariana_field::lang::About;
+
+    fn card(scene: &str, energy: f32, cameras: &[&str]) -> SceneCard {
+        let about = About { energy: (energy, energy), ..About::default() };
+        let cameras = cameras.iter().map(|camera| (*camera).to_owned()).collect();
+        SceneCard { scene: scene.to_owned(), about, cameras }
+    }
+
+    fn stay(start: f64, scene: &str, camera: Option<&str>) -> Stay {
+        let moved = |param: &str| Move { param: param.to_owned(), start, seconds: 0.0, from: 1.0, to: 1.0 };
+        Stay {
+            start,
+            scene: scene.to_owned(),
+            camera: camera.map(str::to_owned),
+            entrance: Entrance::CUT,
+            moves: vec![moved("swell"), moved("picture brightness")],
+        }
+    }
+
+    #[test]
+    fn a_scene_that_was_too_much_for_the_machine_left_the_show_without_one() {
+        let cards = [
+            card("calm", 0.2, &[]),
+            card("heavy", 0.7, &["near", "far"]),
+            card("like it", 0.75, &["left"]),
+            card("loud", 0.9, &[]),
+        ];
+        let stays = [
+            stay(0.0, "calm", None),
+            stay(4.0, "heavy", None),
+            stay(6.0, "heavy", Some("near")),
+            stay(7.0, "heavy", Some("far")),
+            stay(8.0, "loud", None),
+            stay(9.0, "heavy", Some("near")),
+            stay(10.0, "like it", None),
+        ];
+        let found = with_substitutes(&stays, &cards, |scene| scene == "heavy").unwrap();
+        let scenes: Vec<_> = found.iter().map(|stay| (&*stay.scene, stay.camera.as_deref())).collect();
+        let like_it = [("like it", None), ("like it", Some("left")), ("like it", None)];
+        let expected =
+            [&[("calm", None)][..], &like_it, &[("loud", None), ("calm", None), ("like it", None)]];
+        assert_eq!(scenes, expected.concat());
+        let moved = |stay: &Stay| stay.moves.iter().map(|one| one.param.clone()).collect::<Vec<_>>();
+        assert_eq!(moved(&found[1]), ["picture brightness"], "a parameter of another scene");
+        assert_eq!(found[4], stays[4]);
+        assert_eq!(with_substitutes(&stays, &cards, |_| true), None);
+    }
+}

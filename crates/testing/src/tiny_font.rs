@@ -1,0 +1,121 @@
+//! Fonts for tests: a few letters, each a square of its own size.
+
+use tempfile::TempDir;
+
+/// What is in a font.
+pub struct TinyFont<'a> {
+    /// Its family's name.
+    pub name: &'a str,
+    /// The language of its name, as Windows counts them.
+    pub language: u16,
+    /// What it has.
+    pub letters: &'a str,
+    /// Side of the first letter's square, of 1,000 a size; each further one's is 200 less.
+    pub side: i16,
+}
+
+impl<'a> TinyFont<'a> {
+    /// A font with an English name.
+    pub fn new(name: &'a str, letters: &'a str) -> Self {
+        Self { name, language: 0x409, letters, side: 800 }
+    }
+
+    /// Its file: TrueType, as <https://learn.microsoft.com/typography/opentype/spec/> has it.
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut letters: Vec<char> = self.letters.chars().collect();
+        letters.sort_unstable();
+        let count = letters.len() as u16 + 1;
+        // The first one is the box for what is missing.
+        let mut outlines = Vec::new();
+        let mut places = Vec::new();
+        for place in 0..count as i16 {
+            places.extend((outlines.len() as u32).to_be_bytes());
+            outlines.extend(square(if place == 0 { 300 } else { self.side - 200 * (place - 1) }));
+        }
+        places.extend((outlines.len() as u32).to_be_bytes());
+        let widths: Vec<u8> = (0..count).flat_map(|_| words(&[1_000, 0])).collect();
+        let head =
+            [words(&[1, 0, 1, 0, 0, 0, 0x5F0F, 0x3CF5, 0, 1_000]), vec![0; 16], words(&[0, 0, 900, 900])];
+        let head = [head.concat(), words(&[0, 8, 2, 1, 0])].concat();
+        let hhea = [words(&[1, 0, 800, (-200_i16).cast_unsigned(), 0, 1_000]), vec![0; 22], words(&[count])];
+        let maxp = [words(&[1, 0, count, 4, 1, 0, 0, 1]), vec![0; 16]];
+        assemble(&[
+            (b"cmap", code_map(&letters)),
+            (b"glyf", outlines),
+            (b"head", head),
+            (b"hhea", hhea.concat()),
+            (b"hmtx", widths),
+            (b"loca", places),
+            (b"maxp", maxp.concat()),
+            (b"name", names(self.name, self.language)),
+        ])
+    }
+}
+
+/// A folder with files of these names.
+pub fn folder_of(files: &[(&str, Vec<u8>)]) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder for the test");
+    for (name, bytes) in files {
+        std::fs::write(folder.path().join(name), bytes).expect("a file for the test");
+    }
+    folder
+}
+
+fn words(values: &[u16]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_be_bytes()).collect()
+}
+
+/// One contour of four points on the outline.
+fn square(side: i16) -> Vec<u8> {
+    let (side, back) = (side.cast_unsigned(), (-side).cast_unsigned());
+    let mut bytes = words(&[1, 0, 0, side, side, 3, 0]);
+    bytes.extend([1; 4]);
+    bytes.extend(words(&[0, side, 0, back]));
+    bytes.extend(words(&[0, 0, side, 0]));
+    bytes
+}
+
+/// A table of format 12, with a group for each letter.
+fn code_map(letters: &[char]) -> Vec<u8> {
+    let groups = letters.len() as u32;
+    let mut bytes = words(&[0, 1, 3, 10, 0, 12, 12, 0]);
+    for value in [16 + 12 * groups, 0, groups] {
+        bytes.extend(value.to_be_bytes());
+    }
+    for (at, letter) in letters.iter().enumerate() {
+        let code = u32::from(*letter);
+        for value in [code, code, at as u32 + 1] {
+            bytes.extend(value.to_be_bytes());
+        }
+    }
+    bytes
+}
+
+/// The family's name, and the same without spaces.
+fn names(name: &str, language: u16) -> Vec<u8> {
+    let texts =
+        [name.to_owned(), name.replace(' ', "")].map(|text| words(&text.encode_utf16().collect::<Vec<_>>()));
+    let lengths = texts.each_ref().map(|text| text.len() as u16);
+    let mut bytes = words(&[0, 2, 30]);
+    bytes.extend(words(&[3, 1, language, 1, lengths[0], 0]));
+    bytes.extend(words(&[3, 1, language, 6, lengths[1], lengths[0]]));
+    bytes.extend(texts.concat());
+    bytes
+}
+
+fn assemble(tables: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
+    let count = tables.len() as u16;
+    let mut bytes = words(&[1, 0, count, 0, 0, 0]);
+    let mut body = Vec::new();
+    for (tag, table) in tables {
+        bytes.extend(*tag);
+        let start = 12 + 16 * u32::from(count) + body.len() as u32;
+        for value in [0, start, table.len() as u32] {
+            bytes.extend(value.to_be_bytes());
+        }
+        body.extend(table);
+        body.resize(body.len().next_multiple_of(4), 0);
+    }
+    bytes.extend(body);
+    bytes
+}

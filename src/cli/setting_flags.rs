@@ -1,0 +1,41 @@
+//! The flags of settings, from their table. They hold for a run; what was chosen in the window holds otherwise.
+
+use clap::Args;
+
+use super::choices::choice;
+use super::parse::{parse_corners, parse_crop, parse_fade, parse_percent};
+use crate::config::{Choices, QualityChoice, Setting, with_settings};
+use crate::placement::{Corners, Crop, Flip};
+
+/// Makes the flags from the table: one for each row with brackets.
+macro_rules! define_flags {
+    ($( $table:ident { $(
+        $(#[$of_field:meta])* $field:ident: $type:ty = $default:expr, $variant:ident
+            $({ $name:literal, $purpose:literal })? $([ $($key:ident = $value:expr),+; $help:literal ])?;
+    )* } )*) => {
+        #[derive(Args)]
+        pub(super) struct SettingFlags {
+            $($($(
+                #[arg(long, help = $help, $($key = $value),+)]
+                $field: Option<$type>,
+            )?)*)*
+        }
+
+        impl SettingFlags {
+            /// Returns the settings of a run: those of the flags, and the `remembered` ones where there is no flag.
+            pub(super) fn over(&self, remembered: &Choices) -> Choices {
+                let mut choices = remembered.clone();
+                $($($(
+                    // Only rows with a flag.
+                    let _ = $help;
+                    if let Some(value) = self.$field {
+                        choices.set(&Setting::$variant(value));
+                    }
+                )?)*)*
+                choices
+            }
+        }
+    };
+}
+
+with_settings!(define_flags);

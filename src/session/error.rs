@@ -1,0 +1,74 @@
+//! Errors that keep the window from showing. Each message says what, where and what to do.
+
+use crate::export::ExportError;
+use crate::gpu::error::GpuError;
+use crate::scenes::SceneError;
+use crate::sending::SendError;
+use mariana_player::PlayerError;
+
+/// An error of the window.
+#[derive(Debug, thiserror::Error)]
+pub enum SessionError {
+    /// No display to open a window on.
+    #[error(
+        "no window can be opened ({0}): start Mariana in a graphical session, or use 'mariana still' or 'mariana \
+         video', which need none"
+    )]
+    NoDisplay(String),
+    /// The window system was there and has gone.
+    #[error(
+        "the window is gone because its display ended or closed the connection: start Mariana in a running session"
+    )]
+    DisplayLost,
+    /// A wallpaper on Wayland without the protocol for it.
+    #[error(
+        "this Wayland compositor gives no place below its windows (it lacks the protocol zwlr_layer_shell_v1), which \
+         --wallpaper needs: start Mariana in an X11 session, or in one of KDE Plasma, Sway, Hyprland or another \
+         compositor with that protocol"
+    )]
+    NoLayerShell,
+    /// A wallpaper without a monitor.
+    #[error("there is no monitor: connect one")]
+    NoMonitor,
+    /// The system gives no thread.
+    #[error(
+        "the system cannot start another thread ({0}): close other programs, or allow more memory or processes \
+         (ulimit -a)"
+    )]
+    NoThread(String),
+    /// The window system refused.
+    #[error("the window system refuses {doing}: {reason}")]
+    Window {
+        /// What was being done.
+        doing: &'static str,
+        /// What the system said.
+        reason: String,
+    },
+    /// No usable OpenGL for the window.
+    #[error(
+        "the window cannot get an OpenGL 3.3 core context ({0}): update the graphics driver, or set \
+         LIBGL_ALWAYS_SOFTWARE=1 to use Mesa's software renderer"
+    )]
+    NoContext(String),
+    /// Standard output is full.
+    #[error(transparent)]
+    Print(#[from] ExportError),
+    /// The overlay's shaders or buffers are refused.
+    #[error("the driver cannot draw text over the picture ({0}): update the graphics driver")]
+    Overlay(String),
+    /// The scene cannot be read, or has mistakes.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The picture cannot be drawn.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The song that is to continue cannot: it was damaged or removed.
+    #[error("the song cannot continue: {0}")]
+    SongLost(String),
+    /// Pictures cannot be sent.
+    #[error(transparent)]
+    Send(#[from] SendError),
+    /// The song cannot be played.
+    #[error(transparent)]
+    Player(#[from] PlayerError),
+}

@@ -1,0 +1,59 @@
+//! Scenes: what is drawn, by which program, and what comes next.
+//!
+//! ```text
+//! SceneLibrary (what was asked for) ─► ScenePreparation ─► PreparedScenes ─► SceneComposer ─► picture
+//!                  ▲                   programs, trees      shown, coming,    fades, views,
+//!             ShowFollower                                  fading out, next  camera
+//!             the user                                          ▲
+//!                                                           Parameters
+//! ```
+//!
+//! [`SceneSession`] is the door: it owns the parts and hands what one finds to the others. Each part owns its state, and
+//! gets the others' by arguments.
+
+mod ahead;
+mod awaited_edit;
+mod camera;
+mod composer;
+mod context_change;
+pub(crate) mod edits;
+mod fading;
+mod kept;
+mod knobs;
+mod library;
+mod messages;
+mod parameters;
+mod performed;
+mod preparation;
+mod prepared_scene;
+mod prepared_scenes;
+mod preview;
+mod program_library;
+mod program_task;
+mod refusal;
+mod region_builder;
+mod regions;
+mod report;
+mod scene_change;
+mod scenery;
+mod session;
+mod show_follower;
+mod shown_parameters;
+mod stays;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
+mod tree_trials;
+mod universal;
+mod versions;
+mod views;
+
+pub(crate) use composer::{Drawn, WantedPicture};
+pub(crate) use context_change::{DrawingWays, LoadedScene, SceneLoaders};
+pub(crate) use library::SceneLoader;
+pub(crate) use messages::SceneWords;
+pub(crate) use performed::Performed;
+pub(crate) use regions::Shown;
+pub(crate) use scenery::Scenery;
+pub(crate) use session::SceneSession;

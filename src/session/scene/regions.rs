@@ -1,0 +1,304 @@
+//! The regions of the scene that shows: requested in parallel with the frames, and what is drawn until they come.
+//!
+//! A picture is drawn with the inputs that its tree was built for. A tree that comes after its frame was due is drawn
+//! when it comes: the picture then follows the sound with fewer frames. If the compiled program draws faster than a
+//! tree is built, it draws without one; an interpreter would take much longer that way.
+
+use std::time::Duration;
+
+use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
+use crate::faults::{self, Fault};
+use crate::frame::Frame;
+use crate::frame::orbit_controls::OrbitControls;
+use crate::gpu::cell_use::CellUse;
+use crate::gpu::edge_samples::EdgeSamples;
+use crate::gpu::scene_program::Mode;
+use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
+use crate::limits::LIMITS;
+use mariana_music::Sound;
+use mariana_player::Moment;
+
+/// Trees that take no longer than this are waited for, even if a frame is drawn in less time.
+const WAITED_FOR: Duration = Duration::from_millis(17);
+
+/// What a picture shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Shown {
+    /// The moment of the song.
+    pub moment: Moment,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// Further samples of pixels at edges.
+    pub edges: EdgeSamples,
+    /// The session's revision.
+    pub revision: u64,
+}
+
+/// How a picture is wanted besides its moment and its sound.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wishes<'a> {
+    /// The scene's parameters.
+    pub params: &'a [f32],
+    /// One of its cameras with names; none is its own.
+    pub camera: Option<usize>,
+    /// How the camera was moved by hand.
+    pub hand: OrbitControls,
+    /// Whether cells of regions are used where they can be.
+    pub cells: CellUse,
+    /// The scene has never had a tree: a build that takes too long is given up.
+    pub is_untried: bool,
+    /// This is the outgoing picture of a fade.
+    pub fades_away: bool,
+}
+
+/// A requested tree.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Asked {
+    /// The scene.
+    id: u64,
+    /// The picture.
+    shown: Shown,
+    /// It is the outgoing picture of a fade. Both pictures may have the same moment and scene, but each needs its own
+    /// tree: cameras and parameters differ.
+    fades_away: bool,
+}
+
+/// The builder's requests, and whether trees are waited for.
+pub(super) struct SceneRegions {
+    /// Whether a tree is waited for, however long it takes.
+    insists: bool,
+    builder: RegionBuilder<Asked>,
+    /// The last request, until its tree has come.
+    asked: Option<Asked>,
+    /// The compiled scene that is drawn faster than its tree is built, and is therefore drawn without.
+    late_for: Option<(u64, Mode)>,
+    /// The compiled scene that was no faster without its tree.
+    waited_for: Option<(u64, Mode)>,
+    /// Whether the last picture waited for its tree.
+    waited: bool,
+    /// How long the last tree took.
+    tree_time: Duration,
+    /// The scene whose picture was given up because its tree takes too long.
+    given_up: Option<u64>,
+}
+
+impl SceneRegions {
+    /// Starts the builder, which calls `wake` after each tree.
+    ///
+    /// # Errors
+    /// What the system says about threads.
+    pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+        Ok(Self {
+            insists: false,
+            builder: RegionBuilder::start(wake)?,
+            asked: None,
+            late_for: None,
+            waited_for: None,
+            waited: false,
+            tree_time: Duration::ZERO,
+            given_up: None,
+        })
+    }
+
+    /// A frame of the scene `id` that can be drawn now in a mode, and what it shows: `wanted`, which sounds like
+    /// `sound`, or an earlier picture whose tree has come by now. None if there is nothing new to draw.
+    pub(super) fn drawable(
+        &mut self,
+        (id, mode): (u64, Mode),
+        scene: &SceneResources,
+        wanted: Shown,
+        sound: Sound,
+        wishes: Wishes<'_>,
+    ) -> Option<(Frame, Shown)> {
+        let cells = self.uses_cells((id, mode), scene, wishes.cells);
+        scene.set_cells(cells, mode);
+        let time = wanted.moment.song_time;
+        let mut frame = Frame::with_params(scene.world(), time, sound, wanted.size, wishes.params);
+        frame.seen_by(scene.world(), wishes.camera);
+        let frame = frame.by_hand(scene.world(), wishes.hand);
+        let request = scene.region_request(&frame);
+        // Inputs that did not change cost nothing, and a tape without cells next to nothing. A scene's first picture
+        // waits for its tree, because the picture that was shown belongs to another scene.
+        if !cells || scene.regions().is_some_and(|built| built.request == request) {
+            self.waited = false;
+            if self.asked.take().is_some() {
+                self.builder.forget();
+            }
+            return Some((frame, wanted));
+        }
+        let tag = Asked { id, shown: wanted, fades_away: wishes.fades_away };
+        if self.asked.is_some_and(|asked| asked.id != id) {
+            // Nobody waits for another scene's, which may take long.
+            self.builder.forget();
+        }
+        if self.asked != Some(tag) {
+            let patience = match wishes.is_untried {
+                true if faults::lasts(Fault::SlowTree) => Duration::ZERO,
+                true => longest_wait(),
+                false => Duration::MAX,
+            };
+            let maker = scene.region_maker();
+            self.builder.request(TreeJob { tag, frame, maker, request, patience });
+            self.asked = Some(tag);
+        }
+        let BuiltTree { tag, mut frame, regions } = self.builder.poll()?;
+        let Asked { id: of, mut shown, fades_away } = tag;
+        if self.asked == Some(tag) {
+            self.asked = None;
+        }
+        if regions.is_none() {
+            (self.given_up, self.asked) = (Some(of), None);
+        }
+        let is_of_use = (of, fades_away) == (id, wishes.fades_away);
+        let regions = regions.filter(|regions| is_of_use && regions.request.options.cells == cells)?;
+        if shown.size != wanted.size {
+            shown.size = wanted.size;
+            frame = frame.resized(scene.world(), wanted.size);
+        }
+        scene.take_regions(regions);
+        self.waited = true;
+        Some((frame, shown))
+    }
+
+    fn uses_cells(&self, drawn: (u64, Mode), scene: &SceneResources, wish: CellUse) -> bool {
+        let wish = match wish {
+            CellUse::Never => CellUse::Never,
+            _ if self.insists => CellUse::Always,
+            _ if self.late_for == Some(drawn) => CellUse::Never,
+            wish => wish,
+        };
+        scene.uses_cells(wish, drawn.1)
+    }
+
+    /// Whether a picture of this scene was given up because its tree takes too long; says so once.
+    pub(super) fn has_given_up(&mut self, id: u64) -> bool {
+        self.given_up.take_if(|given_up| *given_up == id).is_some()
+    }
+
+    /// Draws a compiled scene without a tree, from its first picture on.
+    pub(super) fn do_without(&mut self, id: u64) {
+        self.late_for = Some((id, Mode::Compiled));
+    }
+
+    /// Waits for trees from now on, however long they take, or not.
+    pub(super) fn insist(&mut self, insists: bool) {
+        self.insists = insists;
+    }
+
+    /// Whether a requested tree has come.
+    pub(super) fn have_come(&self) -> bool {
+        self.builder.has_built()
+    }
+
+    /// Notes how long a frame of a scene and mode took that was drawn with `built`. Returns whether it should be
+    /// drawn in another way from now on.
+    pub(super) fn note_frame_time(
+        &mut self,
+        drawn: (u64, Mode),
+        built: &BuiltRegions,
+        time: Duration,
+        wish: CellUse,
+    ) -> bool {
+        if drawn.1 != Mode::Compiled || wish == CellUse::Never {
+            return false;
+        }
+        let now = Some(drawn);
+        if built.request.options.cells {
+            self.tree_time = built.time;
+            let late = self.waited && built.time > time.max(WAITED_FOR) && self.waited_for != now;
+            if late {
+                self.late_for = now;
+            }
+            return late;
+        }
+        // Drawn without a tree: was that a good choice?
+        let no_sooner = self.late_for == now && time > self.tree_time;
+        if no_sooner {
+            (self.late_for, self.waited_for) = (None, now);
+        }
+        no_sooner
+    }
+
+    /// Whether cells are to be used from now on: if the scene is drawn without any, and else not.
+    pub(super) fn toggle(&mut self, drawn: Option<((u64, Mode), &SceneResources)>, wish: CellUse) -> CellUse {
+        let used = match drawn {
+            Some((drawn, scene)) if !scene.world().steep => self.uses_cells(drawn, scene, wish),
+            _ => wish != CellUse::Never,
+        };
+        self.late_for = None;
+        if used { CellUse::Never } else { CellUse::Always }
+    }
+
+    /// What the line about the scene says of them.
+    pub(super) fn about(&self, drawn: (u64, Mode), last: Option<&BuiltRegions>, wish: CellUse) -> String {
+        match last {
+            _ if wish == CellUse::Never => "no regions".to_owned(),
+            _ if self.late_for == Some(drawn) => {
+                format!("no regions: building a tree takes {:.0} ms", milliseconds(self.tree_time))
+            }
+            Some(built) if !built.request.options.cells => "no regions: they would save nothing".to_owned(),
+            Some(built) => {
+                let stats = &built.regions.stats;
+                let time = milliseconds(built.time);
+                format!("regions in {time:.1} ms, {} cells, {} tapes", stats.cells, stats.tapes)
+            }
+            None => "regions are being built".to_owned(),
+        }
+    }
+}
+
+/// Longer than this nobody waits for a picture.
+pub(super) fn longest_wait() -> Duration {
+    Duration::from_secs_f64(LIMITS.picture_seconds_max)
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1000.0
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use super::*;
+    use crate::gpu::headless::Headless;
+    use mariana_field::region::RegionPlan;
+    use mariana_field::world::World;
+    use mariana_music::Features;
+
+    /// Balls without end: their tree follows the eye.
+    const TWO_CAMERAS: &str = "camera near { position = vec3(0, 2, -5)  target = vec3(0) }\n\
+                               camera far { position = vec3(0, 2, -95)  target = vec3(0) }\n\
+                               object balls { shape = sphere(mod(p, 4) - 2, 0.5) }";
+
+    #[test]
+    fn a_fade_between_two_cameras_of_one_scene_stood_still() {
+        let context = Headless::new(false).unwrap();
+        let world = World::parse("test", TWO_CAMERAS).unwrap();
+        let (buffers, plan) = (world.tape_buffers().unwrap(), RegionPlan::new(&world));
+        let scene = SceneResources::upload(context.gl(), world.into(), buffers.into(), plan.into()).unwrap();
+        let (woken, wakes) = channel();
+        let mut regions = SceneRegions::start(move || woken.send(()).unwrap_or_default()).unwrap();
+        let size = (16, 9);
+        let shown = Shown { moment: Moment::default(), size, edges: EdgeSamples::Four, revision: 0 };
+        let mut eyes = Vec::new();
+        for (camera, fades_away) in [(0, true), (1, false)] {
+            let (camera, hand) = (Some(camera), OrbitControls::OFF);
+            let wishes =
+                Wishes { params: &[], camera, hand, cells: CellUse::Always, is_untried: false, fades_away };
+            let mut picture = || {
+                let drawn = (7, Mode::Compiled);
+                regions.drawable(drawn, &scene, shown, Features::SILENCE.into(), wishes)
+            };
+            let (frame, of) = loop {
+                if let Some(found) = picture() {
+                    break found;
+                }
+                wakes.recv_timeout(Duration::from_secs(20)).expect("no request for the tree of this camera");
+            };
+            assert_eq!(of, shown);
+            eyes.push(frame.camera.position.z);
+        }
+        assert_eq!(eyes, [-5.0, -95.0]);
+    }
+}

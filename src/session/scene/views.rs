@@ -1,0 +1,160 @@
+//! Views of the scene that shows: which one is chosen, and the programs that draw it. They are made in parallel with the
+//! picture when they are first asked for; until one is there the picture goes on.
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::kept::KeptPrograms;
+use super::prepared_scene::PreparedScene;
+use super::program_task::ViewsOf;
+use crate::frame::Frame;
+use crate::gpu::error::GpuError;
+use crate::gpu::program::Program;
+use crate::gpu::renderer::Renderer;
+use crate::gpu::scene_program::Mode;
+use crate::view::legend::{LegendPainter, LegendPicture};
+use crate::view::setup::ViewSetup;
+use crate::view::{View, ViewChoice};
+
+/// The view that is shown, and what there is to draw it.
+#[derive(Default)]
+pub(crate) struct Views {
+    choice: Option<ViewChoice>,
+    programs: KeptPrograms<ViewsOf>,
+    legends: Option<LegendPainter>,
+    /// The number of the view that was drawn last.
+    number: Option<f32>,
+    /// Counts the changes.
+    revision: u64,
+}
+
+impl Views {
+    /// Shows this view from the start.
+    pub(super) fn starting_with(choice: Option<ViewChoice>) -> Self {
+        Self { choice, ..Self::default() }
+    }
+
+    /// The chosen view of a scene, with a program that draws it and that program's mode: the given mode or, until its
+    /// program is there, the other one, so that a view stays when the mode changes.
+    pub(super) fn program(
+        &mut self,
+        scene: &PreparedScene,
+        mode: Mode,
+    ) -> Option<(ViewChoice, Mode, Rc<Program>)> {
+        let choice = self.choice?;
+        let other = if mode == Mode::Compiled { Mode::Interpreted } else { Mode::Compiled };
+        [mode, other].into_iter().find_map(|mode| {
+            let wanted = scene.views(mode)?;
+            self.programs.find(|known| known.covers(&wanted)).map(|program| (choice, mode, program))
+        })
+    }
+
+    /// Forgets the programs of scenes that are none of these.
+    pub(super) fn keep(&mut self, kept: &[u64]) {
+        self.programs.retain(|of| match of {
+            ViewsOf::Compiled(id) => kept.contains(id),
+            ViewsOf::Interpreted(_) => true,
+        });
+    }
+
+    /// The view that was chosen; none is the picture.
+    pub(crate) fn choice(&self) -> Option<ViewChoice> {
+        self.choice
+    }
+
+    /// Begins a view of a frame, and returns the legend that is to be put over it.
+    pub(super) fn begin(
+        &mut self,
+        renderer: &mut Renderer,
+        frame: &Frame,
+        (prepared, mode): (&PreparedScene, Mode),
+        choice: ViewChoice,
+    ) -> Result<Option<Arc<LegendPicture>>, GpuError> {
+        let scene = &prepared.resources;
+        let setup = ViewSetup::of(choice, frame, scene.world(), scene.drawn(mode));
+        self.number = setup.number;
+        let legend = self.legends.get_or_insert_default().picture(setup.legend, frame.size);
+        renderer.begin_view(frame, scene, &setup.block)?;
+        Ok(legend)
+    }
+
+    /// The view after the chosen one, or the one before; the plain picture is between the last and the first.
+    pub(super) fn beside(&self, forward: bool) -> Option<ViewChoice> {
+        View::beside(self.choice.map(|choice| choice.view), forward).map(ViewChoice::from)
+    }
+
+    /// The same view with a larger or smaller number.
+    ///
+    /// # Errors
+    /// Why there is none, in words.
+    pub(super) fn stepped(&self, larger: bool) -> Result<ViewChoice, String> {
+        let Some(choice) = self.choice else {
+            return Err("only views have a number: press V for a view".to_owned());
+        };
+        if choice.view.row().number.is_none() {
+            return Err(format!("the view {choice} has no number"));
+        }
+        Ok(choice.stepped(choice.number.or(self.number), larger))
+    }
+
+    /// Shows this view from now on.
+    pub(super) fn choose(&mut self, choice: Option<ViewChoice>) {
+        self.choice = choice;
+        if choice.is_some_and(|choice| choice.number.is_none()) {
+            self.number = None;
+        }
+        self.revision += 1;
+    }
+
+    /// What a program must draw to show the chosen view of a scene in a mode, if there is none.
+    pub(super) fn missing(&self, scene: &PreparedScene, mode: Mode) -> Option<ViewsOf> {
+        self.choice?;
+        scene.views(mode).filter(|wanted| !self.programs.has(|known| known.covers(wanted)))
+    }
+
+    /// Takes a program of views that was requested. If the driver refuses it, the picture shows instead.
+    ///
+    /// # Errors
+    /// What the driver says.
+    pub(super) fn take(&mut self, of: ViewsOf, program: Result<Program, GpuError>) -> Result<(), GpuError> {
+        self.revision += 1;
+        match program {
+            Ok(program) => {
+                tracing::info!("views are ready");
+                self.programs.add(of, program);
+                Ok(())
+            }
+            Err(error) => {
+                tracing::warn!("{error}");
+                self.choice = None;
+                Err(error)
+            }
+        }
+    }
+
+    /// A number that changes whenever the same moment looks different because of views.
+    pub(super) fn revision(&self) -> u64 {
+        self.revision
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_picture_lies_between_the_last_view_and_the_first_and_has_no_number() {
+        let mut views = Views::default();
+        assert!(views.stepped(true).is_err());
+        let mut count = 0;
+        while let Some(next) = views.beside(true) {
+            views.choose(Some(next));
+            count += 1;
+        }
+        assert!(count > 1 && views.revision() == count);
+        views.choose(None);
+        let last = views.beside(false);
+        views.choose(last);
+        assert!(last.is_some() && views.beside(true).is_none());
+    }
+}
