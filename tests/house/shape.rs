@@ -27,7 +27,6 @@ const FUNCTION_MAX: usize = 80;
 const OVER: &[(Kind, &str, usize)] = &[
     (Modules, "app/stage.rs", 17),
     (Modules, "app/window_thread.rs", 12),
-    (Modules, "scenes/mod.rs", 6),
     (Fields, "Editor", 23),
     (Fields, "Sound", 16),
     (Fields, "Stage", 33),
