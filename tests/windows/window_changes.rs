@@ -5,7 +5,6 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop};
 use crate::walls::{quiet_song, quit_content as quit, wait_for_channel};

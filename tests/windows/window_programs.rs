@@ -9,7 +9,6 @@ use std::fs;
 use std::os::unix::process::ExitStatusExt;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop, PROGRAM};
 use crate::walls::{quiet_song, quit_content as quit, wait_for_channel};

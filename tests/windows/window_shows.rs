@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop, PROGRAM, command_in};
-use crate::walls::{quit, wait_for_channel};
+use crate::walls::quit;
 use crate::window_hands::{Sender, sent_number};
 use image::RgbaImage;
 use mariana::scenes::shipped_names;

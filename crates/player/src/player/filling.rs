@@ -115,13 +115,13 @@ impl Filling {
     }
 
     /// The rate of the source, in hertz.
-    pub(super) fn from_hz(&self) -> u32 {
+    pub(super) fn source_hz(&self) -> u32 {
         self.conversion.resampler.from_hz()
     }
 
     /// The segment time of the source's next frame, in seconds.
     pub(super) fn next_time(&self) -> f64 {
-        self.conversion.base + self.conversion.fed as f64 / f64::from(self.from_hz())
+        self.conversion.base + self.conversion.fed as f64 / f64::from(self.source_hz())
     }
 
     /// Goes on with a source of another rate, on a device of `rate` frames per second.
