@@ -15,6 +15,7 @@ pub mod demo_track;
 pub mod documents;
 pub mod ending;
 pub mod export;
+pub mod input;
 pub mod limits;
 pub mod program_cache;
 pub mod scenes;

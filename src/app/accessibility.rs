@@ -2,23 +2,13 @@
 //! controls are drawn by the show's: requests go one way, trees of controls the other.
 
 use accesskit_winit::{Adapter, Event, WindowEvent as Asked};
-use egui::accesskit::{ActionRequest, TreeUpdate};
+use egui::accesskit::TreeUpdate;
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, EventLoop, EventLoopProxy};
 use winit::window::Window;
 
 use super::window_thread::Told;
-
-/// What assistive technology asks of the show.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Assistance {
-    /// It is there: the controls are to be told from now on.
-    Begins,
-    /// It presses or moves a control.
-    Act(ActionRequest),
-    /// It has gone.
-    Ends,
-}
+pub(super) use crate::session::screen::Assistance;
 
 impl From<Asked> for Assistance {
     fn from(asked: Asked) -> Self {

@@ -4,7 +4,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use winit::keyboard::{Key, NamedKey};
+use crate::input::{Key, NamedKey};
 
 use crate::commands::{Command, MovedCorner};
 use crate::placement::{Area, Corners};

@@ -31,8 +31,8 @@ pub(super) fn small_in(window: (u32, u32), screen: (u32, u32)) -> Area {
 }
 
 /// Whether a place of a window of `window` pixels, in pixels, is in a part of it.
-pub(super) fn is_within([left, top, right, bottom]: Area, window: (u32, u32), place: (f64, f64)) -> bool {
-    let (x, y) = (place.0 / f64::from(window.0.max(1)), place.1 / f64::from(window.1.max(1)));
+pub(super) fn is_within([left, top, right, bottom]: Area, window: (u32, u32), place: [f64; 2]) -> bool {
+    let (x, y) = (place[0] / f64::from(window.0.max(1)), place[1] / f64::from(window.1.max(1)));
     (left..right).contains(&x) && (top..bottom).contains(&y)
 }
 
@@ -70,8 +70,8 @@ mod tests {
     #[test]
     fn a_place_is_on_the_picture_or_beside_it() {
         let area = small_in((1000, 500), (1000, 500));
-        assert!(is_within(area, (1000, 500), (900.0, 50.0)));
-        for place in [(300.0, 50.0), (900.0, 400.0), (995.0, 50.0), (900.0, 2.0)] {
+        assert!(is_within(area, (1000, 500), [900.0, 50.0]));
+        for place in [[300.0, 50.0], [900.0, 400.0], [995.0, 50.0], [900.0, 2.0]] {
             assert!(!is_within(area, (1000, 500), place), "{place:?}");
         }
     }

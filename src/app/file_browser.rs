@@ -8,8 +8,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use crate::input::{Key, NamedKey};
 use directories::UserDirs;
-use winit::keyboard::{Key, NamedKey};
 
 use super::text_query::TextQuery;
 use crate::commands::{Command, Files, Panel};

@@ -10,13 +10,11 @@ mod direction;
 mod drawing_pace;
 mod dynamic_resolution;
 pub mod editor;
-mod error;
 mod feeds;
 pub mod file_browser;
 mod frame_times;
 pub mod hands;
 pub mod identity;
-pub mod keys;
 mod listening;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod lost_display;
@@ -38,11 +36,13 @@ mod sound;
 mod stage;
 mod text_query;
 mod title;
+mod translate;
 mod typing_times;
 mod user_input;
 mod wallpaper;
 mod window;
+mod window_screen;
 mod window_thread;
 
-pub use error::AppError;
+pub use crate::session::SessionError;
 pub use show::run;

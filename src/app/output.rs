@@ -7,10 +7,11 @@
 use winit::event::WindowEvent;
 use winit::event_loop::EventLoopProxy;
 
-use super::error::AppError;
 use super::monitors::{Monitor, MonitorWatch, named, names};
 use super::window::{GlWindowContext, SecondSurface, SharedWindow};
-use super::window_thread::{Told, Waker};
+use super::window_thread::Told;
+use crate::session::SessionError;
+use crate::session::waker::Waker;
 
 /// See the module.
 pub(super) struct Output {
@@ -121,7 +122,7 @@ impl Output {
     ///
     /// # Errors
     /// The driver refuses a second surface.
-    pub(super) fn take(&mut self, window: SharedWindow, desk: &GlWindowContext) -> Result<(), AppError> {
+    pub(super) fn take(&mut self, window: SharedWindow, desk: &GlWindowContext) -> Result<(), SessionError> {
         if let State::Asked(monitor) = &self.state {
             let (monitor, surface) = (monitor.clone(), desk.second_surface(window)?);
             tracing::info!("the output is on {monitor}");

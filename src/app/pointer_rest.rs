@@ -3,8 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use winit::dpi::PhysicalPosition;
-use winit::event::{TouchPhase, WindowEvent};
+use crate::input::{Input, TouchPhase};
 
 /// How long a pointer that does not move stays, and the bar with it.
 const STAYS: Duration = Duration::from_millis(2_500);
@@ -14,18 +13,18 @@ const MOVED_MIN: f64 = 2.0;
 /// See the module.
 #[derive(Debug, Default)]
 pub(super) struct PointerRest {
-    place: Option<PhysicalPosition<f64>>,
+    place: Option<[f64; 2]>,
     moved: Option<Instant>,
 }
 
 impl PointerRest {
     /// Takes an event of the window.
-    pub(super) fn take(&mut self, event: &WindowEvent, now: Instant) {
-        match event {
-            WindowEvent::CursorMoved { position, .. } => {
+    pub(super) fn take(&mut self, input: &Input, now: Instant) {
+        match input {
+            Input::PointerMoved(position) => {
                 let moved = self
                     .place
-                    .is_some_and(|place| (place.x - position.x).hypot(place.y - position.y) >= MOVED_MIN);
+                    .is_some_and(|place| (place[0] - position[0]).hypot(place[1] - position[1]) >= MOVED_MIN);
                 if moved {
                     self.moved = Some(now);
                 }
@@ -34,9 +33,9 @@ impl PointerRest {
                     self.place = Some(*position);
                 }
             }
-            WindowEvent::CursorLeft { .. } => self.sleep(),
-            WindowEvent::MouseInput { .. } | WindowEvent::MouseWheel { .. } => self.moved = Some(now),
-            WindowEvent::Touch(touch) if touch.phase == TouchPhase::Started => self.moved = Some(now),
+            Input::PointerLeft => self.sleep(),
+            Input::PointerButton { .. } | Input::Wheel(_) => self.moved = Some(now),
+            Input::Touch { phase: TouchPhase::Started, .. } => self.moved = Some(now),
             _ => {}
         }
     }
@@ -67,12 +66,10 @@ impl PointerRest {
 
 #[cfg(test)]
 mod tests {
-    use winit::event::DeviceId;
-
     use super::*;
 
-    fn to(x: f64, y: f64) -> WindowEvent {
-        WindowEvent::CursorMoved { device_id: DeviceId::dummy(), position: PhysicalPosition { x, y } }
+    fn to(x: f64, y: f64) -> Input {
+        Input::PointerMoved([x, y])
     }
 
     #[test]
@@ -98,7 +95,7 @@ mod tests {
         rest.take(&to(20.0, 10.0), now);
         rest.sleep();
         assert!(!rest.is_awake(true, now));
-        rest.take(&WindowEvent::CursorLeft { device_id: DeviceId::dummy() }, now);
+        rest.take(&Input::PointerLeft, now);
         assert_eq!(rest.falls_asleep(), None);
         rest.take(&to(30.0, 10.0), now);
         assert!(rest.is_awake(false, now));

@@ -3,10 +3,10 @@
 use std::time::{Duration, Instant};
 
 use super::announcer::Announcer;
-use super::media_controls::MediaControls;
 use super::overlay::{Notice, NowPlaying};
 use crate::commands::Command;
 use crate::export::print::tell;
+use crate::session::desktop::DesktopControls;
 use mariana_player::PlayerStatus;
 use mariana_player::input::LiveStatus;
 
@@ -16,7 +16,7 @@ const INTERVAL: Duration = Duration::from_millis(100);
 /// See the module.
 pub(super) struct Reports {
     announcer: Announcer,
-    controls: MediaControls,
+    desktop: Box<dyn DesktopControls>,
     /// When the state of the sound is to be looked at.
     due: Instant,
     /// Whether it was told that there is no sound.
@@ -30,10 +30,10 @@ pub(super) struct Reports {
 
 impl Reports {
     /// Begins with what `announcer` has to say already.
-    pub(super) fn new(announcer: Announcer, controls: MediaControls, now: Instant) -> Self {
+    pub(super) fn new(announcer: Announcer, desktop: Box<dyn DesktopControls>, now: Instant) -> Self {
         Self {
             announcer,
-            controls,
+            desktop,
             due: now,
             told_silent: false,
             told_refused: None,
@@ -58,7 +58,7 @@ impl Reports {
 
     /// The next command of media keys and the desktop, if any.
     pub(super) fn command_of_desktop(&self) -> Option<Command> {
-        self.controls.poll()
+        self.desktop.poll()
     }
 
     /// Shows `text` over the picture at once.
@@ -117,7 +117,7 @@ impl Reports {
         self.playing = NowPlaying::of_song(status);
         self.announcer.follow(&self.playing);
         self.announcer.look(status);
-        self.controls.show(status, started, fullscreen);
+        self.desktop.show(status, started, fullscreen);
     }
 
     /// Notes what is new of the input.

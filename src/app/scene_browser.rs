@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::input::{Key, NamedKey};
 use image::RgbaImage;
-use winit::keyboard::{Key, NamedKey};
 
 use super::text_query::TextQuery;
 use crate::commands::{Command, Panel};
@@ -268,7 +268,7 @@ mod tests {
 
     fn typed(browser: &mut SceneBrowser, text: &str) {
         for letter in text.chars() {
-            assert_eq!(browser.take_key(&Key::Character(letter.to_string().into()), false), []);
+            assert_eq!(browser.take_key(&Key::Character(letter.to_string()), false), []);
         }
     }
 

@@ -5,7 +5,7 @@
 
 mod screens;
 
-use winit::keyboard::{Key, NamedKey};
+use crate::input::{Key, NamedKey};
 
 use super::monitors::Monitor;
 use super::sound::SHIFT_STEP_MS;

@@ -3,20 +3,20 @@
 //! **A picture that would look the same is not drawn.** If no expression of a scene reads the time, nothing but the
 //! sound moves it; while the features stay the same the show only listens.
 
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
-use winit::event::WindowEvent;
 use winit::event_loop::EventLoop;
 
 use super::accessibility::ControlsTeller;
-use super::error::AppError;
 use super::feeds::Sends;
+use super::media_controls::MediaControls;
 use super::monitors;
+use super::output::Output;
 use super::stage::{Opening, Stage, renewed};
-use super::wallpaper::{FPS, Layers, around, is_wayland, of_screen_saver};
+use super::wallpaper::{FPS, Layers, Wallpaper, around, is_wayland, of_screen_saver};
 use super::window::{Ground, OpenWindow, WindowWishes};
-use super::window_thread::{self, Message, Typing, Waker, inbox};
+use super::window_screen::{Lines, WindowScreen};
+use super::window_thread::{self, Typing, inbox};
 use crate::commands::{Command, Sender};
 use crate::config::{Memory, PlaySettings};
 use crate::export::painter::SceneChoice;
@@ -24,7 +24,10 @@ use crate::export::print::print_line;
 use crate::gpu::error::GpuError;
 use crate::gpu::headless::Headless;
 use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneSource, TextureCache};
+use crate::session::SessionError;
 use crate::session::scene::{LoadedScene, SceneLoader, SceneLoaders};
+use crate::session::screen::Event;
+use crate::session::waker::Waker;
 use mariana_player::playlist::Opened;
 
 /// A context that is lost again this soon after it was made anew is not made again.
@@ -45,12 +48,12 @@ pub fn run(
     let (settings, ground) = on_ground(settings)?;
     let unplayable = tracks.as_ref().filter(|tracks| !tracks.playable);
     if let (true, Some(trouble)) = (settings.once, unplayable.and_then(|tracks| tracks.troubles.last())) {
-        return Err(AppError::SongLost(trouble.clone()).into());
+        return Err(SessionError::SongLost(trouble.clone()).into());
     }
     // A place that nothing can be sent to ends it before anything shows.
     let sends = Sends::start(&settings.sends, settings.send_size.unwrap_or(settings.size), settings.send_fps)
-        .map_err(AppError::from)?;
-    let (waker, inbox) = inbox();
+        .map_err(SessionError::from)?;
+    let (waker, messages, inbox) = inbox();
     let drafts = Drafts::default();
     let (shown, first) = load_first(&scene, &waker, &drafts)?;
     let ahead = match settings.prepare_ahead {
@@ -65,7 +68,7 @@ pub fn run(
             print_line(&format!("context              EGL without a window\n{}", context.gl().info()))?;
             return Ok(());
         }
-        Err(error) => return Err(AppError::NoDisplay(reason(&error.to_string()).to_owned()).into()),
+        Err(error) => return Err(SessionError::NoDisplay(reason(&error.to_string()).to_owned()).into()),
     };
     let layers = match ground {
         Some(Ground::Layers) => Some(Layers::start(&event_loop, &waker)?),
@@ -89,6 +92,11 @@ pub fn run(
         if settings.gl_info {
             return Ok(print_line(&window.bind()?.gl().info().to_string())?);
         }
+        let output = Output::new(settings.choices.stage.output.clone(), proxy, &of_show);
+        let wallpaper = settings.wallpaper.then(|| Wallpaper::start(sheets, &of_show));
+        let lines = Lines { inbox, controls, typing: of_window };
+        let screen = Box::new(WindowScreen::new(window, lines, output, wallpaper)?);
+        let of_desktop = of_show.clone();
         let opening = Opening {
             tracks,
             settings: &settings,
@@ -96,18 +104,19 @@ pub fn run(
             memory,
             loaders,
             first,
-            controls,
             drafts,
-            proxy,
             sends,
-            sheets,
+            screen,
+            desktop: Box::new(move |position| {
+                Box::new(MediaControls::start(position, move || of_desktop.wake()))
+            }),
         };
-        let stage = opening.stage(window, &of_show)?;
-        let mut show = Show { settings, started, stage, typing: of_window.clone(), over: false };
+        let stage = opening.stage(&of_show)?;
+        let mut show = Show { settings, started, stage, over: false };
         let mut renewed_at: Option<Instant> = None;
         loop {
-            match show.go_on(&inbox) {
-                Err(AppError::Gpu(GpuError::ContextLost { doing }))
+            match show.go_on() {
+                Err(SessionError::Gpu(GpuError::ContextLost { doing }))
                     if renewed_at.is_none_or(|at| at.elapsed() > RENEWED_AGAIN) =>
                 {
                     tracing::warn!("the driver has lost its context while {doing}");
@@ -127,7 +136,7 @@ pub fn run(
             }
         }
     };
-    Ok(window_thread::run(event_loop, wishes, &waker, typing, layers, Box::new(play))?)
+    Ok(window_thread::run(event_loop, wishes, messages, typing, layers, Box::new(play))?)
 }
 
 /// The settings of a run whose window is the desktop's ground, or in a screen saver's window; others as they are.
@@ -141,7 +150,7 @@ fn on_ground(mut settings: PlaySettings) -> anyhow::Result<(PlaySettings, Option
     } else if settings.wallpaper {
         let monitors =
             monitors::present().map_err(|reason| anyhow::anyhow!("{reason}: start Mariana there"))?;
-        Some(Ground::Desktop(around(&monitors).ok_or(AppError::NoMonitor)?))
+        Some(Ground::Desktop(around(&monitors).ok_or(SessionError::NoMonitor)?))
     } else {
         of_screen_saver().map_err(anyhow::Error::msg)?.map(|(window, size)| Ground::Within(window, size))
     };
@@ -163,7 +172,7 @@ fn load_first(
     scene: &SceneChoice,
     waker: &Waker,
     drafts: &Drafts,
-) -> Result<(SceneLoader, LoadedScene), AppError> {
+) -> Result<(SceneLoader, LoadedScene), SessionError> {
     let loader = start_loader(waker, drafts)?;
     loader.request(scene.source.clone());
     let first = loop {
@@ -176,7 +185,7 @@ fn load_first(
 }
 
 /// Starts a loader that has nothing to load yet. It tells an editor what it found.
-fn start_loader(waker: &Waker, drafts: &Drafts) -> Result<SceneLoader, AppError> {
+fn start_loader(waker: &Waker, drafts: &Drafts) -> Result<SceneLoader, SessionError> {
     let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
     let waker = waker.clone();
     let drafts = drafts.clone();
@@ -187,7 +196,7 @@ fn start_loader(waker: &Waker, drafts: &Drafts) -> Result<SceneLoader, AppError>
         (result, files)
     };
     Loader::start(load, move || waker.wake())
-        .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })
+        .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })
 }
 
 /// What winit says, without the source location at its beginning.
@@ -202,7 +211,6 @@ struct Show {
     started: Instant,
     /// Whether it is to end.
     over: bool,
-    typing: Typing,
     stage: Stage,
 }
 
@@ -211,46 +219,36 @@ impl Show {
     ///
     /// # Errors
     /// An error that the show cannot go on after.
-    fn go_on(&mut self, inbox: &Receiver<Message>) -> Result<(), AppError> {
+    fn go_on(&mut self) -> Result<(), SessionError> {
         loop {
             let until = self.look_around()?;
             if self.over {
                 return Ok(());
             }
-            let patience = until.saturating_duration_since(Instant::now());
-            let first = match inbox.recv_timeout(patience) {
-                Ok(message) => Some(message),
-                Err(RecvTimeoutError::Timeout) => None,
-                Err(RecvTimeoutError::Disconnected) => return Ok(()),
-            };
-            // However often a redraw was requested meanwhile, the window is drawn once.
             let mut redraws = false;
-            for message in first.into_iter().chain(inbox.try_iter()) {
-                match message {
-                    Message::Window(WindowEvent::RedrawRequested) => redraws = true,
-                    Message::Window(event) => {
-                        if let Some(command) = self.stage.take(&event) {
+            for event in self.stage.screen.wait(until) {
+                match event {
+                    Event::Input(input) => {
+                        if let Some(command) = self.stage.take(&input) {
                             self.carry_out(command, Sender::Window);
                         }
-                        self.typing.set(self.stage.takes_text());
+                        let is_text = self.stage.takes_text();
+                        self.stage.screen.set_keys_are_text(is_text);
                     }
-                    Message::Monitors(monitors) => self.stage.note_monitors(monitors),
-                    Message::Output(window) => self.stage.take_output(window),
-                    Message::OutputEvent(event) => self.stage.take_output_event(&event),
-                    Message::Assistance(assistance) => self.stage.assist(assistance),
-                    Message::Wake => {}
-                    Message::End => return Ok(()),
+                    Event::Assistance(assistance) => self.stage.assist(assistance),
+                    Event::Redraw => redraws = true,
+                    Event::End => return Ok(()),
                 }
             }
             self.stage.follow_editor();
-            if redraws || self.stage.scene.is_drawing() {
+            if redraws || self.stage.scene.composer().is_drawing() {
                 self.draw()?;
             }
         }
     }
 
     /// Takes in what has happened, and returns when to look again if nothing happens before.
-    fn look_around(&mut self) -> Result<Instant, AppError> {
+    fn look_around(&mut self) -> Result<Instant, SessionError> {
         self.obey_desktop();
         self.obey_controllers();
         self.over |= self.stage.look_at_status(&self.settings)?;
@@ -259,7 +257,7 @@ impl Show {
         Ok(self.stage.hands_due().map_or(until, |due| until.min(due)))
     }
 
-    fn draw(&mut self) -> Result<(), AppError> {
+    fn draw(&mut self) -> Result<(), SessionError> {
         if self.stage.draw()? {
             tracing::info!("first picture after {:.0} ms", self.started.elapsed().as_secs_f64() * 1000.0);
         }

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::error::AppError;
 use super::overlay::SourceList;
 use super::settings_panel;
 use crate::config::{DEFAULT_DEVICE, KeptSettings, ListenChoice, Memory, Settings};
 use crate::export::print::tell;
+use crate::session::SessionError;
 use mariana_music::{self, Gain};
 use mariana_player::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use mariana_player::input::{Live, LiveOptions, LiveStatus};
@@ -80,7 +80,7 @@ impl Sound {
     ///
     /// # Errors
     /// A thread cannot be started.
-    pub(super) fn start(start: Start) -> Result<Self, AppError> {
+    pub(super) fn start(start: Start) -> Result<Self, SessionError> {
         let mut sound = Self {
             player: start.player,
             live: None,

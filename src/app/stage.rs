@@ -10,7 +10,6 @@ mod hands;
 mod leaving;
 mod mastering;
 mod opening;
-mod outputs;
 mod panels;
 mod preview;
 mod probing;
@@ -21,26 +20,20 @@ mod settings;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use winit::event::WindowEvent;
-use winit::keyboard::{Key, ModifiersState, NamedKey};
-
 use cues::Cues;
 use desk::Desk;
 pub(super) use opening::{Opening, renewed};
 pub(super) use preview::NextScene;
 use preview::Preview;
 
-use super::accessibility::{Assistance, ControlsTeller};
 use super::announcer::TrackOrder;
 use super::direction::Direction;
 use super::drawing_pace::DrawingPace;
-use super::error::AppError;
 use super::feeds::Feeds;
 use super::frame_times::FrameTimes;
 use super::hands::Hands;
 use super::listening::Listening;
 use super::masters::Masters;
-use super::output::Output;
 use super::overlay::{Overlay, UiEvent};
 use super::pointer_rest::PointerRest;
 use super::recording::Recording;
@@ -48,15 +41,16 @@ use super::reports::Reports;
 use super::title::{live_title, title};
 use super::typing_times::TypingTimes;
 use super::user_input::UserInput;
-use super::wallpaper::{Rect, Wallpaper};
-use super::window::GlWindowContext;
-use super::window_thread::Waker;
 use crate::commands::{Command, Files, Panel};
 use crate::config::{Choices, PlaySettings};
 use crate::gpu::renderer::Renderer;
 use crate::gpu::shader_source::ShaderLibrary;
+use crate::input::{Input, Key, Modifiers, NamedKey};
 use crate::scenes::Drafts;
-use crate::session::scene::SceneStage;
+use crate::session::SessionError;
+use crate::session::scene::SceneSession;
+use crate::session::screen::{Assistance, Screen};
+use crate::session::waker::Waker;
 use crate::show::LiveDirector;
 use crate::thumbnails::Thumbnails;
 use mariana_player::Player;
@@ -70,7 +64,7 @@ const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
 pub(super) struct Stage {
     listening: Listening,
     renderer: Renderer,
-    pub(super) scene: SceneStage,
+    pub(super) scene: SceneSession,
     direction: Direction,
     /// Chooses scenes while an input is listened to.
     live: Option<LiveDirector>,
@@ -87,8 +81,6 @@ pub(super) struct Stage {
     recording: Recording,
     hands: Hands,
     input: UserInput,
-    /// Whether nothing of the window can be seen.
-    occluded: bool,
     pointer_rest: PointerRest,
     /// What was done in panels during the last picture.
     ui_events: Vec<UiEvent>,
@@ -113,23 +105,15 @@ pub(super) struct Stage {
     /// The folder in which something was last picked.
     last_folder: Option<PathBuf>,
     waker: Waker,
-    /// Where screen readers are told what there is.
-    controls: ControlsTeller,
     overlay: Overlay,
     /// When the words of a window without a picture were last shown, and in which size.
     waited: Option<(Instant, (u32, u32))>,
     /// How long after nothing the first picture is shown, until the limiter of flashes has taken it.
     first_shown_after: Option<f64>,
-    /// The picture on another monitor.
-    output: Output,
-    /// If the window is the desktop's ground.
-    wallpaper: Option<Wallpaper>,
-    /// Where it was moved last.
-    grounded_at: Option<Rect>,
     /// The state that was written for the next show.
     legacy: leaving::Legacy,
     // Last: everything above that holds OpenGL objects is dropped first.
-    pub(super) window: GlWindowContext,
+    pub(super) screen: Box<dyn Screen>,
 }
 
 impl Stage {
@@ -192,37 +176,28 @@ impl Stage {
 
     /// Enters full screen or leaves it.
     pub(super) fn toggle_fullscreen(&mut self) {
-        let full = !self.window.is_fullscreen();
-        self.window.set_fullscreen(full);
+        let full = !self.screen.is_fullscreen();
+        self.screen.set_fullscreen(full);
         if full {
             self.pointer_rest.sleep();
         }
     }
 
-    /// Handles an event of the window. Returns the command that a key or the mouse sends, if no panel takes it.
-    pub(super) fn take(&mut self, event: &WindowEvent) -> Option<Command> {
-        self.pointer_rest.take(event, Instant::now());
-        if self.overlay.on_event(&self.window.window(), event) {
+    /// Takes input. Returns the command that a key or the mouse sends, if no panel takes it.
+    pub(super) fn take(&mut self, input: &Input) -> Option<Command> {
+        self.pointer_rest.take(input, Instant::now());
+        if self.overlay.on_input(input) {
             return None;
         }
-        if self.take_for_editor(event) || self.take_for_panels(event) {
+        if self.take_for_editor(input) || self.take_for_panels(input) {
             return None;
         }
-        match event {
-            WindowEvent::Moved(place) => self.window.note_place((*place).into()),
-            WindowEvent::Resized(size) => {
-                self.window.resize((*size).into());
-                self.window.request_redraw();
-            }
-            WindowEvent::Occluded(occluded) => self.occluded = *occluded,
-            _ => return self.input.take(event, Instant::now()),
-        }
-        None
+        self.input.take(input, Instant::now())
     }
 
     /// Hands a key to the panel that is open. Returns whether it was meant for it.
-    fn take_for_panels(&mut self, event: &WindowEvent) -> bool {
-        let Some((key, held)) = self.input.typed(event) else { return false };
+    fn take_for_panels(&mut self, input: &Input) -> bool {
+        let Some((key, held)) = self.input.typed(input) else { return false };
         let command_key = held.control_key() || held.super_key();
         if let Some(browser) = &mut self.desk.browser {
             let commands = browser.take_key(key, command_key);
@@ -251,11 +226,11 @@ impl Stage {
     }
 
     /// Passes a key to the controls if they have the focus or get it; returns `true` if the key was used.
-    fn go_through_controls(&mut self, key: &Key, held: ModifiersState) -> bool {
+    fn go_through_controls(&mut self, key: &Key, held: Modifiers) -> bool {
         let begins = *key == Key::Named(NamedKey::Tab)
             && (held.shift_key() || self.overlay.is_assisted())
             && self.desk.corners.is_none();
-        let others = ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER;
+        let others = Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER;
         if !(begins || self.overlay.has_key_focus()) || held.intersects(others) {
             return false;
         }
@@ -263,7 +238,7 @@ impl Stage {
         if taken {
             // Shows the bar. It stays while it has the focus.
             self.pointer_rest.wake(Instant::now());
-            self.window.window().request_redraw();
+            self.screen.request_redraw();
         }
         taken
     }
@@ -271,7 +246,7 @@ impl Stage {
     /// Does what assistive technology asks for, before anything else is drawn.
     pub(super) fn assist(&mut self, assistance: Assistance) {
         self.overlay.assist(assistance);
-        self.window.request_redraw();
+        self.screen.request_redraw();
     }
 
     /// The next command of media keys and the desktop, if any.
@@ -288,7 +263,7 @@ impl Stage {
     ///
     /// # Errors
     /// The only song cannot be played on.
-    pub(super) fn look_at_status(&mut self, settings: &PlaySettings) -> Result<bool, AppError> {
+    pub(super) fn look_at_status(&mut self, settings: &PlaySettings) -> Result<bool, SessionError> {
         if !self.reports.is_due(Instant::now()) {
             return Ok(false);
         }
@@ -298,7 +273,7 @@ impl Stage {
         if let Some(live) = self.listening.live_status() {
             let paused = self.listening.is_paused();
             self.reports.look_at_input(&live, paused);
-            self.set_title(live_title(&live, self.scene.notes(), paused));
+            self.set_title(live_title(&live, self.scene.report().notes(), paused));
             return Ok(false);
         }
         let Some(status) = self.listening.song_status() else { return Ok(false) };
@@ -307,16 +282,16 @@ impl Stage {
         if let (true, true, 1, Some(error)) =
             (status.ended, settings.once, status.track.count, &status.troubles.last)
         {
-            return Err(AppError::SongLost(error.clone()));
+            return Err(SessionError::SongLost(error.clone()));
         }
-        self.reports.look(&status, self.listening.has_started(), self.window.is_fullscreen());
-        self.set_title(title(self.scene.notes(), &status, silence_asked));
+        self.reports.look(&status, self.listening.has_started(), self.screen.is_fullscreen());
+        self.set_title(title(self.scene.report().notes(), &status, silence_asked));
         Ok(status.ended && settings.once)
     }
 
     /// Notes what plays at this moment.
     fn note_playing(&mut self) {
-        let fullscreen = self.window.is_fullscreen();
+        let fullscreen = self.screen.is_fullscreen();
         if let Some(live) = self.listening.live_status() {
             self.reports.look_at_input(&live, self.listening.is_paused());
         } else if let Some(status) = self.listening.song_status() {
@@ -326,7 +301,7 @@ impl Stage {
 
     fn set_title(&mut self, title: String) {
         if let Some(title) = self.reports.changed_title(title) {
-            self.window.window().set_title(title);
+            self.screen.set_title(title);
         }
     }
 
@@ -335,7 +310,7 @@ impl Stage {
     ///
     /// # Errors
     /// What the driver refuses.
-    pub(super) fn look_around(&mut self) -> Result<Instant, AppError> {
+    pub(super) fn look_around(&mut self) -> Result<Instant, SessionError> {
         let dropped = self.input.take_dropped();
         if !dropped.is_empty() {
             let append = self.input.shift_held() || self.desk.panels.open() == Some(Panel::Tracks);
@@ -353,11 +328,13 @@ impl Stage {
         self.tell_recording();
         let now = Instant::now();
         self.reports.update(now);
-        self.update_output();
+        for sentence in self.screen.update() {
+            self.reports.say(sentence);
+        }
         let to_send = self.send(now)?;
         let edited = self.scene.saves_samples(now);
         // A picture that was begun is not begun again because the text rests.
-        if edited || !self.scene.is_drawing() {
+        if edited || !self.scene.composer().is_drawing() {
             self.pace.set_edited(edited);
         }
         if let Some(until) = self.scene.awaits_edit(now)
@@ -365,12 +342,11 @@ impl Stage {
         {
             return Ok(until);
         }
-        if self.scene.is_drawing() {
+        if self.scene.composer().is_drawing() {
             return Ok(now);
         }
         self.scene.rehearse(&mut self.renderer);
-        let shows_words = self.wallpaper.as_ref().is_none_or(Wallpaper::shows_words);
-        let overlay_due = self.overlay_due(now).filter(|_| shows_words);
+        let overlay_due = self.overlay_due(now).filter(|_| self.screen.shows_words());
         let moment = self.moment();
         self.direct(moment);
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
@@ -381,15 +357,10 @@ impl Stage {
         let changes = (moves || self.could_be_better(now)) && !self.holds_picture();
         let moving = changes
             || self.is_dimming(now)
-            || self.output.is_stale()
-            || self.wallpaper.as_ref().is_some_and(Wallpaper::is_due)
+            || self.screen.is_stale()
             || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
-        let rests = self.wallpaper.as_ref().is_some_and(Wallpaper::rests);
-        let seen = !(self.occluded || rests)
-            || self.pace.shown().is_none()
-            || self.feeds.are_any()
-            || self.output.size().is_some();
+        let seen = self.screen.is_seen() || self.pace.shown().is_none() || self.feeds.are_any();
         if !moving || !seen {
             // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
             // any time.
@@ -398,9 +369,9 @@ impl Stage {
             }
             let idle = now + self.idle_interval(seen);
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
-        } else if now >= self.pace.due(self.hands.are_unseen()) || self.scene.has_regions() {
+        } else if now >= self.pace.due(self.hands.are_unseen()) || self.scene.composer().has_regions() {
             self.update_preview(now, Some(Duration::ZERO))?;
-            self.window.request_redraw();
+            self.screen.request_redraw();
             Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
         } else {
             let due = self.pace.due(self.hands.are_unseen());

@@ -26,13 +26,13 @@ use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::raw_window_handle::HasWindowHandle;
 use winit::window::{Fullscreen, Window, WindowAttributes};
 
-use super::error::AppError;
 use super::identity;
 use super::wallpaper::Rect;
 use super::window_thread::Told;
 use crate::gpu::background::WorkerContext;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
+use crate::session::SessionError;
 use second::grounded;
 pub(super) use second::{Ground, SecondSurface, open_output};
 pub(super) use shared_window::{SharedWindow, WindowCalls};
@@ -90,8 +90,8 @@ impl OpenWindow {
         event_loop: &ActiveEventLoop,
         events: &EventLoopProxy<Told>,
         wishes: &WindowWishes,
-    ) -> Result<(Self, Arc<Window>), AppError> {
-        let no_context = |error: &dyn std::fmt::Display| AppError::NoContext(error.to_string());
+    ) -> Result<(Self, Arc<Window>), SessionError> {
+        let no_context = |error: &dyn std::fmt::Display| SessionError::NoContext(error.to_string());
         let attributes = WindowAttributes::default()
             .with_title(&wishes.title)
             .with_inner_size(PhysicalSize::new(wishes.size.0, wishes.size.1))
@@ -134,9 +134,9 @@ impl OpenWindow {
     ///
     /// # Errors
     /// The driver refuses, or has no OpenGL 3.3.
-    pub(super) fn bind(self) -> Result<GlWindowContext, AppError> {
+    pub(super) fn bind(self) -> Result<GlWindowContext, SessionError> {
         let Self { config, window, size, place, refresh_rate, log_debug } = self;
-        let no_context = |error: &dyn std::fmt::Display| AppError::NoContext(error.to_string());
+        let no_context = |error: &dyn std::fmt::Display| SessionError::NoContext(error.to_string());
         let calls = window.calls();
         let handle = calls.window_handle().map_err(|error| no_context(&error))?.as_raw();
         let display = config.display();
@@ -245,11 +245,11 @@ impl GlWindowContext {
     ///
     /// # Errors
     /// A lost surface.
-    pub(super) fn swap(&self) -> Result<(), AppError> {
+    pub(super) fn swap(&self) -> Result<(), SessionError> {
         self.window.pre_present_notify();
         self.surface.swap_buffers(&self.context).map_err(|error| match error.error_kind() {
             ErrorKind::ContextLost => GpuError::ContextLost { doing: "showing a frame" }.into(),
-            _ => AppError::Window { doing: "to show a frame", reason: error.to_string() },
+            _ => SessionError::Window { doing: "to show a frame", reason: error.to_string() },
         })
     }
 

@@ -11,20 +11,21 @@ use std::time::{Duration, Instant};
 
 use egui::accesskit::TreeUpdate;
 use winit::application::ApplicationHandler;
-use winit::event::{ElementState, KeyEvent, WindowEvent};
+use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
-use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
 use super::accessibility::{Accessibility, Assistance};
-use super::error::AppError;
-use super::keys::command_of;
 use super::monitors::Monitor;
+use super::translate::{key_press, modifiers};
 use super::wallpaper::Layers;
 use super::window::{OpenWindow, SharedWindow, WindowWishes, open_output, shared};
 use crate::commands::Command;
 use crate::ending::{self, Signal};
 use crate::export::print::tell;
+use crate::input::Modifiers;
+use crate::session::SessionError;
+use crate::session::waker::Waker;
 
 /// How long the end waits for a show that a driver blocks: a little longer than the show waits for its compilers.
 const END_WAIT: Duration = Duration::from_secs(6);
@@ -47,18 +48,6 @@ pub(super) enum Message {
     End,
 }
 
-/// Wakes the show from other threads, whether it has begun or not.
-#[derive(Clone)]
-pub(super) struct Waker(Sender<Message>);
-
-impl Waker {
-    /// Makes the show look for news.
-    pub(super) fn wake(&self) {
-        // After the end there is nobody to wake.
-        let _ = self.0.send(Message::Wake);
-    }
-}
-
 /// Whether keys are text at present, which the show knows: then no letter ends it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Typing(Arc<AtomicBool>);
@@ -74,10 +63,12 @@ impl Typing {
     }
 }
 
-/// Where a show gets its messages from, and what wakes it.
-pub(super) fn inbox() -> (Waker, Receiver<Message>) {
+/// What wakes a show, where its messages are sent, and where it gets them.
+pub(super) fn inbox() -> (Waker, Sender<Message>, Receiver<Message>) {
     let (sender, inbox) = channel();
-    (Waker(sender), inbox)
+    let of_waker = sender.clone();
+    // After the end there is nobody to wake.
+    (Waker::new(move || drop(of_waker.send(Message::Wake))), sender, inbox)
 }
 
 /// What the window's thread receives.
@@ -100,9 +91,9 @@ pub(super) enum Told {
 }
 
 /// A show: everything that happens on its thread, from the window to the end.
-pub(super) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), AppError> + Send>;
+pub(super) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), SessionError> + Send>;
 
-/// Opens a window, runs `play` in it on a thread of its own, and hands it the window's events through `waker`, until
+/// Opens a window, runs `play` in it on a thread of its own, and hands it the window's events through `messages`, until
 /// one of the two ends. `typing` tells whether keys are text. `layers` show the picture instead of the window.
 ///
 /// # Errors
@@ -110,11 +101,11 @@ pub(super) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), AppError> + Send
 pub(super) fn run(
     event_loop: EventLoop<Told>,
     wishes: WindowWishes,
-    waker: &Waker,
+    messages: Sender<Message>,
     typing: Typing,
     layers: Option<Layers>,
     play: Play,
-) -> Result<(), AppError> {
+) -> Result<(), SessionError> {
     let on_signal = event_loop.create_proxy();
     let watched = ending::watch(move |_| {
         let _ = on_signal.send_event(Told::End);
@@ -124,12 +115,12 @@ pub(super) fn run(
     }
     let mut front = Front {
         proxy: event_loop.create_proxy(),
-        messages: waker.0.clone(),
+        messages,
         begins_with: Some((wishes, play)),
         running: None,
         ends_by: None,
         show_ended: false,
-        held: ModifiersState::empty(),
+        held: Modifiers::empty(),
         monitors: Vec::new(),
         typing,
         layers,
@@ -139,7 +130,7 @@ pub(super) fn run(
     super::lost_display::end_with_the_reason();
     event_loop
         .run_app(&mut front)
-        .map_err(|error| AppError::Window { doing: "to run", reason: error.to_string() })?;
+        .map_err(|error| SessionError::Window { doing: "to run", reason: error.to_string() })?;
     front.result
 }
 
@@ -154,16 +145,16 @@ struct Front {
     /// Whether the show has ended by itself.
     show_ended: bool,
     /// The keys that are held and change what others do.
-    held: ModifiersState,
+    held: Modifiers,
     /// Those of Wayland.
     monitors: Vec<Monitor>,
     typing: Typing,
     layers: Option<Layers>,
-    result: Result<(), AppError>,
+    result: Result<(), SessionError>,
 }
 
 struct Running {
-    show: JoinHandle<Result<(), AppError>>,
+    show: JoinHandle<Result<(), SessionError>>,
     // Both are dropped here, after the show, on the thread that made them.
     accessibility: Accessibility,
     window: Arc<Window>,
@@ -172,7 +163,7 @@ struct Running {
 }
 
 impl Front {
-    fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
+    fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), SessionError> {
         let Some((wishes, play)) = self.begins_with.take() else { return Ok(()) };
         let (opened, window) = OpenWindow::open(event_loop, &self.proxy, &wishes)?;
         let (visible, config) = (wishes.visible, opened.config());
@@ -185,7 +176,7 @@ impl Front {
             play(opened)
         };
         let thread = std::thread::Builder::new().name("show".into());
-        let show = thread.spawn(show).map_err(|error| AppError::NoThread(error.to_string()))?;
+        let show = thread.spawn(show).map_err(|error| SessionError::NoThread(error.to_string()))?;
         self.running = Some(Running { show, accessibility, window, config, output: None });
         Ok(())
     }
@@ -226,15 +217,15 @@ impl Front {
 }
 
 /// Whether an event asks for the end, which must not wait for the show.
-fn asks_for_the_end(event: &WindowEvent, held: ModifiersState, typing: bool) -> bool {
+fn asks_for_the_end(event: &WindowEvent, held: Modifiers, typing: bool) -> bool {
     match event {
         // Destroyed: closed by others without asking.
         WindowEvent::CloseRequested | WindowEvent::Destroyed => true,
-        WindowEvent::KeyboardInput {
-            event: KeyEvent { logical_key, state: ElementState::Pressed, repeat, .. },
-            is_synthetic: false,
-            ..
-        } => !typing && command_of(logical_key, *repeat, held) == Some(Command::Quit),
+        WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => {
+            key_press(event).is_some_and(|press| {
+                !typing && Command::of_key(&press.key, held, press.repeat) == Some(Command::Quit)
+            })
+        }
         _ => false,
     }
 }
@@ -261,8 +252,8 @@ impl ApplicationHandler<Told> for Front {
             // Of an output that is closed.
             return;
         }
-        if let WindowEvent::ModifiersChanged(modifiers) = &event {
-            self.held = modifiers.state();
+        if let WindowEvent::ModifiersChanged(held) = &event {
+            self.held = modifiers(held.state());
         }
         if let Some(running) = &mut self.running {
             running.accessibility.note(&running.window, &event);
@@ -339,7 +330,7 @@ impl ApplicationHandler<Told> for Front {
         }
         self.result = show.join().unwrap_or_else(|_| {
             let reason = "the show ended with a panic; please report the message above".to_owned();
-            Err(AppError::Window { doing: "to continue", reason })
+            Err(SessionError::Window { doing: "to continue", reason })
         });
         // After the show, which draws into them.
         drop(self.layers.take());
@@ -374,7 +365,7 @@ fn monitors_of_wayland(_event_loop: &ActiveEventLoop) -> Option<Vec<Monitor>> {
 /// Ends the process, whose display has gone, and says so.
 pub(super) fn end_without_display() -> ! {
     let leaving = ending::begin_to_leave();
-    tell(&AppError::DisplayLost.to_string());
+    tell(&SessionError::DisplayLost.to_string());
     leaving.leave(1)
 }
 

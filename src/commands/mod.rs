@@ -6,18 +6,17 @@
 //!
 //! A new command takes two places: its row here, and its arm where commands are carried out.
 
-mod key;
 mod state;
 mod table;
 
 use std::sync::OnceLock;
 
-pub use key::{Binding, Key};
 pub use state::ShowState;
 pub use table::{
-    Command, Delay, Files, MovedCorner, ROWS, SEEK_SECONDS, SetSetting, TurnedNumbers, VOLUME_STEP,
+    Binding, Command, Delay, Files, MovedCorner, ROWS, SEEK_SECONDS, SetSetting, TurnedNumbers, VOLUME_STEP,
 };
 
+use crate::input::{Key, Modifiers};
 use mariana_control::deed::{Deed, DeedRow, Given, Takes};
 
 /// On, off, or the other of the two.
@@ -179,17 +178,27 @@ impl Command {
         })
     }
 
-    /// Returns the command that a key sends, if any. `repeated` while the key is held.
-    pub fn of_key(key: Key, shift: bool, repeated: bool) -> Option<Self> {
-        let bound = ROWS.iter().flat_map(|row| row.bindings).find_map(|binding| {
-            let place = binding.keys.iter().position(|(bound, _)| *bound == key)?;
-            Some((binding, place))
-        });
-        let (binding, place) = bound?;
+    /// Returns the command that a key sends, if any; `repeated` while it is held. With Ctrl, Alt or the system's key it
+    /// sends none: those belong to the desktop and to later keys.
+    pub fn of_key(key: &Key, held: Modifiers, repeated: bool) -> Option<Self> {
+        if held.intersects(Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER) {
+            return None;
+        }
+        let lower = match key {
+            Key::Character(text) => text.to_lowercase(),
+            Key::Named(_) | Key::Other => String::new(),
+        };
+        let same = |bound: &Key<&str>| match (bound, key) {
+            (Key::Character(bound), Key::Character(_)) => *bound == lower,
+            (Key::Named(bound), Key::Named(pressed)) => bound == pressed,
+            _ => false,
+        };
+        let (binding, place) = bindings()
+            .find_map(|binding| Some((binding, binding.keys.iter().position(|(bound, _)| same(bound))?)))?;
         if repeated && !binding.repeats {
             return None;
         }
-        let shifted = binding.shifted.as_ref().filter(|_| shift && place == 0);
+        let shifted = binding.shifted.as_ref().filter(|_| held.shift_key() && place == 0);
         shifted.or(binding.keys.get(place).map(|(_, command)| command)).cloned()
     }
 
@@ -246,33 +255,44 @@ pub fn markdown_table() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::NamedKey;
+
+    fn pressed(key: &str, held: Modifiers, repeated: bool) -> Option<Command> {
+        Command::of_key(&Key::Character(key.to_owned()), held, repeated)
+    }
+
+    const NONE: Modifiers = Modifiers::empty();
 
     #[test]
     fn no_key_is_bound_twice() {
-        let all: Vec<Key> = bindings().flat_map(|binding| binding.keys).map(|(key, _)| *key).collect();
+        let all: Vec<_> = bindings().flat_map(|binding| binding.keys).map(|(key, _)| *key).collect();
         for (index, key) in all.iter().enumerate() {
             assert!(!all[..index].contains(key), "{key:?} is bound twice");
         }
     }
 
     #[test]
-    fn only_some_keys_repeat_and_shift_goes_back() {
-        let command = |key: char, repeated| Command::of_key(Key::Char(key), false, repeated);
-        assert_eq!(command('m', false), Some(Command::Mute(Switch::Toggle)));
-        assert_eq!(command('m', true), None);
-        assert_eq!(command('ß', false), None);
+    fn letters_work_with_caps_lock_and_only_some_keys_repeat() {
+        assert_eq!(pressed("M", NONE, false), Some(Command::Mute(Switch::Toggle)));
+        assert_eq!(pressed("m", NONE, true), None);
+        assert_eq!(["ß", "ab"].map(|key| pressed(key, NONE, false)), [None, None]);
         assert_eq!(
-            ['1', '9', '0'].map(|key| command(key, false)),
+            ["1", "9", "0"].map(|key| pressed(key, NONE, false)),
             [0, 8, 9].map(|place| Some(Command::SceneAt(place)))
         );
-        assert_eq!(
-            Command::of_key(Key::Left, false, true),
-            Some(Command::SeekBy(-table::SEEK_SECONDS)),
-            "an arrow repeats"
-        );
-        let view = |shift| Command::of_key(Key::Char('v'), shift, false);
-        assert_eq!(view(false), Some(Command::NextView));
-        assert_eq!(view(true), Some(Command::PreviousView));
+        let left = Command::of_key(&Key::Named(NamedKey::ArrowLeft), NONE, true);
+        assert_eq!(left, Some(Command::SeekBy(-SEEK_SECONDS)));
+        // With caps lock on, V is typed as with Shift.
+        assert_eq!(pressed("V", NONE, false), Some(Command::NextView));
+        assert_eq!(pressed("V", Modifiers::SHIFT, false), Some(Command::PreviousView));
+    }
+
+    #[test]
+    fn keys_with_ctrl_or_alt_are_no_letters() {
+        assert_eq!(pressed("s", NONE, false), Some(Command::Shuffle(Switch::Toggle)));
+        for held in [Modifiers::CONTROL, Modifiers::ALT, Modifiers::SUPER | Modifiers::SHIFT] {
+            assert_eq!(pressed("s", held, false), None, "{held:?}");
+        }
     }
 
     #[test]

@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use super::{Binding, Control, Key, Panel, Row, SceneName, Switch};
+use super::{Control, Panel, Row, SceneName, Switch};
 use crate::config::{KnobEdit, Setting};
+use crate::input::{Key, NamedKey};
 use crate::scenes::SceneSource;
 use mariana_control::midi::Target;
 use mariana_player::track::Repeat;
@@ -55,13 +56,13 @@ commands! {
         name: Some("pause"),
         control: Some(Control::Switch(C::Pause)),
         is_on: Some(|state| state.paused),
-        bindings: &[keys!(Key::Space, Key::MediaPlayPause => C::Pause(Toggle), "Space", "pause, or go on")],
+        bindings: &[keys!(Key::Named(NamedKey::Space), Key::Named(NamedKey::MediaPlayPause) => C::Pause(Toggle), "Space", "pause, or go on")],
     }
     /// Seeks by this many seconds.
     SeekBy(f64) {
         bindings: &[
-            keys!(Key::Left => C::SeekBy(-SEEK_SECONDS), "Left", "back 5 s", repeats: true),
-            keys!(Key::Right => C::SeekBy(SEEK_SECONDS), "Right", "forward 5 s", repeats: true),
+            keys!(Key::Named(NamedKey::ArrowLeft) => C::SeekBy(-SEEK_SECONDS), "Left", "back 5 s", repeats: true),
+            keys!(Key::Named(NamedKey::ArrowRight) => C::SeekBy(SEEK_SECONDS), "Right", "forward 5 s", repeats: true),
         ],
     }
     /// Goes to this time of the track, in seconds.
@@ -76,8 +77,8 @@ commands! {
     /// Changes the volume by this much of 0..1.
     VolumeBy(f32) {
         bindings: &[
-            keys!(Key::Up => C::VolumeBy(VOLUME_STEP), "Up", "louder", repeats: true),
-            keys!(Key::Down => C::VolumeBy(-VOLUME_STEP), "Down", "quieter", repeats: true),
+            keys!(Key::Named(NamedKey::ArrowUp) => C::VolumeBy(VOLUME_STEP), "Up", "louder", repeats: true),
+            keys!(Key::Named(NamedKey::ArrowDown) => C::VolumeBy(-VOLUME_STEP), "Down", "quieter", repeats: true),
         ],
     }
     /// Sets the volume, 0..1.
@@ -92,14 +93,14 @@ commands! {
         name: Some("mute"),
         control: Some(Control::Switch(C::Mute)),
         is_on: Some(|state| state.muted),
-        bindings: &[keys!(Key::Char('m') => C::Mute(Toggle), "M", "mute, or unmute; the picture goes on")],
+        bindings: &[keys!(Key::Character("m") => C::Mute(Toggle), "M", "mute, or unmute; the picture goes on")],
     }
     /// Takes this moment as a beat.
     Tap {
         name: Some("beat"),
         control: Some(Control::Press(|| C::Tap)),
         bindings: &[keys!(
-            Key::Char('t') => C::Tap, "T", "tap the tempo; a single tap returns to the detected one"
+            Key::Character("t") => C::Tap, "T", "tap the tempo; a single tap returns to the detected one"
         )],
     }
     /// Sets the tempo, in beats per minute; 0 returns to the detected one.
@@ -112,14 +113,14 @@ commands! {
     NextTrack {
         name: Some("next_track"),
         control: Some(Control::Press(|| C::NextTrack)),
-        bindings: &[keys!(Key::PageDown, Key::MediaNextTrack => C::NextTrack, "Page down", "the next track")],
+        bindings: &[keys!(Key::Named(NamedKey::PageDown), Key::Named(NamedKey::MediaTrackNext) => C::NextTrack, "Page down", "the next track")],
     }
     /// Goes to the start of the track, or to the previous one.
     PreviousTrack {
         name: Some("previous_track"),
         control: Some(Control::Press(|| C::PreviousTrack)),
         bindings: &[keys!(
-            Key::PageUp, Key::MediaPreviousTrack => C::PreviousTrack,
+            Key::Named(NamedKey::PageUp), Key::Named(NamedKey::MediaTrackPrevious) => C::PreviousTrack,
             "Page up", "the track's start, or the previous track"
         )],
     }
@@ -128,12 +129,12 @@ commands! {
         control: Some(Control::Switch(C::Shuffle)),
         is_on: Some(|state| state.shuffled),
         bindings: &[keys!(
-            Key::Char('s') => C::Shuffle(Toggle), "S", "tracks in random order, or in list order"
+            Key::Character("s") => C::Shuffle(Toggle), "S", "tracks in random order, or in list order"
         )],
     }
     /// Repeats all tracks, then one, then none.
     NextRepeat {
-        bindings: &[keys!(Key::Char('l') => C::NextRepeat, "L", "repeat all tracks, this one, or none")],
+        bindings: &[keys!(Key::Character("l") => C::NextRepeat, "L", "repeat all tracks, this one, or none")],
     }
     /// Sets which tracks are repeated.
     Repeat(Repeat) {}
@@ -148,7 +149,7 @@ commands! {
     /// Listens to the next source.
     NextSource {
         bindings: &[keys!(
-            Key::Char('d') => C::NextSource,
+            Key::Character("d") => C::NextSource,
             "D", "the next source: the song, what the computer plays, inputs"
         )],
     }
@@ -158,11 +159,11 @@ commands! {
     DelayBy(f64) {
         bindings: &[
             keys!(
-                Key::Char('[') => C::DelayBy(-1.0),
+                Key::Character("[") => C::DelayBy(-1.0),
                 "[", "the picture 5 ms sooner; remembered for the device", repeats: true
             ),
             keys!(
-                Key::Char(']') => C::DelayBy(1.0),
+                Key::Character("]") => C::DelayBy(1.0),
                 "]", "the picture 5 ms later, for headphones or a TV that lags", repeats: true
             ),
         ],
@@ -172,23 +173,23 @@ commands! {
     /// Opens a panel instead of the one that is open, or closes it.
     TogglePanel(Panel) {
         bindings: &[
-            keys!(Key::Char('u') => C::TogglePanel(Panel::Tracks), "U", "the list of tracks"),
-            keys!(Key::Char('o') => C::TogglePanel(Panel::Files), "O", "open music, folders, lists, scenes"),
-            keys!(Key::Char('b') => C::TogglePanel(Panel::Scenes), "B", "all scenes, with pictures"),
+            keys!(Key::Character("u") => C::TogglePanel(Panel::Tracks), "U", "the list of tracks"),
+            keys!(Key::Character("o") => C::TogglePanel(Panel::Files), "O", "open music, folders, lists, scenes"),
+            keys!(Key::Character("b") => C::TogglePanel(Panel::Scenes), "B", "all scenes, with pictures"),
             keys!(
-                Key::Char('e') => C::TogglePanel(Panel::Editor),
+                Key::Character("e") => C::TogglePanel(Panel::Editor),
                 "E", "the editor: the text of this scene, over the picture"
             ),
             keys!(
-                Key::Char('g') => C::TogglePanel(Panel::Settings),
+                Key::Character("g") => C::TogglePanel(Panel::Settings),
                 "G", "settings: output, latency, quality, flashes, tone map, gain"
             ),
             keys!(
-                Key::Char('j') => C::TogglePanel(Panel::Controllers),
+                Key::Character("j") => C::TogglePanel(Panel::Controllers),
                 "J", "knobs from outside, learning them: MIDI, OSC, phones"
             ),
             keys!(
-                Key::Char('y') => C::TogglePanel(Panel::Corners),
+                Key::Character("y") => C::TogglePanel(Panel::Corners),
                 "Y", "drag the picture's corners, for a slanted projector"
             ),
         ],
@@ -197,13 +198,13 @@ commands! {
     NextScene {
         name: Some("next"),
         control: Some(Control::Press(|| C::NextScene)),
-        bindings: &[keys!(Key::Char('n') => C::NextScene, "N", "the next scene")],
+        bindings: &[keys!(Key::Character("n") => C::NextScene, "N", "the next scene")],
     }
     /// Shows the previous scene.
     PreviousScene {
         name: Some("previous"),
         control: Some(Control::Press(|| C::PreviousScene)),
-        bindings: &[keys!(Key::Char('p') => C::PreviousScene, "P", "the previous scene")],
+        bindings: &[keys!(Key::Character("p") => C::PreviousScene, "P", "the previous scene")],
     }
     /// Shows the scene that a controller names.
     Scene(SceneName) {
@@ -215,16 +216,16 @@ commands! {
     SceneAt(usize) {
         bindings: &[Binding {
             keys: &[
-                (Key::Char('1'), C::SceneAt(0)),
-                (Key::Char('2'), C::SceneAt(1)),
-                (Key::Char('3'), C::SceneAt(2)),
-                (Key::Char('4'), C::SceneAt(3)),
-                (Key::Char('5'), C::SceneAt(4)),
-                (Key::Char('6'), C::SceneAt(5)),
-                (Key::Char('7'), C::SceneAt(6)),
-                (Key::Char('8'), C::SceneAt(7)),
-                (Key::Char('9'), C::SceneAt(8)),
-                (Key::Char('0'), C::SceneAt(9)),
+                (Key::Character("1"), C::SceneAt(0)),
+                (Key::Character("2"), C::SceneAt(1)),
+                (Key::Character("3"), C::SceneAt(2)),
+                (Key::Character("4"), C::SceneAt(3)),
+                (Key::Character("5"), C::SceneAt(4)),
+                (Key::Character("6"), C::SceneAt(5)),
+                (Key::Character("7"), C::SceneAt(6)),
+                (Key::Character("8"), C::SceneAt(7)),
+                (Key::Character("9"), C::SceneAt(8)),
+                (Key::Character("0"), C::SceneAt(9)),
             ],
             written: "1 to 9, 0",
             help: "the first ten scenes of that list, marked ones first",
@@ -258,7 +259,7 @@ commands! {
         control: Some(Control::Switch(C::Follow)),
         is_on: Some(|state| state.follows),
         bindings: &[keys!(
-            Key::Char('a') => C::Follow(Toggle), "A", "turn the show on or off: scenes that follow the song"
+            Key::Character("a") => C::Follow(Toggle), "A", "turn the show on or off: scenes that follow the song"
         )],
     }
     /// Keeps the scene while scenes follow the song, or not.
@@ -267,14 +268,14 @@ commands! {
         control: Some(Control::Switch(C::Keep)),
         is_on: Some(|state| state.kept),
         bindings: &[keys!(
-            Key::Char('k') => C::Keep(Toggle), "K", "keep this scene while scenes follow the song, or not"
+            Key::Character("k") => C::Keep(Toggle), "K", "keep this scene while scenes follow the song, or not"
         )],
     }
     /// Goes to the next entry of a show file that waits for a key.
     NextCue {
         name: Some("cue"),
         control: Some(Control::Press(|| C::NextCue)),
-        bindings: &[keys!(Key::Enter => C::NextCue, "Enter", "the next cue of a show file")],
+        bindings: &[keys!(Key::Named(NamedKey::Enter) => C::NextCue, "Enter", "the next cue of a show file")],
     }
     /// Records what users do as a show, or ends the recording.
     Record(Switch) {
@@ -283,20 +284,20 @@ commands! {
         is_on: Some(|state| state.recording),
         for_phones: false,
         bindings: &[keys!(
-            Key::Function(9) => C::Record(Toggle),
+            Key::Named(NamedKey::F9) => C::Record(Toggle),
             "F9", "record what hands do as a show, to be rendered; again to end"
         )],
     }
     /// Changes between the interpreted and the compiled scene.
     ToggleMode {
         bindings: &[keys!(
-            Key::Char('c') => C::ToggleMode, "C", "interpreted, or compiled; the picture is the same"
+            Key::Character("c") => C::ToggleMode, "C", "interpreted, or compiled; the picture is the same"
         )],
     }
     /// Uses the cells of regions, or the whole tape everywhere.
     ToggleRegions {
         bindings: &[keys!(
-            Key::Char('r') => C::ToggleRegions, "R", "skip empty space, or not; the picture is the same"
+            Key::Character("r") => C::ToggleRegions, "R", "skip empty space, or not; the picture is the same"
         )],
     }
     /// Returns from a camera that was moved by hand to the scene's own.
@@ -304,7 +305,7 @@ commands! {
         name: Some("camera"),
         control: Some(Control::Press(|| C::ResetCamera)),
         bindings: &[keys!(
-            Key::Home => C::ResetCamera, "Home", "back to the scene's own camera, after dragging or zooming"
+            Key::Named(NamedKey::Home) => C::ResetCamera, "Home", "back to the scene's own camera, after dragging or zooming"
         )],
     }
     /// Turns the camera by a movement of the pointer to the right and down, in pixels of the window.
@@ -316,7 +317,7 @@ commands! {
     /// Shows the next view of how the picture is made.
     NextView {
         bindings: &[keys!(
-            Key::Char('v') => C::NextView,
+            Key::Character("v") => C::NextView,
             "V or Shift+V", "how the picture is made, view by view; Shift goes back",
             shifted: Some(C::PreviousView)
         )],
@@ -327,29 +328,29 @@ commands! {
     StepView(bool) {
         bindings: &[
             keys!(
-                Key::Char(',') => C::StepView(false),
+                Key::Character(",") => C::StepView(false),
                 ",", "a smaller number for the view, such as its scale", repeats: true
             ),
-            keys!(Key::Char('.') => C::StepView(true), ".", "a larger one", repeats: true),
+            keys!(Key::Character(".") => C::StepView(true), ".", "a larger one", repeats: true),
         ],
     }
     /// Shows or hides the sliders of the scene's parameters.
     ToggleSliders {
         bindings: &[keys!(
-            Key::Tab => C::ToggleSliders,
+            Key::Named(NamedKey::Tab) => C::ToggleSliders,
             "Tab or Shift+Tab", "the scene's sliders; with Shift, keys go through the bar"
         )],
     }
     /// Shows or hides the line about the scene.
     ToggleSceneLine {
-        bindings: &[keys!(Key::Char('i') => C::ToggleSceneLine, "I", "a line about the scene")],
+        bindings: &[keys!(Key::Character("i") => C::ToggleSceneLine, "I", "a line about the scene")],
     }
     /// Fades the picture to black, or back.
     Blackout(Switch) {
         name: Some("blackout"),
         control: Some(Control::Switch(C::Blackout)),
         is_on: Some(|state| state.black),
-        bindings: &[keys!(Key::Char('x') => C::Blackout(Toggle), "X", "blackout, or light again")],
+        bindings: &[keys!(Key::Character("x") => C::Blackout(Toggle), "X", "blackout, or light again")],
     }
     /// Holds the picture that shows, or lets it go.
     Freeze(Switch) {
@@ -357,7 +358,7 @@ commands! {
         control: Some(Control::Switch(C::Freeze)),
         is_on: Some(|state| state.frozen),
         bindings: &[keys!(
-            Key::Char('z') => C::Freeze(Toggle), "Z", "hold the picture, or let it go; the song goes on"
+            Key::Character("z") => C::Freeze(Toggle), "Z", "hold the picture, or let it go; the song goes on"
         )],
     }
     /// Gives every picture of this run this share of its light, 0..1.
@@ -372,7 +373,7 @@ commands! {
         name: Some("clean"),
         control: Some(Control::Switch(C::Clean)),
         is_on: Some(|state| state.clean),
-        bindings: &[keys!(Key::Char('w') => C::Clean(Toggle), "W", "hide every word and panel, or not")],
+        bindings: &[keys!(Key::Character("w") => C::Clean(Toggle), "W", "hide every word and panel, or not")],
     }
     /// Moves a corner of the picture.
     MoveCorner(MovedCorner) {}
@@ -384,7 +385,7 @@ commands! {
         control: Some(Control::Switch(C::Fullscreen)),
         is_on: Some(|state| state.fullscreen),
         bindings: &[keys!(
-            Key::Char('f'), Key::Function(11) => C::Fullscreen(Toggle),
+            Key::Character("f"), Key::Named(NamedKey::F11) => C::Fullscreen(Toggle),
             "F, F11 or double click", "full screen, or back"
         )],
     }
@@ -400,18 +401,33 @@ commands! {
     EditMappings(KnobEdit) {}
     /// Closes the panel that is open, or else leaves full screen; never quits.
     Leave {
-        bindings: &[keys!(Key::Escape => C::Leave, "Esc", "close what is open, or leave full screen")],
+        bindings: &[keys!(Key::Named(NamedKey::Escape) => C::Leave, "Esc", "close what is open, or leave full screen")],
     }
     /// Shows the keys, or hides them.
     ToggleHelp {
         bindings: &[keys!(
-            Key::Char('h'), Key::Function(1) => C::ToggleHelp, "H or F1", "show the keys, or hide them"
+            Key::Character("h"), Key::Named(NamedKey::F1) => C::ToggleHelp, "H or F1", "show the keys, or hide them"
         )],
     }
     /// Ends the program.
     Quit {
-        bindings: &[keys!(Key::Char('q') => C::Quit, "Q", "quit")],
+        bindings: &[keys!(Key::Character("q") => C::Quit, "Q", "quit")],
     }
+}
+
+/// One or several keys that send a command, with their words in the help and in README.
+#[derive(Debug)]
+pub struct Binding {
+    /// The keys, each with the command that it sends.
+    pub keys: &'static [(Key<&'static str>, Command)],
+    /// The command that the first key sends while Shift is held, where it differs.
+    pub shifted: Option<Command>,
+    /// The keys as people write them, such as "F, F11 or double click".
+    pub written: &'static str,
+    /// The effect in words, such as "full screen, or back".
+    pub help: &'static str,
+    /// Whether a key that is held down sends the command again and again.
+    pub repeats: bool,
 }
 
 impl Binding {

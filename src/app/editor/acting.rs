@@ -1,25 +1,11 @@
 //! What keys and the pointer do to the text.
 
 use crate::commands::Command;
+use crate::input::{Key, KeyPress, Modifiers, NamedKey};
 use mariana_editing::{Move, Refused, find};
-use winit::keyboard::{Key, ModifiersState, NamedKey, PhysicalKey};
 
 use super::keys::{action_of, way_of};
 use super::{CLOSE, EditAction, Editor, EditorEvent, Find, Owner, Question};
-
-/// A key that was pressed.
-pub(crate) struct Press<'a> {
-    /// What it means on this keyboard.
-    pub key: &'a Key,
-    /// Where it is.
-    pub physical: PhysicalKey,
-    /// What it types.
-    pub text: Option<&'a str>,
-    /// What is held with it.
-    pub held: ModifiersState,
-    /// Whether it is held.
-    pub repeat: bool,
-}
 
 /// Most letters that are shown while they are put together.
 const PREEDIT_MAX: usize = 64;
@@ -29,33 +15,32 @@ const READ_ONLY: &str =
     "this scene comes with Mariana: Ctrl+S copies it to your folder, and there it can be changed";
 
 impl Editor {
-    /// Takes a key. Returns whether it was meant for the editor.
-    pub(crate) fn take_key(&mut self, press: &Press<'_>) -> bool {
+    /// Takes a key that was pressed while these are held. Returns whether it was meant for the editor.
+    pub(crate) fn take_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
         if press.repeat && self.ignores_repeats {
             return true;
         }
         self.ignores_repeats &= press.repeat;
-        if self.find.as_ref().is_some_and(|find| find.typing) && self.type_query(press) {
+        if self.find.as_ref().is_some_and(|find| find.typing) && self.type_query(press, held) {
             return true;
         }
-        if self.choose_proposal(press.key, press.held) {
+        if self.choose_proposal(&press.key, held) {
             return true;
         }
-        if let Some(command) = action_of(press.key, press.physical, press.held) {
-            self.act_with(command, press.held.shift_key());
+        if let Some(action) = action_of(&press.key, press.latin, held) {
+            self.act_with(action, held.shift_key());
             return true;
         }
-        let select = press.held.shift_key();
-        let plain =
-            !press.held.intersects(ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER);
-        if let Some(way) = way_of(press.key, press.held, self.rows)
-            && !press.held.alt_key()
+        let select = held.shift_key();
+        let plain = !held.intersects(Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER);
+        if let Some(way) = way_of(&press.key, held, self.rows)
+            && !held.alt_key()
         {
             self.proposing = None;
             return self.with_text(|document| document.editing.go(way, select));
         }
-        let word = press.held.control_key();
-        match press.key {
+        let word = held.control_key();
+        match &press.key {
             Key::Named(NamedKey::Enter) if plain => return self.edit(|editing| editing.insert_line()),
             Key::Named(NamedKey::Backspace) => {
                 let way = if word { Move::WordLeft } else { Move::Left };
@@ -89,8 +74,12 @@ impl Editor {
             _ => {}
         }
         // With AltGr, some systems hold Ctrl and Alt.
-        let types = plain || press.held.contains(ModifiersState::CONTROL | ModifiersState::ALT);
-        match press.text.filter(|text| types && !text.is_empty() && !text.contains(char::is_control)) {
+        let types = plain || held.contains(Modifiers::CONTROL | Modifiers::ALT);
+        match press
+            .text
+            .as_deref()
+            .filter(|text| types && !text.is_empty() && !text.contains(char::is_control))
+        {
             Some(text) => {
                 self.type_text(text);
                 true
@@ -310,11 +299,11 @@ impl Editor {
     }
 
     /// Types into the line for finding. Returns whether the key was meant for it.
-    fn type_query(&mut self, press: &Press<'_>) -> bool {
+    fn type_query(&mut self, press: &KeyPress, held: Modifiers) -> bool {
         let Some(find) = &mut self.find else { return false };
-        match press.key {
+        match &press.key {
             Key::Named(NamedKey::Enter) => {
-                self.find_next(!press.held.shift_key());
+                self.find_next(!held.shift_key());
                 return true;
             }
             Key::Named(NamedKey::Backspace) => {

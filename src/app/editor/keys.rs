@@ -1,6 +1,6 @@
 //! What keys do while they are text: one table, from which the handling and the page about the editor are made.
 
-use winit::keyboard::{Key, KeyCode, ModifiersState, NamedKey, PhysicalKey};
+use crate::input::{Key, Modifiers, NamedKey};
 
 use mariana_editing::Move;
 
@@ -63,7 +63,7 @@ pub struct Row {
     /// The key, letters in lower case.
     key: Key<&'static str>,
     /// What is held with it.
-    held: ModifiersState,
+    held: Modifiers,
     /// The key as people write it.
     pub written: &'static str,
     /// What it does.
@@ -72,9 +72,9 @@ pub struct Row {
     pub meaning: &'static str,
 }
 
-const CTRL: ModifiersState = ModifiersState::CONTROL;
-const ALT: ModifiersState = ModifiersState::ALT;
-const NONE: ModifiersState = ModifiersState::empty();
+const CTRL: Modifiers = Modifiers::CONTROL;
+const ALT: Modifiers = Modifiers::ALT;
+const NONE: Modifiers = Modifiers::empty();
 
 const fn letter(
     letter: &'static str,
@@ -87,7 +87,7 @@ const fn letter(
 
 const fn named(
     key: NamedKey,
-    held: ModifiersState,
+    held: Modifiers,
     written: &'static str,
     action: EditAction,
     meaning: &'static str,
@@ -173,20 +173,20 @@ pub fn written_rows() -> impl Iterator<Item = &'static Row> {
 }
 
 /// What a key asks for with what is held, if it has a meaning of its own. Where the keyboard has other letters, the
-/// key's place counts.
-pub(super) fn action_of(key: &Key, physical: PhysicalKey, held: ModifiersState) -> Option<EditAction> {
+/// key's place counts: `latin` is the letter that it has elsewhere.
+pub(super) fn action_of(key: &Key, latin: Option<char>, held: Modifiers) -> Option<EditAction> {
     let shift = held.shift_key();
-    let mut held = held - ModifiersState::SHIFT;
+    let mut held = held - Modifiers::SHIFT;
     // What Ctrl does elsewhere, Command does on a Mac.
-    if held == ModifiersState::SUPER && cfg!(target_os = "macos") {
+    if held == Modifiers::SUPER && cfg!(target_os = "macos") {
         held = CTRL;
     }
     let lower = match key {
         Key::Character(text) => text.to_lowercase(),
         _ => String::new(),
     };
-    let latin = if lower.is_ascii() { None } else { letter_at(physical) };
-    let letter = latin.unwrap_or(&lower);
+    let latin = latin.filter(|_| !lower.is_ascii()).map(String::from);
+    let letter = latin.unwrap_or(lower);
     let row = ROWS.iter().find(|row| {
         row.held == held
             && match (&row.key, key) {
@@ -202,31 +202,8 @@ pub(super) fn action_of(key: &Key, physical: PhysicalKey, held: ModifiersState) 
     })
 }
 
-/// The letter that a key has on a keyboard with Latin letters.
-fn letter_at(physical: PhysicalKey) -> Option<&'static str> {
-    let PhysicalKey::Code(code) = physical else { return None };
-    let keys = [
-        (KeyCode::KeyS, "s"),
-        (KeyCode::KeyZ, "z"),
-        (KeyCode::KeyY, "y"),
-        (KeyCode::KeyC, "c"),
-        (KeyCode::KeyX, "x"),
-        (KeyCode::KeyV, "v"),
-        (KeyCode::KeyA, "a"),
-        (KeyCode::KeyF, "f"),
-        (KeyCode::KeyG, "g"),
-        (KeyCode::KeyP, "p"),
-        (KeyCode::KeyE, "e"),
-        (KeyCode::KeyN, "n"),
-        (KeyCode::KeyL, "l"),
-        (KeyCode::KeyK, "k"),
-        (KeyCode::Slash, "/"),
-    ];
-    keys.into_iter().find(|(known, _)| *known == code).map(|(_, letter)| letter)
-}
-
 /// Where a key moves the cursor; `rows` lines are a page.
-pub(super) fn way_of(key: &Key, held: ModifiersState, rows: usize) -> Option<Move> {
+pub(super) fn way_of(key: &Key, held: Modifiers, rows: usize) -> Option<Move> {
     let (Key::Named(named), word) = (key, held.control_key()) else { return None };
     Some(match named {
         NamedKey::ArrowLeft if word => Move::WordLeft,
@@ -266,13 +243,12 @@ mod tests {
     #[test]
     fn letters_of_other_keyboards_are_taken_by_their_place() {
         let key = |text: &str| Key::Character(text.into());
-        let at = |code| PhysicalKey::Code(code);
-        assert_eq!(action_of(&key("s"), at(KeyCode::KeyO), CTRL), Some(EditAction::Save));
-        assert_eq!(action_of(&key("ы"), at(KeyCode::KeyS), CTRL), Some(EditAction::Save));
-        assert_eq!(action_of(&key("S"), at(KeyCode::KeyS), NONE), None);
-        let shift = CTRL | ModifiersState::SHIFT;
-        assert_eq!(action_of(&key("Z"), at(KeyCode::KeyZ), shift), Some(EditAction::Redo));
-        assert_eq!(action_of(&key("s"), at(KeyCode::KeyS), CTRL | ALT), None);
+        assert_eq!(action_of(&key("s"), None, CTRL), Some(EditAction::Save));
+        assert_eq!(action_of(&key("ы"), Some('s'), CTRL), Some(EditAction::Save));
+        assert_eq!(action_of(&key("S"), Some('s'), NONE), None);
+        let shift = CTRL | Modifiers::SHIFT;
+        assert_eq!(action_of(&key("Z"), Some('z'), shift), Some(EditAction::Redo));
+        assert_eq!(action_of(&key("s"), Some('s'), CTRL | ALT), None);
     }
 
     #[test]

@@ -21,7 +21,6 @@ use std::ops::Range;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-pub(crate) use acting::Press;
 pub(crate) use document::{Document, Marked, Owner, Question};
 pub use keys::EditAction;
 use mariana_editing::{About, TurnSpeed};

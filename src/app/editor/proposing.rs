@@ -1,7 +1,7 @@
 //! What may be written at the cursor, as it is proposed while one types.
 
+use crate::input::{Key, Modifiers, NamedKey};
 use mariana_editing::{Proposal, proposals};
-use winit::keyboard::{Key, ModifiersState, NamedKey};
 
 use super::{Editor, Portrait};
 
@@ -58,7 +58,7 @@ impl Editor {
     }
 
     /// Goes through the proposals by keys. Returns whether the key was meant for them.
-    pub(super) fn choose_proposal(&mut self, key: &Key, held: ModifiersState) -> bool {
+    pub(super) fn choose_proposal(&mut self, key: &Key, held: Modifiers) -> bool {
         let Some(proposing) = &mut self.proposing else { return false };
         let (Key::Named(named), true) = (key, held.is_empty()) else { return false };
         let count = proposing.list.len();

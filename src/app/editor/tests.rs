@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
+use crate::input::{Key, KeyPress, Modifiers, NamedKey};
 use tempfile::TempDir;
-use winit::keyboard::{Key, KeyCode, ModifiersState, NamedKey, NativeKeyCode, PhysicalKey};
 
 use super::*;
 use crate::commands::TurnedNumbers;
@@ -89,33 +89,27 @@ impl Desk {
         result.is_ok()
     }
 
-    fn key(&mut self, key: Key, held: ModifiersState) -> bool {
+    fn key(&mut self, key: Key, held: Modifiers) -> bool {
         let text = match &key {
-            Key::Character(text) => Some(text.to_string()),
+            Key::Character(text) => Some(text.clone()),
             _ => None,
         };
-        self.editor.take_key(&Press {
-            key: &key,
-            physical: PhysicalKey::Unidentified(NativeKeyCode::Unidentified),
-            text: text.as_deref(),
-            held,
-            repeat: false,
-        })
+        self.editor.take_key(&KeyPress { key, latin: None, text, repeat: false }, held)
     }
 
     fn ctrl(&mut self, letter: &str) {
-        assert!(self.key(Key::Character(letter.into()), ModifiersState::CONTROL));
+        assert!(self.key(Key::Character(letter.into()), Modifiers::CONTROL));
     }
 
     fn named(&mut self, named: NamedKey) -> bool {
-        self.key(Key::Named(named), ModifiersState::empty())
+        self.key(Key::Named(named), Modifiers::empty())
     }
 
     fn type_text(&mut self, text: &str) {
         for letter in text.chars() {
             match letter {
                 '\n' => self.named(NamedKey::Enter),
-                letter => self.key(Key::Character(letter.to_string().into()), ModifiersState::empty()),
+                letter => self.key(Key::Character(letter.to_string()), Modifiers::empty()),
             };
         }
     }
@@ -324,9 +318,9 @@ fn keys_turn_numbers_and_make_parameters_of_them() {
         b"# A ball.\nmaterial m { roughness = 0.3 }\nobject o { shape = length(p) - 1  material = m }\n",
     );
     desk.go_to("0.3");
-    assert!(desk.key(Key::Named(NamedKey::ArrowUp), ModifiersState::ALT));
+    assert!(desk.key(Key::Named(NamedKey::ArrowUp), Modifiers::ALT));
     assert!(desk.text().contains("roughness = 0.32"), "{}", desk.text());
-    assert!(desk.key(Key::Named(NamedKey::ArrowDown), ModifiersState::ALT | ModifiersState::SHIFT));
+    assert!(desk.key(Key::Named(NamedKey::ArrowDown), Modifiers::ALT | Modifiers::SHIFT));
     assert!(desk.text().contains("roughness = 0.318"), "{}", desk.text());
     desk.ctrl("p");
     assert_eq!(
@@ -437,17 +431,13 @@ fn the_key_that_opened_the_editor_is_not_typed_while_it_is_held() {
     let mut desk = Desk::new(b"y");
     desk.editor.set_focus(false);
     desk.editor.set_focus(true);
-    let key = Key::Character("e".into());
-    let press = |repeat| Press {
-        key: &key,
-        physical: PhysicalKey::Code(KeyCode::KeyE),
-        text: Some("e"),
-        held: ModifiersState::empty(),
-        repeat,
-    };
-    assert!(desk.editor.take_key(&press(true)));
+    let key = Key::Character("e".to_owned());
+    let press = |repeat| KeyPress { key: key.clone(), latin: Some('e'), text: Some("e".to_owned()), repeat };
+    let mut take = |repeat| desk.editor.take_key(&press(repeat), Modifiers::empty());
+    assert!(take(true));
     assert_eq!(desk.text(), "y");
-    assert!(desk.editor.take_key(&press(false)) && desk.editor.take_key(&press(true)));
+    let mut take = |repeat| desk.editor.take_key(&press(repeat), Modifiers::empty());
+    assert!(take(false) && take(true));
     assert_eq!(desk.text(), "eey");
     // Keys without letters are the show's.
     assert!(!desk.named(NamedKey::F11) && !desk.named(NamedKey::MediaPlayPause));

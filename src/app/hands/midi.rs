@@ -2,10 +2,10 @@
 
 use std::time::Instant;
 
-use crate::app::window_thread::Waker;
 use crate::commands;
 use crate::config::{HandSettings, KnobEdit, KnobMemory};
-use crate::session::scene::SceneStage;
+use crate::session::scene::SceneSession;
+use crate::session::waker::Waker;
 use mariana_control::midi::{
     ClockReading, KnobMove, Learning, Mapping, MidiHub, MidiState, Outcome, Ports, SystemPorts, Target,
 };
@@ -120,11 +120,11 @@ impl Midi {
     }
 
     /// What follows from knobs that moved. A knob that is being learned turns nothing meanwhile.
-    pub(super) fn take(&mut self, knobs: &[KnobMove], scene: &SceneStage) -> Vec<Outcome> {
-        let title = scene.name().unwrap_or_default();
+    pub(super) fn take(&mut self, knobs: &[KnobMove], scene: &SceneSession) -> Vec<Outcome> {
+        let title = scene.scenes().name().unwrap_or_default();
         let stands = |name: &str| {
-            let slider = scene.sliders().iter().rfind(|slider| slider.name == name)?;
-            let (to, _) = scene.param_target(name)?;
+            let slider = scene.scenes().sliders().iter().rfind(|slider| slider.name == name)?;
+            let (to, _) = scene.shown_parameters().target(name)?;
             let (min, max, default) = (slider.min, slider.max, slider.default);
             Some(Param { name, min, max, default }.share_of(to))
         };

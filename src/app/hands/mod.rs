@@ -17,10 +17,10 @@ use panel::HandFacts;
 use phone::Phones;
 
 use super::frame_times::FrameTimes;
-use super::window_thread::Waker;
 use crate::config::{HandSettings, KnobEdit};
 use crate::scenes::SceneSource;
-use crate::session::scene::SceneStage;
+use crate::session::scene::SceneSession;
+use crate::session::waker::Waker;
 use crate::thumbnails::Looked;
 use mariana_control::midi::{ClockReading, KnobMove, Outcome, Target};
 use mariana_control::{Board, Heard, Present, PresentParam, Slider, Wishes};
@@ -152,7 +152,7 @@ impl Hands {
     pub(super) fn take_knobs(
         &mut self,
         knobs: &[KnobMove],
-        scene: &SceneStage,
+        scene: &SceneSession,
     ) -> (Vec<Outcome>, Option<String>) {
         (self.midi.take(knobs, scene), self.midi.finish_learning())
     }

@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use crate::app::window_thread::Waker;
 use crate::commands;
 use crate::config::HandSettings;
+use crate::session::waker::Waker;
 use mariana_control::osc::{OscReceiver, OscSender, ReceiverState, Sample};
 use mariana_control::{Board, Wishes};
 use mariana_field::graph::SoundInput;

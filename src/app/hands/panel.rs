@@ -8,7 +8,7 @@ mod tests;
 
 use std::sync::Arc;
 
-use winit::keyboard::{Key, NamedKey};
+use crate::input::{Key, NamedKey};
 
 use super::phone::PhoneFacts;
 use rows::rows_of;

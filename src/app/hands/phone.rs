@@ -1,8 +1,8 @@
 //! The page for phones, as the command line wants it.
 
-use crate::app::window_thread::Waker;
 use crate::commands;
 use crate::config::HandSettings;
+use crate::session::waker::Waker;
 use crate::thumbnails::{About, Looked};
 use mariana_control::{Board, Wishes};
 use mariana_remote::{Album, Remote, RemoteState};

@@ -15,6 +15,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use crate::commands::Command;
+use crate::session::desktop::DesktopControls;
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_player::{PlayerStatus, Position};
 
@@ -101,15 +102,14 @@ impl MediaControls {
             changes,
         }
     }
+}
 
-    /// The next command, if any.
-    pub(super) fn poll(&self) -> Option<Command> {
+impl DesktopControls for MediaControls {
+    fn poll(&self) -> Option<Command> {
         self.commands.try_recv().ok()
     }
 
-    /// Reports the state of playback to the desktop. A song that has not `started` is paused: it waits for the first
-    /// picture.
-    pub(super) fn show(&self, status: &PlayerStatus, started: bool, fullscreen: bool) {
+    fn show(&self, status: &PlayerStatus, started: bool, fullscreen: bool) {
         let now = Instant::now();
         let new = Seen {
             track: Some(status.track.clone()),

@@ -24,6 +24,7 @@ mod invitation;
 mod now_playing;
 mod panels;
 mod params;
+mod pending;
 mod pointer;
 mod preview;
 mod problem;
@@ -40,39 +41,40 @@ mod welcome;
 use std::time::Instant;
 
 use egui::accesskit::TreeUpdate;
-use egui::{ClippedPrimitive, CursorIcon, Event, Modifiers, PlatformOutput, RawInput, Rect, Vec2};
+use egui::{ClippedPrimitive, CursorIcon, Event, Modifiers, RawInput, Rect, Vec2};
 use egui_glow::Painter;
-use winit::dpi::{PhysicalPosition, PhysicalSize};
-use winit::event::WindowEvent;
-use winit::keyboard::{Key, NamedKey};
-use winit::window::Window;
 
 pub use bar::Bar;
 pub use content::{Notice, OverlayContent, Problem, SourceList};
 pub use events::{FileListEvent, SceneListEvent, SettingEvent, UiEvent};
 pub use now_playing::NowPlaying;
-use panels::{Panels, pressed};
+use panels::{LaidOut, Panels, pressed};
+use pending::PendingInput;
 use pointer::Pointer;
 pub use switches::PanelSwitches;
 pub use tracks::Tracks;
 pub use welcome::Welcome;
 
 use super::accessibility::Assistance;
-use super::error::AppError;
 use crate::gpu::gl::Gl;
+use crate::input::{Input, Key, NamedKey};
+use crate::session::SessionError;
 use crate::system_fonts::SystemFonts;
 
 /// The overlay of a window. Drop it before the window's context.
 pub struct Overlay {
     gl: Gl,
     panels: Panels,
-    /// Turns the window's events into egui's.
-    input: egui_winit::State,
+    /// What was done since the panels were laid out last.
+    input: PendingInput,
+    /// Pixels of the window per point, as they were at the last painting.
+    scale: f32,
     /// Made when something shows for the first time.
     painter: Option<Painter>,
     pointer: Pointer,
-    pointer_shown: bool,
-    /// Where letters are typed, as the system was told, in pixels.
+    /// The look of the pointer, as was reported last.
+    cursor: CursorIcon,
+    /// Where letters are typed, as was reported last, in pixels.
     typed_at: Option<Rect>,
     shown: Option<Shown>,
     /// Whether assistive technology is told what there is.
@@ -100,52 +102,37 @@ pub struct Painted {
     pub events: Vec<UiEvent>,
     /// What assistive technology is to be told.
     pub controls: Option<TreeUpdate>,
+    /// The look of the pointer, if it is to be another one.
+    pub cursor: Option<CursorIcon>,
+    /// Where letters are typed, in pixels, if that is elsewhere than before: an input method shows its proposals there.
+    pub typed_at: Option<Rect>,
 }
 
 impl Overlay {
     /// An overlay that shows nothing yet. Calls no OpenGL. `wake` is called on another thread when something is
     /// [`Self::due`] that was not before.
-    pub fn new(gl: &Gl, window: &Window, wake: impl Fn() + Send + 'static) -> Self {
+    pub fn new(gl: &Gl, scale: f32, wake: impl Fn() + Send + 'static) -> Self {
         let panels = Panels::new(SystemFonts::new(), wake);
-        let side_max = usize::try_from(gl.info().texture_side_max).ok();
-        let scale = Some(window.scale_factor() as f32);
-        let context = panels.context().clone();
-        let input =
-            egui_winit::State::new(context, egui::ViewportId::ROOT, window, scale, window.theme(), side_max);
         Self {
             gl: gl.clone(),
             panels,
-            input,
+            input: PendingInput::new(usize::try_from(gl.info().texture_side_max).ok()),
+            scale,
             painter: None,
             pointer: Pointer::default(),
-            pointer_shown: true,
+            cursor: CursorIcon::Default,
             typed_at: None,
             shown: None,
             assisted: false,
         }
     }
 
-    /// Takes an event of the window and returns whether it belongs to the overlay alone. Keys never do: see
-    /// [`Overlay::take_key`].
-    pub fn on_event(&mut self, window: &Window, event: &WindowEvent) -> bool {
-        let consumed = self.pointer.on_event(event);
-        if matches!(
-            event,
-            WindowEvent::CursorMoved { .. }
-                | WindowEvent::CursorLeft { .. }
-                | WindowEvent::MouseInput { .. }
-                | WindowEvent::MouseWheel { .. }
-                | WindowEvent::Touch(_)
-                | WindowEvent::ModifiersChanged(_)
-                | WindowEvent::Focused(_)
-        ) {
-            let _ = self.input.on_window_event(window, event);
-            if !self.shown.as_ref().is_some_and(|shown| shown.interactive) {
-                // Pointer events have no target.
-                let is_request =
-                    |event: &Event| matches!(event, Event::AccessKitActionRequest(_) | Event::Key { .. });
-                self.input.egui_input_mut().events.retain(is_request);
-            }
+    /// Takes input and returns whether it belongs to the overlay alone. Keys never do: see [`Overlay::take_key`].
+    pub fn on_input(&mut self, input: &Input) -> bool {
+        let consumed = self.pointer.on_event(input);
+        self.input.add(input, self.panels.context().pixels_per_point());
+        if !self.shown.as_ref().is_some_and(|shown| shown.interactive) {
+            self.input.forget_pointer();
         }
         consumed
     }
@@ -170,7 +157,7 @@ impl Overlay {
         let Some(key) = key_of_controls(key) else { return false };
         if self.has_key_focus() {
             let modifiers = Modifiers { shift, ..Modifiers::NONE };
-            self.input.egui_input_mut().events.extend(pressed(key, modifiers));
+            self.input.extend(pressed(key, modifiers));
         } else {
             self.panels.ask_for_focus();
         }
@@ -184,8 +171,7 @@ impl Overlay {
             Assistance::Begins => context.enable_accesskit(),
             Assistance::Ends => context.disable_accesskit(),
             Assistance::Act(request) => {
-                let events = &mut self.input.egui_input_mut().events;
-                return events.push(Event::AccessKitActionRequest(request));
+                return self.input.extend([Event::AccessKitActionRequest(request)]);
             }
         }
         self.assisted = assistance == Assistance::Begins;
@@ -202,44 +188,44 @@ impl Overlay {
     /// happens.
     pub fn due(&self, content: &OverlayContent<'_>, now: Instant) -> Option<Instant> {
         let Some(shown) = &self.shown else {
-            let changes = !content.is_empty(now) || content.hides_pointer == self.pointer_shown;
+            let changes =
+                !content.is_empty(now) || content.hides_pointer == (self.cursor != CursorIcon::None);
             return changes.then_some(now);
         };
         let changed = content.fingerprint(now) != shown.fingerprint;
-        let touched = !self.input.egui_input().events.is_empty();
+        let touched = !self.input.is_empty();
         let relaid = changed || touched || self.panels.wants_focus() || self.panels.has_found_fonts();
         if relaid { Some(now) } else { shown.changes_at.map(|at| at.max(now)) }
     }
 
-    /// Paints `content` over what is in the framebuffer of `window`, which has `size` pixels. Calls no OpenGL when
-    /// there is nothing to show.
+    /// Paints `content` over what is in the framebuffer of a window of `size` pixels, `scale` of them per point. Calls no
+    /// OpenGL when there is nothing to show.
     ///
     /// # Errors
-    /// [`AppError::Overlay`] and [`AppError::Gpu`] for what the driver refuses.
+    /// [`SessionError::Overlay`] and [`SessionError::Gpu`] for what the driver refuses.
     pub fn paint(
         &mut self,
-        window: &Window,
+        scale: f32,
         size: (u32, u32),
         mut content: OverlayContent<'_>,
-    ) -> Result<Painted, AppError> {
-        let now = Instant::now();
+        now: Instant,
+    ) -> Result<Painted, SessionError> {
+        self.scale = scale;
         if content.is_empty(now) {
             self.panels.forget_focus();
             if self.shown.take().is_some() {
                 self.pointer.panels.clear();
-                self.input.egui_input_mut().events.clear();
+                self.input.clear();
             }
-            self.show_pointer(window, !content.hides_pointer);
-            return Ok(Painted::default());
+            let cursor = if content.hides_pointer { CursorIcon::None } else { CursorIcon::Default };
+            return Ok(Painted { cursor: self.changed_cursor(cursor), ..Painted::default() });
         }
-        let scale = window.scale_factor() as f32;
         let pixels_per_point = scale * style::zoom(points(size, scale));
         let stands = self.due(&content, now).is_none_or(|due| due > now)
             && self.shown.as_ref().is_some_and(|shown| {
                 shown.size == size && shown.pixels_per_point.to_bits() == pixels_per_point.to_bits()
             });
-        let painted =
-            if stands { Painted::default() } else { self.lay_out(window, size, &mut content, now)? };
+        let painted = if stands { Painted::default() } else { self.lay_out(size, &mut content, now)? };
         if let (Some(shown), Some(painter)) = (&self.shown, &mut self.painter) {
             self.gl.lend_window("drawing the overlay", || {
                 painter.paint_primitives(size.into(), shown.pixels_per_point, &shown.primitives);
@@ -250,28 +236,23 @@ impl Overlay {
 
     fn lay_out(
         &mut self,
-        window: &Window,
         size: (u32, u32),
         content: &mut OverlayContent<'_>,
         now: Instant,
-    ) -> Result<Painted, AppError> {
+    ) -> Result<Painted, SessionError> {
         // First, because egui's textures need a place.
         if self.painter.is_none() {
             let painter = Painter::new(self.gl.shared(), "", None, false);
-            self.painter = Some(painter.map_err(|error| AppError::Overlay(error.to_string()))?);
+            self.painter = Some(painter.map_err(|error| SessionError::Overlay(error.to_string()))?);
         }
         let interactive = content.is_interactive();
-        let input = self.take_input(window, size, interactive);
+        let input = self.take_input(size, interactive, now);
         let laid_out = self.panels.lay_out(input, content, now);
         let mut output = laid_out.output;
         let controls = output.platform_output.accesskit_update.take();
-        if content.hides_pointer {
-            output.platform_output.cursor_icon = CursorIcon::None;
-        }
-        self.pointer_shown = !content.hides_pointer;
+        let cursor =
+            if content.hides_pointer { CursorIcon::None } else { output.platform_output.cursor_icon };
         let typed_at = output.platform_output.ime.take().map(|ime| ime.cursor_rect * output.pixels_per_point);
-        self.place_input_method(window, typed_at);
-        self.input.handle_platform_output(window, output.platform_output);
 
         let mut textures = output.textures_delta;
         let painter = &mut self.painter;
@@ -302,27 +283,23 @@ impl Overlay {
             interactive,
             changes_at: own.into_iter().chain(fades).chain(goes).chain(answer).min(),
         });
-        Ok(Painted { params_changed: laid_out.params_changed, events: laid_out.events, controls })
+        let (cursor, typed_at) = (self.changed_cursor(cursor), self.changed_place_of_letters(typed_at));
+        let LaidOut { params_changed, events, .. } = laid_out;
+        Ok(Painted { params_changed, events, controls, cursor, typed_at })
     }
 
-    /// Tells the system where letters are typed, in pixels: an input method shows its proposals there. Whether it is
-    /// asked at all is the editor's business (`app::stage::editing`).
-    fn place_input_method(&mut self, window: &Window, at: Option<Rect>) {
-        if let Some(rect) = at.filter(|rect| rect.is_finite() && self.typed_at != at) {
-            let place = PhysicalPosition::new(rect.left(), rect.top());
-            window
-                .set_ime_cursor_area(place, PhysicalSize::new(rect.width().max(1.0), rect.height().max(1.0)));
-            self.typed_at = at;
-        }
+    /// Returns where letters are typed if that is elsewhere than before.
+    fn changed_place_of_letters(&mut self, at: Option<Rect>) -> Option<Rect> {
+        let changed = at.filter(|rect| rect.is_finite() && self.typed_at != at);
+        self.typed_at = changed.or(self.typed_at);
+        changed
     }
 
-    /// Shows the pointer over the picture, or hides it.
-    fn show_pointer(&mut self, window: &Window, shown: bool) {
-        if self.pointer_shown != shown {
-            self.pointer_shown = shown;
-            let cursor_icon = if shown { CursorIcon::Default } else { CursorIcon::None };
-            self.input.handle_platform_output(window, PlatformOutput { cursor_icon, ..Default::default() });
-        }
+    /// Returns the look of the pointer if it is another one than before.
+    fn changed_cursor(&mut self, cursor: CursorIcon) -> Option<CursorIcon> {
+        let is_new = self.cursor != cursor;
+        self.cursor = cursor;
+        is_new.then_some(cursor)
     }
 
     /// Whether the pointer is on a panel, or holds one.
@@ -331,12 +308,12 @@ impl Overlay {
     }
 
     /// What egui needs to know: time, size and what the pointer did.
-    fn take_input(&mut self, window: &Window, size: (u32, u32), interactive: bool) -> RawInput {
-        let scale = window.scale_factor() as f32;
+    fn take_input(&mut self, size: (u32, u32), interactive: bool, now: Instant) -> RawInput {
+        let scale = self.scale;
         let zoom = style::zoom(points(size, scale));
         // Not with `set_zoom_factor`, which applies from the next pass on and guesses the size in this one.
         self.panels.context().options_mut(|options| options.zoom_factor = zoom);
-        let mut input = self.input.take_egui_input(window);
+        let mut input = self.input.take(scale, now);
         input.screen_rect = Some(Rect::from_min_size(egui::Pos2::ZERO, points(size, scale * zoom)));
         let was = self.shown.as_ref().is_some_and(|shown| shown.interactive);
         if was && !interactive {

@@ -1,7 +1,7 @@
 //! Decides whose a click is: the overlay's if it began on a panel, otherwise the show's.
 
+use crate::input::{Input, TouchPhase};
 use egui::{Pos2, Rect, pos2};
-use winit::event::{ElementState, TouchPhase, WindowEvent};
 
 /// Where the pointer and the panels are, in pixels.
 #[derive(Debug, Default)]
@@ -16,21 +16,21 @@ pub(super) struct Pointer {
 
 impl Pointer {
     /// Takes an event and returns whether it belongs to the overlay alone.
-    pub(super) fn on_event(&mut self, event: &WindowEvent) -> bool {
-        match event {
-            WindowEvent::CursorMoved { position, .. } => {
-                self.place = Some(pos2(position.x as f32, position.y as f32));
+    pub(super) fn on_event(&mut self, input: &Input) -> bool {
+        match input {
+            Input::PointerMoved([x, y]) => {
+                self.place = Some(pos2(*x as f32, *y as f32));
                 // The show needs the pointer's place wherever it is.
                 false
             }
-            WindowEvent::CursorLeft { .. } => {
+            Input::PointerLeft => {
                 self.place = None;
                 false
             }
-            WindowEvent::MouseInput { state, .. } => self.on_button(*state),
-            WindowEvent::MouseWheel { .. } => self.held > 0 || self.is_on_panel(self.place),
-            WindowEvent::Touch(touch) if touch.phase == TouchPhase::Started => {
-                self.is_on_panel(Some(pos2(touch.location.x as f32, touch.location.y as f32)))
+            Input::PointerButton { pressed, .. } => self.on_button(*pressed),
+            Input::Wheel(_) => self.held > 0 || self.is_on_panel(self.place),
+            Input::Touch { phase: TouchPhase::Started, place: [x, y], .. } => {
+                self.is_on_panel(Some(pos2(*x as f32, *y as f32)))
             }
             _ => false,
         }
@@ -41,10 +41,10 @@ impl Pointer {
         self.held > 0 || self.is_on_panel(self.place)
     }
 
-    fn on_button(&mut self, state: ElementState) -> bool {
-        match state {
-            ElementState::Pressed if self.held > 0 || self.is_on_panel(self.place) => self.held += 1,
-            ElementState::Released if self.held > 0 => self.held -= 1,
+    fn on_button(&mut self, pressed: bool) -> bool {
+        match pressed {
+            true if self.held > 0 || self.is_on_panel(self.place) => self.held += 1,
+            false if self.held > 0 => self.held -= 1,
             _ => return false,
         }
         true
@@ -57,17 +57,15 @@ impl Pointer {
 
 #[cfg(test)]
 mod tests {
-    use winit::dpi::PhysicalPosition;
-    use winit::event::{DeviceId, MouseButton, MouseScrollDelta};
-
     use super::*;
+    use crate::input::{PointerButton, Wheel};
 
-    fn moved(x: f64, y: f64) -> WindowEvent {
-        WindowEvent::CursorMoved { device_id: DeviceId::dummy(), position: PhysicalPosition { x, y } }
+    fn moved(x: f64, y: f64) -> Input {
+        Input::PointerMoved([x, y])
     }
 
-    fn button(state: ElementState) -> WindowEvent {
-        WindowEvent::MouseInput { device_id: DeviceId::dummy(), state, button: MouseButton::Left }
+    fn button(pressed: bool) -> Input {
+        Input::PointerButton { button: PointerButton::Primary, pressed }
     }
 
     #[test]
@@ -76,15 +74,10 @@ mod tests {
             panels: vec![Rect::from_min_max(pos2(10.0, 10.0), pos2(20.0, 20.0))],
             ..Default::default()
         };
-        let (down, up) = (button(ElementState::Pressed), button(ElementState::Released));
-        let wheel = WindowEvent::MouseWheel {
-            device_id: DeviceId::dummy(),
-            delta: MouseScrollDelta::LineDelta(0.0, 1.0),
-            phase: TouchPhase::Moved,
-        };
-        let mut answers = |events: &[&WindowEvent]| -> Vec<bool> {
-            events.iter().map(|event| pointer.on_event(event)).collect()
-        };
+        let (down, up) = (button(true), button(false));
+        let wheel = Input::Wheel(Wheel::Notches([0.0, 1.0]));
+        let mut answers =
+            |events: &[&Input]| -> Vec<bool> { events.iter().map(|event| pointer.on_event(event)).collect() };
         assert_eq!(answers(&[&down, &up, &wheel]), [false; 3], "nowhere");
         assert_eq!(answers(&[&moved(15.0, 15.0), &down, &up, &wheel]), [false, true, true, true]);
         assert_eq!(answers(&[&moved(25.0, 15.0), &down, &up, &wheel]), [false; 4]);

@@ -377,7 +377,7 @@ fn a_notice_covered_the_heading_of_a_panel() {
 #[test]
 fn the_selected_setting_is_seen_however_small_the_window_is() {
     use crate::app::settings_panel::tests::panel;
-    use winit::keyboard::{Key, NamedKey};
+    use crate::input::{Key, NamedKey};
     let mut rows = panel(&Choices::default(), None);
     let mut stage = Stage::new(Vec2::new(560.0, 200.0));
     stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });

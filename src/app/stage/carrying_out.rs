@@ -74,13 +74,16 @@ impl Stage {
                 self.scene.show_source(*source);
                 self.show_scene_in_editor();
             }
-            Command::ReloadScene => self.scene.load_again(),
-            Command::TurnNumbers(turned) => self.scene.turn_numbers(&turned.file, turned.values),
+            Command::ReloadScene => self.scene.library_mut().load_again(),
+            Command::TurnNumbers(turned) => {
+                self.scene.parameters_mut().turn_numbers(&turned.file, turned.values)
+            }
             Command::MarkScenes(titles) => self.listening.remember(move |settings| {
                 settings.favourite_scenes.clone_from(&titles);
             }),
             Command::Cut(switch) => {
-                let words = self.scene.cut_by_hand(switch.applied_to(self.scene.is_cut_by_hand()));
+                let cuts = switch.applied_to(self.scene.composer().fading().cuts());
+                let words = self.scene.composer_mut().fading_mut().set_cuts(cuts);
                 self.answer(Some(words));
             }
             Command::Fade(seconds) => self.set_fade(seconds),
@@ -93,7 +96,7 @@ impl Stage {
             Command::ResetCamera => self.scene.give_camera_back(),
             Command::TurnCamera(way) => self.turn_camera(way),
             Command::ZoomCamera(notches) => self.zoom_camera(notches),
-            Command::Inspect(place) => self.look_at(place.into()),
+            Command::Inspect(place) => self.look_at(place),
             Command::NextView => self.go_view(true),
             Command::PreviousView => self.go_view(false),
             Command::StepView(larger) => self.scene.step_view(larger),
@@ -109,11 +112,11 @@ impl Stage {
             Command::MoveCorner(moved) => self.move_corner(moved),
             Command::ResetCorners => self.set_corners(Corners::default(), 0, true),
             Command::Fullscreen(_) => self.toggle_fullscreen(),
-            Command::Raise => self.window.window().focus_window(),
+            Command::Raise => self.screen.raise(),
             Command::Set(set) => self.change_setting(set),
             Command::Learn(target) => self.learn(target),
             Command::LearnParameter(name) => {
-                let scene = self.scene.name().unwrap_or_default();
+                let scene = self.scene.scenes().name().unwrap_or_default();
                 self.learn(Target::Param { scene, name });
             }
             Command::EditMappings(edit) => {
@@ -144,13 +147,13 @@ impl Stage {
             muted: song.as_ref().is_some_and(|song| song.muted),
             shuffled: song.as_ref().is_some_and(|song| song.shuffled),
             follows: self.follows(),
-            kept: self.scene.is_kept(),
+            kept: self.scene.show().is_locked(),
             recording: self.is_recording(),
-            cuts: self.scene.is_cut_by_hand(),
+            cuts: self.scene.composer().fading().cuts(),
             black: self.masters.is_black(),
             frozen: self.masters.is_frozen(),
             clean: self.desk.bare,
-            fullscreen: self.window.is_fullscreen(),
+            fullscreen: self.screen.is_fullscreen(),
             brightness: f32::from(self.choices.stage.brightness) / 100.0,
             position: playing.share(),
             volume: (!playing.live).then_some(playing.volume),
@@ -161,7 +164,7 @@ impl Stage {
     fn show_scene_named(&mut self, name: SceneName) {
         match name {
             SceneName::Title(title) => {
-                match self.scene.all_sources().into_iter().find(|scene| scene.title() == title) {
+                match self.scene.library().all_sources().into_iter().find(|scene| scene.title() == title) {
                     Some(scene) => self.scene.show_source(scene),
                     None => self.reports.answer(format!("there is no scene '{title}': B shows them all")),
                 }
@@ -175,7 +178,7 @@ impl Stage {
         if !self.is_for_picture(self.input.began()) {
             return;
         }
-        let height = f64::from(self.window.size().map_or(1, |(_, height)| height));
+        let height = f64::from(self.screen.size().map_or(1, |(_, height)| height));
         let height = height * self.desk.picture.map_or(1.0, |[_, top, _, bottom]| bottom - top);
         self.scene.move_camera(|hand, own| hand.drag((way[0] / height, way[1] / height), own));
     }
@@ -192,7 +195,7 @@ impl Stage {
         if let Some(editor) =
             self.desk.editor.as_mut().filter(|_| self.desk.panels.open() == Some(Panel::Editor))
         {
-            editor.show_scene(self.scene.wanted_source());
+            editor.show_scene(self.scene.library().wanted());
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::app::settings_panel::SettingsPanel;
 use crate::commands::Panel;
 use crate::placement::Area;
 use crate::scenes::SceneSource;
-use crate::session::scene::{SceneStage, SceneWords};
+use crate::session::scene::{SceneSession, SceneWords};
 use mariana_music::SongStructure;
 use mariana_player::{ListedTracks, LoudnessShape};
 
@@ -68,7 +68,7 @@ pub(super) struct Seen {
 
 /// What is shown over the picture of the scene: its messages, its sliders, and what the window adds.
 pub(super) fn content_of<'a>(
-    scene: &'a mut SceneStage,
+    scene: &'a mut SceneSession,
     corner: Option<&'a str>,
     panels: PanelSwitches,
 ) -> OverlayContent<'a> {

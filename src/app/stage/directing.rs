@@ -22,7 +22,7 @@ impl Stage {
         // Of an input nothing is known before it is heard.
         let song = track.map_or_else(|| Some(Arc::default()), |track| self.listening.structure(track));
         let scene = &self.scene;
-        match self.direction.update(track, playing, song.clone(), || scene.all_sources()) {
+        match self.direction.update(track, playing, song.clone(), || scene.library().all_sources()) {
             Some(News::Programme(programme)) => {
                 if programme.is_some() {
                     tracing::info!("the scenes follow the song");
@@ -35,11 +35,11 @@ impl Stage {
                     }
                     other => {
                         let cued = self.cues.programme().or(other);
-                        self.scene.set_programme(cued, self.cues.next());
+                        self.scene.show_mut().set_programme(cued, self.cues.next());
                     }
                 }
             }
-            Some(News::Problem { heading, text }) => self.scene.set_problem(heading, text),
+            Some(News::Problem { heading, text }) => self.scene.messages_mut().set_problem(heading, text),
             None => {}
         }
         if let Some(live) = &mut self.live {
@@ -47,9 +47,9 @@ impl Stage {
             let (tempo, phase) = (features.tempo, features.phase);
             let heard = Hearing { time, energy: moment.song.energy, tempo, phase };
             if let Some(programme) = live.hear(heard).map(Arc::new) {
-                match self.scene.is_directed() {
-                    true => self.scene.extend_programme(programme, None),
-                    false => self.scene.set_programme(Some(programme), None),
+                match self.scene.show().has_programme() {
+                    true => self.scene.show_mut().extend_programme(programme, None),
+                    false => self.scene.show_mut().set_programme(Some(programme), None),
                 }
             }
         }
@@ -61,7 +61,9 @@ impl Stage {
     /// Brings what a show file holds for a key.
     pub(in crate::app) fn next_cue(&mut self) {
         let words = match self.listening.now() {
-            _ if !self.scene.is_directed() => "no show is on: A lets the scenes follow the song".to_owned(),
+            _ if !self.scene.show().has_programme() => {
+                "no show is on: A lets the scenes follow the song".to_owned()
+            }
             None => return,
             Some(moment) => match self.cues.press(moment.song_time) {
                 Pressed::NoCues => {
@@ -69,7 +71,7 @@ impl Stage {
                 }
                 Pressed::NoneLeft => "that was the last cue of the show".to_owned(),
                 Pressed::Cue { programme, number, of, scene } => {
-                    self.scene.extend_programme(programme, self.cues.next());
+                    self.scene.show_mut().extend_programme(programme, self.cues.next());
                     format!("cue {number} of {of}: {scene}")
                 }
             },
@@ -92,9 +94,9 @@ impl Stage {
 
     /// Keeps the scene that is on until this is called again.
     pub(in crate::app) fn toggle_keep(&mut self) {
-        let words = match self.scene.is_directed() {
+        let words = match self.scene.show().has_programme() {
             false => "the scenes do not follow the song: A lets them",
-            true if self.scene.toggle_lock() => "this scene stays until K is pressed again",
+            true if self.scene.show_mut().toggle_lock() => "this scene stays until K is pressed again",
             true => "the scenes follow the song again",
         };
         self.reports.answer(words.to_owned());

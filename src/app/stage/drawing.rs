@@ -4,16 +4,15 @@ use std::time::{Duration, Instant};
 
 use super::Stage;
 use super::desk::{Seen, content_of};
-use super::outputs::{Canvas, Lay};
 use crate::app::drawing_pace::{Verdict, drawn_size};
 use crate::app::dynamic_resolution::Level;
-use crate::app::error::AppError;
-use crate::app::overlay::{Overlay, OverlayContent, PanelSwitches};
-use crate::app::wallpaper::Wallpaper;
-use crate::app::window::GlWindowContext;
+use crate::app::overlay::{Overlay, OverlayContent, Painted, PanelSwitches};
 use crate::commands::Panel;
 use crate::gpu::error::GpuError;
+use crate::session::SessionError;
+use crate::session::lay::Lay;
 use crate::session::scene::{Drawn, Shown, WantedPicture};
+use crate::session::screen::Screen;
 use mariana_player::Moment;
 
 /// How often a window without a picture is painted again: something may have covered it.
@@ -25,19 +24,19 @@ impl Stage {
     ///
     /// # Errors
     /// What the driver refuses.
-    pub(in crate::app) fn draw(&mut self) -> Result<bool, AppError> {
+    pub(in crate::app) fn draw(&mut self) -> Result<bool, SessionError> {
         if let Some(seconds) = self.first_shown_after.take() {
             // Nothing is dimmed in the first picture, so it was shown before the driver had made the limiter's programs.
             self.renderer.limit_flashes(seconds)?;
         }
         let begun = Instant::now();
         // A picture whose regions have come was due before.
-        if !self.scene.has_regions() && !self.scene.is_drawing() {
+        if !self.scene.composer().has_regions() && !self.scene.composer().is_drawing() {
             self.pace.begun(begun, self.hands.are_unseen());
         }
-        let size = self.window.size();
+        let size = self.screen.size();
         let placement = self.placement();
-        let screen = self.screen_size().map(|screen| (screen, placement.picture_size(screen)));
+        let screen = self.screen.picture_size().map(|screen| (screen, placement.picture_size(screen)));
         self.pace.set_window_size(screen.map(|(_, whole)| whole));
         let Some((screen, whole)) = screen else { return Ok(false) };
         let Some((size, moment)) = size.and_then(|size| Some((size, self.moment()?))) else {
@@ -48,7 +47,7 @@ impl Stage {
         self.pace.note_wanted(Some(moment), self.scene.revision(), begun);
         let level = self.level(begun);
         let drawn = drawn_size(level, whole, self.side_max());
-        if !self.scene.is_ready() {
+        if !self.scene.scenes().is_any_shown() {
             return self.show_waiting(size).map(|()| false);
         }
         let wanted = Shown { moment, size: drawn, edges: level.edges, revision: self.scene.revision() };
@@ -57,15 +56,16 @@ impl Stage {
         let wanted = self.pace.shown().filter(|_| held).unwrap_or(wanted);
         let (mut new, gain) = (None, self.masters.gain(begun));
         let waits_for_text = self.scene.awaits_edit(begun).is_some();
-        if (self.pace.shown() != Some(wanted) || self.scene.is_drawing()) && !waits_for_text {
+        if (self.pace.shown() != Some(wanted) || self.scene.composer().is_drawing()) && !waits_for_text {
             // The curves take longer than all other inputs of a frame, so they are only computed for scenes that read
             // them.
-            let curves = if self.scene.hears_curves() { self.listening.curves() } else { Default::default() };
+            let curves =
+                if self.scene.scenes().hear_curves() { self.listening.curves() } else { Default::default() };
             let Moment { features, song, .. } = moment;
             let sound = mariana_music::Sound { features, tables: curves, song };
             let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
             let Level { quality, edges, .. } = level;
-            let runs = self.scene.begins_fade() && self.listening.runs();
+            let runs = self.scene.composer().fading().is_to_begin() && self.listening.runs();
             let picture = WantedPicture { moment, sound, size: drawn, aspect, quality, edges, runs };
             let drawn = self.scene.draw(&mut self.renderer, picture);
             new = self.without_room_smaller(drawn)?;
@@ -91,7 +91,7 @@ impl Stage {
             None => {}
         }
         let corner = self.corner_line(begun);
-        let is_drawing = self.scene.is_drawing();
+        let is_drawing = self.scene.composer().is_drawing();
         let lay = Lay { placement, screen, is_held: held };
         let area = self.note_area(&lay, size);
         self.note_map(lay.map(&self.renderer, area));
@@ -109,29 +109,26 @@ impl Stage {
         let handing_over = Instant::now();
         // Without a new picture there is something to show only if the overlay or the window changes.
         let waits = new.is_none() && !dims && (shown != wanted || is_drawing);
-        let has_words = self.overlay.due(&content, begun).is_some_and(|due| due <= begun)
-            && self.wallpaper.as_ref().is_none_or(Wallpaper::shows_words);
-        let ground_is_due = self.wallpaper.as_ref().is_some_and(Wallpaper::is_due);
-        if waits && !self.output.is_stale() && !ground_is_due && !has_words {
+        let has_words =
+            self.overlay.due(&content, begun).is_some_and(|due| due <= begun) && self.screen.shows_words();
+        if waits && !self.screen.is_stale() && !has_words {
             return Ok(false);
         }
-        let canvas = Canvas {
-            renderer: &mut self.renderer,
-            wallpaper: self.wallpaper.as_mut(),
-            window: &self.window,
-            size,
-            small: self.desk.picture,
-        };
-        let mut laid_out = Duration::ZERO;
-        let (painted, painting) = canvas.show(&lay, new.is_some() || dims || has_words, |size| {
-            let laying_out = Instant::now();
-            let painted = self.overlay.paint(&self.window.window(), size, content);
-            laid_out = laying_out.elapsed();
-            painted
-        })?;
-        self.show_on_output(&lay, new.is_some() || dims)?;
+        let (scale, is_new) = (self.screen.scale(), new.is_some() || dims);
+        let (mut painted, mut laid_out, mut content) = (Painted::default(), Duration::ZERO, Some(content));
+        let (overlay, small) = (&mut self.overlay, self.desk.picture);
+        let painting =
+            self.screen.show(&mut self.renderer, &lay, small, is_new || has_words, &mut |size| {
+                let laying_out = Instant::now();
+                if let Some(content) = content.take() {
+                    painted = overlay.paint(scale, size, content, laying_out)?;
+                }
+                laid_out = laying_out.elapsed();
+                Ok(())
+            })?;
+        self.screen.show_on_output(&mut self.renderer, &lay, is_new)?;
         let first = self.pace.show(shown);
-        self.typing_times.note_shown(self.scene.shown_id(), new.is_some(), laid_out, Instant::now());
+        self.typing_times.note_shown(self.scene.scenes().shown_id(), new.is_some(), laid_out, Instant::now());
         if let Some(Drawn { spent, .. }) = new {
             let showing = spent + handing_over.elapsed();
             let cost = self.cost(spent + painting, showing);
@@ -140,12 +137,9 @@ impl Stage {
             self.hands.note_shown(shown.revision);
         }
         if painted.params_changed {
-            self.scene.note_moved();
+            self.scene.shown_parameters_mut().note_moved();
         }
-        self.ui_events.extend(painted.events);
-        if let Some(controls) = painted.controls {
-            self.controls.tell(controls);
-        }
+        self.take_painted(painted);
         if first {
             self.desk.welcomed.get_or_insert_with(Instant::now);
             self.listening.follow_wish();
@@ -157,17 +151,15 @@ impl Stage {
     ///
     /// # Errors
     /// What the driver refuses.
-    pub(super) fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), AppError> {
-        if self.hides_window() {
-            return Ok(());
-        }
+    pub(super) fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), SessionError> {
         let now = Instant::now();
         let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
         if self.waited.is_none_or(is_stale) {
             let is_first = self.waited.replace((now, size)).is_none();
-            let title = self.scene.wanted_title();
+            let title = self.scene.library().wanted().title();
             let content = content_of(&mut self.scene, None, PanelSwitches::default());
-            paint_waiting(&self.window, &mut self.overlay, size, &title, content)?;
+            let painted = paint_waiting(&mut *self.screen, &mut self.overlay, &title, content)?;
+            self.take_painted(painted);
             if is_first {
                 self.warm_up()?;
             }
@@ -175,16 +167,30 @@ impl Stage {
         Ok(())
     }
 
+    /// Takes what was done in the panels and what they want of the screen.
+    fn take_painted(&mut self, painted: Painted) {
+        self.ui_events.extend(painted.events);
+        if let Some(controls) = painted.controls {
+            self.screen.show_controls(controls);
+        }
+        if let Some(cursor) = painted.cursor {
+            self.screen.set_cursor(cursor);
+        }
+        if let Some(place) = painted.typed_at {
+            self.screen.set_place_of_letters(place);
+        }
+    }
+
     /// Lets the driver make the programs that all scenes share while it makes that of the first one.
     ///
     /// # Errors
     /// What the driver refuses.
-    fn warm_up(&mut self) -> Result<(), AppError> {
-        let Some(picture) = self.scene.coming_picture() else { return Ok(()) };
+    fn warm_up(&mut self) -> Result<(), SessionError> {
+        let Some(picture) = self.scene.scenes().coming_picture() else { return Ok(()) };
         let (scene, mut updated) = (&mut self.scene, Ok(()));
         let mut is_wanted = || {
             updated = scene.update();
-            updated.is_ok() && !scene.is_ready()
+            updated.is_ok() && !scene.scenes().is_any_shown()
         };
         if let Err(error) = self.renderer.warm_up(&picture, &mut is_wanted) {
             tracing::debug!("warming up: {error}");
@@ -200,7 +206,7 @@ impl Stage {
 
     /// Whether a show that stands still could be drawn better than it is.
     pub(super) fn could_be_better(&self, now: Instant) -> bool {
-        self.pace.could_be_better(now, self.scene.view().is_some(), self.side_max())
+        self.pace.could_be_better(now, self.scene.composer().view().is_some(), self.side_max())
     }
 
     /// When the window has to be drawn again because of the overlay.
@@ -230,39 +236,41 @@ impl Stage {
         let (tracks, shape) = song.unwrap_or_default();
         let song = self.listening.present_structure().filter(|_| shows_bar);
         let (assisted, follows) = (self.overlay.is_assisted(), self.follows());
-        let fullscreen = self.window.is_fullscreen();
+        let fullscreen = self.screen.is_fullscreen();
         Seen { awake, assisted, fullscreen, tracks, shape, follows, song }
     }
 
     /// Notes which scene is on the stage, and its place among the others.
     fn note_scene(&mut self) {
-        let Some(source) = self.scene.shown_source() else { return };
+        let Some(source) = self.scene.scenes().shown_source() else { return };
         if self.desk.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
-            self.desk.placed_scene = Some((source.clone(), self.scene.placed_name(source)));
+            self.desk.placed_scene = Some((source.clone(), self.scene.library().placed_name(source)));
         }
     }
 
     fn level(&self, now: Instant) -> Level {
-        self.pace.level(now, self.scene.view().is_some())
+        self.pace.level(now, self.scene.composer().view().is_some())
     }
 
     fn side_max(&self) -> u32 {
-        self.window.gl().info().texture_side_max
+        self.screen.gl().info().texture_side_max
     }
 
     /// The line about the scene and how it is drawn, if it is wanted.
     fn corner_line(&self, now: Instant) -> Option<String> {
         let wanted = self.desk.panels.corner();
-        wanted.then(|| self.scene.corner(&self.pace.about_pictures(now), &self.pace.quality())).flatten()
+        wanted
+            .then(|| self.scene.report().line(&self.pace.about_pictures(now), &self.pace.quality()))
+            .flatten()
     }
 
     /// Checks whether the picture that is being drawn takes too long: then it is drawn with fewer pixels or, if that
     /// would not be enough, not at all.
     fn weigh_picture(&mut self, level: Level, now: Instant) {
-        let Some(seconds) = self.scene.seconds_of_picture() else { return };
+        let Some(seconds) = self.scene.composer().seconds_of_picture() else { return };
         match self.pace.weigh(level, seconds, now) {
             Verdict::GoOn => {}
-            Verdict::DrawSmaller => self.scene.give_picture_up(),
+            Verdict::DrawSmaller => self.scene.composer_mut().give_picture_up(),
             Verdict::TakeBack => {
                 self.scene.take_back(&format!("a picture of this window would take about {seconds:.0} s"));
             }
@@ -281,7 +289,7 @@ impl Stage {
                 self.reports.answer(
                     "the driver has no memory for a picture of this size: a smaller one is drawn".to_owned(),
                 );
-                self.scene.give_picture_up();
+                self.scene.composer_mut().give_picture_up();
                 Ok(None)
             }
             drawn => drawn,
@@ -291,26 +299,31 @@ impl Stage {
     /// What a picture cost that took `drawing` until it was handed over and `showing` in all. Handing over waits for a
     /// monitor, but on a software renderer it is what draws.
     fn cost(&mut self, drawing: Duration, showing: Duration) -> Duration {
-        match (self.window.gl().info().software, self.renderer.gpu_time()) {
+        match (self.screen.gl().info().software, self.renderer.gpu_time()) {
             (true, _) => showing,
             (false, gpu) => drawing.max(gpu.unwrap_or_default()),
         }
     }
 }
 
-/// Paints a window of `size` pixels that has no picture yet: what there is to say, and the scene's title, over black.
+/// Paints a window that has no picture yet: what there is to say, and the scene's title, over black.
 ///
 /// # Errors
 /// What the driver refuses.
 pub(super) fn paint_waiting(
-    window: &GlWindowContext,
+    screen: &mut dyn Screen,
     overlay: &mut Overlay,
-    size: (u32, u32),
     title: &str,
     content: OverlayContent<'_>,
-) -> Result<(), AppError> {
+) -> Result<Painted, SessionError> {
     let words = format!("Mariana is preparing {title}");
-    window.gl().clear_window(size, [0.0; 3])?;
-    overlay.paint(&window.window(), size, OverlayContent { hint: Some(&words), ..content })?;
-    window.swap()
+    let (scale, mut painted) = (screen.scale(), Painted::default());
+    let mut content = Some(OverlayContent { hint: Some(&words), ..content });
+    screen.show_waiting(&mut |size| {
+        if let Some(content) = content.take() {
+            painted = overlay.paint(scale, size, content, Instant::now())?;
+        }
+        Ok(())
+    })?;
+    Ok(painted)
 }

@@ -2,12 +2,11 @@
 
 use std::time::Instant;
 
-use winit::event::{ElementState, Ime, KeyEvent, WindowEvent};
-
 use super::Stage;
-use crate::app::editor::{Editor, EditorEvent, Press};
+use crate::app::editor::{Editor, EditorEvent};
 use crate::commands::{Command, Panel};
 use crate::documents::KeptTexts;
+use crate::input::Input;
 
 impl Stage {
     /// Whether keys are text of the scene.
@@ -37,51 +36,41 @@ impl Stage {
                 Err(error) => self.reports.answer(format!("there is no editor: {error}")),
             }
         }
-        self.scene.set_written(open);
-        self.window.window().set_ime_allowed(open);
+        self.scene.library_mut().set_written(open);
+        self.screen.allow_composing(open);
         let Some(editor) = &mut self.desk.editor else { return };
         editor.set_focus(open);
         if !open {
             editor.close_probed();
         }
         if open {
-            editor.show_scene(self.scene.wanted_source());
+            editor.show_scene(self.scene.library().wanted());
         }
         self.follow_editor();
     }
 
-    /// Takes an event for the editor. Returns whether it was meant for the text.
-    pub(super) fn take_for_editor(&mut self, event: &WindowEvent) -> bool {
+    /// Takes input for the editor. Returns whether it was meant for the text.
+    pub(super) fn take_for_editor(&mut self, input: &Input) -> bool {
         if !self.is_edited() {
             return false;
         }
         let (held, begun) = (self.input.held(), Instant::now());
         let Some(editor) = &mut self.desk.editor else { return false };
-        let taken = match event {
+        let taken = match input {
             // The overlay takes those on the editor.
-            WindowEvent::MouseInput { state: ElementState::Pressed, .. } => {
+            Input::PointerButton { pressed: true, .. } => {
                 editor.set_focus(false);
                 false
             }
-            WindowEvent::Ime(Ime::Preedit(letters, _)) if editor.has_focus() => {
+            Input::Composing(letters) if editor.has_focus() => {
                 editor.set_preedit(letters);
                 true
             }
-            WindowEvent::Ime(Ime::Commit(text)) if editor.has_focus() => {
+            Input::Text(text) if editor.has_focus() => {
                 editor.type_text(text);
                 true
             }
-            WindowEvent::KeyboardInput {
-                event: KeyEvent { logical_key, physical_key, text, state: ElementState::Pressed, repeat, .. },
-                is_synthetic: false,
-                ..
-            } if editor.has_focus() => editor.take_key(&Press {
-                key: logical_key,
-                physical: *physical_key,
-                text: text.as_deref(),
-                held,
-                repeat: *repeat,
-            }),
+            Input::Key(press) if editor.has_focus() => editor.take_key(press, held),
             _ => return false,
         };
         self.follow_editor();
@@ -106,7 +95,7 @@ impl Stage {
             self.typing_times.note_mistake();
         }
         if open {
-            editor.show_scene(self.scene.wanted_source());
+            editor.show_scene(self.scene.library().wanted());
         }
         self.follow_editor();
     }
@@ -119,7 +108,7 @@ impl Stage {
         let (reloads, others): (Vec<_>, Vec<_>) =
             commands.into_iter().partition(|command| *command == Command::ReloadScene);
         if !reloads.is_empty() {
-            self.typing_times.note_key(self.scene.shown_id(), Instant::now());
+            self.typing_times.note_key(self.scene.scenes().shown_id(), Instant::now());
         }
         self.carry_out_all(reloads.into_iter().next());
         let is_open = self.is_edited();

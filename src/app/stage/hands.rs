@@ -26,14 +26,14 @@ impl Stage {
         let Heard { params, mut deeds, knobs, since } = heard.unwrap_or_default();
         let before = self.scene.revision();
         for wish in &params {
-            if !self.scene.turn(wish) {
+            if !self.scene.shown_parameters_mut().turn(wish) {
                 self.hands.note_unknown();
             }
         }
         let (outcomes, learned) = self.hands.take_knobs(&knobs, &self.scene);
         for outcome in outcomes {
             match outcome {
-                Outcome::Turn(wish) => drop(self.scene.turn(&wish)),
+                Outcome::Turn(wish) => drop(self.scene.shown_parameters_mut().turn(&wish)),
                 Outcome::Act(deed) => deeds.push(deed),
                 Outcome::Waits { name, leads_to, stands } => {
                     let way = if leads_to < stands { "up" } else { "down" };
@@ -44,7 +44,7 @@ impl Stage {
         }
         if self.scene.revision() != before {
             self.hands.note_turned(since, self.scene.revision());
-        } else if self.scene.is_turning() {
+        } else if self.scene.shown_parameters().are_turning() {
             // It begins where it was, and the next picture shows it a little further.
             self.hands.note_turned(since, before + 1);
         }
@@ -62,7 +62,7 @@ impl Stage {
         let state = self.state();
         let (switches, levels) = (commands::switches(&state), commands::levels(&state));
         let tempo = self.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo);
-        let scene = self.scene.name().unwrap_or_default();
+        let scene = self.scene.scenes().name().unwrap_or_default();
         if self.hands.wants_scenes(&scene) {
             let scenes = self.numbered_scenes();
             self.hands.note_scenes(scene.clone(), scenes);
@@ -74,7 +74,7 @@ impl Stage {
         };
         let length = playing.duration.unwrap_or_default();
         let present = Present { scene, switches, levels, tempo, track, length, ..Present::default() };
-        self.hands.put_up(present, self.scene.sliders());
+        self.hands.put_up(present, self.scene.scenes().sliders());
     }
 
     /// How long it took from messages to the frames that show them, for the log.
@@ -94,7 +94,8 @@ impl Stage {
 
     /// Lets a fade from scene to scene by hand take so many seconds.
     pub(super) fn set_fade(&mut self, seconds: f32) {
-        let words = self.scene.set_fade(f64::from(seconds).clamp(0.0, LIMITS.fade_seconds_max));
+        let seconds = f64::from(seconds).clamp(0.0, LIMITS.fade_seconds_max);
+        let words = self.scene.composer_mut().fading_mut().set_seconds(seconds);
         self.reports.answer(words);
     }
 
@@ -127,8 +128,8 @@ impl Stage {
 
     fn put_up_hands(&mut self) {
         if let Some(panel) = &mut self.desk.hands {
-            let scene = self.scene.name().unwrap_or_default();
-            panel.update(&self.hands.facts(scene, self.scene.sliders()));
+            let scene = self.scene.scenes().name().unwrap_or_default();
+            panel.update(&self.hands.facts(scene, self.scene.scenes().sliders()));
         }
     }
 

@@ -118,12 +118,13 @@ impl Stage {
 
     fn left(&mut self) -> Left {
         let before = self.listening.settings().last_show.clone().unwrap_or_default();
-        let fullscreen = self.window.is_fullscreen();
+        let fullscreen = self.screen.is_fullscreen();
         let mut show = LastShow {
             fullscreen,
-            size: self.window.size().filter(|_| !fullscreen).or(before.size),
-            place: self.window.place().or(before.place),
-            scene: name_of(self.scene.source_to_leave()).or(before.scene),
+            size: self.screen.size().filter(|_| !fullscreen).or(before.size),
+            place: self.screen.place().or(before.place),
+            scene: name_of(self.scene.scenes().shown_source().unwrap_or(self.scene.library().wanted()))
+                .or(before.scene),
             volume: before.volume,
             track: if self.choices.last_tracks { before.track } else { 0 },
             seconds: if self.choices.last_tracks { before.seconds } else { 0.0 },
@@ -141,7 +142,11 @@ impl Stage {
             show.shuffled = status.shuffled;
             show.repeat = Some(status.repeat.name().to_owned());
         }
-        Left { show, scene: self.scene.name().unwrap_or_default(), sliders: self.scene.moved_sliders() }
+        Left {
+            show,
+            scene: self.scene.scenes().name().unwrap_or_default(),
+            sliders: self.scene.shown_parameters().moved(),
+        }
     }
 
     /// Keeps the list of tracks of a song if it has changed.

@@ -5,11 +5,13 @@ use std::time::Instant;
 
 use super::Stage;
 use crate::app::corner_hands::CornerHands;
+use crate::app::desk_picture::{is_within, small_in};
 use crate::app::overlay::PanelSwitches;
 use crate::commands::{MovedCorner, SetSetting};
 use crate::config::Setting;
-use crate::placement::{Corners, Placement};
+use crate::placement::{Area, Corners, Placement};
 use crate::scenes::SceneSource;
+use crate::session::lay::Lay;
 use crate::show::Picture;
 
 impl Stage {
@@ -26,7 +28,7 @@ impl Stage {
     pub(in crate::app) fn toggle_freeze(&mut self) {
         let words = match self.masters.toggle_freeze() {
             true => {
-                self.scene.give_picture_up();
+                self.scene.composer_mut().give_picture_up();
                 "the picture is held: Z lets it go"
             }
             false => {
@@ -44,7 +46,7 @@ impl Stage {
 
     /// Does to whole pictures what the show does to them at `time` seconds of the song.
     pub(super) fn follow_masters(&mut self, time: f64) {
-        let shown = self.scene.picture_of_show(time);
+        let shown = self.scene.show().picture_at(time);
         let before = self.masters.follow_show(shown);
         let share = |picture: Picture| picture.held.map(|held| held.share);
         let (was, is) = (share(before), share(shown));
@@ -53,12 +55,12 @@ impl Stage {
         }
         let since = |picture: Picture| picture.held.map(|held| held.since);
         if since(before) != since(shown) {
-            self.scene.hold_anew();
+            self.scene.composer_mut().fading_mut().hold_anew();
         }
         match is {
             // It is held as it is.
-            Some(1.0..) => self.scene.give_picture_up(),
-            share => self.scene.mix_held(share),
+            Some(1.0..) => self.scene.composer_mut().give_picture_up(),
+            share => self.scene.composer_mut().mix_held(share),
         }
     }
 
@@ -70,7 +72,7 @@ impl Stage {
     /// Hides every word and panel until this is called again.
     pub(in crate::app) fn toggle_clean(&mut self) {
         self.desk.bare = !self.desk.bare;
-        self.window.request_redraw();
+        self.screen.request_redraw();
         if self.desk.bare {
             self.desk.panels = PanelSwitches::default();
             self.leave_panels();
@@ -82,7 +84,7 @@ impl Stage {
     /// All scenes in the order of their numbers: marked ones first.
     pub(super) fn numbered_scenes(&self) -> Vec<SceneSource> {
         let marks = &self.listening.settings().favourite_scenes;
-        let scenes = self.scene.all_sources();
+        let scenes = self.scene.library().all_sources();
         let (marked, others): (Vec<_>, Vec<_>) =
             scenes.into_iter().partition(|scene| marks.contains(&scene.title()));
         marked.into_iter().chain(others).collect()
@@ -113,7 +115,7 @@ impl Stage {
             self.change_setting(SetSetting { setting, settled: true });
         }
         self.desk.corners = open.then(|| CornerHands::new(self.choices.stage.corners));
-        self.window.request_redraw();
+        self.screen.request_redraw();
     }
 
     /// Moves a corner of the picture to a place of its screen, and remembers it once that is settled. A place at which
@@ -131,5 +133,19 @@ impl Stage {
             hands.take(selected, corners);
         }
         self.change_setting(SetSetting { setting: Setting::Corners(corners), settled });
+    }
+
+    /// Where in the window of `size` pixels the picture lies: as large as it can, or small beside the panels while an output
+    /// shows it. It is large there, too, while its corners are moved, and where nothing else is to be seen.
+    pub(super) fn note_area(&mut self, lay: &Lay, size: (u32, u32)) -> Area {
+        let is_small = self.screen.has_output() && !self.desk.bare && self.desk.corners.is_none();
+        self.desk.picture = is_small.then(|| small_in(size, lay.screen));
+        self.desk.picture.unwrap_or_else(|| lay.area_in(size))
+    }
+
+    /// Whether what the pointer does at a place of the window, in pixels, is meant for the picture.
+    pub(super) fn is_for_picture(&self, place: [f64; 2]) -> bool {
+        let size = self.screen.size().unwrap_or_default();
+        self.desk.picture.is_none_or(|area| is_within(area, size, place))
     }
 }

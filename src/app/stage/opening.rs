@@ -8,44 +8,40 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use winit::event_loop::EventLoopProxy;
-
 use super::Stage;
 use super::desk::Desk;
 use super::drawing::paint_waiting;
 use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
-use crate::app::accessibility::{Assistance, ControlsTeller};
 use crate::app::announcer::Announcer;
 use crate::app::direction::Direction;
 use crate::app::drawing_pace::DrawingPace;
-use crate::app::error::AppError;
 use crate::app::feeds::{Feeds, Sends};
 use crate::app::hands::Hands;
 use crate::app::listening::Listening;
 use crate::app::masters::Masters;
-use crate::app::media_controls::MediaControls;
-use crate::app::output::Output;
 use crate::app::overlay::{Overlay, OverlayContent};
 use crate::app::pointer_rest::PointerRest;
 use crate::app::recording::Recording;
 use crate::app::reports::Reports;
 use crate::app::sound::{Sound, Start};
 use crate::app::user_input::UserInput;
-use crate::app::wallpaper::{Sheets, Wallpaper};
-use crate::app::window::{GlWindowContext, OpenWindow};
-use crate::app::window_thread::{Told, Waker};
 use crate::config::{Choices, DEFAULT_DEVICE, Memory, PerformanceFiles, PlaySettings};
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
 use crate::gpu::background::Sources;
 use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::scenes::Drafts;
-use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneStage};
+use crate::session::SessionError;
+use crate::session::desktop::DesktopControls;
+use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneSession};
+use crate::session::screen::{Assistance, Screen};
+use crate::session::waker::Waker;
 use crate::song_structures::{SongReader, StructureCache};
 use mariana_player::playlist::Opened;
-use mariana_player::{OutputChoice, Player, PlayerOptions, Target};
+use mariana_player::{OutputChoice, Player, PlayerOptions, Position, Target};
 
 /// Frame cap where the monitor reports no rate.
 const FPS_DEFAULT: f64 = 60.0;
@@ -66,16 +62,14 @@ pub(in crate::app) struct Opening<'a> {
     pub(in crate::app) loaders: SceneLoaders,
     /// The first of them.
     pub(in crate::app) first: LoadedScene,
-    /// Where screen readers are told what there is.
-    pub(in crate::app) controls: ControlsTeller,
     /// Texts that are edited.
     pub(in crate::app) drafts: Drafts,
-    /// Who opens windows.
-    pub(in crate::app) proxy: EventLoopProxy<Told>,
     /// Where pictures are sent.
     pub(in crate::app) sends: Sends,
-    /// What shows the picture instead of the window.
-    pub(in crate::app) sheets: Option<Sheets>,
+    /// Where pictures are shown.
+    pub(in crate::app) screen: Box<dyn Screen>,
+    /// Makes the desktop's controls for players, which ask for the place in the song.
+    pub(in crate::app) desktop: Box<dyn FnOnce(Option<Position>) -> Box<dyn DesktopControls>>,
 }
 
 impl Opening<'_> {
@@ -83,8 +77,8 @@ impl Opening<'_> {
     ///
     /// # Errors
     /// What the driver or the system refuses.
-    pub(in crate::app) fn stage(self, window: OpenWindow, waker: &Waker) -> Result<Stage, AppError> {
-        let Self { tracks, settings, scene, memory, loaders, first, controls, drafts, proxy, sends, sheets } =
+    pub(in crate::app) fn stage(self, waker: &Waker) -> Result<Stage, SessionError> {
+        let Self { tracks, settings, scene, memory, loaders, first, drafts, sends, mut screen, desktop } =
             self;
         let choices = settings.choices.clone();
         tracing::info!("what holds in this run: {choices:?}");
@@ -93,30 +87,27 @@ impl Opening<'_> {
         if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
             songs.want([&tracks.first.info]);
         }
-        let window = window.bind()?;
         if settings.fullscreen {
-            window.set_fullscreen(true);
+            screen.set_fullscreen(true);
         }
         // Requested first: the driver compiles it while everything else is made.
         let of_scenes = waker.clone();
         let (choice, title) = (scene, first.source.title());
-        let mut scene = SceneStage::new(
-            window.gl(),
-            window.worker_contexts(COMPILERS),
+        let mut scene = SceneSession::new(
+            screen.gl(),
+            screen.worker_contexts(COMPILERS),
             sources(settings, choice),
             DrawingWays { sdf: choice.sdf, cells: choice.cells, view: choice.view, fade: settings.fade },
             loaders,
             first,
             move || of_scenes.wake(),
         )?;
-        scene.move_sliders(&settings.sliders);
+        scene.parameters_mut().remember(&title, &settings.sliders);
         let of_fonts = waker.clone();
-        let mut overlay = Overlay::new(window.gl(), &window.window(), move || of_fonts.wake());
-        if let Some(size) = window.size().filter(|_| sheets.is_none()) {
-            paint_waiting(&window, &mut overlay, size, &title, OverlayContent::default())?;
-            tracing::info!("the window says what it prepares");
-        }
-        let renderer = renderer(&window, &choices, choice)?;
+        let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
+        paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
+        tracing::info!("the window says what it prepares");
+        let renderer = renderer(screen.gl(), &choices, choice)?;
         // The song starts with the first picture, so that none of it is missed.
         let options = PlayerOptions {
             target: output_of(settings),
@@ -151,40 +142,34 @@ impl Opening<'_> {
             latency: settings.latency,
             gain: choices.gain,
         })?;
-        let fps = settings.fps_cap.or_else(|| window.refresh_rate()).unwrap_or(FPS_DEFAULT);
+        let fps = settings.fps_cap.or_else(|| screen.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = Instant::now();
         let of_shows = waker.clone();
         let (file, follow) = (settings.show.clone(), choices.follow_song);
         let direction = Direction::start(file, follow, settings.names_scene, move || of_shows.wake())
-            .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })?;
-        let of_controls = waker.clone();
+            .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })?;
         let brightness = f32::from(choices.stage.brightness) / 100.0;
         Ok(Stage {
-            grounded_at: None,
-            wallpaper: settings.wallpaper.then(|| Wallpaper::start(sheets, waker)),
-            output: Output::new(choices.stage.output.clone(), proxy, waker),
             listening: Listening::new(sound, songs),
             renderer,
             scene,
             direction,
             live: None,
             cues: Default::default(),
-            pace: DrawingPace::new(choices.quality, fps, window.gl().info().software, now),
+            pace: DrawingPace::new(choices.quality, fps, screen.gl().info().software, now),
             feeds: Feeds::of(sends),
             preview: Preview::new(),
             masters: Masters::new(brightness, choices.stage.blackout_fade),
-            reports: Reports::new(announcer, MediaControls::start(position, move || of_controls.wake()), now),
+            reports: Reports::new(announcer, desktop(position), now),
             recording: Recording::new(PerformanceFiles::of_user()),
             hands: Hands::start(&settings.hands, waker),
             input: UserInput::default(),
-            occluded: false,
             pointer_rest: PointerRest::default(),
             ui_events: Vec::new(),
             thumbnails: None,
             thumbnails_ahead: (!settings.wallpaper).then(|| thumbnails_ahead_at(now)),
             last_folder: None,
             waker: waker.clone(),
-            controls,
             desk: Desk::new(!choices.hints),
             drafts,
             probing: Default::default(),
@@ -197,7 +182,7 @@ impl Opening<'_> {
             waited: None,
             first_shown_after: None,
             legacy: Default::default(),
-            window,
+            screen,
         })
     }
 }
@@ -226,9 +211,9 @@ fn sources(settings: &PlaySettings, scene: &SceneChoice) -> Sources {
 }
 
 /// A renderer for a window.
-fn renderer(window: &GlWindowContext, choices: &Choices, scene: &SceneChoice) -> Result<Renderer, AppError> {
+fn renderer(gl: &Gl, choices: &Choices, scene: &SceneChoice) -> Result<Renderer, SessionError> {
     let library = &scene.shaders;
-    let mut renderer = Renderer::new(window.gl(), library, Counting::Off)?;
+    let mut renderer = Renderer::new(gl, library, Counting::Off)?;
     renderer.prepare_for_window(library)?;
     if choices.flash_limiter {
         renderer.add_flash_limiter(library)?;
@@ -246,27 +231,23 @@ pub(in crate::app) fn renewed(
     settings: &PlaySettings,
     scene: &SceneChoice,
     waker: &Waker,
-) -> Result<Stage, AppError> {
-    let Stage { overlay, renderer: old_renderer, scene: old_scene, window, .. } = stage;
+) -> Result<Stage, SessionError> {
+    let Stage { overlay, renderer: old_renderer, scene: old_scene, screen, .. } = stage;
     // What was made in the context is dropped while it is current: in the next one its names mean something else.
     let assisted = overlay.is_assisted();
     drop(overlay);
     drop(old_renderer);
     stage.feeds.let_go();
     stage.preview = Preview::new();
-    stage.output.close(&window);
-    if let Some(wallpaper) = &mut stage.wallpaper {
-        wallpaper.let_go();
-    }
     let kept = old_scene.let_go();
     let Some(shown) = kept.shown else {
         return Err(GpuError::ContextLost { doing: "preparing the first scene" }.into());
     };
-    let window = window.let_go().bind()?;
+    let screen = screen.renew()?;
     let of_scenes = waker.clone();
-    let mut scenes = SceneStage::new(
-        window.gl(),
-        window.worker_contexts(COMPILERS),
+    let mut scenes = SceneSession::new(
+        screen.gl(),
+        screen.worker_contexts(COMPILERS),
         sources(settings, scene),
         kept.ways,
         kept.loaders,
@@ -274,18 +255,18 @@ pub(in crate::app) fn renewed(
         move || of_scenes.wake(),
     )?;
     let of_fonts = waker.clone();
-    let mut overlay = Overlay::new(window.gl(), &window.window(), move || of_fonts.wake());
+    let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
     if assisted {
         overlay.assist(Assistance::Begins);
     }
     scenes.take_over(kept.hands, kept.wanted);
     stage.reports.answer("the driver had lost the picture: it is drawn anew".to_owned());
     Ok(Stage {
-        renderer: renderer(&window, &stage.choices, scene)?,
+        renderer: renderer(screen.gl(), &stage.choices, scene)?,
         scene: scenes,
         overlay,
         pace: stage.pace.renewed(Instant::now()),
-        window,
+        screen,
         ..stage
     })
 }

@@ -106,9 +106,9 @@ impl Stage {
             return;
         }
         self.look_for_thumbnails();
-        let scenes = self.scene.all_sources();
+        let scenes = self.scene.library().all_sources();
         let favourites = self.listening.settings().favourite_scenes.clone();
-        let browser = SceneBrowser::new(scenes, self.scene.shown_source(), favourites);
+        let browser = SceneBrowser::new(scenes, self.scene.scenes().shown_source(), favourites);
         if let Some(thumbnails) = &mut self.thumbnails {
             browser.ask_for_comments(thumbnails);
         }
@@ -131,7 +131,8 @@ impl Stage {
         if self.thumbnails_ahead.take_if(|due| Instant::now() >= *due).is_none() {
             return;
         }
-        let of_folder = self.scene.all_sources().into_iter().filter(|source| source.file().is_some());
+        let of_folder =
+            self.scene.library().all_sources().into_iter().filter(|source| source.file().is_some());
         let of_folder: Vec<_> = of_folder.take(LIMITS.thumbnails_ahead_max).collect();
         if of_folder.is_empty() {
             return;
@@ -156,7 +157,7 @@ impl Stage {
         let found: Vec<_> = std::iter::from_fn(|| thumbnails.poll()).collect();
         found.iter().for_each(|looked| self.hands.note_picture(looked));
         if let Some(browser) = &mut self.desk.browser {
-            browser.set_present(self.scene.shown_source());
+            browser.set_present(self.scene.scenes().shown_source());
             browser.take(found);
         }
     }
@@ -183,7 +184,7 @@ impl Stage {
             return self.update_hands();
         }
         if !self.desk.panels.close() {
-            self.window.set_fullscreen(false);
+            self.screen.set_fullscreen(false);
         }
         self.leave_panels();
     }

@@ -77,11 +77,11 @@ impl Stage {
     /// # Errors
     /// What the driver refuses.
     pub(super) fn update_preview(&mut self, now: Instant, rest: Option<Duration>) -> Result<(), GpuError> {
-        let is_wanted = self.choices.next_scene || (self.output.size().is_some() && !self.desk.clean);
-        let title = self.scene.next_title().filter(|_| is_wanted && !self.desk.bare);
+        let is_wanted = self.choices.next_scene || (self.screen.has_output() && !self.desk.clean);
+        let title = self.scene.scenes().next_title().filter(|_| is_wanted && !self.desk.bare);
         let Some(title) = title else {
             if self.preview.next.take().is_some() {
-                self.window.request_redraw();
+                self.screen.request_redraw();
             }
             return Ok(());
         };
@@ -111,7 +111,7 @@ impl Stage {
         }
         let reader = match &mut self.preview.reader {
             Some(reader) => reader,
-            none => none.insert(PictureReader::new(self.window.gl(), SIZE)?),
+            none => none.insert(PictureReader::new(self.screen.gl(), SIZE)?),
         };
         let begun = Instant::now();
         let sound = Sound { features: moment.features, tables: Default::default(), song: moment.song };
@@ -140,6 +140,6 @@ impl Stage {
         let revision = next.as_ref().map_or(0, |next| next.revision + 1);
         let (level, beat) = next.as_ref().map_or((0.0, 0.0), |next| (next.level, next.beat));
         *next = Some(NextScene { title: title.to_owned(), picture, level, beat, revision });
-        self.window.request_redraw();
+        self.screen.request_redraw();
     }
 }

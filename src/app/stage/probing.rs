@@ -21,21 +21,21 @@ impl Stage {
     pub(super) fn note_map(&mut self, map: Map) {
         self.probing.map = Some(map);
         if let Some(editor) = &mut self.desk.editor {
-            editor.set_view(map, self.scene.seen_camera());
+            editor.set_view(map, self.scene.composer().pictures().camera());
         }
     }
 
     /// Asks what is at a place of the window, in pixels, if the editor is open.
-    pub(super) fn look_at(&mut self, place: (f64, f64)) {
+    pub(super) fn look_at(&mut self, place: [f64; 2]) {
         if !self.is_edited() {
             return;
         }
-        let Some((width, height)) = self.window.size() else { return };
-        let share = [place.0 / f64::from(width), place.1 / f64::from(height)];
+        let Some((width, height)) = self.screen.size() else { return };
+        let share = [place[0] / f64::from(width), place[1] / f64::from(height)];
         let at = self.probing.map.and_then(|map| led(&map, share));
         let at = at.filter(|at| at.iter().all(|share| (0.0..=1.0).contains(share)));
         let Some(at) = at else { return };
-        match self.scene.scenery() {
+        match self.scene.composer().pictures().scenery() {
             Ok(scenery) => self.with_prober(|prober| prober.ask_point(scenery, at)),
             Err(reason) => self.tell_in_editor(&reason.to_string()),
         }
@@ -56,13 +56,13 @@ impl Stage {
             self.probing.surveyed = None;
             return;
         }
-        let picture = self.scene.pictures_seen();
+        let picture = self.scene.composer().pictures().count();
         let busy = self.probing.prober.as_ref().is_some_and(Prober::surveys);
         if busy || self.probing.surveyed == Some(picture) {
             return;
         }
         self.probing.surveyed = Some(picture);
-        let scenery: Option<Scenery> = self.scene.scenery().ok();
+        let scenery: Option<Scenery> = self.scene.composer().pictures().scenery().ok();
         if let Some(scenery) = scenery {
             self.with_prober(|prober| prober.ask_survey(scenery));
         }

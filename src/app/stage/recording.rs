@@ -60,7 +60,7 @@ impl Stage {
 
     /// What is done to the whole picture that was begun at `begun`.
     fn finish(&self, begun: Instant) -> Finish {
-        let share = if self.holds_picture() { 1.0 } else { self.scene.share_held() };
+        let share = if self.holds_picture() { 1.0 } else { self.scene.composer().fading().share_held() };
         let is_shown = self.masters.are_idle(begun) && (share == 0.0 || self.masters.is_held_by_show());
         Finish { numbers: [self.masters.gain(begun), share], is_shown }
     }

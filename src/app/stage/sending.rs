@@ -3,15 +3,15 @@
 use std::time::Instant;
 
 use super::Stage;
-use crate::app::error::AppError;
 use crate::export::print::tell;
+use crate::session::SessionError;
 
 impl Stage {
     /// Sends what is to be sent. Returns when to look again, if that is before anything else happens.
     ///
     /// # Errors
     /// What the driver refuses.
-    pub(super) fn send(&mut self, now: Instant) -> Result<Option<Instant>, AppError> {
+    pub(super) fn send(&mut self, now: Instant) -> Result<Option<Instant>, SessionError> {
         for sentence in self.feeds.news() {
             tell(&sentence);
             self.reports.say(sentence);
@@ -19,6 +19,6 @@ impl Stage {
         if self.pace.shown().is_none() {
             return Ok(None);
         }
-        Ok(self.feeds.go_on(self.window.gl(), &mut self.renderer, now)?)
+        Ok(self.feeds.go_on(self.screen.gl(), &mut self.renderer, now)?)
     }
 }

@@ -11,7 +11,7 @@ impl Stage {
     /// Opens the panel of settings, or closes it.
     pub(super) fn show_settings(&mut self, open: bool) {
         if open {
-            self.output.look_at_monitors();
+            self.screen.look_at_monitors();
         }
         self.desk.settings = open.then(SettingsPanel::default);
         self.update_settings();
@@ -21,7 +21,7 @@ impl Stage {
     pub(super) fn update_settings(&mut self) {
         if let Some(panel) = &mut self.desk.settings {
             let facts = self.listening.facts(&self.choices, self.names_output);
-            panel.update(&Facts { monitors: self.output.monitors(), ..facts });
+            panel.update(&Facts { monitors: self.screen.monitors(), ..facts });
         }
     }
 
@@ -51,7 +51,7 @@ impl Stage {
             }
             Setting::ToneMap(tone_map) => {
                 self.renderer.set_tone_map(*tone_map);
-                self.scene.look_different();
+                self.scene.composer_mut().look_different();
             }
             Setting::Gain(gain) => self.listening.set_gain(*gain),
             Setting::FollowSong(follow) => self.direction.set_follow(*follow),
@@ -60,14 +60,13 @@ impl Stage {
                     self.listening.keep_tracks(None);
                 }
             }
-            Setting::Screen(name) => self.output.want(name.clone()),
+            Setting::Screen(name) => self.screen.want_output(name.clone()),
             Setting::Brightness(percent) => self.masters.set_brightness(f32::from(*percent) / 100.0),
             Setting::BlackoutFade(seconds) => self.masters.set_fade(*seconds),
             Setting::Flip(_) | Setting::Crop(_) | Setting::Corners(_) => {
-                self.output.look_different();
-                self.window.request_redraw();
+                self.screen.lie_differently();
             }
-            Setting::NextScene(_) => self.window.request_redraw(),
+            Setting::NextScene(_) => self.screen.request_redraw(),
             Setting::Hints(on) => self.desk.clean = !on,
         }
         self.choices.set(&setting);

@@ -33,9 +33,10 @@ use winit::event_loop::{EventLoop as Windows, OwnedDisplayHandle};
 use sheet::Borne;
 pub(in crate::app) use sheet::{Extent, Sheet, Sheets};
 
-use crate::app::error::AppError;
 use crate::app::window::wayland_connection;
-use crate::app::window_thread::{Told, Waker};
+use crate::app::window_thread::Told;
+use crate::session::SessionError;
+use crate::session::waker::Waker;
 
 /// Whether windows of this session are Wayland's. winit decides by the same.
 pub(in crate::app) fn is_wayland() -> bool {
@@ -57,7 +58,7 @@ impl Layers {
     ///
     /// # Errors
     /// The compositor has no layer shell, or there is no output.
-    pub(in crate::app) fn start(windows: &Windows<Told>, waker: &Waker) -> Result<Self, AppError> {
+    pub(in crate::app) fn start(windows: &Windows<Told>, waker: &Waker) -> Result<Self, SessionError> {
         let display = windows.owned_display_handle();
         let connection = wayland_connection(&display)?;
         let (mut desk, mut queue) = Desk::begin(&connection, display, waker).map_err(refused)??;
@@ -65,7 +66,7 @@ impl Layers {
         queue.roundtrip(&mut desk).map_err(|error| refused(error.into()))?;
         let sheets = desk.sheets.clone();
         if sheets.present().is_empty() {
-            return Err(AppError::NoMonitor);
+            return Err(SessionError::NoMonitor);
         }
         let (sender, signals) = channel();
         let is_over = Arc::new(AtomicBool::new(false));
@@ -87,7 +88,7 @@ impl Layers {
             }
         };
         let thread = std::thread::Builder::new().name("layers".into());
-        let thread = thread.spawn(obey).map_err(|error| AppError::NoThread(error.to_string()))?;
+        let thread = thread.spawn(obey).map_err(|error| SessionError::NoThread(error.to_string()))?;
         let signal = signals.recv().map_err(|error| refused(error.into()))?;
         Ok(Self { sheets, is_over, signal, thread: Some(thread) })
     }
@@ -112,8 +113,8 @@ impl Drop for Layers {
 
 type Trouble = Box<dyn std::error::Error>;
 
-fn refused(error: Trouble) -> AppError {
-    AppError::Window { doing: "a wallpaper", reason: error.to_string() }
+fn refused(error: Trouble) -> SessionError {
+    SessionError::Window { doing: "a wallpaper", reason: error.to_string() }
 }
 
 /// What the thread of the layers knows.
@@ -134,10 +135,12 @@ impl Desk {
         connection: &Connection,
         display: OwnedDisplayHandle,
         waker: &Waker,
-    ) -> Result<Result<(Self, EventQueue<Self>), AppError>, Trouble> {
+    ) -> Result<Result<(Self, EventQueue<Self>), SessionError>, Trouble> {
         let (globals, queue) = registry_queue_init::<Self>(connection)?;
         let handle = queue.handle();
-        let Ok(shell) = LayerShell::bind(&globals, &handle) else { return Ok(Err(AppError::NoLayerShell)) };
+        let Ok(shell) = LayerShell::bind(&globals, &handle) else {
+            return Ok(Err(SessionError::NoLayerShell));
+        };
         let desk = Self {
             registry: RegistryState::new(&globals),
             outputs: OutputState::new(&globals, &handle),

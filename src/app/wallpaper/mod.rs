@@ -20,11 +20,12 @@ pub(super) use layers::{Layers, Sheet, Sheets, is_wayland};
 use rest::Rest;
 use wall::Wall;
 
-use super::error::AppError;
 use super::monitors::{Monitor, MonitorWatch};
 use super::window::GlWindowContext;
-use super::window_thread::Waker;
-use crate::placement::{Area, Map};
+use crate::placement::Area;
+use crate::session::SessionError;
+use crate::session::lay::Panel;
+use crate::session::waker::Waker;
 
 /// Frame cap where none is given, in frames per second.
 pub(super) const FPS: f64 = 30.0;
@@ -55,17 +56,6 @@ enum Shown {
     Window(MonitorWatch),
     /// On a Wayland desktop.
     Wall(Wall),
-}
-
-/// A part of the wallpaper's window, and the part of the picture that fills it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Panel {
-    /// Where it is in the window, as shares of it.
-    pub(super) area: Area,
-    /// From places in the area to places in the picture.
-    pub(super) map: Map,
-    /// The part of the picture that shows.
-    pub(super) part: Area,
 }
 
 impl Wallpaper {
@@ -107,8 +97,8 @@ impl Wallpaper {
         &mut self,
         window: &GlWindowContext,
         is_new: bool,
-        draw: impl FnMut((u32, u32), bool) -> Result<(), AppError>,
-    ) -> Result<(), AppError> {
+        draw: impl FnMut((u32, u32), bool) -> Result<(), SessionError>,
+    ) -> Result<(), SessionError> {
         let Shown::Wall(wall) = &mut self.ground else { return Ok(()) };
         if is_new {
             wall.look_different();

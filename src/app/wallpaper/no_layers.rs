@@ -7,8 +7,9 @@ use std::time::Instant;
 use raw_window_handle::RawWindowHandle;
 use winit::event_loop::EventLoop;
 
-use crate::app::error::AppError;
-use crate::app::window_thread::{Told, Waker};
+use crate::app::window_thread::Told;
+use crate::session::SessionError;
+use crate::session::waker::Waker;
 
 /// Never.
 pub(in crate::app) fn is_wayland() -> bool {
@@ -70,8 +71,8 @@ impl Sheets {
 pub(in crate::app) struct Layers(Infallible);
 
 impl Layers {
-    pub(in crate::app) fn start(_: &EventLoop<Told>, _: &Waker) -> Result<Self, AppError> {
-        Err(AppError::NoLayerShell)
+    pub(in crate::app) fn start(_: &EventLoop<Told>, _: &Waker) -> Result<Self, SessionError> {
+        Err(SessionError::NoLayerShell)
     }
 
     pub(in crate::app) fn sheets(&self) -> Sheets {

@@ -11,7 +11,7 @@ use super::layers::Sheets;
 use super::power;
 #[cfg(all(unix, not(target_os = "macos")))]
 use super::windows;
-use crate::app::window_thread::Waker;
+use crate::session::waker::Waker;
 
 /// How often windows and power are looked at.
 const LOOK_PERIOD: Duration = Duration::from_millis(500);

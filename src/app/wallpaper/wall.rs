@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::layers::{Extent, Sheet, Sheets};
-use crate::app::error::AppError;
 use crate::app::window::{GlWindowContext, SecondSurface};
 use crate::export::print::tell;
+use crate::session::SessionError;
 
 /// See the module.
 pub(in crate::app) struct Wall {
@@ -113,8 +113,8 @@ impl Wall {
     pub(super) fn show(
         &mut self,
         window: &GlWindowContext,
-        mut draw: impl FnMut((u32, u32), bool) -> Result<(), AppError>,
-    ) -> Result<(), AppError> {
+        mut draw: impl FnMut((u32, u32), bool) -> Result<(), SessionError>,
+    ) -> Result<(), SessionError> {
         for (place, hung) in self.hung.iter_mut().enumerate() {
             let is_due = hung.is_stale && hung.is_ready();
             let Some(surface) = hung.surface.as_ref().filter(|_| is_due) else { continue };

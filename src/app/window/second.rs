@@ -18,11 +18,11 @@ use winit::event_loop::ActiveEventLoop;
 use winit::window::{Fullscreen, Window, WindowAttributes};
 
 use super::{GlWindowContext, SharedWindow};
-use crate::app::error::AppError;
 use crate::app::identity;
 use crate::app::monitors::Monitor;
 use crate::app::wallpaper::{Rect, Sheet};
 use crate::gpu::error::GpuError;
+use crate::session::SessionError;
 
 /// A window for the eyes alone.
 #[derive(Debug, Clone, Copy)]
@@ -70,7 +70,7 @@ impl GlWindowContext {
     ///
     /// # Errors
     /// The driver refuses.
-    pub(in crate::app) fn second_surface(&self, window: SharedWindow) -> Result<SecondSurface, AppError> {
+    pub(in crate::app) fn second_surface(&self, window: SharedWindow) -> Result<SecondSurface, SessionError> {
         let refused = |error: &dyn std::fmt::Display| refused("a second window", error);
         let calls = window.calls();
         let attributes =
@@ -92,7 +92,7 @@ impl GlWindowContext {
         &self,
         sheet: Arc<Sheet>,
         size: (u32, u32),
-    ) -> Result<SecondSurface, AppError> {
+    ) -> Result<SecondSurface, SessionError> {
         let handle = sheet.handle().ok_or_else(|| refused("a wallpaper", &"the surface is gone"))?;
         let side = |side: u32| NonZeroU32::new(side).unwrap_or(NonZeroU32::MIN);
         let attributes =
@@ -107,7 +107,7 @@ impl GlWindowContext {
         attributes: &SurfaceAttributes<WindowSurface>,
         size: (u32, u32),
         interval: SwapInterval,
-    ) -> Result<SecondSurface, AppError> {
+    ) -> Result<SecondSurface, SessionError> {
         let refused = |error: glutin::error::Error| refused("a second surface", &error);
         // SAFETY: what it lies on outlives the surface (see the fields' order).
         let surface = unsafe { self.config.display().create_window_surface(&self.config, attributes) };
@@ -136,11 +136,11 @@ impl GlWindowContext {
     pub(in crate::app) fn draw_on<T>(
         &self,
         second: &SecondSurface,
-        draw: impl FnOnce() -> Result<T, AppError>,
-    ) -> Result<T, AppError> {
+        draw: impl FnOnce() -> Result<T, SessionError>,
+    ) -> Result<T, SessionError> {
         let failed = |error: glutin::error::Error| match error.error_kind() {
             ErrorKind::ContextLost => GpuError::ContextLost { doing: "showing a frame" }.into(),
-            _ => AppError::Window { doing: "to show a frame on the output", reason: error.to_string() },
+            _ => SessionError::Window { doing: "to show a frame on the output", reason: error.to_string() },
         };
         self.context.make_current(&second.surface).map_err(failed)?;
         let drawn = draw();
@@ -154,8 +154,8 @@ impl GlWindowContext {
     }
 }
 
-fn refused(doing: &'static str, error: &dyn std::fmt::Display) -> AppError {
-    AppError::Window { doing, reason: error.to_string() }
+fn refused(doing: &'static str, error: &dyn std::fmt::Display) -> SessionError {
+    SessionError::Window { doing, reason: error.to_string() }
 }
 
 /// The attributes of a window for the eyes alone.
@@ -190,7 +190,7 @@ pub(in crate::app) fn open_output(
     event_loop: &ActiveEventLoop,
     config: &glutin::config::Config,
     monitor: &Monitor,
-) -> Result<Arc<Window>, AppError> {
+) -> Result<Arc<Window>, SessionError> {
     let (place, size) = (monitor.place, monitor.size);
     let attributes = WindowAttributes::default()
         .with_title("Mariana's output")
@@ -210,8 +210,9 @@ pub(in crate::app) fn open_output(
             attributes.with_fullscreen(Some(Fullscreen::Borderless(found)))
         }
     };
-    let window = glutin_winit::finalize_window(event_loop, attributes, config)
-        .map_err(|error| AppError::Window { doing: "a window for the output", reason: error.to_string() })?;
+    let window = glutin_winit::finalize_window(event_loop, attributes, config).map_err(|error| {
+        SessionError::Window { doing: "a window for the output", reason: error.to_string() }
+    })?;
     window.set_cursor_visible(false);
     Ok(Arc::new(window))
 }

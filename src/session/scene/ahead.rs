@@ -5,13 +5,18 @@
 //! to do. Each has a loader of its own, which watches its files, so what is prepared is as new as the files. A scene
 //! that is gone to takes its loader along; the one that was shown stays prepared on the other side.
 
-use super::{Cast, FirstTree, SceneLoader, SceneStage, Task};
+use std::sync::Arc;
+
+use super::library::SceneLoader;
+use super::prepared_scene::{FirstTree, PreparedScene};
+use super::program_task::Task;
 use crate::config::SdfChoice;
 use crate::frame::Frame;
 use crate::gpu::renderer::Renderer;
 use crate::gpu::scene_program::Mode;
+use crate::gpu::scene_resources::BuiltRegions;
 use crate::limits::LIMITS;
-use crate::scenes::{ReadyScene, SceneSource};
+use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
 use mariana_field::world::World;
 use mariana_music::Features;
 
@@ -25,7 +30,7 @@ const TEXEL_BYTES: u64 = 15;
 
 /// See the module.
 #[derive(Default)]
-pub(super) struct Ahead {
+pub(super) struct PreparedAhead {
     /// The next scene and the previous one; none if nothing is prepared.
     neighbours: Option<[Neighbour; 2]>,
     /// What decided which they are.
@@ -47,6 +52,16 @@ pub(super) enum WantedAhead {
     Upcoming([Option<SceneSource>; 2]),
 }
 
+/// What the neighbour lacks that is being prepared.
+pub(super) struct Lacking {
+    /// The scene.
+    pub id: u64,
+    /// A program of this mode.
+    pub program: Option<Mode>,
+    /// Its first tree of regions.
+    pub tree: bool,
+}
+
 enum State {
     /// Nobody has asked for it.
     Unasked,
@@ -54,7 +69,7 @@ enum State {
     Loading,
     /// It is loaded.
     Loaded {
-        cast: Box<Cast>,
+        scene: Box<PreparedScene>,
         /// Whether its first tree was requested.
         has_asked: bool,
         /// Whether it was drawn.
@@ -65,19 +80,19 @@ enum State {
 }
 
 impl State {
-    fn loaded(cast: Cast, is_rehearsed: bool) -> Self {
-        Self::Loaded { cast: Box::new(cast), has_asked: is_rehearsed, is_rehearsed }
+    fn loaded(scene: PreparedScene, is_rehearsed: bool) -> Self {
+        Self::Loaded { scene: Box::new(scene), has_asked: is_rehearsed, is_rehearsed }
     }
 }
 
-impl Ahead {
+impl PreparedAhead {
     /// Prepares with these loaders; without them nothing.
     pub(super) fn with(loaders: Option<[SceneLoader; 2]>) -> Self {
         let vacant = |loader| Neighbour { loader, source: None, state: State::Unasked };
         Self { neighbours: loaders.map(|loaders| loaders.map(vacant)), of: None }
     }
 
-    /// The loaders, for another stage.
+    /// The loaders, for another session.
     pub(super) fn into_loaders(self) -> Option<[SceneLoader; 2]> {
         self.neighbours.map(|neighbours| neighbours.map(|neighbour| neighbour.loader))
     }
@@ -91,50 +106,56 @@ impl Ahead {
     }
 
     /// The scenes that are loaded.
-    pub(super) fn casts(&self) -> impl Iterator<Item = &Cast> {
-        self.all().filter_map(Neighbour::cast)
+    pub(super) fn scenes(&self) -> impl Iterator<Item = &PreparedScene> {
+        self.all().filter_map(Neighbour::scene)
     }
 
     /// The same, to be changed.
-    pub(super) fn casts_mut(&mut self) -> impl Iterator<Item = &mut Cast> {
+    pub(super) fn scenes_mut(&mut self) -> impl Iterator<Item = &mut PreparedScene> {
         self.all_mut().filter_map(|neighbour| match &mut neighbour.state {
-            State::Loaded { cast, .. } => Some(&mut **cast),
+            State::Loaded { scene, .. } => Some(&mut **scene),
             _ => None,
         })
     }
 
     /// Gives up preparing the scene that a program was meant for, or all that need an interpreter.
     pub(super) fn leave(&mut self, task: &Task) {
-        self.leave_where(|cast| match task {
-            Task::Compiled { id, .. } => *id == cast.id,
-            Task::Interpreter(variant) => {
-                cast.interpreted.is_none()
-                    && cast.interpreter.as_ref().is_some_and(|needed| variant.covers(needed))
-            }
+        self.leave_where(|scene| match task {
+            Task::Compiled { id, .. } => *id == scene.id,
+            Task::Interpreter(variant) => scene.programs.lack(variant),
             Task::Universal { .. } | Task::Views(_) => false,
         });
     }
 
     /// Gives up preparing some scenes.
-    pub(super) fn leave_where(&mut self, is_left: impl Fn(&Cast) -> bool) {
+    fn leave_where(&mut self, is_left: impl Fn(&PreparedScene) -> bool) {
         for neighbour in self.all_mut() {
-            if neighbour.cast().is_some_and(&is_left) {
+            if neighbour.scene().is_some_and(&is_left) {
                 neighbour.state = State::Left;
             }
+        }
+    }
+
+    /// Takes the first tree of a scene; without one it is no longer prepared.
+    pub(super) fn take_tree(&mut self, id: u64, tree: Option<Arc<BuiltRegions>>) {
+        let Some(tree) = tree else { return self.leave_where(|scene| scene.id == id) };
+        if let Some(scene) = self.scenes_mut().find(|scene| scene.id == id) {
+            scene.resources.take_regions(tree);
+            scene.tree = FirstTree::There;
         }
     }
 
     /// Trees that were requested have been forgotten, because another scene is coming.
     pub(super) fn ask_again_for_trees(&mut self) {
         for neighbour in self.all_mut() {
-            if let State::Loaded { cast, has_asked, .. } = &mut neighbour.state {
-                *has_asked = cast.tree != FirstTree::Coming;
+            if let State::Loaded { scene, has_asked, .. } = &mut neighbour.state {
+                *has_asked = scene.tree != FirstTree::Coming;
             }
         }
     }
 
     /// Keeps a scene that was shown, if it is a neighbour of the one that is.
-    pub(super) fn keep(&mut self, shown: Cast) {
+    pub(super) fn keep(&mut self, shown: PreparedScene) {
         let has_room = self.has_room_for(shown.resources.world());
         let waits = |neighbour: &&mut Neighbour| {
             neighbour.source.as_ref() == Some(&shown.source) && matches!(neighbour.state, State::Unasked)
@@ -144,8 +165,26 @@ impl Ahead {
         }
     }
 
-    /// Prepares these from now on, and keeps what of them is there already.
-    fn want(&mut self, wanted: [Option<SceneSource>; 2]) {
+    /// Prepares these from now on, and keeps what of them is there already. `neighbours_of` knows those beside a scene.
+    /// Returns whether they are others than before.
+    pub(super) fn want(
+        &mut self,
+        wanted: WantedAhead,
+        neighbours_of: impl FnOnce(&SceneSource) -> [Option<SceneSource>; 2],
+    ) -> bool {
+        if self.neighbours.is_none() || self.of.as_ref() == Some(&wanted) {
+            return false;
+        }
+        let sources = match &wanted {
+            WantedAhead::Neighbours(of) => neighbours_of(of),
+            WantedAhead::Upcoming(sources) => sources.clone(),
+        };
+        self.of = Some(wanted);
+        self.want_sources(sources);
+        true
+    }
+
+    fn want_sources(&mut self, wanted: [Option<SceneSource>; 2]) {
         let Some(neighbours) = &mut self.neighbours else { return };
         let has = |at: usize, neighbours: &[Neighbour; 2]| {
             neighbours[at].source.is_some() && neighbours[at].source == wanted[1 - at]
@@ -160,8 +199,8 @@ impl Ahead {
         }
     }
 
-    /// Whether a source is prepared and was drawn once.
-    fn has_rehearsed(&self, source: &SceneSource) -> bool {
+    /// Whether a source is prepared and was drawn once: it can be shown in the next picture.
+    pub(super) fn has_rehearsed(&self, source: &SceneSource) -> bool {
         self.all().any(|neighbour| {
             neighbour.source.as_ref() == Some(source)
                 && matches!(neighbour.state, State::Loaded { is_rehearsed: true, .. })
@@ -174,53 +213,124 @@ impl Ahead {
     }
 
     /// The scenes that were drawn once, the next one first.
-    pub(super) fn rehearsed(&self) -> impl Iterator<Item = &Cast> {
+    pub(super) fn rehearsed(&self) -> impl Iterator<Item = &PreparedScene> {
         self.all().filter_map(|neighbour| match &neighbour.state {
-            State::Loaded { cast, is_rehearsed: true, .. } => Some(&**cast),
+            State::Loaded { scene, is_rehearsed: true, .. } => Some(&**scene),
             _ => None,
         })
     }
 
     /// Gives a source away that is prepared and was drawn once.
-    pub(super) fn give(&mut self, source: &SceneSource) -> Option<Cast> {
+    pub(super) fn give(&mut self, source: &SceneSource) -> Option<PreparedScene> {
         let neighbour = self.all_mut().find(|neighbour| neighbour.source.as_ref() == Some(source))?;
         if !matches!(neighbour.state, State::Loaded { is_rehearsed: true, .. }) {
             return None;
         }
         neighbour.source = None;
         match std::mem::replace(&mut neighbour.state, State::Unasked) {
-            State::Loaded { cast, .. } => Some(*cast),
+            State::Loaded { scene, .. } => Some(*scene),
             _ => None,
         }
     }
 
     /// Whether there is room for another scene.
-    fn has_room_for(&self, world: &World) -> bool {
-        let taken: u64 = self.casts().map(|cast| bytes_of(cast.resources.world())).sum();
+    pub(super) fn has_room_for(&self, world: &World) -> bool {
+        let taken: u64 = self.scenes().map(|scene| bytes_of(scene.resources.world())).sum();
         taken + bytes_of(world) <= LIMITS.prepared_bytes_max
     }
 
     /// Takes the neighbour that is gone to, if it is loaded, and leaves the loader of the scene that was shown in
     /// its place: the sides change.
-    fn take(&mut self, to: &SceneSource, from: SceneSource, loader: &mut SceneLoader) -> Option<Cast> {
+    pub(super) fn take(
+        &mut self,
+        to: &SceneSource,
+        from: SceneSource,
+        loader: &mut SceneLoader,
+    ) -> Option<PreparedScene> {
         let neighbours = self.neighbours.as_mut()?;
         let is_it =
-            |neighbour: &&mut Neighbour| neighbour.source.as_ref() == Some(to) && neighbour.cast().is_some();
+            |neighbour: &&mut Neighbour| neighbour.source.as_ref() == Some(to) && neighbour.scene().is_some();
         let neighbour = neighbours.iter_mut().find(is_it)?;
-        let State::Loaded { cast, .. } = std::mem::replace(&mut neighbour.state, State::Unasked) else {
+        let State::Loaded { scene, .. } = std::mem::replace(&mut neighbour.state, State::Unasked) else {
             return None;
         };
         neighbour.source = Some(from);
         std::mem::swap(&mut neighbour.loader, loader);
         neighbours.swap(0, 1);
-        Some(*cast)
+        Some(*scene)
+    }
+
+    /// The scenes that were loaded meanwhile, each with its place here.
+    pub(super) fn poll(&self) -> Vec<(usize, Loaded<Result<ReadyScene, SceneError>>)> {
+        let loaded = self.all().enumerate().filter_map(|(at, neighbour)| {
+            let loaded = neighbour.loader.poll()?;
+            (neighbour.source.as_ref() == Some(&loaded.source)).then_some((at, loaded))
+        });
+        loaded.collect()
+    }
+
+    /// Puts a loaded scene at its place; without one it is prepared when somebody goes there.
+    pub(super) fn put(&mut self, at: usize, scene: Option<PreparedScene>) {
+        if let Some(neighbour) = self.all_mut().nth(at) {
+            neighbour.state = scene.map_or(State::Left, |scene| State::loaded(scene, false));
+        }
+    }
+
+    /// Goes on with the first one that is not ready: has it loaded, or returns what it lacks.
+    pub(super) fn go_on(&mut self, sdf: SdfChoice) -> Option<Lacking> {
+        for neighbour in self.all_mut() {
+            match &mut neighbour.state {
+                State::Left => continue,
+                State::Unasked => {
+                    if let Some(source) = &neighbour.source {
+                        neighbour.loader.request(source.clone());
+                        neighbour.state = State::Loading;
+                    }
+                }
+                State::Loaded { scene, has_asked, is_rehearsed } => {
+                    let program = scene.missing_mode(sdf);
+                    if *has_asked && program.is_none() && scene.tree != FirstTree::Coming && *is_rehearsed {
+                        continue;
+                    }
+                    let tree = !std::mem::replace(has_asked, true);
+                    return Some(Lacking { id: scene.id, program, tree });
+                }
+                State::Loading => {}
+            }
+            // One at a time.
+            break;
+        }
+        None
+    }
+
+    /// Draws a neighbour that is ready but for its first draw, where nobody sees it.
+    pub(super) fn rehearse(&mut self, sdf: SdfChoice, renderer: &mut Renderer) {
+        for neighbour in self.all_mut() {
+            let State::Loaded { scene, is_rehearsed, .. } = &mut neighbour.state else { continue };
+            let is_due =
+                !*is_rehearsed && scene.tree != FirstTree::Coming && scene.missing_mode(sdf).is_none();
+            let Some(program) = is_due.then(|| scene.wanted_mode(sdf)).and_then(|mode| scene.program(mode))
+            else {
+                continue;
+            };
+            let frame = Frame::new(scene.resources.world(), 0.0, Features::SILENCE, REHEARSAL_SIZE);
+            *is_rehearsed = true;
+            match renderer.rehearse(&frame, &scene.resources, program) {
+                Ok(()) => tracing::info!("{} is ready ahead", scene.title()),
+                Err(error) => {
+                    tracing::info!("not prepared ahead: {error}");
+                    neighbour.state = State::Left;
+                }
+            }
+            return;
+        }
     }
 }
 
 impl Neighbour {
-    fn cast(&self) -> Option<&Cast> {
+    fn scene(&self) -> Option<&PreparedScene> {
         match &self.state {
-            State::Loaded { cast, .. } => Some(cast),
+            State::Loaded { scene, .. } => Some(scene),
             _ => None,
         }
     }
@@ -233,159 +343,70 @@ fn bytes_of(world: &World) -> u64 {
     PROGRAM_BYTES + TEXEL_BYTES * texels.sum::<u64>()
 }
 
-impl SceneStage {
-    /// Takes the neighbour that is gone to, if it is loaded.
-    pub(super) fn take_neighbour(&mut self, to: &SceneSource) -> Option<Cast> {
-        // Only the scene that is shown is kept in exchange.
-        let from = self.on_stage.as_ref()?.source.clone();
-        if self.source != from {
-            return None;
-        }
-        self.ahead.take(to, from, &mut self.loader)
+#[cfg(test)]
+mod tests {
+    use mariana_testing::process::wait_until;
+
+    use super::super::testing::{loader, text, uploaded};
+    use super::*;
+    use crate::gpu::headless::Headless;
+
+    fn wanted(ahead: &mut PreparedAhead, sources: [&SceneSource; 2]) -> bool {
+        let sources = sources.map(|source| Some(source.clone()));
+        ahead.want(WantedAhead::Upcoming(sources), |_| [None, None])
     }
 
-    /// Whether a source can be shown in the next picture.
-    pub(super) fn has_ready(&self, source: &SceneSource) -> bool {
-        self.ahead.has_rehearsed(source)
+    /// Waits for the next one that is loaded; returns its place.
+    fn loaded(ahead: &PreparedAhead) -> (usize, bool) {
+        let mut found = Vec::new();
+        wait_until("a neighbour", || {
+            found = ahead.poll();
+            !found.is_empty()
+        });
+        assert_eq!(found.len(), 1, "one at a time");
+        found.first().map(|(at, loaded)| (*at, loaded.value.is_ok())).unwrap()
     }
 
-    /// Goes on preparing the neighbours of the scene on the stage.
-    pub(super) fn prepare_neighbours(&mut self) {
-        self.take_loaded_neighbours();
-        if self.ahead.neighbours.is_none() || !self.is_complete() {
-            return;
-        }
-        let wanted = self.wanted_ahead();
-        if self.ahead.of.as_ref() != Some(&wanted) {
-            let sources = match &wanted {
-                WantedAhead::Neighbours(of) => [Some(self.list.next(of)), Some(self.list.previous(of))],
-                WantedAhead::Upcoming(sources) => sources.clone(),
-            };
-            self.ahead.of = Some(wanted);
-            self.ahead.want(sources);
-            self.forget_obsolete();
-        }
-        let mut begun = None;
-        for neighbour in self.ahead.all_mut() {
-            match &mut neighbour.state {
-                State::Left => continue,
-                State::Unasked => {
-                    if let Some(source) = &neighbour.source {
-                        neighbour.loader.request(source.clone());
-                        neighbour.state = State::Loading;
-                    }
-                }
-                State::Loaded { cast, has_asked, is_rehearsed } => {
-                    let missing = missing_mode(self.choice, cast);
-                    if *has_asked && missing.is_none() && cast.tree != FirstTree::Coming && *is_rehearsed {
-                        continue;
-                    }
-                    begun = Some((cast.id, missing, !std::mem::replace(has_asked, true)));
-                }
-                State::Loading => {}
-            }
-            // One at a time.
-            break;
-        }
-        let Some((id, missing, asks)) = begun else { return };
-        if asks && let Some(cast) = self.cast(id) {
-            tracing::info!("{} is prepared ahead", cast.source.title());
-            self.regions.try_tree(id, &cast.resources);
-        }
-        match missing {
-            Some(Mode::Compiled) => self.ask_for_compiled(id),
-            Some(Mode::Interpreted) => self.ask_for_interpreter(id),
-            None => {}
-        }
+    #[test]
+    fn the_next_scene_is_prepared_before_the_previous_one_and_a_broken_one_keeps_nobody_waiting() {
+        let context = Headless::new(false).unwrap();
+        let sdf = SdfChoice::Compiled;
+        let [broken, ball, box_] = ["sphere(p", "sphere(p, 1)", "box(p, 1)"].map(text);
+        let mut ahead = PreparedAhead::with(Some([loader(), loader()]));
+        assert!(wanted(&mut ahead, [&broken, &ball]) && !wanted(&mut ahead, [&broken, &ball]));
+        assert!(ahead.go_on(sdf).is_none(), "it is being loaded");
+        assert_eq!(loaded(&ahead), (0, false));
+        ahead.put(0, None);
+        assert!(ahead.go_on(sdf).is_none());
+        assert_eq!(loaded(&ahead), (1, true));
+        ahead.put(1, Some(uploaded(context.gl(), 7, &ball)));
+        let lacking = ahead.go_on(sdf).unwrap();
+        assert_eq!((lacking.id, lacking.program, lacking.tree), (7, Some(Mode::Compiled), true));
+        assert!(!ahead.go_on(sdf).unwrap().tree, "it was asked for");
+        assert!(!ahead.has_rehearsed(&ball) && ahead.give(&ball).is_none(), "it was not drawn yet");
+        // The scene is the next one now: it stays, whatever else comes.
+        assert!(wanted(&mut ahead, [&ball, &box_]));
+        assert_eq!(ahead.scenes().map(|scene| scene.id).collect::<Vec<_>>(), [7]);
+        assert_eq!(ahead.next_sources().next(), Some(&ball));
+        // Its tree takes too long: the other one is prepared.
+        ahead.take_tree(7, None);
+        assert!(ahead.go_on(sdf).is_none() && ahead.scenes().next().is_none());
+        assert_eq!(loaded(&ahead), (1, true));
     }
 
-    /// Whether there is nothing left to do for the scene that was asked for.
-    pub(super) fn is_complete(&self) -> bool {
-        let Some(shown) = &self.on_stage else { return false };
-        shown.source == self.source
-            && self.pictured == Some(shown.id)
-            && self.coming.is_none()
-            && self.before.is_none()
-            && self.making.is_none()
-            && self.tasks.is_empty()
-            && self.view().is_none()
-            && !self.fading.goes_on()
+    #[test]
+    fn who_goes_to_a_neighbour_finds_the_way_back_prepared() {
+        let context = Headless::new(false).unwrap();
+        let [ball, box_] = ["sphere(p, 1)", "box(p, 1)"].map(text);
+        let mut ahead = PreparedAhead::with(Some([loader(), loader()]));
+        wanted(&mut ahead, [&box_, &box_]);
+        ahead.put(0, Some(uploaded(context.gl(), 1, &box_)));
+        let mut shown = loader();
+        let scene = ahead.take(&box_, ball.clone(), &mut shown).unwrap();
+        assert_eq!(scene.id, 1);
+        // The scene that was shown is on the other side, and comes from there at once.
+        ahead.keep(uploaded(context.gl(), 0, &ball));
+        assert!(ahead.has_rehearsed(&ball));
+        assert_eq!(ahead.take(&ball, box_, &mut shown).map(|scene| scene.id), Some(0));
     }
-
-    fn take_loaded_neighbours(&mut self) {
-        for at in 0..2 {
-            let Some(neighbour) = self.ahead.all().nth(at) else { return };
-            let Some(loaded) = neighbour.loader.poll() else { continue };
-            if neighbour.source.as_ref() != Some(&loaded.source) {
-                continue;
-            }
-            let state = match loaded.value {
-                Ok(ready) => self.loaded_neighbour(loaded.source, ready),
-                // It is told when somebody goes there.
-                Err(_) => State::Left,
-            };
-            if let Some(neighbour) = self.ahead.all_mut().nth(at) {
-                neighbour.state = state;
-            }
-        }
-    }
-
-    fn loaded_neighbour(&mut self, source: SceneSource, ready: ReadyScene) -> State {
-        if !self.ahead.has_room_for(&ready.world) {
-            return State::Left;
-        }
-        match self.make_cast(source, ready) {
-            Ok(cast) => State::loaded(cast, false),
-            Err(error) => {
-                tracing::info!("not prepared ahead: {error}");
-                State::Left
-            }
-        }
-    }
-
-    /// Draws a neighbour that is ready but for its first draw, where nobody sees it.
-    pub(crate) fn rehearse(&mut self, renderer: &mut Renderer) {
-        if !self.is_complete() {
-            return;
-        }
-        let choice = self.choice;
-        for neighbour in self.ahead.all_mut() {
-            let State::Loaded { cast, is_rehearsed, .. } = &mut neighbour.state else { continue };
-            let is_due =
-                !*is_rehearsed && cast.tree != FirstTree::Coming && missing_mode(choice, cast).is_none();
-            let Some(program) = is_due.then(|| wanted_mode(choice, cast)).and_then(|mode| cast.program(mode))
-            else {
-                continue;
-            };
-            let frame = Frame::new(cast.resources.world(), 0.0, Features::SILENCE, REHEARSAL_SIZE);
-            *is_rehearsed = true;
-            match renderer.rehearse(&frame, &cast.resources, program) {
-                Ok(()) => tracing::info!("{} is ready ahead", cast.source.title()),
-                Err(error) => {
-                    tracing::info!("not prepared ahead: {error}");
-                    neighbour.state = State::Left;
-                }
-            }
-            return;
-        }
-    }
-}
-
-/// The mode in which a scene is to be shown in the end.
-fn wanted_mode(choice: SdfChoice, cast: &Cast) -> Mode {
-    let compiles = match choice {
-        SdfChoice::Interpreted => false,
-        SdfChoice::Compiled => true,
-        SdfChoice::Auto => cast.is_compiled_by_itself(),
-    };
-    if cast.interpreter.is_none() || (compiles && cast.compilable) {
-        Mode::Compiled
-    } else {
-        Mode::Interpreted
-    }
-}
-
-/// That mode, if its program is not there.
-fn missing_mode(choice: SdfChoice, cast: &Cast) -> Option<Mode> {
-    Some(wanted_mode(choice, cast)).filter(|mode| cast.program(*mode).is_none())
 }

@@ -1,12 +1,11 @@
-//! What a stage begins with, and what of it goes on when its context is lost and another one takes its place.
+//! What a session of scenes begins with, and what of it goes on when its context is lost and another one takes its place.
 
 use std::time::Instant;
 
-use super::hands::Hands;
-use super::{SceneLoader, SceneStage};
+use super::library::SceneLoader;
 use crate::config::SdfChoice;
 use crate::gpu::cell_use::CellUse;
-use crate::scenes::{ReadyScene, SceneList, SceneSource};
+use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
 use mariana_control::Model;
 
@@ -51,37 +50,4 @@ pub(crate) struct KeptScenes {
     pub hands: (Model, Instant),
     /// How scenes are drawn.
     pub ways: DrawingWays,
-}
-
-impl SceneStage {
-    /// Drops everything that belongs to its context, and returns what another stage goes on with.
-    pub(crate) fn let_go(self) -> KeptScenes {
-        let shown = self.on_stage.or(self.coming).map(|cast| {
-            let (world, buffers) = (cast.resources.world().clone(), cast.resources.buffers().clone());
-            let scene = ReadyScene { world, buffers, plan: cast.resources.plan().clone(), settles: false };
-            LoadedScene { source: cast.source, scene }
-        });
-        KeptScenes {
-            loaders: SceneLoaders { shown: self.loader, ahead: self.ahead.into_loaders() },
-            shown,
-            wanted: self.source,
-            hands: self.hands.kept(),
-            ways: DrawingWays {
-                sdf: self.choice,
-                cells: self.regions.wish(),
-                view: self.views.choice(),
-                fade: self.fading.seconds(),
-            },
-        }
-    }
-
-    /// Goes on where another stage ended, with what hands have turned and the scene that was asked for.
-    pub(crate) fn take_over(&mut self, hands: (Model, Instant), wanted: SceneSource) {
-        self.hands = Hands::new(hands.0, hands.1);
-        if wanted != self.source {
-            self.list = SceneList::around(&wanted);
-            self.source = wanted.clone();
-            self.loader.request(wanted);
-        }
-    }
 }

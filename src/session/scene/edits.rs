@@ -12,22 +12,22 @@ use crate::gpu::scene_program::Mode;
 
 /// Further samples of pixels at edges meanwhile.
 pub(crate) const SAMPLES: EdgeSamples = EdgeSamples::Two;
-/// A text rests when its last change has been on the stage for this long.
+/// A text rests when its last change has shown for this long.
 const RESTS_AFTER: Duration = Duration::from_secs(2);
 
-/// When the scene on the stage was last edited.
+/// When the scene that shows was last edited.
 #[derive(Debug, Default)]
 pub(super) struct Edits {
     last: Option<Instant>,
 }
 
 impl Edits {
-    /// Notes that a changed text of the scene on the stage took its place at `now`.
+    /// Notes that a changed text of the scene that shows took its place at `now`.
     pub(super) fn note(&mut self, now: Instant) {
         self.last = Some(now);
     }
 
-    /// Notes that another scene came onto the stage.
+    /// Notes that another scene shows.
     pub(super) fn forget(&mut self) {
         self.last = None;
     }

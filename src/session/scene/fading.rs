@@ -1,5 +1,5 @@
-//! How one scene gives way to another in the picture: it fades, or is cut. Fades of a show are in [`super::mixing`], and
-//! there is drawn what goes on under the scene that comes.
+//! How one scene gives way to another in the picture: it fades, or is cut. [`super::scene_change`] draws what goes on below the
+//! scene that comes, and the fades of a show.
 //!
 //! Where the scene that goes cannot go on, its last picture is mixed into those of the one that comes
 //! ([`Renderer::keep_light`]); so is a picture that was held.
@@ -17,7 +17,7 @@ use mariana_player::Moment;
 const STEP_MAX: Duration = Duration::from_millis(125);
 
 /// See the module.
-pub(super) struct Fading {
+pub(crate) struct Fading {
     /// How long a fade takes; zero is a cut.
     length: Duration,
     /// Whether scenes are cut all the same.
@@ -55,7 +55,7 @@ enum State {
     /// Since when it fades, in seconds of the song, and what plays.
     WithSong(f64, (u64, u32)),
     /// A show says how far it has come; whether the light of what goes is kept.
-    Told(f32, bool),
+    Given(f32, bool),
 }
 
 /// A picture that is begun.
@@ -94,20 +94,28 @@ impl Fading {
         self.length.as_secs_f64()
     }
 
-    /// From now on fades take this many seconds; 0 is a cut.
-    pub(super) fn set_seconds(&mut self, seconds: f64) {
+    /// From now on fades take this many seconds; 0 is a cut. Returns what is said.
+    pub(crate) fn set_seconds(&mut self, seconds: f64) -> String {
         self.length = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         self.cuts = false;
+        match seconds > 0.0 {
+            true => format!("scenes fade into each other for {seconds:.1} s"),
+            false => "scenes are cut".to_owned(),
+        }
     }
 
     /// Whether scenes are cut.
-    pub(super) fn cuts(&self) -> bool {
+    pub(crate) fn cuts(&self) -> bool {
         self.cuts || self.length.is_zero()
     }
 
-    /// From now on scenes are cut, or fade as they did before.
-    pub(super) fn set_cuts(&mut self, cuts: bool) {
+    /// From now on scenes are cut, or fade as they did before. Returns what is said.
+    pub(crate) fn set_cuts(&mut self, cuts: bool) -> String {
         self.cuts = cuts;
+        match cuts {
+            true => "scenes are cut".to_owned(),
+            false => self.set_seconds(self.seconds()),
+        }
     }
 
     /// The next picture shows another scene.
@@ -126,18 +134,18 @@ impl Fading {
     }
 
     /// A picture that a show holds has this share of the next ones; without a share it is gone.
-    pub(super) fn tell(&mut self, share: Option<f32>) {
+    pub(super) fn mix_held(&mut self, share: Option<f32>) {
         match (share, self.state) {
-            (Some(share), State::Told(_, kept)) => self.state = State::Told(share, kept),
-            (Some(share), _) => (self.state, self.from) = (State::Told(share, false), From::HeldPicture),
-            (None, State::Told(..)) => self.state = State::None,
+            (Some(share), State::Given(_, kept)) => self.state = State::Given(share, kept),
+            (Some(share), _) => (self.state, self.from) = (State::Given(share, false), From::HeldPicture),
+            (None, State::Given(..)) => self.state = State::None,
             (None, _) => {}
         }
     }
 
     /// The show holds another picture than before: the last one that was drawn, in which the one before has its share.
-    pub(super) fn hold_anew(&mut self) {
-        if let State::Told(_, kept) = &mut self.state {
+    pub(crate) fn hold_anew(&mut self) {
+        if let State::Given(_, kept) = &mut self.state {
             *kept = false;
         }
     }
@@ -173,7 +181,7 @@ impl Fading {
     }
 
     /// Whether the next picture is the first one of a fade.
-    pub(super) fn is_to_begin(&self) -> bool {
+    pub(crate) fn is_to_begin(&self) -> bool {
         self.state == State::Wanted
     }
 
@@ -181,7 +189,7 @@ impl Fading {
     pub(super) fn share_of_scene(&self, moment: &Moment) -> Option<f32> {
         match self.state {
             _ if self.from != From::Scene => None,
-            State::None | State::Told(..) => None,
+            State::None | State::Given(..) => None,
             State::Wanted => Some(1.0),
             State::Going(_) => Some(self.share),
             State::WithSong(..) => self.share_in_song(moment),
@@ -189,7 +197,7 @@ impl Fading {
     }
 
     /// The share of a picture that was held in the last picture.
-    pub(super) fn share_held(&self) -> f32 {
+    pub(crate) fn share_held(&self) -> f32 {
         if self.from == From::HeldPicture && self.goes_on() { self.share } else { 0.0 }
     }
 
@@ -210,14 +218,14 @@ impl Fading {
 
     /// Tells the renderer, before a picture is begun, what of an older one is mixed into it.
     pub(super) fn begin_picture(&mut self, renderer: &mut Renderer, begun: Begun<'_>) {
-        let keeps = matches!(self.state, State::Wanted | State::Told(_, false)) && !begun.is_live;
+        let keeps = matches!(self.state, State::Wanted | State::Given(_, false)) && !begun.is_live;
         if keeps {
             let kept = renderer.keep_light().unwrap_or_else(|error: GpuError| {
                 tracing::info!("no fade: {error}");
                 false
             });
             match &mut self.state {
-                State::Told(_, is_kept) => *is_kept = kept,
+                State::Given(_, is_kept) => *is_kept = kept,
                 state if !kept => *state = State::None,
                 _ => {}
             }
@@ -233,8 +241,8 @@ impl Fading {
             .replace(begun.now)
             .map_or(Duration::ZERO, |last| begun.now.saturating_duration_since(last));
         let share = match self.state {
-            State::None | State::Told(_, false) => return None,
-            State::Told(share, true) => Some(share),
+            State::None | State::Given(_, false) => return None,
+            State::Given(share, true) => Some(share),
             State::Wanted => {
                 self.announce();
                 let time = begun.moment.song_time;
@@ -345,7 +353,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_that_was_held_is_told_from_a_scene() {
+    fn a_picture_that_was_held_is_no_scene_that_goes() {
         let now = Instant::now();
         let mut fading = Fading::of(2.0);
         fading.release(1.0);
@@ -353,12 +361,12 @@ mod tests {
         assert_eq!((fading.share_held(), fading.share_of_scene(&at(4.0))), (1.0, None));
         fading.cut();
         assert_eq!(fading.share_held(), 0.0);
-        fading.tell(Some(0.25));
+        fading.mix_held(Some(0.25));
         assert_eq!(fading.step(begun(now, &at(4.0), true)), None, "no light of it is kept");
-        fading.state = State::Told(0.25, true);
+        fading.state = State::Given(0.25, true);
         fading.hold_anew();
-        assert_eq!(fading.state, State::Told(0.25, false), "the light of another picture is to be kept");
-        fading.tell(None);
+        assert_eq!(fading.state, State::Given(0.25, false), "the light of another picture is to be kept");
+        fading.mix_held(None);
         assert!(!fading.goes_on());
     }
 }

@@ -1,8 +1,14 @@
-//! What a recording notes of each picture.
+//! The scene that shows at a moment, to be recorded.
 
+use super::camera::SceneCamera;
+use super::fading::Fading;
+use super::prepared_scenes::PreparedScenes;
+use super::show_follower::ShowFollower;
+use crate::config::SdfChoice;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::SceneSource;
 use crate::show::{Entrance, Finish, Move, Turned};
+use mariana_control::Hand;
 
 /// The scene that shows at a moment, and how it is shown.
 pub(crate) struct Performed<'a> {
@@ -24,4 +30,45 @@ pub(crate) struct Performed<'a> {
     pub hand: OrbitControls,
     /// What is done to the whole picture.
     pub picture: Finish,
+}
+
+impl<'a> Performed<'a> {
+    /// What shows at `time` seconds of the song.
+    pub(super) fn at(
+        time: f64,
+        scenes: &'a PreparedScenes,
+        show: &'a ShowFollower,
+        (fading, camera): (&Fading, &SceneCamera),
+        sdf: SdfChoice,
+    ) -> Option<Self> {
+        let scene = scenes.shown.as_ref()?;
+        let (stays, _) = show.stays(scene, time);
+        let split = scene.resources.world().blended.unwrap_or(0);
+        let staged = stays.last();
+        // The show goes on to turn a scene to which somebody came back, or which somebody keeps.
+        let stay = staged.filter(|_| !show.is_overruled() && !show.is_locked());
+        let params = scene.knobs.iter().filter(|(_, knob)| knob.place >= split);
+        let params = params.map(|(slider, _)| Turned {
+            name: &slider.name,
+            value: slider.value,
+            own: slider.default,
+            is_shown: slider.hand == Hand::Show && stay.is_some(),
+        });
+        let source = match &scene.source {
+            SceneSource::Blend(blend) => &blend.to.source,
+            source => source,
+        };
+        let faded = fading.of_scene_with_song();
+        Some(Self {
+            source,
+            camera: staged.and_then(|stay| stay.camera.as_deref()),
+            directed: stay.map(|stay| (stay.entrance, stay.start)),
+            faded,
+            fades: faded.is_some() || (!fading.goes_on() && show.outgoing(time, scenes, sdf).is_some()),
+            params: params.collect(),
+            moves: stay.map_or(&[], |stay| &stay.moves),
+            hand: camera.at(&stays, time),
+            picture: Finish::NOTHING,
+        })
+    }
 }

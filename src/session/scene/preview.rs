@@ -6,15 +6,17 @@
 
 use std::time::{Duration, Instant};
 
-use super::hands::Stays;
-use super::{Cast, SceneStage};
+use super::ahead::PreparedAhead;
+use super::parameters::Parameters;
+use super::prepared_scene::{DrawingChoice, PreparedScene};
+use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
+use super::stays::Stays;
 use crate::frame::Frame;
 use crate::gpu::cell_use::CellUse;
 use crate::gpu::error::GpuError;
 use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::renderer::{Renderer, Sketch};
 use crate::gpu::scene_program::Mode;
-use crate::scenes::SceneSource;
 use mariana_music::{Features, Sound};
 
 /// How often a picture is drawn that needs a tree of its own.
@@ -22,26 +24,13 @@ const TREE_EVERY: Duration = Duration::from_secs(1);
 /// How long such a tree may take.
 const TREE_PATIENCE: Duration = Duration::from_millis(150);
 
-/// What is known of trees for these pictures.
-#[derive(Default)]
-pub(super) struct Sketching {
-    /// The scene for which one was requested last, and when.
+/// See the module.
+pub(super) struct NextPicture {
+    /// The scene for which a tree was requested last, and when.
     asked: Option<(u64, Instant)>,
     /// The scene whose trees take too long.
-    too_dear: Option<u64>,
-}
-
-impl Sketching {
-    /// Whether a tree is to be requested for a scene now; then it is noted.
-    fn asks(&mut self, id: u64, now: Instant) -> bool {
-        let has_just =
-            self.asked.is_some_and(|(of, at)| of == id && now.saturating_duration_since(at) < TREE_EVERY);
-        let asks = !has_just && self.too_dear != Some(id);
-        if asks {
-            self.asked = Some((id, now));
-        }
-        asks
-    }
+    too_expensive: Option<u64>,
+    builder: RegionBuilder<u64>,
 }
 
 /// A frame of the scene that comes next.
@@ -54,87 +43,105 @@ enum Next {
     WithTree(Frame),
 }
 
-impl SceneStage {
-    /// The title of the scene that comes next, once it is known.
-    pub(crate) fn next_title(&self) -> Option<String> {
-        self.ahead.next_sources().find(|source| !is_blend(source)).map(SceneSource::title)
+impl NextPicture {
+    /// Draws nothing yet. `wake` is called after each tree.
+    ///
+    /// # Errors
+    /// What the system says about threads.
+    pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+        Ok(Self { asked: None, too_expensive: None, builder: RegionBuilder::start(wake)? })
     }
 
-    /// Draws the scene that comes next, where nobody sees it, and sends its picture to `reader`. Returns its title; none if
-    /// there is nothing to draw now.
+    /// Draws the scene that comes next as `parameters` has it, at `time` seconds of the song, where nobody sees it, and
+    /// sends its picture to `reader`. Returns its title; none if there is nothing to draw now.
     ///
     /// # Errors
     /// What the driver refuses.
-    pub(crate) fn preview(
+    pub(super) fn draw(
         &mut self,
+        (ahead, parameters, choice): (&PreparedAhead, &Parameters, DrawingChoice),
         renderer: &mut Renderer,
         sketch: &mut Sketch,
         reader: &mut PictureReader,
         (time, sound): (f64, Sound),
     ) -> Result<Option<String>, GpuError> {
-        if !self.is_complete() {
-            return Ok(None);
-        }
-        let cast = self.ahead.rehearsed().find(|cast| !is_blend(&cast.source));
-        let Some((cast, mode)) = cast.and_then(|cast| Some((cast, self.mode_of(cast)?))) else {
+        let scene = ahead.rehearsed().find(|scene| !scene.is_blend());
+        let Some((scene, mode)) = scene.and_then(|scene| Some((scene, scene.mode(choice.sdf)?))) else {
             return Ok(None);
         };
-        let Some(program) = cast.program(mode).cloned() else { return Ok(None) };
-        let (id, title) = (cast.id, cast.source.title());
+        let Some(program) = scene.program(mode) else { return Ok(None) };
+        let id = scene.id;
         let mut came = None;
-        while let Some((of, frame, regions)) = self.regions.sketched_tree() {
+        while let Some(BuiltTree { tag, frame, regions }) = self.builder.poll() {
             match regions {
-                Some(regions) if of == id => came = Some((frame, regions)),
+                Some(regions) if tag == id => came = Some((frame, regions)),
                 Some(_) => {}
-                None => self.sketching.too_dear = Some(of),
+                None => self.too_expensive = Some(tag),
             }
         }
-        let Some(cast) = self.ahead.rehearsed().find(|cast| cast.id == id) else { return Ok(None) };
         let frame = match came {
             Some((frame, regions)) => {
-                cast.resources.take_regions(regions);
+                scene.resources.take_regions(regions);
                 frame
             }
-            None => match self.frame_of_next(cast, mode, (time, sound), reader.size()) {
-                Next::Now(frame) => frame,
-                Next::First(frame) => {
-                    // The next one in a second.
-                    self.sketching.asked = Some((id, Instant::now()));
-                    frame
-                }
-                Next::WithTree(frame) => {
-                    if self.sketching.asks(id, Instant::now()) {
-                        self.regions.sketch_tree(id, &cast.resources, frame, TREE_PATIENCE);
+            None => {
+                let params = parameters.numbers(scene, &Stays::default(), time);
+                match self.frame_of(scene, (mode, choice.cells), (time, sound, &params), reader.size()) {
+                    Next::Now(frame) => frame,
+                    Next::First(frame) => {
+                        // The next one in a second.
+                        self.asked = Some((id, Instant::now()));
+                        frame
                     }
-                    return Ok(None);
+                    Next::WithTree(frame) => {
+                        if self.asks(id, Instant::now()) {
+                            let (request, maker) =
+                                (scene.resources.region_request(&frame), scene.resources.region_maker());
+                            let patience = TREE_PATIENCE;
+                            self.builder.request(TreeJob { tag: id, frame, maker, request, patience });
+                        }
+                        return Ok(None);
+                    }
                 }
-            },
+            }
         };
-        let sent = renderer.sketch(sketch, &frame, (&cast.resources, &program), reader)?;
-        Ok(sent.then_some(title))
+        let sent = renderer.sketch(sketch, &frame, (&scene.resources, program), reader)?;
+        Ok(sent.then(|| scene.title()))
     }
 
-    fn frame_of_next(&self, cast: &Cast, mode: Mode, (time, sound): (f64, Sound), size: (u32, u32)) -> Next {
-        let world = cast.resources.world();
+    fn frame_of(
+        &self,
+        scene: &PreparedScene,
+        (mode, cells): (Mode, CellUse),
+        (time, sound, params): (f64, Sound, &[f32]),
+        size: (u32, u32),
+    ) -> Next {
+        let world = scene.resources.world();
         let needs_tree = world.steep || mode == Mode::Interpreted;
-        if needs_tree && self.sketching.asked.is_none_or(|(of, _)| of != cast.id) {
+        if needs_tree && self.asked.is_none_or(|(of, _)| of != scene.id) {
             let first = Frame::new(world, 0.0, Features::SILENCE, size);
-            let request = cast.resources.region_request(&first);
-            if cast.resources.regions().is_some_and(|built| built.request == request) {
+            let request = scene.resources.region_request(&first);
+            if scene.resources.regions().is_some_and(|built| built.request == request) {
                 return Next::First(first);
             }
         }
         // Without a tree it is right at any moment.
-        let cells = needs_tree && (world.steep || self.regions.wish() != CellUse::Never);
-        cast.resources.set_cells(cells, mode);
-        let params = self.numbers(cast, &Stays::default(), time);
-        let frame = Frame::with_params(world, time, sound, size, &params);
+        let uses_cells = needs_tree && (world.steep || cells != CellUse::Never);
+        scene.resources.set_cells(uses_cells, mode);
+        let frame = Frame::with_params(world, time, sound, size, params);
         if needs_tree { Next::WithTree(frame) } else { Next::Now(frame) }
     }
-}
 
-fn is_blend(source: &SceneSource) -> bool {
-    matches!(source, SceneSource::Blend(_))
+    /// Whether a tree is to be requested for a scene now; then it is noted.
+    fn asks(&mut self, id: u64, now: Instant) -> bool {
+        let has_just =
+            self.asked.is_some_and(|(of, at)| of == id && now.saturating_duration_since(at) < TREE_EVERY);
+        let asks = !has_just && self.too_expensive != Some(id);
+        if asks {
+            self.asked = Some((id, now));
+        }
+        asks
+    }
 }
 
 #[cfg(test)]
@@ -143,11 +150,11 @@ mod tests {
 
     #[test]
     fn trees_are_requested_once_a_second_and_not_again_where_they_take_too_long() {
-        let (mut sketching, now) = (Sketching::default(), Instant::now());
+        let (mut sketching, now) = (NextPicture::start(|| {}).unwrap(), Instant::now());
         let at = |ms| now + Duration::from_millis(ms);
         assert!(sketching.asks(7, at(0)) && !sketching.asks(7, at(900)) && sketching.asks(7, at(1_000)));
         assert!(sketching.asks(8, at(1_100)), "another scene comes next");
-        sketching.too_dear = Some(8);
+        sketching.too_expensive = Some(8);
         assert!(!sketching.asks(8, at(9_000)) && sketching.asks(7, at(9_100)));
     }
 }

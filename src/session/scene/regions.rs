@@ -1,10 +1,9 @@
-//! The regions of the scene on the stage: requested in parallel with the frames, and what is drawn until they come.
+//! The regions of the scene that shows: requested in parallel with the frames, and what is drawn until they come.
 //!
 //! A picture is drawn with the inputs that its tree was built for. A tree that comes after its frame was due is drawn
 //! when it comes: the picture then follows the sound with fewer frames. If the compiled program draws faster than a
 //! tree is built, it draws without one; an interpreter would take much longer that way.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
@@ -16,14 +15,11 @@ use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::scene_program::Mode;
 use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
 use crate::limits::LIMITS;
-use mariana_music::{Features, Sound};
+use mariana_music::Sound;
 use mariana_player::Moment;
 
 /// Trees that take no longer than this are waited for, even if a frame is drawn in less time.
 const WAITED_FOR: Duration = Duration::from_millis(17);
-
-/// Size of the picture for which a scene's first tree is built; only its shape matters.
-const TRIAL_SIZE: (u32, u32) = (16, 9);
 
 /// What a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +30,7 @@ pub(crate) struct Shown {
     pub size: (u32, u32),
     /// Further samples of pixels at edges.
     pub edges: EdgeSamples,
-    /// The stage's revision.
+    /// The session's revision.
     pub revision: u64,
 }
 
@@ -47,6 +43,8 @@ pub(super) struct Wishes<'a> {
     pub camera: Option<usize>,
     /// How the camera was moved by hand.
     pub hand: OrbitControls,
+    /// Whether cells of regions are used where they can be.
+    pub cells: CellUse,
     /// The scene has never had a tree: a build that takes too long is given up.
     pub is_untried: bool,
     /// This is the outgoing picture of a fade.
@@ -67,14 +65,9 @@ struct Asked {
 
 /// The builder's requests, and whether trees are waited for.
 pub(super) struct SceneRegions {
-    wish: CellUse,
     /// Whether a tree is waited for, however long it takes.
     insists: bool,
     builder: RegionBuilder<Asked>,
-    /// Builds the first trees of scenes that are coming onto the stage.
-    trials: RegionBuilder<u64>,
-    /// Builds trees for small pictures of the scene that comes next.
-    sketches: RegionBuilder<u64>,
     /// The last request, until its tree has come.
     asked: Option<Asked>,
     /// The compiled scene that is drawn faster than its tree is built, and is therefore drawn without.
@@ -94,13 +87,10 @@ impl SceneRegions {
     ///
     /// # Errors
     /// What the system says about threads.
-    pub(super) fn start(wish: CellUse, wake: impl Fn() + Send + Clone + 'static) -> std::io::Result<Self> {
+    pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         Ok(Self {
-            wish,
             insists: false,
-            builder: RegionBuilder::start(wake.clone())?,
-            trials: RegionBuilder::start(wake.clone())?,
-            sketches: RegionBuilder::start(wake)?,
+            builder: RegionBuilder::start(wake)?,
             asked: None,
             late_for: None,
             waited_for: None,
@@ -120,7 +110,7 @@ impl SceneRegions {
         sound: Sound,
         wishes: Wishes<'_>,
     ) -> Option<(Frame, Shown)> {
-        let cells = self.uses_cells((id, mode), scene);
+        let cells = self.uses_cells((id, mode), scene, wishes.cells);
         scene.set_cells(cells, mode);
         let time = wanted.moment.song_time;
         let mut frame = Frame::with_params(scene.world(), time, sound, wanted.size, wishes.params);
@@ -170,45 +160,14 @@ impl SceneRegions {
         Some((frame, shown))
     }
 
-    /// When cells are used.
-    pub(super) fn wish(&self) -> CellUse {
-        self.wish
-    }
-
-    fn uses_cells(&self, drawn: (u64, Mode), scene: &SceneResources) -> bool {
-        let wish = match self.wish {
+    fn uses_cells(&self, drawn: (u64, Mode), scene: &SceneResources, wish: CellUse) -> bool {
+        let wish = match wish {
             CellUse::Never => CellUse::Never,
             _ if self.insists => CellUse::Always,
             _ if self.late_for == Some(drawn) => CellUse::Never,
             wish => wish,
         };
         scene.uses_cells(wish, drawn.1)
-    }
-
-    /// Requests the first tree of a scene that is coming onto the stage, in place of any other scene's.
-    pub(super) fn try_tree(&self, id: u64, scene: &SceneResources) {
-        scene.set_cells(self.wish != CellUse::Never || scene.world().steep, Mode::Interpreted);
-        let frame = Frame::new(scene.world(), 0.0, Features::SILENCE, TRIAL_SIZE);
-        let request = scene.region_request(&frame);
-        self.trials.forget();
-        let (maker, patience) = (scene.region_maker(), longest_wait());
-        self.trials.request(TreeJob { tag: id, frame, maker, request, patience });
-    }
-
-    /// A first tree that was requested, and its scene; no tree if it takes longer than anyone waits.
-    pub(super) fn tried_tree(&self) -> Option<(u64, Option<Arc<BuiltRegions>>)> {
-        self.trials.poll().map(|built| (built.tag, built.regions))
-    }
-
-    /// Requests the tree of a frame of a scene that is not on the stage, which may take so long.
-    pub(super) fn sketch_tree(&self, id: u64, scene: &SceneResources, frame: Frame, patience: Duration) {
-        let request = scene.region_request(&frame);
-        self.sketches.request(TreeJob { tag: id, frame, maker: scene.region_maker(), request, patience });
-    }
-
-    /// A tree that was requested so, with its scene and its frame; no tree if it took too long.
-    pub(super) fn sketched_tree(&self) -> Option<(u64, Frame, Option<Arc<BuiltRegions>>)> {
-        self.sketches.poll().map(|BuiltTree { tag, frame, regions }| (tag, frame, regions))
     }
 
     /// Whether a picture of this scene was given up because its tree takes too long; says so once.
@@ -238,8 +197,9 @@ impl SceneRegions {
         drawn: (u64, Mode),
         built: &BuiltRegions,
         time: Duration,
+        wish: CellUse,
     ) -> bool {
-        if drawn.1 != Mode::Compiled || self.wish == CellUse::Never {
+        if drawn.1 != Mode::Compiled || wish == CellUse::Never {
             return false;
         }
         let now = Some(drawn);
@@ -259,21 +219,20 @@ impl SceneRegions {
         no_sooner
     }
 
-    /// Uses cells from now on if the scene is drawn without, and else does without; says which.
-    pub(super) fn toggle(&mut self, drawn: Option<((u64, Mode), &SceneResources)>) -> &'static str {
+    /// Whether cells are to be used from now on: if the scene is drawn without any, and else not.
+    pub(super) fn toggle(&mut self, drawn: Option<((u64, Mode), &SceneResources)>, wish: CellUse) -> CellUse {
         let used = match drawn {
-            Some((drawn, scene)) if !scene.world().steep => self.uses_cells(drawn, scene),
-            _ => self.wish != CellUse::Never,
+            Some((drawn, scene)) if !scene.world().steep => self.uses_cells(drawn, scene, wish),
+            _ => wish != CellUse::Never,
         };
         self.late_for = None;
-        self.wish = if used { CellUse::Never } else { CellUse::Always };
-        if used { "no regions" } else { "regions" }
+        if used { CellUse::Never } else { CellUse::Always }
     }
 
     /// What the line about the scene says of them.
-    pub(super) fn about(&self, drawn: (u64, Mode), last: Option<&BuiltRegions>) -> String {
+    pub(super) fn about(&self, drawn: (u64, Mode), last: Option<&BuiltRegions>, wish: CellUse) -> String {
         match last {
-            _ if self.wish == CellUse::Never => "no regions".to_owned(),
+            _ if wish == CellUse::Never => "no regions".to_owned(),
             _ if self.late_for == Some(drawn) => {
                 format!("no regions: building a tree takes {:.0} ms", milliseconds(self.tree_time))
             }
@@ -289,7 +248,7 @@ impl SceneRegions {
 }
 
 /// Longer than this nobody waits for a picture.
-fn longest_wait() -> Duration {
+pub(super) fn longest_wait() -> Duration {
     Duration::from_secs_f64(LIMITS.picture_seconds_max)
 }
 
@@ -305,6 +264,7 @@ mod tests {
     use crate::gpu::headless::Headless;
     use mariana_field::region::RegionPlan;
     use mariana_field::world::World;
+    use mariana_music::Features;
 
     /// Balls without end: their tree follows the eye.
     const TWO_CAMERAS: &str = "camera near { position = vec3(0, 2, -5)  target = vec3(0) }\n\
@@ -318,14 +278,14 @@ mod tests {
         let (buffers, plan) = (world.tape_buffers().unwrap(), RegionPlan::new(&world));
         let scene = SceneResources::upload(context.gl(), world.into(), buffers.into(), plan.into()).unwrap();
         let (woken, wakes) = channel();
-        let mut regions =
-            SceneRegions::start(CellUse::Always, move || woken.send(()).unwrap_or_default()).unwrap();
+        let mut regions = SceneRegions::start(move || woken.send(()).unwrap_or_default()).unwrap();
         let size = (16, 9);
         let shown = Shown { moment: Moment::default(), size, edges: EdgeSamples::Four, revision: 0 };
         let mut eyes = Vec::new();
         for (camera, fades_away) in [(0, true), (1, false)] {
             let (camera, hand) = (Some(camera), OrbitControls::OFF);
-            let wishes = Wishes { params: &[], camera, hand, is_untried: false, fades_away };
+            let wishes =
+                Wishes { params: &[], camera, hand, cells: CellUse::Always, is_untried: false, fades_away };
             let mut picture = || {
                 let drawn = (7, Mode::Compiled);
                 regions.drawable(drawn, &scene, shown, Features::SILENCE.into(), wishes)

@@ -1,19 +1,24 @@
-//! The stage in a context without a window: requested scenes and messages.
+//! The session in a context without a window: requested scenes and messages.
 
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
-use mariana_music::{Section, SongStructure};
+use mariana_music::{Features, Section, SongStructure};
+use mariana_player::Moment;
 use mariana_testing::process::wait_until;
 
-use super::{DrawingWays, LoadedScene, SceneLoader, SceneLoaders, SceneStage};
+use super::testing::loader;
+use super::{DrawingWays, LoadedScene, SceneLoader, SceneLoaders, SceneSession, WantedPicture};
 use crate::config::SdfChoice;
 use crate::gpu::background::Sources;
 use crate::gpu::cell_use::CellUse;
+use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::headless::Headless;
+use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::shader_source::ShaderLibrary;
-use crate::scenes::{Drafts, Loader, NumberEdits, SceneSource, TextureCache};
+use crate::scenes::SceneSource;
 use crate::show::{Programme, ShowSource};
 
 /// Names of scenes, and the energies for which they are made.
@@ -22,27 +27,29 @@ const SCENES: [(&str, &str); 3] = [("calm", "0 .. 0.3"), ("loud", "0.7 .. 1"), (
 const CALM: f64 = 5.0;
 const LOUD: f64 = 45.0;
 
-/// A stage with a show of a song in which the calm scene comes first and then the loud one.
+/// A session with a show of a song in which the calm scene comes first and then the loud one.
 struct Staged {
-    stage: SceneStage,
+    session: SceneSession,
     folder: tempfile::TempDir,
-    // Last: the stage draws in it.
-    _context: Headless,
-}
-
-fn loader() -> SceneLoader {
-    let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
-    let texts = Drafts::default().texts();
-    let load = move |source: &SceneSource| source.ready_with(&mut textures, &mut edits, &texts);
-    Loader::start(load, || {}).unwrap()
+    // Last: the session draws in it.
+    context: Headless,
 }
 
 fn source(folder: &Path, name: &str) -> SceneSource {
     SceneSource::File(folder.join(format!("{name}.scene")))
 }
 
+fn at(song_time: f64) -> Moment {
+    Moment { song_time, track: 1, ..Moment::default() }
+}
+
 impl Staged {
     fn new() -> Self {
+        Self::with(None, 0.0)
+    }
+
+    /// With what prepares scenes ahead, and fades of so many seconds.
+    fn with(ahead: Option<[SceneLoader; 2]>, fade: f64) -> Self {
         let folder = tempfile::tempdir().unwrap();
         for (number, (name, energy)) in SCENES.iter().enumerate() {
             let text =
@@ -74,13 +81,14 @@ impl Staged {
         let loaded = loaded.unwrap();
         let first = LoadedScene { source: loaded.source, scene: loaded.value.unwrap() };
         let sources = Sources { library: ShaderLibrary::embedded(), cache: Arc::new(()) };
-        let ways = DrawingWays { sdf: SdfChoice::Compiled, cells: CellUse::Never, view: None, fade: 0.0 };
-        let loaders = SceneLoaders { shown, ahead: None };
-        let stage = SceneStage::new(context.gl(), Vec::new(), sources, ways, loaders, first, || {}).unwrap();
-        let mut staged = Self { stage, folder, _context: context };
+        let ways = DrawingWays { sdf: SdfChoice::Compiled, cells: CellUse::Never, view: None, fade };
+        let loaders = SceneLoaders { shown, ahead };
+        let session =
+            SceneSession::new(context.gl(), Vec::new(), sources, ways, loaders, first, || {}).unwrap();
+        let mut staged = Self { session, folder, context };
         staged.wait_for("calm");
-        staged.stage.set_programme(Some(Arc::new(show)), None);
-        staged.stage.follow(CALM);
+        staged.session.show_mut().set_programme(Some(Arc::new(show)), None);
+        staged.session.follow(CALM);
         staged
     }
 
@@ -88,19 +96,40 @@ impl Staged {
         source(self.folder.path(), name)
     }
 
-    /// Waits until a scene is on the stage, as if its picture had been drawn.
+    /// Waits until a scene shows, as if its picture had been drawn.
     fn wait_for(&mut self, name: &str) {
-        let stage = &mut self.stage;
+        let session = &mut self.session;
         wait_until(name, || {
-            stage.update().unwrap();
-            stage.name().as_deref() == Some(name)
+            session.update().unwrap();
+            session.scenes().name().as_deref() == Some(name)
         });
-        stage.pictured = stage.shown_id();
+        self.draws(true);
+    }
+
+    /// Does as if a picture of the scene that shows had been drawn, or none yet.
+    fn draws(&mut self, drawn: bool) {
+        let id = self.session.scenes().shown_id().filter(|_| drawn);
+        self.session.composer_mut().pictures.finish(id, Duration::ZERO);
+    }
+
+    /// Draws a picture of a moment of the song, which plays.
+    fn draw(&mut self, renderer: &mut Renderer, song_time: f64) {
+        let mut drawn = None;
+        wait_until("a picture", || {
+            let moment = at(song_time);
+            let (sound, size, edges) = (Features::SILENCE.into(), (32, 18), EdgeSamples::Four);
+            let picture =
+                WantedPicture { moment, sound, size, aspect: 16.0 / 9.0, quality: 1.0, edges, runs: true };
+            self.session.update().unwrap();
+            drawn = self.session.draw(renderer, picture).unwrap();
+            drawn.is_some()
+        });
+        assert_eq!(drawn.map(|drawn| drawn.shown.moment.song_time), Some(song_time));
     }
 
     /// The words over the picture.
     fn words(&mut self) -> Vec<String> {
-        let words = self.stage.words();
+        let words = self.session.words();
         let (notice, problem) = (words.notice.map(|one| one.0), words.problem.map(|one| one.0));
         words.hint.into_iter().chain(notice).chain(problem).map(str::to_owned).collect()
     }
@@ -109,37 +138,40 @@ impl Staged {
 #[test]
 fn technical_words_stood_over_a_show_that_nobody_had_touched() {
     let mut staged = Staged::new();
-    staged.stage.follow(LOUD);
-    assert_eq!((staged.stage.source.clone(), staged.words()), (staged.source("loud"), Vec::new()));
+    staged.session.follow(LOUD);
+    assert_eq!(
+        (staged.session.library().wanted().clone(), staged.words()),
+        (staged.source("loud"), Vec::new())
+    );
     staged.wait_for("loud");
     assert_eq!(staged.words(), [""; 0]);
     // The user gets an answer.
     let other = staged.source("other");
-    staged.stage.show_source(other);
+    staged.session.show_source(other);
     assert_eq!(staged.words(), ["other is being prepared"]);
 }
 
 #[test]
 fn a_show_stood_still_and_said_so_in_red_where_a_scene_was_too_much_for_the_machine() {
     let mut staged = Staged::new();
-    staged.stage.follow(LOUD);
+    staged.session.follow(LOUD);
     staged.wait_for("loud");
     // Its first picture is too expensive, so the calm scene comes back.
-    staged.stage.pictured = None;
+    staged.draws(false);
     let before = staged.source("calm");
-    staged.stage.take_back("a picture of this window would take about 99 s");
+    staged.session.take_back("a picture of this window would take about 99 s");
     assert_eq!(staged.words(), [""; 0]);
-    assert_eq!(staged.stage.shown_source(), Some(&before));
-    staged.stage.follow(LOUD + 0.1);
+    assert_eq!(staged.session.scenes().shown_source(), Some(&before));
+    staged.session.follow(LOUD + 0.1);
     staged.wait_for("other");
     assert_eq!(staged.words(), [""; 0]);
-    let line = staged.stage.corner("", "").unwrap();
+    let line = staged.session.report().line("", "").unwrap();
     assert!(line.ends_with("too much for this machine: loud"), "{line}");
     // The user gets an answer.
     let loud = staged.source("loud");
-    staged.stage.show_source(loud);
+    staged.session.show_source(loud);
     staged.wait_for("loud");
-    staged.stage.take_back("a picture of this window would take about 99 s");
+    staged.session.take_back("a picture of this window would take about 99 s");
     let words = staged.words();
     assert!(words.iter().any(|words| words.contains("loud is too much for this machine")), "{words:?}");
 }
@@ -148,13 +180,82 @@ fn a_show_stood_still_and_said_so_in_red_where_a_scene_was_too_much_for_the_mach
 fn a_scene_that_somebody_asked_for_was_dropped_where_the_show_went_on() {
     let mut staged = Staged::new();
     let other = staged.source("other");
-    staged.stage.show_source(other.clone());
+    staged.session.show_source(other.clone());
     // The next scene of the show is due during the preparation.
-    staged.stage.follow(LOUD);
-    assert_eq!(staged.stage.source, other);
+    staged.session.follow(LOUD);
+    assert_eq!(*staged.session.library().wanted(), other);
     staged.wait_for("other");
-    staged.stage.follow(LOUD + 1.0);
-    assert_eq!(staged.stage.source, other, "it was to stay until the next scene of the show");
-    staged.stage.follow(CALM);
-    assert_eq!(staged.stage.source, staged.source("calm"));
+    staged.session.follow(LOUD + 1.0);
+    assert_eq!(*staged.session.library().wanted(), other, "it was to stay until the next scene of the show");
+    staged.session.follow(CALM);
+    assert_eq!(*staged.session.library().wanted(), staged.source("calm"));
+}
+
+#[test]
+fn a_text_with_mistakes_leaves_the_last_good_scene_and_says_so_until_it_is_mended() {
+    let mut staged = Staged::new();
+    let other = staged.folder.path().join("other.scene");
+    fs::write(&other, "object ball { shape = sphere(p }").unwrap();
+    staged.session.show_source(staged.source("other"));
+    let heading = "other has mistakes; the last good scene stays";
+    wait_until(heading, || {
+        staged.session.update().unwrap();
+        staged.words() == [heading]
+    });
+    assert_eq!(staged.session.scenes().name().as_deref(), Some("calm"));
+    fs::write(&other, "object ball { shape = sphere(p, 2) }").unwrap();
+    staged.wait_for("other");
+    assert!(!staged.words().contains(&heading.to_owned()), "{:?}", staged.words());
+}
+
+#[test]
+fn a_fade_by_hand_shows_both_scenes_by_the_time_of_the_song() {
+    let mut staged = Staged::with(None, 2.0);
+    let mut renderer = Renderer::new(staged.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
+    staged.draw(&mut renderer, 10.0);
+    let calm = staged.session.scenes().shown_id();
+    staged.session.show_source(staged.source("other"));
+    wait_until("the other scene", || {
+        staged.session.update().unwrap();
+        staged.session.scenes().shown_id() != calm
+    });
+    for (time, share) in [(10.25, 1.0), (11.249, 0.5), (11.249, 0.5), (10.749, 0.75)] {
+        staged.draw(&mut renderer, time);
+        let found = staged.session.composer().fading().share_of_scene(&at(time)).unwrap();
+        assert!((found - share).abs() < 0.001, "{found} at {time}");
+        assert_eq!(staged.session.scenes().fading_out.as_ref().map(|scene| scene.id), calm);
+        let performed = staged.session.performed(time).unwrap();
+        assert_eq!((performed.faded, performed.fades), (Some((2.0, 10.249)), true));
+    }
+    // It is over, and the scene that went is there no longer.
+    staged.draw(&mut renderer, 12.5);
+    assert!(!staged.session.composer().fading().goes_on());
+    staged.draw(&mut renderer, 12.6);
+    assert!(staged.session.scenes().fading_out.is_none());
+}
+
+#[test]
+fn the_neighbours_are_prepared_once_the_scene_is_complete_and_the_next_one_comes_first() {
+    let mut staged = Staged::with(Some([loader(), loader()]), 0.0);
+    let mut renderer = Renderer::new(staged.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
+    // Without a show, those beside the scene in its folder.
+    staged.session.show_mut().set_programme(None, None);
+    staged.session.show_source(staged.source("loud"));
+    staged.wait_for("loud");
+    staged.draw(&mut renderer, 1.0);
+    let mut order = Vec::new();
+    wait_until("both neighbours", || {
+        staged.session.update().unwrap();
+        staged.session.rehearse(&mut renderer);
+        for scene in staged.session.scenes().ahead.rehearsed() {
+            if !order.contains(&scene.title()) {
+                order.push(scene.title());
+            }
+        }
+        order.len() == 2
+    });
+    assert_eq!(order, ["other", "calm"]);
+    // A change to one of them takes no loader and no compiler.
+    staged.session.go(true);
+    assert_eq!(staged.session.scenes().name().as_deref(), Some("other"));
 }

@@ -1,18 +1,10 @@
 //! The interpreters that draw nearly every scene: one for distances, one for all other formulas. On a GPU they are there
 //! before anyone edits, so that no edit waits for a compiler. A software renderer, which never skips a branch, has
 //! interpreters of scenes' own only.
-//!
-//! ```text
-//! universal interpreter ─ refused ─► interpreter of the scene's own ─ refused ─► compiled only
-//! ```
 
 use std::rc::Rc;
 
-use super::{Cast, SceneStage, Task};
-use crate::config::SdfChoice;
-use crate::gpu::error::GpuError;
 use crate::gpu::program::Program;
-use crate::gpu::renderer::Counting;
 use crate::gpu::scene_program::Interpreter;
 
 /// Both of them.
@@ -49,6 +41,36 @@ impl UniversalInterpreters {
         if steep { of_others } else { of_distances }
     }
 
+    /// Marks the one for this kind of formula as requested and returns its variant, unless that was done.
+    pub(super) fn ask(&mut self, steep: bool) -> Option<Interpreter> {
+        let one = self.of(steep);
+        matches!(one.state, State::Unasked).then(|| {
+            one.state = State::Coming;
+            one.variant.clone()
+        })
+    }
+
+    /// The kind of formula whose interpreter nobody has asked for, true for those that are no distances; none if both
+    /// were.
+    pub(super) fn unasked(&self) -> Option<bool> {
+        let [of_distances, of_others] = &self.0;
+        let is_unasked = |one: &UniversalInterpreter| matches!(one.state, State::Unasked);
+        [(false, of_distances), (true, of_others)]
+            .into_iter()
+            .find(|(_, one)| is_unasked(one))
+            .map(|(steep, _)| steep)
+    }
+
+    /// Takes the one for this kind of formula.
+    pub(super) fn put(&mut self, steep: bool, program: Program) {
+        self.of(steep).state = State::There(Rc::new(program));
+    }
+
+    /// There is none for this kind of formula.
+    pub(super) fn give_up(&mut self, steep: bool) {
+        self.of(steep).state = State::None;
+    }
+
     /// Whether one of them draws what needs this interpreter, now or once it has come.
     pub(super) fn serve(&self, needed: &Interpreter) -> bool {
         self.0.iter().any(|one| !matches!(one.state, State::None) && one.variant.covers(needed))
@@ -68,70 +90,22 @@ impl UniversalInterpreters {
     }
 }
 
-impl SceneStage {
-    /// Requests the universal interpreter for this kind of formula, unless that was done. `cast` is what its first
-    /// picture shows.
-    pub(super) fn ask_for_universal(&mut self, steep: bool, id: u64) {
-        let one = self.universal.of(steep);
-        if !matches!(one.state, State::Unasked) {
-            return;
-        }
-        let variant = one.variant.clone();
-        let Some(cast) = self.cast(id) else { return };
-        let mut job = self.job(cast, move || Ok(variant.variant(Counting::Off)));
-        job.can_be_given_up = true;
-        tracing::info!("the universal interpreter is requested{}", of_kind(steep));
-        self.submit(job, Task::Universal { steep });
-        self.universal.of(steep).state = State::Coming;
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    /// Requests what no scene has needed so far, once there is nothing else to do.
-    pub(super) fn prepare_for_edits(&mut self) {
-        let is_idle = self.tasks.is_empty() && self.pictured.is_some();
-        if !is_idle || self.choice == SdfChoice::Compiled {
-            return;
-        }
-        let Some(id) = self.on_stage.as_ref().map(|cast| cast.id) else { return };
-        let unasked =
-            [false, true].into_iter().find(|steep| matches!(self.universal.of(*steep).state, State::Unasked));
-        if let Some(steep) = unasked {
-            self.ask_for_universal(steep, id);
-        }
+    #[test]
+    fn each_kind_is_asked_for_once_and_serves_until_the_driver_refuses_it() {
+        let mut universal = UniversalInterpreters::new(true);
+        let needed = Interpreter::universal(true);
+        assert!(universal.serve(&needed) && !universal.are_coming(&needed));
+        assert_eq!(universal.unasked(), Some(false), "distances first");
+        assert!(universal.ask(true).is_some() && universal.ask(true).is_none());
+        assert!(universal.are_coming(&needed));
+        assert!(universal.ask(false).is_some());
+        assert_eq!(universal.unasked(), None);
+        universal.give_up(true);
+        assert!(!universal.serve(&needed) && universal.find(&needed).is_none());
+        assert_eq!(UniversalInterpreters::new(false).unasked(), None, "a software renderer has none");
     }
-
-    /// Takes the requested interpreter, or the fact that the driver refuses it: then scenes get their own ones.
-    pub(super) fn take_universal(&mut self, steep: bool, program: Result<Program, GpuError>) {
-        let state = &mut self.universal.of(steep).state;
-        let error = match program {
-            Ok(program) => {
-                *state = State::There(Rc::new(program));
-                tracing::info!("the universal interpreter is ready{}", of_kind(steep));
-                return;
-            }
-            Err(error) => error,
-        };
-        *state = State::None;
-        let sentence = "this driver has no interpreter for all scenes: each scene gets its own";
-        match &error {
-            GpuError::GivenUp { .. } => tracing::warn!("{sentence}; {error}"),
-            _ => {
-                tracing::warn!("{sentence}");
-                tracing::info!("{error}");
-            }
-        }
-        self.quiet.note(sentence.to_owned(), None);
-        let waits = |cast: &&Cast| {
-            let steep_too = cast.interpreter.as_ref().is_some_and(|needed| needed.is_steep() == steep);
-            steep_too && cast.interpreted.is_none()
-        };
-        let waiting = [&self.on_stage, &self.coming].into_iter().flatten().filter(waits);
-        for id in waiting.map(|cast| cast.id).collect::<Vec<_>>() {
-            self.ask_for_interpreter(id);
-        }
-    }
-}
-
-/// What the log adds for formulas that are no distances.
-fn of_kind(steep: bool) -> &'static str {
-    if steep { ", for formulas that are no distances" } else { "" }
 }

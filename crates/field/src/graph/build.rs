@@ -217,9 +217,4 @@ impl Graph {
             }
         }
     }
-
-    /// sqrt(x² + y² + z²).
-    pub fn length3(&mut self, x: NodeId, y: NodeId, z: NodeId) -> NodeId {
-        self.length(&[x, y, z])
-    }
 }

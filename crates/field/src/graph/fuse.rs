@@ -19,18 +19,18 @@ impl Graph {
     /// Those of [`Graph::check`]; the roots are then unchanged.
     pub fn fused(&self, roots: &mut [NodeId]) -> Result<Graph, GraphError> {
         let order = self.order(roots)?.nodes;
-        let readers = self.readers(&order, roots);
+        let fusing = Fusing::new(self, &order, roots);
         // From the roots down: which nodes are still read, and as which operator.
         let mut tiles: Vec<Option<Node>> = vec![None; self.len()];
         let mut read = vec![false; self.len()];
         for root in roots.iter() {
             read[root.index()] = true;
         }
-        for id in order.iter().rev().filter(|id| !self.is_input_of_point(**id)) {
+        for id in order.iter().rev().filter(|id| !is_input_of_point(self.node(**id))) {
             if !read[id.index()] {
                 continue;
             }
-            let tile = self.tile(*id, &readers);
+            let tile = fusing.tile(*id);
             for operand in operands(tile) {
                 read[operand.index()] = true;
             }
@@ -62,76 +62,84 @@ impl Graph {
         }
         Ok(fused)
     }
+}
 
-    fn is_input_of_point(&self, id: NodeId) -> bool {
-        matches!(self.node(id), Node::Input(input) if input.of_point().is_some())
-    }
-
+/// A graph whose operators are fused, and who reads its nodes.
+struct Fusing<'a> {
+    graph: &'a Graph,
     /// How often each node is read: 0, 1, or 2 for more often and for roots.
-    fn readers(&self, order: &[NodeId], roots: &[NodeId]) -> Vec<u8> {
-        let mut readers = vec![0u8; self.len()];
+    readers: Vec<u8>,
+}
+
+impl<'a> Fusing<'a> {
+    fn new(graph: &'a Graph, order: &[NodeId], roots: &[NodeId]) -> Self {
+        let mut readers = vec![0u8; graph.len()];
         for root in roots {
             readers[root.index()] = 2;
         }
         for id in order {
-            for operand in operands(self.node(*id)) {
+            for operand in operands(graph.node(*id)) {
                 let count = &mut readers[operand.index()];
                 *count = (*count + 1).min(2);
             }
         }
-        readers
+        Self { graph, readers }
     }
 
     /// The largest operator that has this node as its result.
-    fn tile(&self, id: NodeId, readers: &[u8]) -> Node {
+    fn tile(&self, id: NodeId) -> Node {
         // A node that only this one reads.
-        let own = |id: NodeId| (readers[id.index()] == 1).then(|| self.node(id));
+        let own = |id: NodeId| (self.readers[id.index()] == 1).then(|| self.graph.node(id));
         let own_square = |id: NodeId| match own(id) {
             Some(Node::Unary(Op::Square, a)) => Some(a),
             _ => None,
         };
         // The operands a and 0 of a max(a, 0) that only this node reads.
         let own_outside = |id: NodeId| match own(id) {
-            Some(Node::Binary(Op::Max, a, b)) if self.as_constant(b) == Some(0.0) => Some((a, b)),
-            Some(Node::Binary(Op::Max, a, b)) if self.as_constant(a) == Some(0.0) => Some((b, a)),
+            Some(Node::Binary(Op::Max, a, b)) if self.graph.as_constant(b) == Some(0.0) => Some((a, b)),
+            Some(Node::Binary(Op::Max, a, b)) if self.graph.as_constant(a) == Some(0.0) => Some((b, a)),
             _ => None,
         };
         let square_and_rest = |a: NodeId, b: NodeId| {
             let second = own_square(b).map(|square| (square, a));
             second.or_else(|| own_square(a).map(|square| (square, b)))
         };
-        match self.node(id) {
+        match self.graph.node(id) {
             Node::Unary(Op::Square, a) => match (own(a), own_outside(a)) {
                 (Some(Node::Binary(Op::Sub, a, b)), _) => Node::Binary(Op::SquareDifference, a, b),
                 (_, Some((outside, zero))) => Node::Binary(Op::OutsideAdd, outside, zero),
-                _ => self.node(id),
+                _ => self.graph.node(id),
             },
             Node::Unary(Op::Abs, a) => match own(a) {
                 Some(Node::Binary(Op::Sub, a, b)) => Node::Binary(Op::AbsDifference, a, b),
-                _ => self.node(id),
+                _ => self.graph.node(id),
             },
             Node::Unary(Op::Sqrt, a) => match own(a) {
                 Some(Node::Binary(Op::Add, a, b)) => match square_and_rest(a, b) {
                     Some((square, rest)) => Node::Binary(Op::Length, square, rest),
-                    None => self.node(id),
+                    None => self.graph.node(id),
                 },
-                _ => self.node(id),
+                _ => self.graph.node(id),
             },
             Node::Binary(Op::Add, a, b) => match square_and_rest(a, b) {
                 Some((square, rest)) => match own_outside(square) {
                     Some((outside, _)) => Node::Binary(Op::OutsideAdd, outside, rest),
                     None => Node::Binary(Op::SquareAdd, square, rest),
                 },
-                None => self.node(id),
+                None => self.graph.node(id),
             },
             Node::Binary(Op::Sub, a, b) => match own(a) {
                 Some(Node::Unary(Op::Abs, a)) => Node::Binary(Op::AbsSub, a, b),
                 Some(Node::Unary(Op::Sqrt, a)) => Node::Binary(Op::SqrtSub, a, b),
-                _ => self.node(id),
+                _ => self.graph.node(id),
             },
             node => node,
         }
     }
+}
+
+fn is_input_of_point(node: Node) -> bool {
+    matches!(node, Node::Input(input) if input.of_point().is_some())
 }
 
 /// The operands of a node.

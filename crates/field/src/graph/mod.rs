@@ -10,6 +10,7 @@
 //! iterative.
 
 mod build;
+mod choice;
 mod compound;
 mod dot;
 mod evaluate;
@@ -18,6 +19,7 @@ mod fuse;
 mod gradient_interval;
 mod interval;
 mod node;
+mod numbers;
 mod op;
 mod order;
 mod rules;
@@ -28,17 +30,16 @@ mod table;
 mod table_extremes;
 
 pub use build::PRODUCT_EXPONENT_MAX;
+pub use choice::Choice;
 pub(crate) use compound::{Arg, Found, Operation, Uses, Values};
 pub use compound::{Compound, Compounds, FIRST_COMPOUND};
 pub use evaluate::Point;
 pub use frame_inputs::{FrameInputs, TextureReader};
 pub use gradient_interval::{GradientInterval, Pieces};
-pub use interval::{Choice, Interval, LIBRARY_ERROR};
+pub use interval::{Interval, LIBRARY_ERROR};
 pub use node::{BAND_COUNT, Input, Node, NodeId};
-pub use op::{
-    BoundsKernel, CELL_HASH_GLSL, CELL_MAX, FIRST_BINARY, Kernel, Op, Properties, SMALLEST, TANH_MAX,
-    cell_hash,
-};
+pub use numbers::{CELL_HASH_GLSL, CELL_MAX, SMALLEST, TANH_MAX, cell_hash};
+pub use op::{BoundsKernel, FIRST_BINARY, Kernel, Op, Properties};
 pub use order::{InputsUsed, Order};
 pub use sound_input::{SoundInput, SoundInputs};
 pub use table::TableData;

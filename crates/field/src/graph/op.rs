@@ -22,16 +22,11 @@
 
 use super::frame_inputs::FrameInputs;
 use super::interval::Interval;
+use super::numbers::{
+    SMALLEST, arc_slope, atan2, cell_hash, div, length_slopes, modulo, pow, round, sqrt, tanh, truth, unit,
+};
 use super::rules;
 use super::slope_rules as slopes;
-
-/// The smallest operand of a logarithm and of a power's base: the smallest normal f32. GPUs flush smaller numbers to
-/// 0.
-pub const SMALLEST: f32 = f32::MIN_POSITIVE;
-/// Operands of TANH are clamped to this magnitude, where its value is 1 in f32; drivers overflow far beyond it.
-pub const TANH_MAX: f32 = 10.0;
-/// Largest f32 below 2^31: cell numbers are clamped to it before they become integers.
-pub const CELL_MAX: f32 = 2_147_483_520.0;
 
 /// Properties of an operator besides the functions of its row: a set of the constants below.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -315,7 +310,7 @@ operators! {
         value |a, _, _| a.cosh(), bounds |a, _, _| rules::cosh(a), slopes |a, _, _, _| (a.sinh(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::sinh(a)),
         glsl "cosh($a)";
-    /// The hyperbolic tangent of a clamped to ±[`TANH_MAX`]; 0 for a NaN.
+    /// The hyperbolic tangent of a clamped to ±[`TANH_MAX`](super::TANH_MAX); 0 for a NaN.
     Tanh = 38 "TANH" DEAR,
         value |a, _, _| tanh(a), bounds |a, _, _| rules::tanh(a), slopes |_, _, r, _| (1.0 - r * r, 0.0),
         slope_bounds |_, _, r, _| slopes::tanh(r),
@@ -511,94 +506,3 @@ impl Op {
         }
     }
 }
-
-#[inline(always)]
-fn truth(condition: bool) -> f32 {
-    if condition { 1.0 } else { 0.0 }
-}
-
-#[inline(always)]
-fn round(a: f32) -> f32 {
-    (a + 0.5).floor()
-}
-
-#[inline(always)]
-pub(super) fn sqrt(a: f32) -> f32 {
-    if a > 0.0 { a.sqrt() } else { 0.0 }
-}
-
-/// `a` clamped to -1..1, 0 for a NaN.
-#[inline(always)]
-fn unit(a: f32) -> f32 {
-    if a.is_nan() { 0.0 } else { a.clamp(-1.0, 1.0) }
-}
-
-#[inline(always)]
-fn arc_slope(a: f32) -> f32 {
-    if a.abs() < 1.0 { (1.0 - a * a).sqrt().recip() } else { 0.0 }
-}
-
-#[inline(always)]
-fn length_slopes(a: f32, r: f32) -> (f32, f32) {
-    let by_sum = 0.5 / r;
-    let by_a = 2.0 * a * by_sum;
-    (if by_a.is_nan() { 0.0 } else { by_a }, by_sum)
-}
-
-#[inline(always)]
-pub(super) fn tanh(a: f32) -> f32 {
-    if a.is_nan() { 0.0 } else { a.clamp(-TANH_MAX, TANH_MAX).tanh() }
-}
-
-#[inline(always)]
-pub(super) fn div(a: f32, b: f32) -> f32 {
-    if b == 0.0 { 0.0 } else { a / b }
-}
-
-#[inline(always)]
-pub(super) fn modulo(a: f32, b: f32) -> f32 {
-    if b == 0.0 { a } else { a - b * (a / b).floor() }
-}
-
-#[inline(always)]
-pub(super) fn pow(a: f32, b: f32) -> f32 {
-    if a >= SMALLEST { a.powf(b) } else { truth(b == 0.0) }
-}
-
-#[inline(always)]
-pub(super) fn atan2(a: f32, b: f32) -> f32 {
-    if a == 0.0 { if b < 0.0 { std::f32::consts::PI } else { 0.0 } } else { a.atan2(b) }
-}
-
-/// A random-looking number in 0..1, a multiple of 2^-24, of the cell (floor(a), floor(b)).
-///
-/// The cell's numbers become 32-bit integers (clamped to ±[`CELL_MAX`]; 0 for a NaN). They are mixed by
-/// multiplications, shifts and exclusive ors of unsigned integers, which give the same bits on every machine; the
-/// upper 24 bits are the result. More dimensions are had by chaining: `cell_hash(cell_hash(x, y) * 16777216, z)`
-/// loses nothing.
-#[inline(always)]
-pub fn cell_hash(a: f32, b: f32) -> f32 {
-    let whole = |v: f32| (v.floor().clamp(-CELL_MAX, CELL_MAX) as i32) as u32;
-    let mut h = whole(a).wrapping_mul(0x9E37_79B1) ^ whole(b).wrapping_mul(0x85EB_CA77).rotate_left(13);
-    h ^= h >> 16;
-    h = h.wrapping_mul(0x7FEB_352D);
-    h ^= h >> 15;
-    h = h.wrapping_mul(0x846C_A68B);
-    h ^= h >> 16;
-    (h >> 8) as f32 * (1.0 / 16_777_216.0)
-}
-
-/// GLSL of [`cell_hash`], for the head of a shader.
-pub const CELL_HASH_GLSL: &str = "\
-float cell_hash(float a, float b) {
-    uint i = uint(int(clamp(floor(a), -2147483520.0, 2147483520.0))) * 0x9E3779B1u;
-    uint j = uint(int(clamp(floor(b), -2147483520.0, 2147483520.0))) * 0x85EBCA77u;
-    uint h = i ^ ((j << 13) | (j >> 19));
-    h ^= h >> 16;
-    h *= 0x7FEB352Du;
-    h ^= h >> 15;
-    h *= 0x846CA68Bu;
-    h ^= h >> 16;
-    return float(h >> 8) * 5.9604644775390625e-8;
-}
-";

@@ -39,7 +39,7 @@ impl Graph {
     pub fn order(&self, roots: &[NodeId]) -> Result<Order, GraphError> {
         self.check()?;
         let Some(last) = roots.iter().max() else { return Ok(Order::default()) };
-        let needs = self.needs(last.index() + 1);
+        let needs = needs(&self.nodes[..=last.index()]);
         let mut seen = vec![false; last.index() + 1];
         let mut nodes = Vec::with_capacity(needs.len().min(1 << 16));
         let mut inputs = [None; Input::OF_POINT.len()];
@@ -74,23 +74,6 @@ impl Graph {
         Ok(Order { nodes })
     }
 
-    /// How many values each of the first `count` nodes needs at once, if nothing were shared.
-    fn needs(&self, count: usize) -> Vec<u8> {
-        let mut needs: Vec<u8> = Vec::with_capacity(count);
-        for node in &self.nodes[..count] {
-            let need = match node {
-                Node::Constant(_) | Node::Input(_) => 0,
-                Node::Unary(_, a) => needs[a.index()].max(1),
-                Node::Binary(_, a, b) | Node::Texture { u: a, v: b, .. } => {
-                    let (a, b) = (needs[a.index()], needs[b.index()]);
-                    if a == b { a.saturating_add(1) } else { a.max(b) }
-                }
-            };
-            needs.push(need);
-        }
-        needs
-    }
-
     /// What the roots read.
     ///
     /// # Errors
@@ -115,4 +98,21 @@ impl Graph {
         }
         Ok(used)
     }
+}
+
+/// How many values each node needs at once, if nothing were shared.
+fn needs(nodes: &[Node]) -> Vec<u8> {
+    let mut needs: Vec<u8> = Vec::with_capacity(nodes.len());
+    for node in nodes {
+        let need = match node {
+            Node::Constant(_) | Node::Input(_) => 0,
+            Node::Unary(_, a) => needs[a.index()].max(1),
+            Node::Binary(_, a, b) | Node::Texture { u: a, v: b, .. } => {
+                let (a, b) = (needs[a.index()], needs[b.index()]);
+                if a == b { a.saturating_add(1) } else { a.max(b) }
+            }
+        };
+        needs.push(need);
+    }
+    needs
 }

@@ -9,7 +9,7 @@
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use super::interval::{Interval, LIBRARY_ERROR};
-use super::op::{self, SMALLEST};
+use super::numbers::{self, SMALLEST};
 
 /// Up to this angle in radians f64 still knows the place in the period well; beyond it sines are bounded by -1..1
 /// only.
@@ -73,7 +73,7 @@ pub(super) fn sqrt(a: Interval) -> Interval {
     if a.is_any() {
         return Interval { lo: 0.0, hi: f32::INFINITY };
     }
-    a.map_rising(op::sqrt)
+    a.map_rising(numbers::sqrt)
 }
 
 pub(super) fn exp(a: Interval) -> Interval {
@@ -168,7 +168,7 @@ pub(super) fn tanh(a: Interval) -> Interval {
     if a.is_any() {
         return Interval { lo: -1.0, hi: 1.0 };
     }
-    a.map_rising(op::tanh).widened().clamped(-1.0, 1.0)
+    a.map_rising(numbers::tanh).widened().clamped(-1.0, 1.0)
 }
 
 /// 0, 1 or both, depending on whether the condition is known to be true or known to be false.
@@ -217,7 +217,7 @@ pub(super) fn mask(a: Interval, b: Interval) -> Interval {
 #[inline(always)]
 pub(super) fn hash(a: Interval, b: Interval) -> Interval {
     if a.lo.floor() == a.hi.floor() && b.lo.floor() == b.hi.floor() {
-        Interval::point(op::cell_hash(a.lo, b.lo))
+        Interval::point(numbers::cell_hash(a.lo, b.lo))
     } else {
         Interval::UNIT
     }
@@ -305,7 +305,7 @@ pub(super) fn modulo(a: Interval, b: Interval) -> Interval {
         return Interval::ALL;
     }
     if b.lo == b.hi && (a.lo / b.lo).floor() == (a.hi / b.lo).floor() {
-        return Interval::new(op::modulo(a.lo, b.lo), op::modulo(a.hi, b.lo));
+        return Interval::new(numbers::modulo(a.lo, b.lo), numbers::modulo(a.hi, b.lo));
     }
     let error = (size + step) * LIBRARY_ERROR + f32::MIN_POSITIVE;
     Interval { lo: b.lo.min(0.0) - error, hi: b.hi.max(0.0) + error }
@@ -345,7 +345,7 @@ pub(super) fn atan2(a: Interval, b: Interval) -> Interval {
     if a.lo < 0.0 && a.hi >= 0.0 && b.lo < 0.0 {
         return Interval { lo: -PI, hi: PI }.widened();
     }
-    let corner = op::atan2;
+    let corner = numbers::atan2;
     let hull = hull_of([corner(a.lo, b.lo), corner(a.lo, b.hi), corner(a.hi, b.lo), corner(a.hi, b.hi)]);
     let hull = if a.has_zero() && b.has_zero() { hull.hull(Interval::point(0.0)) } else { hull };
     hull.widened()

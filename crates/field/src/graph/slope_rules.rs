@@ -10,8 +10,10 @@
 //! **Rounding.** As in `rules.rs`: the slopes are computed by the operations of [`super::Op::slopes`] in the same
 //! order, rounded to nearest, which never reverses an order; library functions are widened.
 
-use super::interval::{Choice, Interval};
-use super::op::{Op, SMALLEST};
+use super::choice::Choice;
+use super::interval::Interval;
+use super::numbers::SMALLEST;
+use super::op::Op;
 use super::rules;
 
 const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };

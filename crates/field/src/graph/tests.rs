@@ -377,7 +377,7 @@ fn helpers_mean_what_they_say() {
     let mut g = Graph::new();
     let (x, y, z) = (g.input(Input::X), g.input(Input::Y), g.input(Input::Z));
     let roots = [
-        g.length3(x, y, z),
+        g.length(&[x, y, z]),
         g.dot(&[x, y], &[y, z]),
         g.mix(x, y, z),
         g.clamp(x, y, z),

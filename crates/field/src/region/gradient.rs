@@ -97,7 +97,7 @@ pub(super) struct Gradients {
 }
 
 impl Gradients {
-    /// For a world whose value is at most about `steepest` ([`crate::world::World::steepest`]).
+    /// For a world whose value is at most about `steepest` ([`crate::world::Slopes::steepest`]).
     pub(super) fn new(steepest: f32) -> Self {
         Self { values: Vec::new(), jumps: Pieces::default(), steepest }
     }

@@ -170,7 +170,7 @@ pub struct RegionPlan {
     variant: RegionVariant,
     bounds: Option<([f32; 3], [f32; 3])>,
     has_rest: bool,
-    /// [`World::steepest`] of a value that is no distance.
+    /// [`Slopes::steepest`](crate::world::Slopes::steepest) of a value that is no distance.
     steepest: Option<f32>,
     runs: bool,
     whole_texels: usize,
@@ -182,10 +182,10 @@ impl RegionPlan {
         let [bound, estimate] = world.roots.distance;
         let roots = [bound, estimate, world.roots.object];
         let bounds = world.bounds.map(|bounds| (bounds.low, bounds.high));
-        Self::of(&world.graph, roots, bounds, world.has_rest, world.steep.then_some(world.steepest))
+        Self::of(&world.graph, roots, bounds, world.has_rest, world.steep.then_some(world.slopes.steepest))
     }
 
-    /// The plan of bound, estimate and object. Where the bound is no distance, `steepest` is [`World::steepest`].
+    /// The plan of bound, estimate and object. Where the bound is no distance, `steepest` is [`Slopes::steepest`](crate::world::Slopes::steepest).
     fn of(
         graph: &Graph,
         mut roots: [NodeId; 3],

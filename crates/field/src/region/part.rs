@@ -44,6 +44,19 @@ struct Level {
     structure: Structure,
 }
 
+/// What a part has written.
+#[derive(Debug, Default)]
+struct Written {
+    /// Bricks and tapes. Their addresses are counted from the end of the trunk's texels.
+    texels: Vec<Texel>,
+    /// Positions in `texels` at which bricks begin.
+    bricks: Vec<usize>,
+    /// The keys of bricks that a later tree may copy, and their positions.
+    keys: Vec<(u64, usize)>,
+    /// Positions of the texels before tapes.
+    heads: Vec<usize>,
+}
+
 /// The blocks of a tree's root that belong to one of several parts. Parts are independent: each may have a thread.
 #[derive(Debug)]
 pub struct Part<'a> {
@@ -52,13 +65,7 @@ pub struct Part<'a> {
     parts: usize,
     /// Number of texels there is room for.
     room: usize,
-    /// Bricks and tapes. Their addresses are counted from the end of the trunk's texels.
-    texels: Vec<Texel>,
-    /// Positions in `texels` at which bricks begin, and those of the texels before tapes.
-    bricks: Vec<usize>,
-    /// The keys of bricks that a later tree may copy, and their positions.
-    keys: Vec<(u64, usize)>,
-    heads: Vec<usize>,
+    written: Written,
     /// Blocks of the root, by number.
     blocks: Vec<(usize, Cells)>,
     encoder: Encoder,
@@ -79,10 +86,7 @@ impl<'a> Part<'a> {
             number,
             parts,
             room: trunk.options.texels_max.saturating_sub(trunk.texels.len()) / parts,
-            texels: Vec::new(),
-            bricks: Vec::new(),
-            keys: Vec::new(),
-            heads: Vec::new(),
+            written: Written::default(),
             blocks: Vec::new(),
             encoder: trunk.encoder(),
             scratch: Scratch::default(),
@@ -103,16 +107,16 @@ impl<'a> Part<'a> {
     pub fn build_while(&mut self, is_wanted: &dyn Fn() -> bool) {
         let Some(mut level) = self.levels.first_mut().map(std::mem::take) else { return };
         let trunk = self.trunk;
-        for &group in &trunk.groups {
+        for &group in &trunk.root.groups {
             // Neighbouring blocks, which take about equally long, go to different parts.
             let own = |cell: &usize| place_in(*cell).iter().sum::<usize>() % self.parts == self.number;
             let own: Vec<usize> = cells_of(group).filter(own).collect();
             if own.is_empty() {
                 continue;
             }
-            trunk.decisions.shortened(
+            trunk.root.decisions.shortened(
                 &trunk.program,
-                &trunk.rows,
+                &trunk.root.rows,
                 (group, true),
                 trunk.frame,
                 &mut self.scratch,
@@ -123,7 +127,7 @@ impl<'a> Part<'a> {
                 if !is_wanted() {
                     return;
                 }
-                let inner = trunk.block.child(place_in(cell));
+                let inner = trunk.root.block.child(place_in(cell));
                 let cells = self.cells(&level.short, &level.structure, inner, 1);
                 self.blocks.push((cell, cells));
             }
@@ -132,7 +136,7 @@ impl<'a> Part<'a> {
 
     /// How many texels the part has written.
     pub(super) fn texel_count(&self) -> usize {
-        self.texels.len()
+        self.written.texels.len()
     }
 
     /// Takes the result: the blocks of the root and the texels, for a tree in which `before` texels of other parts
@@ -145,7 +149,7 @@ impl<'a> Part<'a> {
         let (start, shift) = (self.trunk.texels.len() as u32, before as u32);
         memory.programs.extend(self.known.iter().map(|(program, second)| (spread(second + shift), *program)));
         memory.seconds.extend(self.known.iter().map(|(program, second)| (*program, second + shift)));
-        memory.bricks.extend(self.keys.iter().map(|(key, at)| (*key, start + shift + *at as u32)));
+        memory.bricks.extend(self.written.keys.iter().map(|(key, at)| (*key, start + shift + *at as u32)));
         if shift > 0 {
             let moved = |address: u32| if address & ADDRESS >= start { address + shift } else { address };
             for (_, cells) in &mut self.blocks {
@@ -153,18 +157,18 @@ impl<'a> Part<'a> {
                     cell[1] = moved(cell[1]);
                 }
             }
-            for brick in &self.bricks {
-                for cell in self.texels.iter_mut().skip(*brick).take(CELLS) {
+            for brick in &self.written.bricks {
+                for cell in self.written.texels.iter_mut().skip(*brick).take(CELLS) {
                     cell[1] = moved(cell[1]);
                 }
             }
-            for head in &self.heads {
-                if let Some(head) = self.texels.get_mut(*head) {
+            for head in &self.written.heads {
+                if let Some(head) = self.written.texels.get_mut(*head) {
                     head[0] = moved(head[0]);
                 }
             }
         }
-        (self.blocks, self.texels, self.stats)
+        (self.blocks, self.written.texels, self.stats)
     }
 
     /// The 64 cells of a block. Those of the root that may hold a surface are divided.
@@ -173,21 +177,21 @@ impl<'a> Part<'a> {
         let trunk = self.trunk;
         let Some(mut level) = self.levels.get_mut(depth).map(std::mem::take) else { return cells };
         self.stats.passes += 1;
-        bound_cells(program, block, trunk.overlap, &mut level.rows, trunk.frame);
+        bound_cells(program, block, trunk.rounding.overlap, &mut level.rows, trunk.frame);
         let bounds = match program.roots[BOUND] {
             Arg::Value(value) => level.rows[value as usize],
             Arg::Number(number) => Lanes::splat(Interval::point(number)),
         };
         // A value that may be a NaN may be a surface. A cell that is solid throughout has no surface.
-        let outside = mask(|cell| bounds.lo[cell] > trunk.margin);
-        let surface = !outside & !mask(|cell| -bounds.hi[cell] > trunk.margin);
+        let outside = mask(|cell| bounds.lo[cell] > trunk.rounding.margin);
+        let surface = !outside & !mask(|cell| -bounds.hi[cell] > trunk.rounding.margin);
         // Few rays ask for a distance far from the surfaces, so the whole tape is good enough there.
         let (near, own) = match depth {
             1 => (!mask(|cell| bounds.lo[cell] > OBJECT_REACH), !mask(|cell| bounds.lo[cell] > AROUND)),
             _ => (u64::MAX, u64::MAX),
         };
         for cell in cells_of(!own) {
-            cells[cell] = self.cell(bounds.lo[cell], trunk.whole_tape | OBJECT_UNKNOWN << 24, [0; 2]);
+            cells[cell] = self.cell(bounds.lo[cell], trunk.whole.tape | OBJECT_UNKNOWN << 24, [0; 2]);
         }
         // Away from surfaces only penumbras and occlusion read tapes, so neighbours share one there.
         let away = own & !surface;
@@ -222,22 +226,10 @@ impl<'a> Part<'a> {
                 program_hash = is_of_place(&level.short).then(|| level.short.hash());
             }
             for cell in cells_of(divided) {
-                let Some(address) = self.address(CELLS) else {
-                    divided &= !(1 << cell);
-                    continue;
-                };
-                let brick = self.texels.len();
-                self.bricks.push(brick);
-                self.texels.resize(brick + CELLS, [0; 4]);
-                let inner = block.child(place_in(cell));
-                let key = program_hash.map(|program| key_of(program, &inner));
-                self.keys.extend(key.map(|key| (key, brick)));
-                let children = match key.and_then(|key| self.brick_of_before(key)) {
-                    Some(children) => children,
-                    None => self.cells(&level.short, &level.structure, inner, depth + 1),
-                };
-                self.texels[brick..brick + CELLS].copy_from_slice(&children);
-                cells[cell] = [DIVIDED, address, 0, 0];
+                match self.brick(&level, program_hash, block.child(place_in(cell)), depth) {
+                    Some(address) => cells[cell] = [DIVIDED, address, 0, 0],
+                    None => divided &= !(1 << cell),
+                }
             }
             let whole = group & !divided;
             if whole != 0 {
@@ -251,6 +243,22 @@ impl<'a> Part<'a> {
             *kept = level;
         }
         cells
+    }
+
+    /// The address of a new brick, the cells of `inner`; `None` if there is no room.
+    fn brick(&mut self, level: &Level, program: Option<u64>, inner: Block, depth: usize) -> Option<u32> {
+        let address = self.address(CELLS)?;
+        let brick = self.written.texels.len();
+        self.written.bricks.push(brick);
+        self.written.texels.resize(brick + CELLS, [0; 4]);
+        let key = program.map(|program| key_of(program, &inner));
+        self.written.keys.extend(key.map(|key| (key, brick)));
+        let children = match key.and_then(|key| self.brick_of_before(key)) {
+            Some(children) => children,
+            None => self.cells(&level.short, &level.structure, inner, depth + 1),
+        };
+        self.written.texels[brick..brick + CELLS].copy_from_slice(&children);
+        Some(address)
     }
 
     /// Those of a block's cells that are worth dividing, given their program.
@@ -267,8 +275,9 @@ impl<'a> Part<'a> {
 
     /// The address of the next texels, if there is room for this many.
     fn address(&self, texels: usize) -> Option<u32> {
-        let at = self.trunk.texels.len() + self.texels.len();
-        let fits = self.texels.len() + texels <= self.room && at + texels < ADDRESS as usize / self.parts;
+        let at = self.trunk.texels.len() + self.written.texels.len();
+        let fits =
+            self.written.texels.len() + texels <= self.room && at + texels < ADDRESS as usize / self.parts;
         fits.then_some(at as u32)
     }
 
@@ -310,7 +319,7 @@ impl<'a> Part<'a> {
 
     /// A cell that is not divided.
     fn cell(&mut self, lowest: f32, second: u32, [z, w]: [u32; 2]) -> Texel {
-        let bound = lowest - self.trunk.margin;
+        let bound = lowest - self.trunk.rounding.margin;
         // A NaN is not a bound.
         let bound = if bound > 0.0 { bound.min(1e9) } else { 0.0 };
         self.stats.cells += 1;
@@ -329,7 +338,7 @@ impl<'a> Part<'a> {
         }
         let Some(second) = self.new_tape(program) else {
             self.stats.overflowed += cells;
-            return self.trunk.whole_tape | OBJECT_UNKNOWN << 24;
+            return self.trunk.whole.tape | OBJECT_UNKNOWN << 24;
         };
         self.known.insert(hash, second);
         second
@@ -339,10 +348,10 @@ impl<'a> Part<'a> {
     fn new_tape(&mut self, program: &Program) -> Option<u32> {
         let (object, object_tape) = match program.roots[OBJECT] {
             Arg::Number(number) if (0.0..OBJECT_UNKNOWN as f32).contains(&number) => {
-                (number as u32, self.trunk.whole_object)
+                (number as u32, self.trunk.whole.object)
             }
             Arg::Value(_) => (OBJECT_UNKNOWN, self.stored(program, &[OBJECT, OBJECT], None)?),
-            Arg::Number(_) => (OBJECT_UNKNOWN, self.trunk.whole_object),
+            Arg::Number(_) => (OBJECT_UNKNOWN, self.trunk.whole.object),
         };
         let tape = self.stored(program, &[BOUND, ESTIMATE], Some(object_tape))?;
         self.stats.tapes += 1;
@@ -380,17 +389,17 @@ impl<'a> Part<'a> {
             return Some(*known);
         }
         let object_tape = match tape.object_tape {
-            None => self.trunk.whole_object,
+            None => self.trunk.whole.object,
             Some(texels) => {
                 let at = self.address(texels.len())?;
-                self.texels.extend_from_slice(texels);
+                self.written.texels.extend_from_slice(texels);
                 at
             }
         };
         let at = self.address(1 + tape.texels.len())?;
-        self.heads.push(self.texels.len());
-        self.texels.push([object_tape, 0, 0, 0]);
-        self.texels.extend_from_slice(tape.texels);
+        self.written.heads.push(self.written.texels.len());
+        self.written.texels.push([object_tape, 0, 0, 0]);
+        self.written.texels.extend_from_slice(tape.texels);
         let is_clause = |word: &&u32| **word & 255 != 0;
         self.stats.tapes += 1;
         self.stats.clauses += tape
@@ -409,10 +418,10 @@ impl<'a> Part<'a> {
         let count = self.encoder.encode(program, roots).ok()?.len();
         let at = self.address(before + count)?;
         if let Some(object) = object_tape {
-            self.heads.push(self.texels.len());
-            self.texels.push([object, 0, 0, 0]);
+            self.written.heads.push(self.written.texels.len());
+            self.written.texels.push([object, 0, 0, 0]);
         }
-        self.texels.extend_from_slice(self.encoder.texels());
+        self.written.texels.extend_from_slice(self.encoder.texels());
         Some(at + before as u32)
     }
 }

@@ -207,6 +207,56 @@ impl ChoiceTrace {
     }
 }
 
+/// Cells in which the value of a step, which is at `at`, is its operand a, and those in which it is b.
+// Inlined into the variants of `decide` for wider vectors.
+#[inline(always)]
+fn chosen(step: &Step, structure: &Structure, rows: &[Lanes], at: usize) -> (u64, u64) {
+    let (a, b) = (step.first(), step.second());
+    let (mut left, mut right) = (0, 0);
+    match step.op {
+        Op::Min => {
+            let least = &rows[structure.outermost[at] as usize].hi;
+            left = not_above(rows, a, b) | above(rows, b, least);
+            right = (not_above(rows, b, a) | above(rows, a, least)) & !left;
+        }
+        Op::Max => {
+            let most = &rows[structure.outermost[at] as usize].lo;
+            left = not_above(rows, b, a) | below(rows, b, most);
+            right = (not_above(rows, a, b) | below(rows, a, most)) & !left;
+        }
+        Op::OutsideAdd => right = not_above(rows, a, Arg::Number(0.0)),
+        Op::Abs => left = not_above(rows, Arg::Number(0.0), a),
+        Op::Mask => {
+            if let Arg::Value(a) = a {
+                let row = &rows[a as usize];
+                right = mask(|cell| row.lo[cell] > 0.0 || row.hi[cell] < 0.0);
+            }
+        }
+        Op::Add => {
+            left = is_number(rows, structure, b, 0.0);
+            right = is_number(rows, structure, a, 0.0) & !left;
+        }
+        Op::Sub => left = is_number(rows, structure, b, 0.0),
+        Op::Mul => {
+            left = is_number(rows, structure, b, 1.0);
+            right = is_number(rows, structure, a, 1.0) & !left;
+        }
+        Op::Div => left = is_number(rows, structure, b, 1.0),
+        // In the first period nothing is subtracted.
+        Op::Fract => left = below(rows, a, &[1.0; 64]) & not_above(rows, Arg::Number(0.0), a),
+        Op::Mod => {
+            // The remainder of an infinite period is not a number.
+            if let Arg::Number(period) = b
+                && period.is_finite()
+            {
+                left = below(rows, a, &[period; 64]) & not_above(rows, Arg::Number(0.0), a);
+            }
+        }
+        _ => {}
+    }
+    (left, right)
+}
+
 /// See [`ChoiceTrace::decide`]; also compiled for CPUs with wider vectors.
 #[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn decide(
@@ -235,7 +285,6 @@ fn decide(
             continue;
         }
         decisions.needed.push(index as u32);
-        let (a, b) = (step.first(), step.second());
         let number = if structure.may_settle[at] {
             let row = &rows[at];
             mask(|cell| row.lo[cell] == row.hi[cell]) & live
@@ -247,49 +296,8 @@ fn decide(
                 .iter()
                 .fold(0, |kept, cells| kept | if is_same(number, *cells, &rows[at].lo) { 0 } else { *cells });
         let live = live & !number;
-        let (mut left, mut right) = (0, 0);
-        match step.op {
-            Op::Min => {
-                let least = &rows[structure.outermost[at] as usize].hi;
-                left = not_above(rows, a, b) | above(rows, b, least);
-                right = (not_above(rows, b, a) | above(rows, a, least)) & !left;
-            }
-            Op::Max => {
-                let most = &rows[structure.outermost[at] as usize].lo;
-                left = not_above(rows, b, a) | below(rows, b, most);
-                right = (not_above(rows, a, b) | below(rows, a, most)) & !left;
-            }
-            Op::OutsideAdd => right = not_above(rows, a, Arg::Number(0.0)),
-            Op::Abs => left = not_above(rows, Arg::Number(0.0), a),
-            Op::Mask => {
-                if let Arg::Value(a) = a {
-                    let row = &rows[a as usize];
-                    right = mask(|cell| row.lo[cell] > 0.0 || row.hi[cell] < 0.0);
-                }
-            }
-            Op::Add => {
-                left = is_number(rows, structure, b, 0.0);
-                right = is_number(rows, structure, a, 0.0) & !left;
-            }
-            Op::Sub => left = is_number(rows, structure, b, 0.0),
-            Op::Mul => {
-                left = is_number(rows, structure, b, 1.0);
-                right = is_number(rows, structure, a, 1.0) & !left;
-            }
-            Op::Div => left = is_number(rows, structure, b, 1.0),
-            // In the first period nothing is subtracted.
-            Op::Fract => left = below(rows, a, &[1.0; 64]) & not_above(rows, Arg::Number(0.0), a),
-            Op::Mod => {
-                // The remainder of an infinite period is not a number.
-                if let Arg::Number(period) = b
-                    && period.is_finite()
-                {
-                    left = below(rows, a, &[period; 64]) & not_above(rows, Arg::Number(0.0), a);
-                }
-            }
-            _ => {}
-        }
-        (left, right) = (left & live, right & live);
+        let (left, right) = chosen(step, structure, rows, at);
+        let (mut left, mut right) = (left & live, right & live);
         if coarse {
             // What all cells have in common costs no group.
             if left != live && structure.saves_little(step, step.second()) {

@@ -101,26 +101,46 @@ pub(super) struct Trunk<'a> {
     pub(super) frame: &'a FrameInputs,
     pub(super) options: &'a RegionOptions,
     pub(super) program: Program,
+    pub(super) root: Root,
+    /// The root, which is still empty, and the whole tapes.
+    pub(super) texels: Vec<Texel>,
+    pub(super) variant: &'a RegionVariant,
+    /// [`crate::world::Slopes::steepest`], for a variant that is steep.
+    pub(super) steepest: f32,
+    /// The tree of the frame before, if anything can be copied from it.
+    pub(super) before: Option<Before<'a>>,
+    /// Whether the tree lies around the eye.
+    pub(super) unbounded: bool,
+    pub(super) rounding: Rounding,
+    pub(super) whole: Whole,
+    stats: RegionStats,
+}
+
+/// The decisions about the 64 blocks of the root.
+#[derive(Debug)]
+pub(super) struct Root {
     /// The block whose cells are the blocks of the root.
     pub(super) block: Block,
     pub(super) rows: Vec<Lanes>,
     pub(super) decisions: ChoiceTrace,
     /// Groups of blocks with equal decisions.
     pub(super) groups: Vec<u64>,
-    /// The root, which is still empty, and the whole tapes.
-    pub(super) texels: Vec<Texel>,
-    pub(super) variant: &'a RegionVariant,
-    /// [`crate::world::World::steepest`], for a variant that is steep.
-    pub(super) steepest: f32,
-    /// The tree of the frame before, if anything can be copied from it.
-    pub(super) before: Option<Before<'a>>,
-    /// Whether the tree lies around the eye.
-    pub(super) unbounded: bool,
+}
+
+/// What roundings cost, by the size of the tree's box.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rounding {
+    /// Bounds are reduced by this.
     pub(super) margin: f32,
+    /// Cells are enlarged by this.
     pub(super) overlap: f32,
-    pub(super) whole_tape: u32,
-    pub(super) whole_object: u32,
-    stats: RegionStats,
+}
+
+/// The addresses of the whole tapes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Whole {
+    pub(super) tape: u32,
+    pub(super) object: u32,
 }
 
 /// What rays can hit in a world.
@@ -130,7 +150,7 @@ pub(super) struct Traced<'a> {
     pub(super) has_rest: bool,
     /// What the tapes may demand.
     pub(super) variant: &'a RegionVariant,
-    /// [`crate::world::World::steepest`].
+    /// [`crate::world::Slopes::steepest`].
     pub(super) steepest: f32,
     /// The tree of another frame.
     pub(super) last: Option<&'a Regions>,
@@ -154,23 +174,23 @@ pub(super) fn build(
         frame,
         options,
         program,
-        block: Block { low, cell: size.map(|side| side / BRICK_SIDE as f32) },
-        rows: Vec::new(),
-        decisions: ChoiceTrace::default(),
-        groups: Vec::new(),
+        root: Root {
+            block: Block { low, cell: size.map(|side| side / BRICK_SIDE as f32) },
+            rows: Vec::new(),
+            decisions: ChoiceTrace::default(),
+            groups: Vec::new(),
+        },
         texels: vec![[0; 4]; if cells { ROOT_SIDE.pow(3) } else { 0 }],
         variant,
         steepest,
         before: last.filter(|_| cells).and_then(|last| Before::of(last, low, size)),
         unbounded: bounds.is_none(),
-        margin: farthest * ROUNDING,
-        overlap: farthest * OVERLAP,
-        whole_tape: 0,
-        whole_object: 0,
+        rounding: Rounding { margin: farthest * ROUNDING, overlap: farthest * OVERLAP },
+        whole: Whole::default(),
         stats: RegionStats::default(),
     };
     trunk.write_whole();
-    let mut memory = Memory { whole_object: trunk.whole_object, ..Memory::default() };
+    let mut memory = Memory { whole_object: trunk.whole.object, ..Memory::default() };
     let (mut stats, mut texels) = (trunk.stats, Vec::new());
     if cells {
         trunk.divide();
@@ -200,7 +220,7 @@ pub(super) fn build(
         low,
         size: if cells { size } else { [0.0; 3] },
         bounds,
-        whole_tape: trunk.whole_tape,
+        whole_tape: trunk.whole.tape,
         texels,
         stats,
         memory,
@@ -230,12 +250,12 @@ impl Trunk<'_> {
         let mut encoder = self.encoder();
         // A program that needs too many values at once has no tape here; the plan has reported it.
         if let Ok(texels) = encoder.encode(&self.program, &[OBJECT, OBJECT]) {
-            self.whole_object = self.texels.len() as u32;
+            self.whole.object = self.texels.len() as u32;
             self.texels.extend_from_slice(texels);
         }
         if let Ok(texels) = encoder.encode(&self.program, &[BOUND, ESTIMATE]) {
-            self.texels.push([self.whole_object, 0, 0, 0]);
-            self.whole_tape = self.texels.len() as u32;
+            self.texels.push([self.whole.object, 0, 0, 0]);
+            self.whole.tape = self.texels.len() as u32;
             self.texels.extend_from_slice(texels);
             self.stats.whole_clauses = encoder.clauses;
         }
@@ -246,9 +266,10 @@ impl Trunk<'_> {
         let mut structure = Structure::default();
         structure.look_at(&self.program);
         self.stats.passes += 1;
-        bound_cells(&self.program, self.block, self.overlap, &mut self.rows, self.frame);
-        self.decisions.decide(&self.program, &structure, &self.rows, [u64::MAX; 2], &[]);
-        self.decisions.groups(&self.rows, &[u64::MAX], &mut self.groups);
+        let Root { block, rows, decisions, groups } = &mut self.root;
+        bound_cells(&self.program, *block, self.rounding.overlap, rows, self.frame);
+        decisions.decide(&self.program, &structure, rows, [u64::MAX; 2], &[]);
+        decisions.groups(rows, &[u64::MAX], groups);
     }
 }
 

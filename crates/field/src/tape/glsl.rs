@@ -88,109 +88,161 @@ pub fn function(
     sampling: Sampling,
 ) -> Result<String, GraphError> {
     let order = graph.order(roots)?.nodes;
-    let mut text = String::with_capacity(order.len() * 32 + 256);
     // The p and n of a pixel's neighbours.
     let neighbours = match sampling {
         Sampling::None => None,
         Sampling::AlongPosition => Some(["p + dx, n", "p + dy, n"]),
         Sampling::AlongNormal => Some(["p, n + dx", "p, n + dy"]),
     };
-    let mut coordinates: Vec<(NodeId, NodeId)> = Vec::new();
+    let mut writer = Writer::new(graph, String::with_capacity(order.len() * 32 + 256));
     if neighbours.is_some() {
-        for id in &order {
-            if let Node::Texture { u, v, .. } = graph.node(*id)
-                && !coordinates.contains(&(u, v))
+        writer.coordinates(&order, name)?;
+    }
+    let single = roots.len() == 1 && neighbours.is_none();
+    writer.head(name, (!single).then_some(roots.len()), neighbours);
+    for id in order {
+        writer.statement(id);
+    }
+    writer.results(roots, single);
+    Ok(writer.text)
+}
+
+/// Writes the statements of a function. Writing to a String cannot fail, so what `write!` returns is ignored.
+struct Writer<'a> {
+    graph: &'a Graph,
+    text: String,
+    /// The coordinates of textures that have a function of their own, by number.
+    coordinates: Vec<(NodeId, NodeId)>,
+    /// The textures that were read so far, and where.
+    sampled: Vec<(u16, NodeId, NodeId)>,
+    /// The sums of squares found so far: their roots need no guard.
+    squares: HashSet<NodeId>,
+}
+
+impl<'a> Writer<'a> {
+    fn new(graph: &'a Graph, text: String) -> Self {
+        Self { graph, text, coordinates: Vec::new(), sampled: Vec::new(), squares: HashSet::new() }
+    }
+
+    /// A function for each pair of coordinates at which textures are read.
+    fn coordinates(&mut self, order: &[NodeId], name: &str) -> Result<(), GraphError> {
+        for id in order {
+            if let Node::Texture { u, v, .. } = self.graph.node(*id)
+                && !self.coordinates.contains(&(u, v))
             {
-                let place = coordinates.len();
-                text.push_str(&function(graph, &[u, v], &format!("{name}_uv{place}"), Sampling::None)?);
-                coordinates.push((u, v));
+                let name = format!("{name}_uv{}", self.coordinates.len());
+                self.text.push_str(&function(self.graph, &[u, v], &name, Sampling::None)?);
+                self.coordinates.push((u, v));
+            }
+        }
+        Ok(())
+    }
+
+    /// The signature with so many results, or with one that is returned; and the coordinates of the neighbours.
+    fn head(&mut self, name: &str, results: Option<usize>, neighbours: Option<[&str; 2]>) {
+        let text = &mut self.text;
+        let arguments =
+            if neighbours.is_some() { "vec3 p, vec3 n, vec3 dx, vec3 dy" } else { "vec3 p, vec3 n" };
+        match results {
+            None => {
+                let _ = writeln!(text, "float {name}({arguments}) {{");
+            }
+            Some(results) => {
+                let _ = write!(text, "void {name}({arguments}");
+                for place in 0..results {
+                    let _ = write!(text, ", out float r{place}");
+                }
+                text.push_str(") {\n");
+            }
+        }
+        for place in 0..self.coordinates.len() {
+            for (neighbour, at) in ["x", "y"].into_iter().zip(neighbours.into_iter().flatten()) {
+                let _ = writeln!(
+                    text,
+                    "    vec2 d{neighbour}{place};\n    {name}_uv{place}({at}, d{neighbour}{place}.x, \
+                     d{neighbour}{place}.y);"
+                );
             }
         }
     }
-    // Writing to a String cannot fail.
-    let arguments = if neighbours.is_some() { "vec3 p, vec3 n, vec3 dx, vec3 dy" } else { "vec3 p, vec3 n" };
-    let single = roots.len() == 1 && neighbours.is_none();
-    if single {
-        let _ = writeln!(text, "float {name}({arguments}) {{");
-    } else {
-        let _ = write!(text, "void {name}({arguments}");
-        for place in 0..roots.len() {
-            let _ = write!(text, ", out float r{place}");
-        }
-        text.push_str(") {\n");
-    }
-    for place in 0..coordinates.len() {
-        for (neighbour, at) in ["x", "y"].into_iter().zip(neighbours.into_iter().flatten()) {
-            let _ = writeln!(
-                text,
-                "    vec2 d{neighbour}{place};\n    {name}_uv{place}({at}, d{neighbour}{place}.x, \
-                 d{neighbour}{place}.y);"
-            );
+
+    fn operand(&self, id: NodeId) -> String {
+        match self.graph.node(id) {
+            Node::Constant(value) => literal(value),
+            Node::Input(input) => input_name(input),
+            _ => format!("v{}", id.index()),
         }
     }
-    let operand = |id: NodeId| match graph.node(id) {
-        Node::Constant(value) => literal(value),
-        Node::Input(input) => input_name(input),
-        _ => format!("v{}", id.index()),
-    };
-    let mut sampled: Vec<(u16, NodeId, NodeId)> = Vec::new();
-    // The sums of squares found so far: their roots need no guard.
-    let mut squares: HashSet<NodeId> = HashSet::new();
-    for id in order {
-        let is_sum = match graph.node(id) {
+
+    /// The temporary of a node; constants and inputs have none.
+    fn statement(&mut self, id: NodeId) {
+        let node = self.graph.node(id);
+        let is_sum = match node {
             Node::Unary(op, _) => op == Op::Square,
-            Node::Binary(op, a, b) => op == Op::Add && squares.contains(&a) && squares.contains(&b),
+            Node::Binary(op, a, b) => op == Op::Add && self.squares.contains(&a) && self.squares.contains(&b),
             _ => false,
         };
         if is_sum {
-            squares.insert(id);
+            self.squares.insert(id);
         }
-        let (template, a, b) = match graph.node(id) {
-            Node::Constant(_) | Node::Input(_) => continue,
-            Node::Unary(Op::Sqrt, a) if squares.contains(&a) => ("sqrt($a)", operand(a), String::new()),
-            Node::Unary(op, a) => (op.glsl(), operand(a), String::new()),
-            Node::Binary(Op::Div, a, b) if reciprocal(graph, b).is_some() => {
-                ("($a * $b)", operand(a), reciprocal(graph, b).map_or_else(String::new, literal))
+        let (template, a, b) = match node {
+            Node::Constant(_) | Node::Input(_) => return,
+            Node::Unary(Op::Sqrt, a) if self.squares.contains(&a) => {
+                ("sqrt($a)", self.operand(a), String::new())
+            }
+            Node::Unary(op, a) => (op.glsl(), self.operand(a), String::new()),
+            Node::Binary(Op::Div, a, b) if reciprocal(self.graph, b).is_some() => {
+                let factor = reciprocal(self.graph, b).map_or_else(String::new, literal);
+                ("($a * $b)", self.operand(a), factor)
             }
             Node::Binary(op, a, b) => {
-                let never_zero = graph.as_constant(b).is_some_and(f32::is_normal);
-                (if never_zero { op.glsl_by_constant() } else { op.glsl() }, operand(a), operand(b))
+                let never_zero = self.graph.as_constant(b).is_some_and(f32::is_normal);
+                let template = if never_zero { op.glsl_by_constant() } else { op.glsl() };
+                (template, self.operand(a), self.operand(b))
             }
             Node::Texture { texture, channel, u, v } => {
-                // All four channels at one place are read at once.
-                let known = sampled.iter().position(|&known| known == (texture, u, v));
-                let place = known.unwrap_or_else(|| {
-                    let place = sampled.len();
-                    sampled.push((texture, u, v));
-                    let (u_name, v_name) = (operand(u), operand(v));
-                    let _ = match coordinates.iter().position(|&known| known == (u, v)) {
-                        Some(at) => writeln!(
-                            text,
-                            "    vec2 c{place} = vec2({u_name}, {v_name});\n    vec4 s{place} = \
-                             sample_texture({texture}, c{place}, dx{at} - c{place}, dy{at} - c{place});"
-                        ),
-                        None => {
-                            writeln!(text, "    vec4 s{place} = read_texture({texture}, {u_name}, {v_name});")
-                        }
-                    };
-                    place
-                });
+                let place = self.sample(texture, u, v);
                 let channel = ["x", "y", "z", "w"][usize::from(channel & 3)];
-                let _ = writeln!(text, "    float v{} = s{place}.{channel};", id.index());
-                continue;
+                let _ = writeln!(self.text, "    float v{} = s{place}.{channel};", id.index());
+                return;
             }
         };
-        let _ = write!(text, "    float v{} = ", id.index());
-        fill(&mut text, template, &a, &b);
-        text.push_str(";\n");
+        let _ = write!(self.text, "    float v{} = ", id.index());
+        fill(&mut self.text, template, &a, &b);
+        self.text.push_str(";\n");
     }
-    if let (true, [root]) = (single, roots) {
-        let _ = writeln!(text, "    return {};", operand(*root));
-    } else {
-        for (place, root) in roots.iter().enumerate() {
-            let _ = writeln!(text, "    r{place} = {};", operand(*root));
+
+    /// The number of the sample of a texture. All four channels at one place are read at once.
+    fn sample(&mut self, texture: u16, u: NodeId, v: NodeId) -> usize {
+        if let Some(place) = self.sampled.iter().position(|&known| known == (texture, u, v)) {
+            return place;
         }
+        let place = self.sampled.len();
+        self.sampled.push((texture, u, v));
+        let (u_name, v_name) = (self.operand(u), self.operand(v));
+        let _ = match self.coordinates.iter().position(|&known| known == (u, v)) {
+            Some(at) => writeln!(
+                self.text,
+                "    vec2 c{place} = vec2({u_name}, {v_name});\n    vec4 s{place} = \
+                 sample_texture({texture}, c{place}, dx{at} - c{place}, dy{at} - c{place});"
+            ),
+            None => {
+                writeln!(self.text, "    vec4 s{place} = read_texture({texture}, {u_name}, {v_name});")
+            }
+        };
+        place
     }
-    text.push_str("}\n");
-    Ok(text)
+
+    /// The end of the function.
+    fn results(&mut self, roots: &[NodeId], single: bool) {
+        for (place, root) in roots.iter().enumerate() {
+            let result = self.operand(*root);
+            let _ = if single {
+                writeln!(self.text, "    return {result};")
+            } else {
+                writeln!(self.text, "    r{place} = {result};")
+            };
+        }
+        self.text.push_str("}\n");
+    }
 }

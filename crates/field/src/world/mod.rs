@@ -29,6 +29,7 @@ pub use hoist::Hoisted;
 pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
 pub use shortening::{ShortPrograms, ShortenOptions, ShortenRequest, WorthShortening};
+pub use steepness::Slopes;
 pub use traits::SceneFeatures;
 // What lights and pictures are made of is part of a scene.
 pub use crate::lang::{LightKind, ToneMap};
@@ -40,7 +41,6 @@ use image::RgbaImage;
 use crate::graph::{FrameInputs, Graph, GraphError, NodeId};
 use crate::lang::{Material, Scene, compile, no_includes};
 use crate::tape::{Tape, TapeError, TapeOptions};
-use steepness::{Steep, Tamed};
 
 /// Why a scene cannot be prepared.
 #[derive(Debug, thiserror::Error)]
@@ -144,15 +144,11 @@ pub struct World {
     /// Whether the value of the rest is not a distance: it changes faster than the position, or is much flatter at
     /// surfaces. Rays then need to know how steep it is where they are.
     pub steep: bool,
-    /// The steepest slope that was sampled of a value that is not a distance; infinite where none was.
-    pub steepest: f32,
-    /// For a value that is not a distance, the factor that makes one of it, where a single number does.
-    pub distance_factor: Option<f32>,
+    /// Where the value is not a distance: what is known of its slopes.
+    pub slopes: Slopes,
     /// How much the shortest step of a shadow ray grows with each step: 0 in a scene, whose surfaces such rays leave.
     /// Between two scenes a lamp of one may be among the surfaces of the other, and rays creep along these.
     pub shadow_step_growth: f32,
-    /// What makes the value of the rest like a distance.
-    tamed: Option<Tamed>,
     /// The parts of the shaders that it needs.
     pub traits: SceneFeatures,
     /// The expressions that the shader evaluates.
@@ -218,7 +214,7 @@ impl World {
         let (glow, roots) = (glow.is_some(), roots(&mut scene, rest.as_ref(), glow));
         scene.graph.check().map_err(graph_error)?;
         let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
-        let Traced { bounds, steep, steepest, factor, tamed, shadow_step_growth } = match (traced, &rest) {
+        let Traced { bounds, steep, slopes, shadow_step_growth } = match (traced, &rest) {
             (Some(traced), _) => traced,
             (None, Some(_)) => Traced::of(&scene, &roots, &frame_tape).map_err(tape_error)?,
             (None, None) => Traced::default(),
@@ -230,10 +226,8 @@ impl World {
             has_rest: rest.is_some(),
             bounds,
             steep,
-            steepest,
-            distance_factor: factor,
+            slopes,
             shadow_step_growth,
-            tamed,
             traits,
             roots,
             graph,
@@ -261,26 +255,12 @@ const TAMED_SHARE: f32 = 1.0;
 const TAMED_REACH: f32 = 8.0;
 
 /// What is known of the rest of a scene before it is traced: see the fields of [`World`].
+#[derive(Default)]
 struct Traced {
     bounds: Option<Bounds>,
     steep: bool,
-    steepest: f32,
-    factor: Option<f32>,
-    tamed: Option<Tamed>,
+    slopes: Slopes,
     shadow_step_growth: f32,
-}
-
-impl Default for Traced {
-    fn default() -> Self {
-        Self {
-            bounds: None,
-            steep: false,
-            steepest: f32::INFINITY,
-            factor: None,
-            tamed: None,
-            shadow_step_growth: 0.0,
-        }
-    }
 }
 
 impl Traced {
@@ -296,9 +276,7 @@ impl Traced {
         let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
         let reach = bounds.map_or(TAMED_REACH, |bounds| TAMED_SHARE * bounds.half());
         Ok(match steepness::tamed(&tape, frames, bounds.as_ref(), reach) {
-            Some(Steep { tamed, steepest, factor }) => {
-                Self { bounds, steep: true, steepest, factor, tamed: Some(tamed), ..Self::default() }
-            }
+            Some(slopes) => Self { bounds, steep: true, slopes, ..Self::default() },
             None => Self { bounds, ..Self::default() },
         })
     }

@@ -114,14 +114,22 @@ fn length(v: [f32; 3]) -> f32 {
     v.iter().map(|part| part * part).sum::<f32>().sqrt()
 }
 
-/// A value that is no distance.
+/// The slopes of the value of a world's rest, where it is no distance.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Steep {
-    pub(super) tamed: Tamed,
-    /// About the steepest slope that it has; infinite if there are too few samples to tell.
-    pub(super) steepest: f32,
-    /// The number that makes a distance of it, where one number does.
-    pub(super) factor: Option<f32>,
+pub struct Slopes {
+    /// About the steepest slope that was sampled; infinite where none was, or too few to tell.
+    pub steepest: f32,
+    /// The factor that makes a distance of the value, where a single number does.
+    pub distance_factor: Option<f32>,
+    /// What makes the value like a distance.
+    pub(super) tamed: Option<Tamed>,
+}
+
+impl Default for Slopes {
+    /// Those of a distance.
+    fn default() -> Self {
+        Self { steepest: f32::INFINITY, distance_factor: None, tamed: None }
+    }
 }
 
 /// None if the value of the tape's first output is a distance: no steeper than 1 in nearly all samples, and not much
@@ -132,7 +140,7 @@ pub(super) fn tamed(
     frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>,
     bounds: Option<&Bounds>,
     reach: f32,
-) -> Option<Steep> {
+) -> Option<Slopes> {
     let Samples { outside, surface } = samples(tape, frames);
     let steep_many = STEEP_SHARE * outside.len() as f32;
     let too_steep = |slopes: &mut dyn Iterator<Item = f32>| {
@@ -170,7 +178,8 @@ pub(super) fn tamed(
             }
         }
     }
-    Some(Steep { tamed: best.map_or(plain, |(_, tamed)| tamed), steepest: steepest(&outside), factor })
+    let tamed = Some(best.map_or(plain, |(_, tamed)| tamed));
+    Some(Slopes { steepest: steepest(&outside), distance_factor: factor, tamed })
 }
 
 /// About the steepest slope of the samples: seams of blends are left out, and what they hide is allowed for. Infinite if
@@ -315,11 +324,11 @@ mod tests {
     #[test]
     fn a_factor_makes_a_distance_of_what_is_too_steep_everywhere() {
         for (text, least, most) in [("3*(length(p)-1)", 0.28, 0.34), ("y-0.5*sin(x)", 0.8, 0.95)] {
-            let factor = world_of(text).distance_factor.unwrap();
+            let factor = world_of(text).slopes.distance_factor.unwrap();
             assert!((least..most).contains(&factor), "{text}: {factor}");
             assert!(!world_of(&format!("{factor} * ({text})")).steep, "{text} times {factor}");
         }
-        assert_eq!(world_of("length(p)-1").distance_factor, None);
+        assert_eq!(world_of("length(p)-1").slopes.distance_factor, None);
     }
 
     #[test]

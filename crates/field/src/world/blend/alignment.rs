@@ -4,10 +4,12 @@
 //! and turned around the vertical until its eye and its line of sight are those of the first. What one looks at then
 //! becomes what one will look at, the camera hardly has a way to go, and lamps are as near as in their own scenes.
 
-use super::side::Vector;
 use crate::graph::{Graph, NodeId};
 use crate::lang::Camera;
 use crate::world::Bounds;
+
+/// Three numbers.
+pub(super) type Vector = [NodeId; 3];
 
 /// A place of the second scene in the first: `second = turned(first) + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -22,7 +22,7 @@ impl Sight {
         let [x, y, z] = [0, 1, 2].map(|axis| graph.sub(camera.target[axis], camera.position[axis]));
         let level = graph.length(&[x, z]);
         let (yaw, pitch) = (graph.binary(Op::Atan2, x, z), graph.binary(Op::Atan2, y, level));
-        Self { yaw, pitch, length: graph.length3(x, y, z) }
+        Self { yaw, pitch, length: graph.length(&[x, y, z]) }
     }
 
     /// The vector from the eye to the target.

@@ -18,8 +18,8 @@
 //! **Materials.** A point has the material of the nearer surface; where surfaces meet, materials mix over [`SEAM`]. Near the
 //! ends a scene is a thin film on the other one, so materials fade during the first and last [`BEGIN`] of the share.
 
-use super::side::Side;
-use super::{Steps, depth};
+use super::depth;
+use super::side::{Side, Steps};
 use crate::graph::{Graph, NodeId, Op};
 use crate::world::PLANES_MAX;
 

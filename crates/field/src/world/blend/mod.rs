@@ -30,7 +30,7 @@ use super::{Bounds, Plane, Rest, Surfaces, Traced, World, WorldError};
 use crate::graph::{Graph, Input, NodeId, Op};
 use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky};
 use crate::limits::LIMITS;
-use side::Side;
+use side::{Side, Steps};
 
 /// How one scene becomes another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -152,24 +152,9 @@ impl World {
         let distance = all.into_iter().reduce(|a, b| graph.min(a, b)).unwrap_or(nothing);
         graph.check().map_err(graph_error)?;
         let params = from.scene.params.iter().chain(&to.scene.params).cloned();
-        let share = Param {
-            name: String::new(),
-            default: if share > 0.0 { share.min(1.0) } else { 0.0 },
-            min: 0.0,
-            max: 1.0,
-            is_number: true,
-            span: Default::default(),
-        };
-        let object = Object {
-            name: name.clone(),
-            span: Default::default(),
-            shape: distance,
-            bound: None,
-            material: 0,
-        };
         let scene = Scene {
             graph,
-            objects: vec![object],
+            objects: vec![whole(name.clone(), distance)],
             distance,
             materials: vec![Material::of(String::new(), material)],
             lights,
@@ -179,7 +164,7 @@ impl World {
             has_own_sky: from.scene.has_own_sky || to.scene.has_own_sky,
             picture,
             about: About::default(),
-            params: params.chain([share]).collect(),
+            params: params.chain([share_param(share)]).collect(),
             textures: from.scene.textures.iter().chain(&to.scene.textures).cloned().collect(),
             includes: Vec::new(),
             origins: Default::default(),
@@ -198,6 +183,23 @@ impl World {
         let world = Self::prepared(&name, scene, surfaces, Some(traced), pictures)?;
         Ok(Self { blended: Some(from.scene.params.len()), ..world })
     }
+}
+
+/// The last parameter of a blend.
+fn share_param(share: f32) -> Param {
+    Param {
+        name: String::new(),
+        default: if share > 0.0 { share.min(1.0) } else { 0.0 },
+        min: 0.0,
+        max: 1.0,
+        is_number: true,
+        span: Default::default(),
+    }
+}
+
+/// Both scenes as one object.
+fn whole(name: String, shape: NodeId) -> Object {
+    Object { name, span: Default::default(), shape, bound: None, material: 0 }
 }
 
 /// See [`World::shadow_step_growth`]: such a ray gets some 20 units far.
@@ -219,9 +221,6 @@ fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
     }
     Ok(())
 }
-
-/// What cannot be solved as a plane: how far a ray may step, and the estimate.
-type Steps = [NodeId; 2];
 
 /// Lets the solids shrink so far that the eye is not among them: between two cameras there may be anything. The eye
 /// keeps half of the distance that the nearer of both cameras has from its own scene; where that is so already, as at

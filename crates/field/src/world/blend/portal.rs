@@ -4,8 +4,8 @@
 //! the share, because a light of one side alone would ask for the side at every step of its rays. A surface that is cut
 //! by the portal has the material of its object there: that of the side whose part is nearer.
 
-use super::Steps;
-use super::side::{self, Side, Vector};
+use super::alignment::Vector;
+use super::side::{self, Side, Steps};
 use crate::graph::{Graph, GraphError, NodeId, Op};
 use crate::lang::{Camera, Scene};
 

@@ -2,9 +2,10 @@
 
 use super::super::steepness::{Growth, Tamed};
 use super::super::{Bounds, nearby_light, planes};
-use super::{Alignment, Steps, World};
+use super::alignment::{Alignment, Vector};
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::{Camera, Light, Picture, Scene, Sky};
+use crate::world::World;
 
 /// A world in a blend's graph. Its values are distances, or about as large as if they were.
 pub(super) struct Side {
@@ -52,7 +53,7 @@ impl Side {
         let of_slope_1: Result<_, _> =
             planes.iter().map(|plane| of_slope_1(graph, at(plane.shape))).collect();
         let rest = rest.map(|rest| {
-            [rest.bound, rest.estimate].map(|value| match world.tamed {
+            [rest.bound, rest.estimate].map(|value| match world.slopes.tamed {
                 Some(tamed) => {
                     let near = like_a_distance(graph, at(value), own.point, tamed);
                     world.bounds.map_or(near, |bounds| {
@@ -65,7 +66,7 @@ impl Side {
         });
         Ok(Self {
             planes: of_slope_1?,
-            steep: world.tamed.is_some_and(|tamed| !tamed.is_distance),
+            steep: world.slopes.tamed.is_some_and(|tamed| !tamed.is_distance),
             bounds: world.bounds.map(|bounds| alignment.common_box(&bounds)),
             rest,
             material: material_of_the_nearest(graph, &scene, on_surface),
@@ -105,8 +106,8 @@ impl Side {
     }
 }
 
-/// Three numbers.
-pub(super) type Vector = [NodeId; 3];
+/// What cannot be solved as a plane: how far a ray may step, and the estimate.
+pub(super) type Steps = [NodeId; 2];
 
 /// What the expressions of a scene read in its own place.
 #[derive(Clone, Copy)]

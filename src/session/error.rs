@@ -8,7 +8,7 @@ use mariana_player::PlayerError;
 
 /// An error of the window.
 #[derive(Debug, thiserror::Error)]
-pub enum AppError {
+pub enum SessionError {
     /// No display to open a window on.
     #[error(
         "no window can be opened ({0}): start Mariana in a graphical session, or use 'mariana still' or 'mariana \

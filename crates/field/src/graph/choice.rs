@@ -1,0 +1,42 @@
+//! Which operand of a minimum or maximum decides.
+
+use super::interval::Interval;
+use super::op::{Op, Properties};
+use super::rules;
+
+/// Which operand decides an operator all over an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum Choice {
+    /// Either operand may.
+    #[default]
+    Both,
+    /// The value is operand a everywhere; for MASK: 0 everywhere.
+    Left,
+    /// The value is operand b everywhere.
+    Right,
+}
+
+impl Op {
+    /// Whether [`Op::choice`] can return anything but [`Choice::Both`].
+    pub const fn chooses(self) -> bool {
+        self.properties().has(Properties::CHOOSES)
+    }
+
+    /// Which operand decides for every a and b in the given intervals. An operand that may be a NaN never loses a
+    /// comparison, so the choice holds for NaNs, too.
+    #[inline]
+    pub fn choice(self, a: Interval, b: Interval) -> Choice {
+        let (left, right) = match self {
+            Op::Min => (a.hi <= b.lo, b.hi <= a.lo),
+            Op::Max => (a.lo >= b.hi, b.lo >= a.hi),
+            Op::Mask => (rules::is_zero(a), !a.has_zero()),
+            _ => (false, false),
+        };
+        match (left, right) {
+            (true, _) => Choice::Left,
+            (_, true) => Choice::Right,
+            _ => Choice::Both,
+        }
+    }
+}

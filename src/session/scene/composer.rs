@@ -1,0 +1,488 @@
+//! The picture: composed of the scene that shows and the one that fades out, drawn in as many goes as it takes.
+
+use std::rc::Rc;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::camera::SceneCamera;
+use super::edits::Edits;
+use super::fading::{Begun, Fading};
+use super::parameters::Parameters;
+use super::prepared_scene::{DrawingChoice, FirstTree, PreparedScene};
+use super::prepared_scenes::{Place, PreparedScenes};
+use super::program_task::ViewsOf;
+use super::regions::{SceneRegions, Shown, Wishes};
+use super::scene_change::SceneChange;
+use super::scenery::{Pictured, SeenPictures};
+use super::show_follower::{Outgoing, ShowFollower};
+use super::views::Views;
+use crate::frame::orbit_controls::OrbitControls;
+use crate::gpu::edge_samples::EdgeSamples;
+use crate::gpu::error::GpuError;
+use crate::gpu::program::Program;
+use crate::gpu::renderer::{Progress, Renderer};
+use crate::gpu::scene_program::Mode;
+use crate::scenes::camera_number;
+use crate::view::ViewChoice;
+use crate::view::legend::LegendPicture;
+use mariana_music::Sound;
+use mariana_player::Moment;
+
+/// A fade that was joined so late, as a share of it, begins with the picture that was on.
+const LATE_SHARE: f32 = 0.35;
+
+/// The picture that should be shown next.
+pub(crate) struct WantedPicture {
+    /// The moment of the song.
+    pub moment: Moment,
+    /// What it sounds like.
+    pub sound: Sound,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// Width of the window for each of its height.
+    pub aspect: f64,
+    /// The shaders' `frame_quality`.
+    pub quality: f32,
+    /// Further samples of pixels at edges.
+    pub edges: EdgeSamples,
+    /// Whether the song runs.
+    pub runs: bool,
+}
+
+/// A picture that was finished.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Drawn {
+    /// What it shows.
+    pub shown: Shown,
+    /// How long it took.
+    pub spent: Duration,
+}
+
+/// What pictures are composed of.
+#[derive(Clone, Copy)]
+pub(super) struct Ingredients<'a> {
+    /// The scenes.
+    pub scenes: &'a PreparedScenes,
+    /// What a show has on.
+    pub show: &'a ShowFollower,
+    /// What hands have turned.
+    pub parameters: &'a Parameters,
+    /// How scenes are drawn.
+    pub choice: DrawingChoice,
+}
+
+/// A picture that was begun.
+struct Making {
+    /// The scene, its mode and its view.
+    of: (u64, Mode, Option<ViewChoice>),
+    /// Where the scene is found that is drawn first, because it fades out below it; none if that is done.
+    below: Option<Place>,
+    program: Rc<Program>,
+    legend: Option<Arc<LegendPicture>>,
+    shown: Shown,
+    /// How long it will take, in seconds, as far as is known.
+    seconds: Option<f64>,
+    /// How long what lies below it took.
+    spent: Duration,
+}
+
+/// See the module.
+pub(crate) struct SceneComposer {
+    making: Option<Making>,
+    /// Whether the last picture that was begun was given up for another version of its scene: keys can come faster than
+    /// pictures.
+    has_interrupted: bool,
+    pub(super) pictures: SeenPictures,
+    pub(super) regions: SceneRegions,
+    pub(super) fading: Fading,
+    change: SceneChange,
+    pub(super) views: Views,
+    pub(super) camera: SceneCamera,
+    pub(super) edits: Edits,
+    /// Counts the other changes that make the same moment look different.
+    revision: u64,
+}
+
+impl SceneComposer {
+    /// Nothing is drawn yet. Fades take so many seconds.
+    pub(super) fn new(mut regions: SceneRegions, view: Option<ViewChoice>, fade: f64) -> Self {
+        regions.insist(view.is_some());
+        Self {
+            making: None,
+            has_interrupted: false,
+            pictures: SeenPictures::default(),
+            regions,
+            fading: Fading::of(fade),
+            change: SceneChange::default(),
+            views: Views::starting_with(view),
+            camera: SceneCamera::default(),
+            edits: Edits::default(),
+            revision: 0,
+        }
+    }
+
+    /// Draws the scene that shows as it was at a moment for which its regions are built, or continues a picture that was
+    /// begun, for about as long as `go`. None if it is not finished. What `picture` needs is requested. `revision` is that
+    /// of the whole session. Scenes that neither show nor fade out any longer are kept only as neighbours.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn draw(
+        &mut self,
+        scenes: &mut PreparedScenes,
+        (show, parameters, choice): (&ShowFollower, &Parameters, DrawingChoice),
+        renderer: &mut Renderer,
+        picture: &WantedPicture,
+        way: (Duration, u64),
+    ) -> Result<Option<Drawn>, GpuError> {
+        let of = Ingredients { scenes, show, parameters, choice };
+        if self.give_up_another(of, picture)
+            && of.scenes.fading_out.is_some()
+            && !self.fades_out(of, &picture.moment, Place::FadingOut)
+        {
+            scenes.end_fade();
+        }
+        let of = Ingredients { scenes, show, parameters, choice };
+        let drawn = self.go_on(of, renderer, picture, way)?;
+        if let Some(drawn) = drawn.as_ref().filter(|_| of.scenes.before.is_some()) {
+            // The one before is kept for its fade, or as a neighbour.
+            let fades_out = self.fades_out(of, &drawn.shown.moment, Place::Before);
+            match scenes.before.take() {
+                Some(before) if fades_out => scenes.fade_out(before),
+                Some(before) => scenes.ahead.keep(before),
+                None => {}
+            }
+        }
+        Ok(drawn)
+    }
+
+    /// Whether the scene at a place fades out at a moment of the song.
+    fn fades_out(&self, of: Ingredients<'_>, moment: &Moment, place: Place) -> bool {
+        self.outgoing(of, moment).is_some_and(|outgoing| outgoing.place == place)
+    }
+
+    fn go_on(
+        &mut self,
+        of: Ingredients<'_>,
+        renderer: &mut Renderer,
+        picture: &WantedPicture,
+        (go, revision): (Duration, u64),
+    ) -> Result<Option<Drawn>, GpuError> {
+        let Some((id, mode)) = shown(of) else { return Ok(None) };
+        let now = (id, mode, self.views.choice());
+        let drawn = loop {
+            if self.making.is_none() {
+                self.making = self.begin(of, renderer, now, picture, revision)?;
+            }
+            let Some(Making { below, program, .. }) = &self.making else { return Ok(None) };
+            let below = *below;
+            let scene = of.scenes.at(below.unwrap_or(Place::Shown));
+            let Some(scene) = scene else { return Ok(None) };
+            let progress = renderer.go_on(&scene.resources, program, go)?;
+            let Some(making) = &mut self.making else { return Ok(None) };
+            match (progress, below) {
+                (Progress::Finished { spent }, Some(_)) => {
+                    renderer.keep_light()?;
+                    self.change.note_light(spent);
+                    self.making = None;
+                }
+                (Progress::Finished { spent }, None) => {
+                    break Drawn { shown: making.shown, spent: making.spent + spent };
+                }
+                (Progress::Going { seconds }, below) => {
+                    making.seconds = seconds.filter(|_| below.is_none());
+                    return Ok(None);
+                }
+            }
+        };
+        self.change.end();
+        self.has_interrupted = false;
+        if let Some(Making { legend, .. }) = self.making.take() {
+            renderer.put_legend(legend.as_deref())?;
+        }
+        self.pictures.finish(Some(id), drawn.spent);
+        if self.fading.goes_on_by_itself() {
+            self.revision += 1;
+        }
+        Ok(Some(drawn))
+    }
+
+    /// Gives up a picture that was begun and is not the one that is wanted. Returns whether there is none now.
+    fn give_up_another(&mut self, of: Ingredients<'_>, wanted: &WantedPicture) -> bool {
+        let Some((id, mode)) = shown(of) else { return false };
+        let now = (id, mode, self.views.choice());
+        let is_of_use = |making: &Making| {
+            (making.shown.size, making.shown.edges) == (wanted.size, wanted.edges) && making.of == now
+        };
+        if self.making.as_ref().is_some_and(is_of_use) {
+            return false;
+        }
+        if self.making.take().is_some_and(|making| making.of.0 != id) {
+            self.has_interrupted = true;
+        }
+        true
+    }
+
+    /// Begins a picture of the scene that shows, or first of what fades out below it. None if its regions are awaited.
+    fn begin(
+        &mut self,
+        of: Ingredients<'_>,
+        renderer: &mut Renderer,
+        drawn: (u64, Mode, Option<ViewChoice>),
+        picture: &WantedPicture,
+        revision: u64,
+    ) -> Result<Option<Making>, GpuError> {
+        let WantedPicture { moment, size, aspect, quality, edges, .. } = *picture;
+        let wanted = Shown { moment, size, edges, revision };
+        let (wanted, sound) = self.change.resume(wanted, picture.sound.clone());
+        let time = wanted.moment.song_time;
+        let outgoing = self.outgoing(of, &wanted.moment);
+        let lit = self.change.lit().filter(|_| outgoing.is_some());
+        // What fades out is drawn first.
+        let below = outgoing.as_ref().filter(|_| lit.is_none());
+        if below.is_some() {
+            self.change.begin(wanted, sound.clone());
+            self.fading.announce();
+        }
+        let scene = of.scenes.at(below.map_or(Place::Shown, |below| below.place));
+        let Some((scene, mode)) = scene.and_then(|scene| Some((scene, scene.mode(of.choice.sdf)?))) else {
+            return Ok(None);
+        };
+        let (params, camera) = match below {
+            Some(below) => self.change.numbers(scene, below, time, of.parameters),
+            None => numbers_of(of, scene, time),
+        };
+        let hand = match below {
+            Some(below) => self.change.camera(below, time, self.camera.hand()),
+            None => self.camera_at(of, time),
+        };
+        self.camera.note_shown(hand);
+        let is_untried = scene.tree == FirstTree::Untried;
+        let (cells, fades_away) = (of.choice.cells, below.is_some());
+        let wishes = Wishes { params: &params, camera, hand, cells, is_untried, fades_away };
+        let drawable = self.regions.drawable((scene.id, mode), &scene.resources, wanted, sound, wishes);
+        let Some((frame, shown)) = drawable else { return Ok(None) };
+        if outgoing.is_some() && shown != wanted {
+            // An older tree has come; both scenes are drawn at one moment.
+            return Ok(None);
+        }
+        let frame = frame.in_window(scene.resources.world(), aspect, quality);
+        let making = |program| Making {
+            of: drawn,
+            below: below.map(|below| below.place),
+            program,
+            legend: None,
+            shown,
+            seconds: None,
+            spent: lit.unwrap_or_default(),
+        };
+        if below.is_some() {
+            renderer.set_edge_samples(shown.edges);
+            renderer.begin_light(&frame, &scene.resources)?;
+            return Ok(scene.program(mode).cloned().map(making));
+        }
+        self.camera.note_own_pitch(frame.own_pitch());
+        match &outgoing {
+            Some(outgoing) if outgoing.stay.is_some() => renderer.set_fade(Some(outgoing.share)),
+            _ => {
+                let (now, runs, is_live) = (Instant::now(), picture.runs, outgoing.is_some());
+                self.fading.begin_picture(renderer, Begun { now, moment: &wanted.moment, runs, is_live });
+            }
+        }
+        // Only now: another number of samples leaves no light of the last picture to be kept.
+        renderer.set_edge_samples(shown.edges);
+        let begun = match self.views.program(scene, mode) {
+            None => {
+                renderer.begin(&frame, &scene.resources)?;
+                scene.program(mode).cloned().map(making)
+            }
+            Some((view, mode, program)) => {
+                let legend = self.views.begin(renderer, &frame, (scene, mode), view)?;
+                Some(Making { legend, ..making(program) })
+            }
+        };
+        self.pictures.begin(Pictured::of(scene, frame));
+        Ok(begun)
+    }
+
+    /// What fades out below the scene that shows at a moment of the song, if both are there.
+    fn outgoing(&self, of: Ingredients<'_>, moment: &Moment) -> Option<Outgoing> {
+        if self.views.choice().is_some() {
+            return None;
+        }
+        if self.fading.goes_on() {
+            let (left, share) = self.change.left().zip(self.fading.share_of_scene(moment))?;
+            return Some(Outgoing { place: of.scenes.place_of(left, of.choice.sdf)?, stay: None, share });
+        }
+        of.show.outgoing(moment.song_time, of.scenes, of.choice.sdf)
+    }
+
+    /// Whether a fade that is entered now shows both scenes.
+    fn fades_with_both(&self, of: Ingredients<'_>) -> bool {
+        if self.views.choice().is_some() || self.fading.goes_on() {
+            return false;
+        }
+        let outgoing = of.show.last_time().and_then(|time| of.show.outgoing(time, of.scenes, of.choice.sdf));
+        outgoing.is_some_and(|outgoing| outgoing.share > 1.0 - LATE_SHARE || of.show.stands_still())
+    }
+
+    /// How the camera of the scene that shows is moved at `time` seconds of the song.
+    fn camera_at(&self, of: Ingredients<'_>, time: f64) -> OrbitControls {
+        let stays = of.scenes.shown.as_ref().map(|scene| of.show.stays(scene, time).0);
+        self.camera.at(&stays.unwrap_or_default(), time)
+    }
+
+    /// Notes how the user or a show left a scene that another one takes the place of.
+    pub(super) fn note_left(&mut self, left: &PreparedScene, show: &ShowFollower, parameters: &Parameters) {
+        self.change.note_left(left, self.pictures.took(), self.camera.hand(), show, parameters);
+    }
+
+    /// Lets the scene that goes fade into the one that comes. Views stand for numbers and are cut.
+    pub(super) fn fade_if_it_can(&mut self, of: Ingredients<'_>) {
+        if self.fades_with_both(of) {
+            self.fading.cut();
+        } else if self.views.choice().is_none() {
+            self.fading.want();
+        }
+    }
+
+    /// Lets the picture that was held fade into what comes next, for so many seconds. Views, and what a show mixes by
+    /// itself, are cut.
+    pub(super) fn fade_from_held(&mut self, seconds: f64, of: Ingredients<'_>) {
+        if self.views.choice().is_some() || self.fades_with_both(of) {
+            self.fading.cut();
+        } else {
+            self.fading.release(seconds);
+        }
+        self.revision += 1;
+    }
+
+    /// Mixes this share of the picture that a show holds into what comes next, or none of it any more.
+    pub(crate) fn mix_held(&mut self, share: Option<f32>) {
+        if self.views.choice().is_none() {
+            self.fading.mix_held(share);
+        }
+        self.revision += 1;
+    }
+
+    /// Shows a view from now on, or the picture.
+    pub(super) fn show_view(&mut self, choice: Option<ViewChoice>) {
+        self.views.choose(choice);
+        if choice.is_some() {
+            self.fading.cut();
+        }
+        self.regions.insist(choice.is_some());
+    }
+
+    /// Takes a program of views that was requested. If the driver refuses it, the picture shows instead.
+    ///
+    /// # Errors
+    /// What the driver says.
+    pub(super) fn take_views(
+        &mut self,
+        of: ViewsOf,
+        program: Result<Program, GpuError>,
+    ) -> Result<(), GpuError> {
+        self.views.take(of, program).inspect_err(|_| self.regions.insist(false))
+    }
+
+    /// Takes note of how long a frame took.
+    pub(super) fn note_frame_time(&mut self, time: Duration, of: Ingredients<'_>) {
+        let Some((scene, drawn)) = of.scenes.shown.as_ref().zip(shown(of)) else { return };
+        // Views are drawn by other programs, and during a fade two scenes are drawn.
+        if self.views.choice().is_some() || of.scenes.fading_out.is_some() {
+            return;
+        }
+        let built = scene.resources.regions();
+        if built.is_some_and(|built| self.regions.note_frame_time(drawn, &built, time, of.choice.cells)) {
+            self.revision += 1;
+        }
+    }
+
+    /// Whether a picture was begun and is not finished.
+    pub(crate) fn is_drawing(&self) -> bool {
+        self.making.is_some()
+    }
+
+    /// Whether the picture of this scene is finished and nothing about it changes by itself.
+    pub(super) fn rests_on(&self, scene: u64) -> bool {
+        self.pictures.scene() == Some(scene)
+            && self.making.is_none()
+            && self.views.choice().is_none()
+            && !self.fading.goes_on()
+    }
+
+    /// Whether the picture that was begun must be finished, because it would be the second one in turn that a changed text
+    /// breaks off.
+    pub(super) fn must_finish(&self) -> bool {
+        self.making.is_some() && self.has_interrupted
+    }
+
+    /// Whether a picture of two scenes was begun: both are drawn with the same values.
+    pub(super) fn is_between_scenes(&self) -> bool {
+        self.change.is_begun()
+    }
+
+    /// How long the picture that was begun will take, in seconds, once that is known.
+    pub(crate) fn seconds_of_picture(&self) -> Option<f64> {
+        self.making.as_ref()?.seconds
+    }
+
+    /// Gives up the picture that was begun, because the next one is to be drawn in another way.
+    pub(crate) fn give_picture_up(&mut self) {
+        self.making = None;
+    }
+
+    /// Whether the regions of a requested picture have come.
+    pub(crate) fn has_regions(&self) -> bool {
+        self.regions.have_come()
+    }
+
+    /// The pictures that were drawn.
+    pub(crate) fn pictures(&self) -> &SeenPictures {
+        &self.pictures
+    }
+
+    /// How scenes fade into each other.
+    pub(crate) fn fading(&self) -> &Fading {
+        &self.fading
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn fading_mut(&mut self) -> &mut Fading {
+        &mut self.fading
+    }
+
+    /// The view that was chosen; none is the picture.
+    pub(crate) fn view(&self) -> Option<ViewChoice> {
+        self.views.choice()
+    }
+
+    /// Notes that the same moment would look different.
+    pub(crate) fn look_different(&mut self) {
+        self.revision += 1;
+    }
+
+    /// A number that changes whenever the same moment would look different because of how it is drawn.
+    pub(super) fn revision(&self) -> u64 {
+        self.revision + self.views.revision() + self.camera.revision()
+    }
+}
+
+/// The scene that shows and its mode.
+fn shown(of: Ingredients<'_>) -> Option<(u64, Mode)> {
+    let scene = of.scenes.shown.as_ref()?;
+    Some((scene.id, scene.mode(of.choice.sdf)?))
+}
+
+/// The parameters of a scene at `time` seconds of the song, and its camera's number: as the show moves them, and else, or
+/// where another hand turned one, as that left it.
+fn numbers_of(of: Ingredients<'_>, scene: &PreparedScene, time: f64) -> (Vec<f32>, Option<usize>) {
+    let (stays, share) = of.show.stays(scene, time);
+    let mut numbers = of.parameters.numbers(scene, &stays, time);
+    if let Some((share, number)) = share.zip(numbers.last_mut()) {
+        *number = share;
+    }
+    let camera = stays.first.filter(|_| share.is_none());
+    (numbers, camera.and_then(|stay| camera_number(scene.resources.world(), stay.camera.as_deref())))
+}

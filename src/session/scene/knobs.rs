@@ -1,0 +1,85 @@
+//! The sliders of a scene, and which of its parameters each of them turns.
+
+use std::rc::Rc;
+
+use crate::scenes::SceneSource;
+use mariana_control::{Hand, Param, Slider};
+use mariana_field::world::World;
+
+/// Which parameter a slider turns.
+pub(super) struct Knob {
+    /// Its place among those of the world.
+    pub place: usize,
+    /// The title of the scene that it belongs to.
+    pub scene: Rc<str>,
+}
+
+/// The sliders of a scene, each with its knob.
+#[derive(Default)]
+pub(super) struct SceneKnobs {
+    sliders: Vec<Slider>,
+    knobs: Vec<Knob>,
+}
+
+impl SceneKnobs {
+    /// Those of a scene; the ones of a blend belong to the two scenes that it mixes.
+    pub(super) fn of(source: &SceneSource, world: &World) -> Self {
+        let title: Rc<str> = source.title().into();
+        let leaving: Option<(usize, Rc<str>)> = match (source, world.blended) {
+            (SceneSource::Blend(blend), Some(split)) => Some((split, blend.from.source.title().into())),
+            _ => None,
+        };
+        let params = world.scene.params.iter().enumerate().filter(|(_, param)| !param.is_number);
+        let pairs = params.map(|(place, param)| {
+            let scene = leaving.as_ref().filter(|(split, _)| place < *split).map_or(&title, |(_, from)| from);
+            let slider = Slider {
+                name: param.name.clone(),
+                value: param.default,
+                min: param.min,
+                max: param.max,
+                default: param.default,
+                hand: Hand::Text,
+            };
+            (slider, Knob { place, scene: scene.clone() })
+        });
+        let (sliders, knobs) = pairs.unzip();
+        Self { sliders, knobs }
+    }
+
+    /// The sliders, in the order of the parameters.
+    pub(super) fn sliders(&self) -> &[Slider] {
+        &self.sliders
+    }
+
+    /// The same, to be moved.
+    pub(super) fn sliders_mut(&mut self) -> &mut [Slider] {
+        &mut self.sliders
+    }
+
+    /// Each slider with its knob.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&Slider, &Knob)> {
+        self.sliders.iter().zip(&self.knobs)
+    }
+
+    /// The one at a place of the sliders.
+    pub(super) fn get(&self, place: usize) -> Option<(&Slider, &Knob)> {
+        self.sliders.get(place).zip(self.knobs.get(place))
+    }
+
+    /// The place of a slider by its name; in a blend, of the one of the scene that comes.
+    pub(super) fn place_of(&self, name: &str) -> Option<usize> {
+        self.sliders.iter().rposition(|slider| slider.name == name)
+    }
+
+    /// The titles of the scenes that they belong to.
+    pub(super) fn titles(&self) -> Vec<&str> {
+        let mut titles: Vec<&str> = self.knobs.iter().map(|knob| &*knob.scene).collect();
+        titles.dedup();
+        titles
+    }
+}
+
+/// The parameter of a slider, as the control's model knows it.
+pub(super) fn param_of(slider: &Slider) -> Param<'_> {
+    Param { name: &slider.name, min: slider.min, max: slider.max, default: slider.default }
+}

@@ -1,0 +1,328 @@
+//! Programs for scenes: those that are being made, and the interpreters, which serve several scenes.
+//!
+//! ```text
+//! universal interpreter ─ refused ─► interpreter of the scene's own ─ refused ─► compiled only
+//! ```
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use super::kept::KeptPrograms;
+use super::prepared_scene::PreparedScene;
+use super::program_task::{Task, ViewsOf};
+use super::universal::UniversalInterpreters;
+use crate::frame::Frame;
+use crate::frame::block::RegionTree;
+use crate::gpu::background::{BackgroundCompiler, ProgramJob, Sources, WorkerContext};
+use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
+use crate::gpu::program::Program;
+use crate::gpu::renderer::Counting;
+use crate::gpu::scene_program::{Interpreter, Mode, as_views, compiled_drawing_variant, compiled_variant_of};
+use crate::gpu::shader_source::Variant;
+use crate::gpu::stand_ins::SceneShape;
+
+/// See the module.
+pub(super) struct ProgramLibrary {
+    gl: Gl,
+    universal: UniversalInterpreters,
+    /// Those that are scenes' own.
+    interpreters: KeptPrograms<Interpreter>,
+    tasks: HashMap<u64, Task>,
+    next_task: u64,
+    /// Whether a picture was finished: the first one does not wait for the universal interpreter, because a scene's own
+    /// is compiled sooner.
+    has_shown: bool,
+    // Last: its threads draw with what the fields above hold.
+    compiler: BackgroundCompiler,
+}
+
+impl ProgramLibrary {
+    /// Starts the compiler's threads, which call `wake` after each program.
+    pub(super) fn start(
+        gl: &Gl,
+        contexts: Vec<WorkerContext>,
+        sources: Sources,
+        wake: impl Fn() + Send + Clone + 'static,
+    ) -> Self {
+        let compiler = BackgroundCompiler::start(contexts, sources, gl.info(), wake);
+        Self {
+            gl: gl.clone(),
+            // Without threads it would be compiled between frames, which then come late.
+            universal: UniversalInterpreters::new(!gl.info().software && compiler.has_threads()),
+            interpreters: KeptPrograms::default(),
+            tasks: HashMap::new(),
+            next_task: 0,
+            has_shown: false,
+            compiler,
+        }
+    }
+
+    /// The next program that is made, or the reason why it could not be, with its purpose. Nobody else remembers the
+    /// purpose.
+    pub(super) fn poll(&mut self) -> Option<(Task, Result<Program, GpuError>)> {
+        while let Some(finished) = self.compiler.poll() {
+            if let Some(task) = self.tasks.remove(&finished.id) {
+                let program = finished.program.and_then(|ready| Program::adopt(&self.gl, &ready));
+                return Some((task, program));
+            }
+        }
+        None
+    }
+
+    /// Notes that a picture was finished.
+    pub(super) fn note_picture(&mut self) {
+        self.has_shown = true;
+    }
+
+    /// Whether a picture was finished.
+    pub(super) fn has_shown(&self) -> bool {
+        self.has_shown
+    }
+
+    /// Whether nothing is being made.
+    pub(super) fn is_idle(&self) -> bool {
+        self.tasks.is_empty()
+    }
+
+    /// The purpose of a program that is being made.
+    pub(super) fn task(&self, id: u64) -> Option<&Task> {
+        self.tasks.get(&id)
+    }
+
+    /// The tasks that the driver is at for long, each once.
+    pub(super) fn slow(&self) -> Vec<u64> {
+        self.compiler.slow()
+    }
+
+    /// Takes an interpreter of a scene's own that is ready.
+    pub(super) fn add_interpreter(&mut self, variant: Interpreter, program: Program) {
+        tracing::info!("an interpreter is ready");
+        self.interpreters.add(variant, program);
+    }
+
+    /// Takes a universal interpreter, or the fact that the driver refuses it: then scenes get their own ones, and a
+    /// sentence that says so is returned.
+    pub(super) fn take_universal(
+        &mut self,
+        steep: bool,
+        program: Result<Program, GpuError>,
+    ) -> Option<&'static str> {
+        match program {
+            Ok(program) => {
+                self.universal.put(steep, program);
+                tracing::info!("the universal interpreter is ready{}", of_kind(steep));
+                None
+            }
+            Err(error) => {
+                self.universal.give_up(steep);
+                let sentence = "this driver has no interpreter for all scenes: each scene gets its own";
+                match &error {
+                    GpuError::GivenUp { .. } => tracing::warn!("{sentence}; {error}"),
+                    _ => {
+                        tracing::warn!("{sentence}");
+                        tracing::info!("{error}");
+                    }
+                }
+                Some(sentence)
+            }
+        }
+    }
+
+    /// The interpreter that draws what needs this one, if it is there.
+    pub(super) fn interpreter_for(&mut self, needed: &Interpreter) -> Option<Rc<Program>> {
+        self.universal.find(needed).or_else(|| self.interpreters.find(|known| known.covers(needed)))
+    }
+
+    /// Whether a scene's program of that mode was requested and has not come.
+    pub(super) fn is_making(&self, scene: &PreparedScene, mode: Mode) -> bool {
+        let needed = scene.programs.interpreter.as_ref();
+        self.tasks.values().any(|task| match task {
+            Task::Compiled { id, .. } => mode == Mode::Compiled && *id == scene.id,
+            Task::Interpreter(asked) => {
+                mode == Mode::Interpreted && needed.is_some_and(|needed| asked.covers(needed))
+            }
+            Task::Universal { .. } => {
+                mode == Mode::Interpreted && needed.is_some_and(|needed| self.universal.are_coming(needed))
+            }
+            Task::Views(_) => false,
+        })
+    }
+
+    /// Makes the program of one of these scenes for the scene `id` from now on: they are compiled alike.
+    pub(super) fn make_for(&mut self, alike: &[u64], id: u64) {
+        let is_theirs = |task: &&mut Task| matches!(task, Task::Compiled { id, .. } if alike.contains(id));
+        if let Some(Task::Compiled { id: of, .. }) = self.tasks.values_mut().find(is_theirs) {
+            *of = id;
+        }
+    }
+
+    /// Drops requests for scenes that are no longer there. A program that is being made already is dropped when it
+    /// comes.
+    pub(super) fn forget_all_but(&mut self, kept: &[u64]) {
+        self.tasks.retain(|_, task| match task {
+            Task::Compiled { id, .. } | Task::Views(ViewsOf::Compiled(id)) => kept.contains(id),
+            Task::Interpreter(_) | Task::Universal { .. } | Task::Views(_) => true,
+        });
+        self.compiler.forget(|id| !self.tasks.contains_key(&id));
+    }
+
+    /// Requests a scene's own program, which may be there already in another form.
+    pub(super) fn request_compiled(&mut self, scene: &PreparedScene, has_cells: bool) {
+        let world = scene.resources.world().clone();
+        let job = self.job(scene, move || compiled_drawing_variant(&world, has_cells));
+        let how = if has_cells { ", with cells" } else { "" };
+        tracing::info!("{} is requested, compiled{how}", scene.title());
+        self.submit(job, Task::Compiled { id: scene.id, has_cells });
+    }
+
+    /// Requests the interpreter that a scene needs, unless it is there or was requested.
+    pub(super) fn request_interpreter(&mut self, scene: &PreparedScene) {
+        let Some(needed) = scene.programs.interpreter.clone() else { return };
+        let can_wait = self.has_shown || self.is_making(scene, Mode::Compiled);
+        if self.universal.find(&needed).is_some() {
+            return;
+        }
+        if self.universal.serve(&needed) && can_wait {
+            return self.request_universal(needed.is_steep(), scene);
+        }
+        let mut asked = self.tasks.values().filter_map(|task| match task {
+            Task::Interpreter(asked) => Some(asked),
+            _ => None,
+        });
+        let covers = |known: &Interpreter| known.covers(&needed);
+        if self.interpreters.has(covers) || asked.any(covers) {
+            return;
+        }
+        let variant = needed.clone();
+        let mut job = self.job(scene, move || Ok(variant.variant(Counting::Off)));
+        job.can_be_given_up = true;
+        tracing::info!("{} is requested, interpreted", scene.title());
+        self.submit(job, Task::Interpreter(needed));
+    }
+
+    /// Requests a universal interpreter that no scene has needed so far, if there is one. `scene` is what its first
+    /// picture shows.
+    pub(super) fn request_unneeded(&mut self, scene: &PreparedScene) {
+        if let Some(steep) = self.universal.unasked() {
+            self.request_universal(steep, scene);
+        }
+    }
+
+    /// Requests a program for views of a scene, unless it was requested.
+    pub(super) fn request_views(&mut self, scene: &PreparedScene, mode: Mode, wanted: ViewsOf) {
+        let is_asked = |task: &Task| matches!(task, Task::Views(asked) if asked.covers(&wanted));
+        if self.tasks.values().any(is_asked) {
+            return;
+        }
+        let mut job = match wanted.clone() {
+            ViewsOf::Compiled(_) => {
+                let world = scene.resources.world().clone();
+                self.job(scene, move || compiled_variant_of(&world, Counting::On).map(as_views))
+            }
+            ViewsOf::Interpreted(variant) => {
+                self.job(scene, move || Ok(as_views(variant.variant(Counting::On))))
+            }
+        };
+        job.draws_views = true;
+        tracing::info!("views of {} are requested, {mode}", scene.title());
+        self.submit(job, Task::Views(wanted));
+    }
+
+    fn request_universal(&mut self, steep: bool, scene: &PreparedScene) {
+        let Some(variant) = self.universal.ask(steep) else { return };
+        let mut job = self.job(scene, move || Ok(variant.variant(Counting::Off)));
+        job.can_be_given_up = true;
+        tracing::info!("the universal interpreter is requested{}", of_kind(steep));
+        self.submit(job, Task::Universal { steep });
+    }
+
+    fn job(
+        &self,
+        scene: &PreparedScene,
+        variant: impl FnOnce() -> Result<Variant, GpuError> + Send + 'static,
+    ) -> ProgramJob {
+        let world = scene.resources.world();
+        let frame = Frame::new(world, 0.0, mariana_music::Features::SILENCE, (16, 16));
+        ProgramJob {
+            id: self.next_task,
+            variant: Box::new(variant),
+            block: frame.block(world, &RegionTree::default()),
+            picture: frame.picture,
+            scene: SceneShape::of(world),
+            draws_views: false,
+            can_be_given_up: false,
+        }
+    }
+
+    fn submit(&mut self, job: ProgramJob, task: Task) {
+        self.next_task += 1;
+        self.tasks.insert(job.id, task);
+        self.compiler.submit(job);
+    }
+}
+
+/// What the log adds for formulas that are no distances.
+fn of_kind(steep: bool) -> &'static str {
+    if steep { ", for formulas that are no distances" } else { "" }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use mariana_testing::process::wait_until;
+
+    use super::super::testing::{text, uploaded};
+    use super::*;
+    use crate::gpu::headless::Headless;
+    use crate::gpu::shader_source::ShaderLibrary;
+
+    fn library(gl: &Gl) -> ProgramLibrary {
+        let sources = Sources { library: ShaderLibrary::embedded(), cache: Arc::new(()) };
+        ProgramLibrary::start(gl, Vec::new(), sources, || {})
+    }
+
+    fn made(programs: &mut ProgramLibrary) -> (Task, Result<Program, GpuError>) {
+        let mut found = None;
+        wait_until("a program", || {
+            found = programs.poll();
+            found.is_some()
+        });
+        found.unwrap()
+    }
+
+    #[test]
+    fn a_program_comes_with_its_purpose_and_one_that_was_forgotten_never_comes() {
+        let context = Headless::new(false).unwrap();
+        let mut programs = library(context.gl());
+        let [first, second] = [(3, "sphere(p, 1)"), (4, "box(p, 1)")]
+            .map(|(id, formula)| uploaded(context.gl(), id, &text(formula)));
+        programs.request_compiled(&first, false);
+        programs.request_compiled(&second, false);
+        assert!(programs.is_making(&first, Mode::Compiled) && !programs.is_making(&first, Mode::Interpreted));
+        programs.forget_all_but(&[4]);
+        assert!(!programs.is_making(&first, Mode::Compiled) && programs.is_making(&second, Mode::Compiled));
+        // Another version of the second one is compiled alike.
+        programs.make_for(&[4], 9);
+        let (task, program) = made(&mut programs);
+        assert!(matches!(task, Task::Compiled { id: 9, has_cells: false }) && program.is_ok());
+        assert!(programs.is_idle() && programs.poll().is_none());
+    }
+
+    #[test]
+    fn an_interpreter_is_requested_once_for_all_scenes_that_it_covers() {
+        let context = Headless::new(false).unwrap();
+        let mut programs = library(context.gl());
+        let [first, second] = [(0, "sphere(p, 1)"), (1, "sphere(p, 2)")]
+            .map(|(id, formula)| uploaded(context.gl(), id, &text(formula)));
+        programs.request_interpreter(&first);
+        programs.request_interpreter(&second);
+        assert!(programs.is_making(&second, Mode::Interpreted));
+        let (Task::Interpreter(variant), Ok(program)) = made(&mut programs) else { panic!("no interpreter") };
+        assert!(programs.is_idle(), "both wait for the same");
+        programs.add_interpreter(variant, program);
+        let needed = second.programs.interpreter.as_ref().unwrap();
+        assert!(programs.interpreter_for(needed).is_some());
+    }
+}

@@ -1,0 +1,570 @@
+//! The door to everything about scenes: it hands what one part finds to the others.
+
+use std::time::{Duration, Instant};
+
+use super::ahead::PreparedAhead;
+use super::composer::{Drawn, Ingredients, SceneComposer, WantedPicture};
+use super::context_change::{DrawingWays, KeptScenes, LoadedScene, SceneLoaders};
+use super::library::SceneLibrary;
+use super::messages::{Messages, SceneWords};
+use super::parameters::Parameters;
+use super::performed::Performed;
+use super::preparation::{ScenePreparation, TreeVerdict};
+use super::prepared_scene::{DrawingChoice, PreparedScene};
+use super::prepared_scenes::PreparedScenes;
+use super::preview::NextPicture;
+use super::program_library::ProgramLibrary;
+use super::program_task::Task;
+use super::refusal::{Refusal, TREE_TOO_LONG};
+use super::regions::SceneRegions;
+use super::report::SceneReport;
+use super::show_follower::{Circumstances, ShowFollower, Step};
+use super::shown_parameters::{ShownParameters, TurnedParameters};
+use super::tree_trials::TreeTrials;
+use crate::frame::orbit_controls::OrbitControls;
+use crate::gpu::background::{Sources, WorkerContext};
+use crate::gpu::cell_use::CellUse;
+use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
+use crate::gpu::picture_reader::PictureReader;
+use crate::gpu::renderer::{Renderer, Sketch};
+use crate::gpu::scene_program::Mode;
+use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
+use crate::view::ViewChoice;
+use mariana_control::Model;
+use mariana_music::Sound;
+
+/// Prepares scenes and draws them.
+pub(crate) struct SceneSession {
+    scenes: PreparedScenes,
+    show: ShowFollower,
+    parameters: Parameters,
+    messages: Messages,
+    composer: SceneComposer,
+    next_picture: NextPicture,
+    /// The scene that shows and its mode when they were last announced.
+    announced: Option<(u64, Mode)>,
+    // Last: the compiler's threads draw with what the fields above hold.
+    preparation: ScenePreparation,
+}
+
+impl SceneSession {
+    /// Prepares the first scene, which a loader watches. `wake` is called when a thread has something.
+    ///
+    /// # Errors
+    /// What the driver or the system refuses.
+    pub(crate) fn new(
+        gl: &Gl,
+        contexts: Vec<WorkerContext>,
+        sources: Sources,
+        ways: DrawingWays,
+        loaders: SceneLoaders,
+        first: LoadedScene,
+        wake: impl Fn() + Send + Clone + 'static,
+    ) -> Result<Self, GpuError> {
+        let no_worker = |error: std::io::Error| GpuError::NoWorker { reason: error.to_string() };
+        let regions = SceneRegions::start(wake.clone()).map_err(no_worker)?;
+        let next_picture = NextPicture::start(wake.clone()).map_err(no_worker)?;
+        let LoadedScene { source, scene } = first;
+        let choice = DrawingChoice { sdf: ways.sdf, cells: ways.cells };
+        let library = SceneLibrary::new(loaders.shown, source.clone());
+        let trials = TreeTrials::start(wake.clone()).map_err(no_worker)?;
+        let programs = ProgramLibrary::start(gl, contexts, sources, wake);
+        let preparation = ScenePreparation::new(gl, choice, library, trials, programs);
+        let mut session = Self {
+            scenes: PreparedScenes::with(PreparedAhead::with(loaders.ahead)),
+            show: ShowFollower::default(),
+            parameters: Parameters::new(Model::default(), Instant::now()),
+            messages: Messages::default(),
+            composer: SceneComposer::new(regions, ways.view, ways.fade),
+            next_picture,
+            announced: None,
+            preparation,
+        };
+        session.preparation.prepare(source, scene, &mut session.scenes)?;
+        session.show_what_is_ready();
+        Ok(session)
+    }
+
+    /// Drops everything that belongs to its context, and returns what another session goes on with.
+    pub(crate) fn let_go(self) -> KeptScenes {
+        let DrawingChoice { sdf, cells } = self.preparation.choice();
+        let PreparedScenes { shown, coming, ahead, .. } = self.scenes;
+        let shown = shown.or(coming).map(PreparedScene::into_ready);
+        let shown = shown.map(|(source, scene)| LoadedScene { source, scene });
+        let (view, fade) = (self.composer.view(), self.composer.fading().seconds());
+        let (loader, wanted) = self.preparation.library.into_loader();
+        KeptScenes {
+            loaders: SceneLoaders { shown: loader, ahead: ahead.into_loaders() },
+            shown,
+            wanted,
+            hands: self.parameters.kept(),
+            ways: DrawingWays { sdf, cells, view, fade },
+        }
+    }
+
+    /// Goes on where another session ended, with what hands have turned and the scene that was asked for.
+    pub(crate) fn take_over(&mut self, hands: (Model, Instant), wanted: SceneSource) {
+        self.parameters.take_over(hands);
+        self.preparation.library.take_over(wanted);
+    }
+
+    /// The scenes that can be drawn or soon can be.
+    pub(crate) fn scenes(&self) -> &PreparedScenes {
+        &self.scenes
+    }
+
+    /// What was asked for, and the list of scenes.
+    pub(crate) fn library(&self) -> &SceneLibrary {
+        &self.preparation.library
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn library_mut(&mut self) -> &mut SceneLibrary {
+        &mut self.preparation.library
+    }
+
+    /// What shows, and what is drawn.
+    pub(crate) fn composer(&self) -> &SceneComposer {
+        &self.composer
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn composer_mut(&mut self) -> &mut SceneComposer {
+        &mut self.composer
+    }
+
+    /// The show that the scenes follow.
+    pub(crate) fn show(&self) -> &ShowFollower {
+        &self.show
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn show_mut(&mut self) -> &mut ShowFollower {
+        &mut self.show
+    }
+
+    /// What hands turn.
+    pub(crate) fn parameters_mut(&mut self) -> &mut Parameters {
+        &mut self.parameters
+    }
+
+    /// The parameters of the scene that shows.
+    pub(crate) fn shown_parameters(&self) -> ShownParameters<'_> {
+        let (scene, show) = (self.scenes.shown.as_ref(), &self.show);
+        ShownParameters { scene, show, parameters: &self.parameters }
+    }
+
+    /// The same, to be turned.
+    pub(crate) fn shown_parameters_mut(&mut self) -> TurnedParameters<'_> {
+        let (scene, show) = (self.scenes.shown.as_mut(), &self.show);
+        TurnedParameters { scene, show, parameters: &mut self.parameters }
+    }
+
+    /// What there is to report of the scene that shows.
+    pub(crate) fn report(&self) -> SceneReport<'_> {
+        SceneReport {
+            scenes: &self.scenes,
+            show: &self.show,
+            composer: &self.composer,
+            messages: &self.messages,
+            programs: &self.preparation.programs,
+            choice: self.preparation.choice(),
+        }
+    }
+
+    /// What is said over the picture.
+    pub(crate) fn messages_mut(&mut self) -> &mut Messages {
+        &mut self.messages
+    }
+
+    /// Takes in what the loader and the compilers have finished.
+    ///
+    /// # Errors
+    /// The driver refuses what nothing else can stand in for.
+    pub(crate) fn update(&mut self) -> Result<(), GpuError> {
+        while let Some(loaded) = self.preparation.library.poll() {
+            self.take_loaded(loaded)?;
+        }
+        while let Some((task, program)) = self.preparation.programs.poll() {
+            if let Task::Views(of) = task {
+                if let Err(error) = self.composer.take_views(of, program) {
+                    self.messages.set_problem("this driver cannot show views".to_owned(), error.to_string());
+                }
+                continue;
+            }
+            let (scenes, messages) = (&mut self.scenes, &mut self.messages);
+            let refused = self.preparation.take_program(&task, program, scenes, messages)?;
+            refused.into_iter().for_each(|refusal| self.refuse(refusal));
+        }
+        while let Some((id, tree)) = self.preparation.poll_tree() {
+            match self.preparation.take_tree(id, tree, &mut self.scenes) {
+                TreeVerdict::Fine => {}
+                TreeVerdict::DrawnWithout(id) => self.composer.regions.do_without(id),
+                TreeVerdict::Refused(refusal) => self.refuse(refusal),
+            }
+        }
+        self.preparation.settle_numbers(&mut self.scenes);
+        self.show_what_is_ready();
+        self.preparation.prepare_for_edits(&self.scenes);
+        self.preparation.take_loaded_ahead(&mut self.scenes);
+        if self.is_complete() {
+            let wanted = self.show.wanted_ahead(self.library().wanted());
+            self.preparation.prepare_ahead(wanted, &mut self.scenes);
+        }
+        self.preparation.report_slow_programs(&self.scenes, &mut self.messages);
+        Ok(())
+    }
+
+    fn take_loaded(&mut self, loaded: Loaded<Result<ReadyScene, SceneError>>) -> Result<(), GpuError> {
+        if loaded.value.is_ok() {
+            self.messages.clear_problem();
+        }
+        match self.preparation.take_loaded(loaded.value, &mut self.scenes)? {
+            None => self.show_what_is_ready(),
+            Some(refusal) => self.refuse(refusal),
+        }
+        Ok(())
+    }
+
+    /// Handles a scene that cannot be drawn. If the director chose it, the show takes another one without a message.
+    /// Otherwise the message appears over the picture.
+    fn refuse(&mut self, refusal: Refusal) {
+        self.messages.set_hint(None);
+        let Refusal { source, heading, text } = refusal;
+        let is_edit = self.scenes.shown_source() == Some(&source);
+        if is_edit || self.library().is_written() || !self.show.is_own_choice() {
+            self.messages.set_problem(heading, text);
+        } else {
+            self.show.refuse(source);
+        }
+    }
+
+    /// Brings the scene that is coming into the picture as soon as it can be drawn in a mode that was asked for.
+    fn show_what_is_ready(&mut self) {
+        self.preparation.give_interpreters(&mut self.scenes);
+        let is_version = |scene: &PreparedScene| self.scenes.is_version_of_shown(scene);
+        let must_wait = self.composer.must_finish() && self.scenes.coming.as_ref().is_some_and(is_version);
+        if self.preparation.can_show_coming(&self.scenes) && !must_wait {
+            self.show_coming();
+        }
+        self.composer.views.keep(&self.scenes.ids());
+        self.request_view();
+        self.preparation.request_cells(&self.scenes);
+        self.announce();
+    }
+
+    fn show_coming(&mut self) {
+        let replaced = std::mem::replace(&mut self.scenes.shown, self.scenes.coming.take());
+        let Some(shown) = &mut self.scenes.shown else { return };
+        let is_another = replaced.as_ref().is_some_and(|replaced| replaced.title() != shown.title());
+        if replaced.as_ref().map(|replaced| &replaced.source) != Some(&shown.source) {
+            self.composer.edits.forget();
+        } else if !shown.settles {
+            self.composer.edits.note(Instant::now());
+        }
+        if let Some(left) = replaced.as_ref().filter(|_| is_another) {
+            self.composer.note_left(left, &self.show, &self.parameters);
+        }
+        // There is no point in coming back to a scene that has shown nothing.
+        if self.composer.pictures().scene() == replaced.as_ref().map(|scene| scene.id) {
+            self.scenes.before = replaced;
+        }
+        self.preparation.forget_obsolete(&self.scenes);
+        // Hands may have turned its parameters since the scene was asked for.
+        self.shown_parameters_mut().update_sliders();
+        self.messages.set_hint(None);
+        if is_another {
+            let (composer, of) = self.composing();
+            composer.fade_if_it_can(of);
+            if !self.show.asks_for(self.library().wanted()) {
+                let words = self.scenes.shown_source().map(|source| self.library().placed_name(source));
+                self.messages.answer(words.unwrap_or_default());
+            }
+            self.composer.camera.forget();
+        }
+    }
+
+    /// Says in the log what shows, and to the user that the mode is there which was waited for.
+    fn announce(&mut self) {
+        let shown = self.scenes.shown.as_ref();
+        let now = shown.map(|scene| scene.id).zip(self.mode());
+        let before = self.announced;
+        if now == before {
+            return;
+        }
+        self.announced = now;
+        self.composer.look_different();
+        let Some((name, (id, mode))) = self.scenes.name().zip(now) else { return };
+        tracing::info!("{name} is shown, {mode}");
+        if before.is_some_and(|(known, _)| known == id) && self.preparation.has_come(mode) {
+            self.messages.answer(mode.to_string());
+        }
+    }
+
+    fn request_view(&mut self) {
+        let Some((scene, mode)) = self.scenes.shown.as_ref().zip(self.mode()) else { return };
+        if let Some(wanted) = self.composer.views.missing(scene, mode) {
+            self.preparation.programs.request_views(scene, mode, wanted);
+        }
+    }
+
+    /// The composer, and what it composes pictures of.
+    fn composing(&mut self) -> (&mut SceneComposer, Ingredients<'_>) {
+        let (scenes, show, parameters) = (&self.scenes, &self.show, &self.parameters);
+        let choice = self.preparation.choice();
+        (&mut self.composer, Ingredients { scenes, show, parameters, choice })
+    }
+
+    /// Draws the scene that shows as it was at a moment for which its regions are built, or continues a picture that was
+    /// begun. None if no picture was finished. What `picture` needs is requested.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(crate) fn draw(
+        &mut self,
+        renderer: &mut Renderer,
+        picture: WantedPicture,
+    ) -> Result<Option<Drawn>, GpuError> {
+        let (way, known) = ((self.library().length_of_go(), self.revision()), self.scenes.ids());
+        let of = (&self.show, &self.parameters, self.preparation.choice());
+        let drawn = self.composer.draw(&mut self.scenes, of, renderer, &picture, way)?;
+        if self.scenes.ids() != known {
+            self.preparation.forget_obsolete(&self.scenes);
+        }
+        if drawn.is_some() {
+            self.preparation.programs.note_picture();
+        } else if self.scenes.shown_id().is_some_and(|id| self.composer.regions.has_given_up(id)) {
+            self.take_back(TREE_TOO_LONG);
+        }
+        Ok(drawn)
+    }
+
+    /// Takes a scene out of the picture whose first one would take too long, and brings the previous one back, if there
+    /// is one. If a program of the other mode is being made, the scene is drawn in that mode. `why` begins a sentence.
+    pub(crate) fn take_back(&mut self, why: &str) {
+        let Some((mode, before)) = self.mode().zip(self.scenes.before.take()) else { return };
+        let Some(expensive) = self.scenes.shown.replace(before) else { return };
+        self.composer.give_picture_up();
+        self.composer.fading.cut();
+        self.composer.look_different();
+        let refusal = self.preparation.take_back(expensive, mode, why, &mut self.scenes);
+        self.show_what_is_ready();
+        if let Some(refusal) = refusal {
+            self.refuse(refusal);
+        }
+    }
+
+    /// Draws what is prepared ahead for the first time, where nobody sees it.
+    pub(crate) fn rehearse(&mut self, renderer: &mut Renderer) {
+        if self.is_complete() {
+            self.preparation.rehearse(renderer, &mut self.scenes);
+        }
+    }
+
+    /// Draws the scene that comes next at a moment, where nobody sees it, and sends its picture to `reader`. Returns its
+    /// title; none if there is nothing to draw now.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(crate) fn preview(
+        &mut self,
+        renderer: &mut Renderer,
+        sketch: &mut Sketch,
+        reader: &mut PictureReader,
+        heard: (f64, Sound),
+    ) -> Result<Option<String>, GpuError> {
+        if !self.is_complete() {
+            return Ok(None);
+        }
+        let of = (&self.scenes.ahead, &self.parameters, self.preparation.choice());
+        self.next_picture.draw(of, renderer, sketch, reader, heard)
+    }
+
+    /// Whether there is nothing left to do for the scene that was asked for.
+    fn is_complete(&self) -> bool {
+        let PreparedScenes { shown: Some(shown), coming: None, before: None, .. } = &self.scenes else {
+            return false;
+        };
+        shown.source == *self.library().wanted()
+            && self.composer.rests_on(shown.id)
+            && self.preparation.programs.is_idle()
+    }
+
+    /// Asks for the next or the previous scene.
+    pub(crate) fn go(&mut self, forward: bool) {
+        self.show_source(self.library().beside(forward));
+    }
+
+    /// Asks for a scene because the user wants it.
+    pub(crate) fn show_source(&mut self, source: SceneSource) {
+        self.show.overrule();
+        self.composer.fading.next_takes_the_usual();
+        self.ask_for(source);
+    }
+
+    /// Asks for a scene, and announces it to a user who waits for it.
+    fn ask_for(&mut self, source: SceneSource) {
+        let is_prepared = self.preparation.ask_for(source, &mut self.scenes);
+        let wanted = self.library().wanted();
+        let waits = self.scenes.shown_source() != Some(wanted) && !self.show.asks_for(wanted);
+        let hint = waits.then(|| format!("{} is being prepared", wanted.title()));
+        self.messages.set_hint(hint);
+        if is_prepared {
+            self.messages.clear_problem();
+            self.show_what_is_ready();
+        }
+    }
+
+    /// Asks for what the show has on at `time` seconds of the song.
+    pub(crate) fn follow(&mut self, time: f64) {
+        let known = self.scenes.ids();
+        let now = Circumstances {
+            wanted: self.preparation.library.wanted(),
+            is_written: self.preparation.library.is_written(),
+            is_awaited: self.messages.is_scene_awaited(),
+            sdf: self.preparation.choice().sdf,
+        };
+        let step = self.show.follow(time, &mut self.scenes, &now);
+        if self.scenes.ids() != known {
+            self.preparation.forget_obsolete(&self.scenes);
+        }
+        let Some(Step { source, seconds }) = step else { return };
+        match seconds {
+            Some(seconds) => self.composer.fading.next_takes(seconds),
+            None => self.composer.fading.next_takes_the_usual(),
+        }
+        self.ask_for(source);
+    }
+
+    /// What shows at `time` seconds of the song, to be recorded.
+    pub(crate) fn performed(&self, time: f64) -> Option<Performed<'_>> {
+        let how = (&self.composer.fading, &self.composer.camera);
+        Performed::at(time, &self.scenes, &self.show, how, self.preparation.choice().sdf)
+    }
+
+    /// Goes on to this moment of the song: sliders and the next picture are as hands and show have the parameters now.
+    pub(crate) fn follow_hands(&mut self, song_time: f64) {
+        if self.composer.is_between_scenes() {
+            return;
+        }
+        self.parameters.go_to(song_time);
+        self.shown_parameters_mut().update_sliders();
+        if self.shown_parameters().are_turning() {
+            self.parameters.note_turning();
+        }
+    }
+
+    /// Changes between interpreted and compiled. A missing program is made; until then the picture stays.
+    pub(crate) fn toggle_mode(&mut self) {
+        let Some(mode) = self.mode() else { return };
+        let wanted = self.preparation.toggle_mode(mode, &mut self.scenes);
+        self.show_what_is_ready();
+        let now = self.mode();
+        self.preparation.await_mode(Some(wanted).filter(|_| now != Some(wanted)));
+        let has_interpreter = |scene: &PreparedScene| scene.programs.interpreter.is_some();
+        let possible = wanted == Mode::Compiled || self.scenes.shown.as_ref().is_some_and(has_interpreter);
+        self.messages.answer(match now {
+            Some(now) if now == wanted => now.to_string(),
+            _ if possible => format!("{wanted}: the driver is preparing it"),
+            _ => "the tape does not fit this driver: the scene stays compiled".to_owned(),
+        });
+        self.composer.look_different();
+    }
+
+    /// Uses the cells of regions from now on, or the whole tape everywhere.
+    pub(crate) fn toggle_regions(&mut self) {
+        let drawn = self.scenes.shown.as_ref().zip(self.mode());
+        let drawn = drawn.map(|(scene, mode)| ((scene.id, mode), &scene.resources));
+        let cells = self.composer.regions.toggle(drawn, self.preparation.choice().cells);
+        self.preparation.set_cells(cells);
+        let words = if cells == CellUse::Never { "no regions" } else { "regions" };
+        self.messages.answer(words.to_owned());
+        self.composer.look_different();
+    }
+
+    /// Shows the next view, or the one before; the plain picture is between the last and the first.
+    pub(crate) fn go_view(&mut self, forward: bool) {
+        self.show_view(self.composer.views.beside(forward));
+    }
+
+    /// Shows the same view with a larger or smaller number.
+    pub(crate) fn step_view(&mut self, larger: bool) {
+        match self.composer.views.stepped(larger) {
+            Ok(choice) => self.show_view(Some(choice)),
+            Err(words) => self.messages.answer(words),
+        }
+    }
+
+    fn show_view(&mut self, choice: Option<ViewChoice>) {
+        self.composer.show_view(choice);
+        self.request_view();
+        let mode = self.mode();
+        let ready = self.scenes.shown.as_ref().zip(mode);
+        let ready = ready.and_then(|(scene, mode)| self.composer.views.program(scene, mode));
+        self.messages.answer(match choice {
+            None => "the picture".to_owned(),
+            Some(choice) if ready.is_some() => format!("view: {choice}"),
+            Some(choice) => format!("view: {choice}; the driver is preparing it"),
+        });
+    }
+
+    /// Moves the camera by hand; the first move also tells the user how to return.
+    pub(crate) fn move_camera(&mut self, change: impl FnOnce(&mut OrbitControls, f64)) {
+        if let Some(words) = self.composer.camera.move_by(change) {
+            self.messages.answer(words.to_owned());
+        }
+    }
+
+    /// Gives the camera back to the scene.
+    pub(crate) fn give_camera_back(&mut self) {
+        self.messages.answer(self.composer.camera.give_back().to_owned());
+    }
+
+    /// Lets the picture that was held fade into what comes next, for so many seconds.
+    pub(crate) fn fade_from_held(&mut self, seconds: f64) {
+        let (composer, of) = self.composing();
+        composer.fade_from_held(seconds, of);
+    }
+
+    /// Until when the next picture waits for a changed text, if it does at `now`; the present one as well, which will
+    /// be given up.
+    pub(crate) fn awaits_edit(&self, now: Instant) -> Option<Instant> {
+        self.library().awaits_edit(now).filter(|_| !self.composer.must_finish())
+    }
+
+    /// Whether the scene that shows is being edited and drawn with fewer samples meanwhile.
+    pub(crate) fn saves_samples(&self, now: Instant) -> bool {
+        self.composer.edits.save_samples(self.mode(), now)
+    }
+
+    /// Takes note of how long a frame took.
+    pub(crate) fn note_frame_time(&mut self, time: Duration) {
+        let (composer, of) = self.composing();
+        composer.note_frame_time(time, of);
+    }
+
+    /// A number that changes whenever the same moment would look different.
+    pub(crate) fn revision(&self) -> u64 {
+        self.composer.revision() + self.parameters.revision() + self.show.revision()
+    }
+
+    /// Whether the scene that shows looks different from moment to moment also without sound.
+    pub(crate) fn moves_by_itself(&self) -> bool {
+        let shown = self.scenes.shown.as_ref();
+        self.show.has_programme()
+            || self.composer.fading().follows_song()
+            || shown.is_none_or(|scene| scene.moves || scene.is_blend())
+    }
+
+    /// The mode of the scene that shows; none before there is one.
+    fn mode(&self) -> Option<Mode> {
+        self.scenes.shown.as_ref()?.mode(self.preparation.choice().sdf)
+    }
+
+    /// What there is to say over the picture, and the sliders of the scene that shows.
+    pub(crate) fn words(&mut self) -> SceneWords<'_> {
+        let sliders = self.scenes.shown.as_mut().map_or(&mut [][..], |scene| scene.knobs.sliders_mut());
+        self.messages.with(sliders)
+    }
+}

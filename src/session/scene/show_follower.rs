@@ -1,0 +1,440 @@
+//! Follows a show: which scene is asked for at a moment, what is prepared for the next one, and which of its stays move the
+//! parameters.
+//!
+//! A transition that mixes worlds is a scene of its own ([`SceneSource::Blend`]), prepared ahead like any other. Where
+//! it was not ready in time, or the machine cannot draw it, the scenes fade instead.
+
+use std::sync::Arc;
+
+use super::ahead::WantedAhead;
+use super::prepared_scene::PreparedScene;
+use super::prepared_scenes::{Place, PreparedScenes};
+use super::stays::Stays;
+use crate::config::SdfChoice;
+use crate::scenes::SceneSource;
+use crate::show::{Picture, Programme, Stay, blend_kind};
+
+/// A scene that comes so much later than the show has it, in seconds, still comes as the show says.
+const LATE: f64 = 0.5;
+
+/// See the module.
+#[derive(Default)]
+pub(crate) struct ShowFollower {
+    course: Course,
+    /// Whether the scene stays until the user says otherwise.
+    is_locked: bool,
+    /// Scenes that this machine cannot draw.
+    refused: Vec<SceneSource>,
+    /// Counts the changes of the show.
+    revision: u64,
+}
+
+/// A show, and how far it was followed.
+#[derive(Default)]
+struct Course {
+    programme: Option<Arc<Programme>>,
+    /// The stay in which the user went somewhere else.
+    overruled: Option<usize>,
+    /// Whether the scene stayed because its text was being written.
+    was_written: bool,
+    /// The stay that was entered last, and whether its transition mixes worlds.
+    entered: Option<(usize, bool)>,
+    /// What the show asked for last.
+    asked: Option<SceneSource>,
+    /// When the show was last followed, in seconds of the song.
+    last_time: Option<f64>,
+    /// Whether that was the same moment as the time before.
+    stands_still: bool,
+    /// What the next press of the key for cues brings.
+    cue: Option<SceneSource>,
+    /// What comes next.
+    upcoming: [Option<SceneSource>; 2],
+}
+
+/// What goes on beside the show.
+pub(super) struct Circumstances<'a> {
+    /// What was asked for last, by whomever.
+    pub wanted: &'a SceneSource,
+    /// Whether somebody writes its text.
+    pub is_written: bool,
+    /// Whether the user waits for a scene.
+    pub is_awaited: bool,
+    /// How scenes are drawn.
+    pub sdf: SdfChoice,
+}
+
+/// What a show asks for at a moment.
+pub(super) struct Step {
+    /// The scene.
+    pub source: SceneSource,
+    /// How many seconds it takes to come; none as long as the user has changes take.
+    pub seconds: Option<f64>,
+}
+
+/// The scene that fades out below the one that shows.
+#[derive(Debug, Clone)]
+pub(super) struct Outgoing {
+    /// Where it is found.
+    pub place: Place,
+    /// How a show has it on; none if the user left it.
+    pub stay: Option<Stay>,
+    /// Its share of the picture, above 0; below 1 in a show's fade.
+    pub share: f32,
+}
+
+impl ShowFollower {
+    /// Follows a show from now on, or none. `cue` is what may come at any moment.
+    pub(crate) fn set_programme(&mut self, programme: Option<Arc<Programme>>, cue: Option<SceneSource>) {
+        self.is_locked &= programme.is_some();
+        let programme = programme.map(|programme| self.without_refused(programme));
+        self.course = Course { programme, cue, ..Course::default() };
+        self.revision += 1;
+    }
+
+    /// Follows a show that is the same as before up to this moment.
+    pub(crate) fn extend_programme(&mut self, programme: Arc<Programme>, cue: Option<SceneSource>) {
+        let programme = self.without_refused(programme);
+        (self.course.programme, self.course.cue) = (Some(programme), cue);
+        (self.course.entered, self.course.last_time, self.course.overruled) = (None, None, None);
+    }
+
+    /// Whether there is a show.
+    pub(crate) fn has_programme(&self) -> bool {
+        self.course.programme.is_some()
+    }
+
+    /// Lets the scene stay until this is called again; tells whether it does.
+    pub(crate) fn toggle_lock(&mut self) -> bool {
+        self.is_locked = !self.is_locked;
+        self.course.overruled = None;
+        self.is_locked
+    }
+
+    /// Whether the scene stays although there is a show.
+    pub(crate) fn is_locked(&self) -> bool {
+        self.is_locked
+    }
+
+    /// The effects of the show on the whole picture at `time` seconds of the song.
+    pub(crate) fn picture_at(&self, time: f64) -> Picture {
+        self.programme().and_then(Programme::plan).map_or(Picture::PLAIN, |plan| plan.picture_at(time))
+    }
+
+    /// A number that changes with the show.
+    pub(super) fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    fn programme(&self) -> Option<&Programme> {
+        self.course.programme.as_deref()
+    }
+
+    /// The show with a substitute for each refused scene.
+    fn without_refused(&self, programme: Arc<Programme>) -> Arc<Programme> {
+        match &self.refused[..] {
+            [] => programme,
+            refused => programme.without(refused).map_or(programme, Arc::new),
+        }
+    }
+
+    /// Scenes that this machine cannot draw, and that the show does without.
+    pub(super) fn refused(&self) -> &[SceneSource] {
+        &self.refused
+    }
+
+    /// The show does without a scene from now on, because this machine cannot draw it.
+    pub(super) fn refuse(&mut self, source: SceneSource) {
+        if !self.refused.contains(&source) {
+            self.refused.push(source);
+        }
+        if let Some(programme) = self.course.programme.take() {
+            self.course.programme = Some(self.without_refused(programme));
+        }
+    }
+
+    /// Whether the director chose the scene that was asked for, not the user and no show that the user has written.
+    pub(super) fn is_own_choice(&self) -> bool {
+        let is_by_program = self.programme().is_some_and(|programme| !programme.is_by_user());
+        is_by_program && self.course.asked.is_some()
+    }
+
+    /// The user goes somewhere else: the show comes back with its next scene.
+    pub(super) fn overrule(&mut self) {
+        self.course.overruled = self.course.entered.map(|(index, _)| index);
+        (self.course.asked, self.course.upcoming) = (None, [None, None]);
+    }
+
+    /// Whether the user went somewhere else in the stay that was entered last.
+    pub(super) fn is_overruled(&self) -> bool {
+        self.course.entered.is_some_and(|(index, _)| self.course.overruled == Some(index))
+    }
+
+    /// When the show was last followed, in seconds of the song.
+    pub(super) fn last_time(&self) -> Option<f64> {
+        self.course.last_time
+    }
+
+    /// Whether the song stands still.
+    pub(super) fn stands_still(&self) -> bool {
+        self.course.stands_still
+    }
+
+    /// Whether this was asked for by the show.
+    pub(super) fn asks_for(&self, source: &SceneSource) -> bool {
+        self.course.asked.as_ref() == Some(source)
+    }
+
+    /// What is prepared ahead: what the show has next, or else the neighbours of `wanted` in the list.
+    pub(super) fn wanted_ahead(&self, wanted: &SceneSource) -> WantedAhead {
+        if self.course.asked.is_some() {
+            WantedAhead::Upcoming(self.course.upcoming.clone())
+        } else {
+            WantedAhead::Neighbours(wanted.clone())
+        }
+    }
+
+    /// What the show asks for at `time` seconds of the song, if that is something new. A scene that it needs for a fade is
+    /// taken from those that are prepared.
+    pub(super) fn follow(
+        &mut self,
+        time: f64,
+        scenes: &mut PreparedScenes,
+        now: &Circumstances<'_>,
+    ) -> Option<Step> {
+        let programme = self.course.programme.clone()?;
+        let moment = programme.at(time)?;
+        let is_new = self.course.entered.is_none_or(|(index, _)| index != moment.index);
+        if self.is_locked || now.is_written {
+            return self.stay(moment.leaving.is_some() && !is_new, now);
+        }
+        if std::mem::take(&mut self.course.was_written) {
+            // What was written is looked at: the show comes back with its next scene.
+            self.course.overruled = Some(moment.index);
+        }
+        let stays = programme.stays();
+        let is_same_visit =
+            self.course.overruled.is_some_and(|since| is_one_visit(stays, since, moment.index));
+        if is_same_visit || (is_new && now.is_awaited) {
+            // Another camera is the same scene. A scene that is still being prepared for the user is not dropped.
+            self.course.overruled = Some(moment.index);
+        }
+        if self.course.overruled == Some(moment.index) {
+            return None;
+        }
+        self.course.overruled = None;
+        let scene = programme.source(&moment.stay.scene).cloned()?;
+        let blended = moment.leaving.and_then(|(from, _)| blend_of(&programme, from, moment.stay));
+        let blended = blended.filter(|blend| !self.refused.contains(blend));
+        // While the song stands still there is time for what was not prepared.
+        let stands_still = self.course.last_time.replace(time) == Some(time);
+        self.course.stands_still = stands_still;
+        if is_new || (stands_still && blended.is_some()) {
+            let mixes =
+                blended.as_ref().is_some_and(|blend| stands_still || scenes.ahead.has_rehearsed(blend));
+            self.course.entered = Some((moment.index, mixes));
+        }
+        let mixes = self.course.entered.is_some_and(|(_, mixes)| mixes);
+        let wanted = blended.filter(|_| mixes).unwrap_or_else(|| scene.clone());
+        let cue = self.course.cue.as_ref();
+        self.course.upcoming = upcoming(&programme, moment.index, &wanted, cue);
+        if let Some((leaving, _)) = moment.leaving.filter(|_| stands_still && !mixes) {
+            self.need_leaving(&programme, leaving, time, scenes, now.sdf);
+        }
+        if wanted == *now.wanted {
+            self.course.asked = Some(wanted);
+            return None;
+        }
+        if self.asks_for(&wanted) && !is_new {
+            // It was asked for and could not be shown, or is on its way.
+            return None;
+        }
+        let since = time - moment.stay.start;
+        let seconds = if mixes || (moment.leaving.is_none() && since < LATE) {
+            Some(0.0)
+        } else {
+            // Without a fade, the show was joined in the middle of a stay, or this is a seek.
+            moment.leaving.map(|_| moment.stay.entrance.seconds - since)
+        };
+        self.course.asked = Some(wanted.clone());
+        Some(Step { source: wanted, seconds })
+    }
+
+    /// Lets the scene stay, whatever the show has on. A transition that is under way comes to its end.
+    fn stay(&mut self, is_under_way: bool, now: &Circumstances<'_>) -> Option<Step> {
+        self.course.was_written = now.is_written;
+        match now.wanted {
+            SceneSource::Blend(blend) if !is_under_way => {
+                let source = blend.to.source.clone();
+                self.course.asked = Some(source.clone());
+                Some(Step { source, seconds: Some(0.0) })
+            }
+            _ => None,
+        }
+    }
+
+    /// Prepares the scene that goes, if it is not there although the song stands still in its fade.
+    fn need_leaving(
+        &mut self,
+        programme: &Programme,
+        leaving: &Stay,
+        time: f64,
+        scenes: &mut PreparedScenes,
+        sdf: SdfChoice,
+    ) {
+        let is_there = self.outgoing(time, scenes, sdf).is_some();
+        let Some(source) = programme.source(&leaving.scene).filter(|_| !is_there) else { return };
+        match scenes.ahead.give(source) {
+            Some(scene) => {
+                scenes.fade_out(scene);
+                self.revision += 1;
+            }
+            None => {
+                let [first, _] = std::mem::take(&mut self.course.upcoming);
+                self.course.upcoming = [Some(source.clone()), first];
+            }
+        }
+    }
+
+    /// What fades out below the scene that shows at `time` seconds of the song, if the show has it so and both are there.
+    pub(super) fn outgoing(&self, time: f64, scenes: &PreparedScenes, sdf: SdfChoice) -> Option<Outgoing> {
+        let programme = self.programme()?;
+        let moment = programme.at(time)?;
+        let (stay, share) = moment.leaving?;
+        let is_on = programme.source(&moment.stay.scene) == Some(scenes.shown_source()?);
+        if self.course.overruled == Some(moment.index) || !is_on {
+            return None;
+        }
+        let place = scenes.place_of(programme.source(&stay.scene)?, sdf)?;
+        Some(Outgoing { place, stay: Some(stay.clone()), share: 1.0 - share })
+    }
+
+    /// The stays that a scene is on in at `time` seconds of the song, and of a blend its share.
+    pub(super) fn stays(&self, scene: &PreparedScene, time: f64) -> (Stays<'_>, Option<f32>) {
+        let moment = self.programme().and_then(|programme| Some((programme, programme.at(time)?)));
+        let Some((programme, moment)) = moment else { return Default::default() };
+        if !scene.is_blend() || scene.resources.world().blended.is_none() {
+            let is_on = programme.source(&moment.stay.scene) == Some(&scene.source);
+            return (Stays { first: is_on.then_some(moment.stay), second: None }, None);
+        }
+        match moment.leaving {
+            Some((from, share)) => (Stays { first: Some(from), second: Some(moment.stay) }, Some(share)),
+            None => (Stays::default(), Some(1.0)),
+        }
+    }
+}
+
+/// True if all stays from `since` to `until` show one scene.
+fn is_one_visit(stays: &[Stay], since: usize, until: usize) -> bool {
+    let visit = stays.get(since..=until).unwrap_or_default();
+    visit.first().is_some_and(|first| visit.iter().all(|stay| stay.scene == first.scene))
+}
+
+/// The source of a transition that mixes the worlds of two stays.
+fn blend_of(programme: &Programme, from: &Stay, to: &Stay) -> Option<SceneSource> {
+    if from.scene == to.scene {
+        return None;
+    }
+    programme.blend(from, to, blend_kind(to.entrance)?).map(|blend| SceneSource::Blend(Arc::new(blend)))
+}
+
+/// The next two sources behind the one that is wanted now, in a stay, of which the first may be that of a cue.
+fn upcoming(
+    programme: &Programme,
+    index: usize,
+    wanted: &SceneSource,
+    cue: Option<&SceneSource>,
+) -> [Option<SceneSource>; 2] {
+    let stays = programme.stays();
+    let mut found: Vec<SceneSource> = Vec::new();
+    let add = |found: &mut Vec<SceneSource>, source: Option<SceneSource>| {
+        let is_new = |source: &SceneSource| source != wanted && !found.contains(source);
+        found.extend(source.filter(is_new));
+    };
+    add(&mut found, stays.get(index).and_then(|stay| programme.source(&stay.scene).cloned()));
+    for pair in stays.get(index..).unwrap_or_default().windows(2) {
+        let [from, to] = pair else { break };
+        if found.len() >= 2 {
+            break;
+        }
+        add(&mut found, blend_of(programme, from, to).filter(|_| to.entrance.seconds > 0.0));
+        add(&mut found, programme.source(&to.scene).cloned());
+    }
+    found.truncate(2);
+    if let Some(cue) = cue.filter(|cue| *cue != wanted && !found.contains(cue)) {
+        // It may come sooner than anything else.
+        found.insert(0, cue.clone());
+    }
+    let mut found = found.into_iter();
+    [found.next(), found.next()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::ahead::PreparedAhead;
+    use super::*;
+    use crate::show::ShowSource;
+    use mariana_music::{Section, SongStructure};
+
+    const SCENES: [&str; 3] = ["gyroid", "orb", "terrain"];
+
+    fn shipped(name: &str) -> SceneSource {
+        SceneSource::Shipped(name.to_owned())
+    }
+
+    /// A follower of a show that the director has made of three scenes, and a moment in each of the first two stays.
+    fn follower() -> (ShowFollower, [(f64, SceneSource); 2]) {
+        let section =
+            |start: f64, energy| Section { start, end: start + 30.0, letter: format!("{start}"), energy };
+        let sections = vec![section(0.0, 0.1), section(30.0, 0.9), section(60.0, 0.2)];
+        let song = SongStructure { seconds: 90.0, sections, ..SongStructure::default() };
+        let (show, _) = Programme::of_song(&ShowSource::Auto, &song, &SCENES.map(shipped)).unwrap();
+        let [first, second, ..] = show.stays() else { panic!("{:?}", show.stays()) };
+        // Behind its transition.
+        let moments = [first, second].map(|stay| stay.start + stay.entrance.seconds + 1.0);
+        let moments = moments.map(|at| (at, show.source(&show.at(at).unwrap().stay.scene).unwrap().clone()));
+        let mut follower = ShowFollower::default();
+        follower.set_programme(Some(Arc::new(show)), None);
+        (follower, moments)
+    }
+
+    fn now(wanted: &SceneSource) -> Circumstances<'_> {
+        Circumstances { wanted, is_written: false, is_awaited: false, sdf: SdfChoice::Auto }
+    }
+
+    #[test]
+    fn a_show_asks_once_for_each_scene_and_leaves_those_alone_that_the_user_wants() {
+        let (mut show, [(first, one), (second, other)]) = follower();
+        let mut scenes = PreparedScenes::with(PreparedAhead::with(None));
+        let elsewhere = shipped("elsewhere");
+        assert_eq!(show.follow(first, &mut scenes, &now(&elsewhere)).unwrap().source, one);
+        assert!(show.asks_for(&one) && show.is_own_choice());
+        assert!(show.follow(first + 0.1, &mut scenes, &now(&elsewhere)).is_none(), "it is on its way");
+        assert!(matches!(show.wanted_ahead(&one), WantedAhead::Upcoming([Some(_), _])));
+        // The user goes somewhere else; the show comes back with its next scene.
+        show.overrule();
+        assert!(show.is_overruled() && !show.is_own_choice());
+        assert_eq!(show.wanted_ahead(&elsewhere), WantedAhead::Neighbours(elsewhere.clone()));
+        assert!(show.follow(first + 0.2, &mut scenes, &now(&elsewhere)).is_none());
+        assert_eq!(show.follow(second, &mut scenes, &now(&elsewhere)).unwrap().source, other);
+        // A scene that is locked stays.
+        assert!(show.toggle_lock());
+        assert!(show.follow(first, &mut scenes, &now(&other)).is_none());
+        assert!(!show.toggle_lock());
+        assert_eq!(show.follow(first, &mut scenes, &now(&other)).unwrap().source, one);
+    }
+
+    #[test]
+    fn a_scene_that_is_refused_or_written_gives_way_to_no_show() {
+        let (mut show, [(first, one), (second, other)]) = follower();
+        let mut scenes = PreparedScenes::with(PreparedAhead::with(None));
+        let written = Circumstances { is_written: true, ..now(&one) };
+        assert!(show.follow(second, &mut scenes, &written).is_none(), "its text is being written");
+        // What was written is looked at until the show has another scene.
+        assert!(show.follow(second, &mut scenes, &now(&one)).is_none());
+        show.refuse(other.clone());
+        assert_eq!(show.refused(), std::slice::from_ref(&other));
+        assert_eq!(show.follow(first, &mut scenes, &now(&other)).unwrap().source, one);
+        let step = show.follow(second, &mut scenes, &now(&one));
+        assert!(step.is_none_or(|step| step.source != other), "the show does without it");
+    }
+}

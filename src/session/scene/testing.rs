@@ -1,0 +1,24 @@
+//! Scenes for tests, in a context without a window.
+
+use super::library::SceneLoader;
+use super::prepared_scene::PreparedScene;
+use crate::gpu::gl::Gl;
+use crate::scenes::{Drafts, Loader, NumberEdits, SceneSource, TextureCache};
+
+/// A scene that has no programs yet.
+pub(super) fn uploaded(gl: &Gl, id: u64, source: &SceneSource) -> PreparedScene {
+    PreparedScene::upload(gl, id, source.clone(), source.ready().unwrap(), None).unwrap()
+}
+
+/// A scene of a text.
+pub(super) fn text(text: &str) -> SceneSource {
+    SceneSource::Formula(text.to_owned())
+}
+
+/// What loads scenes.
+pub(super) fn loader() -> SceneLoader {
+    let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
+    let texts = Drafts::default().texts();
+    let load = move |source: &SceneSource| source.ready_with(&mut textures, &mut edits, &texts);
+    Loader::start(load, || {}).unwrap()
+}
