@@ -1,0 +1,14 @@
+//! The words and panels over the picture: they take plain state and the input of users, and give shapes and commands.
+
+pub(crate) mod clipboard;
+pub mod corner_hands;
+pub mod desk_picture;
+pub mod editor;
+pub mod file_browser;
+pub mod overlay;
+pub(crate) mod pointer;
+pub(crate) mod pointer_rest;
+pub mod scene_browser;
+pub mod settings_panel;
+pub(crate) mod text_query;
+pub(crate) mod user_input;
