@@ -258,7 +258,7 @@ fn survey_of(scenery: &Scenery, is_wanted: &(dyn Fn() -> bool + Sync)) -> Option
 
 #[cfg(test)]
 pub(crate) mod testing {
-    use super::*;
+    use crate::probing::*;
     use mariana_field::region::RegionOptions;
     use mariana_music::Features;
 
