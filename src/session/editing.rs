@@ -30,7 +30,7 @@ impl Session {
     pub(super) fn write_text(&mut self, open: bool) {
         if open && self.desk.editor.is_none() {
             let waker = self.waker.clone();
-            match Editor::start(self.drafts.clone(), KeptTexts::of_user(), move || waker.wake()) {
+            match Editor::start(self.drafts.clone(), KeptTexts::among(&self.folders), move || waker.wake()) {
                 Ok(editor) => self.desk.editor = Some(editor),
                 Err(error) => self.reports.answer(format!("there is no editor: {error}")),
             }

@@ -22,15 +22,18 @@ mod inspecting;
 pub(crate) mod lay;
 mod leaving;
 mod listening;
+mod loading;
 mod mastering;
 mod masters;
 mod noting;
+pub mod offscreen;
 mod opening;
 pub mod pacing;
 mod panels;
 mod preview;
 mod recording;
 mod reports;
+mod running;
 pub(crate) mod scene;
 pub(crate) mod screen;
 mod sending;
@@ -47,12 +50,15 @@ use std::time::{Duration, Instant};
 
 use cues::Cues;
 use desk::Desk;
-pub(crate) use opening::{Opening, renewed};
+pub(crate) use loading::load_first;
+pub(crate) use opening::Opening;
+pub use opening::Prepared;
 use preview::Preview;
+pub(crate) use running::Run;
 
 use crate::clock;
 use crate::commands::{Command, Files, Panel};
-use crate::config::{Choices, PlaySettings};
+use crate::config::{Choices, Folders, PlaySettings};
 use crate::gpu::renderer::Renderer;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::input::{Input, Key, Modifiers, NamedKey};
@@ -129,6 +135,8 @@ pub(crate) struct Session {
     thumbnails_ahead: Option<Instant>,
     /// The folder in which something was last picked.
     last_folder: Option<PathBuf>,
+    /// Where things of the user are kept.
+    folders: Folders,
     waker: Waker,
     overlay: Overlay,
     /// When the words of a window without a picture were last shown, and in which size.

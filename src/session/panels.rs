@@ -120,7 +120,7 @@ impl Session {
     fn look_for_thumbnails(&mut self) {
         if self.thumbnails.is_none() {
             let waker = self.waker.clone();
-            match Thumbnails::start(move || waker.wake()) {
+            match Thumbnails::start(&self.folders, move || waker.wake()) {
                 Ok(thumbnails) => self.thumbnails = Some(thumbnails),
                 Err(error) => tracing::warn!("there are no pictures of scenes ({error})"),
             }

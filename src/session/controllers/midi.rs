@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use crate::clock;
 use crate::commands;
-use crate::config::{HandSettings, KnobEdit, KnobMemory};
+use crate::config::{Folders, HandSettings, KnobEdit, KnobMemory};
 use crate::session::scene::SceneSession;
 use crate::session::waker::Waker;
 use crate::ui::controllers_panel::words_of;
@@ -30,8 +30,8 @@ pub(super) struct Midi {
 
 impl Midi {
     /// Hears devices from now on, if they are wanted.
-    pub(super) fn start(settings: &HandSettings, wishes: &Wishes, waker: &Waker) -> Self {
-        let (memory, trouble) = KnobMemory::of_user();
+    pub(super) fn start(settings: &HandSettings, folders: &Folders, wishes: &Wishes, waker: &Waker) -> Self {
+        let (memory, trouble) = KnobMemory::among(folders);
         let mut news: Vec<(String, bool)> =
             trouble.into_iter().map(|error| (error.to_string(), true)).collect();
         let of_hub = waker.clone();

@@ -16,7 +16,7 @@ use midi::Midi;
 use network::Network;
 use phone::Phones;
 
-use crate::config::{HandSettings, KnobEdit};
+use crate::config::{Folders, HandSettings, KnobEdit};
 use crate::scenes::SceneSource;
 use crate::session::frame_times::FrameTimes;
 use crate::session::scene::SceneSession;
@@ -57,13 +57,13 @@ pub(crate) struct Hands {
 
 impl Hands {
     /// Hands that wake the show when they wish for something.
-    pub(crate) fn start(settings: &HandSettings, waker: &Waker) -> Self {
+    pub(crate) fn start(settings: &HandSettings, folders: &Folders, waker: &Waker) -> Self {
         let of_wishes = waker.clone();
         let wishes = Wishes::new(move || of_wishes.wake());
         let board = Board::default();
         let network = Network::start(settings, &wishes, &board, waker);
         let phones = Phones::start(settings, &wishes, &board, waker);
-        let midi = Midi::start(settings, &wishes, waker);
+        let midi = Midi::start(settings, folders, &wishes, waker);
         let now = clock::now();
         Self {
             wishes,
