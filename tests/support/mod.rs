@@ -18,6 +18,7 @@ pub(crate) mod oracle;
 pub(crate) mod pings;
 #[cfg(target_os = "linux")]
 pub(crate) mod program;
+pub(crate) mod session;
 pub(crate) mod shader_folder;
 pub(crate) mod studio;
 #[cfg(target_os = "linux")]

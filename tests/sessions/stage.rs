@@ -1,0 +1,195 @@
+//! What performers do to every picture: blackout, freeze, clean, scenes by number, corners.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use crate::walls::{BREATHES, Place, TWO_COLOURS, at, is_black, is_blue, is_red};
+use image::RgbaImage;
+use mariana::srgb::linear;
+
+#[test]
+fn a_blackout_takes_the_light_away_and_brings_the_same_picture_back() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let app = place.open("two.scene", &["--blackout-fade", "0.4"]);
+    let lit = app.wait_for("the picture", |picture| is_red(at(picture, 0.2, 0.5)));
+    app.press(&["x"]);
+    app.wait_for("black", |picture| picture.pixels().all(|pixel| pixel.0[..3] == [0; 3]));
+    app.press(&["x"]);
+    app.wait_for("the same picture", |picture| *picture == lit);
+    app.quit();
+    // A quarter of the light, by a flag.
+    let app = place.open("two.scene", &["--brightness", "25"]);
+    let value = |picture: &RgbaImage| linear(f32::from(at(picture, 0.2, 0.5)[0]) / 255.0);
+    app.wait_for("a quarter of the light", |picture| (value(picture) / value(&lit) - 0.25).abs() < 0.02);
+    app.quit();
+}
+
+#[test]
+fn a_picture_that_is_held_stands_while_the_song_goes_on() {
+    let place = Place::new(&[("breathes.scene", BREATHES), ("two.scene", TWO_COLOURS)]);
+    let app = place.open("breathes.scene", &["--blackout-fade", "0"]);
+    let first = app.picture();
+    app.wait_for("a picture that moves", |picture| *picture != first);
+    app.press(&["z"]);
+    let held = app.wait_until_still();
+    // The show may prepare: another scene comes on behind it, and shows when the picture is let go.
+    app.press(&["2"]);
+    app.wait_for_title("the other scene", |title| title.contains("two"));
+    assert!(app.picture() == held, "the picture that is held has changed");
+    app.press(&["z"]);
+    app.wait_for("the other scene", |picture| {
+        is_red(at(picture, 0.2, 0.5)) && is_blue(at(picture, 0.8, 0.5))
+    });
+    app.quit();
+}
+
+#[test]
+fn numbers_show_the_scenes_of_the_list() {
+    let place = Place::new(&[("a.scene", "vec3(0.1)"), ("b.scene", "vec3(0.2)"), ("c.scene", TWO_COLOURS)]);
+    let app = place.open("a.scene", &[]);
+    for (key, name) in [("3", "(c,"), ("2", "(b,"), ("1", "(a,")] {
+        app.press(&[key]);
+        app.wait_for_title(name, |title| title.contains(name));
+    }
+    // There is no ninth.
+    app.press(&["9", "3"]);
+    app.wait_for_title("c", |title| title.contains("(c,"));
+    app.quit();
+}
+
+#[test]
+fn one_key_hides_every_word_and_panel() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let app = place.open("two.scene", &["--flash-limiter", "off"]);
+    let plain = app.wait_for("the picture", |picture| is_blue(at(picture, 0.8, 0.5)));
+    app.press(&["h"]);
+    app.wait_for("the keys", |picture| *picture != plain);
+    app.press(&["w"]);
+    app.wait_for("nothing but the picture", |picture| *picture == plain);
+    // Nor does a mistake show, until the key is pressed again.
+    let good = std::fs::read_to_string(place.path("two.scene")).unwrap();
+    std::fs::write(place.path("two.scene"), "object o { shape = nonsense }").unwrap();
+    app.wait_until_told("has mistakes");
+    assert!(app.picture() == plain, "the mistake shows");
+    app.press(&["w"]);
+    app.wait_for("the mistake", |picture| *picture != plain);
+    std::fs::write(place.path("two.scene"), good).unwrap();
+    app.wait_for("the picture", |picture| *picture == plain);
+    app.quit();
+}
+
+#[test]
+fn the_picture_is_mirrored_cropped_and_pulled_at_its_corners() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let app = place.open("two.scene", &["--flip", "horizontal", "--crop", "0,0,25,0"]);
+    // Blue is at the left now, and takes a third.
+    app.wait_for("the mirrored picture", |picture| {
+        is_blue(at(picture, 0.3, 0.5)) && is_red(at(picture, 0.36, 0.5)) && is_red(at(picture, 0.95, 0.5))
+    });
+    app.quit();
+    let app = place.open("two.scene", &["--corners", "0,0,100,50,100,100,0,100"]);
+    app.wait_for("the slanted picture", |picture| {
+        is_black(at(picture, 0.9, 0.1)) && is_red(at(picture, 0.2, 0.5)) && is_blue(at(picture, 0.9, 0.8))
+    });
+    app.quit();
+    // By hand, and remembered.
+    let app = place.open("two.scene", &[]);
+    app.wait_for("the picture", |picture| is_red(at(picture, 0.1, 0.1)));
+    app.press(&["y"]);
+    app.wait_for("what says how", |picture| !is_red(at(picture, 0.4, 0.5)));
+    let move_to = |x: u32, y: u32| app.move_pointer(x.into(), y.into());
+    move_to(10, 10);
+    app.wait_for("the corner under the pointer", |picture| at(picture, 0.02, 0.02)[2] > 150);
+    app.hold_button(true);
+    (1..=4).for_each(|step| move_to(10 + 30 * step, 10 + 10 * step));
+    app.hold_button(false);
+    app.wait_for("the corner", |picture| is_black(at(picture, 0.1, 0.05)) && is_red(at(picture, 0.1, 0.9)));
+    app.press(&["y"]);
+    app.quit();
+    let app = place.open("two.scene", &[]);
+    app.wait_for("the corner", |picture| is_black(at(picture, 0.1, 0.05)));
+    app.press(&["y", "Home", "y"]);
+    app.wait_for("the picture", |picture| is_red(at(picture, 0.02, 0.02)));
+    app.quit();
+}
+
+#[test]
+fn a_corner_that_was_held_when_its_panel_closed_was_forgotten() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let is_pulled = |picture: &RgbaImage| is_black(at(picture, 0.1, 0.05));
+    let app = place.open("two.scene", &[]);
+    app.wait_for("the picture", |picture| is_red(at(picture, 0.1, 0.1)));
+    app.press(&["y"]);
+    app.wait_for("what says how", |picture| !is_red(at(picture, 0.4, 0.5)));
+    let move_to = |x: u32, y: u32| app.move_pointer(x.into(), y.into());
+    move_to(10, 10);
+    app.wait_for("the corner under the pointer", |picture| at(picture, 0.02, 0.02)[2] > 150);
+    app.hold_button(true);
+    move_to(10, 10);
+    move_to(70, 30);
+    move_to(130, 50);
+    app.wait_for("the corner", is_pulled);
+    app.press(&["y"]);
+    app.quit();
+    let app = place.open("two.scene", &[]);
+    app.wait_for("the corner", is_pulled);
+    app.quit();
+}
+
+#[test]
+fn the_scene_that_comes_next_moves_on_the_desk_though_it_is_interpreted() {
+    // No two moments have the same colour.
+    let place = Place::new(&[
+        ("a.scene", "vec3(0.5, 0.01, 0.01)"),
+        ("b.scene", "vec3(0.01, 0.01, 0.35 + 0.008 * t)"),
+    ]);
+    let settings = place.settings();
+    std::fs::create_dir_all(settings.parent().unwrap()).unwrap();
+    std::fs::write(settings, "[choices]\nnext_scene = \"on\"\n").unwrap();
+    let app = place.open("a.scene", &["--prepare-ahead", "on", "--sdf", "interpreted", "--fade", "0"]);
+    app.wait_until_told("b is ready ahead");
+    let corner = |picture: &RgbaImage| at(picture, 0.87, 0.15);
+    let mut last = corner(&app.wait_for("the next scene in the corner", |picture| is_blue(corner(picture))));
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    for _ in 0..2 {
+        app.press(&["Right"]);
+        last =
+            corner(&app.wait_for("another moment of it", |picture| {
+                is_blue(corner(picture)) && corner(picture) != last
+            }));
+    }
+    app.quit();
+}
+
+#[test]
+fn the_desk_shows_the_scene_that_comes_next_where_it_costs_no_picture() {
+    let red = "vec3(0.35 + 0.008 * t, 0.01, 0.01)";
+    let blue = "vec3(0.01, 0.01, 0.35 + 0.008 * t)";
+    let place = Place::new(&[("a.scene", red), ("b.scene", blue)]);
+    let settings = place.settings();
+    std::fs::create_dir_all(settings.parent().unwrap()).unwrap();
+    std::fs::write(settings, "[choices]\nnext_scene = \"on\"\n").unwrap();
+    let mut app =
+        place.open("a.scene", &["--prepare-ahead", "on", "--sdf", "compiled", "-vv", "--fade", "0"]);
+    app.wait_until_told("b is ready ahead");
+    let corner = |picture: &RgbaImage| at(picture, 0.87, 0.15);
+    let first = app.wait_for("the next scene in the corner", |picture| is_blue(corner(picture)));
+    assert!(is_red(at(&first, 0.3, 0.5)), "the picture itself is another one");
+    // It shows the moment at which the song is. While that rests there is time, however slow the machine is.
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    let before = corner(&app.picture());
+    app.press(&["Right"]);
+    app.wait_for("another moment of it", |picture| {
+        is_blue(corner(picture)) && corner(picture) != before && corner(picture) != corner(&first)
+    });
+    // Once it is on, another one is the next.
+    app.press(&["n"]);
+    app.wait_for("that scene, and another one in the corner", |picture| {
+        is_blue(at(picture, 0.3, 0.5)) && !is_blue(corner(picture))
+    });
+    app.press(&["w"]);
+    app.wait_for("a clean picture", |picture| is_blue(corner(picture)));
+    let told = app.quit();
+    assert!(told.contains("the next scene in "), "{told}");
+}

@@ -1,0 +1,101 @@
+//! Scenes whose pictures are known from their texts alone, in a session, and how to look at them.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::path::{Path, PathBuf};
+
+use image::RgbaImage;
+use mariana_testing::wave::write_wav;
+
+use crate::support::session::{self, App};
+
+/// A wall that shines by itself and fills the picture.
+pub(crate) fn wall(emission: &str) -> String {
+    format!(
+        "material paint {{ color = 0  roughness = 1  emission = {emission} }}\n\
+         object wall {{ shape = 5 - p.z  material = paint }}\n\
+         light none {{ direction = vec3(0, -1, 0)  color = 0 }}\n\
+         camera {{ position = vec3(0)  target = vec3(0, 0, 5) }}\n\
+         sky {{ color = 0  ambient = 0 }}\npicture {{ tone_map = none  bloom = 0 }}\n"
+    )
+}
+
+/// It never moves, is red on the left and blue on the right.
+pub(crate) const TWO_COLOURS: &str = "mix(vec3(0.5, 0.01, 0.01), vec3(0.01, 0.01, 0.5), step(0, p.x))";
+/// It becomes brighter and darker, slowly enough to be no flash.
+pub(crate) const BREATHES: &str = "vec3(0.3 + 0.2 * sin(2 * t))";
+
+/// A folder with scenes.
+pub(crate) struct Place {
+    inner: session::Place,
+}
+
+impl Place {
+    pub(crate) fn new(scenes: &[(&str, &str)]) -> Self {
+        let inner = session::Place::new();
+        for (name, emission) in scenes {
+            inner.save(name, &wall(emission));
+        }
+        Self { inner }
+    }
+
+    /// A session with a scene and no words, when its first picture shows.
+    pub(crate) fn open(&self, scene: &str, options: &[&str]) -> App {
+        let (scene, song) = (self.path(scene), quiet_song(self.inner.folder()));
+        let own = ["--size", "320x180", "--quality", "best", "--scene", scene.to_str().unwrap()];
+        let app = self.inner.open(&song, &[&own[..], options].concat());
+        app.wait_until_told("first picture after");
+        app
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.inner.path(name)
+    }
+
+    /// The file of the settings.
+    pub(crate) fn settings(&self) -> PathBuf {
+        self.inner.settings()
+    }
+}
+
+/// The colour of the window at a place, in shares of it.
+pub(crate) fn at(picture: &RgbaImage, x: f32, y: f32) -> [u8; 3] {
+    let place = |share: f32, side: u32| ((share * side as f32) as u32).min(side - 1);
+    let [red, green, blue, _] = picture.get_pixel(place(x, picture.width()), place(y, picture.height())).0;
+    [red, green, blue]
+}
+
+pub(crate) fn is_red([red, _, blue]: [u8; 3]) -> bool {
+    red > 100 && blue < 60
+}
+
+pub(crate) fn is_blue([red, _, blue]: [u8; 3]) -> bool {
+    blue > 100 && red < 60
+}
+
+/// Whether [`TWO_COLOURS`] fill a whole picture.
+pub(crate) fn fills(picture: &RgbaImage) -> bool {
+    is_red(at(picture, 0.0, 0.0))
+        && is_red(at(picture, 0.49, 1.0))
+        && is_blue(at(picture, 0.51, 0.0))
+        && is_blue(at(picture, 1.0, 1.0))
+}
+
+pub(crate) fn is_black(color: [u8; 3]) -> bool {
+    color == [0; 3]
+}
+
+/// Waits until most of the picture has one channel only: 0 is red, 1 green, 2 blue.
+pub(crate) fn wait_for_channel(app: &App, channel: usize) {
+    app.wait_for("the wall's colour", |picture| {
+        let fits = picture.pixels().filter(|pixel| (0..3).all(|at| (pixel.0[at] > 120) == (at == channel)));
+        2 * fits.count() > picture.pixels().count()
+    });
+}
+
+/// A minute of silence, as a song in a folder.
+pub(crate) fn quiet_song(folder: &Path) -> PathBuf {
+    let song = folder.join("quiet.wav");
+    write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
+    song
+}

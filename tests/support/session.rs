@@ -1,0 +1,328 @@
+//! The program without a window: a session that draws into memory, in the test's own process and on its thread.
+
+use std::cell::RefCell;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use image::RgbaImage;
+use tempfile::TempDir;
+use tracing_subscriber::filter::LevelFilter;
+
+use mariana::cli::prepare_show;
+use mariana::commands::{Command, ShowState};
+use mariana::config::Folders;
+use mariana::input::{Input, Key, KeyPress, Modifiers, NamedKey, PointerButton, Wheel};
+use mariana::session::offscreen::Offscreen;
+use mariana_testing::process::WAIT_LIMIT;
+
+/// Scenes beside the one that is tested are prepared only where a test asks for it. Nothing stands over the picture that
+/// a test did not ask for, no session begins where the one before ended, and nothing is heard.
+const ALONE: [&str; 5] = ["--prepare-ahead", "off", "--clean", "--new", "--silent"];
+
+/// A folder in which sessions find their files and keep their own.
+pub(crate) struct Place {
+    folder: TempDir,
+}
+
+impl Place {
+    /// A new one, which is empty.
+    pub(crate) fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    /// The folder.
+    pub(crate) fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// A file in it.
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// The file of the settings.
+    pub(crate) fn settings(&self) -> PathBuf {
+        self.path("config/settings.toml")
+    }
+
+    /// Saves a text in it.
+    pub(crate) fn save(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.path(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+
+    /// A session with `song` that shows nothing but what is asked for.
+    pub(crate) fn open(&self, song: &Path, options: &[&str]) -> App {
+        self.begin(&[&[song.to_str().unwrap()], &ALONE[..], options].concat())
+    }
+
+    /// A session with exactly these arguments.
+    pub(crate) fn begin(&self, arguments: &[&str]) -> App {
+        let log = Log::default();
+        let guard = log.listen();
+        let prepared = prepare_show(arguments.iter().copied(), Folders::within(self.folder()))
+            .unwrap_or_else(|error| panic!("{error:#}"));
+        let session = Offscreen::open(prepared).unwrap_or_else(|error| panic!("{error}"));
+        App { session: RefCell::new(session), held: RefCell::default(), log, _guard: guard }
+    }
+}
+
+/// What a session tells and logs.
+#[derive(Clone, Default)]
+struct Log(Arc<Mutex<Vec<u8>>>);
+
+impl Log {
+    /// Takes what is logged on this thread.
+    fn listen(&self) -> tracing::subscriber::DefaultGuard {
+        let log = self.clone();
+        let lines = tracing_subscriber::fmt()
+            .with_writer(move || log.clone())
+            .with_ansi(false)
+            .without_time()
+            .with_max_level(LevelFilter::DEBUG)
+            .finish();
+        tracing::subscriber::set_default(lines)
+    }
+
+    fn text(&self) -> String {
+        String::from_utf8_lossy(&self.0.lock().unwrap_or_else(PoisonError::into_inner)).into_owned()
+    }
+}
+
+impl Write for Log {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// A session and its user. It goes on only while something is asked of it.
+pub(crate) struct App {
+    session: RefCell<Offscreen>,
+    held: RefCell<Modifiers>,
+    log: Log,
+    _guard: tracing::subscriber::DefaultGuard,
+}
+
+impl App {
+    /// Presses keys, one after the other, by their names in X11, such as `space`, `shift+v` or `Return`.
+    pub(crate) fn press(&self, keys: &[&str]) {
+        for key in keys {
+            self.press_one(key);
+        }
+    }
+
+    fn press_one(&self, written: &str) {
+        let (mut held, mut name) = (*self.held.borrow(), written);
+        while let Some((modifier, rest)) = name.split_once('+').filter(|(modifier, _)| !modifier.is_empty()) {
+            held |= match modifier {
+                "shift" => Modifiers::SHIFT,
+                "ctrl" => Modifiers::CONTROL,
+                "alt" => Modifiers::ALT,
+                "super" => Modifiers::SUPER,
+                other => panic!("no modifier is called {other}"),
+            };
+            name = rest;
+        }
+        let key = key_of(name, held.shift_key());
+        let text = match &key {
+            Key::Character(text) => Some(text.clone()),
+            Key::Named(NamedKey::Space) => Some(" ".to_owned()),
+            _ => None,
+        };
+        let latin = text.as_ref().and_then(|text| text.chars().next()).filter(char::is_ascii);
+        let before = *self.held.borrow();
+        self.send(Input::Modifiers(held));
+        self.send(Input::Key(KeyPress { key, latin, text, repeat: false }));
+        self.send(Input::Modifiers(before));
+    }
+
+    /// Types a text.
+    pub(crate) fn type_text(&self, text: &str) {
+        for letter in text.chars() {
+            let key = match letter {
+                ' ' => Key::Named(NamedKey::Space),
+                '\n' => Key::Named(NamedKey::Enter),
+                letter => Key::Character(letter.to_string()),
+            };
+            let text = (letter != '\n').then(|| letter.to_string());
+            let latin = Some(letter).filter(char::is_ascii);
+            self.send(Input::Key(KeyPress { key, latin, text, repeat: false }));
+        }
+    }
+
+    /// Holds these modifiers from now on.
+    pub(crate) fn hold(&self, modifiers: Modifiers) {
+        self.held.replace(modifiers);
+        self.send(Input::Modifiers(modifiers));
+    }
+
+    /// Moves the pointer to a place of the window, in pixels.
+    pub(crate) fn move_pointer(&self, x: f64, y: f64) {
+        self.send(Input::PointerMoved([x, y]));
+    }
+
+    /// Presses the pointer's first button, or lets it go.
+    pub(crate) fn hold_button(&self, pressed: bool) {
+        self.send(Input::PointerButton { button: PointerButton::Primary, pressed });
+    }
+
+    /// Clicks where the pointer is.
+    pub(crate) fn click(&self) {
+        self.hold_button(true);
+        self.hold_button(false);
+    }
+
+    /// Turns the wheel by notches, positive away from the user.
+    pub(crate) fn turn_wheel(&self, notches: f64) {
+        self.send(Input::Wheel(Wheel::Notches([0.0, notches])));
+    }
+
+    /// Lets the user do something, and the session take it in.
+    pub(crate) fn send(&self, input: Input) {
+        self.session.borrow_mut().send(input);
+        self.step();
+    }
+
+    /// Carries out a command.
+    pub(crate) fn command(&self, command: Command) {
+        self.session.borrow_mut().command(command);
+        self.step();
+    }
+
+    /// Changes the window's size.
+    pub(crate) fn resize(&self, size: (u32, u32)) {
+        self.session.borrow_mut().resize(size);
+        self.step();
+    }
+
+    /// Goes on by a step. Returns whether the session does.
+    pub(crate) fn step(&self) -> bool {
+        self.session.borrow_mut().step().unwrap_or_else(|error| panic!("{error}; {}", self.told()))
+    }
+
+    /// Goes on for a while.
+    pub(crate) fn run_for(&self, time: Duration) {
+        let start = Instant::now();
+        while start.elapsed() < time && self.step() {}
+    }
+
+    /// Goes on until something is so.
+    pub(crate) fn wait_until(&self, what: &str, mut is_so: impl FnMut(&Self) -> bool) {
+        let start = Instant::now();
+        loop {
+            let goes_on = self.step();
+            if is_so(self) {
+                return;
+            }
+            assert!(goes_on, "the session ended before {what}: {}", self.told());
+            assert!(start.elapsed() < WAIT_LIMIT, "{what} did not come: {}", self.told());
+        }
+    }
+
+    /// Goes on until the picture is as wanted, and returns it.
+    pub(crate) fn wait_for(&self, what: &str, is_wanted: impl Fn(&RgbaImage) -> bool) -> RgbaImage {
+        self.wait_until(what, |app| is_wanted(&app.session.borrow().picture()));
+        self.session.borrow().picture()
+    }
+
+    /// Goes on until the title is as wanted.
+    pub(crate) fn wait_for_title(&self, what: &str, is_wanted: impl Fn(&str) -> bool) {
+        self.wait_until(&format!("a title that says {what}"), |app| is_wanted(&app.session.borrow().title()));
+    }
+
+    /// Goes on until something was told or logged.
+    pub(crate) fn wait_until_told(&self, what: &str) {
+        self.wait_until(what, |app| app.told().contains(what));
+    }
+
+    /// Goes on until the picture stays the same for a while, and returns it.
+    pub(crate) fn wait_until_still(&self) -> RgbaImage {
+        let (mut last, mut since) = (self.picture(), Instant::now());
+        self.wait_until("a picture that stands", |app| {
+            let now = app.session.borrow().picture();
+            if now != last {
+                (last, since) = (now, Instant::now());
+            }
+            since.elapsed() > Duration::from_millis(700)
+        });
+        last
+    }
+
+    /// Goes on by a step, and returns the picture with what is over it.
+    pub(crate) fn picture(&self) -> RgbaImage {
+        self.step();
+        self.session.borrow().picture()
+    }
+
+    /// Goes on by a step, and returns the window's title.
+    pub(crate) fn title(&self) -> String {
+        self.step();
+        self.session.borrow().title()
+    }
+
+    /// The state of everything that a named command can change.
+    pub(crate) fn state(&self) -> ShowState {
+        self.session.borrow_mut().state()
+    }
+
+    /// What was told and logged on the session's thread; a sentence for the user stands behind `told: `.
+    pub(crate) fn told(&self) -> String {
+        self.log.text()
+    }
+
+    /// Whether the session goes on, after a step.
+    pub(crate) fn runs(&self) -> bool {
+        self.step()
+    }
+
+    /// Ends the session as its user would. Returns what was told and logged.
+    pub(crate) fn quit(self) -> String {
+        let Self { session, log, _guard, .. } = self;
+        session.into_inner().finish();
+        log.text()
+    }
+}
+
+fn key_of(name: &str, shift: bool) -> Key {
+    let named = match name {
+        "space" => NamedKey::Space,
+        "Return" => NamedKey::Enter,
+        "Escape" => NamedKey::Escape,
+        "Tab" => NamedKey::Tab,
+        "BackSpace" => NamedKey::Backspace,
+        "Delete" => NamedKey::Delete,
+        "Home" => NamedKey::Home,
+        "End" => NamedKey::End,
+        "Prior" | "Page_Up" => NamedKey::PageUp,
+        "Next" | "Page_Down" => NamedKey::PageDown,
+        "Left" => NamedKey::ArrowLeft,
+        "Right" => NamedKey::ArrowRight,
+        "Up" => NamedKey::ArrowUp,
+        "Down" => NamedKey::ArrowDown,
+        "F1" => NamedKey::F1,
+        "F3" => NamedKey::F3,
+        "F8" => NamedKey::F8,
+        "F9" => NamedKey::F9,
+        "F11" => NamedKey::F11,
+        "comma" => return Key::Character(",".to_owned()),
+        "period" => return Key::Character(".".to_owned()),
+        "bracketleft" => return Key::Character("[".to_owned()),
+        "bracketright" => return Key::Character("]".to_owned()),
+        "slash" => return Key::Character("/".to_owned()),
+        "plus" => return Key::Character("+".to_owned()),
+        letter => {
+            assert_eq!(letter.chars().count(), 1, "no key is called {letter}");
+            let letter = if shift { letter.to_uppercase() } else { letter.to_owned() };
+            return Key::Character(letter);
+        }
+    };
+    Key::Named(named)
+}
