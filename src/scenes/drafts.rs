@@ -1,13 +1,13 @@
 //! Texts of files as somebody has them in an editor, before they are saved: they stand in the place of what the files
 //! hold. And what the loader found in them, for that editor.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use mariana_field::lang::{Diagnostic, Sources, Turning};
 
+use super::draft_texts::DraftTexts;
 use super::folder::Folder;
 use super::world::ReadyScene;
 use super::{SceneError, SceneSource};
@@ -25,16 +25,6 @@ struct Shared {
     texts: DraftTexts,
     /// One of each scene.
     findings: Vec<Findings>,
-}
-
-/// The texts at one moment.
-#[derive(Debug, Clone, Default)]
-pub struct DraftTexts {
-    texts: Arc<BTreeMap<PathBuf, Arc<[u8]>>>,
-    /// Grows with every change.
-    version: u64,
-    /// The numbers that are turned in a file's text, if any.
-    turning: Option<(Arc<Path>, Arc<[Turning]>)>,
 }
 
 /// What the loader found in a scene, for whoever edits its text.
@@ -111,18 +101,6 @@ impl Drafts {
 
     fn lock(&self) -> MutexGuard<'_, Shared> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl DraftTexts {
-    /// The text that stands in the place of a file's, if there is one.
-    pub fn of(&self, file: &Path) -> Option<&Arc<[u8]>> {
-        self.texts.get(file)
-    }
-
-    /// The numbers that are turned in a file.
-    pub(super) fn turning(&self, file: &Path) -> &[Turning] {
-        self.turning.as_ref().filter(|(of, _)| **of == *file).map_or(&[], |(_, turning)| turning)
     }
 }
 

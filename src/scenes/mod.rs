@@ -6,6 +6,7 @@
 mod blend;
 mod content;
 mod debounce;
+mod draft_texts;
 mod drafts;
 mod error;
 mod folder;
@@ -24,7 +25,8 @@ use std::sync::Arc;
 use include_dir::{Dir, include_dir};
 
 pub use blend::{SceneBlend, SeenScene, camera_number};
-pub use drafts::{DraftTexts, Drafts, Findings, Mistake};
+pub use draft_texts::DraftTexts;
+pub use drafts::{Drafts, Findings, Mistake};
 pub use error::{FoundMistakes, SceneError};
 pub(crate) use folder::read_at_most;
 pub use loader::{Loaded, Loader};

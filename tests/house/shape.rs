@@ -25,28 +25,16 @@ const FUNCTION_MAX: usize = 80;
 /// What is over a limit today, one line each: the kind, the type (for knots the end of the path of one of its files), the
 /// size. Lower a number when the thing shrinks, and delete the line when it is within the limit.
 const OVER: &[(Kind, &str, usize)] = &[
-    (Modules, "app/stage.rs", 17),
-    (Modules, "app/accessibility.rs", 12),
-    (Modules, "scenes/mod.rs", 6),
-    (Modules, "music/src/features.rs", 15),
-    (Modules, "player/src/decode/mod.rs", 6),
-    (Modules, "xtask/src/main.rs", 9),
-    (Fields, "Analyzer", 27),
+    (Modules, "shell/window_thread.rs", 12),
     (Fields, "Editor", 23),
-    (Fields, "Filling", 16),
-    (Fields, "NativeDecoder", 18),
-    (Fields, "PacketReader", 18),
-    (Fields, "Player", 21),
-    (Fields, "SongListener", 19),
-    (Fields, "SongStructure", 17),
     (Fields, "Sound", 16),
-    (Fields, "Stage", 33),
+    (Fields, "Session", 33),
     (Methods, "Editor", 102),
-    (Methods, "Stage", 118),
+    (Methods, "Session", 118),
 ];
 
 /// Functions of more than [`FUNCTION_MAX`] lines in the whole repository. Lower it when one is taken apart.
-const LONG_FUNCTIONS: usize = 11;
+const LONG_FUNCTIONS: usize = 9;
 
 /// Types with more than [`FIELDS_MAX`] fields that are plain records, and what each records. Their fields are open, or
 /// they have no methods at all.
@@ -57,6 +45,7 @@ const RECORDS: &[(&str, &str)] = &[
     ("PlayArguments", "the command line of `play`"),
     ("PlaySettings", "the settings of a run"),
     ("PlayerStatus", "the player's state, for display"),
+    ("SongStructure", "all that is known of a song"),
     ("VideoArguments", "the command line of `video`"),
     ("VideoRequest", "the settings of a video"),
 ];

@@ -5,13 +5,11 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop};
+use crate::walls::{quiet_song, quit_content as quit, wait_for_channel};
 use mariana_testing::process::wait_until;
-use mariana_testing::wave::write_wav;
 
-const QUIT_LIMIT: Duration = Duration::from_secs(60);
 const AHEAD: [&str; 2] = ["--prepare-ahead", "on"];
 
 /// A desktop with a song and a folder for scenes.
@@ -23,8 +21,7 @@ struct Place {
 impl Place {
     fn new() -> Self {
         let desktop = Desktop::start();
-        let song = desktop.folder().join("quiet.wav");
-        write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
+        let song = quiet_song(desktop.folder());
         Self { desktop, song }
     }
 
@@ -48,23 +45,6 @@ impl Place {
         app.wait_for_title("the scene", |title| title.contains(" - Mariana (a, "));
         app
     }
-}
-
-/// Waits until most of the picture has one channel only.
-fn wait_for_channel(app: &App, channel: usize) {
-    wait_until("the wall's colour", || {
-        let picture = app.picture();
-        let fits = picture.pixels().filter(|pixel| (0..3).all(|at| (pixel.0[at] > 120) == (at == channel)));
-        2 * fits.count() > picture.pixels().count()
-    });
-}
-
-fn quit(app: App) -> String {
-    app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-    assert!(!told.contains("panicked") && !told.contains("mariana: "), "it complains: {told}");
-    told
 }
 
 fn count(text: &str, what: &str) -> usize {

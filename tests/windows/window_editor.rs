@@ -10,9 +10,9 @@ use std::process::Command;
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop};
+use crate::walls::quiet_song;
 use image::RgbaImage;
 use mariana_testing::process::{output_of, wait_until};
-use mariana_testing::wave::write_wav;
 
 /// Wide enough that the editor leaves some of the picture.
 const SIZE: &str = "760x420";
@@ -39,8 +39,7 @@ struct Place {
 impl Place {
     fn new(text: &str) -> Self {
         let desktop = Desktop::start();
-        let song = desktop.folder().join("quiet.wav");
-        write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
+        let song = quiet_song(desktop.folder());
         fs::create_dir(desktop.folder().join("scenes")).unwrap();
         let place = Self { desktop, song };
         fs::write(place.file(), text).unwrap();

@@ -10,10 +10,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::support::desktop::{App, Desktop};
+use crate::walls::{quiet_song, quit};
 use mariana_testing::process::{WAIT_LIMIT, wait_until};
-use mariana_testing::wave::write_wav;
 
-const QUIT_LIMIT: Duration = Duration::from_secs(60);
 const SIZE: &str = "160x90";
 
 /// A wall whose red and green are parameters.
@@ -39,8 +38,7 @@ struct Place {
 impl Place {
     fn new() -> Self {
         let desktop = Desktop::start();
-        let song = desktop.folder().join("quiet.wav");
-        write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
+        let song = quiet_song(desktop.folder());
         write_wall(desktop.folder());
         Self { desktop, song }
     }
@@ -171,13 +169,6 @@ fn colour(app: &App) -> [bool; 3] {
 /// Waits until the wall has this colour: which channels are bright.
 pub(crate) fn wait_for_colour(app: &App, what: &str, wanted: [bool; 3]) {
     wait_until(what, || colour(app) == wanted);
-}
-
-pub(crate) fn quit(app: App) {
-    app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-    assert!(!told.contains("panicked"), "{told}");
 }
 
 #[test]

@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop, SCREEN};
+use crate::walls::quit;
 use image::RgbaImage;
 use mariana_testing::process::wait_until;
 use mariana_testing::sound_server::SINK_RATE;
 use mariana_testing::wave::write_wav;
 
-const QUIT_LIMIT: Duration = Duration::from_secs(60);
 /// A window in which every panel has its room.
 const SIZE: &str = "640x360";
 /// A scene that never moves and costs little: what changes in the picture is what stands over it.
@@ -86,13 +86,6 @@ fn wait_for_panel(app: &App, what: &str, wanted: impl Fn([u32; 4]) -> bool) -> [
 
 fn wait_for_nothing(app: &App, what: &str) {
     wait_until(what, || panel(&app.picture()).is_none());
-}
-
-fn quit(app: App) {
-    app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-    assert!(!told.contains("panicked"), "{told}");
 }
 
 fn point(app: &App, x: u32, y: u32) {

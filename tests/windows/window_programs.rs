@@ -9,13 +9,11 @@ use std::fs;
 use std::os::unix::process::ExitStatusExt;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop, PROGRAM};
+use crate::walls::{quiet_song, quit_content as quit, wait_for_channel};
 use mariana_testing::process::wait_until;
-use mariana_testing::wave::write_wav;
 
-const QUIT_LIMIT: Duration = Duration::from_secs(60);
 /// What makes Mesa's software renderer pass for a GPU, silently.
 const GPU: [(&str, &str); 2] = [("force_gl_renderer", "GPU"), ("MESA_DEBUG", "silent")];
 /// What the log says once the interpreter for nearly every scene is there; the other kind's line goes on.
@@ -32,8 +30,7 @@ struct Place {
 impl Place {
     fn new() -> Self {
         let desktop = Desktop::start();
-        let [song, scene] = ["quiet.wav", "own.scene"].map(|name| desktop.folder().join(name));
-        write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
+        let (song, scene) = (quiet_song(desktop.folder()), desktop.folder().join("own.scene"));
         let place = Self { desktop, song, scene };
         place.save(0, "p.z - 5");
         place
@@ -75,23 +72,6 @@ impl Place {
         let paths = entries.map(|entry| entry.unwrap().path());
         paths.filter(|path| path.extension().is_some_and(|end| end == kind)).collect()
     }
-}
-
-/// Waits until most of the picture has one channel only.
-fn wait_for_channel(app: &App, channel: usize) {
-    wait_until("the wall's colour", || {
-        let picture = app.picture();
-        let fits = picture.pixels().filter(|pixel| (0..3).all(|at| (pixel.0[at] > 120) == (at == channel)));
-        2 * fits.count() > picture.pixels().count()
-    });
-}
-
-fn quit(app: App) -> String {
-    app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-    assert!(!told.contains("panicked") && !told.contains("mariana: "), "it complains: {told}");
-    told
 }
 
 fn count(text: &str, what: &str) -> usize {

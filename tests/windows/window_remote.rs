@@ -8,7 +8,8 @@ use std::process::Command;
 
 use crate::support::browser::Page;
 use crate::support::desktop::{App, Desktop};
-use crate::window_hands::{WALL, quit, wait_for_colour, write_wall};
+use crate::walls::{quiet_song, quit};
+use crate::window_hands::{WALL, wait_for_colour, write_wall};
 use mariana_testing::process::{output_of, wait_until};
 use mariana_testing::wave::write_wav;
 
@@ -210,8 +211,7 @@ fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_onc
 fn a_port_that_is_taken_costs_a_sentence_and_the_show_goes_on() {
     let desktop = Desktop::start();
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
-    let song = desktop.folder().join("quiet.wav");
-    write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
+    let song = quiet_song(desktop.folder());
     let scene = desktop.folder().join("wall.scene");
     fs::write(&scene, WALL).unwrap();
     let place = taken.local_addr().unwrap().to_string();

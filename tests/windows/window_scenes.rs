@@ -11,9 +11,9 @@ use std::time::Duration;
 
 use crate::support::compare::{TIGHT, assert_alike, pixel_difference};
 use crate::support::desktop::{App, Desktop, PROGRAM, command_in};
+use crate::walls::{quiet_song, quit_content as quit};
 use image::RgbaImage;
 use mariana_testing::process::wait_until;
-use mariana_testing::wave::write_wav;
 
 /// Longest time from the wish to quit to the end, whatever the drivers are at.
 const QUIT_LIMIT: Duration = Duration::from_secs(60);
@@ -46,8 +46,7 @@ struct Place {
 impl Place {
     fn new() -> Self {
         let desktop = Desktop::start();
-        let song = desktop.folder().join("quiet.wav");
-        write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
+        let song = quiet_song(desktop.folder());
         fs::create_dir(desktop.folder().join("scenes")).unwrap();
         Self { desktop, song }
     }
@@ -127,13 +126,6 @@ fn settled(app: &App) -> RgbaImage {
 
 fn wait_for_mode(app: &mut App, mode: &str) {
     app.wait_for_title(mode, |title| title.contains(&format!(", {mode}")));
-}
-
-fn quit(app: App) {
-    app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-    assert!(!told.contains("panicked") && !told.contains("mariana: "), "it complains: {told}");
 }
 
 #[test]

@@ -8,11 +8,11 @@ use std::process::Stdio;
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop, PROGRAM, SCREEN};
+use crate::walls::quit;
 use mariana_testing::process::wait_until;
 use mariana_testing::sound_server::{SINK_RATE, SoundServer};
 use mariana_testing::wave::write_wav;
 
-const QUIT_LIMIT: Duration = Duration::from_secs(60);
 /// A scene that costs little.
 const SCENE: &str = "length(p - vec3(0, 1, 0)) - 1";
 
@@ -40,14 +40,6 @@ fn open<'d>(desktop: &'d Desktop, options: &[&str]) -> App<'d> {
     let mut app = desktop.show(command, Path::new(""));
     app.wait_until_told("first picture after");
     app
-}
-
-fn quit(app: App<'_>) -> String {
-    app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-    assert!(!told.contains("panicked"), "{told}");
-    told
 }
 
 /// Waits until a song plays on an output of the server.

@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop, PROGRAM, command_in};
+use crate::walls::quit;
 use crate::window_hands::{Sender, sent_number};
 use image::RgbaImage;
 use mariana::scenes::shipped_names;
@@ -18,7 +19,6 @@ use mariana_testing::wave::write_wav;
 const SIZE: &str = "64x36";
 /// Moments of the song that a key reaches, 5 s from each other.
 const MOMENTS: usize = 20;
-const QUIT_LIMIT: Duration = Duration::from_secs(60);
 
 struct Place {
     desktop: Desktop,
@@ -79,12 +79,6 @@ impl Place {
         output_of(&mut command, "mariana").unwrap();
         image::open(&output).unwrap().to_rgba8()
     }
-}
-
-fn quit(app: App<'_>) {
-    app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success() && !told.contains("panicked"), "{status}: {told}");
 }
 
 /// Which channel shines in the middle.

@@ -120,85 +120,91 @@ fn drops() {
     }
 }
 
+/// Styles, tempos and swing.
+fn rhythm() {
+    let mut rows = Vec::new();
+    for (number, style) in Style::ALL.into_iter().enumerate() {
+        for tempo in [60.0, 83.0, 104.0, 128.0, 160.0, 200.0] {
+            // Nobody counts dotted quarters that fast, and half time is counted in halves then.
+            if matches!(style, Style::SixEight | Style::HalfTime) && tempo > 120.0 {
+                continue;
+            }
+            let mut song = Song::new(style, tempo, major(number as u8), pop(Mode::Major));
+            song.seed = tempo as u32;
+            rhythm_row(&format!("{style:?} {tempo}"), &song, &mut rows);
+        }
+    }
+    for style in [Style::Rock, Style::FourOnTheFloor, Style::Jazz] {
+        for (swing, tempo) in
+            [(0.667, (90.0, 90.0)), (0.6, (140.0, 140.0)), (0.5, (90.0, 130.0)), (0.5, (150.0, 110.0))]
+        {
+            let song = Song { swing, tempo, ..Song::new(style, 100.0, major(5), pop(Mode::Major)) };
+            rhythm_row(&format!("{style:?} {tempo:?} swing {swing}"), &song, &mut rows);
+        }
+    }
+    means("rhythm", &rows);
+}
+
+/// Sections that differ in nothing but their timbre or their harmony.
+fn alone() {
+    for alone in ["timbre", "harmony"] {
+        let mut rows = Vec::new();
+        for tempo in [90.0, 120.0, 140.0] {
+            for mode in [Mode::Major, Mode::Minor] {
+                let part = |letter: char, bars, number| Part {
+                    letter,
+                    bars,
+                    chords: chords(mode, if alone == "harmony" { number } else { 0 }),
+                    drums: true,
+                    bass: true,
+                    voice: [Voice::Organ, Voice::Bright, Voice::Soft]
+                        [if alone == "timbre" { number } else { 0 }],
+                    arpeggio: true,
+                    loud: 0.8,
+                    kind: Kind::Plain,
+                };
+                let form = vec![
+                    part('A', 8, 0),
+                    part('B', 8, 1),
+                    part('A', 8, 0),
+                    part('B', 8, 1),
+                    part('C', 8, 2),
+                    part('B', 16, 1),
+                ];
+                let song = Song::new(Style::Rock, tempo, Tonality { root: 2, mode }, form);
+                rhythm_row(&format!("{alone} alone {tempo} {mode:?}"), &song, &mut rows);
+            }
+        }
+        means(alone, &rows);
+    }
+}
+
+/// All keys, in tune and out of tune.
+fn keys() {
+    let mut right = 0;
+    for mode in [Mode::Major, Mode::Minor] {
+        for root in 0..12 {
+            let key = Tonality { root, mode };
+            let mut song = Song::new(Style::Rock, 112.0, key, pop(mode));
+            song.cents = f64::from(root) * 6.0 - 30.0;
+            let (found, _) = heard(&song);
+            let hit = found.key == Some(key);
+            right += u32::from(hit);
+            if !hit {
+                println!("{key:?} was heard as {:?}, tuned to {:.1}", found.key, found.tuning_hz);
+            }
+        }
+    }
+    println!("== keys: {right} of 24");
+}
+
 fn main() {
     let which = std::env::args().nth(1).unwrap_or_default();
-    let wanted = |name: &str| which.is_empty() || which == name;
-    if wanted("rhythm") {
-        let mut rows = Vec::new();
-        for (number, style) in Style::ALL.into_iter().enumerate() {
-            for tempo in [60.0, 83.0, 104.0, 128.0, 160.0, 200.0] {
-                // Nobody counts dotted quarters that fast, and half time is counted in halves then.
-                if matches!(style, Style::SixEight | Style::HalfTime) && tempo > 120.0 {
-                    continue;
-                }
-                let mut song = Song::new(style, tempo, major(number as u8), pop(Mode::Major));
-                song.seed = tempo as u32;
-                rhythm_row(&format!("{style:?} {tempo}"), &song, &mut rows);
-            }
+    let figures: [(&str, fn()); 5] =
+        [("rhythm", rhythm), ("alone", alone), ("drops", drops), ("live", live_bars), ("keys", keys)];
+    for (name, print) in figures {
+        if which.is_empty() || which == name {
+            print();
         }
-        for style in [Style::Rock, Style::FourOnTheFloor, Style::Jazz] {
-            for (swing, tempo) in
-                [(0.667, (90.0, 90.0)), (0.6, (140.0, 140.0)), (0.5, (90.0, 130.0)), (0.5, (150.0, 110.0))]
-            {
-                let song = Song { swing, tempo, ..Song::new(style, 100.0, major(5), pop(Mode::Major)) };
-                rhythm_row(&format!("{style:?} {tempo:?} swing {swing}"), &song, &mut rows);
-            }
-        }
-        means("rhythm", &rows);
-    }
-    if wanted("alone") {
-        for alone in ["timbre", "harmony"] {
-            let mut rows = Vec::new();
-            for tempo in [90.0, 120.0, 140.0] {
-                for mode in [Mode::Major, Mode::Minor] {
-                    let part = |letter: char, bars, number| Part {
-                        letter,
-                        bars,
-                        chords: chords(mode, if alone == "harmony" { number } else { 0 }),
-                        drums: true,
-                        bass: true,
-                        voice: [Voice::Organ, Voice::Bright, Voice::Soft]
-                            [if alone == "timbre" { number } else { 0 }],
-                        arpeggio: true,
-                        loud: 0.8,
-                        kind: Kind::Plain,
-                    };
-                    let form = vec![
-                        part('A', 8, 0),
-                        part('B', 8, 1),
-                        part('A', 8, 0),
-                        part('B', 8, 1),
-                        part('C', 8, 2),
-                        part('B', 16, 1),
-                    ];
-                    let song = Song::new(Style::Rock, tempo, Tonality { root: 2, mode }, form);
-                    rhythm_row(&format!("{alone} alone {tempo} {mode:?}"), &song, &mut rows);
-                }
-            }
-            means(alone, &rows);
-        }
-    }
-    if wanted("drops") {
-        drops();
-    }
-    if wanted("live") {
-        live_bars();
-    }
-    if wanted("keys") {
-        let mut right = 0;
-        for mode in [Mode::Major, Mode::Minor] {
-            for root in 0..12 {
-                let key = Tonality { root, mode };
-                let mut song = Song::new(Style::Rock, 112.0, key, pop(mode));
-                song.cents = f64::from(root) * 6.0 - 30.0;
-                let (found, _) = heard(&song);
-                let hit = found.key == Some(key);
-                right += u32::from(hit);
-                if !hit {
-                    println!("{key:?} was heard as {:?}, tuned to {:.1}", found.key, found.tuning_hz);
-                }
-            }
-        }
-        println!("== keys: {right} of 24");
     }
 }

@@ -2,30 +2,20 @@
 
 use super::StereoFrame;
 use super::bands::{Bands, decibels, height};
-use super::beat::BeatTracker;
 use super::decimate::Decimator;
-use super::features::{BAND_COUNT, Features, TimedFeatures};
+use super::features::{Features, TimedFeatures};
 use super::gain::{AutoGain, Gain, amplitude};
+use super::hop_buffer::{HopBuffer, SAMPLE_MAX, hop_at};
 use super::lines::Lines;
-use super::live_bars::{LiveBars, Strokes};
-use super::onset::{Flux, Onsets};
 use super::pitch::strongest_hz;
 use super::resolution::Resolution;
-use super::rises::Rises;
+use super::rhythm::Rhythm;
+use super::scale::{BAND_COUNT, WAVE_PER_HOP};
+use super::slow_window::SlowWindow;
 use super::smoothing::Follower;
 use super::spectrum::Spectrum;
-use super::tables::WAVE_PER_HOP;
 use super::volume::{Volumes, stretch_length};
 use crate::limits::LIMITS;
-
-/// Samples are clamped to this magnitude (+18 dB), so that no input makes a feature overflow.
-const SAMPLE_MAX: f32 = 8.0;
-
-/// Rate for which the hop and the window below are given, in hertz.
-const REFERENCE_RATE: f64 = 48_000.0;
-
-/// Frames from one moment to the next at the reference rate: 10.7 ms.
-const REFERENCE_HOP: f64 = 512.0;
 
 /// Positions are clamped to this (190 000 years at 768 kHz), so that counting on from one never overflows.
 const POSITION_MAX: u64 = 1 << 62;
@@ -96,41 +86,57 @@ fn centroid(powers: &[f32; BAND_COUNT], level_db: f32) -> f32 {
 /// allocated after `new`.
 pub struct Analyzer {
     sample_rate: u32,
-    hop: usize,
     lookahead: usize,
-    /// The frames of the long window being filled; its end is the frame at `moment + lookahead`.
-    history: Vec<StereoFrame>,
-    filled: usize,
-    /// Stream index of the next moment.
+    /// The frames of the long window; its end is the frame at `moment + lookahead`.
+    buffer: HopBuffer,
+    progress: Progress,
+    /// The long window at a lower rate.
+    slow: SlowWindow,
+    /// Where the middle and the short window lie in the buffer, and the spectrum of each.
+    windows: [(std::ops::Range<usize>, Spectrum); 2],
+    /// Where the volume is measured in the buffer.
+    volume_stretch: std::ops::Range<usize>,
+    /// Where the waveform lies in the buffer.
+    wave_stretch: std::ops::Range<usize>,
+    bands: Bands,
+    lines: Lines,
+    followers: Followers,
+    gain: AutoGain,
+    rhythm: Rhythm,
+    /// The last moment.
+    last: TimedFeatures,
+}
+
+/// How far the stream was analysed. Numbers are frames from its start.
+#[derive(Default)]
+struct Progress {
+    /// The next moment.
     moment: u64,
-    /// Stream index of the next frame to be pushed.
+    /// The next frame to be pushed.
     position: u64,
     /// Whether frames were pushed since the (re)start.
     any: bool,
-    /// Whether no moment was measured since the (re)start.
-    fresh: bool,
-    /// The long window at a lower rate, and the decimator that makes it.
-    slow: Vec<StereoFrame>,
-    decimator: Decimator,
-    slow_spectrum: Spectrum,
-    /// Where the middle and the short window lie in the history, and the spectrum of each.
-    windows: [(std::ops::Range<usize>, Spectrum); 2],
-    bands: Bands,
-    lines: Lines,
-    volume_stretch: std::ops::Range<usize>,
-    wave_stretch: std::ops::Range<usize>,
-    volume_follower: Follower,
-    band_follower: Follower,
-    beat_follower: Follower,
-    drive_follower: Follower,
-    gain: AutoGain,
-    flux: Flux,
-    onsets: Onsets,
-    beats: BeatTracker,
-    /// Of live input alone; of a song all is known.
-    bars: Option<(Rises, LiveBars)>,
-    /// The last moment.
-    last: TimedFeatures,
+    /// Whether a moment was measured since the (re)start.
+    has_measured: bool,
+}
+
+/// How features follow what is measured.
+struct Followers {
+    volume: Follower,
+    bands: Follower,
+    beat: Follower,
+    drive: Follower,
+}
+
+impl Followers {
+    fn new(hop_seconds: f64) -> Self {
+        Self {
+            volume: Follower::new(VOLUME_ATTACK, VOLUME_RELEASE, hop_seconds),
+            bands: Follower::new(BAND_ATTACK, BAND_RELEASE, hop_seconds),
+            beat: Follower::new(BEAT_RELEASE, BEAT_RELEASE, hop_seconds),
+            drive: Follower::new(DRIVE_SECONDS, DRIVE_SECONDS, hop_seconds),
+        }
+    }
 }
 
 impl Analyzer {
@@ -144,7 +150,7 @@ impl Analyzer {
     pub fn with_gain(sample_rate: u32, alignment: Alignment, gain: Gain) -> Self {
         let sample_rate = sample_rate.clamp(LIMITS.sample_rate_min, LIMITS.sample_rate_max);
         let rate = f64::from(sample_rate);
-        let hop = (REFERENCE_HOP * (rate / REFERENCE_RATE).log2().round().exp2()) as usize;
+        let hop = hop_at(rate);
         let longest = hop * Resolution::Long.hops();
         let hop_seconds = hop as f64 / rate;
         let decimator = Decimator::new(hop);
@@ -163,7 +169,7 @@ impl Analyzer {
             }
             Alignment::Trailing => longest - length..longest,
         };
-        let slow_gain = |bin: usize| {
+        let slow_gain = |bin: usize, decimator: &Decimator| {
             let hz = bin as f64 * rate / longest as f64;
             // Bins above this are not used.
             if hz < SLOW_HIGHEST_HZ { decimator.power_gain(hz, rate) } else { 1.0 }
@@ -173,35 +179,27 @@ impl Analyzer {
         let short = hop * Resolution::Short.hops();
         let mut analyzer = Self {
             sample_rate,
-            hop,
             lookahead,
-            history: vec![[0.0; 2]; longest],
-            filled: 0,
-            moment: 0,
-            position: 0,
-            any: false,
-            fresh: true,
-            slow: vec![[0.0; 2]; slow_length],
-            slow_spectrum: Spectrum::new(slow_length, slow_gain),
-            decimator,
+            buffer: HopBuffer::new(longest, hop, 0),
+            progress: Progress::default(),
+            slow: SlowWindow::new(decimator, slow_length, slow_gain),
             windows: [Resolution::Middle, Resolution::Short].map(|resolution| {
                 let length = hop * resolution.hops();
                 (place(length), Spectrum::new(length, |_| 1.0))
             }),
-            bands: Bands::new(hop, rate),
-            lines: Lines::new(hop, rate),
             volume_stretch: place(stretch_length(sample_rate)),
             wave_stretch: wave_end - hop..wave_end,
-            volume_follower: Follower::new(VOLUME_ATTACK, VOLUME_RELEASE, hop_seconds),
-            band_follower: Follower::new(BAND_ATTACK, BAND_RELEASE, hop_seconds),
-            beat_follower: Follower::new(BEAT_RELEASE, BEAT_RELEASE, hop_seconds),
-            drive_follower: Follower::new(DRIVE_SECONDS, DRIVE_SECONDS, hop_seconds),
+            bands: Bands::new(hop, rate),
+            lines: Lines::new(hop, rate),
+            followers: Followers::new(hop_seconds),
             gain: AutoGain::new(gain, hop_seconds),
-            flux: Flux::new(short / 2, rate / short as f64, hop_seconds),
-            onsets: Onsets::new(hop_seconds),
-            beats: BeatTracker::new(hop_seconds, late),
-            bars: (alignment == Alignment::Trailing)
-                .then(|| (Rises::new(short / 2, rate / short as f64, hop_seconds), LiveBars::new())),
+            rhythm: Rhythm::new(
+                short / 2,
+                rate / short as f64,
+                hop_seconds,
+                late,
+                alignment == Alignment::Trailing,
+            ),
             last: TimedFeatures::new(0.0, 0, Features::SILENCE),
         };
         analyzer.restart(0);
@@ -220,7 +218,7 @@ impl Analyzer {
 
     /// Frames from one moment to the next.
     pub fn hop(&self) -> usize {
-        self.hop
+        self.buffer.hop()
     }
 
     /// Frames that must follow a moment before its features are emitted. With centred windows: half the long window,
@@ -235,38 +233,25 @@ impl Analyzer {
     /// To get the features of an uninterrupted analysis after a seek, start a second earlier.
     pub fn restart(&mut self, position: u64) {
         let position = position.min(POSITION_MAX);
-        self.moment = position.next_multiple_of(self.hop as u64);
-        self.position = position;
-        (self.any, self.fresh) = (false, true);
-        self.history.fill([0.0; 2]);
-        self.slow.fill([0.0; 2]);
+        let moment = position.next_multiple_of(self.hop() as u64);
+        self.progress = Progress { moment, position, ..Progress::default() };
         // The moment is less than a hop ahead, and the window reaches back from it by more than a hop.
-        self.filled = self.history.len() - self.lookahead - (self.moment - position) as usize;
+        let ahead = self.lookahead + (moment - position) as usize;
+        self.buffer.restart(self.buffer.frames().len() - ahead);
+        self.slow.restart();
         self.gain.restart();
-        self.flux.restart();
-        self.onsets.restart();
-        self.beats.restart();
-        if let Some((rises, bars)) = &mut self.bars {
-            rises.restart();
-            bars.restart();
-        }
+        self.rhythm.restart();
         self.last = TimedFeatures::new(0.0, 0, Features::SILENCE);
     }
 
     /// Takes the next frames, any number of them, and emits the features of each moment that became complete.
     /// Samples that are not finite count as 0; others are clamped to ±8.
     pub fn push(&mut self, frames: &[StereoFrame], emit: &mut dyn FnMut(&TimedFeatures)) {
-        self.any |= !frames.is_empty();
-        self.position += frames.len() as u64;
+        self.progress.any |= !frames.is_empty();
+        self.progress.position += frames.len() as u64;
         let mut rest = frames;
         while !rest.is_empty() {
-            let free = &mut self.history[self.filled..];
-            let (now, later) = rest.split_at(rest.len().min(free.len()));
-            for (stored, frame) in free.iter_mut().zip(now) {
-                *stored = frame.map(sanitised);
-            }
-            self.filled += now.len();
-            rest = later;
+            (_, rest) = self.buffer.take(rest);
             self.emit_if_full(emit);
         }
     }
@@ -275,9 +260,8 @@ impl Analyzer {
     /// after the end of the stream. Emits nothing if nothing was pushed. Afterwards the analyzer is as new.
     pub fn finish(&mut self, emit: &mut dyn FnMut(&TimedFeatures)) {
         // Every moment before `position + hop`: those before the end of the stream and the first one at or after it.
-        while self.any && self.moment < self.position + self.hop as u64 {
-            self.history[self.filled..].fill([0.0; 2]);
-            self.filled = self.history.len();
+        while self.progress.any && self.progress.moment < self.progress.position + self.hop() as u64 {
+            self.buffer.end();
             self.emit_if_full(emit);
         }
         self.restart(0);
@@ -285,26 +269,23 @@ impl Analyzer {
 
     /// Measures a full window, emits, and moves the window on by a hop.
     fn emit_if_full(&mut self, emit: &mut dyn FnMut(&TimedFeatures)) {
-        if self.filled < self.history.len() {
-            return;
+        if self.buffer.is_full() {
+            self.measure();
+            emit(&self.last);
+            self.buffer.advance();
+            self.progress.moment += self.hop() as u64;
         }
-        self.measure();
-        emit(&self.last);
-        self.history.copy_within(self.hop.., 0);
-        self.filled -= self.hop;
-        self.moment += self.hop as u64;
     }
 
     /// Measures the moment whose window is full.
     fn measure(&mut self) {
-        let history = &self.history;
-        // The whole window the first time, then one hop at a time.
-        let kept_per_hop = self.hop / self.decimator.step();
-        let new = if std::mem::take(&mut self.fresh) { self.slow.len() } else { kept_per_hop };
-        let kept = self.slow.len() - new;
-        self.slow.copy_within(new.., 0);
-        self.decimator.keep(history, &mut self.slow[kept..]);
-        let long = self.slow_spectrum.power(&self.slow);
+        let (history, hop) = (self.buffer.frames(), self.buffer.hop());
+        if std::mem::replace(&mut self.progress.has_measured, true) {
+            self.slow.follow(history, hop);
+        } else {
+            self.slow.fill(history);
+        }
+        let long = self.slow.power();
         let [middle, short] =
             self.windows.each_mut().map(|(place, spectrum)| spectrum.power(&history[place.clone()]));
         let spectra = [long, middle, short];
@@ -312,23 +293,23 @@ impl Analyzer {
         let power = powers.iter().sum();
         let gain_db = self.gain.follow(power);
 
-        self.last.number = self.moment / self.hop as u64;
-        self.last.time = self.moment as f64 / f64::from(self.sample_rate);
+        self.last.number = self.progress.moment / hop as u64;
+        self.last.time = self.progress.moment as f64 / f64::from(self.sample_rate);
         let features = &mut self.last.features;
         features.gain_db = gain_db;
         features.level_db = decibels(power);
         features.band_levels_db = powers.map(decibels);
-        features.peak_hz = strongest_hz([long, middle], f64::from(self.sample_rate), self.hop);
+        features.peak_hz = strongest_hz([long, middle], f64::from(self.sample_rate), hop);
         for (value, level) in features.bands.iter_mut().zip(features.band_levels_db) {
-            self.band_follower.follow(value, height(level + gain_db));
+            self.followers.bands.follow(value, height(level + gain_db));
         }
-        self.band_follower.follow(&mut features.brightness, centroid(&powers, features.level_db));
+        self.followers.bands.follow(&mut features.brightness, centroid(&powers, features.level_db));
         let mean = |bands: &[f32]| bands.iter().sum::<f32>() / bands.len() as f32;
         features.bass = mean(&features.bands[BASS]);
         features.mid = mean(&features.bands[MID]);
         features.treble = mean(&features.bands[TREBLE]);
         // In its steady state a first-order system holds its input times its time constant.
-        self.drive_follower.follow(&mut features.bass_drive, DRIVE_SECONDS as f32 * features.bass);
+        self.followers.drive.follow(&mut features.bass_drive, DRIVE_SECONDS as f32 * features.bass);
 
         let volumes = Volumes::of(&history[self.volume_stretch.clone()]);
         let scale = amplitude(gain_db);
@@ -340,29 +321,25 @@ impl Analyzer {
             (&mut features.volume_side, volumes.side),
         ];
         for (value, target) in followed {
-            self.volume_follower.follow(value, (scale * target).min(SAMPLE_MAX));
+            self.followers.volume.follow(value, (scale * target).min(SAMPLE_MAX));
         }
 
-        let (begins, flux) = self.onsets.follow(self.flux.follow(short));
-        let strokes = self.bars.as_mut().map(|(rises, _)| Strokes::of(rises.follow(short), flux));
-        self.beat_follower.follow(&mut features.beat, 0.0);
-        if begins {
+        let pulse = self.rhythm.follow(short);
+        self.followers.beat.follow(&mut features.beat, 0.0);
+        if pulse.begins {
             features.beat = 1.0;
         }
-        let beat = self.beats.follow(flux, begins);
-        (features.tempo, features.phase) = (beat.tempo, beat.phase);
+        (features.tempo, features.phase) = (pulse.beat.tempo, pulse.beat.phase);
 
         let mut heights = [0.0; _];
         self.lines.heights(spectra, gain_db, &mut heights);
         for (value, height) in self.last.spectrum.iter_mut().zip(heights) {
-            self.band_follower.follow(value, height);
+            self.followers.bands.follow(value, height);
         }
-        if let (Some((_, bars)), Some(strokes)) = (&mut self.bars, strokes) {
-            let phase = (features.tempo > 0.0).then_some(features.phase);
-            let bar = bars.follow(phase, strokes, &self.last.spectrum);
+        if let Some(bar) = self.rhythm.bar(pulse, &self.last.spectrum) {
             (features.bar_beat, features.bar_beats) = (bar.beat, bar.beats);
         }
-        let frames_per_point = self.hop / WAVE_PER_HOP;
+        let frames_per_point = hop / WAVE_PER_HOP;
         mean_of_channels(&history[self.wave_stretch.clone()], frames_per_point, &mut self.last.wave);
     }
 }
@@ -380,8 +357,4 @@ fn mean_of_channels(frames: &[StereoFrame], frames_per_point: usize, wave: &mut 
     for (point, group) in wave.iter_mut().zip(frames.chunks_exact(frames_per_point)) {
         *point = group.iter().map(|[left, right]| left + right).sum::<f32>() / (2 * frames_per_point) as f32;
     }
-}
-
-fn sanitised(sample: f32) -> f32 {
-    if sample.is_finite() { sample.clamp(-SAMPLE_MAX, SAMPLE_MAX) } else { 0.0 }
 }

@@ -1,13 +1,7 @@
 //! Logarithmic frequency bands: from the power per bin to the level of each band and its height for drawing.
 
-use super::features::{BAND_COUNT, LEVEL_FLOOR_DB};
 use super::resolution::Resolution;
-
-/// Lower edge of the lowest band, in hertz.
-pub const BAND_LOWEST_HZ: f64 = 30.0;
-
-/// Upper edge of the highest band, in hertz.
-pub const BAND_HIGHEST_HZ: f64 = 16_000.0;
+use super::scale::{BAND_COUNT, BAND_HIGHEST_HZ, BAND_LOWEST_HZ, LEVEL_FLOOR_DB};
 
 /// The level drawn with height 0, in decibels.
 const HEIGHT_ZERO_DB: f32 = -66.0;

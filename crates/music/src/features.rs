@@ -2,14 +2,7 @@
 
 use serde::Serialize;
 
-use super::lines::{SPECTRUM_POINTS, spectrum_place};
-use super::tables::WAVE_PER_HOP;
-
-/// Number of frequency bands.
-pub const BAND_COUNT: usize = 32;
-
-/// The lowest level reported, in decibels: silence reads this, nothing reads less.
-pub const LEVEL_FLOOR_DB: f32 = -120.0;
+use super::scale::{BAND_COUNT, LEVEL_FLOOR_DB, SPECTRUM_POINTS, WAVE_PER_HOP, spectrum_place};
 
 macro_rules! features {
     ($($(#[doc = $doc:literal])+ $name:ident: $type:ty = $silence:expr, $between:ident;)+) => {

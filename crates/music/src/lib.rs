@@ -35,6 +35,7 @@ mod beat;
 mod decimate;
 mod features;
 mod gain;
+mod hop_buffer;
 pub mod limits;
 mod lines;
 mod live_bars;
@@ -42,7 +43,10 @@ mod live_energy;
 mod onset;
 mod pitch;
 mod resolution;
+mod rhythm;
 mod rises;
+mod scale;
+mod slow_window;
 mod smoothing;
 mod song;
 mod spectrum;
@@ -53,16 +57,19 @@ mod volume;
 mod window;
 
 pub use analyzer::{Alignment, Analyzer};
-pub use bands::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ, band_edge};
-pub use features::{BAND_COUNT, Features, LEVEL_FLOOR_DB, TimedFeatures};
+pub use bands::band_edge;
+pub use features::{Features, TimedFeatures};
 pub use gain::Gain;
-pub use lines::{SPECTRUM_POINTS, spectrum_hz, spectrum_place};
 pub use live_energy::LiveEnergy;
+pub use scale::{
+    BAND_COUNT, BAND_HIGHEST_HZ, BAND_LOWEST_HZ, LEVEL_FLOOR_DB, SPECTRUM_POINTS, WAVE_PER_HOP, spectrum_hz,
+    spectrum_place,
+};
 pub use song::{
     Chord, Meter, Mode, PITCH_CLASSES, PitchShares, STRUCTURE_VERSION, Section, SongBeat, SongListener,
     SongMoment, SongStructure, Stretch, Tonality,
 };
-pub use tables::{HISTORY_POINTS, HISTORY_SECONDS, Sound, Tables, WAVE_PER_HOP, WAVEFORM_POINTS};
+pub use tables::{HISTORY_POINTS, HISTORY_SECONDS, Sound, Tables, WAVEFORM_POINTS};
 pub use tap::TapTempo;
 pub use track::FeatureTrack;
 

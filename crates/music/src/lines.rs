@@ -1,11 +1,8 @@
 //! The spectrum as a curve: heights at many frequencies, spaced in equal ratios.
 
-use super::bands::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ, decibels};
-use super::features::LEVEL_FLOOR_DB;
+use super::bands::decibels;
 use super::resolution::Resolution;
-
-/// Points of the curve.
-pub const SPECTRUM_POINTS: usize = 512;
+use super::scale::{LEVEL_FLOOR_DB, SPECTRUM_POINTS, spectrum_hz};
 
 /// The level drawn with height 0, in decibels.
 const HEIGHT_ZERO_DB: f32 = -84.0;
@@ -16,17 +13,6 @@ const HEIGHT_ONE_DB: f32 = -12.0;
 /// The factor from Parseval's scale to Hann's coherent gain, for the power at a tone's bin: the noise bandwidth
 /// of 1.5 bins.
 const NOISE_BANDWIDTH: f32 = 1.5;
-
-/// The frequency at `u` in hertz: 30 Hz at 0, 16 kHz at 1, equal ratios between.
-pub fn spectrum_hz(u: f64) -> f64 {
-    BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(u)
-}
-
-/// Where a frequency lies on the spectrum's axis, 0..1 (the inverse of [`spectrum_hz`], clamped).
-pub fn spectrum_place(hz: f64) -> f64 {
-    let octaves = (hz.max(1e-9) / BAND_LOWEST_HZ).ln() / (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).ln();
-    octaves.clamp(0.0, 1.0)
-}
 
 /// Which bins make up which point.
 pub(super) struct Lines {
@@ -109,15 +95,6 @@ impl Lines {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn places_and_frequencies_are_inverse() {
-        for (place, hz) in [(0.0, BAND_LOWEST_HZ), (0.5, 692.820_323), (1.0, BAND_HIGHEST_HZ)] {
-            assert!((spectrum_hz(place) - hz).abs() < 1e-5, "{place}: {} Hz", spectrum_hz(place));
-            assert!((spectrum_place(hz) - place).abs() < 1e-9, "{hz} Hz: {}", spectrum_place(hz));
-        }
-        assert_eq!([0.0, -1.0, 1e9].map(spectrum_place), [0.0, 0.0, 1.0]);
-    }
 
     #[test]
     fn every_point_reads_even_power_alike() {

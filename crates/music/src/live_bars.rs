@@ -5,8 +5,8 @@
 //! Markov model whose states are the positions in bars of four and of three beats takes that up beat by beat. Nothing is
 //! told while no position is much likelier than the others.
 
-use super::lines::{SPECTRUM_POINTS, spectrum_place};
 use super::rises::LowAndHigh;
+use super::scale::{SPECTRUM_POINTS, spectrum_place};
 
 /// Lengths of bars, in beats.
 const METERS: [usize; 2] = [4, 3];

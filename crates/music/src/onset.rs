@@ -1,6 +1,6 @@
 //! Onsets: where sounds begin.
 
-use super::bands::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
+use super::scale::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
 
 /// Groups of bins whose rise is measured, in equal ratios from 30 Hz to 16 kHz.
 const GROUPS: usize = 30;

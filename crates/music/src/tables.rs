@@ -3,11 +3,8 @@
 use std::sync::Arc;
 
 use super::features::Features;
-use super::lines::SPECTRUM_POINTS;
+use super::scale::{SPECTRUM_POINTS, WAVE_PER_HOP};
 use super::song::SongMoment;
-
-/// Samples of the waveform for each hop (11.6 to 12.3 kHz at 44.1, 48 and their multiples).
-pub const WAVE_PER_HOP: usize = 128;
 
 /// Samples of a moment's waveform: four hops, 43 ms at 48 kHz.
 pub const WAVEFORM_POINTS: usize = 4 * WAVE_PER_HOP;

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use super::features::{Features, TimedFeatures};
 use super::gain::amplitude;
-use super::lines::SPECTRUM_POINTS;
+use super::scale::SPECTRUM_POINTS;
+use super::scale::WAVE_PER_HOP;
 use super::tables::{
-    HISTORY_POINTS, HISTORY_SECONDS, MOMENTS_PER_ROW, POINTS_PER_COLUMN, Sound, Tables, WAVE_PER_HOP,
-    WAVEFORM_POINTS,
+    HISTORY_POINTS, HISTORY_SECONDS, MOMENTS_PER_ROW, POINTS_PER_COLUMN, Sound, Tables, WAVEFORM_POINTS,
 };
 use crate::limits::LIMITS;
 

@@ -18,41 +18,20 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use mariana_music::StereoFrame;
-use mariana_player::source::{FrameSource, SourceError};
 use mariana_player::{Player, PlayerOptions, PlayerStatus};
 use mariana_testing::process::wait_until;
 use mariana_testing::sound_session::Session;
+
+#[path = "../tests/devices/tone.rs"]
+mod tone;
+
+use tone::Tone;
 
 const FRAME: Duration = Duration::from_nanos(16_666_667);
 /// A larger difference between two looks and the time between them is a step, in seconds.
 const STEP: f64 = 0.05;
 /// How long each output of a flap is there, besides the time until it is noticed.
 const HEARD: Duration = Duration::from_millis(250);
-
-/// A tone that never ends.
-struct Tone(u64);
-
-impl FrameSource for Tone {
-    fn sample_rate(&self) -> u32 {
-        48_000
-    }
-
-    fn duration(&self) -> Option<f64> {
-        None
-    }
-
-    fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, SourceError> {
-        out.extend((self.0..self.0 + 1000).map(|n| [0.5 * (n as f32 * 0.05).sin(); 2]));
-        self.0 += 1000;
-        Ok(1000)
-    }
-
-    fn seek(&mut self, seconds: f64) -> Result<f64, SourceError> {
-        self.0 = (seconds * 48_000.0).round() as u64;
-        Ok(seconds)
-    }
-}
 
 /// What was seen of the clock.
 #[derive(Default)]

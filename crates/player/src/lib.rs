@@ -39,6 +39,7 @@ mod hosts;
 pub mod input;
 pub mod limits;
 pub mod listed;
+mod one_line;
 pub mod output;
 pub mod player;
 pub mod playlist;

@@ -10,44 +10,44 @@
 //! whose decoder is kept until then.
 
 mod analysis;
+mod audible;
 mod decoding;
 mod filling;
 mod listing;
 mod position;
 mod shape;
+mod threads;
 mod unheard;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::mpsc::{Sender, channel, sync_channel};
-use std::time::{Duration, Instant};
+use std::sync::mpsc::{channel, sync_channel};
+use std::time::Instant;
 
-use super::clock::{Audible, Clock};
 use super::device::Target;
 use super::device_list::ListedDevice;
 use super::error::PlayerError;
 use super::gain_switch::GainSwitch;
 use super::listed::{Edit, ListedTrack, ListedTracks, SharedListing};
 pub use super::output::OutputChoice;
-use super::output::{Controls, Counters, OutputRequest, OutputWatch, Supervisor};
+use super::output::{Controls, Counters, OutputRequest, Supervisor};
 use super::source::FrameSource;
-use super::timeline::{SharedTimeline, SongPlace};
+use super::timeline::SharedTimeline;
 use super::track::{OneTrack, Repeat, Track, TrackInfo, TrackList};
 use super::worker::Worker;
-use crate::limits::LIMITS;
+use audible::AudibleMoment;
+pub use audible::Moment;
 use decoding::{Command, Decoding};
 pub use listing::Troubles;
 use listing::{Request, SharedTroubles};
 use mariana_music::limits::LIMITS as MUSIC_LIMITS;
-use mariana_music::{Features, Gain, SongMoment, Sound};
+use mariana_music::{Gain, Sound};
 pub use position::Position;
 pub use shape::LoudnessShape;
 use shape::Shapes;
+use threads::Threads;
 pub use unheard::{Unheard, UnheardAfter};
-
-/// How long to wait for the end of each thread.
-const END_LIMIT: Duration = Duration::from_secs(1);
 
 /// Pieces that may wait for the analysis.
 const ANALYSIS_QUEUE: usize = 32;
@@ -129,36 +129,13 @@ pub struct PlayerStatus {
     pub unheard: Unheard,
 }
 
-/// What is audible at a moment.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Moment {
-    /// Position in the track, in seconds.
-    pub song_time: f64,
-    /// Its features.
-    pub features: Features,
-    /// Its place in the whole song, for who adds it: nothing is known of that here.
-    pub song: SongMoment,
-    /// The number of the track ([`TrackInfo::id`]); 0 for an input.
-    pub track: u64,
-    /// Grows with each seek and each change of device; the song time goes on through a change of device.
-    pub segment: u64,
-    /// How often a track has begun earlier within the segment.
-    pub lap: u32,
-}
-
 /// Tracks that play. Dropping it ends the sound and the threads, within a limit.
 pub struct Player {
+    // First, so that the threads end before what they use.
+    threads: Threads,
     controls: Arc<Controls>,
     counters: Arc<Counters>,
-    timeline: SharedTimeline,
-    commands: Sender<Command>,
-    /// Taken when dropped.
-    supervisor: Option<Supervisor>,
-    decoding: Worker,
-    analysis: Worker,
     gain: GainSwitch,
-    /// Ends when the decoding does.
-    list_thread: Worker,
     /// The track that was last audible, where it stands in the list now.
     track: Arc<TrackInfo>,
     listing: SharedListing,
@@ -167,14 +144,7 @@ pub struct Player {
     shuffled: bool,
     troubles: SharedTroubles,
     position: Position,
-    outputs: OutputWatch,
-    /// Unlike the position, the picture may be shifted.
-    picture_clock: Clock,
-    moment: Moment,
-    /// What was audible then, and how far ahead of that the picture is, in seconds.
-    heard: Option<(Audible, f64)>,
-    /// The latency shift given when the picture last asked, in seconds.
-    shift: f64,
+    audible: AudibleMoment,
 }
 
 impl Player {
@@ -194,7 +164,6 @@ impl Player {
             return Err(PlayerError::SampleRate { rate, min, max });
         }
         let track = first.info.clone();
-        let track_id = track.id;
         let listing = SharedListing::default();
         listing.tell(std::iter::once((track.id, ListedTrack::from(&*track))));
         list.share(listing.clone());
@@ -223,24 +192,21 @@ impl Player {
             controls,
             counters,
             position: Position::new(outputs.clone(), timeline.clone(), track.clone()),
-            outputs,
-            timeline,
-            commands,
-            supervisor: Some(supervisor),
-            decoding,
-            analysis,
+            audible: AudibleMoment::new(outputs, timeline, track.id),
+            threads: Threads {
+                commands,
+                supervisor: Some(supervisor),
+                decoding,
+                analysis,
+                list: list_thread,
+            },
             gain,
-            list_thread,
             track,
             listing,
             shapes: Shapes::default(),
             repeat: options.repeat,
             shuffled: options.shuffled,
             troubles,
-            picture_clock: Clock::default(),
-            moment: Moment { track: track_id, ..Moment::default() },
-            heard: None,
-            shift: 0.0,
         })
     }
 
@@ -260,28 +226,28 @@ impl Player {
     /// Seeks by `seconds` from what is audible, or from the target of a seek that is not heard yet, but not before
     /// the track's start. Past the end the next track follows. A value that is not finite is ignored.
     pub fn seek_by(&self, seconds: f64) {
-        self.send(Command::SeekBy(seconds));
+        self.threads.send(Command::SeekBy(seconds));
     }
 
     /// Seeks to a time of the track, in seconds; clamped like [`Player::seek_by`].
     pub fn seek_to(&self, seconds: f64) {
-        self.send(Command::SeekTo(seconds));
+        self.threads.send(Command::SeekTo(seconds));
     }
 
     /// Goes to the next track or to the previous one; going back later than 3 s into a track leads to its own start.
     pub fn skip(&self, forward: bool) {
-        self.send(Command::Skip { forward });
+        self.threads.send(Command::Skip { forward });
     }
 
     /// Plays these files, folders or lists instead of the current list, if something in them can be played.
     pub fn play_files(&self, files: Vec<PathBuf>) {
-        self.send(Command::Files(files));
+        self.threads.send(Command::Files(files));
     }
 
     /// Changes the order and the repeating of tracks.
     pub fn set_order(&mut self, repeat: Repeat, shuffled: bool) {
         (self.repeat, self.shuffled) = (repeat, shuffled);
-        self.send(Command::Order(repeat, shuffled));
+        self.threads.send(Command::Order(repeat, shuffled));
     }
 
     /// The list as it is now. This is cheap enough to be asked for each picture, however long the list is.
@@ -300,31 +266,31 @@ impl Player {
     /// Plays the track at this index of the list from its start, or the next one that can be played. An index beyond
     /// the list is ignored.
     pub fn play_entry(&self, entry: usize) {
-        self.send(Command::PlayEntry(entry));
+        self.threads.send(Command::PlayEntry(entry));
     }
 
     /// Moves the entry at index `from` so that it is at index `to`; what plays goes on. Indices beyond the list are
     /// ignored. Changes are carried out one after the other: indices are those of the list after all changes before.
     pub fn move_entry(&self, from: usize, to: usize) {
-        self.send(Command::Edit(Edit::Move { from, to }));
+        self.threads.send(Command::Edit(Edit::Move { from, to }));
     }
 
     /// Removes an entry; see [`Player::move_entry`]. If it plays, the one that follows plays instead, and silence if
     /// none does.
     pub fn remove_entry(&self, entry: usize) {
-        self.send(Command::Edit(Edit::Remove(entry)));
+        self.threads.send(Command::Edit(Edit::Remove(entry)));
     }
 
     /// Appends these files, or what these folders and lists hold, to the list. A list that had ended goes on with them;
     /// a random order has them among the tracks that are still to come.
     pub fn append_files(&self, files: Vec<PathBuf>) {
-        self.send(Command::Edit(Edit::Append(files)));
+        self.threads.send(Command::Edit(Edit::Append(files)));
     }
 
     /// Plays on another output from now on; the present one goes on until that one is open. A song without a device
     /// on purpose has one from then on.
     pub fn choose_output(&self, target: Target) {
-        if let Some(supervisor) = &self.supervisor {
+        if let Some(supervisor) = &self.threads.supervisor {
             supervisor.choose(target);
         }
     }
@@ -352,16 +318,10 @@ impl Player {
 
     /// The present state of playback.
     pub fn status(&mut self) -> PlayerStatus {
-        let output = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
+        let output = self.threads.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
         let place = self.position.look();
         self.track = place.track;
-        let timeline = self.timeline.lock();
-        let carry = |from, to| timeline.carry(from, to);
-        // The song ends with the picture, which is later than the device if it is shifted.
-        let shown = self.picture_clock.at(output.history.as_ref(), Instant::now(), self.shift, carry);
-        let ended = shown.is_some_and(|shown| timeline.is_end(shown));
-        let next = timeline.next();
-        drop(timeline);
+        let (ended, next) = self.audible.end_and_next(output.history.as_ref());
         self.find_place();
         PlayerStatus {
             track: self.track.clone(),
@@ -395,28 +355,12 @@ impl Player {
     /// that the device reports: a positive shift where the sound is heard later than the device knows. A negative one
     /// looks ahead, as far as is decoded (0.3 to 0.4 s).
     pub fn now(&mut self, latency_shift: f64) -> Moment {
-        let limit = LIMITS.latency_ms_max / 1000.0;
-        let shift = if latency_shift.is_finite() { latency_shift.clamp(-limit, limit) } else { 0.0 };
-        self.shift = shift.max(0.0);
-        let history = self.outputs.history();
-        let timeline = self.timeline.lock();
-        let carry = |from, to| timeline.carry(from, to);
-        if let Some(audible) = self.picture_clock.at(history.as_ref(), Instant::now(), self.shift, carry)
-            && let Some(place) = timeline.place(audible, (-shift).max(0.0))
-        {
-            let segment = audible.segment;
-            let SongPlace { song_time, lap, track, features, .. } = place;
-            self.moment = Moment { song_time, features, track, segment, lap, ..Moment::default() };
-            self.heard = Some((audible, (-shift).max(0.0)));
-        }
-        drop(timeline);
-        self.moment
+        self.audible.now(latency_shift)
     }
 
     /// The sound, with its tables, of the moment that [`Player::now`] returned last.
     pub fn sound(&self) -> Sound {
-        let sound = self.heard.and_then(|(audible, ahead)| self.timeline.lock().sound(audible, ahead));
-        sound.unwrap_or_else(|| self.moment.features.into())
+        self.audible.sound()
     }
 
     /// Notes where the audible track stands in the list now. A track of a list that was replaced stays as it was.
@@ -426,22 +370,6 @@ impl Player {
         {
             let info = Arc::make_mut(&mut self.track);
             (info.entry, info.count) = (entry, count);
-        }
-    }
-
-    fn send(&self, command: Command) {
-        // If the decoding thread has ended there is nothing to seek in.
-        let _ = self.commands.send(command);
-    }
-}
-
-impl Drop for Player {
-    fn drop(&mut self) {
-        self.send(Command::Quit);
-        self.supervisor = None;
-        let decoded = self.decoding.join_within(END_LIMIT) && self.analysis.join_within(END_LIMIT);
-        if !decoded || !self.list_thread.join_within(END_LIMIT) {
-            tracing::warn!("the decoding of the song does not end and is abandoned");
         }
     }
 }

@@ -9,13 +9,11 @@ mod gpu;
 #[cfg(unix)]
 mod hands;
 mod language_page;
+mod root;
 mod textures;
 mod thumbnails;
 #[cfg(unix)]
 mod typing;
-
-/// The root of the project.
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 /// A tool: its name, its arguments, what it makes, and its work.
 type Tool = (&'static str, &'static str, &'static str, fn(&[String]) -> anyhow::Result<()>);

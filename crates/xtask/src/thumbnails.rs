@@ -14,7 +14,7 @@ use mariana_music::Gain;
 
 /// Draws the named scenes, or all, and removes thumbnails without a scene.
 pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
-    let folder = Path::new(crate::ROOT).join("assets/thumbnails");
+    let folder = Path::new(crate::root::ROOT).join("assets/thumbnails");
     fs::create_dir_all(&folder)?;
     let names = shipped_names();
     for name in names.iter().filter(|name| wanted.is_empty() || wanted.contains(name)) {

@@ -28,18 +28,9 @@ impl Random {
 /// Builds an expression of about `operators` operators, every operator as likely as the others, and gives its
 /// root. Most operands are recent results, so that what is built is used.
 pub(crate) fn random_expression(random: &mut Random, graph: &mut Graph, operators: usize) -> NodeId {
-    const INPUTS: [Input; 10] = [
-        Input::X,
-        Input::Y,
-        Input::Z,
-        Input::NX,
-        Input::NY,
-        Input::NZ,
-        Input::T,
-        Input::Sound(SoundInput::VolumeLeft),
-        Input::Band(7),
-        Input::Param(1),
-    ];
+    const OF_FRAME: [Input; 4] =
+        [Input::T, Input::Sound(SoundInput::VolumeLeft), Input::Band(7), Input::Param(1)];
+    let inputs = [&Input::OF_POINT[..], &OF_FRAME].concat();
     let mut unused: Vec<NodeId> = Vec::new();
     let leaf = |random: &mut Random, graph: &mut Graph| match random.below(10) {
         0 => {
@@ -50,8 +41,8 @@ pub(crate) fn random_expression(random: &mut Random, graph: &mut Graph, operator
             let number = random.between(-4.0, 4.0);
             graph.constant(number)
         }
-        3..=6 => graph.input(INPUTS[random.below(3)]),
-        _ => graph.input(INPUTS[random.below(INPUTS.len())]),
+        3..=6 => graph.input(inputs[random.below(3)]),
+        _ => graph.input(inputs[random.below(inputs.len())]),
     };
     for _ in 0..operators {
         let op = Op::ALL[random.below(Op::ALL.len())];

@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::listener::Heard;
+use super::heard::Heard;
 use super::units::{Unit, distance, standardised};
 
 /// How beats make bars.

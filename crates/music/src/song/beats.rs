@@ -9,7 +9,7 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use super::listener::{Heard, Moment};
+use super::heard::{Heard, Moment};
 use crate::onset::FLUX_MIN;
 
 /// Range of periods, in beats per minute.

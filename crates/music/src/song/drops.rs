@@ -6,7 +6,7 @@
 //! these is enough: a crescendo has the rise, a band that sets in the low band, and a pause before a last chorus the
 //! silence.
 
-use super::listener::{Heard, TIMBRE_BANDS};
+use super::heard::{Heard, TIMBRE_BANDS};
 use super::units::{Unit, units};
 
 /// Lengths of builds, in bars.

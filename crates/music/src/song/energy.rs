@@ -1,6 +1,6 @@
 //! Energy from moment to moment.
 
-use super::listener::{Heard, Moment};
+use super::heard::{Heard, Moment};
 
 /// Seconds from one value of the energy to the next.
 pub(super) const ENERGY_STEP: f64 = 0.25;

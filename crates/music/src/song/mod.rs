@@ -16,6 +16,7 @@ mod beats;
 mod chroma;
 mod drops;
 mod energy;
+mod heard;
 mod key;
 mod listener;
 mod moment;

@@ -98,28 +98,42 @@ impl SongStructure {
         if time.is_nan() {
             return SongMoment::UNKNOWN;
         }
-        let time = time.clamp(0.0, positive(self.seconds));
-        let (bar, beat_in_bar) = self.place_in_bar(time).unwrap_or_default();
-        let (section, section_phase) = self.place_in_section(time).unwrap_or_default();
+        At { song: self, time: time.clamp(0.0, positive(self.seconds)) }.moment()
+    }
+}
+
+/// A time within a song, in seconds.
+#[derive(Clone, Copy)]
+struct At<'a> {
+    song: &'a SongStructure,
+    time: f64,
+}
+
+impl At<'_> {
+    fn moment(self) -> SongMoment {
+        let (bar, beat_in_bar) = self.place_in_bar().unwrap_or_default();
+        let (section, section_phase) = self.place_in_section().unwrap_or_default();
+        let key = self.song.key;
         SongMoment {
             bar,
             beat_in_bar,
             section,
             section_phase,
-            energy: self.energy_at(time),
-            build: self.build_at(time),
-            drop: self.drop_at(time),
-            key: self.key.map_or(0.0, |key| f32::from(key.root.min(11))),
-            minor: self.key.map_or(0.0, |key| if key.mode == Mode::Minor { 1.0 } else { 0.0 }),
-            progress: share(time, 0.0, self.seconds),
-            chroma: self.chroma_at(time),
+            energy: self.energy(),
+            build: self.build(),
+            drop: self.drop(),
+            key: key.map_or(0.0, |key| f32::from(key.root.min(11))),
+            minor: key.map_or(0.0, |key| if key.mode == Mode::Minor { 1.0 } else { 0.0 }),
+            progress: share(self.time, 0.0, self.song.seconds),
+            chroma: self.chroma(),
         }
     }
 
     /// The way through the bar, and the number of the beat.
-    fn place_in_bar(&self, time: f64) -> Option<(f32, f32)> {
-        let in_bar = self.meter?.beats();
-        let beats = &self.beats;
+    fn place_in_bar(self) -> Option<(f32, f32)> {
+        let time = self.time;
+        let in_bar = self.song.meter?.beats();
+        let beats = &self.song.beats;
         // The last beat at or before the time; before the first one it is that.
         let index = beats.partition_point(|beat| beat.time <= time).saturating_sub(1);
         let (beat, next) = (beats.get(index)?, beats.get(index + 1));
@@ -137,49 +151,56 @@ impl SongStructure {
     }
 
     /// The number of the section, and the way through it.
-    fn place_in_section(&self, time: f64) -> Option<(f32, f32)> {
-        let after = self.sections.partition_point(|section| section.start <= time);
-        let section = self.sections.get(after.saturating_sub(1))?;
+    fn place_in_section(self) -> Option<(f32, f32)> {
+        let time = self.time;
+        let after = self.song.sections.partition_point(|section| section.start <= time);
+        let section = self.song.sections.get(after.saturating_sub(1))?;
         Some((number_of(section), share(time, section.start, section.end)))
     }
 
     /// Linear between the middles of the steps, because each is a mean.
-    fn energy_at(&self, time: f64) -> f32 {
-        let step = positive(self.energy_step).max(1e-3);
+    fn energy(self) -> f32 {
+        let time = self.time;
+        let step = positive(self.song.energy_step).max(1e-3);
         let place = (time / step - 0.5).max(0.0);
-        let first = (place as usize).min(self.energy.len().saturating_sub(1));
-        let at = |index: usize| self.energy.get(index).copied().map(unit);
+        let first = (place as usize).min(self.song.energy.len().saturating_sub(1));
+        let at = |index: usize| self.song.energy.get(index).copied().map(unit);
         let Some(from) = at(first) else { return 0.0 };
         mixed(from, at(first + 1).unwrap_or(from), unit((place - first as f64) as f32))
     }
 
-    fn build_at(&self, time: f64) -> f32 {
-        let after = self.builds.partition_point(|build| build.start <= time);
-        let build = after.checked_sub(1).and_then(|index| self.builds.get(index));
+    fn build(self) -> f32 {
+        let time = self.time;
+        let after = self.song.builds.partition_point(|build| build.start <= time);
+        let build = after.checked_sub(1).and_then(|index| self.song.builds.get(index));
         build.filter(|build| time < build.end).map_or(0.0, |build| share(time, build.start, build.end))
     }
 
-    fn drop_at(&self, time: f64) -> f32 {
-        let after = self.drops.partition_point(|drop| *drop <= time);
-        let Some(drop) = after.checked_sub(1).and_then(|index| self.drops.get(index)) else { return 0.0 };
+    fn drop(self) -> f32 {
+        let time = self.time;
+        let after = self.song.drops.partition_point(|drop| *drop <= time);
+        let Some(drop) = after.checked_sub(1).and_then(|index| self.song.drops.get(index)) else {
+            return 0.0;
+        };
         1.0 - share(time, *drop, drop + self.seconds_of_drop(*drop))
     }
 
     /// How long a drop fades.
-    fn seconds_of_drop(&self, drop: f64) -> f64 {
-        let Some(meter) = self.meter else { return DROP_SECONDS };
+    fn seconds_of_drop(self, drop: f64) -> f64 {
+        let Some(meter) = self.song.meter else { return DROP_SECONDS };
         let beats = DROP_BARS * meter.beats() as f64;
-        let first = self.beats.partition_point(|beat| beat.time < drop - 1e-3);
-        let last = self.beats.get(first + beats as usize).map(|beat| beat.time - drop);
-        let by_tempo = || self.tempo.map(|tempo| 60.0 * beats / f64::from(tempo));
+        let first = self.song.beats.partition_point(|beat| beat.time < drop - 1e-3);
+        let last = self.song.beats.get(first + beats as usize).map(|beat| beat.time - drop);
+        let by_tempo = || self.song.tempo.map(|tempo| 60.0 * beats / f64::from(tempo));
         last.or_else(by_tempo).filter(|seconds| *seconds > 0.0 && seconds.is_finite()).unwrap_or(DROP_SECONDS)
     }
 
-    fn chroma_at(&self, time: f64) -> [f32; PITCH_CLASSES.len()] {
-        let start = |index: usize| self.chroma.get(index).map(|unit| unit.start);
-        let index = self.chroma.partition_point(|unit| unit.start <= time).saturating_sub(1);
+    fn chroma(self) -> [f32; PITCH_CLASSES.len()] {
+        let time = self.time;
+        let start = |index: usize| self.song.chroma.get(index).map(|unit| unit.start);
+        let index = self.song.chroma.partition_point(|unit| unit.start <= time).saturating_sub(1);
         let middle_of = |index: usize| {
-            let (from, to) = (start(index)?, start(index + 1).unwrap_or(self.seconds));
+            let (from, to) = (start(index)?, start(index + 1).unwrap_or(self.song.seconds));
             Some(0.5 * (from + to))
         };
         let Some(middle) = middle_of(index) else { return SongMoment::UNKNOWN.chroma };
@@ -195,8 +216,8 @@ impl SongStructure {
     }
 
     /// The pitch classes of a beat, the strongest 1.
-    fn heights_of(&self, index: usize) -> [f32; PITCH_CLASSES.len()] {
-        let Some(unit_of) = self.chroma.get(index) else { return SongMoment::UNKNOWN.chroma };
+    fn heights_of(self, index: usize) -> [f32; PITCH_CLASSES.len()] {
+        let Some(unit_of) = self.song.chroma.get(index) else { return SongMoment::UNKNOWN.chroma };
         let strongest = unit_of.shares.iter().copied().fold(0.0, f32::max);
         unit_of.shares.map(|share| if strongest > 0.0 { unit(share / strongest) } else { 0.0 })
     }

@@ -6,7 +6,7 @@
 //! new (Serrà et al. 2014). Lengths of whole phrases are cheaper than others (Sargent, Bimbot and Vincent 2011). Stretches
 //! that are alike in sound and harmony have the same letter (McFee and Ellis 2014 cluster likewise).
 
-use super::listener::TIMBRE_BANDS;
+use super::heard::TIMBRE_BANDS;
 use super::units::Unit;
 
 /// What a section costs, in mean squared deviations of the whole song's bars.

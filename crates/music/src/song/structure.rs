@@ -6,8 +6,8 @@ use super::bars::{Meter, bars};
 use super::beats::{beats, onset_strengths};
 use super::drops::{builds_and_drops, eves};
 use super::energy::{ENERGY_STEP, energy, peaks};
+use super::heard::Heard;
 use super::key::{Tonality, chords, key, pitches_of};
-use super::listener::Heard;
 use super::sections::sections;
 use super::units::units;
 

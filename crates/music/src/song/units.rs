@@ -1,6 +1,6 @@
 //! What sounds from beat to beat, or from bar to bar: means of what was heard between given times.
 
-use super::listener::{Heard, SLOW_HOPS, TIMBRE_BANDS};
+use super::heard::{Heard, SLOW_HOPS, TIMBRE_BANDS};
 
 /// Noise has about this much flux.
 const FLUX_OF_NOISE: f32 = 0.1;

@@ -39,15 +39,9 @@ pub(super) struct NativeDecoder {
     delay: i64,
     /// Number of frames that are heard, where the container is exact about it.
     length: Option<i64>,
-    /// The next raw frame; not settled until the first packet after a start or a jump has given it.
-    raw: i64,
-    settled: bool,
-    /// True from the start until the first packet.
-    at_start: bool,
+    raw: RawPlace,
     /// Frames before this one are dropped.
     from: i64,
-    /// Frames of silence that filled holes since the start or the last jump.
-    filled: i64,
     /// Frames to drop at the start of a further stream.
     drop_next: usize,
     /// Frames decoded but not fetched yet; the first is at `position`.
@@ -61,6 +55,22 @@ pub(super) struct NativeDecoder {
     /// Packets skipped by readers that were opened before.
     skipped_before: u64,
     scratch: Vec<StereoFrame>,
+}
+
+/// Where the decoder is among the raw frames, since the start or the last jump.
+struct RawPlace {
+    /// The next raw frame; not settled until the first packet has given it.
+    next: i64,
+    settled: bool,
+    /// True from the start until the first packet.
+    at_start: bool,
+    /// Frames of silence that filled holes.
+    filled: i64,
+}
+
+impl RawPlace {
+    /// Before the first packet of the file.
+    const START: Self = Self { next: 0, settled: false, at_start: true, filled: 0 };
 }
 
 impl NativeDecoder {
@@ -93,11 +103,8 @@ impl NativeDecoder {
             length: length.and_then(|frames| i64::try_from(frames).ok()),
             input,
             reader,
-            raw: 0,
-            settled: false,
-            at_start: true,
+            raw: RawPlace::START,
             from: 0,
-            filled: 0,
             drop_next: 0,
             pending: Vec::new(),
             position: 0,
@@ -172,8 +179,8 @@ impl NativeDecoder {
         self.forget();
         self.skipped_before = 0;
         self.reader = PacketReader::open(&self.input)?;
-        self.at_start = true;
-        (self.raw, self.position, self.from) = (0, 0, 0);
+        self.raw = RawPlace::START;
+        (self.position, self.from) = (0, 0);
         Ok(())
     }
 
@@ -181,8 +188,8 @@ impl NativeDecoder {
         self.pending.clear();
         self.scratch.clear();
         self.resampler = None;
-        (self.settled, self.at_start, self.ended) = (false, false, false);
-        (self.filled, self.drop_next) = (0, 0);
+        self.raw = RawPlace { next: self.raw.next, at_start: false, ..RawPlace::START };
+        (self.ended, self.drop_next) = (false, 0);
     }
 
     /// Jumps by the container's own means. False where it has none or they failed; then only a restart helps.
@@ -200,7 +207,7 @@ impl NativeDecoder {
         self.forget();
         self.from = target;
         // If this fails, the seek is tried again from the start.
-        if self.fill().is_err() || !self.settled || self.uneven {
+        if self.fill().is_err() || !self.raw.settled || self.uneven {
             return Ok(false);
         }
         // Packets of the pre-roll may lack what came before them; that is not damage.
@@ -247,16 +254,17 @@ impl NativeDecoder {
         self.drop_next -= drop;
         self.equalise(block.rate)?;
 
-        if !self.settled {
+        if !self.raw.settled {
             self.settle(&block);
         } else if let (Some(start), true, false) = (block.start, block.exact, self.uneven) {
             // Smaller differences are jitter of the clock.
-            if start - self.raw >= self.scratch.len() as i64 {
-                self.fill_hole(start - self.raw);
+            if start - self.raw.next >= self.scratch.len() as i64 {
+                self.fill_hole(start - self.raw.next);
             }
         }
-        let (first, last) = (self.raw - self.delay, self.raw - self.delay + self.scratch.len() as i64);
-        self.raw += self.scratch.len() as i64;
+        let (first, last) =
+            (self.raw.next - self.delay, self.raw.next - self.delay + self.scratch.len() as i64);
+        self.raw.next += self.scratch.len() as i64;
         let from = self.from.max(0).clamp(first, last);
         let to = self.length.filter(|_| !self.uneven).unwrap_or(i64::MAX).clamp(from, last.max(from));
         if to > from {
@@ -273,25 +281,25 @@ impl NativeDecoder {
 
     /// The first block after a start or a jump says where the stream is.
     fn settle(&mut self, block: &Block) {
-        self.settled = true;
+        self.raw.settled = true;
         match block.start {
-            Some(start) if self.at_start && block.exact => {
-                self.raw = start.min(self.delay);
+            Some(start) if self.raw.at_start && block.exact => {
+                self.raw.next = start.min(self.delay);
                 if start > self.delay {
-                    self.fill_hole(start - self.raw);
+                    self.fill_hole(start - self.raw.next);
                 }
             }
-            Some(start) if !self.at_start => self.raw = start,
-            _ => self.raw = 0,
+            Some(start) if !self.raw.at_start => self.raw.next = start,
+            _ => self.raw.next = 0,
         }
-        self.at_start = false;
+        self.raw.at_start = false;
     }
 
     /// Inserts silence where packets were lost.
     fn fill_hole(&mut self, frames: i64) {
-        let room = HOLE_SECONDS_MAX * i64::from(self.info.sample_rate) - self.filled;
+        let room = HOLE_SECONDS_MAX * i64::from(self.info.sample_rate) - self.raw.filled;
         if (1..=room).contains(&frames) {
-            self.filled += frames;
+            self.raw.filled += frames;
             let frames = (frames as usize).min(LIMITS.packet_frames_max);
             self.scratch.splice(..0, std::iter::repeat_n([0.0; 2], frames));
         }
@@ -336,8 +344,8 @@ impl NativeDecoder {
             // The filter holds at most one block; an error here would only cut that off.
             let mut tail = Vec::new();
             let _ = resampler.finish(&mut tail);
-            let first = self.raw - self.delay;
-            self.raw += tail.len() as i64;
+            let first = self.raw.next - self.delay;
+            self.raw.next += tail.len() as i64;
             let skip = (self.from - first).clamp(0, tail.len() as i64) as usize;
             if self.pending.is_empty() && skip < tail.len() {
                 self.position = first + skip as i64;
@@ -345,7 +353,7 @@ impl NativeDecoder {
             }
         }
         if self.pending.is_empty() {
-            self.position = (self.raw - self.delay).clamp(0, self.length.unwrap_or(i64::MAX).max(0));
+            self.position = (self.raw.next - self.delay).clamp(0, self.length.unwrap_or(i64::MAX).max(0));
         }
     }
 }

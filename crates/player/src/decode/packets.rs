@@ -17,7 +17,7 @@ use symphonia::core::units::{Duration, Timestamp};
 
 use crate::ffmpeg::Demuxer;
 use crate::limits::LIMITS;
-use crate::song::one_line;
+use crate::one_line::one_line;
 use mariana_music::StereoFrame;
 
 use super::clock::Clock;
@@ -63,14 +63,8 @@ pub(super) struct PacketReader {
     format: Box<dyn FormatReader>,
     edits: Vec<TrackEdit>,
     fragmented: bool,
-    codec: Box<dyn AudioDecoder>,
-    params: AudioCodecParameters,
-    track: Track,
-    clock: Clock,
-    /// Delay that the first packet of the link announces, in frames.
-    announced_delay: Option<u64>,
-    downmix: Option<(Channels, Downmix)>,
-    planes: Vec<Vec<f32>>,
+    stream: Stream,
+    mixer: Mixer,
     mpeg_header: Option<[u8; 3]>,
     /// Packets without a frame since the last one with frames.
     empty_in_a_row: u32,
@@ -80,25 +74,37 @@ pub(super) struct PacketReader {
     skipped: u64,
 }
 
+/// The track that is decoded; the next link of a chained file is another one.
+struct Stream {
+    track: Track,
+    params: AudioCodecParameters,
+    codec: Box<dyn AudioDecoder>,
+    clock: Clock,
+    /// Delay that the first packet announces, in frames.
+    announced_delay: Option<u64>,
+}
+
+/// Mixes packets down to stereo.
+#[derive(Default)]
+struct Mixer {
+    /// For the channels of the last packet.
+    downmix: Option<(Channels, Downmix)>,
+    planes: Vec<Vec<f32>>,
+}
+
 impl PacketReader {
     /// Opens the stream and picks the first audio track (marked as default, if one is) that has a decoder.
     pub(super) fn open(input: &Input) -> Result<Self, DecodeError> {
         let opened = input.open()?;
         let name = input.name();
-        let (track, params, codec) = choose_track(&name, opened.format.as_ref())?;
         Ok(Self {
-            clock: Clock::new(track.time_base, codecs::grid(params.codec)),
+            stream: Stream::choose(&name, opened.format.as_ref())?,
             name,
             input: input.clone(),
             format: opened.format,
             edits: opened.edits,
             fragmented: opened.fragmented,
-            codec,
-            params,
-            track,
-            announced_delay: None,
-            downmix: None,
-            planes: Vec::new(),
+            mixer: Mixer::default(),
             mpeg_header: None,
             empty_in_a_row: 0,
             demuxer_failures: 0,
@@ -112,8 +118,8 @@ impl PacketReader {
     pub(super) fn next(&mut self, out: &mut Vec<StereoFrame>) -> Result<Option<Block>, DecodeError> {
         loop {
             let Some(packet) = self.next_packet()? else { return Ok(None) };
-            self.clock.begin(packet.pts.get());
-            self.announced_delay.get_or_insert(packet.trim_start.get());
+            self.stream.clock.begin(packet.pts.get());
+            self.stream.announced_delay.get_or_insert(packet.trim_start.get());
             let before = out.len();
             let rate = self.decode(&packet, out)?;
             match rate {
@@ -123,8 +129,8 @@ impl PacketReader {
                     self.link_begins = false;
                     return Ok(Some(Block {
                         rate,
-                        start: self.clock.raw_frame(packet.pts.get(), rate),
-                        exact: self.clock.is_exact(rate),
+                        start: self.stream.clock.raw_frame(packet.pts.get(), rate),
+                        exact: self.stream.clock.is_exact(rate),
                         padding: self.padding(&packet, rate),
                         new_link,
                     }));
@@ -149,7 +155,7 @@ impl PacketReader {
                 Ok(None) => return Ok(None),
                 Ok(Some(packet)) => {
                     self.demuxer_failures = 0;
-                    if packet.track_id == self.track.id {
+                    if packet.track_id == self.stream.track.id {
                         return Ok(Some(packet));
                     }
                 }
@@ -174,31 +180,27 @@ impl PacketReader {
 
     /// Starts the next stream in the same file; false if it cannot be decoded.
     fn begin_link(&mut self) -> Result<bool, DecodeError> {
-        let Ok((track, params, codec)) = choose_track(&self.name, self.format.as_ref()) else {
-            return Ok(false);
-        };
-        self.clock = Clock::new(track.time_base, codecs::grid(params.codec));
-        (self.track, self.params, self.codec) = (track, params, codec);
-        self.announced_delay = None;
+        let Ok(stream) = Stream::choose(&self.name, self.format.as_ref()) else { return Ok(false) };
+        self.stream = stream;
         self.link_begins = true;
         Ok(true)
     }
 
     /// Decodes one packet and returns its rate; `None` if the packet cannot be decoded and is skipped.
     fn decode(&mut self, packet: &Packet, out: &mut Vec<StereoFrame>) -> Result<Option<u32>, DecodeError> {
-        if codecs::is_mpeg_audio(self.params.codec) {
+        if codecs::is_mpeg_audio(self.stream.params.codec) {
             self.follow_mpeg_header(&packet.data)?;
         }
         let mut bare = packet.as_packet_ref();
         // Trimming is done by the owner, who also knows what the demuxer does not report.
         bare.trim_start = Duration::ZERO;
         bare.trim_end = Duration::ZERO;
-        let codec = &mut self.codec;
+        let codec = &mut self.stream.codec;
         match contained(&self.name, || codec.decode_ref(&bare))? {
             Ok(buffer) => {
                 let rate = buffer.spec().rate();
                 if buffer.frames() > 0 {
-                    mix(&self.name, &buffer, &mut self.downmix, &mut self.planes, out)?;
+                    self.mixer.mix(&self.name, &buffer, out)?;
                 }
                 Ok(Some(rate))
             }
@@ -217,7 +219,7 @@ impl PacketReader {
             // Version and layer, rate, and whether it is mono.
             let header = [version & 0x1E, rate & 0x0C, u8::from(mode & 0xC0 == 0xC0)];
             if self.mpeg_header.replace(header).is_some_and(|previous| previous != header) {
-                self.codec = codecs::make(&self.name, &self.params)?;
+                self.stream.codec = codecs::make(&self.name, &self.stream.params)?;
             }
         }
         Ok(())
@@ -226,18 +228,18 @@ impl PacketReader {
     /// Padding at the end of a packet, in frames. MPEG streams without a LAME tag have only an estimated length,
     /// which must not cut anything off.
     fn padding(&self, packet: &Packet, rate: u32) -> usize {
-        if codecs::is_mpeg_audio(self.params.codec) && self.track.delay.is_none() {
+        if codecs::is_mpeg_audio(self.stream.params.codec) && self.stream.track.delay.is_none() {
             return 0;
         }
         let ticks = i64::try_from(packet.trim_end.get()).unwrap_or(i64::MAX);
-        self.clock.frames(ticks, rate).map_or(0, |frames| frames.round() as usize)
+        self.stream.clock.frames(ticks, rate).map_or(0, |frames| frames.round() as usize)
     }
 
     /// Raw frames at the start that must not be heard. Known once the first packet was read.
     pub(super) fn delay(&self, rate: u32) -> u64 {
-        let edit = self.edits.iter().find(|edit| edit.track_id == self.track.id && edit.timescale > 0);
-        if codecs::is_opus(self.params.codec)
-            && let Some(skip) = self.params.extra_data.as_deref().and_then(opus_pre_skip)
+        let edit = self.edits.iter().find(|edit| edit.track_id == self.stream.track.id && edit.timescale > 0);
+        if codecs::is_opus(self.stream.params.codec)
+            && let Some(skip) = self.stream.params.extra_data.as_deref().and_then(opus_pre_skip)
         {
             return skip;
         }
@@ -247,11 +249,11 @@ impl PacketReader {
             )
             .unwrap_or(0);
         }
-        let lead_in = self.clock.lead_in(rate);
-        if self.clock.is_exact(rate) {
-            lead_in.max(self.announced_delay.unwrap_or(0))
+        let lead_in = self.stream.clock.lead_in(rate);
+        if self.stream.clock.is_exact(rate) {
+            lead_in.max(self.stream.announced_delay.unwrap_or(0))
         } else {
-            codecs::known_delay(self.params.codec, lead_in, rate)
+            codecs::known_delay(self.stream.params.codec, lead_in, rate)
         }
     }
 
@@ -260,11 +262,12 @@ impl PacketReader {
     pub(super) fn length(&mut self, rate: u32) -> (Option<u64>, Option<f64>) {
         let format = self.format.format_info().format;
         let delay = self.delay(rate) as i64;
-        let hidden = delay + self.clock.first();
+        let hidden = delay + self.stream.clock.first();
         let counted = self
+            .stream
             .track
             .num_frames
-            .filter(|&frames| frames > 0 && self.params.sample_rate == Some(rate))
+            .filter(|&frames| frames > 0 && self.stream.params.sample_rate == Some(rate))
             .and_then(|frames| i64::try_from(frames).ok()?.checked_sub(hidden))
             .and_then(|frames| u64::try_from(frames).ok());
         let exact = match format {
@@ -282,7 +285,7 @@ impl PacketReader {
                 Some(base?.calc_duration(duration?)?.as_secs_f64())
             };
             let media = self.format.media_info();
-            let whole = ticks(self.track.duration, self.track.time_base)
+            let whole = ticks(self.stream.track.duration, self.stream.track.time_base)
                 .filter(|&s| s > 0.0)
                 .or_else(|| ticks(media.duration, media.time_base))?;
             Some(whole - seconds(delay as u64))
@@ -293,7 +296,7 @@ impl PacketReader {
     /// Title, artist and the like.
     pub(super) fn tags(&mut self) -> Tags {
         let mut tags = Tags::default();
-        let track = u64::from(self.track.id);
+        let track = u64::from(self.stream.track.id);
         let mut metadata = self.format.metadata();
         let mut read = |container: &MetadataContainer| {
             for tag in &container.tags {
@@ -335,21 +338,21 @@ impl PacketReader {
     /// Moves to a packet at or before a raw frame, earlier by the codec's pre-roll. False where the container or its
     /// clock cannot; then the reader can only be opened again.
     pub(super) fn jump(&mut self, raw: i64, rate: u32) -> Result<bool, DecodeError> {
-        let early = raw - codecs::pre_roll(self.params.codec, rate);
+        let early = raw - codecs::pre_roll(self.stream.params.codec, rate);
         // The Ogg demuxer never returns from a jump in a file of several streams.
         let lost = self.format.format_info().format == FORMAT_ID_OGG && self.format.tracks().len() > 1;
-        if early <= 0 || lost || self.links > 0 || !self.clock.is_usable(rate) {
+        if early <= 0 || lost || self.links > 0 || !self.stream.clock.is_usable(rate) {
             return Ok(false);
         }
-        let Some(ticks) = self.clock.ticks_before(early, rate) else { return Ok(false) };
-        let to = SeekTo::Timestamp { ts: Timestamp::new(ticks), track_id: self.track.id };
+        let Some(ticks) = self.stream.clock.ticks_before(early, rate) else { return Ok(false) };
+        let to = SeekTo::Timestamp { ts: Timestamp::new(ticks), track_id: self.stream.track.id };
         let format = &mut self.format;
         if contained(&self.name, || format.seek(SeekMode::Accurate, to))?.is_err() {
             return Ok(false);
         }
         // A new decoder instead of a reset one: AAC's noise generator survives a reset, and the same jump must always
         // give the same samples.
-        self.codec = codecs::make(&self.name, &self.params)?;
+        self.stream.codec = codecs::make(&self.name, &self.stream.params)?;
         self.demuxer_failures = 0;
         self.empty_in_a_row = 0;
         Ok(true)
@@ -363,7 +366,7 @@ impl PacketReader {
     /// Short descriptions of the container and the codec.
     pub(super) fn describe(&self) -> (String, String) {
         let container = self.format.format_info().long_name;
-        (container.into(), self.codec.codec_info().long_name.into())
+        (container.into(), self.stream.codec.codec_info().long_name.into())
     }
 
     /// The demuxer of ffmpeg for the container.
@@ -391,7 +394,7 @@ impl PacketReader {
 
     /// Channels of the last packet, before the down-mix.
     pub(super) fn channels(&self) -> usize {
-        self.downmix.as_ref().map_or(0, |(_, downmix)| downmix.channels())
+        self.mixer.downmix.as_ref().map_or(0, |(_, downmix)| downmix.channels())
     }
 
     /// The error for a stream that cannot be decoded (any further).
@@ -400,53 +403,62 @@ impl PacketReader {
     }
 }
 
-fn mix(
-    name: &str,
-    buffer: &GenericAudioBufferRef<'_>,
-    downmix: &mut Option<(Channels, Downmix)>,
-    planes: &mut Vec<Vec<f32>>,
-    out: &mut Vec<StereoFrame>,
-) -> Result<(), DecodeError> {
-    let (spec, frames) = (buffer.spec(), buffer.frames());
-    if frames > LIMITS.packet_frames_max {
-        return Err(DecodeError::OverLimit {
-            name: name.into(),
-            what: format!("a packet of {frames} frames"),
-            limit: format!("{} frames", LIMITS.packet_frames_max),
-        });
+impl Mixer {
+    /// Appends the frames of a packet to `out`.
+    fn mix(
+        &mut self,
+        name: &str,
+        buffer: &GenericAudioBufferRef<'_>,
+        out: &mut Vec<StereoFrame>,
+    ) -> Result<(), DecodeError> {
+        let (spec, frames) = (buffer.spec(), buffer.frames());
+        if frames > LIMITS.packet_frames_max {
+            return Err(DecodeError::OverLimit {
+                name: name.into(),
+                what: format!("a packet of {frames} frames"),
+                limit: format!("{} frames", LIMITS.packet_frames_max),
+            });
+        }
+        if !self.downmix.as_ref().is_some_and(|(channels, _)| channels == spec.channels()) {
+            let channels = spec.channels();
+            sniff::check(name, channels.count(), spec.rate())?;
+            self.downmix = Some((channels.clone(), Downmix::new(channels)));
+        }
+        buffer.copy_to_vecs_planar::<f32>(&mut self.planes);
+        if let Some((_, downmix)) = &mut self.downmix {
+            downmix.mix(&self.planes, frames, out);
+        }
+        Ok(())
     }
-    if !downmix.as_ref().is_some_and(|(channels, _)| channels == spec.channels()) {
-        let channels = spec.channels();
-        sniff::check(name, channels.count(), spec.rate())?;
-        *downmix = Some((channels.clone(), Downmix::new(channels)));
-    }
-    buffer.copy_to_vecs_planar::<f32>(planes);
-    if let Some((_, downmix)) = downmix {
-        downmix.mix(planes, frames, out);
-    }
-    Ok(())
 }
 
-type Chosen = (Track, AudioCodecParameters, Box<dyn AudioDecoder>);
-
-fn choose_track(name: &str, format: &dyn FormatReader) -> Result<Chosen, DecodeError> {
-    let mut tracks: Vec<&Track> = format.tracks().iter().collect();
-    tracks.sort_by_key(|track| !track.flags.contains(TrackFlags::DEFAULT));
-    let mut refusal = None;
-    for track in tracks {
-        let made = match &track.codec_params {
-            Some(CodecParameters::Audio(params)) => codecs::make(name, params).map(|codec| (params, codec)),
-            // A codec that the demuxer does not know may still be an audio codec.
-            None => {
-                Err(DecodeError::UnsupportedCodec { name: name.into(), codec: "an unknown codec".into() })
+impl Stream {
+    /// The first audio track (marked as default, if one is) that has a decoder.
+    fn choose(name: &str, format: &dyn FormatReader) -> Result<Self, DecodeError> {
+        let mut tracks: Vec<&Track> = format.tracks().iter().collect();
+        tracks.sort_by_key(|track| !track.flags.contains(TrackFlags::DEFAULT));
+        let mut refusal = None;
+        for track in tracks {
+            let made = match &track.codec_params {
+                Some(CodecParameters::Audio(params)) => {
+                    codecs::make(name, params).map(|codec| (params, codec))
+                }
+                // A codec that the demuxer does not know may still be an audio codec.
+                None => {
+                    Err(DecodeError::UnsupportedCodec { name: name.into(), codec: "an unknown codec".into() })
+                }
+                Some(_) => continue,
+            };
+            match made {
+                Ok((params, _)) if params.codec == CODEC_ID_NULL_AUDIO => {}
+                Ok((params, codec)) => {
+                    let clock = Clock::new(track.time_base, codecs::grid(params.codec));
+                    let (track, params) = (track.clone(), params.clone());
+                    return Ok(Self { track, params, codec, clock, announced_delay: None });
+                }
+                Err(error) => refusal = refusal.or(Some(error)),
             }
-            Some(_) => continue,
-        };
-        match made {
-            Ok((params, _)) if params.codec == CODEC_ID_NULL_AUDIO => {}
-            Ok((params, codec)) => return Ok((track.clone(), params.clone(), codec)),
-            Err(error) => refusal = refusal.or(Some(error)),
         }
+        Err(refusal.unwrap_or(DecodeError::NoAudioTrack { name: name.into() }))
     }
-    Err(refusal.unwrap_or(DecodeError::NoAudioTrack { name: name.into() }))
 }

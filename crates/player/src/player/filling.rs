@@ -18,13 +18,9 @@ pub(super) struct Filling {
     pub(super) end: Arc<AtomicU64>,
     /// The callback's half, until it is handed over.
     pub(super) waiting: Option<Segment>,
-    pub(super) resampler: Resampler,
+    conversion: Conversion,
     /// Frames still to come before the target: for the analysis alone.
     pub(super) skip: u64,
-    /// Time of the segment at which the resampler began, in seconds.
-    base: f64,
-    /// Source frames since then, the skipped ones left out.
-    fed: u64,
     /// Frames of the device put into the ring.
     pub(super) pushed: u64,
     /// Frames decoded but not processed yet.
@@ -39,6 +35,15 @@ pub(super) struct Filling {
     pub(super) exhausted: bool,
     /// Whether all of it is in the ring.
     pub(super) finished: bool,
+}
+
+/// The conversion from the source's rate, until a source of another rate follows.
+struct Conversion {
+    resampler: Resampler,
+    /// Time of the segment at which it began, in seconds.
+    base: f64,
+    /// Source frames since then, the skipped ones left out.
+    fed: u64,
 }
 
 impl Filling {
@@ -59,10 +64,8 @@ impl Filling {
             ring,
             end,
             waiting: Some(waiting),
-            resampler,
+            conversion: Conversion { resampler, base: 0.0, fed: 0 },
             skip,
-            base: 0.0,
-            fed: 0,
             pushed: 0,
             decoded: VecDeque::new(),
             ready: VecDeque::new(),
@@ -96,9 +99,9 @@ impl Filling {
         let skipped = self.skip.min(frames.len() as u64);
         self.skip -= skipped;
         let audible = frames.get(skipped as usize..).unwrap_or_default();
-        self.fed += audible.len() as u64;
+        self.conversion.fed += audible.len() as u64;
         scratch.clear();
-        let resampled = self.resampler.process(audible, scratch);
+        let resampled = self.conversion.resampler.process(audible, scratch);
         self.ready.extend(scratch.drain(..));
         resampled
     }
@@ -106,14 +109,19 @@ impl Filling {
     /// Takes out what the resampler still holds.
     pub(super) fn flush(&mut self, scratch: &mut Vec<StereoFrame>) -> Result<(), ResampleError> {
         scratch.clear();
-        let resampled = self.resampler.finish(scratch);
+        let resampled = self.conversion.resampler.finish(scratch);
         self.ready.extend(scratch.drain(..));
         resampled
     }
 
+    /// The rate of the source, in hertz.
+    pub(super) fn source_hz(&self) -> u32 {
+        self.conversion.resampler.from_hz()
+    }
+
     /// The segment time of the source's next frame, in seconds.
     pub(super) fn next_time(&self) -> f64 {
-        self.base + self.fed as f64 / f64::from(self.resampler.from_hz())
+        self.conversion.base + self.conversion.fed as f64 / f64::from(self.source_hz())
     }
 
     /// Goes on with a source of another rate, on a device of `rate` frames per second.
@@ -124,9 +132,8 @@ impl Filling {
         scratch: &mut Vec<StereoFrame>,
     ) -> Result<(), ResampleError> {
         let flushed = self.flush(scratch);
-        self.resampler = resampler;
-        self.base = (self.pushed + self.ready.len() as u64) as f64 / f64::from(rate);
-        self.fed = 0;
+        let base = (self.pushed + self.ready.len() as u64) as f64 / f64::from(rate);
+        self.conversion = Conversion { resampler, base, fed: 0 };
         flushed
     }
 }

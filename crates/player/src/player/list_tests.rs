@@ -1,6 +1,7 @@
 //! The list of a player that plays.
 
 use std::path::Path;
+use std::time::Duration;
 
 use super::tests::wait_for;
 use super::*;

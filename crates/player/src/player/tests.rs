@@ -1,7 +1,8 @@
 //! The decoding thread with a callback called by hand, and the player on the silent clock.
 
 use std::sync::atomic::AtomicBool;
-use std::sync::mpsc::sync_channel;
+use std::sync::mpsc::{Sender, sync_channel};
+use std::time::Duration;
 
 use super::analysis::AnalysisInput;
 use super::*;

@@ -101,5 +101,5 @@ pub enum PlaylistError {
 /// The name of a file without its folders, on one line.
 pub(super) fn name_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str());
-    crate::song::one_line(&name.to_string_lossy())
+    crate::one_line::one_line(&name.to_string_lossy())
 }

@@ -177,7 +177,7 @@ impl Gathered {
                     match &item.reference {
                         Reference::Path(path) => self.add(path, Some(item)),
                         Reference::Address(address) => {
-                            let address = crate::song::one_line(address);
+                            let address = crate::one_line::one_line(address);
                             self.tell(PlaylistError::Address { address, list: name_of(path) });
                         }
                     }

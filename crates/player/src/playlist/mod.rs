@@ -38,7 +38,8 @@ use order::Order;
 pub use text::Reference;
 
 use super::listed::{Edit, Edited, ListedTrack, SharedListing};
-use super::song::{Song, one_line, track_name};
+use super::one_line::one_line;
+use super::song::{Song, track_name};
 use super::source::SourceError;
 use super::track::{Content, Found, Reopen, Repeat, Track, TrackList, Wanted};
 

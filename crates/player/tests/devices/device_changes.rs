@@ -9,37 +9,14 @@
 
 use std::time::{Duration, Instant};
 
-use mariana_music::{Gain, StereoFrame};
+use mariana_music::Gain;
 use mariana_player::device_list::{DeviceList, DeviceWatch};
 use mariana_player::input::{Live, LiveOptions, LiveStatus};
-use mariana_player::source::{FrameSource, SourceError};
 use mariana_player::{Player, PlayerOptions, PlayerStatus, Target};
 use mariana_testing::process::{LOOK_PERIOD, WAIT_LIMIT};
 use mariana_testing::sound_session::Session;
 
-/// A tone that never ends.
-struct Tone(u64);
-
-impl FrameSource for Tone {
-    fn sample_rate(&self) -> u32 {
-        48_000
-    }
-
-    fn duration(&self) -> Option<f64> {
-        None
-    }
-
-    fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, SourceError> {
-        out.extend((self.0..self.0 + 1000).map(|n| [0.5 * (n as f32 * 0.05).sin(); 2]));
-        self.0 += 1000;
-        Ok(1000)
-    }
-
-    fn seek(&mut self, seconds: f64) -> Result<f64, SourceError> {
-        self.0 = (seconds * 48_000.0).round() as u64;
-        Ok(seconds)
-    }
-}
+use crate::tone::Tone;
 
 fn play(device: Option<&str>) -> Player {
     let options = PlayerOptions { target: device.map_or(Target::Default, named), ..PlayerOptions::default() };

@@ -2,3 +2,4 @@
 
 mod device_changes;
 mod playback_pulse;
+mod tone;

@@ -23,7 +23,7 @@ const SHELLS: [(Shell, &str); 3] =
 /// Writes all of it.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let folder =
-        arguments.first().map_or_else(|| Path::new(crate::ROOT).join("assets/desktop"), PathBuf::from);
+        arguments.first().map_or_else(|| Path::new(crate::root::ROOT).join("assets/desktop"), PathBuf::from);
     let mut files = icon::files()?;
     files.extend(manual::pages(Arguments::command())?);
     for (shell, name) in SHELLS {

@@ -34,7 +34,7 @@ const SURFACES: [&str; 4] = ["barth", "first_steps", "heart", "quadric"];
 
 /// Draws the scenes that are named, or all, and the page.
 pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
-    let docs = Path::new(crate::ROOT).join("docs");
+    let docs = Path::new(crate::root::ROOT).join("docs");
     let folder = docs.join("gallery");
     fs::create_dir_all(&folder)?;
     let sounds = MOMENTS.map(|time| SongFeatures::open(&DEMO_TRACK, time)?.require(time));
@@ -118,7 +118,7 @@ fn write_jpeg(path: &Path, picture: RgbaImage) -> anyhow::Result<()> {
 
 /// What a scene's text says of it: the comment that it begins with.
 fn told(name: &str) -> anyhow::Result<String> {
-    let path = Path::new(crate::ROOT).join(format!("assets/scenes/{name}.scene"));
+    let path = Path::new(crate::root::ROOT).join(format!("assets/scenes/{name}.scene"));
     let text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
     let lines = text.lines().map_while(|line| line.strip_prefix('#'));
     Ok(lines.map(str::trim).take_while(|line| !line.is_empty()).collect::<Vec<_>>().join("\n"))

@@ -24,7 +24,7 @@ fn mesa(driver: &str) -> &str {
 type Key = (String, String);
 
 fn read() -> anyhow::Result<(String, BTreeMap<Key, Counts>)> {
-    let text = std::fs::read_to_string(Path::new(crate::ROOT).join(FILE)).context(FILE)?;
+    let text = std::fs::read_to_string(Path::new(crate::root::ROOT).join(FILE)).context(FILE)?;
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let version = lines.next().unwrap_or_default().trim_start_matches("Mesa ").to_owned();
     let rows = lines.map(|line| row(line).with_context(|| format!("{FILE}: {line}")));
@@ -63,7 +63,7 @@ pub(super) fn accept(all: &[(String, Vec<Linked>)]) -> anyhow::Result<()> {
     for ((gpu, name), Counts { registers, waves, spills, scratch, code }) in rows {
         let _ = writeln!(text, "{gpu}\t{name}\t{registers}\t{waves}\t{spills}\t{scratch}\t{code}");
     }
-    Ok(std::fs::write(Path::new(crate::ROOT).join(FILE), text)?)
+    Ok(std::fs::write(Path::new(crate::root::ROOT).join(FILE), text)?)
 }
 
 /// Which programs got worse, and how. Those of another version of Mesa are not compared, which is said.

@@ -67,7 +67,7 @@ fn wishes(arguments: &[String]) -> anyhow::Result<Wishes> {
 
 /// Where the shim is: where packages put it, or where `scripts/lib/setup.sh` unpacks it.
 fn shim() -> Option<PathBuf> {
-    let unpacked = Path::new(crate::ROOT).join("target/mesa-drm-shim");
+    let unpacked = Path::new(crate::root::ROOT).join("target/mesa-drm-shim");
     let folders = [PathBuf::from("/"), unpacked];
     let places = ["usr/lib/x86_64-linux-gnu", "usr/lib/aarch64-linux-gnu", "usr/lib64", "usr/lib"];
     let files = folders.iter().flat_map(|folder| places.map(|place| folder.join(place).join(SHIM)));

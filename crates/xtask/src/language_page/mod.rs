@@ -23,7 +23,7 @@ use mariana_field::lang::PICTURES;
 
 /// Writes the page and draws its pictures.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
-    let folder = arguments.first().map_or_else(|| Path::new(crate::ROOT).join("docs"), PathBuf::from);
+    let folder = arguments.first().map_or_else(|| Path::new(crate::root::ROOT).join("docs"), PathBuf::from);
     let shapes = folder.join("shapes");
     std::fs::create_dir_all(&shapes)?;
     std::fs::write(folder.join("language.md"), reference::text())?;

@@ -342,7 +342,11 @@ impl Body {
                 .paint(canvas, None, |p| scale(rgb(0x85776a), tint * light(p)));
             }
         }
-        // Tertials and scapulars: long, pale, drooping from the shoulder over the wing.
+        self.scapulars(canvas);
+    }
+
+    /// Tertials and scapulars: long, pale, drooping from the shoulder over the wing.
+    fn scapulars(&self, canvas: &mut Canvas) {
         let long: [(Point, f32, f32, f32); 11] = [
             ([560.0, 516.0], 0.115, 196.0, 50.0),
             ([560.0, 492.0], 0.105, 246.0, 54.0),
@@ -374,7 +378,7 @@ impl Body {
             .paint(canvas, None, |p| {
                 let v = ((p[1] - root[1]) * cos - (p[0] - root[0]) * sin) / (0.5 * width);
                 let brown = smoothstep(-0.35, 0.55, v);
-                scale(mix3(rgb(0xbdb4a8), rgb(0x7e6a58), brown), light(p))
+                scale(mix3(rgb(0xbdb4a8), rgb(0x7e6a58), brown), self.relief.light(p))
             });
         }
     }

@@ -23,7 +23,7 @@ use image::{ExtendedColorType, ImageEncoder};
 /// Paints both.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let folder =
-        arguments.first().map_or_else(|| Path::new(crate::ROOT).join("assets/textures"), PathBuf::from);
+        arguments.first().map_or_else(|| Path::new(crate::root::ROOT).join("assets/textures"), PathBuf::from);
     std::fs::create_dir_all(&folder)?;
     let side = wood::SIDE as u32;
     write_png(&folder.join("wood.png"), &wood::paint(), side, ExtendedColorType::Rgb8)?;

@@ -117,7 +117,7 @@ impl Process {
         let words = String::from_utf8_lossy(&words);
         let last = words.lines().rev().map(str::trim).find(|line| !line.is_empty());
         let last = last.unwrap_or("it says nothing").replace(path, "");
-        crate::song::one_line(last.trim_start_matches([':', ' ']))
+        crate::one_line::one_line(last.trim_start_matches([':', ' ']))
     }
 
     /// Waits for its end within the limit, and tells whether it was a good one.

@@ -227,7 +227,7 @@ impl CurrentSegment {
         scratch: &mut Vec<StereoFrame>,
     ) -> Result<(), ResampleError> {
         let Some((link, filling)) = self.link.as_ref().zip(self.filling.as_mut()) else { return Ok(()) };
-        if rate == filling.resampler.from_hz() {
+        if rate == filling.source_hz() {
             return Ok(());
         }
         filling.change_resampler(Resampler::new(rate, link.rate)?, link.rate, scratch)

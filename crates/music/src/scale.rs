@@ -1,0 +1,44 @@
+//! The scales of features: how many values there are, and the frequencies and levels that they span.
+
+/// Lower edge of the lowest band, in hertz.
+pub const BAND_LOWEST_HZ: f64 = 30.0;
+
+/// Upper edge of the highest band, in hertz.
+pub const BAND_HIGHEST_HZ: f64 = 16_000.0;
+
+/// Number of frequency bands.
+pub const BAND_COUNT: usize = 32;
+
+/// The lowest level reported, in decibels: silence reads this, nothing reads less.
+pub const LEVEL_FLOOR_DB: f32 = -120.0;
+
+/// Points of the spectrum's curve.
+pub const SPECTRUM_POINTS: usize = 512;
+
+/// Samples of the waveform for each hop (11.6 to 12.3 kHz at 44.1, 48 and their multiples).
+pub const WAVE_PER_HOP: usize = 128;
+
+/// The frequency at `u` in hertz: 30 Hz at 0, 16 kHz at 1, equal ratios between.
+pub fn spectrum_hz(u: f64) -> f64 {
+    BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(u)
+}
+
+/// Where a frequency lies on the spectrum's axis, 0..1 (the inverse of [`spectrum_hz`], clamped).
+pub fn spectrum_place(hz: f64) -> f64 {
+    let octaves = (hz.max(1e-9) / BAND_LOWEST_HZ).ln() / (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).ln();
+    octaves.clamp(0.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_and_frequencies_are_inverse() {
+        for (place, hz) in [(0.0, BAND_LOWEST_HZ), (0.5, 692.820_323), (1.0, BAND_HIGHEST_HZ)] {
+            assert!((spectrum_hz(place) - hz).abs() < 1e-5, "{place}: {} Hz", spectrum_hz(place));
+            assert!((spectrum_place(hz) - place).abs() < 1e-9, "{hz} Hz: {}", spectrum_place(hz));
+        }
+        assert_eq!([0.0, -1.0, 1e9].map(spectrum_place), [0.0, 0.0, 1.0]);
+    }
+}

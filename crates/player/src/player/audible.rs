@@ -1,0 +1,88 @@
+//! What is audible for the picture, which may be shifted against the device.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use mariana_music::{Features, SongMoment, Sound};
+
+use crate::clock::{Audible, Clock, SpanHistory};
+use crate::limits::LIMITS;
+use crate::output::OutputWatch;
+use crate::timeline::{SharedTimeline, SongPlace};
+use crate::track::TrackInfo;
+
+/// What is audible at a moment.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Moment {
+    /// Position in the track, in seconds.
+    pub song_time: f64,
+    /// Its features.
+    pub features: Features,
+    /// Its place in the whole song, for who adds it: nothing is known of that here.
+    pub song: SongMoment,
+    /// The number of the track ([`TrackInfo::id`]); 0 for an input.
+    pub track: u64,
+    /// Grows with each seek and each change of device; the song time goes on through a change of device.
+    pub segment: u64,
+    /// How often a track has begun earlier within the segment.
+    pub lap: u32,
+}
+
+/// Follows what is audible for the picture.
+pub(super) struct AudibleMoment {
+    outputs: OutputWatch,
+    timeline: SharedTimeline,
+    /// Unlike the position, the picture may be shifted.
+    clock: Clock,
+    moment: Moment,
+    /// What was audible then, and how far ahead of that the picture is, in seconds.
+    heard: Option<(Audible, f64)>,
+    /// The latency shift given when the picture last asked, in seconds.
+    shift: f64,
+}
+
+impl AudibleMoment {
+    /// Before anything was audible of the track with this number.
+    pub(super) fn new(outputs: OutputWatch, timeline: SharedTimeline, track: u64) -> Self {
+        let moment = Moment { track, ..Moment::default() };
+        Self { outputs, timeline, clock: Clock::default(), moment, heard: None, shift: 0.0 }
+    }
+
+    /// See [`Player::now`](super::Player::now).
+    pub(super) fn now(&mut self, latency_shift: f64) -> Moment {
+        let limit = LIMITS.latency_ms_max / 1000.0;
+        let shift = if latency_shift.is_finite() { latency_shift.clamp(-limit, limit) } else { 0.0 };
+        self.shift = shift.max(0.0);
+        let history = self.outputs.history();
+        let timeline = self.timeline.lock();
+        let carry = |from, to| timeline.carry(from, to);
+        if let Some(audible) = self.clock.at(history.as_ref(), Instant::now(), self.shift, carry)
+            && let Some(place) = timeline.place(audible, (-shift).max(0.0))
+        {
+            let segment = audible.segment;
+            let SongPlace { song_time, lap, track, features, .. } = place;
+            self.moment = Moment { song_time, features, track, segment, lap, ..Moment::default() };
+            self.heard = Some((audible, (-shift).max(0.0)));
+        }
+        drop(timeline);
+        self.moment
+    }
+
+    /// The sound, with its tables, of the last moment.
+    pub(super) fn sound(&self) -> Sound {
+        let sound = self.heard.and_then(|(audible, ahead)| self.timeline.lock().sound(audible, ahead));
+        sound.unwrap_or_else(|| self.moment.features.into())
+    }
+
+    /// Whether the song has ended for the picture, which is later than the device if it is shifted; and the track that
+    /// follows.
+    pub(super) fn end_and_next(
+        &mut self,
+        history: Option<&Arc<SpanHistory>>,
+    ) -> (bool, Option<Arc<TrackInfo>>) {
+        let timeline = self.timeline.lock();
+        let carry = |from, to| timeline.carry(from, to);
+        let shown = self.clock.at(history, Instant::now(), self.shift, carry);
+        (shown.is_some_and(|shown| timeline.is_end(shown)), timeline.next())
+    }
+}

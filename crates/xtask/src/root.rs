@@ -1,0 +1,4 @@
+//! Where the project lies.
+
+/// The root of the project.
+pub(super) const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
