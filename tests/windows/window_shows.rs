@@ -83,7 +83,11 @@ impl Place {
 
 /// Which channel shines in the middle.
 fn channel(app: &App<'_>) -> Option<usize> {
-    let pixel = app.picture().get_pixel(32, 18).0;
+    channel_at(app, (32, 18))
+}
+
+fn channel_at(app: &App<'_>, (x, y): (u32, u32)) -> Option<usize> {
+    let pixel = app.picture().get_pixel(x, y).0;
     (0..3).find(|channel| {
         (0..3)
             .all(|other| other == *channel || u32::from(pixel[*channel]) > 3 * u32::from(pixel[other].max(8)))
@@ -148,7 +152,8 @@ fn a_window_shows_of_a_show_what_a_still_does_and_each_save_of_its_file() {
     wait_for_channel(&app, 1);
     place.write("my.show", &still.replace("portal", "portl"));
     app.wait_until_told("did you mean `portal`?");
-    wait_for_channel(&app, 1);
+    // The mistake lies over all but the edges of this window.
+    wait_until("the picture goes on", || channel_at(&app, (1, 1)) == Some(1));
     place.write("my.show", still);
     wait_for_channel(&app, 2);
     quit(app);
