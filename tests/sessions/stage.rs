@@ -1,7 +1,5 @@
 //! What performers do to every picture: blackout, freeze, clean, scenes by number, corners.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
 use crate::walls::{BREATHES, Place, TWO_COLOURS, at, is_black, is_blue, is_red};
 use image::RgbaImage;
 use mariana::srgb::linear;
@@ -169,8 +167,7 @@ fn the_desk_shows_the_scene_that_comes_next_where_it_costs_no_picture() {
     let settings = place.settings();
     std::fs::create_dir_all(settings.parent().unwrap()).unwrap();
     std::fs::write(settings, "[choices]\nnext_scene = \"on\"\n").unwrap();
-    let mut app =
-        place.open("a.scene", &["--prepare-ahead", "on", "--sdf", "compiled", "-vv", "--fade", "0"]);
+    let app = place.open("a.scene", &["--prepare-ahead", "on", "--sdf", "compiled", "-vv", "--fade", "0"]);
     app.wait_until_told("b is ready ahead");
     let corner = |picture: &RgbaImage| at(picture, 0.87, 0.15);
     let first = app.wait_for("the next scene in the corner", |picture| is_blue(corner(picture)));
