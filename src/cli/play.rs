@@ -13,13 +13,13 @@ use super::setting_flags::SettingFlags;
 use super::show::ShowChoice;
 use super::staging::StagingArguments;
 use super::view::ViewArguments;
-use crate::app;
 use crate::config::{HandSettings, LastShow, ListenChoice, Memory, PlaySettings, SettingsFile};
 use crate::demo_track::DEMO_TRACK;
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::limits::LIMITS;
 use crate::program_cache::ProgramCache;
+use crate::shell;
 use mariana_control::osc::Place;
 use mariana_player::playlist::{Opened, Playlist};
 use mariana_player::track::Repeat;
@@ -233,13 +233,13 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         }
         (None, None) => Some(open_songs(&songs, repeat, arguments.shuffle)?),
     };
-    app::run(tracks, settings, scene, Memory { file, trouble })
+    shell::run(tracks, settings, scene, Memory { file, trouble })
 }
 
 /// Prints the monitors, with the numbers and names that --output takes.
 fn list_monitors() -> anyhow::Result<()> {
     let monitors =
-        app::monitors::present().map_err(|reason| anyhow::anyhow!("{reason}: start Mariana there"))?;
+        shell::monitors::present().map_err(|reason| anyhow::anyhow!("{reason}: start Mariana there"))?;
     for (number, monitor) in monitors.iter().enumerate() {
         let (x, y) = monitor.place;
         print_line(&format!("{} {monitor} at {x},{y}", number + 1))?;

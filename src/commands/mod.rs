@@ -1,7 +1,7 @@
 //! Everything that a user can ask for: one [`Command`] for each, and one row of a table that says how it is reached.
 //!
 //! Keys, buttons, the settings panel, OSC, MIDI, phones, media keys and dropped files all send commands, and the show
-//! carries them out in one place (`app::stage::carrying_out`). The help, README's table of keys, the addresses of OSC,
+//! carries them out in one place (`session::carrying_out`). The help, README's table of keys, the addresses of OSC,
 //! the targets of MIDI mappings and the buttons of the page for phones are made from the table.
 //!
 //! A new command takes two places: its row here, and its arm where commands are carried out.
@@ -13,7 +13,8 @@ use std::sync::OnceLock;
 
 pub use state::ShowState;
 pub use table::{
-    Binding, Command, Delay, Files, MovedCorner, ROWS, SEEK_SECONDS, SetSetting, TurnedNumbers, VOLUME_STEP,
+    Binding, Command, Delay, Files, MovedCorner, ROWS, SEEK_SECONDS, SHIFT_STEP_MS, SetSetting,
+    TurnedNumbers, VOLUME_STEP,
 };
 
 use crate::input::{Key, Modifiers};

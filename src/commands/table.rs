@@ -15,6 +15,9 @@ pub const SEEK_SECONDS: f64 = 5.0;
 /// Step of the volume by key, as a share of 1.
 pub const VOLUME_STEP: f32 = 0.05;
 
+/// Step of the picture's delay by key, in milliseconds.
+pub const SHIFT_STEP_MS: f64 = 5.0;
+
 /// Makes [`Command`] and its table from one row for each command.
 macro_rules! commands {
     ($( $(#[$doc:meta])* $variant:ident $( ( $value:ty ) )? { $($field:ident: $of_row:expr),* $(,)? } )*) => {

@@ -1,7 +1,7 @@
 //! The table of the settings that users choose for good.
 //!
 //! A new setting that is remembered, has a flag and a row in the panel takes two places: its row here, and its arm where
-//! settings take effect (`app::stage::settings`).
+//! settings take effect (`session::settings`).
 
 /// Hands the table to a macro, which makes something from its rows: the settings themselves ([`super::Choices`]), or the
 /// flags of the command line.

@@ -4,6 +4,7 @@ use crate::export::ExportError;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneError;
 use crate::sending::SendError;
+use crate::ui::UiError;
 use mariana_player::PlayerError;
 
 /// An error of the window.
@@ -53,9 +54,9 @@ pub enum SessionError {
     /// Standard output is full.
     #[error(transparent)]
     Print(#[from] ExportError),
-    /// The overlay's shaders or buffers are refused.
-    #[error("the driver cannot draw text over the picture ({0}): update the graphics driver")]
-    Overlay(String),
+    /// The panels cannot be drawn.
+    #[error(transparent)]
+    Ui(#[from] UiError),
     /// The scene cannot be read, or has mistakes.
     #[error(transparent)]
     Scene(#[from] SceneError),

@@ -1,12 +1,421 @@
-//! A show without a window: scenes are prepared and composed into pictures here. It knows no window system and reads
-//! no keys; whoever drives it hands in an OpenGL context, the moment of the song, and what users ask for.
+//! A show without a window, a sound card or a desktop: it prepares scenes, listens, composes pictures, lays panels over
+//! them and carries out commands. Whoever runs it hands in a [`screen::Screen`], which gives an OpenGL context and input
+//! and shows the pictures.
 
+mod announcer;
+mod carrying_out;
+pub mod controllers;
+mod controlling;
+mod cues;
+mod desk;
 pub(crate) mod desktop;
+mod directing;
+mod direction;
+mod drawing;
+mod drawing_pace;
+mod dynamic_resolution;
+mod editing;
 mod error;
+pub(crate) mod feeds;
+mod frame_times;
+mod inspecting;
 pub(crate) mod lay;
-pub mod monitor;
+mod leaving;
+mod listening;
+mod mastering;
+mod masters;
+mod noting;
+mod opening;
+pub mod pacing;
+mod panels;
+mod preview;
+mod recording;
+mod reports;
 pub(crate) mod scene;
 pub(crate) mod screen;
+mod sending;
+mod settings;
+pub(crate) mod sound;
+mod title;
+mod typing_times;
 pub mod waker;
 
 pub use error::SessionError;
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use cues::Cues;
+use desk::Desk;
+pub(crate) use opening::{Opening, renewed};
+use preview::Preview;
+
+use crate::commands::{Command, Files, Panel};
+use crate::config::{Choices, PlaySettings};
+use crate::gpu::renderer::Renderer;
+use crate::gpu::shader_source::ShaderLibrary;
+use crate::input::{Input, Key, Modifiers, NamedKey};
+use crate::scenes::Drafts;
+use crate::session::announcer::TrackOrder;
+use crate::session::controllers::Hands;
+use crate::session::direction::Direction;
+use crate::session::drawing_pace::DrawingPace;
+use crate::session::feeds::Feeds;
+use crate::session::frame_times::FrameTimes;
+use crate::session::listening::Listening;
+use crate::session::masters::Masters;
+use crate::session::recording::Recording;
+use crate::session::reports::Reports;
+use crate::session::scene::SceneSession;
+use crate::session::screen::Screen;
+use crate::session::title::{live_title, title};
+use crate::session::typing_times::TypingTimes;
+use crate::session::waker::Waker;
+use crate::show::LiveDirector;
+use crate::thumbnails::Thumbnails;
+use crate::ui::overlay::Assistance;
+use crate::ui::overlay::{Overlay, UiEvent};
+use crate::ui::pointer_rest::PointerRest;
+use crate::ui::user_input::UserInput;
+use mariana_player::Player;
+
+/// How often a show that stands still looks for changes.
+const IDLE_INTERVAL: Duration = Duration::from_millis(250);
+/// How often it does so while it waits for a sound that it could show.
+const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
+
+/// Everything that lives as long as the window.
+pub(crate) struct Session {
+    listening: Listening,
+    renderer: Renderer,
+    pub(crate) scene: SceneSession,
+    direction: Direction,
+    /// Chooses scenes while an input is listened to.
+    live: Option<LiveDirector>,
+    cues: Cues,
+    pace: DrawingPace,
+    /// Brightness, blackout, and whether the picture is held.
+    masters: Masters,
+    /// Where pictures are sent.
+    feeds: Feeds,
+    /// The scene that comes next, for the desk.
+    preview: Preview,
+    reports: Reports,
+    /// What is recorded of the show.
+    recording: Recording,
+    hands: Hands,
+    input: UserInput,
+    pointer_rest: PointerRest,
+    /// What was done in panels during the last picture.
+    ui_events: Vec<UiEvent>,
+    pub(crate) desk: Desk,
+    /// Texts that are edited, for those that load scenes.
+    drafts: Drafts,
+    /// What looks into pictures for the editor.
+    probing: inspecting::Probing,
+    /// How long keys of the editor took.
+    typing_times: TypingTimes,
+    /// What was chosen, for this run.
+    choices: Choices,
+    /// Whether the command line says what songs play on.
+    names_output: bool,
+    /// Whether an output was chosen since the start.
+    chose_output: bool,
+    shaders: ShaderLibrary,
+    /// What finds the pictures of the list of scenes.
+    thumbnails: Option<Thumbnails>,
+    /// When to request thumbnails of the folder's scenes; `None` once requested.
+    thumbnails_ahead: Option<Instant>,
+    /// The folder in which something was last picked.
+    last_folder: Option<PathBuf>,
+    waker: Waker,
+    overlay: Overlay,
+    /// When the words of a window without a picture were last shown, and in which size.
+    waited: Option<(Instant, (u32, u32))>,
+    /// How long after nothing the first picture is shown, until the limiter of flashes has taken it.
+    first_shown_after: Option<f64>,
+    /// The state that was written for the next show.
+    legacy: leaving::Legacy,
+    // Last: everything above that holds OpenGL objects is dropped first.
+    pub(crate) screen: Box<dyn Screen>,
+}
+
+impl Session {
+    /// Pauses the sound or lets it run.
+    pub(crate) fn set_paused(&mut self, paused: bool) {
+        self.listening.want_paused(paused);
+        if self.pace.shown().is_some() {
+            self.listening.follow_wish();
+        }
+    }
+
+    /// Does something with the song, if it is what is listened to.
+    pub(crate) fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
+        let _ = self.listening.with_song(act);
+    }
+
+    /// Changes the volume of the song or whether it is muted, and tells how loud it is then.
+    pub(crate) fn change_volume(&mut self, act: impl FnOnce(&mut Player)) {
+        let after = self.listening.with_song(|player| {
+            act(player);
+            let status = player.status();
+            (status.volume, status.muted)
+        });
+        match after {
+            Some((_, true)) => self.reports.answer_share("muted".to_owned(), Some(0.0)),
+            Some((volume, false)) => {
+                self.reports.answer_share(format!("volume {:.0} %", 100.0 * volume), Some(volume));
+            }
+            None => {
+                self.reports.answer("the volume is that of the song, and an input is listened to".to_owned())
+            }
+        }
+    }
+
+    /// Shows where in the track we are.
+    pub(crate) fn answer_position(&mut self) {
+        // What was done a moment ago shows at once.
+        self.note_playing();
+        self.reports.answer_position();
+    }
+
+    /// Changes the order of the tracks; does nothing while another source is listened to.
+    pub(crate) fn set_order(&mut self, change: impl FnOnce(TrackOrder) -> TrackOrder) {
+        let words = self.listening.set_order(change);
+        self.answer(words);
+    }
+
+    fn answer(&mut self, words: Option<String>) {
+        if let Some(words) = words {
+            self.reports.answer(words);
+        }
+    }
+
+    /// Shows the next view or the one before. Its colours stand for numbers, so the change must not be dimmed as a
+    /// flash. The key does not repeat: only single presses by hand escape the limiter.
+    pub(crate) fn go_view(&mut self, forward: bool) {
+        self.scene.go_view(forward);
+        self.renderer.forget_flashes();
+    }
+
+    /// Enters full screen or leaves it.
+    pub(crate) fn toggle_fullscreen(&mut self) {
+        let full = !self.screen.is_fullscreen();
+        self.screen.set_fullscreen(full);
+        if full {
+            self.pointer_rest.sleep();
+        }
+    }
+
+    /// Takes input. Returns the command that a key or the mouse sends, if no panel takes it.
+    pub(crate) fn take(&mut self, input: &Input) -> Option<Command> {
+        self.pointer_rest.take(input, Instant::now());
+        if self.overlay.on_input(input) {
+            return None;
+        }
+        if self.take_for_editor(input) || self.take_for_panels(input) {
+            return None;
+        }
+        self.input.take(input, Instant::now())
+    }
+
+    /// Hands a key to the panel that is open. Returns whether it was meant for it.
+    fn take_for_panels(&mut self, input: &Input) -> bool {
+        let Some((key, held)) = self.input.typed(input) else { return false };
+        let command_key = held.control_key() || held.super_key();
+        if let Some(browser) = &mut self.desk.browser {
+            let commands = browser.take_key(key, command_key);
+            self.carry_out_all(commands);
+            return true;
+        }
+        if let Some(files) = &mut self.desk.files {
+            let commands = files.take_key(key, held.shift_key(), command_key);
+            self.carry_out_all(commands);
+            return true;
+        }
+        if self.go_through_controls(key, held) {
+            return true;
+        }
+        let of_settings = self.desk.settings.as_mut().map(|settings| settings.take_key(key));
+        let taken = of_settings.filter(|(taken, _)| *taken);
+        let taken = taken.or_else(|| self.desk.hands.as_mut().map(|hands| hands.take_key(key)));
+        if let Some((true, command)) = taken {
+            self.carry_out_all(command);
+            return true;
+        }
+        let of_corners = self.desk.corners.as_mut().and_then(|hands| hands.take_key(key, held.shift_key()));
+        let taken = of_corners.is_some();
+        self.carry_out_all(of_corners.flatten());
+        taken
+    }
+
+    /// Passes a key to the controls if they have the focus or get it; returns `true` if the key was used.
+    fn go_through_controls(&mut self, key: &Key, held: Modifiers) -> bool {
+        let begins = *key == Key::Named(NamedKey::Tab)
+            && (held.shift_key() || self.overlay.is_assisted())
+            && self.desk.corners.is_none();
+        let others = Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER;
+        if !(begins || self.overlay.has_key_focus()) || held.intersects(others) {
+            return false;
+        }
+        let taken = self.overlay.take_key(key, held.shift_key());
+        if taken {
+            // Shows the bar. It stays while it has the focus.
+            self.pointer_rest.wake(Instant::now());
+            self.screen.request_redraw();
+        }
+        taken
+    }
+
+    /// Does what assistive technology asks for, before anything else is drawn.
+    pub(crate) fn assist(&mut self, assistance: Assistance) {
+        self.overlay.assist(assistance);
+        self.screen.request_redraw();
+    }
+
+    /// The next command of media keys and the desktop, if any.
+    pub(crate) fn command_of_desktop(&self) -> Option<Command> {
+        self.reports.command_of_desktop()
+    }
+
+    /// Looks at the state of the sound at once, because something was changed.
+    pub(crate) fn hurry_reports(&mut self) {
+        self.reports.hurry();
+    }
+
+    /// Title and messages. Returns whether a song that plays once is over.
+    ///
+    /// # Errors
+    /// The only song cannot be played on.
+    pub(crate) fn look_at_status(&mut self, settings: &PlaySettings) -> Result<bool, SessionError> {
+        if !self.reports.is_due(Instant::now()) {
+            return Ok(false);
+        }
+        for complaint in self.listening.take_complaints() {
+            self.reports.say(complaint);
+        }
+        if let Some(live) = self.listening.live_status() {
+            let paused = self.listening.is_paused();
+            self.reports.look_at_input(&live, paused);
+            self.set_title(live_title(&live, self.scene.report().notes(), paused));
+            return Ok(false);
+        }
+        let Some(status) = self.listening.song_status() else { return Ok(false) };
+        let silence_asked = settings.silent && !self.chose_output;
+        self.reports.tell_silence(&status, silence_asked);
+        if let (true, true, 1, Some(error)) =
+            (status.ended, settings.once, status.track.count, &status.troubles.last)
+        {
+            return Err(SessionError::SongLost(error.clone()));
+        }
+        self.reports.look(&status, self.listening.has_started(), self.screen.is_fullscreen());
+        self.set_title(title(self.scene.report().notes(), &status, silence_asked));
+        Ok(status.ended && settings.once)
+    }
+
+    /// Notes what plays at this moment.
+    fn note_playing(&mut self) {
+        let fullscreen = self.screen.is_fullscreen();
+        if let Some(live) = self.listening.live_status() {
+            self.reports.look_at_input(&live, self.listening.is_paused());
+        } else if let Some(status) = self.listening.song_status() {
+            self.reports.look(&status, self.listening.has_started(), fullscreen);
+        }
+    }
+
+    fn set_title(&mut self, title: String) {
+        if let Some(title) = self.reports.changed_title(title) {
+            self.screen.set_title(title);
+        }
+    }
+
+    /// Takes in what other threads have finished, requests a picture if one is due, and returns when to look again if
+    /// nothing happens before.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(crate) fn look_around(&mut self) -> Result<Instant, SessionError> {
+        let dropped = self.input.take_dropped();
+        if !dropped.is_empty() {
+            let append = self.input.shift_held() || self.desk.panels.open() == Some(Panel::Tracks);
+            self.open_files(Files { files: dropped, append });
+        }
+        self.scene.update()?;
+        self.update_editor();
+        self.update_probing();
+        self.update_thumbnails();
+        if let Some(files) = &mut self.desk.files {
+            files.update();
+        }
+        self.update_settings();
+        self.update_hands();
+        self.tell_recording();
+        let now = Instant::now();
+        self.reports.update(now);
+        for sentence in self.screen.update() {
+            self.reports.say(sentence);
+        }
+        let to_send = self.send(now)?;
+        let edited = self.scene.saves_samples(now);
+        // A picture that was begun is not begun again because the text rests.
+        if edited || !self.scene.composer().is_drawing() {
+            self.pace.set_edited(edited);
+        }
+        if let Some(until) = self.scene.awaits_edit(now)
+            && self.overlay_due(now).is_none_or(|due| due > now)
+        {
+            return Ok(until);
+        }
+        if self.scene.composer().is_drawing() {
+            return Ok(now);
+        }
+        self.scene.rehearse(&mut self.renderer);
+        let overlay_due = self.overlay_due(now).filter(|_| self.screen.shows_words());
+        let moment = self.moment();
+        self.direct(moment);
+        let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
+        if self.holds_picture() {
+            self.record_again(now);
+        }
+        // A picture that is held changes no more.
+        let changes = (moves || self.could_be_better(now)) && !self.holds_picture();
+        let moving = changes
+            || self.is_dimming(now)
+            || self.screen.is_stale()
+            || overlay_due.is_some_and(|due| due <= now);
+        // The first picture starts the song, seen or not.
+        let seen = self.screen.is_seen() || self.pace.shown().is_none() || self.feeds.are_any();
+        if !moving || !seen {
+            // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
+            // any time.
+            if seen {
+                self.update_preview(now, None)?;
+            }
+            let idle = now + self.idle_interval(seen);
+            Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
+        } else if now >= self.pace.due(self.hands.are_unseen()) || self.scene.composer().has_regions() {
+            self.update_preview(now, Some(Duration::ZERO))?;
+            self.screen.request_redraw();
+            Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
+        } else {
+            let due = self.pace.due(self.hands.are_unseen());
+            self.update_preview(now, Some(due.saturating_duration_since(now)))?;
+            Ok(to_send.map_or(due, |sends| sends.min(due)))
+        }
+    }
+
+    /// How long a show that stands still sleeps: in silence it listens.
+    fn idle_interval(&self, seen: bool) -> Duration {
+        if seen && !self.listening.is_paused() { LISTEN_INTERVAL } else { IDLE_INTERVAL }
+    }
+
+    /// How long keys of the editor took to be seen, for the log.
+    pub(crate) fn typing_times(&self) -> &TypingTimes {
+        &self.typing_times
+    }
+
+    /// How long frames took, for the log.
+    pub(crate) fn frame_times(&self) -> &FrameTimes {
+        self.pace.times()
+    }
+}

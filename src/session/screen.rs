@@ -2,17 +2,18 @@
 
 use std::time::{Duration, Instant};
 
-use egui::accesskit::{ActionRequest, TreeUpdate};
+use egui::accesskit::TreeUpdate;
 use egui::{CursorIcon, Rect};
 
 use super::SessionError;
 use super::lay::Lay;
-use super::monitor::Monitor;
 use crate::gpu::background::WorkerContext;
 use crate::gpu::gl::Gl;
 use crate::gpu::renderer::Renderer;
 use crate::input::Input;
+use crate::monitor::Monitor;
 use crate::placement::Area;
+use crate::ui::overlay::Assistance;
 
 /// Something that happened where the session is shown.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,17 +26,6 @@ pub(crate) enum Event {
     Redraw,
     /// The session is to end.
     End,
-}
-
-/// What assistive technology asks for.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Assistance {
-    /// It is there: the controls are to be reported from now on.
-    Begins,
-    /// It presses or moves a control.
-    Act(ActionRequest),
-    /// It has gone.
-    Ends,
 }
 
 /// Paints over the picture in the current framebuffer of so many pixels.

@@ -1,4 +1,4 @@
-//! Chooses scenes while an input is listened to, with where they come from.
+//! The live director, with the sources of its scenes.
 
 use super::programme::Programme;
 use mariana_show::Hearing;

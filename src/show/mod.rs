@@ -1,5 +1,4 @@
-//! Shows with the scenes that they name: where those come from, and what is wrong with any of them. What is on when is
-//! decided by [`mariana_show`], which knows names of scenes only.
+//! Shows with the sources of their scenes. [`mariana_show`], which knows scenes by name only, makes the plans.
 
 mod live;
 mod programme;

@@ -1,4 +1,4 @@
-//! The scenes that shows name, and what a show has to know of each.
+//! Finds the scenes of shows, and facts about them.
 
 use std::path::Path;
 
@@ -8,12 +8,12 @@ use mariana_show::{Refusal, SceneFacts};
 /// Compiles a scene.
 ///
 /// # Errors
-/// What is wrong with it.
+/// Mistakes in the scene, or an unreadable file.
 pub(super) fn facts_of(source: &SceneSource) -> Result<SceneFacts, SceneError> {
     source.checked().map(SceneFacts::from)
 }
 
-/// What a show says of a scene that is refused.
+/// The error as a refusal of the scene.
 pub(super) fn refusal(error: SceneError) -> Refusal {
     match error {
         SceneError::Mistakes { name, plain, .. } => {

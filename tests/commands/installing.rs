@@ -9,8 +9,8 @@ use std::process::Command;
 
 use crate::support::desktop::PROGRAM;
 use clap::CommandFactory;
-use mariana::app::identity::APP_ID;
 use mariana::cli::Arguments;
+use mariana::shell::identity::APP_ID;
 use mariana_player::playlist::AUDIO_EXTENSIONS;
 use mariana_testing::process::output_of;
 

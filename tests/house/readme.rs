@@ -12,7 +12,7 @@ fn the_keys_are_those_of_the_program() {
 
 #[test]
 fn the_addresses_of_osc_are_those_of_the_program() {
-    use mariana::app::hands::page::{action_table, address_table, sent_line};
+    use mariana::session::controllers::page::{action_table, address_table, sent_line};
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/osc.md");
     let page = std::fs::read_to_string(&path).unwrap();
     let parts = [address_table(), action_table(), sent_line()];

@@ -25,13 +25,12 @@ const FUNCTION_MAX: usize = 80;
 /// What is over a limit today, one line each: the kind, the type (for knots the end of the path of one of its files), the
 /// size. Lower a number when the thing shrinks, and delete the line when it is within the limit.
 const OVER: &[(Kind, &str, usize)] = &[
-    (Modules, "app/stage.rs", 17),
-    (Modules, "app/window_thread.rs", 12),
+    (Modules, "shell/window_thread.rs", 12),
     (Fields, "Editor", 23),
     (Fields, "Sound", 16),
-    (Fields, "Stage", 33),
+    (Fields, "Session", 33),
     (Methods, "Editor", 102),
-    (Methods, "Stage", 118),
+    (Methods, "Session", 118),
 ];
 
 /// Functions of more than [`FUNCTION_MAX`] lines in the whole repository. Lower it when one is taken apart.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop};
-use mariana::app::identity::APP_ID;
+use mariana::shell::identity::APP_ID;
 use mariana_testing::process::wait_until;
 use mariana_testing::session_bus::SessionBus;
 use mariana_testing::wave::write_wav;

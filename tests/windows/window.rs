@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use crate::support::compare::{TIGHT, difference};
 use crate::support::desktop::{App, Desktop, PROGRAM, SCREEN, command_in};
 use image::RgbaImage;
-use mariana::app::identity::APP_ID;
+use mariana::shell::identity::APP_ID;
 use mariana_music::StereoFrame;
 use mariana_testing::process::{output_of, private_folder, wait_until};
 use mariana_testing::sound_server::{Recorder, SINK_RATE, SoundServer};

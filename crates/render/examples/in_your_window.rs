@@ -2,8 +2,8 @@
 //! `cargo run -p mariana-render --example in_your_window -- "sphere(p, 1 + 0.3 * sin(t))"`
 #![expect(unsafe_code, clippy::expect_used, reason = "glutin is unsafe, and an example may panic")]
 
-use glutin::context::ContextAttributesBuilder;
-use glutin::{config::ConfigTemplateBuilder, display::GetGlDisplay, prelude::*};
+use glutin::{config::ConfigTemplateBuilder, context::ContextAttributesBuilder};
+use glutin::{display::GetGlDisplay, prelude::*};
 use glutin_winit::{DisplayBuilder, GlWindow};
 use mariana_field::world::World;
 use mariana_music::Features;
@@ -30,9 +30,8 @@ fn open(events: &ActiveEventLoop, text: &str) -> Result<Drawing, Box<dyn Error>>
     Ok(Box::new(move || {
         // What it holds is dropped in this order.
         let (scene, context, surface, window) = (&mut scene, &context, &surface, &window);
-        let size = window.inner_size().into();
-        scene.draw(begun.elapsed().as_secs_f64(), Features::SILENCE, size).expect("a picture");
-        scene.show(size).expect("a window");
+        let (time, size) = (begun.elapsed().as_secs_f64(), window.inner_size().into());
+        scene.draw(time, Features::SILENCE, size).and_then(|()| scene.show(size)).expect("a picture");
         surface.swap_buffers(context).expect("a surface");
         window.request_redraw();
     }))

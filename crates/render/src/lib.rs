@@ -4,8 +4,8 @@
 //! world, time, sound ─► frame ─► gpu: samples, edges, more samples, light, picture ─► pixels | a window's framebuffer
 //! ```
 //!
-//! [`SceneRenderer`] is the short way in. It draws in any context that is current: that of a window of yours, or one
-//! without a window, a [`Headless`]:
+//! [`SceneRenderer`] is the short way in. It draws in the current context: your window's, or a [`Headless`] one without a
+//! window:
 //!
 //! ```
 //! use mariana_field::world::World;
@@ -16,7 +16,7 @@
 //! let context = Headless::new(false)?;
 //! let mut scene = SceneRenderer::new(context.gl(), world)?;
 //!
-//! // A moment without sound, and one with a loud bass.
+//! // Silence, then a loud bass.
 //! scene.draw(0.0, Features::SILENCE, (64, 48))?;
 //! let quiet = scene.read();
 //! scene.draw(0.0, Features { bass: 1.0, ..Features::SILENCE }, (64, 48))?;
@@ -29,7 +29,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A [`Frame`] holds everything that one picture shows, as plain numbers. Change it before it is drawn:
+//! A [`Frame`] holds everything that one picture shows, as plain numbers. Change it before you draw it:
 //!
 //! ```
 //! # use mariana_field::world::World;
@@ -38,14 +38,14 @@
 //!
 //! let world = World::parse("ball", "sphere(p, 1)")?;
 //! let mut frame = Frame::new(&world, 2.5, Features::SILENCE, (640, 360));
-//! // Fewer details where a window cannot afford them; stills keep the best.
+//! // Fewer details, for a window on a slow GPU.
 //! frame.quality = 0.5;
 //! # Ok::<(), mariana_field::world::WorldError>(())
 //! ```
 //!
-//! `examples/one_picture.rs` draws a text to a file, `examples/in_your_window.rs` draws it into a window of its own.
-//! To draw several scenes, to compile them on other threads ([`gpu::background`]), to keep what drivers made of them
-//! ([`gpu::program_store`]) and to draw in parts between two events, begin with [`Renderer`].
+//! `examples/one_picture.rs` draws a scene to a file, `examples/in_your_window.rs` into a window. [`Renderer`] draws several
+//! scenes and splits long pictures into parts. [`gpu::background`] compiles on other threads, [`gpu::program_store`] keeps
+//! compiled programs.
 
 pub mod faults;
 pub mod flash;

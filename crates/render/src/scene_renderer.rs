@@ -1,4 +1,4 @@
-//! One world with all that draws it: the short way in.
+//! Draws one world: the short way in.
 
 use std::sync::Arc;
 
@@ -15,8 +15,8 @@ use mariana_field::region::RegionPlan;
 use mariana_field::world::World;
 use mariana_music::Sound;
 
-/// Draws the pictures of one world in one OpenGL context, which must be current on this thread at every call. Drop it
-/// before the context.
+/// Draws one world in one OpenGL context. The context must be current on this thread at every call and outlive this
+/// object.
 pub struct SceneRenderer {
     renderer: Renderer,
     program: Program,
@@ -24,10 +24,10 @@ pub struct SceneRenderer {
 }
 
 impl SceneRenderer {
-    /// Uploads a world and compiles its program, for which drivers take from tens of milliseconds to seconds.
+    /// Uploads a world and compiles its program. Drivers take tens of milliseconds to several seconds.
     ///
     /// # Errors
-    /// A world over its limits, or what the driver refuses.
+    /// A world over its limits, or an error of the driver.
     pub fn new(gl: &Gl, world: World) -> Result<Self, GpuError> {
         let library = ShaderLibrary::embedded();
         let world = Arc::new(world);
@@ -43,13 +43,13 @@ impl SceneRenderer {
     /// Draws the world at `time` seconds with the sound that is audible then, in `size` pixels.
     ///
     /// # Errors
-    /// A size beyond the driver's, or an error that the driver reports.
+    /// A size over the driver's limit, or an error of the driver.
     pub fn draw(&mut self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Result<(), GpuError> {
         let frame = Frame::new(self.resources.world(), time, sound, size);
         self.draw_frame(&frame)
     }
 
-    /// Draws a frame of the world that was changed before: its camera, its parameters.
+    /// Draws a frame of your own: another camera, other parameters.
     ///
     /// # Errors
     /// As [`SceneRenderer::draw`].
@@ -60,7 +60,7 @@ impl SceneRenderer {
     /// Copies the picture to the default framebuffer of `window` pixels.
     ///
     /// # Errors
-    /// An error that the driver reports.
+    /// An error of the driver.
     pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
         self.renderer.show(window)
     }
@@ -70,12 +70,12 @@ impl SceneRenderer {
         self.renderer.read()
     }
 
-    /// The world that is drawn.
+    /// The world.
     pub fn world(&self) -> &World {
         self.resources.world()
     }
 
-    /// The renderer, for all that it can do besides: limit flashes, fade, place pictures.
+    /// The renderer, which also limits flashes, fades and places pictures.
     pub fn renderer(&mut self) -> &mut Renderer {
         &mut self.renderer
     }

@@ -7,15 +7,15 @@
 //! ```
 //!
 //! Everything here is pure: the same song and the same text give the same plan in the window, in a video and on every
-//! machine. A script names moments as musicians do (`section B`, `bar 17`, `drop 1`); a plan knows them in seconds. Scenes
-//! are names here; whoever knows what they stand for hands in the facts about them:
+//! machine. A script names moments as musicians do (`section B`, `bar 17`, `drop 1`); a plan has them in seconds. Scenes are
+//! names; the caller supplies facts about them:
 //!
 //! ```
 //! use mariana_field::lang::About;
 //! use mariana_music::SongStructure;
 //! use mariana_show::{SceneFacts, Show};
 //!
-//! // A song of which nothing is known but its length: bars of two seconds, from the start.
+//! // Without beats, bars take two seconds.
 //! let song = SongStructure { seconds: 60.0, ..SongStructure::default() };
 //! let text = "at start orb\n\
 //!             at bar 9 city melt over 2 bars\n\
@@ -27,7 +27,7 @@
 //! assert_eq!(left_out, None);
 //!
 //! // Bar 9 begins at 16 s, and the melt takes four seconds.
-//! let plan = show.plan().expect("the show has an entry that waits for no key");
+//! let plan = show.plan().expect("no entry waits for a key");
 //! let moment = plan.at(18.0);
 //! assert_eq!(moment.stay.scene, "city");
 //! let (leaving, share) = moment.leaving.expect("a transition");
@@ -35,8 +35,7 @@
 //! # Ok::<(), mariana_show::ScriptError>(())
 //! ```
 //!
-//! [`Show::directed`] chooses scenes by a song's structure and what they say about themselves, [`LiveDirector`] while an
-//! input is heard. [`Performance`] makes a script of what somebody has played by hand.
+//! [`Show::directed`] picks scenes by a song's structure, [`LiveDirector`] for live input. [`Performance`] records a script.
 
 mod bar_lines;
 mod director;

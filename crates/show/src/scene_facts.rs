@@ -1,4 +1,4 @@
-//! Facts about a show's scenes that are needed before anything is drawn: cameras, parameters, preferences.
+//! Facts about a show's scenes: cameras, parameters, preferences.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,10 +6,10 @@ use super::director::SceneCard;
 use super::script::{Entry, is_of_no_scene};
 use mariana_field::lang::{About, Diagnostic, Scene, Span, Way};
 
-/// What a show has to know of one scene.
+/// The facts about one scene.
 #[derive(Debug, Clone)]
 pub struct SceneFacts {
-    /// What it says of itself.
+    /// Its `about` block.
     pub about: About,
     /// The names of its cameras.
     pub cameras: Vec<String>,
@@ -25,12 +25,12 @@ impl From<Scene> for SceneFacts {
     }
 }
 
-/// Why a show cannot have a scene.
+/// The reason why a scene cannot be used.
 #[derive(Debug, Clone)]
 pub struct Refusal {
-    /// A sentence for the entry that names it.
+    /// One sentence.
     pub sentence: String,
-    /// The mistakes inside the scene with their places there, if that is why.
+    /// The mistakes in the scene's text with their places, if it has mistakes.
     pub mistakes: Option<String>,
 }
 

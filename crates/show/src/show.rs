@@ -1,4 +1,4 @@
-//! A plan with the script that it is made of, and what is known of the scenes.
+//! A show: a script, facts about its scenes, and the plan for one song.
 
 use std::collections::BTreeMap;
 
@@ -13,13 +13,13 @@ use super::text::print;
 use mariana_field::lang::{Diagnostic, Way, render_all};
 use mariana_music::SongStructure;
 
-/// Why a text is no show for a song.
+/// An error in a show file.
 #[derive(Debug, thiserror::Error)]
 pub enum ScriptError {
-    /// The text has mistakes, or asks for what its scenes do not have.
+    /// Mistakes in the text, or cameras and parameters that its scenes lack.
     #[error("the show has mistakes: correct what is underlined\n{}", .report.trim_end())]
     Mistakes {
-        /// They with their places.
+        /// The mistakes with their places.
         report: String,
     },
     /// Every entry names a moment that the song lacks.
@@ -36,7 +36,7 @@ pub enum ScriptError {
 /// How a scene likes to come and to go.
 type Liked = (Option<Way>, Option<Way>);
 
-/// See the module.
+/// A script with its plan for one song.
 #[derive(Debug, Clone, Default)]
 pub struct Show {
     /// `None` as long as every entry waits for a key.
@@ -48,7 +48,7 @@ pub struct Show {
 }
 
 impl Show {
-    /// The director's choice among scenes, by their names; `None` without one.
+    /// The director's show of scenes, given by name; `None` without scenes.
     pub fn directed(song: &SongStructure, scenes: &BTreeMap<String, SceneFacts>) -> Option<Self> {
         let (ways, cards) = (ways_of(scenes), cards_of(scenes));
         let script = direct(song, &cards, seed_of(song));
@@ -89,7 +89,7 @@ impl Show {
         Ok((Self { plan, script, ways, cards }, told))
     }
 
-    /// The same scenes by another plan.
+    /// The same show with another plan.
     pub fn with_plan(&self, plan: Option<Plan>) -> Self {
         Self { plan, ..self.clone() }
     }
@@ -99,7 +99,7 @@ impl Show {
         self.with_plan(resolved(&self.script, song, cues, &self.ways).0)
     }
 
-    /// Replaces scenes by others that the show knows. `None` if every scene is refused.
+    /// Replaces refused scenes by other scenes of the show. `None` if all are refused.
     pub fn without(&self, is_refused: impl Fn(&str) -> bool) -> Option<Self> {
         let stays = with_substitutes(self.stays(), &self.cards, is_refused)?;
         Some(self.with_plan(Plan::new(stays)))

@@ -44,7 +44,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         println!("{mode}, {keys} keys");
         for part in [" frames; ", "work for a key"] {
             let line = said.lines().rfind(|line| line.contains(part)).unwrap_or("nothing was told");
-            println!("  {}", line.rsplit_once("app::show: ").map_or(line, |(_, words)| words));
+            println!("  {}", line.rsplit_once("shell::show: ").map_or(line, |(_, words)| words));
         }
     }
     Ok(fs::remove_dir_all(&folder)?)

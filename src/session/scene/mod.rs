@@ -55,5 +55,4 @@ pub(crate) use library::SceneLoader;
 pub(crate) use messages::SceneWords;
 pub(crate) use performed::Performed;
 pub(crate) use regions::Shown;
-pub(crate) use scenery::Scenery;
 pub(crate) use session::SceneSession;

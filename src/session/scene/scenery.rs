@@ -7,24 +7,10 @@ use super::prepared_scene::PreparedScene;
 use crate::frame::Frame;
 use crate::frame::camera::Camera;
 use crate::gpu::scene_resources::{RegionMaker, RegionRequest};
+use crate::probing::Scenery;
 use crate::scenes::SceneSource;
 use mariana_field::region::RegionOptions;
 use mariana_field::world::World;
-
-/// A picture that can be asked about.
-#[derive(Clone)]
-pub(crate) struct Scenery {
-    /// The scene.
-    pub source: SceneSource,
-    /// Its world.
-    pub world: Arc<World>,
-    /// The numbers of the picture, and its camera.
-    pub frame: Frame,
-    /// What builds its tree.
-    pub maker: RegionMaker,
-    /// What the tree is built for.
-    pub request: RegionRequest,
-}
 
 /// Why nobody can ask what is in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

@@ -66,7 +66,7 @@ pub struct FlashPass {
     is_fresh: bool,
 }
 
-/// A program for each of [`FLASH_SHADERS`].
+/// The programs of [`FLASH_SHADERS`].
 struct FlashPrograms {
     measure: Program,
     follow: Program,
@@ -81,7 +81,7 @@ struct FlashPrograms {
     limit_enlarged: Program,
 }
 
-/// What is known of each cell of a picture.
+/// The state of each cell.
 struct FlashMemory {
     measured: Target,
     /// What is remembered: of this picture, and of the one before.
@@ -95,10 +95,10 @@ struct FlashMemory {
     shown: Target,
 }
 
-/// What draws over cells, in whose state all its draws begin.
+/// Draws over cells.
 struct CellDraws {
     gl: Gl,
-    /// What is told to a single pass.
+    /// Numbers of a single pass.
     place_block: Block,
     vertices: VertexArray,
 }
@@ -310,7 +310,7 @@ impl FlashMemory {
 }
 
 impl CellDraws {
-    /// The state in which all draws begin.
+    /// Resets the state before a series of draws.
     fn reset_state(&self) {
         // SAFETY: plain state; the vertices are ours.
         unsafe {
@@ -328,7 +328,7 @@ impl CellDraws {
         }
     }
 
-    /// Draws into the window's framebuffer of `window` pixels from now on.
+    /// Binds the window's framebuffer of `window` pixels.
     fn bind_window(&self, window: (u32, u32)) {
         // SAFETY: plain state.
         unsafe {
@@ -337,7 +337,7 @@ impl CellDraws {
         }
     }
 
-    /// Draws all over a target with what is bound.
+    /// Draws over the whole of a target.
     fn draw(&self, program: &Program, target: &Target) {
         target.bind();
         program.bind();

@@ -1,4 +1,4 @@
-//! The two ways to run a scene's expressions.
+//! Interpreted or compiled.
 
 /// How a scene's expressions are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]

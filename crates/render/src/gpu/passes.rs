@@ -1,4 +1,4 @@
-//! Passes over whole pictures, and the uniform blocks that they read.
+//! Passes over whole pictures, and uniform blocks.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -35,7 +35,7 @@ impl Passes {
         })
     }
 
-    /// Sets what every pass needs: the vertices, and the state in which passes begin.
+    /// Binds the vertices and resets the state before a series of passes.
     pub(super) fn prepare(&self) {
         self.bind_vertices();
         // SAFETY: plain state.
@@ -52,13 +52,13 @@ impl Passes {
         }
     }
 
-    /// Binds the vertices of a triangle that covers everything.
+    /// Binds the vertices of the triangle that covers a target.
     pub(super) fn bind_vertices(&self) {
         // SAFETY: the vertices are ours.
         unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
     }
 
-    /// Tells all passes, including the scene's, the numbers of `PictureBlock`.
+    /// Sets the numbers of `PictureBlock` for all passes, the scene's included.
     pub(super) fn set_picture(&self, numbers: &[f32]) {
         self.picture.set(numbers);
     }

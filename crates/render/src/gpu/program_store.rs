@@ -1,13 +1,13 @@
-//! What is known of programs from earlier runs: a driver's own form of them, and how a driver failed at them.
+//! Programs from earlier runs: the driver's binaries, and records of programs at which a driver failed.
 //!
-//! The renderer only asks; whoever embeds it decides where things are kept, by a [`ProgramStore`].
+//! The program that embeds the renderer implements [`ProgramStore`] and decides where these are kept.
 
 use std::any::Any;
 use std::fmt;
 use std::hash::Hasher as _;
 use std::path::{Path, PathBuf};
 
-/// What a program is known by.
+/// Identifies a program: the driver, its version and the texts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ProgramKey([u8; 16]);
 
@@ -78,8 +78,8 @@ impl GivenUp {
     }
 }
 
-/// Where programs and what drivers did with them are kept from run to run. Threads that compile call it, and may wait
-/// for it. What is not implemented keeps nothing.
+/// Keeps programs and records of failures from run to run. Compiling threads call it and may block in it. The default
+/// methods keep nothing.
 pub trait ProgramStore: Send + Sync {
     /// The program of this key in the driver's own form.
     fn load(&self, _key: ProgramKey) -> Option<Vec<u8>> {

@@ -100,16 +100,16 @@ impl FrameTimer {
     }
 }
 
-/// How long a GPU takes for pictures that are drawn in one go, where that is asked for.
+/// Measures GPU times of pictures that are drawn in one go. The default measures nothing.
 #[derive(Default)]
 pub(super) struct PictureClock {
     timer: Option<FrameTimer>,
-    /// The last time, until it is taken for the costs of a scene.
+    /// The newest time, until [`PictureClock::take_cost`] returns it.
     cost: Option<Duration>,
 }
 
 impl PictureClock {
-    /// A clock that takes times.
+    /// A clock that measures.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no query left.
@@ -127,14 +127,14 @@ impl PictureClock {
         self.timer.iter_mut().for_each(FrameTimer::end);
     }
 
-    /// The newest time, if one has become known since the last call.
+    /// The newest time, if a new one is known since the last call.
     pub(super) fn take(&mut self) -> Option<Duration> {
         let time = self.timer.as_mut()?.take();
         self.cost = time.or(self.cost);
         time
     }
 
-    /// The last time that [`PictureClock::take`] gave, once.
+    /// The newest time that [`PictureClock::take`] returned; `None` the second time.
     pub(super) fn take_cost(&mut self) -> Option<Duration> {
         self.cost.take()
     }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
-use mariana::app::identity::APP_ID;
+use mariana::shell::identity::APP_ID;
 
 use crate::textures::canvas::{rgb, to_srgb};
 

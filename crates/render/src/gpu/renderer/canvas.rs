@@ -1,4 +1,4 @@
-//! What pictures are drawn on, one after the other: their targets, the picture that is being drawn, and the finished one.
+//! The targets of one series of pictures, the picture in progress, and the finished one.
 
 use super::making::{Making, Product};
 use super::targets::Targets;
@@ -9,23 +9,23 @@ use crate::gpu::evaluations::Counting;
 use crate::gpu::gl::Gl;
 use crate::gpu::target::Target;
 
-/// See the module.
+/// Holds targets, the picture in progress and the finished picture.
 #[derive(Default)]
 pub(super) struct Canvas {
     pub(super) targets: Option<Targets>,
-    /// The picture that is being drawn.
+    /// The picture in progress.
     pub(super) making: Option<Making>,
-    /// The picture whose light the targets hold; none if it is a view's.
+    /// The settings of the picture whose light the targets hold; `None` for a view.
     finished_light: Option<Picture>,
-    /// What is shown while a picture of another size is being drawn.
+    /// The last picture, shown while one of another size is drawn.
     stands: Option<Target>,
 }
 
 impl Canvas {
-    /// Makes targets of `size` pixels. If the size is refused, the last picture stays.
+    /// Makes targets of `size` pixels, unless the present ones fit. If the size is refused, the last picture stays.
     ///
     /// # Errors
-    /// A size beyond the driver's, or no room.
+    /// A size over the driver's limit, or no memory.
     pub(super) fn need_targets(
         &mut self,
         gl: &Gl,
@@ -41,7 +41,7 @@ impl Canvas {
         Ok(())
     }
 
-    /// Makes room for other targets. The last picture is shown until the next one is finished.
+    /// Drops the targets. The last picture is shown until the next one is finished.
     pub(super) fn put_targets_away(&mut self) {
         (self.making, self.finished_light) = (None, None);
         if let Some(targets) = self.targets.take()
@@ -51,7 +51,7 @@ impl Canvas {
         }
     }
 
-    /// What was drawn is finished.
+    /// Notes that a picture is finished.
     pub(super) fn finish(&mut self, making: &Making) {
         if making.product != Product::Light {
             self.stands = None;
@@ -59,17 +59,17 @@ impl Canvas {
         self.finished_light = (making.product != Product::View).then_some(making.picture);
     }
 
-    /// Whether nothing was drawn yet.
+    /// True before the first picture.
     pub(super) fn is_empty(&self) -> bool {
         self.targets.is_none() && self.stands.is_none()
     }
 
-    /// The finished picture that is shown.
+    /// The finished picture.
     pub(super) fn finished(&self) -> Option<&Target> {
         self.stands.as_ref().or(self.targets.as_ref().map(|targets| targets.post.finished()))
     }
 
-    /// The light of the picture that was finished last; none for a view.
+    /// The settings and targets of the finished picture, for its light; `None` for a view.
     pub(super) fn finished_light(&self) -> Option<(&Picture, &Targets)> {
         self.finished_light.as_ref().zip(self.targets.as_ref())
     }

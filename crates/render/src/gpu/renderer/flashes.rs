@@ -1,41 +1,41 @@
-//! Flashes of finished pictures, limited where they are shown or in a copy.
+//! Limits the flashes of finished pictures, in the window or in a copy.
 
 use crate::gpu::error::GpuError;
 use crate::gpu::flash_pass::FlashPass;
 use crate::gpu::gl::Gl;
 use crate::gpu::target::{Target, Texel};
 
-/// See the module.
+/// The flash limiter and its copy of the picture.
 #[derive(Default)]
 pub(super) struct Flashes {
-    /// The limiter, if there is one.
+    /// `None` if flashes are not limited.
     pub(super) pass: Option<FlashPass>,
-    /// Whether it has taken the finished picture.
+    /// True if the limiter has measured the finished picture.
     is_limited: bool,
-    /// A copy of the picture with its flashes limited.
+    /// A copy of the picture with limited flashes.
     copy: Option<Target>,
-    /// Whether the copy is of what shows now.
+    /// True if the copy is up to date.
     has_copy: bool,
 }
 
 impl Flashes {
-    /// Nothing is limited any more.
+    /// Removes the limiter.
     pub(super) fn remove(&mut self) {
         self.pass = None;
         self.is_limited = false;
     }
 
-    /// There is a picture that the limiter has not taken.
+    /// A new picture is finished; the limiter has not measured it yet.
     pub(super) fn expect_another(&mut self) {
         self.is_limited = false;
     }
 
-    /// The copy is no longer of what shows.
+    /// The picture has changed: the copy is out of date.
     pub(super) fn forget_copy(&mut self) {
         self.has_copy = false;
     }
 
-    /// Takes a picture that is shown `seconds` after the last one, and decides what to dim in it.
+    /// Measures a picture that is shown `seconds` after its predecessor, and decides where to dim it.
     pub(super) fn take(&mut self, picture: &Target, seconds: f64) {
         if let Some(pass) = &mut self.pass {
             pass.take(picture, seconds);
@@ -44,20 +44,20 @@ impl Flashes {
         }
     }
 
-    /// The limiter, if it has taken the picture that shows.
+    /// The limiter, if it has measured the finished picture.
     pub(super) fn limiting(&self) -> Option<&FlashPass> {
         self.pass.as_ref().filter(|_| self.is_limited)
     }
 
-    /// The copy with flashes limited, if there is one of what shows.
+    /// The copy with limited flashes, if it is up to date.
     pub(super) fn limited(&self) -> Option<&Target> {
         self.copy.as_ref().filter(|_| self.is_limited && self.has_copy)
     }
 
-    /// Makes the copy of `picture` in which flashes are limited, if there is none yet and they are limited.
+    /// Copies `picture` and limits the flashes of the copy, unless the copy is up to date or nothing is limited.
     ///
     /// # Errors
-    /// No room for it.
+    /// No memory for the copy.
     pub(super) fn make_copy(&mut self, gl: &Gl, picture: &Target) -> Result<(), GpuError> {
         if self.has_copy || !self.is_limited {
             return Ok(());

@@ -1,7 +1,7 @@
-//! A picture that is being made: its passes, each in as many parts as it takes, in one go or in several.
+//! The picture in progress: its passes, each drawn in parts, in one call or several.
 //!
-//! Between two goes anything may be drawn and shown, as long as the scene's tape, regions and sound stay as they are;
-//! meanwhile the previous picture is shown.
+//! Between two calls anything may be drawn and shown, if the scene's tape, regions and sound do not change. Until it is
+//! finished, the previous picture is shown.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -36,12 +36,12 @@ pub enum Progress {
     },
 }
 
-/// What is made of a scene.
+/// The product of a drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Product {
-    /// A picture.
+    /// A finished picture.
     Picture,
-    /// Only its light, to be mixed into another picture.
+    /// Light alone, for mixing into another picture.
     Light,
     /// A view: colours of the screen, one sample per pixel.
     View,
@@ -60,17 +60,17 @@ enum Pass {
     Post,
 }
 
-/// What every picture is made with.
+/// The passes that make a picture.
 pub(super) struct Tools<'a> {
-    /// What draws samples.
+    /// Draws samples.
     pub sampling: &'a Sampling,
-    /// What makes a picture of them.
+    /// Makes a picture of samples.
     pub post: &'a Post,
-    /// What is mixed in.
+    /// Light of an earlier picture.
     pub fade: Option<&'a Fade>,
 }
 
-/// A picture that was begun.
+/// A picture in progress.
 pub(super) struct Making {
     pub(super) picture: Picture,
     pub(super) product: Product,
@@ -100,29 +100,29 @@ impl Making {
         }
     }
 
-    /// Plans the first pass over `targets`. Returns whether it is one draw that need not be waited for.
+    /// Plans the first pass over `targets`. Returns true if it is a single draw.
     pub(super) fn plan(&mut self, targets: &Targets, cost: PixelCost) -> bool {
         let size = targets.first.size();
         self.parts = Parts::of(vec![Part::whole(size)], size, cost);
         self.parts.are_one(cost)
     }
 
-    /// How long the picture will take in all, in seconds, as far as is known.
+    /// Estimated duration of the whole picture, in seconds; `None` before anything is measured.
     pub(super) fn seconds(&self) -> Option<f64> {
         let is_first = self.pass == Pass::First && self.product != Product::View;
         let share = if is_first { 1.0 - FURTHER_SHARE } else { 1.0 };
         self.parts.seconds().map(|seconds| seconds / share)
     }
 
-    /// Draws of samples so far, and the pixels of the largest.
+    /// The number of draws so far, and the pixels of the largest.
     pub(super) fn draws(&self) -> (u32, u64) {
         self.draws
     }
 
-    /// Draws for about `patience`. Returns whether the picture is finished.
+    /// Draws for about `patience`. Returns true when the picture is finished.
     ///
     /// # Errors
-    /// No room for samples, or what the driver says about malformed shaders.
+    /// No memory for samples, or a malformed shader, with the driver's log.
     pub(super) fn go_on(
         &mut self,
         tools: &Tools<'_>,
@@ -143,7 +143,7 @@ impl Making {
         Ok(is_finished)
     }
 
-    /// Draws the next part of a pass of samples, and notes how long it took.
+    /// Draws the next part of a pass of samples and notes its duration.
     fn draw_measured(
         &mut self,
         sampling: &Sampling,
@@ -172,7 +172,7 @@ impl Making {
         }
     }
 
-    /// Moves on to the next pass. Returns whether the picture is finished.
+    /// Begins the next pass. Returns true when the picture is finished.
     fn finish_pass(
         &mut self,
         tools: &Tools<'_>,
@@ -266,8 +266,7 @@ impl Making {
     }
 }
 
-/// Draws the passes that follow on a picture's first samples, whatever is in `targets`: no further sample, and nothing that
-/// fades.
+/// Draws all passes after the first samples with whatever `targets` hold, to warm up the driver. Draws no further sample.
 ///
 /// # Errors
 /// As [`Making::go_on`].

@@ -1,4 +1,4 @@
-//! Draws pictures: what all scenes share, and what it is drawn on.
+//! Draws pictures of any scene on a canvas.
 
 use std::time::{Duration, Instant};
 
@@ -30,7 +30,7 @@ const REFERENCE_SIDE: u32 = 8;
 /// make programs of their own for powers of two, which are neither here nor among the levels' sides.
 const WARM_UP_SIZE: (u32, u32) = (90, 54);
 
-/// See the module.
+/// Draws pictures: the passes that all scenes share, and the canvas.
 pub(super) struct Painter {
     gl: Gl,
     pub(super) counting: Counting,
@@ -38,7 +38,7 @@ pub(super) struct Painter {
     pub(super) post: Post,
     pub(super) canvas: Canvas,
     pub(super) clock: PictureClock,
-    /// What fades away.
+    /// Light of an earlier picture.
     fade: Option<Fade>,
 }
 
@@ -46,7 +46,7 @@ impl Painter {
     /// Assembles the shaders.
     ///
     /// # Errors
-    /// Missing shader files, or no object left.
+    /// Missing shader files, or the driver has no object left.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary, counting: Counting) -> Result<Self, GpuError> {
         Ok(Self {
             gl: gl.clone(),
@@ -59,17 +59,17 @@ impl Painter {
         })
     }
 
-    /// What draws passes over pictures.
+    /// The passes over whole pictures.
     pub(super) fn passes(&self) -> &Passes {
         self.post.passes()
     }
 
-    /// The finished picture that is shown.
+    /// The finished picture.
     pub(super) fn finished(&self) -> Option<&Target> {
         self.canvas.finished()
     }
 
-    /// From now on pixels at edges get this many samples; the default is four.
+    /// Sets the number of further samples at edges; the default is four.
     pub(super) fn set_edge_samples(&mut self, samples: EdgeSamples) {
         if self.sampling.edge_samples != samples {
             tracing::debug!("{} further samples at edges", samples.count());
@@ -78,11 +78,10 @@ impl Painter {
         }
     }
 
-    /// Draws an empty picture with every pass that follows on a scene's samples, unless something was drawn before. Returns
-    /// the targets of it.
+    /// Draws an empty picture with every pass after a scene's samples, unless something was drawn before. Returns its targets.
     ///
     /// # Errors
-    /// What the driver says about malformed shaders.
+    /// A malformed shader, with the driver's log.
     pub(super) fn warm_up(&mut self, picture: &Picture) -> Result<Option<Targets>, GpuError> {
         if !self.canvas.is_empty() {
             return Ok(None);
@@ -102,10 +101,10 @@ impl Painter {
         self.canvas.need_targets(&self.gl, kind, self.sampling.edge_samples, self.counting)
     }
 
-    /// Begins to make something of a frame in place of any picture that was not finished.
+    /// Begins to draw a frame. An unfinished picture is dropped.
     ///
     /// # Errors
-    /// A size beyond the driver's.
+    /// A size over the driver's limit.
     pub(super) fn begin(
         &mut self,
         product: Product,
@@ -117,10 +116,10 @@ impl Painter {
         self.begin_block(product, frame.size, (&frame.block(scene.world(), &tree), &frame.picture))
     }
 
-    /// Begins a picture: targets of its size, and what every pass reads.
+    /// Begins to draw a frame from its blocks.
     ///
     /// # Errors
-    /// A size beyond the driver's.
+    /// A size over the driver's limit.
     pub(super) fn begin_block(
         &mut self,
         product: Product,
@@ -134,7 +133,7 @@ impl Painter {
         Ok(())
     }
 
-    /// Continues the picture that was begun for about `patience`, with what is bound for its scene.
+    /// Draws the picture in progress for about `patience`.
     ///
     /// # Errors
     /// An error that the driver reports.
@@ -145,7 +144,7 @@ impl Painter {
         patience: Duration,
     ) -> Result<Progress, GpuError> {
         let begun = Instant::now();
-        // Taken away, so that an error leaves no half of a picture.
+        // An error drops both, so that no unfinished picture is left.
         let (Some(mut making), Some(mut targets)) = (self.canvas.making.take(), self.canvas.targets.take())
         else {
             return Ok(Progress::Finished { spent: Duration::ZERO });
@@ -200,10 +199,10 @@ impl Painter {
         self.go_on(&scene.names(), (program, costs), Duration::MAX).map(|_| ())
     }
 
-    /// Sums a regular grid of samples for the picture that was drawn last, and finishes it anew. Slow.
+    /// Replaces the samples of the finished picture by a regular grid of them. Slow.
     ///
     /// # Errors
-    /// No room for the sum, or what the driver says about malformed shaders.
+    /// No memory for the sum, or a malformed shader, with the driver's log.
     pub(super) fn draw_reference(
         &self,
         picture: &Picture,
@@ -221,8 +220,7 @@ impl Painter {
         self.gl.check("drawing a reference")
     }
 
-    /// Does something with another canvas and nothing that fades, and goes back to this one without a picture that is being
-    /// drawn.
+    /// Calls `draw` with another canvas, no fade and no clock, and restores them. A picture in progress is lost.
     pub(super) fn elsewhere<R>(&mut self, canvas: &mut Canvas, draw: impl FnOnce(&mut Self) -> R) -> R {
         let (clock, fade) = (std::mem::take(&mut self.clock), self.fade.take());
         std::mem::swap(&mut self.canvas, canvas);
@@ -234,7 +232,7 @@ impl Painter {
         result
     }
 
-    /// Draws a frame twice on a canvas that nobody sees: alone, and with light that fades into it.
+    /// Draws a frame twice on a canvas of its own: alone, and with a fade.
     ///
     /// # Errors
     /// As [`Painter::draw`].
@@ -245,19 +243,19 @@ impl Painter {
         program: &Program,
     ) -> Result<(), GpuError> {
         self.elsewhere(&mut Canvas::default(), |painter| {
-            // The driver's work is no cost of the scene.
+            // The driver may still compile: do not take that for the cost of the scene.
             painter.draw(frame, scene, (program, &Costs::default()))?;
-            // As it is drawn while the scene before fades away.
+            // The program for fades.
             painter.keep_light()?;
             painter.set_fade(Some(0.5));
             painter.draw(frame, scene, (program, scene.costs()))
         })
     }
 
-    /// Draws a frame with few samples on another canvas, and hands the picture to `send`.
+    /// Draws a frame with two samples at edges on another canvas, and passes the picture to `send`.
     ///
     /// # Errors
-    /// As [`Painter::draw`], and what `send` says.
+    /// As [`Painter::draw`], and those of `send`.
     pub(super) fn sketch(
         &mut self,
         canvas: &mut Canvas,
@@ -275,21 +273,20 @@ impl Painter {
         sent
     }
 
-    /// Keeps the light of the picture that was finished last, to be mixed into the next ones. Returns whether there is any.
+    /// Keeps the light of the finished picture for fades. Returns false for a view, which has none.
     ///
     /// # Errors
-    /// No room for it.
+    /// No memory for it.
     pub(super) fn keep_light(&mut self) -> Result<bool, GpuError> {
         let old = self.fade.take().map(Fade::into_light);
         self.fade = self.exposed(old)?.map(Fade::of);
         Ok(self.fade.is_some())
     }
 
-    /// The light of the picture that was finished last, exposed and linear, in `room` if it has the same size; none for a
-    /// view.
+    /// The exposed linear light of the finished picture, in `room` if that has its size; `None` for a view.
     ///
     /// # Errors
-    /// No room for it.
+    /// No memory for it.
     pub(super) fn exposed(&self, room: Option<Target>) -> Result<Option<Target>, GpuError> {
         let Some((picture, targets)) = self.canvas.finished_light() else { return Ok(None) };
         let light = match room.filter(|room| room.size() == targets.first.size()) {

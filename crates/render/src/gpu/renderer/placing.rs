@@ -1,4 +1,4 @@
-//! Where a finished picture lies in a window, and how much of its light is left.
+//! Dims finished pictures and places them in windows.
 
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
@@ -11,14 +11,14 @@ use crate::placement::{Area, Map, within};
 /// The shaders of this module; tests compile them all.
 pub const PLACING_SHADERS: [&str; 2] = ["dim.frag", "place.frag"];
 
-/// See the module.
+/// The dimming and placing passes, and the dimmed picture.
 pub(super) struct Placing {
     dim: LazyProgram,
     place: LazyProgram,
     block: Block,
-    /// The share of the light that is left, 0..1.
+    /// Brightness, 0..1.
     gain: f32,
-    /// The finished picture with that share, if it has less than all.
+    /// The dimmed picture; `None` at full brightness.
     dimmed: Option<Target>,
 }
 
@@ -34,20 +34,20 @@ impl Placing {
         Ok(Self { dim: dim()?, place: place()?, block, gain: 1.0, dimmed: None })
     }
 
-    /// The share of the light that is left, 0..1.
+    /// Brightness, 0..1.
     pub(super) fn gain(&self) -> f32 {
         self.gain
     }
 
-    /// The finished picture with less light, if it has less.
+    /// The dimmed picture; `None` at full brightness.
     pub(super) fn dimmed(&self) -> Option<&Target> {
         self.dimmed.as_ref()
     }
 
-    /// Leaves a finished picture this share of its light.
+    /// Dims a finished picture to a brightness of 0..1.
     ///
     /// # Errors
-    /// No room for a copy of the picture.
+    /// No memory for the dimmed picture.
     pub(super) fn dim(
         &mut self,
         passes: &Passes,
@@ -68,10 +68,11 @@ impl Placing {
         Ok(())
     }
 
-    /// Draws a part of a picture into an area of the window's framebuffer of `window` pixels, where `map` says.
+    /// Draws a part of a picture into an area of the window's framebuffer of `window` pixels. `map` leads from places in the
+    /// window to places in the picture.
     ///
     /// # Errors
-    /// What the driver says about a malformed shader.
+    /// A malformed shader, with the driver's log.
     pub(super) fn place(
         &self,
         passes: &Passes,
@@ -88,10 +89,10 @@ impl Placing {
         passes.draw_in_window(&self.place, window, Some([from, low, to - from, high - low]))
     }
 
-    /// Draws a part of a picture all over a target, where `map` says, the top row first.
+    /// Draws a part of a picture into a target, the top row first.
     ///
     /// # Errors
-    /// What the driver says about a malformed shader.
+    /// A malformed shader, with the driver's log.
     pub(super) fn place_in(
         &self,
         passes: &Passes,

@@ -1,7 +1,6 @@
-//! What happens to a finished picture on its way to screens: a share of its light is taken away, its flashes are limited,
-//! and it is put where it lies in a window.
+//! Presents finished pictures: dims them, limits their flashes and places them in windows.
 //!
-//! A picture that keeps all of its light and fills its window is copied as it is, byte for byte.
+//! An undimmed picture that fills its window is copied byte for byte.
 
 use super::flashes::Flashes;
 use super::placing::Placing;
@@ -17,17 +16,17 @@ use crate::placement::{Area, Map};
 /// Enlarges a picture for a window.
 pub const UPSCALE_SHADER: &str = "upscale.frag";
 
-/// See the module. It is told at each call which picture is finished.
+/// Presents finished pictures; each call names the picture.
 #[derive(Default)]
 pub(super) struct Presenter {
-    /// Enlarges pictures for a window; none without one.
+    /// Enlarges pictures for a window; `None` without a window.
     upscale: Option<LazyProgram>,
     pub(super) placing: Option<Placing>,
     pub(super) flashes: Flashes,
 }
 
 impl Presenter {
-    /// Prepares what only a window needs.
+    /// Loads the shader that enlarges pictures for a window.
     ///
     /// # Errors
     /// Missing shader files, or no object left.
@@ -36,15 +35,15 @@ impl Presenter {
         Ok(())
     }
 
-    /// Whether pictures are for a window.
+    /// True after [`Presenter::prepare_for_window`].
     pub(super) fn is_for_window(&self) -> bool {
         self.upscale.is_some()
     }
 
-    /// Takes away light, as [`Placing::dim`] does.
+    /// Dims the picture ([`Placing::dim`]).
     ///
     /// # Errors
-    /// No room for a copy of the picture.
+    /// No memory for a copy of the picture.
     pub(super) fn dim(
         &mut self,
         passes: &Passes,
@@ -58,10 +57,10 @@ impl Presenter {
         placing.dim(passes, finished, gain)
     }
 
-    /// Limits the flashes of a picture that is shown `seconds` after the one before.
+    /// Limits the flashes of a picture that is shown `seconds` after its predecessor.
     ///
     /// # Errors
-    /// No room for a copy of the picture, which all but windows need.
+    /// No memory for a copy of the picture. Windows need no copy.
     pub(super) fn limit_flashes(
         &mut self,
         gl: &Gl,
@@ -77,7 +76,7 @@ impl Presenter {
     /// Copies the picture to the window's framebuffer of `window` pixels, enlarged if that has more.
     ///
     /// # Errors
-    /// What the driver says about a malformed shader.
+    /// A malformed shader, with the driver's log.
     pub(super) fn show(
         &self,
         passes: &Passes,
@@ -96,7 +95,7 @@ impl Presenter {
         Ok(())
     }
 
-    /// Draws a picture, enlarged, over the window's framebuffer of `window` pixels, or only in an area of it.
+    /// Enlarges a picture to the window's framebuffer of `window` pixels, or to an area of it.
     fn enlarge(
         &self,
         passes: &Passes,
@@ -110,10 +109,10 @@ impl Presenter {
         passes.draw_in_window(upscale, window, area)
     }
 
-    /// Shows a picture in an area of a window, where `map` says.
+    /// Shows a picture in an area of a window; `map` places it.
     ///
     /// # Errors
-    /// What the driver says about a malformed shader, or no room for a copy without flashes.
+    /// A malformed shader, with the driver's log, or no memory for a copy with limited flashes.
     pub(super) fn show_in_part(
         &mut self,
         passes: &Passes,
@@ -125,7 +124,7 @@ impl Presenter {
         placing.place(passes, picture, window, map)
     }
 
-    /// Sends a picture on its way to whoever reads it. False if it was left out.
+    /// Sends a picture to `reader`. Returns `false` if the reader is still busy with earlier pictures.
     ///
     /// # Errors
     /// As [`Presenter::show_in_part`].
@@ -141,7 +140,7 @@ impl Presenter {
         Ok(reader.begin())
     }
 
-    /// The picture as screens show it, once its flashes are limited in a copy, and what places it.
+    /// The picture with limited flashes, and the pass that places it.
     fn placed<'a>(
         &'a mut self,
         passes: &Passes,
@@ -153,16 +152,16 @@ impl Presenter {
         Ok(placing.as_ref().map(|placing| (placing, flashes.limited().unwrap_or(picture))))
     }
 
-    /// The picture, its flashes limited, four bytes per pixel, the top row first. Empty if there is none.
+    /// The picture with limited flashes: four bytes per pixel, the top row first. Empty without a picture.
     pub(super) fn read(&self, finished: Option<&Target>) -> Vec<u8> {
         let shown = self.flashes.limited().or(bright(self.placing.as_ref(), finished));
         shown.map_or_else(Vec::new, |picture| picture.read_rgba8(0))
     }
 
-    /// Draws with every program that a window's first picture takes, for as long as that `is_wanted`.
+    /// Draws with every program that a window's first picture needs, while `is_wanted` returns true.
     ///
     /// # Errors
-    /// What the driver says about malformed shaders.
+    /// A malformed shader, with the driver's log.
     pub(super) fn warm_up(
         &mut self,
         passes: &Passes,
@@ -175,7 +174,7 @@ impl Presenter {
     }
 }
 
-/// The picture with the share of its light that is left, whatever flashes in it.
+/// The dimmed picture, or the finished one if it is not dimmed; flashes are not limited.
 fn bright<'a>(placing: Option<&'a Placing>, finished: Option<&'a Target>) -> Option<&'a Target> {
     placing.and_then(Placing::dimmed).or(finished)
 }

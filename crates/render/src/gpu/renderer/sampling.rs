@@ -1,4 +1,4 @@
-//! Samples of a scene: one in the middle of each pixel, and further ones where edges are.
+//! Draws samples of a scene: one at the centre of each pixel, further ones at edges.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -24,20 +24,20 @@ const PASS_BLOCK_NUMBERS: usize = 8 + 2 * 16;
 /// The radius of the beam that holds all rays of a pixel, in half widths of it: half the diagonal, and a little more.
 const BEAM: f32 = 1.4143;
 
-/// A sample of each pixel, as `frame_block.glsl` tells them apart.
+/// Which sample of each pixel to draw (`frame_block.glsl`).
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Sample {
-    /// The one in the middle, and how far its beam is free.
+    /// The centre, and the free length of its beam.
     First,
-    /// The only one.
+    /// The centre alone, for views.
     Only,
-    /// A further one: its place in the pixel, and its number.
+    /// A further sample: its offset from the centre in pixels, and its number.
     Further([f32; 2], usize),
-    /// All further ones, side by side.
+    /// All further samples, side by side.
     Listed,
 }
 
-/// The programs and blocks that draw samples, of any scene.
+/// Draws samples with any scene's program.
 pub(super) struct Sampling {
     gl: Gl,
     edges: LazyProgram,
@@ -46,7 +46,7 @@ pub(super) struct Sampling {
     frame_block: Block,
     pass_block: Block,
     view_block: Block,
-    /// How many samples pixels at edges get.
+    /// Further samples per pixel at edges.
     pub(super) edge_samples: EdgeSamples,
 }
 
@@ -54,7 +54,7 @@ impl Sampling {
     /// Assembles the shaders.
     ///
     /// # Errors
-    /// Missing shader files, or no object left.
+    /// Missing shader files, or the driver has no object left.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         Ok(Self {
             gl: gl.clone(),
@@ -72,12 +72,12 @@ impl Sampling {
         &self.gl
     }
 
-    /// Gives all samples a frame.
+    /// Sets the frame for all samples.
     pub(super) fn set_frame(&self, block: &FrameBlock) {
         self.frame_block.set(block.as_flattened());
     }
 
-    /// Gives all samples of a view its numbers.
+    /// Sets the numbers of a view for all samples.
     pub(super) fn set_view(&self, view: &ViewBlock) {
         self.view_block.set(view.as_flattened());
     }
@@ -86,7 +86,7 @@ impl Sampling {
     /// picture, changes only the first slot, where scenes have a texture that brings its own sampler.
     ///
     /// # Errors
-    /// What the driver says about a malformed shader.
+    /// A malformed shader, with the driver's log.
     pub(super) fn settle_samplers(&self, target: &Target) -> Result<(), GpuError> {
         self.samplers.as_ref().map_or(Ok(()), |samplers| samplers.settle(&self.gl, target))
     }
@@ -94,7 +94,7 @@ impl Sampling {
     /// Sets the stencil at edges; `sum` shares it with `first`. Clears the sum.
     ///
     /// # Errors
-    /// What the driver says about a malformed shader.
+    /// A malformed shader, with the driver's log.
     pub(super) fn mark_in_stencil(&self, first: &Target, sum: &Target) -> Result<(), GpuError> {
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
@@ -118,7 +118,7 @@ impl Sampling {
     /// Draws the marks of edges.
     ///
     /// # Errors
-    /// What the driver says about a malformed shader.
+    /// A malformed shader, with the driver's log.
     pub(super) fn mark_in_list(&self, first: &Target, marks: &Target) -> Result<(), GpuError> {
         marks.bind();
         // SAFETY: plain draws on objects of ours, in the current context.
@@ -154,7 +154,7 @@ impl Sampling {
         }
     }
 
-    /// Draws a sample everywhere in the target that is bound.
+    /// Draws a sample of every pixel into the bound target.
     pub(super) fn draw(&self, sample: Sample) {
         let (place, number, kind, beam) = match sample {
             Sample::First => ([0.0; 2], 0, 0.0, BEAM),
@@ -177,7 +177,7 @@ impl Sampling {
         self.draw(Sample::Further(place, number));
     }
 
-    /// Draws the sum of a regular grid of `side` times `side` samples into the target that is bound. Slow.
+    /// Draws the sum of a regular grid of `side` x `side` samples into the bound target. Slow.
     pub(super) fn draw_grid(&self, program: &Program, side: u32) {
         // SAFETY: plain state.
         unsafe { self.gl.clear(glow::COLOR_BUFFER_BIT) }

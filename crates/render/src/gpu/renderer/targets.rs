@@ -1,4 +1,4 @@
-//! The targets of a picture: what depends on its size.
+//! The render targets of a picture.
 
 use std::rc::Rc;
 
@@ -10,20 +10,20 @@ use crate::gpu::gl::Gl;
 use crate::gpu::post::PostTargets;
 use crate::gpu::target::{Stencil, Target, Texel};
 
-/// See the module.
+/// Render targets of one size.
 pub(super) struct Targets {
     has_lens: bool,
-    /// The samples in the middle of the pixels.
+    /// One sample at the centre of each pixel.
     pub(super) first: Target,
     pub(super) edges: Edges,
     pub(super) post: PostTargets,
 }
 
-/// How pixels at edges get more samples.
+/// Further samples of pixels at edges.
 pub(super) enum Edges {
-    /// With the stencil, all over the picture, summed in a target: on a GPU.
+    /// On a GPU: the sum of the samples, drawn through a stencil.
     Stencil(Target),
-    /// Side by side: on a software renderer.
+    /// On a software renderer: a list of pixels, their samples side by side.
     List(EdgeList),
 }
 
@@ -37,7 +37,7 @@ impl Edges {
 }
 
 impl Targets {
-    /// For pictures of `size` pixels, seen through a lens or not.
+    /// For pictures of `size` pixels, with or without a lens.
     ///
     /// # Errors
     /// As [`Target::new`].
@@ -48,7 +48,7 @@ impl Targets {
         samples: EdgeSamples,
         counting: Counting,
     ) -> Result<Self, GpuError> {
-        // Counts are written in place of what a lens needs: such pictures are not looked at.
+        // Counts use the outputs of the lens: counting pictures are never shown.
         let texels: &[Texel] = match (counting, has_lens) {
             (Counting::On, _) => &[Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F],
             (Counting::Off, true) => &[Texel::Rgba16F, Texel::R16F],
@@ -56,7 +56,7 @@ impl Targets {
         };
         let mut texels = texels.to_vec();
         if gl.info().software {
-            // How far the beams of first samples are free (shaders/sphere_tracing.glsl).
+            // The free length of the first samples' beams (shaders/sphere_tracing.glsl).
             texels.push(Texel::R32F);
         }
         Target::check_size(gl, size)?;
@@ -74,12 +74,12 @@ impl Targets {
         })
     }
 
-    /// Whether they are for pictures of this size, seen through a lens or not.
+    /// True if they are of this size, with or without a lens.
     pub(super) fn fit(&self, size: (u32, u32), has_lens: bool) -> bool {
         self.first.size() == size && self.has_lens == has_lens
     }
 
-    /// What a counting program noted.
+    /// The counts of a counting program.
     pub(super) fn evaluations(&self, samples: EdgeSamples) -> Evaluations {
         let mut sum = Evaluations::default();
         for target in [&self.first, self.edges.samples()] {
@@ -105,7 +105,7 @@ impl Targets {
         sum
     }
 
-    /// Pixels that got the samples of an edge.
+    /// The number of pixels with further samples.
     pub(super) fn edge_pixels(&self, samples: EdgeSamples) -> f64 {
         let drawn = self.edges.samples().read_rgba32f(0);
         let texels = drawn.as_chunks::<4>().0.iter().filter(|texel| texel[3] > 0.0).count() as f64;

@@ -1,0 +1,233 @@
+//! What there is to report about the tracks: sentences that appear over the picture, one after the other.
+
+use std::collections::VecDeque;
+use std::time::Instant;
+
+use crate::export::print::tell;
+use crate::ui::overlay::{Notice, NowPlaying};
+use mariana_player::track::{Repeat, TrackInfo};
+use mariana_player::{PlayerStatus, Troubles, Unheard};
+
+/// Most sentences that wait; if there are more, the oldest are dropped.
+const WAITING_MAX: usize = 3;
+
+/// See the module.
+#[derive(Default)]
+pub(crate) struct Announcer {
+    waiting: VecDeque<String>,
+    shown: Option<Sentence>,
+    troubles: u64,
+    unheard: u64,
+    /// The id and the name of the track that was looked at last.
+    track: Option<(u64, String)>,
+}
+
+/// What shows.
+struct Sentence {
+    text: String,
+    /// Drawn below the text, 0..1.
+    share: Option<f32>,
+    since: Instant,
+    /// Whether it tells where in the track we are, and goes on doing so.
+    is_position: bool,
+}
+
+impl Sentence {
+    fn new(text: String, share: Option<f32>, since: Instant) -> Self {
+        Self { text, share, since, is_position: false }
+    }
+}
+
+impl Announcer {
+    /// Shows `text` as soon as the present sentence is gone.
+    pub(crate) fn say(&mut self, text: String) {
+        if self.waiting.len() == WAITING_MAX {
+            self.waiting.pop_front();
+        }
+        self.waiting.push_back(text);
+    }
+
+    /// Shows `text` at once, in place of what shows.
+    pub(crate) fn answer(&mut self, text: String) {
+        self.answer_share(text, None);
+    }
+
+    /// The same, with a share below the text, 0..1.
+    pub(crate) fn answer_share(&mut self, text: String, share: Option<f32>) {
+        self.shown = Some(Sentence::new(text, share, Instant::now()));
+    }
+
+    /// Shows at once where in the track we are, and follows it for as long as it shows.
+    pub(crate) fn answer_position(&mut self, playing: &NowPlaying) {
+        let since = Instant::now();
+        self.shown = Some(Sentence { is_position: true, ..position(playing, since) });
+    }
+
+    /// Brings up to date what shows.
+    pub(crate) fn follow(&mut self, playing: &NowPlaying) {
+        if let Some(shown) = self.shown.as_mut().filter(|shown| shown.is_position) {
+            *shown = Sentence { is_position: true, ..position(playing, shown.since) };
+        }
+    }
+
+    /// Reports what is new: problems and what was not heard (on the terminal too), and a change of track.
+    pub(crate) fn look(&mut self, status: &PlayerStatus) {
+        self.look_at_troubles(&status.troubles);
+        self.look_at_unheard(status.unheard);
+        let track = (status.track.id, status.track.name.clone());
+        if self.track.as_ref() != Some(&track) {
+            // The first words tell which track plays at the start.
+            if self.track.is_some() {
+                self.answer(described(&status.track));
+            }
+            self.track = Some(track);
+        }
+    }
+
+    fn look_at_troubles(&mut self, troubles: &Troubles) {
+        let new = troubles.count - self.troubles.min(troubles.count);
+        let Some(last) = troubles.last.as_ref().filter(|_| new > 0) else { return };
+        self.troubles = troubles.count;
+        let text = match new {
+            1 => last.clone(),
+            _ => format!("{new} problems with tracks, the last one: {last}"),
+        };
+        tell(&text);
+        self.say(text);
+    }
+
+    fn look_at_unheard(&mut self, unheard: Unheard) {
+        if unheard.count != self.unheard {
+            self.unheard = unheard.count;
+            let text = unheard.to_string();
+            tell(&text);
+            self.say(text);
+        }
+    }
+
+    /// Makes room for the sentences that wait.
+    pub(crate) fn update(&mut self, now: Instant) {
+        if self.notice().is_none_or(|notice| notice.is_gone(now)) {
+            self.shown = self.waiting.pop_front().map(|text| Sentence::new(text, None, now));
+        }
+    }
+
+    /// What shows.
+    pub(crate) fn notice(&self) -> Option<Notice<'_>> {
+        let shown = self.shown.as_ref()?;
+        Some(Notice { text: &shown.text, share: shown.share, since: shown.since })
+    }
+}
+
+/// Where in the track we are, in words; of an input, whether it is listened to.
+fn position(playing: &NowPlaying, since: Instant) -> Sentence {
+    let words = match (playing.live, playing.paused) {
+        (false, false) => playing.times(),
+        (false, true) => format!("paused · {}", playing.times()),
+        (true, false) => "listening".to_owned(),
+        (true, true) => "paused".to_owned(),
+    };
+    Sentence::new(words, playing.share().filter(|_| !playing.live), since)
+}
+
+/// A track in words: its name, and its place among several.
+fn described(track: &TrackInfo) -> String {
+    match track.count {
+        0 | 1 => track.name.clone(),
+        count => format!("{} · {} of {count}", track.name, track.entry + 1),
+    }
+}
+
+/// The next repeat mode.
+pub(crate) fn next_repeat(repeat: Repeat) -> Repeat {
+    match repeat {
+        Repeat::All => Repeat::One,
+        Repeat::One => Repeat::Off,
+        Repeat::Off => Repeat::All,
+    }
+}
+
+/// In which order tracks play.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct TrackOrder {
+    /// What follows the last track, and each one.
+    pub repeat: Repeat,
+    /// Whether the order is random.
+    pub shuffled: bool,
+}
+
+/// A change of order in words: the repeat mode or the random order, whichever is new.
+pub(crate) fn words_of(before: TrackOrder, after: TrackOrder) -> &'static str {
+    match (before.shuffled, after.shuffled) {
+        (false, true) => "tracks in random order",
+        (true, false) => "tracks in list order",
+        _ => match after.repeat {
+            Repeat::All => "repeat all tracks",
+            Repeat::One => "repeat this track",
+            Repeat::Off => "end after the last track",
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    fn text(announcer: &Announcer) -> Option<&str> {
+        announcer.shown.as_ref().map(|shown| shown.text.as_str())
+    }
+
+    #[test]
+    fn what_was_not_heard_is_told_once() {
+        let mut announcer = Announcer::default();
+        let unheard = |count, seconds| Unheard { count, seconds, ..Unheard::default() };
+        announcer.look_at_unheard(unheard(0, 0.0));
+        assert_eq!(announcer.waiting, [""; 0]);
+        announcer.look_at_unheard(unheard(1, 0.42));
+        announcer.look_at_unheard(unheard(1, 0.42));
+        assert_eq!(announcer.waiting, ["0.42 s of the song were not heard: the sound device changed"]);
+    }
+
+    #[test]
+    fn a_position_that_was_asked_for_goes_on_and_a_newer_answer_replaces_it() {
+        let mut announcer = Announcer::default();
+        let mut playing = NowPlaying { position: 83.0, duration: Some(225.0), ..Default::default() };
+        announcer.answer_position(&playing);
+        playing.position = 90.0;
+        announcer.follow(&playing);
+        assert_eq!(text(&announcer), Some("1:30 / 3:45"));
+        playing.paused = true;
+        announcer.follow(&playing);
+        assert_eq!(text(&announcer), Some("paused · 1:30 / 3:45"));
+        announcer.answer_share("volume 65 %".into(), Some(0.65));
+        announcer.follow(&playing);
+        assert_eq!(announcer.notice().map(|notice| notice.share), Some(Some(0.65)));
+        playing.live = true;
+        announcer.answer_position(&playing);
+        assert_eq!(announcer.notice().map(|notice| (notice.text, notice.share)), Some(("paused", None)));
+    }
+
+    #[test]
+    fn sentences_wait_for_each_other_and_floods_are_counted() {
+        let mut announcer = Announcer::default();
+        let troubles = |count| Troubles { count, last: Some("x is gone".into()) };
+        announcer.look_at_troubles(&troubles(1));
+        announcer.look_at_troubles(&troubles(1));
+        announcer.look_at_troubles(&troubles(400));
+        let mut now = Instant::now();
+        announcer.update(now);
+        assert_eq!(text(&announcer), Some("x is gone"));
+        announcer.update(now + Duration::from_millis(100));
+        assert_eq!(text(&announcer), Some("x is gone"));
+        now += Duration::from_secs(10);
+        announcer.update(now);
+        assert_eq!(text(&announcer), Some("399 problems with tracks, the last one: x is gone"));
+        (0..9).for_each(|n| announcer.say(n.to_string()));
+        now += Duration::from_secs(10);
+        announcer.update(now);
+        assert_eq!(text(&announcer), Some("6"));
+        announcer.answer("now".into());
+        assert_eq!(text(&announcer), Some("now"));
+    }
+}

@@ -1,0 +1,36 @@
+//! The tables of docs/osc.md: addresses as the program understands them.
+
+use crate::commands;
+use crate::session::controllers::network::sent_addresses;
+use mariana_control::deed::Takes;
+use mariana_control::osc::fixed_addresses;
+
+/// The addresses of parameters, scenes and questions as rows of Markdown.
+pub fn address_table() -> String {
+    let mut text = String::from("| address | arguments | what it does |\n|---|---|---|\n");
+    for (address, arguments, meaning) in fixed_addresses() {
+        text.push_str(&format!("| `{address}` | {arguments} | {meaning} |\n"));
+    }
+    text
+}
+
+/// The actions as rows of Markdown.
+pub fn action_table() -> String {
+    let mut text = String::from("| address | arguments | what it does |\n|---|---|---|\n");
+    for row in commands::for_controllers() {
+        let arguments = match row.takes {
+            Takes::Press => "",
+            Takes::Switch => "1 on, 0 off; without one it changes over",
+            Takes::Level => "0..1",
+            Takes::Number => "a number",
+            Takes::Choice => "a name, or a number from 1",
+        };
+        text.push_str(&format!("| `/{}` | {arguments} | {} |\n", row.name, row.meaning));
+    }
+    text
+}
+
+/// The addresses of what is sent, in one line.
+pub fn sent_line() -> String {
+    sent_addresses().map(|address| format!("`{address}`")).collect::<Vec<_>>().join(", ")
+}

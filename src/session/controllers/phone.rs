@@ -1,0 +1,121 @@
+//! The page for phones, as the command line wants it.
+
+use crate::commands;
+use crate::config::HandSettings;
+use crate::session::waker::Waker;
+use crate::thumbnails::{About, Looked};
+use crate::ui::controllers_panel::PhoneFacts;
+use mariana_control::{Board, Wishes};
+use mariana_remote::{Album, Remote, RemoteState};
+
+/// See the module.
+pub(super) struct Phones {
+    remote: Option<Remote>,
+    /// Pictures of scenes that they can look at.
+    album: Album,
+    /// What was told of it.
+    told: RemoteState,
+    /// What went wrong at the start, until it is told.
+    trouble: Option<String>,
+}
+
+impl Phones {
+    /// Starts what the settings ask for.
+    pub(super) fn start(settings: &HandSettings, wishes: &Wishes, board: &Board, waker: &Waker) -> Self {
+        let mut trouble = None;
+        let album = Album::default();
+        let remote = settings.remote.clone().and_then(|place| {
+            let waker = waker.clone();
+            let table = commands::for_phones();
+            let shown = (board.clone(), album.clone());
+            let started = Remote::start(place, table, wishes.clone(), shown, move || waker.wake());
+            let words = |error| trouble = Some(format!("phones are not listened to: {error}"));
+            started.map_err(words).ok()
+        });
+        Self { remote, album, told: RemoteState::default(), trouble }
+    }
+
+    /// The titles of scenes of which they want pictures that nobody looks for yet.
+    pub(super) fn wanted_pictures(&self) -> Vec<String> {
+        self.album.take_wanted()
+    }
+
+    /// Takes in what was found out about a scene, if they can come.
+    pub(super) fn note_picture(&self, looked: &Looked) {
+        if self.remote.is_none() {
+            return;
+        }
+        let title = looked.source.title();
+        let is_there = match &looked.about {
+            About::Picture(_, jpeg) => self.album.put(&title, jpeg.clone()),
+            About::NoPicture(_) => false,
+            About::Comment(_) => return,
+        };
+        if !is_there {
+            self.album.miss(&title);
+        }
+    }
+
+    /// Whether anybody wants to know how the show stands.
+    pub(super) fn are_there(&self) -> bool {
+        self.remote.as_ref().is_some_and(|remote| remote.phones() > 0)
+    }
+
+    /// Whether anybody may come who wants to know.
+    pub(super) fn is_asked(&self) -> bool {
+        self.remote.is_some()
+    }
+
+    /// What is new: a sentence, and whether it is bad news.
+    pub(super) fn news(&mut self) -> Option<(String, bool)> {
+        if let Some(trouble) = self.trouble.take() {
+            return Some((trouble, true));
+        }
+        self.told = self.remote.as_ref().map(Remote::state).filter(|now| *now != self.told)?;
+        match &self.told {
+            RemoteState::Opening => None,
+            RemoteState::Open(invitation) => {
+                let url = &invitation.url;
+                let only = if invitation.is_local { "; only this computer can" } else { "" };
+                Some((format!("a phone can open {url} or the code behind J{only}"), false))
+            }
+            RemoteState::Refused(why) => Some((why.clone(), true)),
+        }
+    }
+
+    /// How it stands; none if it is not wanted.
+    pub(super) fn facts(&self) -> Option<PhoneFacts> {
+        let remote = self.remote.as_ref()?;
+        Some(PhoneFacts { state: remote.state(), phones: remote.phones() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mariana_control::deed::Takes;
+
+    /// The values of an attribute in the page, with the rest of their elements.
+    fn elements(attribute: &str) -> Vec<(&'static str, &'static str)> {
+        let parts = mariana_remote::page_text().split(attribute).skip(1);
+        parts.filter_map(|part| part.split_once('"')).collect()
+    }
+
+    #[test]
+    fn the_buttons_and_sliders_of_the_page_are_actions_of_the_table() {
+        let row = |name: &str| commands::for_phones().iter().find(|row| row.name == name);
+        let buttons = elements("data-do=\"");
+        assert!(buttons.len() > 8, "{buttons:?}");
+        for (name, rest) in buttons {
+            let is_switch = rest.split('>').next().is_some_and(|rest| rest.contains("switch"));
+            let takes = if is_switch { Takes::Switch } else { Takes::Press };
+            assert_eq!(row(name).map(|row| row.takes), Some(takes), "{name}");
+        }
+        let levels = elements("data-level=\"");
+        assert_eq!(levels.len(), 3);
+        for (name, _) in levels {
+            assert_eq!(row(name).map(|row| row.takes), Some(Takes::Level), "{name}");
+        }
+        assert!(row("scene").is_some());
+    }
+}

@@ -1,0 +1,122 @@
+//! The entries of a show file that wait for a key, and when it was pressed.
+
+use std::sync::Arc;
+
+use crate::scenes::SceneSource;
+use crate::session::direction::OfTrack;
+use crate::show::Programme;
+use mariana_music::SongStructure;
+
+/// See the module.
+#[derive(Default)]
+pub(super) struct Cues {
+    /// The track that they were pressed in.
+    track: OfTrack,
+    /// The show before any was pressed, and the song it is for.
+    show: Option<(Arc<Programme>, Arc<SongStructure>)>,
+    /// When the key was pressed, in seconds of the song, rising.
+    pressed: Vec<f64>,
+}
+
+/// What a press of the key does.
+#[derive(Debug)]
+pub(super) enum Pressed {
+    /// No entry of the show waits for it.
+    NoCues,
+    /// All of them have come.
+    NoneLeft,
+    /// Another scene comes.
+    Cue {
+        /// The show with it.
+        programme: Arc<Programme>,
+        /// Which cue it is, from 1.
+        number: usize,
+        /// How many there are.
+        of: usize,
+        /// The scene, as the show calls it.
+        scene: String,
+    },
+}
+
+impl Cues {
+    /// Takes a show for a track, or the same one after its file has changed: what was pressed stays.
+    pub(super) fn take(
+        &mut self,
+        track: OfTrack,
+        show: Option<Arc<Programme>>,
+        song: Option<Arc<SongStructure>>,
+    ) {
+        if self.track != track || show.is_none() {
+            self.pressed.clear();
+        }
+        self.track = track;
+        self.show = show.map(|show| (show, song.unwrap_or_default()));
+    }
+
+    /// The show with what was pressed; none if nothing was.
+    pub(super) fn programme(&self) -> Option<Arc<Programme>> {
+        let (show, song) = self.show.as_ref().filter(|_| !self.pressed.is_empty())?;
+        Some(Arc::new(show.with_cues(song, &self.pressed)))
+    }
+
+    /// The key is pressed at `time` seconds of the song. Who went back in the song presses anew what came later.
+    pub(super) fn press(&mut self, time: f64) -> Pressed {
+        let Some((show, song)) = &self.show else { return Pressed::NoCues };
+        let cues = show.cues();
+        if cues.is_empty() {
+            return Pressed::NoCues;
+        }
+        self.pressed.retain(|pressed| *pressed <= time);
+        let Some(scene) = cues.get(self.pressed.len()) else { return Pressed::NoneLeft };
+        self.pressed.push(time);
+        Pressed::Cue {
+            programme: Arc::new(show.with_cues(song, &self.pressed)),
+            number: self.pressed.len(),
+            of: cues.len(),
+            scene: (*scene).to_owned(),
+        }
+    }
+
+    /// What the next press brings.
+    pub(super) fn next(&self) -> Option<SceneSource> {
+        let (show, _) = self.show.as_ref()?;
+        show.source(show.cues().get(self.pressed.len())?).cloned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::show::ShowSource;
+
+    #[test]
+    fn a_press_brings_the_next_cue_and_after_a_seek_back_the_same_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("my.show");
+        std::fs::write(&path, "at start orb\nat cue city cut\nat 30 s gyroid\nat cue letters cut\n").unwrap();
+        let song = SongStructure::default();
+        let (show, _) = Programme::of_song(&ShowSource::File(path), &song, &[]).unwrap();
+        let mut cues = Cues::default();
+        assert!(matches!(cues.press(1.0), Pressed::NoCues));
+        cues.take(Some(7), Some(Arc::new(show.clone())), None);
+        assert_eq!(cues.next(), Some(SceneSource::Shipped("city".to_owned())));
+        let on = |pressed: Pressed, time: f64| match pressed {
+            Pressed::Cue { programme, number, of: 2, .. } => {
+                (number, programme.at(time).unwrap().stay.scene.clone())
+            }
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(on(cues.press(10.0), 10.0), (1, "city".to_owned()));
+        assert_eq!(on(cues.press(40.0), 40.0), (2, "letters".to_owned()));
+        assert!(matches!(cues.press(50.0), Pressed::NoneLeft));
+        // The show's own entries stay where they are.
+        assert_eq!(cues.programme().unwrap().at(35.0).unwrap().stay.scene, "gyroid");
+        assert_eq!(on(cues.press(20.0), 25.0), (2, "letters".to_owned()));
+        assert_eq!(on(cues.press(5.0), 8.0), (1, "city".to_owned()));
+        // A save of the file keeps what was pressed, another track does not.
+        cues.take(Some(7), Some(Arc::new(show.clone())), None);
+        assert!(cues.programme().is_some());
+        cues.take(Some(8), Some(Arc::new(show)), None);
+        assert!(cues.programme().is_none());
+    }
+}

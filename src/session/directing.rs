@@ -1,0 +1,104 @@
+//! Lets the scenes follow the song, as the director or a show file says.
+
+use super::Session;
+use super::cues::Pressed;
+use crate::commands::SetSetting;
+use crate::config::{FollowChoice, Setting};
+use crate::session::direction::{News, Playing};
+use crate::show::{Hearing, LiveDirector};
+use mariana_player::Moment;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// The answer to key A when it starts a show.
+const FOLLOWS: &str = "the scenes follow the song: K keeps one, A ends it";
+
+impl Session {
+    /// Brings the scene on that the show has at a moment.
+    pub(super) fn direct(&mut self, moment: Option<Moment>) {
+        let Some(moment) = moment else { return };
+        self.hands.note_sound(&moment.features, &moment.song, Instant::now());
+        let (track, playing) = (self.listening.track_of(moment), self.listening.playing());
+        // Of an input nothing is known before it is heard.
+        let song = track.map_or_else(|| Some(Arc::default()), |track| self.listening.structure(track));
+        let scene = &self.scene;
+        match self.direction.update(track, playing, song.clone(), || scene.library().all_sources()) {
+            Some(News::Programme(programme)) => {
+                if programme.is_some() {
+                    tracing::info!("the scenes follow the song");
+                }
+                self.live = None;
+                self.cues.take(track, programme.clone(), song);
+                match programme {
+                    Some(programme) if track.is_none() && programme.is_directed() => {
+                        self.live = Some(LiveDirector::new((*programme).clone()));
+                    }
+                    other => {
+                        let cued = self.cues.programme().or(other);
+                        self.scene.show_mut().set_programme(cued, self.cues.next());
+                    }
+                }
+            }
+            Some(News::Problem { heading, text }) => self.scene.messages_mut().set_problem(heading, text),
+            None => {}
+        }
+        if let Some(live) = &mut self.live {
+            let (features, time) = (&moment.features, moment.song_time);
+            let (tempo, phase) = (features.tempo, features.phase);
+            let heard = Hearing { time, energy: moment.song.energy, tempo, phase };
+            if let Some(programme) = live.hear(heard).map(Arc::new) {
+                match self.scene.show().has_programme() {
+                    true => self.scene.show_mut().extend_programme(programme, None),
+                    false => self.scene.show_mut().set_programme(Some(programme), None),
+                }
+            }
+        }
+        self.scene.follow(moment.song_time);
+        self.scene.follow_hands(moment.song_time);
+        self.follow_masters(moment.song_time);
+    }
+
+    /// Brings what a show file holds for a key.
+    pub(crate) fn next_cue(&mut self) {
+        let words = match self.listening.now() {
+            _ if !self.scene.show().has_programme() => {
+                "no show is on: A lets the scenes follow the song".to_owned()
+            }
+            None => return,
+            Some(moment) => match self.cues.press(moment.song_time) {
+                Pressed::NoCues => {
+                    "this show has no cues: `at cue SCENE` in a show file waits for Enter".to_owned()
+                }
+                Pressed::NoneLeft => "that was the last cue of the show".to_owned(),
+                Pressed::Cue { programme, number, of, scene } => {
+                    self.scene.show_mut().extend_programme(programme, self.cues.next());
+                    format!("cue {number} of {of}: {scene}")
+                }
+            },
+        };
+        self.reports.answer(words);
+    }
+
+    /// Lets the scenes follow the songs, or stay as they are.
+    pub(crate) fn toggle_follow(&mut self) {
+        let playing = self.listening.playing();
+        let (follow, words) = match (self.direction.follows(playing), playing) {
+            (true, _) => (FollowChoice::Off, "the scene stays: A lets the scenes follow the song"),
+            // Not `On`: a scene on the next command line has to stay.
+            (false, Playing::Song | Playing::Demo) => (FollowChoice::Songs, FOLLOWS),
+            (false, Playing::Input) => (FollowChoice::On, FOLLOWS),
+        };
+        self.change_setting(SetSetting { setting: Setting::FollowSong(follow), settled: true });
+        self.reports.answer(words.to_owned());
+    }
+
+    /// Keeps the scene that is on until this is called again.
+    pub(crate) fn toggle_keep(&mut self) {
+        let words = match self.scene.show().has_programme() {
+            false => "the scenes do not follow the song: A lets them",
+            true if self.scene.show_mut().toggle_lock() => "this scene stays until K is pressed again",
+            true => "the scenes follow the song again",
+        };
+        self.reports.answer(words.to_owned());
+    }
+}

@@ -1,0 +1,370 @@
+//! Keeps the window's frame rate: if frames take too long it draws fewer pixels with cheaper terms, and more again
+//! when there is time left.
+//!
+//! A pure controller: the frames' times and costs come in, a level comes out. It gives way within a quarter of a
+//! second, and comes back one level at a time after seconds without doubt. One slow frame changes nothing. A level
+//! that had to be left soon after it was tried is tried again later and later, so that nothing oscillates at a
+//! boundary.
+//!
+//! **The window gives way, the files do not.** `session::dynamic_resolution` chooses among fourteen levels. A level sets
+//! the number of pixels, which `upscale.frag` enlarges, and the shaders' `frame_quality`, which lets costly and
+//! hardly noticed terms become cheaper. A frame's cost is what the GPU's timer reports, or the clock on a software
+//! renderer. A quarter of a second of frames that take too long is answered at once, by as many levels as it takes;
+//! the way back is one level at a time, and slower each time it was too early. Levels below half of the pixels' width
+//! are used only for a show that would not move otherwise. If fewer pixels prove to be no help, they come back. A
+//! picture that stands still is drawn at the best level; stills, videos and measurements always are.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use crate::config::QualityChoice;
+use crate::gpu::edge_samples::EdgeSamples;
+use crate::session::scene::edits;
+
+/// How a picture is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Level {
+    /// Share of the window's width and height that is drawn, 0..1; the rest is interpolated.
+    pub scale: f64,
+    /// The shaders' `frame_quality`.
+    pub quality: f32,
+    /// Further samples of pixels at edges.
+    pub edges: EdgeSamples,
+}
+
+const fn moving(scale: f64, quality: f32) -> Level {
+    Level { scale, quality, edges: EdgeSamples::Four }
+}
+
+/// The best level, at which stills are drawn.
+const STILL: Level = Level { scale: 1.0, quality: 1.0, edges: EdgeSamples::Sixteen };
+
+/// From the best level down. Each costs about a fifth less than the one before, so that no step between two is seen.
+const LEVELS: [Level; 14] = [
+    moving(1.0, 1.0),
+    moving(0.92, 0.8),
+    moving(0.84, 0.8),
+    moving(0.77, 0.6),
+    moving(0.70, 0.6),
+    moving(0.64, 0.4),
+    moving(0.58, 0.4),
+    moving(0.52, 0.2),
+    moving(0.46, 0.2),
+    moving(0.41, 0.0),
+    moving(0.36, 0.0),
+    moving(0.32, 0.0),
+    moving(0.28, 0.0),
+    moving(0.25, 0.0),
+];
+/// Sides of no more than this many pixels are not reduced.
+const SIDE_MIN: u32 = 16;
+const HIGH: usize = 2;
+const MEDIUM: usize = 5;
+const LOW: usize = 8;
+/// From this level on the picture suffers visibly: it is used only for a show that would not move otherwise.
+const POOR: usize = 8;
+/// Below this many frames per second a show counts as not moving.
+const FPS_USABLE: f64 = 24.0;
+
+/// What is looked at before giving way: the frames of this time, but at least this many.
+const LOOK: (Duration, usize) = (Duration::from_millis(250), 3);
+/// Two frames in a row that take this many times as long as they may are reason enough to give way.
+const FAR_TOO_LONG: f64 = 4.0;
+/// How long there must be no doubt before a better level is tried: at first, and at most.
+const PATIENCE: (Duration, Duration) = (Duration::from_secs(2), Duration::from_secs(64));
+const PATIENCE_FRAMES: usize = 8;
+/// A level that is left again within this time was tried too early.
+const TOO_EARLY: Duration = Duration::from_secs(12);
+/// ... which is forgotten after a better level has held for this long.
+const FORGOTTEN: Duration = Duration::from_secs(60);
+/// Most costs that are remembered.
+const FRAMES_MAX: usize = 4096;
+/// Frames after a change of level that are ignored: targets are being made, and the GPU's times come later.
+const SETTLING: usize = 1;
+/// After a longer time without a frame, the frames before it are ignored.
+const PAUSE: Duration = Duration::from_secs(3);
+/// Shares of the time for a frame: the controller gives way above the first, aims at the second, and requires a
+/// better level to fit into the third.
+const FULL: f64 = 0.97;
+const AIM: f64 = 0.8;
+const FREE: f64 = 0.72;
+/// If a lower level saves less than this share of the cost, the pixels are not what costs.
+const HELP: f64 = 0.1;
+/// For how long the level then stays as it is: at first, and at most.
+const HELPLESS: (Duration, Duration) = (Duration::from_secs(10), Duration::from_secs(320));
+
+impl Level {
+    /// The size in which a window of `window` pixels is drawn. Short sides are not reduced.
+    pub(crate) fn size_in(self, window: (u32, u32)) -> (u32, u32) {
+        let side =
+            |pixels: u32| ((f64::from(pixels) * self.scale).round() as u32).max(pixels.clamp(1, SIDE_MIN));
+        (side(window.0), side(window.1))
+    }
+
+    /// Its approximate cost, where the best level costs 1.
+    fn cost(self) -> f64 {
+        self.scale * self.scale * (0.85 + 0.15 * f64::from(self.quality))
+    }
+}
+
+fn level_at(index: usize) -> Level {
+    LEVELS.get(index).copied().unwrap_or(LEVELS[0])
+}
+
+/// The controller of a window.
+#[derive(Debug, Clone)]
+pub(crate) struct DynamicResolution {
+    choice: QualityChoice,
+    /// Seconds for a frame.
+    interval: f64,
+    level: usize,
+    /// When the last frames at this level were, and what they cost in seconds.
+    frames: VecDeque<(Instant, f64)>,
+    settling: usize,
+    /// Whether fewer samples are taken, because the scene is being edited.
+    edited: bool,
+    /// Whether the next cost that counts decides by itself which level is drawn.
+    begins: bool,
+    /// Whether the driver once had no memory for a picture.
+    lacks_room: bool,
+    last: Option<Instant>,
+    patience: Duration,
+    /// When a better level was last tried.
+    tried: Option<Instant>,
+    /// The level and the cost before giving way, until that proves to help.
+    gave_way: Option<(usize, f64)>,
+    helpless_until: Option<Instant>,
+    helpless: Duration,
+}
+
+impl DynamicResolution {
+    /// For at most `fps` frames per second.
+    pub(crate) fn new(choice: QualityChoice, fps: f64) -> Self {
+        let level = match choice {
+            QualityChoice::Auto | QualityChoice::Best => 0,
+            QualityChoice::High => HIGH,
+            QualityChoice::Medium => MEDIUM,
+            QualityChoice::Low => LOW,
+        };
+        Self {
+            choice,
+            interval: 1.0 / fps,
+            level,
+            frames: VecDeque::new(),
+            settling: SETTLING,
+            edited: false,
+            begins: false,
+            lacks_room: false,
+            last: None,
+            patience: PATIENCE.0,
+            tried: None,
+            gave_way: None,
+            helpless_until: None,
+            helpless: HELPLESS.0,
+        }
+    }
+
+    /// The same for a software renderer. It begins with the fewest pixels, so that the first picture is there soon, and then
+    /// takes the level that suits what that cost.
+    pub(crate) fn beginning_small(choice: QualityChoice, fps: f64) -> Self {
+        let new = Self::new(choice, fps);
+        if choice == QualityChoice::Auto {
+            Self { level: LEVELS.len() - 1, begins: true, ..new }
+        } else {
+            new
+        }
+    }
+
+    /// A controller for as many frames per second, by another choice.
+    pub(crate) fn chosen_anew(&self, choice: QualityChoice) -> Self {
+        Self::new(choice, 1.0 / self.interval)
+    }
+
+    /// How the next picture is drawn.
+    pub(crate) fn level(&self) -> Level {
+        let level = level_at(self.level);
+        if self.edited { Level { edges: edits::SAMPLES, ..level } } else { level }
+    }
+
+    /// From now on samples are saved because the scene is being edited, or no longer. What was chosen is drawn so in any
+    /// case.
+    pub(crate) fn set_edited(&mut self, edited: bool) {
+        if self.choice == QualityChoice::Auto && self.edited != edited {
+            self.edited = edited;
+            // What frames cost with other samples tells nothing.
+            self.gave_way = None;
+            self.frames.clear();
+            self.settling = SETTLING;
+        }
+    }
+
+    /// How a picture that stands still is drawn: there is time for it.
+    pub(crate) fn still_level(&self) -> Level {
+        match self.choice {
+            QualityChoice::Auto | QualityChoice::Best if !self.lacks_room => STILL,
+            _ => self.level(),
+        }
+    }
+
+    /// Notes a picture that was drawn at `now` and cost `cost` of the time for a frame, without waiting for the
+    /// monitor.
+    pub(crate) fn note(&mut self, now: Instant, cost: Duration) {
+        if self.choice != QualityChoice::Auto {
+            return;
+        }
+        let paused =
+            self.last.replace(now).is_some_and(|last| now.saturating_duration_since(last) > PAUSE + cost);
+        if paused {
+            self.frames.clear();
+        }
+        if self.settling > 0 {
+            self.settling -= 1;
+            return;
+        }
+        if std::mem::take(&mut self.begins) {
+            return self.begin(cost.as_secs_f64());
+        }
+        self.frames.push_back((now, cost.as_secs_f64()));
+        let old = |(then, _): &(Instant, f64)| now.saturating_duration_since(*then) > self.patience;
+        while self.frames.len() > FRAMES_MAX
+            || (self.frames.len() > PATIENCE_FRAMES && self.frames.front().is_some_and(old))
+        {
+            self.frames.pop_front();
+        }
+        let Some(cost) = self.recent(now) else { return };
+        if self.looks_helpless(now, cost) {
+            return;
+        }
+        if cost > FULL * self.time_at(self.level) {
+            self.give_way(now, cost);
+        } else {
+            self.come_back(now);
+        }
+    }
+
+    /// Notes that a picture that was begun will take this many seconds. Returns whether to begin it again at another
+    /// level.
+    pub(crate) fn expects(&mut self, now: Instant, seconds: f64) -> bool {
+        let before = self.level;
+        if self.choice == QualityChoice::Auto && seconds > FAR_TOO_LONG * self.time_at(self.level) {
+            self.give_way(now, seconds);
+        }
+        self.level != before
+    }
+
+    /// Draws fewer pixels from now on, whatever they cost. False if the level is the lowest.
+    pub(crate) fn make_smaller(&mut self) -> bool {
+        let has_smaller = self.level + 1 < LEVELS.len();
+        if has_smaller {
+            self.lacks_room = true;
+            self.change(self.level + 1);
+        }
+        has_smaller
+    }
+
+    /// Seconds for a frame at a level.
+    fn time_at(&self, level: usize) -> f64 {
+        if level < POOR { self.interval } else { self.interval.max(1.0 / FPS_USABLE) }
+    }
+
+    /// The cost of a typical recent frame, exceptions left out; none before there are enough frames.
+    fn recent(&self, now: Instant) -> Option<f64> {
+        let last_two = self.cost_of(2, 0.0).filter(|_| self.frames.len() >= 2);
+        let far_too_long = last_two.filter(|cost| *cost > FAR_TOO_LONG * self.time_at(self.level));
+        if far_too_long.is_some() {
+            return far_too_long;
+        }
+        let young = |then: &Instant| now.saturating_duration_since(*then) <= LOOK.0;
+        let count = self.frames.iter().rev().take_while(|(then, _)| young(then)).count().max(LOOK.1);
+        (self.frames.len() >= count).then(|| self.cost_of(count, 0.5))?
+    }
+
+    /// The cost that this share of the last `count` frames does not exceed.
+    fn cost_of(&self, count: usize, part: f64) -> Option<f64> {
+        let mut costs: Vec<f64> = self.frames.iter().rev().take(count).map(|(_, cost)| *cost).collect();
+        costs.sort_by(f64::total_cmp);
+        costs.get(((costs.len() as f64 * part) as usize).min(costs.len().saturating_sub(1))).copied()
+    }
+
+    /// Whether fewer pixels proved to be no help. Then the level is what it was before.
+    fn looks_helpless(&mut self, now: Instant, cost: f64) -> bool {
+        let Some((before, cost_before)) = self.gave_way.take() else { return false };
+        let expected = level_at(self.level).cost() / level_at(before).cost();
+        let helped = cost < (1.0 - HELP) * cost_before || expected > 1.0 - HELP;
+        if helped {
+            self.helpless = HELPLESS.0;
+            return false;
+        }
+        self.helpless_until = Some(now + self.helpless);
+        self.helpless = (2 * self.helpless).min(HELPLESS.1);
+        self.change(before);
+        true
+    }
+
+    /// Takes the best level that has room for what a picture of the present one costs.
+    fn begin(&mut self, cost: f64) {
+        let share = cost / self.level().cost();
+        let fits = |level: &usize| share * level_at(*level).cost() <= FREE * self.time_at(*level);
+        if let Some(better) = (0..self.level).find(fits) {
+            self.change(better);
+        }
+    }
+
+    fn give_way(&mut self, now: Instant, cost: f64) {
+        let last = LEVELS.len() - 1;
+        if self.level >= last || self.helpless_until.is_some_and(|until| now < until) {
+            return;
+        }
+        let share = cost / self.level().cost();
+        let fits = |level: &usize| share * level_at(*level).cost() <= AIM * self.time_at(*level);
+        let next = (self.level + 1..=last).find(fits).unwrap_or(last);
+        if self.tried.take().is_some_and(|tried| now.saturating_duration_since(tried) < TOO_EARLY) {
+            self.patience = (2 * self.patience).min(PATIENCE.1);
+        }
+        self.gave_way = Some((self.level, cost));
+        self.change(next);
+    }
+
+    fn come_back(&mut self, now: Instant) {
+        // A level that fits because samples are saved would be left again when the text rests.
+        let Some(better) = self.level.checked_sub(1).filter(|_| !self.edited) else { return };
+        let since = self.frames.front().map(|(then, _)| now.saturating_duration_since(*then));
+        // Frames a little younger than the patience are the oldest that there can be.
+        let waited = since.is_some_and(|since| since + LOOK.0 >= self.patience);
+        if !waited || self.frames.len() < PATIENCE_FRAMES {
+            return;
+        }
+        let Some(cost) = self.cost_of(self.frames.len(), 0.9) else { return };
+        if cost * level_at(better).cost() / self.level().cost() > FREE * self.time_at(better) {
+            return;
+        }
+        if self.tried.is_some_and(|tried| now.saturating_duration_since(tried) >= FORGOTTEN) {
+            self.patience = PATIENCE.0;
+        }
+        self.tried = Some(now);
+        self.change(better);
+    }
+
+    fn change(&mut self, level: usize) {
+        self.level = level;
+        tracing::info!("{} of the window's width and height are drawn", self.level().scale);
+        self.frames.clear();
+        self.settling = SETTLING;
+    }
+}
+
+impl std::fmt::Display for DynamicResolution {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.choice {
+            QualityChoice::Auto => write!(f, "quality auto {}", LEVELS.len() - self.level),
+            QualityChoice::Low => f.write_str("low quality"),
+            QualityChoice::Medium => f.write_str("medium quality"),
+            QualityChoice::High => f.write_str("high quality"),
+            QualityChoice::Best => f.write_str("best quality"),
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "dynamic_resolution_tests.rs"]
+mod tests;

@@ -1,0 +1,61 @@
+//! How long frames took, for the log.
+
+use std::time::Duration;
+
+/// Frames that are remembered: about a minute.
+const KEPT: usize = 4096;
+
+/// The durations of the last frames.
+#[derive(Debug, Default)]
+pub(crate) struct FrameTimes {
+    /// In milliseconds; a ring once it is full.
+    last: Vec<f32>,
+    count: usize,
+}
+
+impl FrameTimes {
+    /// Notes a frame that took `time`.
+    pub(crate) fn note(&mut self, time: Duration) {
+        let milliseconds = time.as_secs_f32() * 1000.0;
+        let at = self.count % KEPT;
+        match self.last.get_mut(at) {
+            Some(oldest) => *oldest = milliseconds,
+            None => self.last.push(milliseconds),
+        }
+        self.count += 1;
+    }
+}
+
+impl std::fmt::Display for FrameTimes {
+    /// The number of frames, and of the last ones the median, what 99 of 100 stay within, and the longest.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut sorted = self.last.clone();
+        sorted.sort_by(f32::total_cmp);
+        let (Some(median), Some(longest)) = (sorted.get(sorted.len() / 2), sorted.last()) else {
+            return f.write_str("no frames");
+        };
+        let within = sorted.get((sorted.len() * 99).div_ceil(100) - 1).unwrap_or(longest);
+        let (count, last) = (self.count, self.last.len());
+        write!(f, "{count} frames; the last {last}: median {median:.1} ms, 99 % within {within:.1} ms, ")?;
+        write!(f, "longest {longest:.1} ms")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_frames_are_summed_up() {
+        let mut times = FrameTimes::default();
+        assert_eq!(times.to_string(), "no frames");
+        times.note(Duration::from_millis(900));
+        for n in 0..KEPT as u64 {
+            times.note(Duration::from_millis(n % 3));
+        }
+        assert_eq!(
+            times.to_string(),
+            "4097 frames; the last 4096: median 1.0 ms, 99 % within 2.0 ms, longest 2.0 ms"
+        );
+    }
+}

@@ -1,0 +1,91 @@
+//! What the editor asks about the picture: a point that was clicked, and what the lines of the text make.
+
+use super::Session;
+use crate::placement::{Map, led};
+use crate::probing::Prober;
+use crate::probing::Scenery;
+use crate::ui::editor::Editor;
+
+/// The thread that looks into pictures, once it was needed, and how the picture lies in the window.
+#[derive(Default)]
+pub(crate) struct Probing {
+    prober: Option<Prober>,
+    /// Leads from a place in the window to the place in the picture, both as shares.
+    map: Option<Map>,
+    /// Of which picture the last survey was asked for.
+    surveyed: Option<u64>,
+}
+
+impl Session {
+    /// Notes how the picture lies in the window.
+    pub(super) fn note_map(&mut self, map: Map) {
+        self.probing.map = Some(map);
+        if let Some(editor) = &mut self.desk.editor {
+            editor.set_view(map, self.scene.composer().pictures().camera());
+        }
+    }
+
+    /// Asks what is at a place of the window, in pixels, if the editor is open.
+    pub(super) fn look_at(&mut self, place: [f64; 2]) {
+        if !self.is_edited() {
+            return;
+        }
+        let Some((width, height)) = self.screen.size() else { return };
+        let share = [place[0] / f64::from(width), place[1] / f64::from(height)];
+        let at = self.probing.map.and_then(|map| led(&map, share));
+        let at = at.filter(|at| at.iter().all(|share| (0.0..=1.0).contains(share)));
+        let Some(at) = at else { return };
+        match self.scene.composer().pictures().scenery() {
+            Ok(scenery) => self.with_prober(|prober| prober.ask_point(scenery, at)),
+            Err(reason) => self.tell_in_editor(&reason.to_string()),
+        }
+    }
+
+    /// Takes in what was found, and asks for what the editor needs next.
+    pub(super) fn update_probing(&mut self) {
+        for answer in self.probing.prober.iter().flat_map(Prober::answers).collect::<Vec<_>>() {
+            if let Some(editor) = &mut self.desk.editor {
+                editor.take_answer_about_the_picture(answer);
+            }
+        }
+        if !self.is_edited() {
+            return;
+        }
+        let wants = self.desk.editor.as_ref().is_some_and(Editor::wants_survey);
+        if !wants {
+            self.probing.surveyed = None;
+            return;
+        }
+        let picture = self.scene.composer().pictures().count();
+        let busy = self.probing.prober.as_ref().is_some_and(Prober::surveys);
+        if busy || self.probing.surveyed == Some(picture) {
+            return;
+        }
+        self.probing.surveyed = Some(picture);
+        let scenery: Option<Scenery> = self.scene.composer().pictures().scenery().ok();
+        if let Some(scenery) = scenery {
+            self.with_prober(|prober| prober.ask_survey(scenery));
+        }
+    }
+
+    fn with_prober(&mut self, ask: impl FnOnce(&Prober)) {
+        if self.probing.prober.is_none() {
+            let waker = self.waker.clone();
+            match Prober::start(move || waker.wake()) {
+                Ok(prober) => self.probing.prober = Some(prober),
+                Err(error) => {
+                    return self.tell_in_editor(&format!("the picture cannot be looked into: {error}"));
+                }
+            }
+        }
+        if let Some(prober) = &self.probing.prober {
+            ask(prober);
+        }
+    }
+
+    fn tell_in_editor(&mut self, words: &str) {
+        if let Some(editor) = &mut self.desk.editor {
+            editor.tell(words);
+        }
+    }
+}

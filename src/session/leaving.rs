@@ -1,0 +1,201 @@
+//! The state that the next show begins with: volume, window, scene, sliders, tracks, and the place in them.
+//!
+//! It is written while the show runs, soon after each change: a driver may block the show so that it never reaches its end.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use super::Session;
+use crate::config::{LastShow, PlaySettings};
+use crate::scenes::SceneSource;
+use mariana_player::ListedTracks;
+
+/// With less of a track left than this, in seconds, the next show begins with the next track.
+const LEFT_MIN: f64 = 5.0;
+
+/// How often changes are looked for.
+const LOOK_PERIOD: Duration = Duration::from_secs(1);
+
+/// How often the place in the song is written while nothing else changes.
+const PLACE_PERIOD: Duration = Duration::from_secs(10);
+
+/// The state that was written for the next show.
+#[derive(Default)]
+pub(super) struct Legacy {
+    looked: Option<Instant>,
+    /// The contents of the file, and when they were written.
+    written: Option<(Left, Instant)>,
+    /// The revision of the written list of tracks; `Some(None)` once the list was removed.
+    tracks: Option<Option<u64>>,
+}
+
+/// The state for the next show, except for the list of tracks.
+#[derive(Clone, PartialEq)]
+struct Left {
+    show: LastShow,
+    scene: String,
+    sliders: BTreeMap<String, f32>,
+}
+
+impl Left {
+    /// Compares all but the place in the song.
+    fn is_same_elsewhere(&self, other: &Self) -> bool {
+        let show = LastShow { seconds: self.show.seconds, ..other.show.clone() };
+        *self == Self { show, ..other.clone() }
+    }
+}
+
+impl Legacy {
+    /// Returns `true` once per [`LOOK_PERIOD`].
+    fn is_due(&mut self, now: Instant) -> bool {
+        let is_due = self.looked.is_none_or(|looked| now.saturating_duration_since(looked) >= LOOK_PERIOD);
+        if is_due {
+            self.looked = Some(now);
+        }
+        is_due
+    }
+
+    /// Returns `true` if `left` has to be written at `now`. `before` is the state in the file at the start.
+    fn takes(&mut self, left: &Left, before: impl FnOnce() -> Left, now: Instant) -> bool {
+        let (written, at) = self.written.get_or_insert_with(|| (before(), now));
+        let is_due = now.saturating_duration_since(*at) >= PLACE_PERIOD;
+        let is_new = !written.is_same_elsewhere(left) || is_due && written != left;
+        if is_new {
+            (*written, *at) = (left.clone(), now);
+        }
+        is_new
+    }
+
+    /// Returns `true` if the list of this revision has to be written, or removed for `None`.
+    fn takes_tracks(&mut self, revision: Option<u64>) -> bool {
+        self.tracks.replace(revision) != Some(revision)
+    }
+}
+
+impl Session {
+    /// Finishes what is written while the show runs.
+    pub(crate) fn leave_to_the_next(&mut self, settings: &PlaySettings) {
+        if let Some(editor) = &mut self.desk.editor {
+            editor.finish();
+        }
+        self.recording.finish(Instant::now());
+        if settings.remembered {
+            self.remember_tracks();
+            let left = self.left();
+            self.write_left(left);
+        }
+    }
+
+    /// Remembers a running show for the next one if it has changed, unless the user wants nothing remembered.
+    pub(crate) fn remember_show(&mut self, settings: &PlaySettings, now: Instant) {
+        if !settings.remembered || !self.listening.has_started() || !self.legacy.is_due(now) {
+            return;
+        }
+        self.remember_tracks();
+        let left = self.left();
+        let remembered = self.listening.settings();
+        let before = || Left {
+            show: remembered.last_show.clone().unwrap_or_default(),
+            scene: left.scene.clone(),
+            sliders: remembered.sliders.get(&left.scene).cloned().unwrap_or_default(),
+        };
+        if self.legacy.takes(&left, before, now) {
+            self.write_left(left);
+        }
+    }
+
+    fn write_left(&mut self, Left { show, scene, sliders }: Left) {
+        self.listening.remember(move |settings| {
+            settings.last_show = Some(show.clone());
+            if sliders.is_empty() {
+                settings.sliders.remove(&scene);
+            } else {
+                settings.sliders.insert(scene.clone(), sliders.clone());
+            }
+        });
+    }
+
+    fn left(&mut self) -> Left {
+        let before = self.listening.settings().last_show.clone().unwrap_or_default();
+        let fullscreen = self.screen.is_fullscreen();
+        let mut show = LastShow {
+            fullscreen,
+            size: self.screen.size().filter(|_| !fullscreen).or(before.size),
+            place: self.screen.place().or(before.place),
+            scene: name_of(self.scene.scenes().shown_source().unwrap_or(self.scene.library().wanted()))
+                .or(before.scene),
+            volume: before.volume,
+            track: if self.choices.last_tracks { before.track } else { 0 },
+            seconds: if self.choices.last_tracks { before.seconds } else { 0.0 },
+            shuffled: before.shuffled,
+            repeat: before.repeat,
+        };
+        if let Some(status) = self.listening.with_song(|player| player.status()) {
+            let remaining = status.track.duration.map(|duration| duration - status.position);
+            let is_over = remaining.is_some_and(|remaining| remaining < LEFT_MIN);
+            show.volume = Some(status.volume);
+            if self.choices.last_tracks {
+                show.track = status.track.entry;
+                show.seconds = if is_over { 0.0 } else { status.position };
+            }
+            show.shuffled = status.shuffled;
+            show.repeat = Some(status.repeat.name().to_owned());
+        }
+        Left {
+            show,
+            scene: self.scene.scenes().name().unwrap_or_default(),
+            sliders: self.scene.shown_parameters().moved(),
+        }
+    }
+
+    /// Keeps the list of tracks of a song if it has changed.
+    fn remember_tracks(&mut self) {
+        let Some(list) = self.listening.with_song(|player| player.playlist()) else { return };
+        let list = Some(list).filter(|_| self.choices.last_tracks);
+        if self.legacy.takes_tracks(list.as_ref().map(|list| list.revision)) {
+            self.listening.keep_tracks(list.and_then(|list| files_of(&list)));
+        }
+    }
+}
+
+/// The files of a list. `None` if one has none: it is inside the program, or a part of a file, which no list can name.
+fn files_of(list: &ListedTracks) -> Option<Vec<PathBuf>> {
+    list.entries.iter().map(|track| track.file.clone().filter(|_| track.start.is_none())).collect()
+}
+
+/// How the next show names a scene; a formula has no name.
+fn name_of(source: &SceneSource) -> Option<String> {
+    match source {
+        SceneSource::Shipped(name) => Some(name.clone()),
+        SceneSource::File(path) => std::path::absolute(path).ok()?.to_str().map(str::to_owned),
+        SceneSource::Formula(_) => None,
+        SceneSource::Blend(blend) => name_of(&blend.to.source),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_is_written_after_each_change_and_the_place_now_and_then() {
+        let start = Instant::now();
+        let at = |seconds: u64| start + Duration::from_secs(seconds);
+        let left = |seconds: f64, volume: f32| Left {
+            show: LastShow { seconds, volume: Some(volume), ..LastShow::default() },
+            scene: "orb".to_owned(),
+            sliders: BTreeMap::new(),
+        };
+        let mut legacy = Legacy::default();
+        let mut takes = |now, wanted: Left| legacy.takes(&wanted, || left(90.0, 1.0), at(now));
+        assert!(!takes(0, left(0.0, 1.0)), "the place of the last show, before the song sounds");
+        assert!(!takes(5, left(95.0, 1.0)));
+        assert!(takes(6, left(96.0, 0.5)), "the volume");
+        assert!(!takes(15, left(105.0, 0.5)));
+        assert!(takes(16, left(106.0, 0.5)), "the place");
+        assert!(!takes(60, left(106.0, 0.5)), "a song that is paused");
+        let taken = [None, None, Some(1), Some(1), Some(2), None].map(|list| legacy.takes_tracks(list));
+        assert_eq!(taken, [true, false, true, false, true, true]);
+    }
+}

@@ -1,0 +1,151 @@
+//! What the hands on a show do to every picture alike: blackout, brightness, holding it, where it lies, and nothing over
+//! it.
+
+use std::time::Instant;
+
+use super::Session;
+use crate::commands::{MovedCorner, SetSetting};
+use crate::config::Setting;
+use crate::placement::{Area, Corners, Placement};
+use crate::scenes::SceneSource;
+use crate::session::lay::Lay;
+use crate::show::Picture;
+use crate::ui::corner_hands::CornerHands;
+use crate::ui::desk_picture::{is_within, small_in};
+use crate::ui::overlay::PanelSwitches;
+
+impl Session {
+    /// Lets the picture fade to black, or come back.
+    pub(crate) fn toggle_blackout(&mut self) {
+        let words = match self.masters.toggle_blackout(Instant::now()) {
+            true => "blackout: X brings the picture back",
+            false => "the picture comes back",
+        };
+        self.reports.answer(words.to_owned());
+    }
+
+    /// Holds the picture that shows while the song goes on, or lets it go.
+    pub(crate) fn toggle_freeze(&mut self) {
+        let words = match self.masters.toggle_freeze() {
+            true => {
+                self.scene.composer_mut().give_picture_up();
+                "the picture is held: Z lets it go"
+            }
+            false => {
+                self.scene.fade_from_held(self.masters.fade_seconds());
+                "the picture goes on"
+            }
+        };
+        self.reports.answer(words.to_owned());
+    }
+
+    /// Whether the picture that shows is held.
+    pub(super) fn holds_picture(&self) -> bool {
+        self.masters.hold() && self.pace.shown().is_some()
+    }
+
+    /// Does to whole pictures what the show does to them at `time` seconds of the song.
+    pub(super) fn follow_masters(&mut self, time: f64) {
+        let shown = self.scene.show().picture_at(time);
+        let before = self.masters.follow_show(shown);
+        let share = |picture: Picture| picture.held.map(|held| held.share);
+        let (was, is) = (share(before), share(shown));
+        if was == is || self.masters.is_frozen() {
+            return;
+        }
+        let since = |picture: Picture| picture.held.map(|held| held.since);
+        if since(before) != since(shown) {
+            self.scene.composer_mut().fading_mut().hold_anew();
+        }
+        match is {
+            // It is held as it is.
+            Some(1.0..) => self.scene.composer_mut().give_picture_up(),
+            share => self.scene.composer_mut().mix_held(share),
+        }
+    }
+
+    /// Whether the picture that shows is brighter or darker than it is to be.
+    pub(super) fn is_dimming(&self, now: Instant) -> bool {
+        self.pace.shown().is_some() && self.masters.gain(now) != self.renderer.gain()
+    }
+
+    /// Hides every word and panel until this is called again.
+    pub(crate) fn toggle_clean(&mut self) {
+        self.desk.bare = !self.desk.bare;
+        self.screen.request_redraw();
+        if self.desk.bare {
+            self.desk.panels = PanelSwitches::default();
+            self.leave_panels();
+        } else {
+            self.reports.answer("words and panels show again".to_owned());
+        }
+    }
+
+    /// All scenes in the order of their numbers: marked ones first.
+    pub(super) fn numbered_scenes(&self) -> Vec<SceneSource> {
+        let marks = &self.listening.settings().favourite_scenes;
+        let scenes = self.scene.library().all_sources();
+        let (marked, others): (Vec<_>, Vec<_>) =
+            scenes.into_iter().partition(|scene| marks.contains(&scene.title()));
+        marked.into_iter().chain(others).collect()
+    }
+
+    /// Shows the scene of this number, from 1, marked ones first.
+    pub(super) fn show_scene_number(&mut self, number: usize) {
+        let mut scenes = self.numbered_scenes();
+        match number.checked_sub(1).filter(|place| *place < scenes.len()) {
+            Some(place) => self.scene.show_source(scenes.swap_remove(place)),
+            None => {
+                let count = scenes.len();
+                self.reports.answer(format!("there is no scene {number} among these {count}: B shows them"));
+            }
+        }
+    }
+
+    /// Where the picture lies on its screen.
+    pub(super) fn placement(&self) -> Placement {
+        self.choices.stage.placement()
+    }
+
+    /// Lets the corners be moved, or no longer.
+    pub(super) fn show_corners(&mut self, open: bool) {
+        if !open && self.desk.corners.is_some() {
+            // One may still be held.
+            let setting = Setting::Corners(self.choices.stage.corners);
+            self.change_setting(SetSetting { setting, settled: true });
+        }
+        self.desk.corners = open.then(|| CornerHands::new(self.choices.stage.corners));
+        self.screen.request_redraw();
+    }
+
+    /// Moves a corner of the picture to a place of its screen, and remembers it once that is settled. A place at which
+    /// nothing could be drawn is left out.
+    pub(super) fn move_corner(&mut self, MovedCorner { corner, place, settled }: MovedCorner) {
+        // Finer than a pixel is no use to anybody.
+        let place = place.map(|share| (share * 1e4).round() / 1e4);
+        let before = self.choices.stage.corners;
+        self.set_corners(before.with(corner, place).unwrap_or(before), corner, settled);
+    }
+
+    /// Sets all corners, of which one is selected, and remembers them once they are settled.
+    pub(super) fn set_corners(&mut self, corners: Corners, selected: usize, settled: bool) {
+        if let Some(hands) = &mut self.desk.corners {
+            hands.take(selected, corners);
+        }
+        self.change_setting(SetSetting { setting: Setting::Corners(corners), settled });
+    }
+
+    /// Where in the window of `size` pixels the picture lies: as large as it can, or small beside the panels while an output
+    /// shows it. It is large there, too, while its corners are moved, and where nothing else is to be seen.
+    pub(super) fn note_area(&mut self, lay: &Lay, size: (u32, u32)) -> Area {
+        let is_small = self.screen.has_output() && !self.desk.bare && self.desk.corners.is_none();
+        self.desk.picture = is_small.then(|| small_in(size, lay.screen));
+        self.desk.picture.unwrap_or_else(|| lay.area_in(size))
+    }
+
+    /// Whether what the pointer does at a place of the window, in pixels, is meant for the picture.
+    pub(super) fn is_for_picture(&self, place: [f64; 2]) -> bool {
+        let size = self.screen.size().unwrap_or_default();
+        self.desk.picture.is_none_or(|area| is_within(area, size, place))
+    }
+}

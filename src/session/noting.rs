@@ -1,0 +1,76 @@
+//! What is recorded of a show, and what is said of it.
+
+use std::time::Instant;
+
+use super::Session;
+use crate::session::scene::Performed;
+use crate::show::Finish;
+use mariana_player::Moment;
+
+impl Session {
+    /// Begins to record what hands do, or ends that.
+    pub(crate) fn toggle_recording(&mut self) {
+        let begins = self.recording.toggle(Instant::now());
+        if let Some(shown) = self.pace.shown().filter(|_| begins) {
+            self.record(shown.moment, Instant::now());
+        }
+        let words = match begins {
+            true if self.listening.song_status().is_none() => {
+                "what hands do is recorded as soon as a song plays: an input cannot be played again"
+            }
+            true => "what hands do is recorded: F9 ends it",
+            false => "the recording has ended",
+        };
+        self.reports.answer(words.to_owned());
+    }
+
+    /// Whether it is recorded what hands do.
+    pub(crate) fn is_recording(&self) -> bool {
+        self.recording.is_on()
+    }
+
+    /// Notes a picture that shows and was begun at `begun`.
+    pub(super) fn record(&mut self, moment: Moment, begun: Instant) {
+        if !self.recording.is_on() {
+            return;
+        }
+        let track = self.listening.track_of(moment);
+        let picture = self.finish(begun);
+        let Some(performed) = self.scene.performed(moment.song_time) else { return };
+        let performed = Performed { picture, ..performed };
+        // A scene that stands still is drawn as of the moment at which it came to rest.
+        let now = self.listening.now().filter(|_| !self.scene.moves_by_itself());
+        let time = now.map_or(moment.song_time, |now| now.song_time);
+        let of = (track, self.reports.playing().title.as_str());
+        if let Some(words) = self.recording.note(of, time, performed, Instant::now()) {
+            self.reports.answer(words.to_owned());
+        }
+    }
+
+    /// Notes that the picture which shows still shows: it is held, or its light changes.
+    pub(super) fn record_again(&mut self, begun: Instant) {
+        if !self.recording.is_on() {
+            return;
+        }
+        let Some(now) = self.listening.now() else { return };
+        let (track, is_held) = (self.listening.track_of(now), self.holds_picture());
+        let picture = self.finish(begun);
+        self.recording.note_picture(track, now.song_time, &picture, is_held);
+    }
+
+    /// What is done to the whole picture that was begun at `begun`.
+    fn finish(&self, begun: Instant) -> Finish {
+        let share = if self.holds_picture() { 1.0 } else { self.scene.composer().fading().share_held() };
+        let is_shown = self.masters.are_idle(begun) && (share == 0.0 || self.masters.is_held_by_show());
+        Finish { numbers: [self.masters.gain(begun), share], is_shown }
+    }
+
+    /// Says what became of a recording.
+    pub(super) fn tell_recording(&mut self) {
+        self.recording.update(Instant::now());
+        if let Some(news) = self.recording.news() {
+            tracing::info!("{news}");
+            self.reports.answer(news);
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! What a show begins with: everything that lives as long as the window, created on the show's thread.
+//!
+//! **A lost context is made anew.** When the driver reports that its context is lost, everything that belongs to it
+//! is dropped while it is still current, and made again from the worlds, which are plain values
+//! (`session::opening::renewed`); the song does not notice. A picture for which the driver has no memory is drawn
+//! smaller. `faults` lets tests cause both.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::Session;
+use super::desk::Desk;
+use super::drawing::paint_waiting;
+use super::panels::thumbnails_ahead_at;
+use super::preview::Preview;
+use crate::config::{Choices, DEFAULT_DEVICE, Memory, PerformanceFiles, PlaySettings};
+use crate::export::painter::SceneChoice;
+use crate::export::print::tell;
+use crate::gpu::background::Sources;
+use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
+use crate::gpu::renderer::{Counting, Renderer};
+use crate::scenes::Drafts;
+use crate::session::SessionError;
+use crate::session::announcer::Announcer;
+use crate::session::controllers::Hands;
+use crate::session::desktop::DesktopControls;
+use crate::session::direction::Direction;
+use crate::session::drawing_pace::DrawingPace;
+use crate::session::feeds::{Feeds, Sends};
+use crate::session::listening::Listening;
+use crate::session::masters::Masters;
+use crate::session::recording::Recording;
+use crate::session::reports::Reports;
+use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneSession};
+use crate::session::screen::Screen;
+use crate::session::sound::{Sound, Start};
+use crate::session::waker::Waker;
+use crate::song_structures::{SongReader, StructureCache};
+use crate::ui::overlay::Assistance;
+use crate::ui::overlay::{Overlay, OverlayContent};
+use crate::ui::pointer_rest::PointerRest;
+use crate::ui::user_input::UserInput;
+use mariana_player::playlist::Opened;
+use mariana_player::{OutputChoice, Player, PlayerOptions, Position, Target};
+
+/// Frame cap where the monitor reports no rate.
+const FPS_DEFAULT: f64 = 60.0;
+/// Threads that compile programs: one for the scene's own, one for the interpreter's.
+const COMPILERS: usize = 2;
+
+/// What is known before the window opens.
+pub(crate) struct Opening<'a> {
+    /// What is played; none if only an input is listened to.
+    pub(crate) tracks: Option<Opened>,
+    /// How the window plays and shows it.
+    pub(crate) settings: &'a PlaySettings,
+    /// How scenes are drawn.
+    pub(crate) scene: &'a SceneChoice,
+    /// What is remembered.
+    pub(crate) memory: Memory,
+    /// What loads scenes.
+    pub(crate) loaders: SceneLoaders,
+    /// The first of them.
+    pub(crate) first: LoadedScene,
+    /// Texts that are edited.
+    pub(crate) drafts: Drafts,
+    /// Where pictures are sent.
+    pub(crate) sends: Sends,
+    /// Where pictures are shown.
+    pub(crate) screen: Box<dyn Screen>,
+    /// Makes the desktop's controls for players, which ask for the place in the song.
+    pub(crate) desktop: Box<dyn FnOnce(Option<Position>) -> Box<dyn DesktopControls>>,
+}
+
+impl Opening<'_> {
+    /// Makes everything that the show needs in a window.
+    ///
+    /// # Errors
+    /// What the driver or the system refuses.
+    pub(crate) fn stage(self, waker: &Waker) -> Result<Session, SessionError> {
+        let Self { tracks, settings, scene, memory, loaders, first, drafts, sends, mut screen, desktop } =
+            self;
+        let choices = settings.choices.clone();
+        tracing::info!("what holds in this run: {choices:?}");
+        // First of all, so that the song is known before its first picture.
+        let songs = start_song_reader(waker);
+        if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
+            songs.want([&tracks.first.info]);
+        }
+        if settings.fullscreen {
+            screen.set_fullscreen(true);
+        }
+        // Requested first: the driver compiles it while everything else is made.
+        let of_scenes = waker.clone();
+        let (choice, title) = (scene, first.source.title());
+        let mut scene = SceneSession::new(
+            screen.gl(),
+            screen.worker_contexts(COMPILERS),
+            sources(settings, choice),
+            DrawingWays { sdf: choice.sdf, cells: choice.cells, view: choice.view, fade: settings.fade },
+            loaders,
+            first,
+            move || of_scenes.wake(),
+        )?;
+        scene.parameters_mut().remember(&title, &settings.sliders);
+        let of_fonts = waker.clone();
+        let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
+        paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
+        tracing::info!("the window says what it prepares");
+        let renderer = renderer(screen.gl(), &choices, choice)?;
+        // The song starts with the first picture, so that none of it is missed.
+        let options = PlayerOptions {
+            target: output_of(settings),
+            volume: settings.volume,
+            paused: true,
+            output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
+            gain: choices.gain,
+            ..PlayerOptions::default()
+        };
+        let mut announcer = Announcer::default();
+        let mut player = None;
+        if let Some(tracks) = tracks {
+            for trouble in tracks.troubles {
+                tell(&trouble);
+                announcer.say(trouble);
+            }
+            let (repeat, shuffled) = (tracks.repeat, tracks.shuffled);
+            let options = PlayerOptions { repeat, shuffled, ..options };
+            let started = Player::start(tracks.first, Box::new(tracks.list), options)?;
+            if settings.begin_at > 0.0 {
+                started.seek_to(settings.begin_at);
+            }
+            player = Some(started);
+        }
+        let position = player.as_ref().map(Player::position);
+        let sound = Sound::start(Start {
+            player,
+            memory,
+            listen: settings.listen,
+            device: settings.device.clone(),
+            output: (!settings.silent).then(|| output_of(settings)),
+            latency: settings.latency,
+            gain: choices.gain,
+        })?;
+        let fps = settings.fps_cap.or_else(|| screen.refresh_rate()).unwrap_or(FPS_DEFAULT);
+        let now = Instant::now();
+        let of_shows = waker.clone();
+        let (file, follow) = (settings.show.clone(), choices.follow_song);
+        let direction = Direction::start(file, follow, settings.names_scene, move || of_shows.wake())
+            .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })?;
+        let brightness = f32::from(choices.stage.brightness) / 100.0;
+        Ok(Session {
+            listening: Listening::new(sound, songs),
+            renderer,
+            scene,
+            direction,
+            live: None,
+            cues: Default::default(),
+            pace: DrawingPace::new(choices.quality, fps, screen.gl().info().software, now),
+            feeds: Feeds::of(sends),
+            preview: Preview::new(),
+            masters: Masters::new(brightness, choices.stage.blackout_fade),
+            reports: Reports::new(announcer, desktop(position), now),
+            recording: Recording::new(PerformanceFiles::of_user()),
+            hands: Hands::start(&settings.hands, waker),
+            input: UserInput::default(),
+            pointer_rest: PointerRest::default(),
+            ui_events: Vec::new(),
+            thumbnails: None,
+            thumbnails_ahead: (!settings.wallpaper).then(|| thumbnails_ahead_at(now)),
+            last_folder: None,
+            waker: waker.clone(),
+            desk: Desk::new(!choices.hints),
+            drafts,
+            probing: Default::default(),
+            typing_times: Default::default(),
+            choices,
+            names_output: settings.device.is_some() || settings.silent,
+            chose_output: false,
+            shaders: choice.shaders.clone(),
+            overlay,
+            waited: None,
+            first_shown_after: None,
+            legacy: Default::default(),
+            screen,
+        })
+    }
+}
+
+/// What listens to whole songs. Without it their numbers stay unknown.
+fn start_song_reader(waker: &Waker) -> Option<SongReader> {
+    let waker = waker.clone();
+    let started = SongReader::start(StructureCache::of_user(), move || waker.wake());
+    started.inspect_err(|error| tracing::warn!("whole songs are not listened to: {error}")).ok()
+}
+
+/// The output that songs play on at the start.
+fn output_of(settings: &PlaySettings) -> Target {
+    match (settings.device.as_deref(), &settings.choices.output) {
+        // With an input, the device is that.
+        (Some(DEFAULT_DEVICE), _) => Target::Default,
+        (Some(name), _) if settings.listen.is_none() => Target::Named(name.to_owned()),
+        (_, Some(id)) => Target::Preferred(id.clone()),
+        (_, None) => Target::Default,
+    }
+}
+
+/// What programs are made from.
+fn sources(settings: &PlaySettings, scene: &SceneChoice) -> Sources {
+    Sources { library: scene.shaders.clone(), cache: Arc::new(settings.program_cache.clone()) }
+}
+
+/// A renderer for a window.
+fn renderer(gl: &Gl, choices: &Choices, scene: &SceneChoice) -> Result<Renderer, SessionError> {
+    let library = &scene.shaders;
+    let mut renderer = Renderer::new(gl, library, Counting::Off)?;
+    renderer.prepare_for_window(library)?;
+    if choices.flash_limiter {
+        renderer.add_flash_limiter(library)?;
+    }
+    renderer.set_tone_map(choices.tone_map);
+    Ok(renderer)
+}
+
+/// Makes everything anew that belonged to a lost context. The song and everything that was chosen go on meanwhile.
+///
+/// # Errors
+/// The driver gives no other context.
+pub(crate) fn renewed(
+    mut stage: Session,
+    settings: &PlaySettings,
+    scene: &SceneChoice,
+    waker: &Waker,
+) -> Result<Session, SessionError> {
+    let Session { overlay, renderer: old_renderer, scene: old_scene, screen, .. } = stage;
+    // What was made in the context is dropped while it is current: in the next one its names mean something else.
+    let assisted = overlay.is_assisted();
+    drop(overlay);
+    drop(old_renderer);
+    stage.feeds.let_go();
+    stage.preview = Preview::new();
+    let kept = old_scene.let_go();
+    let Some(shown) = kept.shown else {
+        return Err(GpuError::ContextLost { doing: "preparing the first scene" }.into());
+    };
+    let screen = screen.renew()?;
+    let of_scenes = waker.clone();
+    let mut scenes = SceneSession::new(
+        screen.gl(),
+        screen.worker_contexts(COMPILERS),
+        sources(settings, scene),
+        kept.ways,
+        kept.loaders,
+        shown,
+        move || of_scenes.wake(),
+    )?;
+    let of_fonts = waker.clone();
+    let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
+    if assisted {
+        overlay.assist(Assistance::Begins);
+    }
+    scenes.take_over(kept.hands, kept.wanted);
+    stage.reports.answer("the driver had lost the picture: it is drawn anew".to_owned());
+    Ok(Session {
+        renderer: renderer(screen.gl(), &stage.choices, scene)?,
+        scene: scenes,
+        overlay,
+        pace: stage.pace.renewed(Instant::now()),
+        screen,
+        ..stage
+    })
+}

@@ -1,0 +1,216 @@
+//! What the lists over the picture do: tracks, sources, scenes, files. Each is a plain value that keys and pointer
+//! change; what was chosen in it is done here.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::Session;
+use crate::commands::{Command, Files, Panel};
+use crate::limits::LIMITS;
+use crate::scenes::{SceneSource, is_scene_file};
+use crate::thumbnails::Thumbnails;
+use crate::ui::file_browser::FileBrowser;
+use crate::ui::overlay::{FileListEvent, SceneListEvent, UiEvent};
+use crate::ui::scene_browser::SceneBrowser;
+
+/// The time to draw thumbnails of a folder that is known since `now`.
+pub(super) fn thumbnails_ahead_at(now: Instant) -> Instant {
+    now + Duration::from_secs_f64(LIMITS.thumbnails_ahead_after)
+}
+
+impl Session {
+    /// Opens a panel instead of the one that is open, or closes it.
+    pub(crate) fn toggle_panel(&mut self, panel: Panel) {
+        if panel == Panel::Editor && self.gives_focus_to_editor() {
+            return;
+        }
+        self.desk.panels.toggle(panel);
+        // Keys act on the panel.
+        self.overlay.drop_key_focus();
+        self.write_text(self.desk.panels.open() == Some(Panel::Editor));
+        if self.desk.panels.open() == Some(Panel::Sources) {
+            self.listening.show_sources();
+        }
+        self.look_through_scenes(self.desk.panels.open() == Some(Panel::Scenes));
+        self.look_through_files(self.desk.panels.open() == Some(Panel::Files));
+        self.show_settings(self.desk.panels.open() == Some(Panel::Settings));
+        self.show_hands(self.desk.panels.open() == Some(Panel::Controllers));
+        self.show_corners(self.desk.panels.open() == Some(Panel::Corners));
+    }
+
+    /// Whether keys are text at present.
+    pub(crate) fn takes_text(&self) -> bool {
+        self.desk.browser.is_some() || self.desk.files.is_some() || self.editor_has_focus()
+    }
+
+    /// Opens the list of files, or closes it.
+    fn look_through_files(&mut self, open: bool) {
+        self.desk.files = None;
+        if !open {
+            return;
+        }
+        let waker = self.waker.clone();
+        let folder = self.last_folder.clone().or_else(|| self.folder_of_track());
+        match FileBrowser::start(folder, move || waker.wake()) {
+            Ok(files) => self.desk.files = Some(files),
+            Err(error) => self.reports.answer(format!("folders cannot be read: {error}")),
+        }
+    }
+
+    /// The folder of the track that plays, if it is a file.
+    fn folder_of_track(&mut self) -> Option<PathBuf> {
+        let entry = self.reports.playing().place.0;
+        let tracks = self.listening.with_song(|player| player.playlist())?;
+        let file = tracks.entries.get(entry)?.file.as_deref()?;
+        std::path::absolute(file).ok()?.parent().map(Path::to_owned)
+    }
+
+    /// Takes what was done in the list of files, and carries out what it asks for.
+    fn take_file_event(&mut self, event: FileListEvent) {
+        let Some(files) = &mut self.desk.files else { return };
+        let commands = match event {
+            FileListEvent::Open { place, append } => files.open(place, append),
+            FileListEvent::OpenFolder { append } => files.open_folder(append),
+            FileListEvent::EnterPlace(place) => {
+                files.enter_place(place);
+                Vec::new()
+            }
+            FileListEvent::Up => {
+                files.go_up();
+                Vec::new()
+            }
+            FileListEvent::Close => vec![Command::TogglePanel(Panel::Files)],
+        };
+        self.carry_out_all(commands);
+    }
+
+    /// Shows the last scene among these files, and plays the others or adds them to the tracks.
+    pub(super) fn open_files(&mut self, Files { files, append }: Files) {
+        self.last_folder = files.last().and_then(|file| file.parent()).map(Path::to_owned);
+        let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
+        if let Some(scene) = scenes.into_iter().next_back() {
+            self.scene.show_source(SceneSource::File(scene));
+            // The file may be from another folder.
+            self.thumbnails_ahead = Some(thumbnails_ahead_at(Instant::now()));
+        }
+        if !music.is_empty() {
+            let words = self.listening.play_files(music, append);
+            self.answer(words);
+        }
+    }
+
+    /// Opens the list of scenes, or closes it.
+    fn look_through_scenes(&mut self, open: bool) {
+        self.desk.browser = None;
+        if !open {
+            return;
+        }
+        self.look_for_thumbnails();
+        let scenes = self.scene.library().all_sources();
+        let favourites = self.listening.settings().favourite_scenes.clone();
+        let browser = SceneBrowser::new(scenes, self.scene.scenes().shown_source(), favourites);
+        if let Some(thumbnails) = &mut self.thumbnails {
+            browser.ask_for_comments(thumbnails);
+        }
+        self.desk.browser = Some(browser);
+    }
+
+    /// Has something that finds pictures of scenes.
+    fn look_for_thumbnails(&mut self) {
+        if self.thumbnails.is_none() {
+            let waker = self.waker.clone();
+            match Thumbnails::start(move || waker.wake()) {
+                Ok(thumbnails) => self.thumbnails = Some(thumbnails),
+                Err(error) => tracing::warn!("there are no pictures of scenes ({error})"),
+            }
+        }
+    }
+
+    /// Requests thumbnails of the folder's scenes before the list of scenes is opened.
+    fn draw_thumbnails_ahead(&mut self) {
+        if self.thumbnails_ahead.take_if(|due| Instant::now() >= *due).is_none() {
+            return;
+        }
+        let of_folder =
+            self.scene.library().all_sources().into_iter().filter(|source| source.file().is_some());
+        let of_folder: Vec<_> = of_folder.take(LIMITS.thumbnails_ahead_max).collect();
+        if of_folder.is_empty() {
+            return;
+        }
+        self.look_for_thumbnails();
+        if let Some(thumbnails) = &mut self.thumbnails {
+            thumbnails.draw_ahead(of_folder.into_iter());
+        }
+    }
+
+    /// Gives what was found out about scenes to whoever looks at them, and asks for what phones want to see.
+    pub(super) fn update_thumbnails(&mut self) {
+        self.draw_thumbnails_ahead();
+        let wanted = self.hands.wanted_pictures();
+        if !wanted.is_empty() {
+            self.look_for_thumbnails();
+        }
+        let Some(thumbnails) = &mut self.thumbnails else { return };
+        if !wanted.is_empty() {
+            thumbnails.ask_for_pictures_later(wanted);
+        }
+        let found: Vec<_> = std::iter::from_fn(|| thumbnails.poll()).collect();
+        found.iter().for_each(|looked| self.hands.note_picture(looked));
+        if let Some(browser) = &mut self.desk.browser {
+            browser.set_present(self.scene.scenes().shown_source());
+            browser.take(found);
+        }
+    }
+
+    /// Takes what was done in the list of scenes, and carries out what it asks for.
+    fn take_scene_event(&mut self, event: SceneListEvent) {
+        let Some(browser) = &mut self.desk.browser else { return };
+        let commands = match event {
+            SceneListEvent::Show { place, close } => browser.show(place, close),
+            SceneListEvent::Mark(place) => browser.mark(place),
+            SceneListEvent::Drawn { places, columns } => {
+                if let Some(thumbnails) = &mut self.thumbnails {
+                    browser.note_drawn(places, columns, thumbnails);
+                }
+                return;
+            }
+        };
+        self.carry_out_all(commands);
+    }
+
+    /// Closes what is open, or leaves full screen.
+    pub(crate) fn leave(&mut self) {
+        if self.hands.stop_learning() {
+            return self.update_hands();
+        }
+        if !self.desk.panels.close() {
+            self.screen.set_fullscreen(false);
+        }
+        self.leave_panels();
+    }
+
+    /// Leaves what belongs to panels that are closed.
+    pub(super) fn leave_panels(&mut self) {
+        self.look_through_scenes(false);
+        self.look_through_files(false);
+        self.show_settings(false);
+        self.write_text(false);
+        self.show_hands(false);
+        self.show_corners(false);
+    }
+
+    /// Takes what was done in the panels during the last picture. Returns the commands in it.
+    pub(crate) fn take_ui_events(&mut self) -> Vec<Command> {
+        let mut commands = Vec::new();
+        for event in std::mem::take(&mut self.ui_events) {
+            match event {
+                UiEvent::Command(command) => commands.push(command),
+                UiEvent::Editor(event) => self.take_editor_event(event),
+                UiEvent::Scenes(event) => self.take_scene_event(event),
+                UiEvent::Files(event) => self.take_file_event(event),
+                UiEvent::Settings(event) => self.take_setting_event(event),
+            }
+        }
+        commands
+    }
+}

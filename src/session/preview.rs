@@ -1,0 +1,131 @@
+//! The scene that comes next, as a small picture on the desk: beside an output, or where the settings say so.
+//!
+//! **It costs no picture of the show.** It is drawn a few times a second, and only where there is time until the next
+//! picture is due: as long as such a picture took lately. It is read back without waiting. Only the first picture of each
+//! scene is drawn in any case, as each scene is once before it shows.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use image::RgbaImage;
+
+use super::Session;
+use crate::gpu::error::GpuError;
+use crate::gpu::picture_reader::PictureReader;
+use crate::gpu::renderer::Sketch;
+use crate::ui::overlay::NextScene;
+use mariana_music::Sound;
+
+/// Size of the picture in pixels.
+const SIZE: (u32, u32) = (160, 90);
+/// How often it is drawn at most, and how often level and beat change.
+const EVERY: Duration = Duration::from_millis(200);
+/// What it takes until that is known.
+const ASSUMED: Duration = Duration::from_millis(6);
+/// How long one may take while nothing moves.
+const AT_REST: Duration = Duration::from_millis(100);
+/// For so much longer than the last one there has to be time.
+const RESERVE: f64 = 1.5;
+
+/// See the module.
+pub(super) struct Preview {
+    sketch: Sketch,
+    /// Made with the first picture.
+    reader: Option<PictureReader>,
+    due: Instant,
+    /// How long the last one took.
+    took: Duration,
+    /// The scene that was drawn last.
+    drawn: Option<Drawn>,
+    next: Option<NextScene>,
+}
+
+/// A picture that was drawn: its scene's title, and the moment of the song.
+type Drawn = (String, f64);
+
+impl Preview {
+    /// Nothing was drawn yet.
+    pub(super) fn new() -> Self {
+        let (sketch, reader, drawn, next) = (Sketch::default(), None, None, None);
+        Self { sketch, reader, due: Instant::now(), took: ASSUMED, drawn, next }
+    }
+
+    /// What there is to show.
+    pub(super) fn next(&self) -> Option<&NextScene> {
+        self.next.as_ref()
+    }
+}
+
+impl Session {
+    /// Brings the picture of the next scene up to date, if there is time. `rest` is how long it is until the next picture of
+    /// the show is due; none while nothing moves.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn update_preview(&mut self, now: Instant, rest: Option<Duration>) -> Result<(), GpuError> {
+        let is_wanted = self.choices.next_scene || (self.screen.has_output() && !self.desk.clean);
+        let title = self.scene.scenes().next_title().filter(|_| is_wanted && !self.desk.bare);
+        let Some(title) = title else {
+            if self.preview.next.take().is_some() {
+                self.screen.request_redraw();
+            }
+            return Ok(());
+        };
+        self.take_preview(&title);
+        if now < self.preview.due {
+            return Ok(());
+        }
+        let rest = rest.map_or(AT_REST, |rest| rest.min(AT_REST));
+        let Some(moment) = self.pace.shown().map(|shown| shown.moment) else { return Ok(()) };
+        self.preview.due = now + EVERY;
+        let (level, beat) = (self.listening.level(), moment.features.beat.clamp(0.0, 1.0));
+        if let Some(next) = &mut self.preview.next
+            && (next.level, next.beat) != (level, beat)
+        {
+            (next.level, next.beat) = (level, beat);
+            next.revision += 1;
+        }
+        let has_one = self.preview.drawn.as_ref().is_some_and(|(drawn, _)| *drawn == title);
+        if has_one && self.preview.took.mul_f64(RESERVE) > rest {
+            // What took long once may take less time later.
+            self.preview.took = self.preview.took.mul_f64(0.9);
+            return Ok(());
+        }
+        let wanted = (title, moment.song_time);
+        if self.preview.drawn.as_ref() == Some(&wanted) {
+            return Ok(());
+        }
+        let reader = match &mut self.preview.reader {
+            Some(reader) => reader,
+            none => none.insert(PictureReader::new(self.screen.gl(), SIZE)?),
+        };
+        let begun = Instant::now();
+        let sound = Sound { features: moment.features, tables: Default::default(), song: moment.song };
+        let heard = (moment.song_time, sound);
+        let drawn = self.scene.preview(&mut self.renderer, &mut self.preview.sketch, reader, heard)?;
+        if drawn.is_some() {
+            self.preview.took = begun.elapsed();
+            tracing::debug!("the next scene in {:?} of {rest:?}", self.preview.took);
+            self.preview.drawn = drawn.map(|title| (title, wanted.1));
+        }
+        Ok(())
+    }
+
+    /// Takes a picture that has arrived.
+    fn take_preview(&mut self, title: &str) {
+        let Preview { reader, drawn, next, .. } = &mut self.preview;
+        let picture = reader
+            .as_mut()
+            .and_then(PictureReader::take)
+            .filter(|_| drawn.as_ref().is_some_and(|(drawn, _)| drawn == title));
+        let picture = picture.and_then(|bytes| RgbaImage::from_raw(SIZE.0, SIZE.1, bytes)).map(Arc::new);
+        let is_known = next.as_ref().is_some_and(|next| next.title == title);
+        if is_known && picture.is_none() {
+            return;
+        }
+        let revision = next.as_ref().map_or(0, |next| next.revision + 1);
+        let (level, beat) = next.as_ref().map_or((0.0, 0.0), |next| (next.level, next.beat));
+        *next = Some(NextScene { title: title.to_owned(), picture, level, beat, revision });
+        self.screen.request_redraw();
+    }
+}

@@ -1,0 +1,332 @@
+//! Records what hands do to the pictures of a song, as a show that does it again.
+//!
+//! It notes the pictures themselves, so it does not matter which hand changed them. Each track gets its own file, a journal:
+//! it is rewritten within a second of each change, so that an end without warning costs no more than that.
+
+use std::time::{Duration, Instant};
+
+use crate::config::PerformanceFiles;
+use crate::scenes::SceneSource;
+use crate::session::direction::OfTrack;
+use crate::session::scene::Performed;
+use crate::show::{Entrance, Finish, OnStage, Performance, name_of, print};
+use mariana_field::lang::Way;
+
+/// How often a performance is written while it changes.
+const KEPT_EVERY: Duration = Duration::from_secs(1);
+
+/// A performance that goes on.
+struct Take {
+    number: u64,
+    track: OfTrack,
+    title: String,
+    performance: Performance,
+    kept: Instant,
+    /// Set when something is noted, cleared when it is written.
+    has_changed: bool,
+    /// What was on in the last picture.
+    shown: Option<Showing>,
+    /// Whether it was told that there is no more room.
+    told_full: bool,
+    /// Whether the picture that was noted last is held.
+    is_held: bool,
+}
+
+/// What is on.
+struct Showing {
+    source: SceneSource,
+    /// What shows call it.
+    scene: String,
+    /// One of its cameras.
+    camera: Option<String>,
+    entrance: Entrance,
+    /// Since when, in seconds of the song.
+    start: f64,
+}
+
+/// See the module.
+pub(crate) struct Recording {
+    files: PerformanceFiles,
+    take: Option<Take>,
+    is_on: bool,
+    /// How many performances there were.
+    count: u64,
+    /// Whether the next file that is kept is to be told.
+    tells: bool,
+}
+
+impl Recording {
+    /// Nothing is recorded yet.
+    pub(crate) fn new(files: PerformanceFiles) -> Self {
+        Self { files, take: None, is_on: false, count: 0, tells: false }
+    }
+
+    /// Whether what shows is recorded.
+    pub(crate) fn is_on(&self) -> bool {
+        self.is_on
+    }
+
+    /// Begins, or ends and keeps what was recorded. Returns whether it begins.
+    pub(crate) fn toggle(&mut self, now: Instant) -> bool {
+        self.is_on = !self.is_on;
+        if !self.is_on {
+            self.finish(now);
+        }
+        self.is_on
+    }
+
+    /// Keeps what was recorded.
+    pub(crate) fn finish(&mut self, now: Instant) {
+        let Some(mut take) = self.take.take() else { return };
+        self.tells = true;
+        keep(&self.files, &mut take, now);
+    }
+
+    /// Notes a picture of a track at `time` seconds. Returns what is to be said about it.
+    pub(crate) fn note(
+        &mut self,
+        (track, title): (OfTrack, &str),
+        time: f64,
+        seen: Performed<'_>,
+        now: Instant,
+    ) -> Option<&'static str> {
+        if !self.is_on || track.is_none() {
+            return None;
+        }
+        if self.take.as_ref().is_some_and(|take| take.track != track) {
+            self.finish(now);
+        }
+        let count = &mut self.count;
+        let take = self.take.get_or_insert_with(|| {
+            *count += 1;
+            let (title, performance) = (title.to_owned(), Performance::default());
+            Take {
+                number: *count,
+                track,
+                title,
+                performance,
+                kept: now,
+                has_changed: true,
+                shown: None,
+                told_full: false,
+                is_held: false,
+            }
+        });
+        take.note(time, seen);
+        take.has_changed = true;
+        let is_news = take.performance.is_full() && !std::mem::replace(&mut take.told_full, true);
+        is_news.then_some("the performance is longer than a show may be: what comes now is not recorded")
+    }
+
+    /// Notes that the picture of a track which was noted last still shows at `time` seconds, and what is done to it.
+    pub(crate) fn note_picture(&mut self, track: OfTrack, time: f64, picture: &Finish, is_held: bool) {
+        let Some(take) = self.take.as_mut().filter(|take| take.track == track) else { return };
+        if is_held && !take.is_held {
+            take.performance.hold(picture);
+        }
+        take.is_held = is_held;
+        take.has_changed = true;
+        take.performance.note_picture(time, picture);
+    }
+
+    /// Writes a changed performance, at most once per [`KEPT_EVERY`] and only after the last write is done.
+    pub(crate) fn update(&mut self, now: Instant) {
+        let is_due =
+            |take: &&mut Take| take.has_changed && now.saturating_duration_since(take.kept) >= KEPT_EVERY;
+        if let Some(take) = self.take.as_mut().filter(is_due)
+            && self.files.is_idle()
+        {
+            keep(&self.files, take, now);
+        }
+    }
+
+    /// What became of a file, to be said.
+    pub(crate) fn news(&mut self) -> Option<String> {
+        let kept = self.files.poll()?;
+        match kept {
+            Ok(path) if self.tells => {
+                self.tells = false;
+                Some(format!(
+                    "recorded: {}; `mariana video SONG --show` and that file renders it",
+                    path.display()
+                ))
+            }
+            Ok(_) => None,
+            Err(error) => Some(format!("{error}: the performance is not kept; make room for it")),
+        }
+    }
+}
+
+impl Take {
+    fn note(&mut self, time: f64, seen: Performed<'_>) {
+        self.is_held = false;
+        let changes = match seen.faded {
+            Some((seconds, start)) => (Entrance::new(Way::Fade, seconds), start),
+            None => (Entrance::CUT, time),
+        };
+        let (entrance, start) = match (&self.shown, seen.directed) {
+            (None, Some(directed)) => directed,
+            (Some(shown), Some(directed)) if directed.1 >= shown.start => directed,
+            (None, None) => (Entrance::CUT, time),
+            // What nobody directs any more stays as it is; so does what the show takes over in the middle of a scene.
+            (Some(shown), _) if shown.goes_on_in(&seen, time) => (shown.entrance, shown.start),
+            (Some(shown), _) if shown.source == *seen.source => (Entrance::CUT, time),
+            (Some(_), _) => changes,
+        };
+        let scene = match self.shown.take().filter(|shown| shown.source == *seen.source) {
+            Some(shown) => shown.scene,
+            None => named(seen.source),
+        };
+        let Performed { source, camera, params, moves, hand, picture, .. } = seen;
+        let turns = hand.turns();
+        let on_stage = OnStage { scene: &scene, camera, entrance, start, params, moves, turns, picture };
+        self.performance.note(time, &on_stage);
+        let camera = camera.map(str::to_owned);
+        self.shown = Some(Showing { source: source.clone(), scene, camera, entrance, start });
+    }
+}
+
+impl Showing {
+    /// Whether a picture at `time` shows the same in the same way.
+    fn goes_on_in(&self, seen: &Performed<'_>, time: f64) -> bool {
+        let is_same = self.source == *seen.source && self.camera.as_deref() == seen.camera;
+        // A picture that is held ends a fade by hand: behind it the scene is alone.
+        let fades = self.entrance.way == Way::Fade && time < self.start + self.entrance.seconds;
+        is_same && self.start <= time && (seen.directed.is_some() || seen.fades || !fades)
+    }
+}
+
+/// What shows call a scene, wherever they are.
+fn named(source: &SceneSource) -> String {
+    match source {
+        SceneSource::File(path) => {
+            let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
+            name_of(&SceneSource::File(path))
+        }
+        source => name_of(source),
+    }
+}
+
+fn keep(files: &PerformanceFiles, take: &mut Take, now: Instant) {
+    (take.kept, take.has_changed) = (now, false);
+    if take.performance.is_empty() {
+        return;
+    }
+    let comments = [
+        format!("What was played to {}.", take.title),
+        "`mariana video SONG --show` and this file renders it.".to_owned(),
+    ];
+    // A long performance is a long text: it is written out where no picture waits.
+    let performance = take.performance.clone();
+    if !files.keep(take.number, &take.title, move || print(&performance.script(), &comments)) {
+        tracing::warn!("there is no folder for performances");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::orbit_controls::OrbitControls;
+
+    fn seen(source: &SceneSource, directed: Option<(Entrance, f64)>) -> Performed<'_> {
+        Performed {
+            source,
+            camera: None,
+            directed,
+            faded: None,
+            fades: false,
+            params: Vec::new(),
+            moves: &[],
+            hand: OrbitControls::OFF,
+            picture: Finish::NOTHING,
+        }
+    }
+
+    #[test]
+    fn each_track_has_its_file_with_what_was_on_and_how_it_came() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut recording = Recording::new(PerformanceFiles::in_folder(Some(folder.path().to_owned())));
+        let now = Instant::now();
+        let [orb, city, heart] = ["orb", "city", "heart"].map(|name| SceneSource::Shipped(name.to_owned()));
+        recording.note((Some(0), "one"), 1.0, seen(&orb, None), now);
+        assert!(recording.take.is_none(), "nobody asked for it");
+        assert!(recording.toggle(now));
+        for (time, scene, faded) in
+            [(2.0, &orb, None), (3.0, &orb, None), (4.0, &city, Some((0.5, 3.75))), (5.0, &city, None)]
+        {
+            recording.note(
+                (Some(0), "one"),
+                time,
+                Performed { faded, fades: faded.is_some(), ..seen(scene, None) },
+                now,
+            );
+        }
+        let held = Finish { numbers: [0.5, 1.0], is_shown: false };
+        recording.note_picture(Some(0), 6.0, &held, true);
+        recording.note_picture(Some(2), 7.0, &Finish::NOTHING, false);
+        let melt = (Entrance::new(Way::Melt, 2.0), 0.5);
+        recording.note((Some(1), "two"), 1.5, seen(&heart, Some(melt)), now);
+        recording.note((None, "an input"), 9.0, seen(&city, None), now);
+        assert!(!recording.toggle(now));
+        drop(recording);
+        let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+        assert!(
+            text("one.show").ends_with(
+                "at 0:02     orb  cut\nat 0:03.75  city  fade over 0.5 s\n\
+                 \x20 set picture brightness = 1 -> 1 over 1.25 s -> 1 over 1 s -> 0.5 over 0 s\n\
+                 \x20 set picture freeze = 0 -> 0 over 1.25 s -> 1 over 0 s\n"
+            ),
+            "{}",
+            text("one.show")
+        );
+        assert!(text("two.show").ends_with("\nat 0:00.5  heart  melt over 2 s\n"), "{}", text("two.show"));
+    }
+
+    #[test]
+    fn a_recording_was_on_disk_only_after_it_had_ended() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut recording = Recording::new(PerformanceFiles::in_folder(Some(folder.path().to_owned())));
+        let start = Instant::now();
+        let orb = SceneSource::Shipped("orb".to_owned());
+        recording.toggle(start);
+        recording.note((Some(0), "one"), 2.0, seen(&orb, None), start);
+        recording.update(start);
+        assert!(recording.files.is_idle(), "each picture was written");
+        // The picture is still: nothing more is noted.
+        recording.update(start + KEPT_EVERY);
+        assert!(!recording.files.is_idle());
+        let path = recording.files.wait().unwrap().unwrap();
+        assert!(std::fs::read_to_string(path).unwrap().ends_with("\nat 0:02  orb  cut\n"));
+        recording.update(start + 9 * KEPT_EVERY);
+        assert!(recording.files.is_idle(), "it has not changed");
+    }
+
+    #[test]
+    fn what_ends_a_fade_or_looks_from_elsewhere_begins_a_part_of_its_own() {
+        let now = Instant::now();
+        let orb = SceneSource::Shipped("orb".to_owned());
+        let city = SceneSource::Shipped("city".to_owned());
+        type Seen<'a> = (f64, &'a SceneSource, Option<(f64, f64)>, bool, Option<&'static str>);
+        let told = |pictures: &[Seen<'_>]| {
+            let mut recording = Recording::new(PerformanceFiles::in_folder(None));
+            recording.toggle(now);
+            for (time, scene, faded, fades, camera) in pictures.iter().copied() {
+                let seen = Performed { faded, fades, camera, ..seen(scene, None) };
+                recording.note((Some(0), "one"), time, seen, now);
+            }
+            let script = recording.take.map(|take| take.performance.script()).unwrap_or_default();
+            print(&script, &[]).lines().map(str::to_owned).collect::<Vec<_>>()
+        };
+        let fade = Some((4.0, 2.0));
+        let begins = [(1.0, &orb, None, false, None), (2.0, &city, fade, true, None)];
+        let with = |more: &[_]| told(&[&begins[..], more].concat());
+        let usual = ["at 0:01  orb  cut", "at 0:02  city  fade over 4 s"];
+        assert_eq!(with(&[(3.0, &city, fade, true, None), (7.0, &city, None, false, None)]), usual);
+        // A show's fade goes on though nobody directs any more.
+        assert_eq!(with(&[(3.0, &city, None, true, None)]), usual);
+        let held = with(&[(3.0, &city, None, false, None), (4.0, &city, None, false, None)]);
+        assert_eq!(held, [usual[0], "at 0:02  city  fade over 4 s unfinished", "at 0:03  city  cut"]);
+        let aside = with(&[(7.0, &city, None, false, Some("low")), (8.0, &city, None, false, Some("low"))]);
+        assert_eq!(aside, [usual[0], usual[1], "at 0:07  city  camera low  cut"]);
+    }
+}

@@ -1,0 +1,24 @@
+//! Hands the picture that shows to other programs.
+
+use std::time::Instant;
+
+use super::Session;
+use crate::export::print::tell;
+use crate::session::SessionError;
+
+impl Session {
+    /// Sends what is to be sent. Returns when to look again, if that is before anything else happens.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn send(&mut self, now: Instant) -> Result<Option<Instant>, SessionError> {
+        for sentence in self.feeds.news() {
+            tell(&sentence);
+            self.reports.say(sentence);
+        }
+        if self.pace.shown().is_none() {
+            return Ok(None);
+        }
+        Ok(self.feeds.go_on(self.screen.gl(), &mut self.renderer, now)?)
+    }
+}

@@ -1,0 +1,86 @@
+//! What is chosen in the panel of settings: it takes effect at once, and is remembered.
+
+use super::Session;
+use crate::commands::{Command, Panel, SetSetting};
+use crate::config::Setting;
+use crate::gpu::error::GpuError;
+use crate::ui::overlay::SettingEvent;
+use crate::ui::settings_panel::{Facts, SettingsPanel};
+
+impl Session {
+    /// Opens the panel of settings, or closes it.
+    pub(super) fn show_settings(&mut self, open: bool) {
+        if open {
+            self.screen.look_at_monitors();
+        }
+        self.desk.settings = open.then(SettingsPanel::default);
+        self.update_settings();
+    }
+
+    /// Brings the panel up to date, if it is open.
+    pub(super) fn update_settings(&mut self) {
+        if let Some(panel) = &mut self.desk.settings {
+            let facts = self.listening.facts(&self.choices, self.names_output);
+            panel.update(&Facts { monitors: self.screen.monitors(), ..facts });
+        }
+    }
+
+    /// Takes what was done in the panel, and carries out what it asks for.
+    pub(super) fn take_setting_event(&mut self, event: SettingEvent) {
+        let Some(panel) = &mut self.desk.settings else { return };
+        let command = match event {
+            SettingEvent::Pick { row, value } => panel.pick(row, value),
+            SettingEvent::Change { row, number, settled } => panel.change_number(row, number, settled),
+            SettingEvent::Close => Some(Command::TogglePanel(Panel::Settings)),
+        };
+        self.carry_out_all(command);
+    }
+
+    /// Lets a setting take effect, and remembers it once it is settled.
+    pub(super) fn change_setting(&mut self, SetSetting { setting, settled }: SetSetting) {
+        match &setting {
+            Setting::Output(id) => {
+                self.listening.choose_output(id.clone());
+                (self.names_output, self.chose_output) = (false, true);
+            }
+            Setting::Quality(quality) => self.pace.set_quality(*quality),
+            Setting::FlashLimiter(on) => {
+                if let Err(error) = self.limit_flashes(*on) {
+                    return self.reports.answer(format!("flashes cannot be limited: {error}"));
+                }
+            }
+            Setting::ToneMap(tone_map) => {
+                self.renderer.set_tone_map(*tone_map);
+                self.scene.composer_mut().look_different();
+            }
+            Setting::Gain(gain) => self.listening.set_gain(*gain),
+            Setting::FollowSong(follow) => self.direction.set_follow(*follow),
+            Setting::LastTracks(on) => {
+                if !on {
+                    self.listening.keep_tracks(None);
+                }
+            }
+            Setting::Screen(name) => self.screen.want_output(name.clone()),
+            Setting::Brightness(percent) => self.masters.set_brightness(f32::from(*percent) / 100.0),
+            Setting::BlackoutFade(seconds) => self.masters.set_fade(*seconds),
+            Setting::Flip(_) | Setting::Crop(_) | Setting::Corners(_) => {
+                self.screen.lie_differently();
+            }
+            Setting::NextScene(_) => self.screen.request_redraw(),
+            Setting::Hints(on) => self.desk.clean = !on,
+        }
+        self.choices.set(&setting);
+        if settled {
+            self.listening.remember(move |settings| settings.choices.set(&setting));
+        }
+        self.update_settings();
+    }
+
+    fn limit_flashes(&mut self, on: bool) -> Result<(), GpuError> {
+        if !on {
+            self.renderer.remove_flash_limiter();
+            return Ok(());
+        }
+        self.renderer.add_flash_limiter(&self.shaders)
+    }
+}

@@ -1,0 +1,581 @@
+//! What the show listens to: the song or a live input, and how much later the picture is shown.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::commands::SHIFT_STEP_MS;
+use crate::config::{DEFAULT_DEVICE, KeptSettings, ListenChoice, Memory, Settings};
+use crate::export::print::tell;
+use crate::session::SessionError;
+use crate::ui::overlay::SourceList;
+use crate::ui::settings_panel;
+use mariana_music::{self, Gain};
+use mariana_player::device_list::{DeviceList, DeviceWatch, ListedDevice};
+use mariana_player::input::{Live, LiveOptions, LiveStatus};
+use mariana_player::limits::LIMITS as PLAYER_LIMITS;
+use mariana_player::{Moment, Player, PlayerStatus, Target};
+
+/// How long the list of sources stays after it was asked for.
+const LIST_STANDS: Duration = Duration::from_secs(4);
+
+/// Something to listen to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Source {
+    Song,
+    Live(Target),
+}
+
+/// See the module.
+pub(crate) struct Sound {
+    player: Option<Player>,
+    live: Option<Live>,
+    /// What the user wants.
+    paused: bool,
+    kept: KeptSettings,
+    /// The shift of this run, in milliseconds, if it was given on the command line.
+    asked_ms: Option<f64>,
+    gain: Gain,
+    /// What songs play on; none is silence on purpose.
+    output: Option<Target>,
+    /// Id of the device in use, as far as is known, and its name.
+    device: Option<ListedDevice>,
+    watch: Option<Arc<DeviceWatch>>,
+    list: Option<(Vec<(Source, String)>, Instant)>,
+    /// A choice that is remembered only once the list is gone: on the way to it others were chosen for moments.
+    unremembered: Option<Target>,
+    /// What stays over the picture for as long as it holds.
+    hint: Option<String>,
+    suggestion: Option<ListedDevice>,
+    told: Option<String>,
+    /// What was complained of. Each is said once, however often it is tried again.
+    complaints: BTreeSet<String>,
+    /// Those that are not over the picture yet.
+    unsaid: Vec<String>,
+}
+
+/// What the show starts with.
+pub(crate) struct Start {
+    /// The song; none if only an input is listened to.
+    pub player: Option<Player>,
+    /// What is remembered.
+    pub memory: Memory,
+    /// An input.
+    pub listen: Option<ListenChoice>,
+    /// The input's id, name, or a part of one.
+    pub device: Option<String>,
+    /// What songs play on; none is silence on purpose.
+    pub output: Option<Target>,
+    /// The shift of this run, in seconds.
+    pub latency: Option<f64>,
+    /// Whether quiet and loud sound move the picture alike.
+    pub gain: Gain,
+}
+
+impl Sound {
+    /// Starts to listen; a song waits until it is started.
+    ///
+    /// # Errors
+    /// A thread cannot be started.
+    pub(crate) fn start(start: Start) -> Result<Self, SessionError> {
+        let mut sound = Self {
+            player: start.player,
+            live: None,
+            paused: true,
+            kept: KeptSettings::of(start.memory.file),
+            asked_ms: start.latency.map(|seconds| 1000.0 * seconds),
+            gain: start.gain,
+            output: start.output,
+            device: None,
+            watch: None,
+            list: None,
+            unremembered: None,
+            hint: None,
+            suggestion: None,
+            told: None,
+            complaints: BTreeSet::new(),
+            unsaid: Vec::new(),
+        };
+        if let Some(trouble) = start.memory.trouble {
+            sound.complain(&trouble.to_string());
+        }
+        if let Some(choice) = start.listen {
+            let target = wanted(choice, start.device, sound.kept.settings());
+            sound.live = Some(Live::start(LiveOptions { target, gain: start.gain })?);
+        }
+        Ok(sound)
+    }
+
+    /// The song, if it is what is listened to.
+    pub(crate) fn player(&mut self) -> Option<&mut Player> {
+        self.player.as_mut().filter(|_| self.live.is_none())
+    }
+
+    /// Whether the song is what is listened to.
+    pub(crate) fn plays_song(&self) -> bool {
+        self.live.is_none() && self.player.is_some()
+    }
+
+    /// Pauses or goes on.
+    pub(crate) fn set_paused(&mut self, paused: bool) {
+        self.paused = paused;
+        if let Some(live) = &mut self.live {
+            live.set_paused(paused);
+        } else if let Some(player) = &self.player {
+            player.set_paused(paused);
+        }
+    }
+
+    /// What is heard now.
+    pub(crate) fn now(&mut self) -> Option<Moment> {
+        let shift = self.shift_ms() / 1000.0;
+        match (&mut self.live, &mut self.player) {
+            (Some(live), _) => Some(live.now(shift)),
+            (None, Some(player)) => Some(player.now(shift)),
+            (None, None) => None,
+        }
+    }
+
+    /// The sound at the moment that [`Sound::now`] last returned, with its curves.
+    pub(crate) fn heard(&self) -> mariana_music::Sound {
+        match (&self.live, &self.player) {
+            (Some(live), _) => live.sound(),
+            (None, Some(player)) => player.sound(),
+            (None, None) => mariana_music::Sound::default(),
+        }
+    }
+
+    /// The state of the song, if it is what is listened to. Notes its device.
+    pub(crate) fn song_status(&mut self) -> Option<PlayerStatus> {
+        let status = self.player()?.status();
+        self.device.clone_from(&status.device);
+        Some(status)
+    }
+
+    /// The state of the input, if one is listened to. Prints what is new on the terminal.
+    pub(crate) fn live_status(&mut self) -> Option<LiveStatus> {
+        if self.list(false, Instant::now()).is_none() {
+            self.remember_choice();
+        }
+        let status = self.live.as_mut()?.status();
+        self.device.clone_from(&status.device);
+        self.suggestion.clone_from(&status.suggestion);
+        self.hint = status.silent.clone().or_else(|| status.refused.clone()).or_else(|| status.flat.clone());
+        if self.told != status.silent {
+            if let Some(reason) = &status.silent {
+                tell(&format!("nothing is heard: {reason}"));
+            }
+            self.told.clone_from(&status.silent);
+        }
+        Some(status)
+    }
+
+    /// Shifts the picture by steps of [`SHIFT_STEP_MS`], and remembers the shift for the device. Returns it in words.
+    pub(crate) fn shift(&mut self, steps: f64) -> String {
+        let shift = self.shift_to(self.shift_ms() + steps * SHIFT_STEP_MS, true);
+        shift_in_words(shift, self.device.as_ref().map(|device| &*device.name))
+    }
+
+    /// Shifts the picture to so many milliseconds, as far as is possible, and returns them. If they are `settled` they
+    /// are remembered for the device.
+    pub(crate) fn shift_to(&mut self, shift: f64, settled: bool) -> f64 {
+        // Live sound cannot be shown before it arrives.
+        let least = if self.live.is_some() { 0.0 } else { -PLAYER_LIMITS.latency_ms_max };
+        let shift = shift.clamp(least, PLAYER_LIMITS.latency_ms_max);
+        self.asked_ms = Some(shift);
+        if let Some(device) = self.device.clone().filter(|_| settled) {
+            // From now on it is remembered for the device; another device has its own shift.
+            self.asked_ms = None;
+            self.remember(move |settings| {
+                settings.latency_ms.insert(device.id.clone(), shift);
+            });
+        }
+        shift
+    }
+
+    /// What people call the device in use, as far as is known.
+    pub(crate) fn device_name(&self) -> Option<&str> {
+        self.device.as_ref().map(|device| &*device.name)
+    }
+
+    /// Plays songs on the output with this id while it is there, or on the system's default.
+    pub(crate) fn choose_output(&mut self, id: Option<String>) {
+        let target = id.map_or(Target::Default, Target::Preferred);
+        if let Some(player) = &self.player {
+            player.choose_output(target.clone());
+        }
+        if self.live.is_none() {
+            // A shift that the command line gave belonged to another device.
+            self.asked_ms = None;
+        }
+        self.output = Some(target);
+    }
+
+    /// Levels the sound for the picture from now on, or no longer.
+    pub(crate) fn set_gain(&mut self, gain: Gain) {
+        self.gain = gain;
+        if let Some(player) = &self.player {
+            player.set_gain(gain);
+        }
+        if let Some(live) = &self.live {
+            live.set_gain(gain);
+        }
+    }
+
+    /// The outputs that songs can play on, the system's default first; none in a show without songs.
+    pub(crate) fn outputs(&mut self) -> Vec<settings_panel::Output> {
+        if self.player.is_none() {
+            return Vec::new();
+        }
+        let device_list = self.device_list().unwrap_or_default();
+        let open = self.device.as_ref().filter(|_| self.live.is_none());
+        outputs_of(&device_list, self.output.as_ref(), open)
+    }
+
+    /// How much later than the device says the picture is shown, in milliseconds.
+    pub(crate) fn shift_ms(&self) -> f64 {
+        let remembered = || self.kept.settings().latency_ms.get(&self.device.as_ref()?.id).copied();
+        self.asked_ms.or_else(remembered).unwrap_or(0.0)
+    }
+
+    /// Everything that can be listened to now; none if the devices cannot be watched.
+    fn latest_sources(&mut self) -> Option<Vec<(Source, String)>> {
+        let device_list = self.device_list()?;
+        Some(self.sources(&device_list))
+    }
+
+    /// The devices that there are now; none if they cannot be watched.
+    fn device_list(&mut self) -> Option<Arc<DeviceList>> {
+        if let Some(watch) = &self.watch {
+            return Some(watch.latest().1);
+        }
+        match DeviceWatch::shared() {
+            Ok(watch) => Some(self.watch.insert(watch).latest().1),
+            Err(error) => {
+                self.complain(&error.to_string());
+                None
+            }
+        }
+    }
+
+    /// The song, whatever is listened to.
+    pub(crate) fn song(&mut self) -> Option<&mut Player> {
+        self.player.as_mut()
+    }
+
+    /// Listens to the song instead of an input; there is none in a show that began with an input. Returns it.
+    pub(crate) fn listen_to_song(&mut self) -> Option<&mut Player> {
+        if self.player.is_some() && self.live.is_some() {
+            self.choose(Source::Song);
+        }
+        self.player()
+    }
+
+    /// Shows the list of sources, as it is now.
+    pub(crate) fn show_list(&mut self) {
+        if let Some(sources) = self.latest_sources() {
+            self.list = Some((sources, Instant::now()));
+        }
+    }
+
+    /// Listens to the source at this place of the list that shows.
+    pub(crate) fn choose_from_list(&mut self, place: usize) {
+        let Some((sources, since)) = &mut self.list else { return };
+        let Some((source, _)) = sources.get(place) else { return };
+        let source = source.clone();
+        *since = Instant::now();
+        if source != self.present() {
+            self.choose(source);
+        }
+    }
+
+    /// Listens to the next source, or to the one that has a signal, and shows the list of them.
+    pub(crate) fn next_source(&mut self) {
+        let Some(sources) = self.latest_sources() else { return };
+        let present = self.present();
+        let place = sources.iter().position(|(source, _)| *source == present);
+        let suggested = self.suggestion.take().map(|entry| Source::Live(Target::Named(entry.id)));
+        let next = suggested.or_else(|| {
+            let after = place.map_or(0, |place| (place + 1) % sources.len().max(1));
+            sources.get(after).map(|(source, _)| source.clone())
+        });
+        if let Some(next) = next {
+            self.choose(next);
+        }
+        self.list = Some((sources, Instant::now()));
+    }
+
+    fn present(&self) -> Source {
+        self.live.as_ref().map_or(Source::Song, |live| Source::Live(live.target().clone()))
+    }
+
+    /// Everything that can be listened to, with its name.
+    fn sources(&self, device_list: &DeviceList) -> Vec<(Source, String)> {
+        let name_of =
+            |entry: Option<&ListedDevice>| entry.map_or("currently none", |entry| &*entry.name).to_owned();
+        let mut sources = Vec::new();
+        if self.player.is_some() {
+            sources.push((Source::Song, "the song".to_owned()));
+        }
+        let monitor = name_of(device_list.default_monitor());
+        let input = device_list.default_input.as_deref().and_then(|id| device_list.input(id));
+        sources.push((Source::Live(Target::Monitor), format!("what the computer plays ({monitor})")));
+        sources.push((Source::Live(Target::Default), format!("the default input ({})", name_of(input))));
+        for entry in &device_list.inputs {
+            sources.push((Source::Live(Target::Named(entry.id.clone())), entry.name.clone()));
+        }
+        let present = self.present();
+        if let Source::Live(Target::Named(name)) = &present
+            && !sources.iter().any(|(source, _)| *source == present)
+        {
+            sources.push((present.clone(), name.clone()));
+        }
+        sources
+    }
+
+    fn choose(&mut self, source: Source) {
+        (self.hint, self.device, self.told) = (None, None, None);
+        // The shift that was asked for belonged to another device.
+        self.asked_ms = None;
+        match source {
+            Source::Song => {
+                // Closing waits for the sound system, and the picture must not wait.
+                if let Some(live) = self.live.take() {
+                    let closing = std::thread::Builder::new().name("closing".into());
+                    // If there is no thread, the input is closed here, which has a time limit too.
+                    if let Err(error) = closing.spawn(move || drop(live)) {
+                        tracing::warn!("the input was closed on the window's thread ({error})");
+                    }
+                }
+                self.unremembered = None;
+                if let Some(player) = &self.player {
+                    player.set_paused(self.paused);
+                }
+            }
+            Source::Live(target) => {
+                if let Some(player) = &self.player {
+                    player.set_paused(true);
+                }
+                match &mut self.live {
+                    Some(live) => live.choose(target.clone()),
+                    None => match Live::start(LiveOptions { target: target.clone(), gain: self.gain }) {
+                        Ok(mut live) => {
+                            live.set_paused(self.paused);
+                            self.live = Some(live);
+                        }
+                        Err(error) => return self.complain(&error.to_string()),
+                    },
+                }
+                self.unremembered = Some(target);
+            }
+        }
+    }
+
+    /// What stays over the picture.
+    pub(crate) fn hint(&self) -> Option<&str> {
+        self.hint.as_deref().filter(|_| self.live.is_some())
+    }
+
+    /// The list of sources, as long as it shows; `stays` while the user keeps it open.
+    pub(crate) fn list(&self, stays: bool, now: Instant) -> Option<SourceList> {
+        let (sources, since) = self.list.as_ref()?;
+        let present = self.present();
+        (stays || now.saturating_duration_since(*since) < LIST_STANDS).then(|| SourceList {
+            names: sources.iter().map(|(_, name)| name.clone()).collect(),
+            present: sources.iter().position(|(source, _)| *source == present),
+        })
+    }
+
+    fn remember_choice(&mut self) {
+        if let Some(target) = self.unremembered.take() {
+            self.remember(move |settings| note_choice(settings, &target));
+        }
+    }
+
+    /// What is remembered from run to run.
+    pub(crate) fn settings(&self) -> &Settings {
+        self.kept.settings()
+    }
+
+    /// Keeps a list of tracks for the next show, or none.
+    pub(crate) fn keep_tracks(&mut self, tracks: Option<Vec<PathBuf>>) {
+        self.kept.keep_tracks(tracks);
+    }
+
+    /// Remembers a change of it, here and in the file.
+    pub(crate) fn remember(&mut self, change: impl Fn(&mut Settings) + Send + 'static) {
+        self.kept.change(change);
+    }
+
+    /// Reports what is wrong with settings or devices, once: on the terminal, and over the picture.
+    fn complain(&mut self, text: &str) {
+        if self.complaints.insert(text.to_owned()) {
+            tell(text);
+            self.unsaid.push(text.to_owned());
+        }
+    }
+
+    /// What was complained of since the last call.
+    pub(crate) fn take_complaints(&mut self) -> Vec<String> {
+        while let Some(error) = self.kept.poll() {
+            self.complain(&error.to_string());
+        }
+        std::mem::take(&mut self.unsaid)
+    }
+}
+
+impl Drop for Sound {
+    fn drop(&mut self) {
+        self.remember_choice();
+        for error in self.kept.finish() {
+            self.complain(&error.to_string());
+        }
+    }
+}
+
+/// What to listen to: the device that was asked for, or the one that is remembered, or the default.
+fn wanted(choice: ListenChoice, device: Option<String>, settings: &Settings) -> Target {
+    let (remembered, default) = match choice {
+        ListenChoice::Microphone => (&settings.microphone, Target::Default),
+        ListenChoice::System => (&settings.system, Target::Monitor),
+    };
+    let asked = device.map(|name| match choice {
+        _ if name == DEFAULT_DEVICE => default.clone(),
+        ListenChoice::Microphone => Target::Named(name),
+        ListenChoice::System => Target::MonitorOf(name),
+    });
+    asked.or_else(|| remembered.clone().map(Target::Named)).unwrap_or(default)
+}
+
+/// Remembers a choice, by name.
+fn note_choice(settings: &mut Settings, target: &Target) {
+    match target {
+        Target::Default => settings.microphone = None,
+        Target::Monitor => settings.system = None,
+        // Given on the command line, for one run.
+        Target::MonitorOf(_) => {}
+        Target::Named(id) | Target::Preferred(id) => {
+            let entry = ListedDevice { id: id.clone(), name: String::new() };
+            let place = if entry.is_monitor() { &mut settings.system } else { &mut settings.microphone };
+            *place = Some(id.clone());
+        }
+    }
+}
+
+/// The outputs of a list of devices as rows, of which the one that is meant by `target` is chosen; `open` is the one that
+/// a song plays on.
+fn outputs_of(
+    device_list: &DeviceList,
+    target: Option<&Target>,
+    open: Option<&ListedDevice>,
+) -> Vec<settings_panel::Output> {
+    let default = device_list.default_output.as_ref();
+    let default = device_list.outputs.iter().find(|entry| Some(&entry.id) == default);
+    let chosen = match target {
+        Some(Target::Preferred(id)) => Some(id),
+        // A name of the command line may be a part of one.
+        Some(Target::Named(_)) => open.map(|entry| &entry.id),
+        _ => None,
+    };
+    let name = default.map_or_else(
+        || "The system's default output".to_owned(),
+        |entry| format!("The system's default output ({})", entry.name),
+    );
+    let mut outputs =
+        vec![settings_panel::Output { id: None, name, is_chosen: target == Some(&Target::Default) }];
+    outputs.extend(device_list.outputs.iter().map(|entry| settings_panel::Output {
+        id: Some(entry.id.clone()),
+        name: entry.name.clone(),
+        is_chosen: chosen == Some(&entry.id),
+    }));
+    if let Some(id) = chosen.filter(|id| !device_list.outputs.iter().any(|entry| entry.id == **id)) {
+        let name = format!("{id}, which is not there now");
+        outputs.push(settings_panel::Output { id: Some(id.clone()), name, is_chosen: true });
+    }
+    outputs
+}
+
+/// A shift in words.
+fn shift_in_words(shift: f64, device: Option<&str>) -> String {
+    let words = match shift {
+        0.0 => "the picture is shown without a shift".to_owned(),
+        later if later > 0.0 => format!("the picture is shown {later:.0} ms later"),
+        sooner => format!("the picture is shown {:.0} ms sooner", -sooner),
+    };
+    match device {
+        Some(device) => format!("{words} · {device}"),
+        None => words,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_that_is_asked_for_wins_over_one_that_is_remembered() {
+        let settings = Settings {
+            microphone: Some("p:mic".into()),
+            system: Some("p:tv.monitor".into()),
+            ..Settings::default()
+        };
+        let named = |name: &str| Target::Named(name.into());
+        let (mic, system) = (ListenChoice::Microphone, ListenChoice::System);
+        assert_eq!(wanted(mic, None, &settings), named("p:mic"));
+        assert_eq!(wanted(system, None, &settings), named("p:tv.monitor"));
+        assert_eq!(wanted(mic, Some("usb".into()), &settings), named("usb"));
+        assert_eq!(wanted(system, Some("hdmi".into()), &settings), Target::MonitorOf("hdmi".into()));
+        assert_eq!(wanted(system, Some("default".into()), &settings), Target::Monitor);
+        let none = Settings::default();
+        assert_eq!(
+            (wanted(mic, None, &none), wanted(system, None, &none)),
+            (Target::Default, Target::Monitor)
+        );
+    }
+
+    #[test]
+    fn outputs_are_listed_with_the_one_that_is_meant() {
+        let entry = |id: &str| ListedDevice { id: id.into(), name: id.to_uppercase() };
+        let device_list = DeviceList {
+            known: true,
+            outputs: vec![entry("p:a"), entry("p:b")],
+            default_output: Some("p:b".into()),
+            ..DeviceList::default()
+        };
+        let rows = |target: Option<Target>, open: Option<&str>| {
+            let open = open.map(entry);
+            let rows = outputs_of(&device_list, target.as_ref(), open.as_ref());
+            let mark = |row: &settings_panel::Output| if row.is_chosen { ">" } else { "" };
+            rows.iter().map(|row| format!("{}{}", mark(row), row.name)).collect::<Vec<_>>()
+        };
+        let default = "The system's default output (P:B)";
+        assert_eq!(rows(Some(Target::Default), Some("p:b")), [&format!(">{default}"), "P:A", "P:B"]);
+        assert_eq!(rows(Some(Target::Preferred("p:a".into())), None), [default, ">P:A", "P:B"]);
+        assert_eq!(rows(Some(Target::Named("A".into())), Some("p:a")), [default, ">P:A", "P:B"]);
+        assert_eq!(rows(None, None), [default, "P:A", "P:B"], "silence on purpose");
+        let gone = rows(Some(Target::Preferred("p:usb".into())), Some("p:b"));
+        assert_eq!(gone[3], ">p:usb, which is not there now");
+    }
+
+    #[test]
+    fn choices_are_remembered_where_they_belong() {
+        let mut settings = Settings::default();
+        for name in ["p:mic", "p:tv.monitor"] {
+            note_choice(&mut settings, &Target::Named(name.into()));
+        }
+        assert_eq!(
+            (settings.microphone.as_deref(), settings.system.as_deref()),
+            (Some("p:mic"), Some("p:tv.monitor"))
+        );
+        note_choice(&mut settings, &Target::Monitor);
+        assert_eq!((settings.microphone.as_deref(), settings.system), (Some("p:mic"), None));
+    }
+
+    #[test]
+    fn shifts_are_told_with_their_sign() {
+        assert!(shift_in_words(35.0, Some("TV")).contains("35 ms later · TV"));
+        assert!(shift_in_words(-5.0, None).contains("5 ms sooner"));
+        assert!(!shift_in_words(0.0, None).contains("ms"));
+    }
+}

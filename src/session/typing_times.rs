@@ -1,0 +1,100 @@
+//! How long keys of the editor took to be seen, for the log.
+
+use std::time::{Duration, Instant};
+
+/// Durations that are remembered.
+const KEPT: usize = 4096;
+
+/// See the module.
+#[derive(Debug, Default)]
+pub(crate) struct TypingTimes {
+    /// When the first key was pressed that does not show in the text yet.
+    pressed: Option<Instant>,
+    /// When the first one was pressed that does not show in the picture yet, and the scene that was on the stage then.
+    drafted: Option<(Instant, Option<u64>)>,
+    /// What the keys took that do not show yet.
+    taken: Duration,
+    work: Vec<f32>,
+    text: Vec<f32>,
+    picture: Vec<f32>,
+}
+
+impl TypingTimes {
+    /// Notes a key that was taken in so much time.
+    pub(crate) fn note_taken(&mut self, time: Duration) {
+        self.taken += time;
+    }
+
+    /// Notes a key that changed the text over the scene with this number.
+    pub(crate) fn note_key(&mut self, scene: Option<u64>, now: Instant) {
+        self.pressed.get_or_insert(now);
+        self.drafted.get_or_insert((now, scene));
+    }
+
+    /// Notes that no picture will come of the last keys: there is a mistake.
+    pub(crate) fn note_mistake(&mut self) {
+        self.drafted = None;
+    }
+
+    /// Notes that the window shows what there was to show, perhaps with a new picture of the scene with this number. The
+    /// overlay was laid out and painted in `painting`.
+    pub(crate) fn note_shown(&mut self, scene: Option<u64>, is_new: bool, painting: Duration, now: Instant) {
+        let taken = std::mem::take(&mut self.taken);
+        if let Some(pressed) = self.pressed.take() {
+            note(&mut self.work, taken + painting);
+            note(&mut self.text, now - pressed);
+        }
+        if let Some((since, _)) = self.drafted.take_if(|(_, before)| is_new && *before != scene) {
+            note(&mut self.picture, now - since);
+        }
+    }
+}
+
+fn note(list: &mut Vec<f32>, time: Duration) {
+    if list.len() < KEPT {
+        list.push(1000.0 * time.as_secs_f32());
+    }
+}
+
+impl std::fmt::Display for TypingTimes {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let summary = |list: &[f32]| {
+            let mut sorted = list.to_vec();
+            sorted.sort_by(f32::total_cmp);
+            let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).copied();
+            match at(0.5).zip(at(0.99)) {
+                Some((median, most)) => {
+                    format!("{} times, median {median:.1} ms, 99 of 100 within {most:.1} ms", sorted.len())
+                }
+                None => "never".to_owned(),
+            }
+        };
+        let [work, text, picture] = [&self.work, &self.text, &self.picture].map(|list| summary(list));
+        write!(f, "work for a key: {work}; to its letter: {text}; to the picture: {picture}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_count_until_they_show_and_mistakes_make_no_picture() {
+        let start = Instant::now();
+        let at = |ms| start + Duration::from_millis(ms);
+        let mut times = TypingTimes::default();
+        assert_eq!(times.to_string(), "work for a key: never; to its letter: never; to the picture: never");
+        times.note_key(Some(1), at(0));
+        times.note_taken(Duration::from_millis(1));
+        times.note_shown(Some(1), true, Duration::from_millis(2), at(4));
+        times.note_shown(Some(2), true, Duration::ZERO, at(20));
+        times.note_key(Some(2), at(100));
+        times.note_mistake();
+        times.note_shown(Some(2), true, Duration::from_millis(3), at(102));
+        times.note_shown(Some(3), true, Duration::ZERO, at(900));
+        let text = "work for a key: 2 times, median 3.0 ms, 99 of 100 within 3.0 ms; \
+                    to its letter: 2 times, median 4.0 ms, 99 of 100 within 4.0 ms; \
+                    to the picture: 1 times, median 20.0 ms, 99 of 100 within 20.0 ms";
+        assert_eq!(times.to_string(), text);
+    }
+}

@@ -1,0 +1,64 @@
+//! Screen readers and other assistive technology. The system's interface for them belongs to the window's thread, the
+//! controls are drawn by the show's: requests go one way, trees of controls the other.
+
+use accesskit_winit::{Adapter, Event, WindowEvent as Asked};
+use egui::accesskit::TreeUpdate;
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, EventLoop, EventLoopProxy};
+use winit::window::Window;
+
+use crate::shell::window_thread::Told;
+pub(crate) use crate::ui::overlay::Assistance;
+
+impl From<Asked> for Assistance {
+    fn from(asked: Asked) -> Self {
+        match asked {
+            Asked::InitialTreeRequested => Self::Begins,
+            Asked::ActionRequested(request) => Self::Act(request),
+            Asked::AccessibilityDeactivated => Self::Ends,
+        }
+    }
+}
+
+/// Where the show tells its controls.
+#[derive(Clone)]
+pub(crate) struct ControlsTeller(EventLoopProxy<Told>);
+
+impl ControlsTeller {
+    /// Tells them by way of `event_loop`.
+    pub(crate) fn new(event_loop: &EventLoop<Told>) -> Self {
+        Self(event_loop.create_proxy())
+    }
+
+    /// Tells what there is now.
+    pub(crate) fn tell(&self, controls: TreeUpdate) {
+        // A window that has gone shows no controls.
+        let _ = self.0.send_event(Told::Controls(Box::new(controls)));
+    }
+}
+
+/// The window's side.
+pub(crate) struct Accessibility(Adapter);
+
+impl Accessibility {
+    /// Offers `window`, which must not be visible yet. Asks for nothing and costs nothing before somebody listens.
+    pub(crate) fn new(event_loop: &ActiveEventLoop, window: &Window, proxy: EventLoopProxy<Told>) -> Self {
+        Self(Adapter::with_event_loop_proxy(event_loop, window, proxy))
+    }
+
+    /// Takes an event of the window.
+    pub(crate) fn note(&mut self, window: &Window, event: &WindowEvent) {
+        self.0.process_event(window, event);
+    }
+
+    /// Hands on what controls there are, if somebody listens.
+    pub(crate) fn show(&mut self, controls: TreeUpdate) {
+        self.0.update_if_active(|| controls);
+    }
+}
+
+impl From<Event> for Told {
+    fn from(event: Event) -> Self {
+        Self::Assistance(event.window_event.into())
+    }
+}

@@ -1,0 +1,338 @@
+//! The player on the session's D-Bus, through MPRIS.
+
+use async_channel::{Receiver, Sender};
+use mpris_server::zbus::zvariant::ObjectPath;
+use mpris_server::zbus::{self, fdo};
+use mpris_server::{
+    LoopStatus, Metadata, PlaybackStatus, PlayerInterface, Property, RootInterface, Server, Signal, Time,
+    TrackId,
+};
+
+use super::{ReadPosition, Seen, SharedSeen};
+use crate::commands::{Command, Switch};
+use crate::shell::identity::APP_ID;
+use mariana_player::track::{Repeat, TrackInfo};
+
+/// The program's name on the bus. The process id is appended, because several may run.
+const NAME: &str = "mariana";
+/// Most changes that wait for a bus that does not take them; if there are more, the newest are lost.
+const CHANGES_MAX: usize = 64;
+/// The playback's rate: it cannot be changed.
+const RATE: f64 = 1.0;
+
+enum Change {
+    Properties(Vec<Property>),
+    Seeked(Time),
+}
+
+/// Reports changes to the bus.
+pub(super) struct Changes(Sender<Change>);
+
+impl Changes {
+    /// Reports how `new` differs from `old`; `jumped` if the position is not where it would have come by itself.
+    pub(super) fn tell(&self, old: &Seen, new: &Seen, jumped: bool) {
+        let mut properties = Vec::new();
+        let mut add = |changed: bool, property: Property| {
+            if changed {
+                properties.push(property);
+            }
+        };
+        add(old.track != new.track, Property::Metadata(metadata(new)));
+        add(playback(old) != playback(new), Property::PlaybackStatus(playback(new)));
+        add(old.volume != new.volume, Property::Volume(f64::from(new.volume)));
+        add(old.repeat != new.repeat, Property::LoopStatus(loop_status(new.repeat)));
+        add(old.shuffled != new.shuffled, Property::Shuffle(new.shuffled));
+        add(old.fullscreen != new.fullscreen, Property::Fullscreen(new.fullscreen));
+        // Without a bus nobody listens.
+        if !properties.is_empty() {
+            let _ = self.0.try_send(Change::Properties(properties));
+        }
+        if jumped && old.track == new.track {
+            let _ = self.0.try_send(Change::Seeked(time(new.position.0)));
+        }
+    }
+}
+
+/// Serves the bus on a thread of its own as long as the [`Changes`] live.
+pub(super) fn serve(
+    seen: SharedSeen,
+    position: ReadPosition,
+    send: impl Fn(Command) + Send + Sync + 'static,
+) -> Changes {
+    let (changes, inbox) = async_channel::bounded(CHANGES_MAX);
+    let player = Offered { seen, position, send: std::sync::Arc::new(send) };
+    let started = std::thread::Builder::new().name("media controls".into()).spawn(move || {
+        // Without a bus there are no keys, which is no error.
+        if let Err(error) = zbus::block_on(run(player, &inbox)) {
+            tracing::info!("no media controls: {error}");
+        }
+    });
+    if let Err(error) = started {
+        tracing::info!("no media controls: {error}");
+    }
+    Changes(changes)
+}
+
+async fn run(player: Offered, inbox: &Receiver<Change>) -> zbus::Result<()> {
+    let server = Server::new(&format!("{NAME}.instance{}", std::process::id()), player).await?;
+    tracing::info!("media controls as {}", server.bus_name());
+    while let Ok(change) = inbox.recv().await {
+        match change {
+            Change::Properties(properties) => server.properties_changed(properties).await?,
+            Change::Seeked(position) => server.emit(Signal::Seeked { position }).await?,
+        }
+    }
+    Ok(())
+}
+
+/// What the bus may ask.
+#[derive(Clone)]
+struct Offered {
+    seen: SharedSeen,
+    position: ReadPosition,
+    send: std::sync::Arc<dyn Fn(Command) + Send + Sync>,
+}
+
+fn time(seconds: f64) -> Time {
+    // The conversion saturates.
+    Time::from_micros((seconds * 1e6) as i64)
+}
+
+fn seconds(time: Time) -> f64 {
+    time.as_micros() as f64 / 1e6
+}
+
+fn playback(seen: &Seen) -> PlaybackStatus {
+    match seen {
+        Seen { ended: true, .. } => PlaybackStatus::Stopped,
+        Seen { paused: true, .. } => PlaybackStatus::Paused,
+        _ => PlaybackStatus::Playing,
+    }
+}
+
+fn loop_status(repeat: Repeat) -> LoopStatus {
+    match repeat {
+        Repeat::All => LoopStatus::Playlist,
+        Repeat::One => LoopStatus::Track,
+        Repeat::Off => LoopStatus::None,
+    }
+}
+
+/// The name of a track on the bus: a path of letters and digits.
+fn track_id(track: &TrackInfo) -> Option<TrackId> {
+    let path = ObjectPath::try_from(format!("/org/mariana/track/{}", track.entry)).ok()?;
+    Some(TrackId::from(path.into_owned()))
+}
+
+fn metadata(seen: &Seen) -> Metadata {
+    let mut metadata = Metadata::new();
+    let Some(track) = &seen.track else { return metadata };
+    metadata.set_trackid(track_id(track));
+    metadata.set_title(Some(track.title.clone().unwrap_or_else(|| track.name.clone())));
+    metadata.set_artist(track.artist.clone().map(|artist| [artist]));
+    metadata.set_length(track.duration.map(time));
+    metadata
+}
+
+impl Offered {
+    fn send(&self, command: Command) -> fdo::Result<()> {
+        (self.send)(command);
+        Ok(())
+    }
+}
+
+impl RootInterface for Offered {
+    async fn raise(&self) -> fdo::Result<()> {
+        self.send(Command::Raise)
+    }
+
+    async fn quit(&self) -> fdo::Result<()> {
+        self.send(Command::Quit)
+    }
+
+    async fn can_quit(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn fullscreen(&self) -> fdo::Result<bool> {
+        Ok(self.seen.lock().fullscreen)
+    }
+
+    async fn set_fullscreen(&self, fullscreen: bool) -> zbus::Result<()> {
+        Ok(self.send(Command::Fullscreen(fullscreen.into()))?)
+    }
+
+    async fn can_set_fullscreen(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn can_raise(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn has_track_list(&self) -> fdo::Result<bool> {
+        Ok(false)
+    }
+
+    async fn identity(&self) -> fdo::Result<String> {
+        Ok("Mariana".into())
+    }
+
+    async fn desktop_entry(&self) -> fdo::Result<String> {
+        Ok(APP_ID.into())
+    }
+
+    async fn supported_uri_schemes(&self) -> fdo::Result<Vec<String>> {
+        Ok(Vec::new())
+    }
+
+    async fn supported_mime_types(&self) -> fdo::Result<Vec<String>> {
+        Ok(Vec::new())
+    }
+}
+
+impl PlayerInterface for Offered {
+    async fn next(&self) -> fdo::Result<()> {
+        self.send(Command::NextTrack)
+    }
+
+    async fn previous(&self) -> fdo::Result<()> {
+        self.send(Command::PreviousTrack)
+    }
+
+    async fn pause(&self) -> fdo::Result<()> {
+        self.send(Command::Pause(Switch::On))
+    }
+
+    async fn play_pause(&self) -> fdo::Result<()> {
+        self.send(Command::Pause(Switch::Toggle))
+    }
+
+    async fn stop(&self) -> fdo::Result<()> {
+        self.send(Command::Pause(Switch::On))
+    }
+
+    async fn play(&self) -> fdo::Result<()> {
+        self.send(Command::Pause(Switch::Off))
+    }
+
+    async fn seek(&self, offset: Time) -> fdo::Result<()> {
+        self.send(Command::SeekBy(seconds(offset)))
+    }
+
+    async fn set_position(&self, track: TrackId, position: Time) -> fdo::Result<()> {
+        let (current, length) = {
+            let seen = self.seen.lock();
+            (seen.track.as_deref().and_then(track_id), seen.track.as_ref().and_then(|track| track.duration))
+        };
+        // A position of another track, or beyond the end: to be ignored, says the specification.
+        let within = seconds(position) >= 0.0 && length.is_none_or(|length| seconds(position) <= length);
+        if within && current == Some(track) { self.send(Command::SeekTo(seconds(position))) } else { Ok(()) }
+    }
+
+    async fn open_uri(&self, _: String) -> fdo::Result<()> {
+        Err(fdo::Error::NotSupported("drop files onto the window instead".into()))
+    }
+
+    async fn playback_status(&self) -> fdo::Result<PlaybackStatus> {
+        Ok(playback(&self.seen.lock()))
+    }
+
+    async fn loop_status(&self) -> fdo::Result<LoopStatus> {
+        Ok(loop_status(self.seen.lock().repeat))
+    }
+
+    async fn set_loop_status(&self, status: LoopStatus) -> zbus::Result<()> {
+        Ok(self.send(Command::Repeat(match status {
+            LoopStatus::Playlist => Repeat::All,
+            LoopStatus::Track => Repeat::One,
+            LoopStatus::None => Repeat::Off,
+        }))?)
+    }
+
+    async fn rate(&self) -> fdo::Result<f64> {
+        Ok(RATE)
+    }
+
+    async fn set_rate(&self, rate: f64) -> zbus::Result<()> {
+        // 0 means pause; other rates are out of range.
+        if rate == 0.0 { Ok(self.send(Command::Pause(Switch::On))?) } else { Ok(()) }
+    }
+
+    async fn shuffle(&self) -> fdo::Result<bool> {
+        Ok(self.seen.lock().shuffled)
+    }
+
+    async fn set_shuffle(&self, shuffled: bool) -> zbus::Result<()> {
+        Ok(self.send(Command::Shuffle(shuffled.into()))?)
+    }
+
+    async fn metadata(&self) -> fdo::Result<Metadata> {
+        Ok(metadata(&self.seen.lock()))
+    }
+
+    async fn volume(&self) -> fdo::Result<f64> {
+        Ok(f64::from(self.seen.lock().volume))
+    }
+
+    async fn set_volume(&self, volume: f64) -> zbus::Result<()> {
+        // The volume is clamped where it is set, and a value that is not a number is silence.
+        Ok(self.send(Command::Volume(volume as f32))?)
+    }
+
+    async fn position(&self) -> fdo::Result<Time> {
+        Ok(time((self.position)()))
+    }
+
+    async fn minimum_rate(&self) -> fdo::Result<f64> {
+        Ok(RATE)
+    }
+
+    async fn maximum_rate(&self) -> fdo::Result<f64> {
+        Ok(RATE)
+    }
+
+    async fn can_go_next(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn can_go_previous(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn can_play(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn can_pause(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn can_seek(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn can_control(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+    use std::time::Instant;
+
+    use super::*;
+
+    #[test]
+    fn the_bus_was_told_a_guess_that_stepped_back_after_a_device_fault() {
+        // The last report, from which a guess would run on at full pace.
+        let seen = Seen { paused: false, position: (7.0, Instant::now()), ..Seen::new() };
+        let offered = Offered {
+            seen: SharedSeen(Arc::new(Mutex::new(seen))),
+            position: Arc::new(|| 2.5),
+            send: Arc::new(|_| ()),
+        };
+        assert_eq!(zbus::block_on(offered.position()).unwrap(), Time::from_millis(2_500));
+    }
+}

@@ -1,0 +1,274 @@
+//! The ground of a Wayland desktop: a surface on each output, by the protocol wlr-layer-shell.
+//!
+//! winit knows windows alone, so these surfaces have a queue of events of their own on winit's connection, and a thread
+//! that obeys it. The show draws into them ([`super::wall`]); each asks the compositor when it wants the next picture. A
+//! surface that nobody sees is never answered.
+
+mod sheet;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::channel;
+use std::thread::JoinHandle;
+
+use smithay_client_toolkit::compositor::{CompositorHandler, CompositorState, Region};
+use smithay_client_toolkit::output::{OutputHandler, OutputState};
+use smithay_client_toolkit::reexports::calloop::{EventLoop, LoopSignal};
+use smithay_client_toolkit::reexports::calloop_wayland_source::WaylandSource;
+use smithay_client_toolkit::reexports::protocols::wp::viewporter::client::{wp_viewport, wp_viewporter};
+use smithay_client_toolkit::registry::{ProvidesRegistryState, RegistryState};
+use smithay_client_toolkit::shell::WaylandSurface;
+use smithay_client_toolkit::shell::wlr_layer::{
+    Anchor, KeyboardInteractivity, Layer, LayerShell, LayerShellHandler, LayerSurface, LayerSurfaceConfigure,
+};
+use smithay_client_toolkit::{
+    delegate_compositor, delegate_layer, delegate_output, delegate_registry, registry_handlers,
+};
+use wayland_client::globals::registry_queue_init;
+use wayland_client::protocol::wl_output::{Transform, WlOutput};
+use wayland_client::protocol::wl_surface::WlSurface;
+use wayland_client::{Connection, EventQueue, QueueHandle, delegate_noop};
+use winit::event_loop::{EventLoop as Windows, OwnedDisplayHandle};
+
+use sheet::Borne;
+pub(crate) use sheet::{Extent, Sheet, Sheets};
+
+use crate::session::SessionError;
+use crate::session::waker::Waker;
+use crate::shell::window::wayland_connection;
+use crate::shell::window_thread::Told;
+
+/// Whether windows of this session are Wayland's. winit decides by the same.
+pub(crate) fn is_wayland() -> bool {
+    ["WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
+        .into_iter()
+        .any(|name| std::env::var(name).is_ok_and(|value| !value.is_empty()))
+}
+
+/// What makes the surfaces and hears of them, until it is dropped.
+pub(crate) struct Layers {
+    sheets: Sheets,
+    is_over: Arc<AtomicBool>,
+    signal: LoopSignal,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Layers {
+    /// Begins on the compositor of `windows`, and wakes the show whenever something is new.
+    ///
+    /// # Errors
+    /// The compositor has no layer shell, or there is no output.
+    pub(crate) fn start(windows: &Windows<Told>, waker: &Waker) -> Result<Self, SessionError> {
+        let display = windows.owned_display_handle();
+        let connection = wayland_connection(&display)?;
+        let (mut desk, mut queue) = Desk::begin(&connection, display, waker).map_err(refused)??;
+        // What it answers are the outputs.
+        queue.roundtrip(&mut desk).map_err(|error| refused(error.into()))?;
+        let sheets = desk.sheets.clone();
+        if sheets.present().is_empty() {
+            return Err(SessionError::NoMonitor);
+        }
+        let (sender, signals) = channel();
+        let is_over = Arc::new(AtomicBool::new(false));
+        let ends = is_over.clone();
+        let obey = move || {
+            let run = || -> Result<(), Box<dyn std::error::Error>> {
+                let mut events = EventLoop::<Desk>::try_new()?;
+                let source = WaylandSource::new(connection, queue).insert(events.handle());
+                source.map_err(|error| error.to_string())?;
+                sender.send(events.get_signal())?;
+                while !ends.load(Ordering::Acquire) {
+                    events.dispatch(None, &mut desk)?;
+                }
+                Ok(())
+            };
+            if let Err(error) = run() {
+                // The thread of the windows hears of it, too, and ends the show.
+                tracing::info!("the compositor tells no more: {error}");
+            }
+        };
+        let thread = std::thread::Builder::new().name("layers".into());
+        let thread = thread.spawn(obey).map_err(|error| SessionError::NoThread(error.to_string()))?;
+        let signal = signals.recv().map_err(|error| refused(error.into()))?;
+        Ok(Self { sheets, is_over, signal, thread: Some(thread) })
+    }
+
+    /// What it makes.
+    pub(crate) fn sheets(&self) -> Sheets {
+        self.sheets.clone()
+    }
+}
+
+impl Drop for Layers {
+    fn drop(&mut self) {
+        self.is_over.store(true, Ordering::Release);
+        self.signal.wakeup();
+        if let Some(thread) = self.thread.take()
+            && thread.join().is_err()
+        {
+            tracing::warn!("the thread of the layers ended with a panic");
+        }
+    }
+}
+
+type Trouble = Box<dyn std::error::Error>;
+
+fn refused(error: Trouble) -> SessionError {
+    SessionError::Window { doing: "a wallpaper", reason: error.to_string() }
+}
+
+/// What the thread of the layers knows.
+struct Desk {
+    registry: RegistryState,
+    outputs: OutputState,
+    compositor: CompositorState,
+    shell: LayerShell,
+    viewporter: Option<wp_viewporter::WpViewporter>,
+    sheets: Sheets,
+    display: OwnedDisplayHandle,
+    waker: Waker,
+}
+
+impl Desk {
+    /// Asks the compositor what it has. The inner error is that it has no layer shell.
+    fn begin(
+        connection: &Connection,
+        display: OwnedDisplayHandle,
+        waker: &Waker,
+    ) -> Result<Result<(Self, EventQueue<Self>), SessionError>, Trouble> {
+        let (globals, queue) = registry_queue_init::<Self>(connection)?;
+        let handle = queue.handle();
+        let Ok(shell) = LayerShell::bind(&globals, &handle) else {
+            return Ok(Err(SessionError::NoLayerShell));
+        };
+        let desk = Self {
+            registry: RegistryState::new(&globals),
+            outputs: OutputState::new(&globals, &handle),
+            compositor: CompositorState::bind(&globals, &handle)?,
+            shell,
+            viewporter: globals.bind(&handle, 1..=1, ()).ok(),
+            sheets: Sheets::default(),
+            display,
+            waker: waker.clone(),
+        };
+        Ok(Ok((desk, queue)))
+    }
+
+    /// Makes a surface on an output that has none.
+    fn hang(&self, queue: &QueueHandle<Self>, output: WlOutput) {
+        if self.sheets.of_output(&output).is_some() {
+            return;
+        }
+        let surface = self.compositor.create_surface(queue);
+        match Region::new(&self.compositor) {
+            // It takes no input, and nothing shows through it.
+            Ok(empty) => surface.set_input_region(Some(empty.wl_region())),
+            Err(error) => tracing::warn!("clicks do not go through the wallpaper: {error}"),
+        }
+        if let Ok(all) = Region::new(&self.compositor) {
+            all.add(0, 0, i32::MAX, i32::MAX);
+            surface.set_opaque_region(Some(all.wl_region()));
+        }
+        let viewport = self.viewporter.as_ref().map(|it| it.get_viewport(&surface, queue, ()));
+        let layer = self.shell.create_layer_surface(
+            queue,
+            surface,
+            Layer::Background,
+            Some("wallpaper"),
+            Some(&output),
+        );
+        layer.set_anchor(Anchor::TOP | Anchor::BOTTOM | Anchor::LEFT | Anchor::RIGHT);
+        // Not moved aside by bars.
+        layer.set_exclusive_zone(-1);
+        layer.set_keyboard_interactivity(KeyboardInteractivity::None);
+        layer.commit();
+        let name = self.outputs.info(&output).and_then(|info| info.name);
+        let name = name.unwrap_or_else(|| "a monitor without a name".to_owned());
+        let borne = Borne { output, layer, viewport, display: self.display.clone() };
+        self.sheets.add(Sheet::new(name, borne, queue.clone()));
+    }
+
+    /// Takes surfaces away. Each is gone when nothing draws into it any more.
+    fn take_down(&self, is_gone: impl Fn(&Sheet) -> bool) {
+        self.sheets.remove(is_gone);
+        self.waker.wake();
+    }
+
+    fn measure(&self, sheet: &Sheet) {
+        if sheet.measure(self.outputs.info(sheet.output()).as_ref()) {
+            self.waker.wake();
+        }
+    }
+}
+
+impl CompositorHandler for Desk {
+    fn frame(&mut self, _: &Connection, _: &QueueHandle<Self>, surface: &WlSurface, _: u32) {
+        if let Some(sheet) = self.sheets.of_surface(surface) {
+            sheet.answer();
+            self.waker.wake();
+        }
+    }
+
+    // The output that a surface is made for tells scale and turn.
+    fn scale_factor_changed(&mut self, _: &Connection, _: &QueueHandle<Self>, _: &WlSurface, _: i32) {}
+    fn transform_changed(&mut self, _: &Connection, _: &QueueHandle<Self>, _: &WlSurface, _: Transform) {}
+    fn surface_enter(&mut self, _: &Connection, _: &QueueHandle<Self>, _: &WlSurface, _: &WlOutput) {}
+    fn surface_leave(&mut self, _: &Connection, _: &QueueHandle<Self>, _: &WlSurface, _: &WlOutput) {}
+}
+
+impl OutputHandler for Desk {
+    fn output_state(&mut self) -> &mut OutputState {
+        &mut self.outputs
+    }
+
+    fn new_output(&mut self, _: &Connection, queue: &QueueHandle<Self>, output: WlOutput) {
+        self.hang(queue, output);
+    }
+
+    fn update_output(&mut self, _: &Connection, queue: &QueueHandle<Self>, output: WlOutput) {
+        // The compositor may have closed its surface.
+        self.hang(queue, output.clone());
+        if let Some(sheet) = self.sheets.of_output(&output) {
+            self.measure(&sheet);
+        }
+    }
+
+    fn output_destroyed(&mut self, _: &Connection, _: &QueueHandle<Self>, output: WlOutput) {
+        self.take_down(|sheet| *sheet.output() == output);
+    }
+}
+
+impl LayerShellHandler for Desk {
+    fn closed(&mut self, _: &Connection, _: &QueueHandle<Self>, layer: &LayerSurface) {
+        self.take_down(|sheet| sheet.is_of(layer));
+    }
+
+    fn configure(
+        &mut self,
+        _: &Connection,
+        _: &QueueHandle<Self>,
+        layer: &LayerSurface,
+        configure: LayerSurfaceConfigure,
+        _: u32,
+    ) {
+        if let Some(sheet) = self.sheets.of_surface(layer.wl_surface()) {
+            sheet.give(configure.new_size);
+            self.measure(&sheet);
+        }
+    }
+}
+
+impl ProvidesRegistryState for Desk {
+    fn registry(&mut self) -> &mut RegistryState {
+        &mut self.registry
+    }
+
+    registry_handlers![OutputState];
+}
+
+delegate_compositor!(Desk);
+delegate_layer!(Desk);
+delegate_output!(Desk);
+delegate_registry!(Desk);
+delegate_noop!(Desk: wp_viewporter::WpViewporter);
+delegate_noop!(Desk: wp_viewport::WpViewport);

@@ -1,0 +1,240 @@
+//! The picture as the desktop's ground: below every window, on every monitor, for nobody's hands. And in the window that a
+//! screen saver gives.
+//!
+//! On X11 it is one window, on Wayland a surface on each output ([`layers`]).
+//!
+//! **It rests where nobody sees it,** and where it would empty a battery ([`rest`]).
+
+#[cfg(all(unix, not(target_os = "macos")))]
+mod layers;
+#[cfg(not(all(unix, not(target_os = "macos"))))]
+#[path = "no_layers.rs"]
+mod layers;
+mod power;
+mod rest;
+mod wall;
+#[cfg(all(unix, not(target_os = "macos")))]
+mod windows;
+
+pub(crate) use layers::{Layers, Sheet, Sheets, is_wayland};
+use rest::Rest;
+use wall::Wall;
+
+use crate::placement::Area;
+use crate::session::SessionError;
+use crate::session::lay::Panel;
+use crate::session::waker::Waker;
+use crate::shell::monitors::{Monitor, MonitorWatch};
+use crate::shell::window::GlWindowContext;
+
+/// Frame cap where none is given, in frames per second.
+pub(crate) const FPS: f64 = 30.0;
+
+/// Left and top edge, width and height in pixels of the desktop.
+pub(crate) type Rect = ((i32, i32), (u32, u32));
+
+/// The least rectangle with all monitors in it; none without one.
+pub(crate) fn around(monitors: &[Monitor]) -> Option<Rect> {
+    let left = monitors.iter().map(|monitor| monitor.place.0).min()?;
+    let top = monitors.iter().map(|monitor| monitor.place.1).min()?;
+    let end = |from: i32, length: u32| i64::from(from) + i64::from(length);
+    let right = monitors.iter().map(|monitor| end(monitor.place.0, monitor.size.0)).max()?;
+    let bottom = monitors.iter().map(|monitor| end(monitor.place.1, monitor.size.1)).max()?;
+    let length = |from: i32, to: i64| u32::try_from(to - i64::from(from)).unwrap_or(1).max(1);
+    Some(((left, top), (length(left, right), length(top, bottom))))
+}
+
+/// See the module.
+pub(crate) struct Wallpaper {
+    ground: Shown,
+    rest: Rest,
+}
+
+/// Where it is shown.
+enum Shown {
+    /// In a window of X11, over these monitors.
+    Window(MonitorWatch),
+    /// On a Wayland desktop.
+    Wall(Wall),
+}
+
+impl Wallpaper {
+    /// Looks at monitors, windows and power from now on; on Wayland the compositor tells of both of the former.
+    pub(crate) fn start(sheets: Option<Sheets>, waker: &Waker) -> Self {
+        let rest = Rest::start(sheets.clone(), waker);
+        let ground = match sheets {
+            Some(sheets) => Shown::Wall(Wall::new(sheets)),
+            None => {
+                let mut monitors = MonitorWatch::default();
+                let waker = waker.clone();
+                monitors.begin(move || waker.wake());
+                Shown::Window(monitors)
+            }
+        };
+        Self { ground, rest }
+    }
+
+    /// Takes in which surfaces there are to draw into.
+    pub(crate) fn update(&mut self, window: &GlWindowContext) {
+        if let Shown::Wall(wall) = &mut self.ground {
+            wall.update(window);
+        }
+    }
+
+    /// Lets everything go that belongs to the context.
+    pub(crate) fn let_go(&mut self) {
+        if let Shown::Wall(wall) = &mut self.ground {
+            wall.let_go();
+        }
+    }
+
+    /// Shows what is to be shown, which looks different everywhere if `is_new`, on the surfaces that are there instead of a
+    /// window. `draw` gets the size of each in pixels, and whether words belong over it.
+    ///
+    /// # Errors
+    /// What `draw` reports, or a lost surface.
+    pub(crate) fn show(
+        &mut self,
+        window: &GlWindowContext,
+        is_new: bool,
+        draw: impl FnMut((u32, u32), bool) -> Result<(), SessionError>,
+    ) -> Result<(), SessionError> {
+        let Shown::Wall(wall) = &mut self.ground else { return Ok(()) };
+        if is_new {
+            wall.look_different();
+        }
+        wall.show(window, draw)
+    }
+
+    /// Whether the window shows nothing.
+    pub(crate) fn hides_window(&self) -> bool {
+        matches!(self.ground, Shown::Wall(_))
+    }
+
+    /// Whether something is to be shown, and somebody sees it.
+    pub(crate) fn is_due(&self) -> bool {
+        matches!(&self.ground, Shown::Wall(wall) if wall.is_due())
+    }
+
+    /// Whether nobody sees it, or it should spare a battery. A monitor that shows nothing yet is no time to rest.
+    pub(crate) fn rests(&self) -> bool {
+        match &self.ground {
+            Shown::Wall(wall) => !wall.has_blank() && (self.rest.is_on() || !wall.is_ready()),
+            Shown::Window(_) => self.rest.is_on(),
+        }
+    }
+
+    /// Whether words over the picture would be shown now.
+    pub(crate) fn shows_words(&self) -> bool {
+        match &self.ground {
+            Shown::Wall(wall) => wall.shows_words(),
+            Shown::Window(_) => true,
+        }
+    }
+
+    /// Where its window belongs, once that is known.
+    pub(crate) fn place(&self) -> Option<Rect> {
+        around(&self.monitors()?)
+    }
+
+    /// The size that the picture is drawn for: that of the largest monitor.
+    pub(crate) fn screen(&self) -> Option<(u32, u32)> {
+        let pixels = |size: (u32, u32)| u64::from(size.0) * u64::from(size.1);
+        match &self.ground {
+            Shown::Wall(wall) => wall.screen(),
+            Shown::Window(_) => {
+                self.monitors()?.iter().map(|monitor| monitor.size).max_by_key(|size| pixels(*size))
+            }
+        }
+    }
+
+    /// What shows of a picture of `shape` pixels on each monitor that its window is over.
+    pub(crate) fn panels(&self, shape: (u32, u32)) -> Vec<Panel> {
+        panels(&self.monitors().unwrap_or_default(), shape)
+    }
+
+    fn monitors(&self) -> Option<Vec<Monitor>> {
+        match &self.ground {
+            Shown::Window(monitors) => monitors.known(),
+            Shown::Wall(_) => None,
+        }
+    }
+}
+
+fn panels(monitors: &[Monitor], shape: (u32, u32)) -> Vec<Panel> {
+    let Some(((left, top), (width, height))) = around(monitors) else { return Vec::new() };
+    let [width, height] = [width, height].map(f64::from);
+    let panel = |monitor: &Monitor| {
+        let x = f64::from(monitor.place.0 - left) / width;
+        let y = f64::from(monitor.place.1 - top) / height;
+        let [across, down] = [monitor.size.0, monitor.size.1].map(f64::from);
+        let area = [x, y, x + across / width, y + down / height];
+        filling(shape, monitor.size, area)
+    };
+    monitors.iter().map(panel).collect()
+}
+
+/// The part of a window, which is a monitor of `size` pixels, filled with a picture of `shape` pixels, which loses what
+/// sticks out.
+pub(crate) fn filling(shape: (u32, u32), size: (u32, u32), area: Area) -> Panel {
+    let [across, down] = [size.0, size.1].map(f64::from);
+    let scale = (across / f64::from(shape.0.max(1))).max(down / f64::from(shape.1.max(1)));
+    let share = |side: f64, of: u32| (side / (f64::from(of.max(1)) * scale)).min(1.0);
+    let (w, h) = (share(across, shape.0), share(down, shape.1));
+    let (x, y) = (0.5 - 0.5 * w, 0.5 - 0.5 * h);
+    Panel { area, map: [[w, 0.0, x], [0.0, h, y], [0.0, 0.0, 1.0]], part: [x, y, x + w, y + h] }
+}
+
+/// A window of another program: its number, and its size in pixels.
+type OtherWindow = (u32, (u32, u32));
+
+/// The window that a screen saver's program is to draw into, if there is one.
+///
+/// # Errors
+/// The variable names no window.
+pub(crate) fn of_screen_saver() -> Result<Option<OtherWindow>, String> {
+    const NAME: &str = "XSCREENSAVER_WINDOW";
+    let Ok(text) = std::env::var(NAME) else { return Ok(None) };
+    let refused = || format!("the variable {NAME} is '{text}', which is no window: unset it");
+    let number = window_number(&text).ok_or_else(refused)?;
+    #[cfg(all(unix, not(target_os = "macos")))]
+    return windows::size_of(number).map(|size| Some((number, size))).ok_or_else(refused);
+    #[cfg(not(all(unix, not(target_os = "macos"))))]
+    return Err(format!("the window {number} is one of X11, which this system has not: unset {NAME}"));
+}
+
+/// A number as X11's tools write it: `0x1a2b` or `6699`.
+fn window_number(text: &str) -> Option<u32> {
+    let text = text.trim();
+    match text.strip_prefix("0x").or(text.strip_prefix("0X")) {
+        Some(digits) => u32::from_str_radix(digits, 16).ok(),
+        None => text.parse().ok(),
+    }
+    .filter(|number| *number > 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn monitor(place: (i32, i32), size: (u32, u32)) -> Monitor {
+        Monitor { name: format!("{place:?}"), place, size }
+    }
+
+    #[test]
+    fn each_monitor_shows_the_middle_of_the_picture_and_is_filled() {
+        let both = [monitor((0, 100), (800, 400)), monitor((800, 0), (200, 400))];
+        assert_eq!(around(&both), Some(((0, 0), (1000, 500))));
+        let [wide, tall] = panels(&both, (800, 400))[..] else { panic!("a panel for each monitor") };
+        assert_eq!((wide.area, wide.part), ([0.0, 0.2, 0.8, 1.0], [0.0, 0.0, 1.0, 1.0]));
+        assert_eq!((tall.area, tall.part), ([0.8, 0.0, 1.0, 0.8], [0.375, 0.0, 0.625, 1.0]));
+        assert_eq!(crate::placement::led(&tall.map, [1.0, 0.5]), Some([0.625, 0.5]));
+        assert!(panels(&[], (8, 4)).is_empty() && around(&[]).is_none());
+    }
+
+    #[test]
+    fn a_screen_saver_s_window_is_a_number() {
+        assert_eq!(["0x1A2b", "6699", " 12 "].map(window_number), [Some(0x1a2b), Some(6699), Some(12)]);
+        assert_eq!(["", "0", "0x", "window", "-3", "0x1ffffffff"].map(window_number), [None; 6]);
+    }
+}

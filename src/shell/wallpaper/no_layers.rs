@@ -1,0 +1,81 @@
+//! Systems without Wayland have no layers on it.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+use std::time::Instant;
+
+use raw_window_handle::RawWindowHandle;
+use winit::event_loop::EventLoop;
+
+use crate::session::SessionError;
+use crate::session::waker::Waker;
+use crate::shell::window_thread::Told;
+
+/// Never.
+pub(crate) fn is_wayland() -> bool {
+    false
+}
+
+/// There is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Extent {
+    /// None.
+    pub(crate) pixels: (u32, u32),
+}
+
+/// There is none.
+#[derive(Debug)]
+pub(crate) struct Sheet(Infallible);
+
+impl Sheet {
+    pub(crate) fn name(&self) -> &str {
+        match self.0 {}
+    }
+
+    pub(crate) fn extent(&self) -> Option<Extent> {
+        match self.0 {}
+    }
+
+    pub(crate) fn is_ready(&self) -> bool {
+        match self.0 {}
+    }
+
+    pub(crate) fn handle(&self) -> Option<RawWindowHandle> {
+        match self.0 {}
+    }
+
+    pub(crate) fn fit(&self, _: Extent) {
+        match self.0 {}
+    }
+
+    pub(crate) fn ask(&self) {
+        match self.0 {}
+    }
+}
+
+/// There are none.
+#[derive(Debug, Clone)]
+pub(crate) struct Sheets(Infallible);
+
+impl Sheets {
+    pub(crate) fn present(&self) -> Vec<Arc<Sheet>> {
+        match self.0 {}
+    }
+
+    pub(crate) fn are_unseen(&self, _: Instant) -> bool {
+        match self.0 {}
+    }
+}
+
+/// There are none.
+pub(crate) struct Layers(Infallible);
+
+impl Layers {
+    pub(crate) fn start(_: &EventLoop<Told>, _: &Waker) -> Result<Self, SessionError> {
+        Err(SessionError::NoLayerShell)
+    }
+
+    pub(crate) fn sheets(&self) -> Sheets {
+        match self.0 {}
+    }
+}

@@ -1,0 +1,349 @@
+//! A window with an OpenGL 3.3 core context.
+
+#![expect(unsafe_code, reason = "creating contexts from window handles is unsafe in glutin")]
+
+mod gl_display;
+mod second;
+mod shared_window;
+#[cfg(all(unix, not(target_os = "macos")))]
+mod wayland;
+
+use std::cell::Cell;
+use std::num::NonZeroU32;
+use std::sync::Arc;
+
+use glutin::config::ConfigTemplateBuilder;
+use glutin::context::{
+    ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentGlContext, PossiblyCurrentContext,
+    PossiblyCurrentGlContext, Version,
+};
+use glutin::display::{GetGlDisplay, GlDisplay};
+use glutin::error::ErrorKind;
+use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
+use glutin_winit::GlWindow;
+use winit::dpi::{PhysicalPosition, PhysicalSize};
+use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
+use winit::raw_window_handle::HasWindowHandle;
+use winit::window::{Fullscreen, Window, WindowAttributes};
+
+use crate::gpu::background::WorkerContext;
+use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
+use crate::session::SessionError;
+use crate::shell::identity;
+use crate::shell::wallpaper::Rect;
+use crate::shell::window_thread::Told;
+use second::grounded;
+pub(crate) use second::{Ground, SecondSurface, open_output};
+pub(crate) use shared_window::{SharedWindow, WindowCalls};
+#[cfg(all(unix, not(target_os = "macos")))]
+pub(crate) use wayland::wayland_connection;
+
+/// Which window to open.
+pub(crate) struct WindowWishes {
+    /// Its title.
+    pub title: String,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// Where its frame is to begin on the desktop, in pixels; none lets the system choose.
+    pub place: Option<(i32, i32)>,
+    /// Whether it is shown.
+    pub visible: bool,
+    /// Whether the driver's messages are logged.
+    pub log_debug: bool,
+    /// What it is to be instead of a window among others.
+    pub ground: Option<Ground>,
+}
+
+/// A window without a context yet. It is opened on the thread of the window's events and bound on the thread that
+/// draws, because drivers take their time.
+pub(crate) struct OpenWindow {
+    config: glutin::config::Config,
+    window: SharedWindow,
+    size: (u32, u32),
+    place: Option<(i32, i32)>,
+    refresh_rate: Option<f64>,
+    log_debug: bool,
+}
+
+/// A window, its surface and its current context.
+pub(crate) struct GlWindowContext {
+    // Dropped in this order: the context before the surface before the window.
+    gl: Gl,
+    context: PossiblyCurrentContext,
+    surface: Surface<WindowSurface>,
+    config: glutin::config::Config,
+    window: SharedWindow,
+    /// As the window's events last reported it. (Asking a window that others have closed would end the program.)
+    size: Cell<(u32, u32)>,
+    /// The same; none where the window system tells nobody.
+    place: Cell<Option<(i32, i32)>>,
+    refresh_rate: Option<f64>,
+}
+
+impl OpenWindow {
+    /// Opens a window, whose events arrive on the thread behind `events`. That thread gets the second result.
+    ///
+    /// # Errors
+    /// No window, or no OpenGL.
+    pub(crate) fn open(
+        event_loop: &ActiveEventLoop,
+        events: &EventLoopProxy<Told>,
+        wishes: &WindowWishes,
+    ) -> Result<(Self, Arc<Window>), SessionError> {
+        let no_context = |error: &dyn std::fmt::Display| SessionError::NoContext(error.to_string());
+        let attributes = WindowAttributes::default()
+            .with_title(&wishes.title)
+            .with_inner_size(PhysicalSize::new(wishes.size.0, wishes.size.1))
+            // Assistive technology must know it before it is seen.
+            .with_visible(false);
+        let monitors = event_loop.available_monitors();
+        let monitors = monitors.map(|monitor| (monitor.position().into(), monitor.size().into()));
+        let place = wishes.place.filter(|place| can_be_grasped(*place, wishes.size, monitors));
+        let attributes = match place {
+            Some((x, y)) => attributes.with_position(PhysicalPosition::new(x, y)),
+            None => attributes,
+        };
+        let attributes = grounded(identity::told_by(attributes), wishes.ground);
+        let template =
+            ConfigTemplateBuilder::new().with_alpha_size(0).with_depth_size(0).with_stencil_size(0);
+        let opened =
+            gl_display::open(event_loop, attributes, template).map_err(|error| no_context(&error))?;
+        let (window, config) =
+            opened.ok_or_else(|| no_context(&"none of the driver's pixel formats fits a window"))?;
+        if wishes.ground.is_some()
+            && let Err(error) = window.set_cursor_hittest(false)
+        {
+            tracing::warn!("clicks do not go through the wallpaper: {error}");
+        }
+        let size = window.inner_size().into();
+        let place = window.outer_position().ok().map(Into::into);
+        let millihertz = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
+        let refresh_rate = millihertz.filter(|rate| *rate > 0).map(|rate| f64::from(rate) / 1000.0);
+        let own = Arc::new(window);
+        let window = shared(event_loop, events, own.clone());
+        Ok((Self { config, window, size, place, refresh_rate, log_debug: wishes.log_debug }, own))
+    }
+
+    /// What other windows must be like for its context to draw into them.
+    pub(crate) fn config(&self) -> glutin::config::Config {
+        self.config.clone()
+    }
+
+    /// Makes a context for it and makes it current on this thread.
+    ///
+    /// # Errors
+    /// The driver refuses, or has no OpenGL 3.3.
+    pub(crate) fn bind(self) -> Result<GlWindowContext, SessionError> {
+        let Self { config, window, size, place, refresh_rate, log_debug } = self;
+        let no_context = |error: &dyn std::fmt::Display| SessionError::NoContext(error.to_string());
+        let calls = window.calls();
+        let handle = calls.window_handle().map_err(|error| no_context(&error))?.as_raw();
+        let display = config.display();
+        let wanted = ContextAttributesBuilder::new()
+            .with_profile(GlProfile::Core)
+            .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
+            .build(Some(handle));
+        // An older driver refuses that with nothing but a number; a context of any version reports its own.
+        let any = ContextAttributesBuilder::new()
+            .with_profile(GlProfile::Compatibility)
+            .with_context_api(ContextApi::OpenGl(Some(Version::new(2, 1))))
+            .build(Some(handle));
+        // SAFETY: the handle is that of the window, which outlives context and surface (see the fields' order).
+        let (context, surface) = unsafe {
+            let context = display
+                .create_context(&config, &wanted)
+                .or_else(|error| display.create_context(&config, &any).map_err(|_| error))
+                .map_err(|error| no_context(&error))?;
+            let attributes =
+                calls.build_surface_attributes(Default::default()).map_err(|error| no_context(&error))?;
+            let surface =
+                display.create_window_surface(&config, &attributes).map_err(|error| no_context(&error))?;
+            (context, surface)
+        };
+        drop(calls);
+        let context = context.make_current(&surface).map_err(|error| no_context(&error))?;
+        if let Err(error) = surface.set_swap_interval(&context, SwapInterval::Wait(NonZeroU32::MIN)) {
+            tracing::info!("no vertical sync ({error}); only the frame cap limits the rate");
+        }
+        let gl = Gl::load(|name| display.get_proc_address(name), log_debug)?;
+        tracing::info!("window context by {}", config_kind(&config));
+        let (size, place) = (Cell::new(size), Cell::new(place));
+        Ok(GlWindowContext { gl, context, surface, config, window, size, place, refresh_rate })
+    }
+}
+
+impl GlWindowContext {
+    /// Contexts for compiling on other threads, which share nothing with the window's; fewer than asked for if the
+    /// driver gives fewer.
+    pub(crate) fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
+        let made = (0..count).map(|_| {
+            WorkerContext::new(&self.config.display(), &self.config, self.gl.info()).map_err(|error| {
+                tracing::info!("no second context ({error}); scenes are compiled between frames");
+            })
+        });
+        let is_egl = matches!(self.config, glutin::config::Config::Egl(_));
+        if is_egl { made.flatten().collect() } else { Vec::new() }
+    }
+
+    /// Gives up the context and its surface; what was made in it must be gone. [`OpenWindow::bind`] makes another.
+    pub(crate) fn let_go(self) -> OpenWindow {
+        let Self { gl, context, surface, config, window, size, place, refresh_rate } = self;
+        drop(gl);
+        // A surface that is in use lives on, and a window cannot have a second one.
+        if let Err(error) = context.make_not_current() {
+            tracing::warn!("the old context stays in use: {error}");
+        }
+        drop(surface);
+        OpenWindow { config, window, size: size.get(), place: place.get(), refresh_rate, log_debug: false }
+    }
+
+    /// The functions of the context.
+    pub(crate) fn gl(&self) -> &Gl {
+        &self.gl
+    }
+
+    /// The window.
+    pub(crate) fn window(&self) -> WindowCalls<'_> {
+        self.window.calls()
+    }
+
+    /// Requests a redraw of the window.
+    pub(crate) fn request_redraw(&self) {
+        self.window.request_redraw();
+    }
+
+    /// Size of the drawable, in pixels; none while it has no area.
+    pub(crate) fn size(&self) -> Option<(u32, u32)> {
+        let (width, height) = self.size.get();
+        (width > 0 && height > 0).then_some((width, height))
+    }
+
+    /// Where its frame begins on the desktop when it does not fill the screen, in pixels; none if nobody knows.
+    pub(crate) fn place(&self) -> Option<(i32, i32)> {
+        self.place.get()
+    }
+
+    /// Notes where the window has moved.
+    pub(crate) fn note_place(&self, place: (i32, i32)) {
+        if !self.is_fullscreen() {
+            self.place.set(Some(place));
+        }
+    }
+
+    /// Resizes the surface to the window's new size.
+    pub(crate) fn resize(&self, size: (u32, u32)) {
+        self.size.set(size);
+        if let Some((width, height)) = self.size()
+            && let (Some(width), Some(height)) = (NonZeroU32::new(width), NonZeroU32::new(height))
+        {
+            self.surface.resize(&self.context, width, height);
+        }
+    }
+
+    /// Shows what was drawn; waits for the vertical sync if there is one.
+    ///
+    /// # Errors
+    /// A lost surface.
+    pub(crate) fn swap(&self) -> Result<(), SessionError> {
+        self.window.pre_present_notify();
+        self.surface.swap_buffers(&self.context).map_err(|error| match error.error_kind() {
+            ErrorKind::ContextLost => GpuError::ContextLost { doing: "showing a frame" }.into(),
+            _ => SessionError::Window { doing: "to show a frame", reason: error.to_string() },
+        })
+    }
+
+    /// Frames per second of the window's monitor, if it reports them.
+    pub(crate) fn refresh_rate(&self) -> Option<f64> {
+        self.refresh_rate
+    }
+
+    /// Whether the window is in full screen.
+    pub(crate) fn is_fullscreen(&self) -> bool {
+        self.window.is_fullscreen()
+    }
+
+    /// Moves it to a rectangle of the desktop.
+    pub(crate) fn fill(&self, ((x, y), (width, height)): Rect) {
+        let window = self.window();
+        window.set_outer_position(PhysicalPosition::new(x, y));
+        let _ = window.request_inner_size(PhysicalSize::new(width, height));
+    }
+
+    /// Enters or leaves full screen.
+    pub(crate) fn set_fullscreen(&self, on: bool) {
+        self.window().set_fullscreen(on.then_some(Fullscreen::Borderless(None)));
+    }
+}
+
+/// A window for the show's thread.
+pub(crate) fn shared(
+    event_loop: &ActiveEventLoop,
+    events: &EventLoopProxy<Told>,
+    window: Arc<Window>,
+) -> SharedWindow {
+    #[cfg(all(unix, not(target_os = "macos")))]
+    let events = winit::platform::x11::ActiveEventLoopExtX11::is_x11(event_loop).then(|| events.clone());
+    #[cfg(not(all(unix, not(target_os = "macos"))))]
+    let events = (event_loop, events, None).2;
+    SharedWindow::new(window, events)
+}
+
+/// Least part of a window's upper edge that must be on a monitor for a hand to grasp it: width and height in pixels.
+const GRASP: (i64, i64) = (64, 24);
+
+/// Whether the upper edge of a window, with its frame from `place` on, is on one of the monitors, which have places and
+/// sizes. A monitor may have gone since the place was remembered.
+fn can_be_grasped(
+    place: (i32, i32),
+    size: (u32, u32),
+    mut monitors: impl Iterator<Item = ((i32, i32), (u32, u32))>,
+) -> bool {
+    let common = |from: i32, length: i64, of: i32, most: u32| {
+        let (from, of) = (i64::from(from), i64::from(of));
+        (from + length).min(of + i64::from(most)) - from.max(of)
+    };
+    monitors.any(|((x, y), (width, height))| {
+        common(place.0, i64::from(size.0), x, width) >= GRASP.0
+            && common(place.1, 2 * GRASP.1, y, height) >= GRASP.1
+    })
+}
+
+/// The interface that gave the context.
+fn config_kind(config: &glutin::config::Config) -> &'static str {
+    match config {
+        #[cfg(any(unix, windows))]
+        #[cfg(not(target_os = "macos"))]
+        glutin::config::Config::Egl(_) => "EGL",
+        #[cfg(all(unix, not(target_os = "macos")))]
+        glutin::config::Config::Glx(_) => "GLX",
+        #[allow(unreachable_patterns, reason = "some systems have one kind only")]
+        _ => "the system's own interface",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_that_is_on_no_monitor_any_more_is_not_taken() {
+        let two = [((0, 0), (1920, 1080)), ((1920, 200), (1280, 1024))];
+        let is_there = |place| can_be_grasped(place, (640, 360), two.into_iter());
+        for place in [(0, 0), (1800, 900), (-500, 10), (2500, 1100), (100, -20), (3100, 300)] {
+            assert!(is_there(place), "{place:?}");
+        }
+        for place in [
+            (-600, 10),
+            (3190, 300),
+            (100, 1070),
+            (2500, 100),
+            (100, -40),
+            (i32::MAX, i32::MIN),
+            (i32::MIN, i32::MAX),
+        ] {
+            assert!(!is_there(place), "{place:?}");
+        }
+        assert!(!can_be_grasped((0, 0), (640, 360), [].into_iter()));
+    }
+}

@@ -1,0 +1,218 @@
+//! Windows besides the first, into which the same context draws: the output on another monitor, and the ground of a
+//! Wayland desktop; and what a window is like that is for the eyes alone.
+
+#![expect(unsafe_code, reason = "creating surfaces from window handles is unsafe in glutin")]
+
+use std::num::NonZeroU32;
+use std::sync::Arc;
+
+use glutin::context::PossiblyCurrentGlContext;
+use glutin::display::{GetGlDisplay, GlDisplay};
+use glutin::error::ErrorKind;
+use glutin::surface::{
+    GlSurface, Surface, SurfaceAttributes, SurfaceAttributesBuilder, SwapInterval, WindowSurface,
+};
+use glutin_winit::GlWindow;
+use winit::dpi::{PhysicalPosition, PhysicalSize};
+use winit::event_loop::ActiveEventLoop;
+use winit::window::{Fullscreen, Window, WindowAttributes};
+
+use super::{GlWindowContext, SharedWindow};
+use crate::gpu::error::GpuError;
+use crate::session::SessionError;
+use crate::shell::identity;
+use crate::shell::monitors::Monitor;
+use crate::shell::wallpaper::{Rect, Sheet};
+
+/// A window for the eyes alone.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Ground {
+    /// None of it is seen: surfaces of a Wayland desktop, below all its windows, show the picture.
+    Layers,
+    /// Below all windows of the desktop, on this rectangle of it.
+    Desktop(Rect),
+    /// Within another program's window of X11, which has this size in pixels.
+    Within(u32, (u32, u32)),
+}
+
+/// Another window, or what is like one, that the same context draws into.
+pub(crate) struct SecondSurface {
+    // The surface before what it lies on.
+    surface: Surface<WindowSurface>,
+    lies_on: Bearer,
+    size: (u32, u32),
+}
+
+/// What pictures lie on.
+enum Bearer {
+    Window(SharedWindow),
+    Sheet(Arc<Sheet>),
+}
+
+impl SecondSurface {
+    /// Width and height of its pictures, in pixels.
+    pub(crate) fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// Takes its window's new size. A window without an area keeps the old one.
+    pub(crate) fn resize(&mut self, first: &GlWindowContext, size: (u32, u32)) {
+        if let (Some(width), Some(height)) = (NonZeroU32::new(size.0), NonZeroU32::new(size.1)) {
+            self.size = size;
+            self.surface.resize(&first.context, width, height);
+        }
+    }
+}
+
+impl GlWindowContext {
+    /// A surface of another window, which was opened for the same configuration. From now on only that one waits for its
+    /// monitor.
+    ///
+    /// # Errors
+    /// The driver refuses.
+    pub(crate) fn second_surface(&self, window: SharedWindow) -> Result<SecondSurface, SessionError> {
+        let refused = |error: &dyn std::fmt::Display| refused("a second window", error);
+        let calls = window.calls();
+        let attributes =
+            calls.build_surface_attributes(Default::default()).map_err(|error| refused(&error))?;
+        let size = calls.inner_size().into();
+        drop(calls);
+        let vertical_sync = SwapInterval::Wait(NonZeroU32::MIN);
+        let second = self.surface_on(Bearer::Window(window), &attributes, size, vertical_sync)?;
+        self.wait_for_monitor(false);
+        Ok(second)
+    }
+
+    /// A surface of a part of the ground of a Wayland desktop, for pictures of `size` pixels. Showing one waits for
+    /// nothing: the compositor says when it wants the next one ([`Sheet::is_ready`]).
+    ///
+    /// # Errors
+    /// The driver refuses.
+    pub(crate) fn surface_of_sheet(
+        &self,
+        sheet: Arc<Sheet>,
+        size: (u32, u32),
+    ) -> Result<SecondSurface, SessionError> {
+        let handle = sheet.handle().ok_or_else(|| refused("a wallpaper", &"the surface is gone"))?;
+        let side = |side: u32| NonZeroU32::new(side).unwrap_or(NonZeroU32::MIN);
+        let attributes =
+            SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side(size.0), side(size.1));
+        self.surface_on(Bearer::Sheet(sheet), &attributes, size, SwapInterval::DontWait)
+    }
+
+    /// A surface of `size` pixels by the attributes of what it lies on.
+    fn surface_on(
+        &self,
+        lies_on: Bearer,
+        attributes: &SurfaceAttributes<WindowSurface>,
+        size: (u32, u32),
+        interval: SwapInterval,
+    ) -> Result<SecondSurface, SessionError> {
+        let refused = |error: glutin::error::Error| refused("a second surface", &error);
+        // SAFETY: what it lies on outlives the surface (see the fields' order).
+        let surface = unsafe { self.config.display().create_window_surface(&self.config, attributes) };
+        let second = SecondSurface { surface: surface.map_err(refused)?, lies_on, size };
+        self.context.make_current(&second.surface).map_err(refused)?;
+        if let Err(error) = second.surface.set_swap_interval(&self.context, interval) {
+            tracing::info!("a second surface waits for its monitor as the driver likes ({error})");
+        }
+        self.context.make_current(&self.surface).map_err(refused)?;
+        Ok(second)
+    }
+
+    /// Whether showing a picture waits for the monitor.
+    pub(crate) fn wait_for_monitor(&self, waits: bool) {
+        let interval = if waits { SwapInterval::Wait(NonZeroU32::MIN) } else { SwapInterval::DontWait };
+        if let Err(error) = self.surface.set_swap_interval(&self.context, interval) {
+            tracing::info!("no vertical sync ({error}); only the frame cap limits the rate");
+        }
+    }
+
+    /// Lets `draw` draw into another window, and shows that there. Meanwhile the framebuffer without a name is that
+    /// window's.
+    ///
+    /// # Errors
+    /// What `draw` reports, or a lost surface.
+    pub(crate) fn draw_on<T>(
+        &self,
+        second: &SecondSurface,
+        draw: impl FnOnce() -> Result<T, SessionError>,
+    ) -> Result<T, SessionError> {
+        let failed = |error: glutin::error::Error| match error.error_kind() {
+            ErrorKind::ContextLost => GpuError::ContextLost { doing: "showing a frame" }.into(),
+            _ => SessionError::Window { doing: "to show a frame on the output", reason: error.to_string() },
+        };
+        self.context.make_current(&second.surface).map_err(failed)?;
+        let drawn = draw();
+        match &second.lies_on {
+            Bearer::Window(window) => window.pre_present_notify(),
+            Bearer::Sheet(sheet) => sheet.ask(),
+        }
+        let shown = second.surface.swap_buffers(&self.context).map_err(failed);
+        self.context.make_current(&self.surface).map_err(failed)?;
+        drawn.and_then(|drawn| shown.map(|()| drawn))
+    }
+}
+
+fn refused(doing: &'static str, error: &dyn std::fmt::Display) -> SessionError {
+    SessionError::Window { doing, reason: error.to_string() }
+}
+
+/// The attributes of a window for the eyes alone.
+pub(super) fn grounded(attributes: WindowAttributes, ground: Option<Ground>) -> WindowAttributes {
+    let Some(ground) = ground else { return attributes };
+    let attributes = attributes.with_decorations(false).with_active(false);
+    #[cfg(all(unix, not(target_os = "macos")))]
+    {
+        use winit::platform::x11::{WindowAttributesExtX11, WindowType};
+        match ground {
+            Ground::Layers => attributes,
+            Ground::Desktop(((x, y), _)) => attributes
+                .with_position(PhysicalPosition::new(x, y))
+                .with_x11_window_type(vec![WindowType::Desktop]),
+            Ground::Within(window, _) => {
+                attributes.with_position(PhysicalPosition::new(0, 0)).with_embed_parent_window(window)
+            }
+        }
+    }
+    #[cfg(not(all(unix, not(target_os = "macos"))))]
+    {
+        let _ = ground;
+        attributes
+    }
+}
+
+/// Opens a window that fills a monitor and takes nothing but keys: without a frame and without a pointer.
+///
+/// # Errors
+/// The window system refuses.
+pub(crate) fn open_output(
+    event_loop: &ActiveEventLoop,
+    config: &glutin::config::Config,
+    monitor: &Monitor,
+) -> Result<Arc<Window>, SessionError> {
+    let (place, size) = (monitor.place, monitor.size);
+    let attributes = WindowAttributes::default()
+        .with_title("Mariana's output")
+        .with_decorations(false)
+        .with_position(PhysicalPosition::new(place.0, place.1))
+        .with_inner_size(PhysicalSize::new(size.0, size.1));
+    let attributes = identity::told_by(attributes);
+    #[cfg(all(unix, not(target_os = "macos")))]
+    let attributes = {
+        use winit::platform::x11::{ActiveEventLoopExtX11, WindowAttributesExtX11};
+        if event_loop.is_x11() {
+            // No window manager moves it, covers it or gives it the keyboard.
+            attributes.with_override_redirect(true)
+        } else {
+            let mut known = event_loop.available_monitors();
+            let found = known.find(|known| known.name().as_deref() == Some(&*monitor.name));
+            attributes.with_fullscreen(Some(Fullscreen::Borderless(found)))
+        }
+    };
+    let window = glutin_winit::finalize_window(event_loop, attributes, config).map_err(|error| {
+        SessionError::Window { doing: "a window for the output", reason: error.to_string() }
+    })?;
+    window.set_cursor_visible(false);
+    Ok(Arc::new(window))
+}

@@ -1,0 +1,70 @@
+//! A window as the show's thread uses it.
+//!
+//! winit lets any thread call a window, and on X11 such a call may wait for a reply. Waiting reads the connection, and
+//! events that arrive with the reply are queued in Xlib. The event thread would learn of them only when the socket becomes
+//! readable again, so each call wakes it afterwards. The window can be reached only through a guard that does so.
+
+use std::ops::Deref;
+use std::sync::Arc;
+
+use winit::event_loop::EventLoopProxy;
+use winit::window::Window;
+
+use crate::shell::window_thread::Told;
+
+/// See the module.
+#[derive(Clone)]
+pub(crate) struct SharedWindow {
+    window: Arc<Window>,
+    /// The event thread. `None` where a call never takes its events.
+    events: Option<EventLoopProxy<Told>>,
+}
+
+/// Access to a window. Dropping it wakes the event thread.
+pub(crate) struct WindowCalls<'a>(&'a SharedWindow);
+
+impl SharedWindow {
+    /// A window whose events arrive on the thread behind `events`; `None` if calls do not read the connection of events.
+    pub(crate) fn new(window: Arc<Window>, events: Option<EventLoopProxy<Told>>) -> Self {
+        Self { window, events }
+    }
+
+    /// The window, for calls until the guard is dropped.
+    pub(crate) fn calls(&self) -> WindowCalls<'_> {
+        WindowCalls(self)
+    }
+
+    // These ask no X server, so nothing has to be woken.
+
+    /// Requests a redraw.
+    pub(crate) fn request_redraw(&self) {
+        self.window.request_redraw();
+    }
+
+    /// Announces that a picture is about to be shown.
+    pub(crate) fn pre_present_notify(&self) {
+        self.window.pre_present_notify();
+    }
+
+    /// Returns `true` in full screen.
+    pub(crate) fn is_fullscreen(&self) -> bool {
+        self.window.fullscreen().is_some()
+    }
+}
+
+impl Deref for WindowCalls<'_> {
+    type Target = Window;
+
+    fn deref(&self) -> &Window {
+        &self.0.window
+    }
+}
+
+impl Drop for WindowCalls<'_> {
+    fn drop(&mut self) {
+        if let Some(events) = &self.0.events {
+            // After the end nobody waits for events.
+            let _ = events.send_event(Told::CallsMade);
+        }
+    }
+}

@@ -1,0 +1,360 @@
+//! The window, its output on another monitor and the wallpaper, as a session sees them.
+
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use egui::accesskit::TreeUpdate;
+use egui::{CursorIcon, Rect};
+use winit::dpi::{PhysicalPosition, PhysicalSize};
+use winit::event::WindowEvent;
+
+use crate::export::print::tell;
+use crate::gpu::background::WorkerContext;
+use crate::gpu::gl::Gl;
+use crate::gpu::renderer::Renderer;
+use crate::monitor::Monitor;
+use crate::placement::{Area, WHOLE};
+use crate::session::SessionError;
+use crate::session::lay::Lay;
+use crate::session::screen::{Event, Paint, Screen};
+use crate::shell::accessibility::ControlsTeller;
+use crate::shell::output::Output;
+use crate::shell::translate::input_of;
+use crate::shell::wallpaper::{self, Wallpaper, filling};
+use crate::shell::window::{GlWindowContext, OpenWindow, SharedWindow};
+use crate::shell::window_thread::{Message, Typing};
+use crate::ui::desk_picture::AROUND;
+
+/// See the module.
+pub(crate) struct WindowScreen {
+    output: Output,
+    /// If the window is the desktop's wallpaper.
+    wallpaper: Option<Wallpaper>,
+    /// Where the wallpaper's window was moved last.
+    placed_at: Option<wallpaper::Rect>,
+    /// Whether nothing of the window can be seen.
+    occluded: bool,
+    inbox: Receiver<Message>,
+    controls: ControlsTeller,
+    typing: Typing,
+    /// Sentences that nobody has taken yet.
+    news: Vec<String>,
+    // Last: everything above that holds OpenGL objects is dropped first.
+    window: GlWindowContext,
+}
+
+/// Everything that a window's session hears and reports.
+pub(crate) struct Lines {
+    /// What happens to the window, and what other threads have for the session.
+    pub(crate) inbox: Receiver<Message>,
+    /// Where screen readers are told what there is.
+    pub(crate) controls: ControlsTeller,
+    /// Whether keys are text.
+    pub(crate) typing: Typing,
+}
+
+impl WindowScreen {
+    /// Makes a context for a window. The picture shows on `output`, too, or on the `wallpaper` instead.
+    ///
+    /// # Errors
+    /// The driver refuses, or has no OpenGL 3.3.
+    pub(crate) fn new(
+        window: OpenWindow,
+        lines: Lines,
+        output: Output,
+        wallpaper: Option<Wallpaper>,
+    ) -> Result<Self, SessionError> {
+        let Lines { inbox, controls, typing } = lines;
+        let (placed_at, occluded, news) = (None, false, Vec::new());
+        let window = window.bind()?;
+        Ok(Self { output, wallpaper, placed_at, occluded, inbox, controls, typing, news, window })
+    }
+
+    /// Takes an event of the window that is no input.
+    fn note(&mut self, event: &WindowEvent) {
+        match event {
+            WindowEvent::Moved(place) => self.window.note_place((*place).into()),
+            WindowEvent::Resized(size) => {
+                self.window.resize((*size).into());
+                self.window.request_redraw();
+            }
+            WindowEvent::Occluded(occluded) => self.occluded = *occluded,
+            _ => {}
+        }
+    }
+
+    /// Takes the output's window.
+    fn take_output(&mut self, window: SharedWindow) {
+        if let Err(error) = self.output.take(window, &self.window) {
+            self.news.push(format!("there is no output on another monitor: {error}"));
+            self.output.want(None);
+        }
+        self.window.request_redraw();
+    }
+
+    /// Whether the window shows nothing, because surfaces of a Wayland desktop do.
+    fn hides_window(&self) -> bool {
+        self.wallpaper.as_ref().is_some_and(Wallpaper::hides_window)
+    }
+}
+
+impl Screen for WindowScreen {
+    fn wait(&mut self, until: Instant) -> Vec<Event> {
+        let patience = until.saturating_duration_since(Instant::now());
+        let first = match self.inbox.recv_timeout(patience) {
+            Ok(message) => Some(message),
+            Err(RecvTimeoutError::Timeout) => None,
+            Err(RecvTimeoutError::Disconnected) => return vec![Event::End],
+        };
+        let messages: Vec<Message> = first.into_iter().chain(self.inbox.try_iter()).collect();
+        let (mut events, mut redraws) = (Vec::new(), false);
+        for message in messages {
+            match message {
+                Message::Window(WindowEvent::RedrawRequested) => redraws = true,
+                Message::Window(event) => {
+                    self.note(&event);
+                    events.extend(input_of(&event).map(Event::Input));
+                }
+                Message::Monitors(monitors) => self.output.note_monitors(monitors),
+                Message::Output(window) => self.take_output(window),
+                Message::OutputEvent(event) => {
+                    if self.output.take_event(&event, &self.window) {
+                        self.window.request_redraw();
+                    }
+                }
+                Message::Assistance(assistance) => events.push(Event::Assistance(assistance)),
+                Message::Wake => {}
+                Message::End => events.push(Event::End),
+            }
+        }
+        events.extend(redraws.then_some(Event::Redraw));
+        events
+    }
+
+    fn gl(&self) -> &Gl {
+        self.window.gl()
+    }
+
+    fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
+        self.window.worker_contexts(count)
+    }
+
+    fn renew(mut self: Box<Self>) -> Result<Box<dyn Screen>, SessionError> {
+        self.output.close(&self.window);
+        if let Some(wallpaper) = &mut self.wallpaper {
+            wallpaper.let_go();
+        }
+        let Self { window, .. } = *self;
+        let window = window.let_go().bind()?;
+        Ok(Box::new(Self { window, ..*self }))
+    }
+
+    fn refresh_rate(&self) -> Option<f64> {
+        self.window.refresh_rate()
+    }
+
+    fn size(&self) -> Option<(u32, u32)> {
+        self.window.size()
+    }
+
+    fn scale(&self) -> f32 {
+        self.window.window().scale_factor() as f32
+    }
+
+    fn picture_size(&self) -> Option<(u32, u32)> {
+        let of_wallpaper = self.wallpaper.as_ref().and_then(Wallpaper::screen);
+        let of_window = self.window.size().filter(|_| !self.hides_window());
+        self.output.size().or(of_wallpaper).or(of_window)
+    }
+
+    fn place(&self) -> Option<(i32, i32)> {
+        self.window.place()
+    }
+
+    fn is_fullscreen(&self) -> bool {
+        self.window.is_fullscreen()
+    }
+
+    fn set_fullscreen(&mut self, on: bool) {
+        self.window.set_fullscreen(on);
+    }
+
+    fn set_title(&mut self, title: &str) {
+        self.window.window().set_title(title);
+    }
+
+    fn raise(&mut self) {
+        self.window.window().focus_window();
+    }
+
+    fn set_cursor(&mut self, cursor: CursorIcon) {
+        let window = self.window.window();
+        match winit_cursor(cursor) {
+            Some(icon) => {
+                window.set_cursor_visible(true);
+                window.set_cursor(icon);
+            }
+            None => window.set_cursor_visible(false),
+        }
+    }
+
+    fn allow_composing(&mut self, on: bool) {
+        self.window.window().set_ime_allowed(on);
+    }
+
+    fn set_place_of_letters(&mut self, place: Rect) {
+        let corner = PhysicalPosition::new(place.left(), place.top());
+        let size = PhysicalSize::new(place.width().max(1.0), place.height().max(1.0));
+        self.window.window().set_ime_cursor_area(corner, size);
+    }
+
+    fn set_keys_are_text(&mut self, on: bool) {
+        self.typing.set(on);
+    }
+
+    fn show_controls(&mut self, controls: TreeUpdate) {
+        self.controls.tell(controls);
+    }
+
+    fn request_redraw(&self) {
+        self.window.request_redraw();
+    }
+
+    fn is_seen(&self) -> bool {
+        let rests = self.wallpaper.as_ref().is_some_and(Wallpaper::rests);
+        !(self.occluded || rests) || self.output.size().is_some()
+    }
+
+    fn shows_words(&self) -> bool {
+        self.wallpaper.as_ref().is_none_or(Wallpaper::shows_words)
+    }
+
+    fn is_stale(&self) -> bool {
+        self.output.is_stale() || self.wallpaper.as_ref().is_some_and(Wallpaper::is_due)
+    }
+
+    fn show(
+        &mut self,
+        renderer: &mut Renderer,
+        lay: &Lay,
+        small: Option<Area>,
+        is_new: bool,
+        paint: Paint<'_>,
+    ) -> Result<Duration, SessionError> {
+        let begun = Instant::now();
+        let Self { window, wallpaper, .. } = self;
+        let size = window.size().unwrap_or_default();
+        match wallpaper {
+            Some(wallpaper) if wallpaper.hides_window() => {
+                let mut paint = Some(paint);
+                wallpaper.show(window, is_new, |pixels, has_words| {
+                    if lay.screen == pixels {
+                        lay.show(renderer, pixels, WHOLE)?;
+                    } else {
+                        lay.show_panel(renderer, pixels, filling(lay.screen, pixels, WHOLE))?;
+                    }
+                    match paint.take_if(|_| has_words) {
+                        Some(paint) => paint(pixels),
+                        None => Ok(()),
+                    }
+                })?;
+                return Ok(begun.elapsed());
+            }
+            Some(wallpaper) if !wallpaper.panels(lay.screen).is_empty() => {
+                for panel in wallpaper.panels(lay.screen) {
+                    lay.show_panel(renderer, size, panel)?;
+                }
+            }
+            _ => match small {
+                Some(area) => {
+                    window.gl().clear_window(size, AROUND)?;
+                    lay.show_small(renderer, size, area)?;
+                }
+                None => lay.show(renderer, size, lay.area_in(size))?,
+            },
+        }
+        paint(size)?;
+        let painting = begun.elapsed();
+        window.swap()?;
+        Ok(painting)
+    }
+
+    fn show_waiting(&mut self, paint: Paint<'_>) -> Result<(), SessionError> {
+        let Some(size) = self.window.size().filter(|_| !self.hides_window()) else { return Ok(()) };
+        self.window.gl().clear_window(size, [0.0; 3])?;
+        paint(size)?;
+        self.window.swap()
+    }
+
+    fn has_output(&self) -> bool {
+        self.output.size().is_some()
+    }
+
+    fn update(&mut self) -> Vec<String> {
+        if let Some(wallpaper) = &mut self.wallpaper {
+            wallpaper.update(&self.window);
+        }
+        if let Some(place) = self.wallpaper.as_ref().and_then(Wallpaper::place)
+            && self.placed_at != Some(place)
+        {
+            self.placed_at = Some(place);
+            self.window.fill(place);
+        }
+        let was = self.output.size();
+        self.news.extend(self.output.update(&self.window));
+        if self.output.size() != was {
+            self.window.request_redraw();
+        }
+        self.news.iter().for_each(|sentence| tell(sentence));
+        std::mem::take(&mut self.news)
+    }
+
+    fn monitors(&self) -> Vec<Monitor> {
+        self.output.monitors()
+    }
+
+    fn look_at_monitors(&mut self) {
+        self.output.look_at_monitors();
+    }
+
+    fn want_output(&mut self, monitor: Option<String>) {
+        self.output.want(monitor);
+    }
+
+    fn lie_differently(&mut self) {
+        self.output.look_different();
+        self.window.request_redraw();
+    }
+
+    fn show_on_output(
+        &mut self,
+        renderer: &mut Renderer,
+        lay: &Lay,
+        is_new: bool,
+    ) -> Result<(), SessionError> {
+        let Some(surface) = self.output.due(is_new) else { return Ok(()) };
+        let size = surface.size();
+        self.window.draw_on(surface, || Ok(lay.show(renderer, size, WHOLE)?))
+    }
+}
+
+/// Translates the looks of the pointer that the panels use; `None` hides it.
+fn winit_cursor(cursor: CursorIcon) -> Option<winit::window::CursorIcon> {
+    use winit::window::CursorIcon as Winit;
+    Some(match cursor {
+        CursorIcon::None => return None,
+        CursorIcon::PointingHand => Winit::Pointer,
+        CursorIcon::Text => Winit::Text,
+        CursorIcon::Grab => Winit::Grab,
+        CursorIcon::Grabbing => Winit::Grabbing,
+        CursorIcon::Move => Winit::Move,
+        CursorIcon::Crosshair => Winit::Crosshair,
+        CursorIcon::ResizeHorizontal => Winit::EwResize,
+        CursorIcon::ResizeVertical => Winit::NsResize,
+        CursorIcon::NotAllowed => Winit::NotAllowed,
+        CursorIcon::NoDrop => Winit::NoDrop,
+        CursorIcon::Wait => Winit::Wait,
+        CursorIcon::Progress => Winit::Progress,
+        _ => Winit::Default,
+    })
+}

@@ -1,0 +1,380 @@
+//! The window's thread: receives the window's events and hands them to the show, which runs on a thread of its own.
+//!
+//! If a driver, a disk or a device blocks, it blocks the show; this thread waits for nothing but events. So the
+//! window answers its window system at once, and quits at once, however long a driver compiles.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use egui::accesskit::TreeUpdate;
+use winit::application::ApplicationHandler;
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::window::{Window, WindowId};
+
+use crate::commands::Command;
+use crate::ending::{self, Signal};
+use crate::export::print::tell;
+use crate::input::Modifiers;
+use crate::session::SessionError;
+use crate::session::waker::Waker;
+use crate::shell::accessibility::{Accessibility, Assistance};
+use crate::shell::monitors::Monitor;
+use crate::shell::translate::{key_press, modifiers};
+use crate::shell::wallpaper::Layers;
+use crate::shell::window::{OpenWindow, SharedWindow, WindowWishes, open_output, shared};
+
+/// How long the end waits for a show that a driver blocks: a little longer than the show waits for its compilers.
+const END_WAIT: Duration = Duration::from_secs(6);
+
+/// What the show receives.
+pub(crate) enum Message {
+    /// Something happened to the window.
+    Window(WindowEvent),
+    /// These monitors are there, where X11 does not tell.
+    Monitors(Vec<Monitor>),
+    /// The window of the output, which was asked for.
+    Output(SharedWindow),
+    /// Something happened to it.
+    OutputEvent(WindowEvent),
+    /// Assistive technology asks for something.
+    Assistance(Assistance),
+    /// Another thread has something for the show.
+    Wake,
+    /// The window is closed, or is to be.
+    End,
+}
+
+/// Whether keys are text at present, which the show knows: then no letter ends it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Typing(Arc<AtomicBool>);
+
+impl Typing {
+    /// Notes whether keys are text from now on.
+    pub(crate) fn set(&self, on: bool) {
+        self.0.store(on, Ordering::Relaxed);
+    }
+
+    fn is_on(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// What wakes a show, where its messages are sent, and where it gets them.
+pub(crate) fn inbox() -> (Waker, Sender<Message>, Receiver<Message>) {
+    let (sender, inbox) = channel();
+    let of_waker = sender.clone();
+    // After the end there is nobody to wake.
+    (Waker::new(move || drop(of_waker.send(Message::Wake))), sender, inbox)
+}
+
+/// What the window's thread receives.
+#[derive(Debug)]
+pub(crate) enum Told {
+    /// The show has ended.
+    Ended,
+    /// A signal asks for the end.
+    End,
+    /// Assistive technology asks the show for something.
+    Assistance(Assistance),
+    /// The show has these controls now.
+    Controls(Box<TreeUpdate>),
+    /// The show wants a window for its output on this monitor.
+    OpenOutput(Monitor),
+    /// It needs that no longer.
+    CloseOutput,
+    /// The show has called a window, which may have queued events: see [`crate::shell::window::SharedWindow`].
+    CallsMade,
+}
+
+/// A show: everything that happens on its thread, from the window to the end.
+pub(crate) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), SessionError> + Send>;
+
+/// Opens a window, runs `play` in it on a thread of its own, and hands it the window's events through `messages`, until
+/// one of the two ends. `typing` tells whether keys are text. `layers` show the picture instead of the window.
+///
+/// # Errors
+/// What the show ended with, no window, or no thread.
+pub(crate) fn run(
+    event_loop: EventLoop<Told>,
+    wishes: WindowWishes,
+    messages: Sender<Message>,
+    typing: Typing,
+    layers: Option<Layers>,
+    play: Play,
+) -> Result<(), SessionError> {
+    let on_signal = event_loop.create_proxy();
+    let watched = ending::watch(move |_| {
+        let _ = on_signal.send_event(Told::End);
+    });
+    if let Err(error) = watched {
+        tracing::info!("signals cannot be caught and end the show at once ({error})");
+    }
+    let mut front = Front {
+        proxy: event_loop.create_proxy(),
+        messages,
+        begins_with: Some((wishes, play)),
+        running: None,
+        ends_by: None,
+        show_ended: false,
+        held: Modifiers::empty(),
+        monitors: Vec::new(),
+        typing,
+        layers,
+        result: Ok(()),
+    };
+    #[cfg(all(unix, not(target_os = "macos")))]
+    crate::shell::lost_display::end_with_the_reason();
+    event_loop
+        .run_app(&mut front)
+        .map_err(|error| SessionError::Window { doing: "to run", reason: error.to_string() })?;
+    front.result
+}
+
+struct Front {
+    proxy: EventLoopProxy<Told>,
+    messages: Sender<Message>,
+    /// Taken when the window opens.
+    begins_with: Option<(WindowWishes, Play)>,
+    running: Option<Running>,
+    /// Since the show is over: until when it is waited for.
+    ends_by: Option<Instant>,
+    /// Whether the show has ended by itself.
+    show_ended: bool,
+    /// The keys that are held and change what others do.
+    held: Modifiers,
+    /// Those of Wayland.
+    monitors: Vec<Monitor>,
+    typing: Typing,
+    layers: Option<Layers>,
+    result: Result<(), SessionError>,
+}
+
+struct Running {
+    show: JoinHandle<Result<(), SessionError>>,
+    // Both are dropped here, after the show, on the thread that made them.
+    accessibility: Accessibility,
+    window: Arc<Window>,
+    config: glutin::config::Config,
+    output: Option<Arc<Window>>,
+}
+
+impl Front {
+    fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), SessionError> {
+        let Some((wishes, play)) = self.begins_with.take() else { return Ok(()) };
+        let (opened, window) = OpenWindow::open(event_loop, &self.proxy, &wishes)?;
+        let (visible, config) = (wishes.visible, opened.config());
+        let accessibility = Accessibility::new(event_loop, &window, self.proxy.clone());
+        window.set_visible(visible);
+        let proxy = self.proxy.clone();
+        let show = move || {
+            // However the show ends, also by a panic.
+            let _tells = TellsEnd(proxy);
+            play(opened)
+        };
+        let thread = std::thread::Builder::new().name("show".into());
+        let show = thread.spawn(show).map_err(|error| SessionError::NoThread(error.to_string()))?;
+        self.running = Some(Running { show, accessibility, window, config, output: None });
+        Ok(())
+    }
+
+    /// Leaves if the end takes too long: after it winit waits for a last answer of the compositor, and one that stands still
+    /// gives none.
+    fn leave_in_time(&self) {
+        let words = self.result.as_ref().err().map(ToString::to_string);
+        let leave = move || {
+            std::thread::sleep(END_WAIT);
+            let leaving = ending::begin_to_leave();
+            let asked = ending::asked_to_end().map_or(0, Signal::exit_code);
+            let code = words.map_or(asked, |words| {
+                tell(&words);
+                1
+            });
+            leaving.leave(code)
+        };
+        if let Err(error) = std::thread::Builder::new().name("end".into()).spawn(leave) {
+            tracing::info!("the end waits for the window system: {error}");
+        }
+    }
+
+    /// Asks the show to end. The window disappears at once: whatever still waits for a driver does so unseen.
+    fn end(&mut self, event_loop: &ActiveEventLoop) {
+        if self.ends_by.is_some() {
+            return;
+        }
+        let Some(running) = &self.running else { return event_loop.exit() };
+        for window in std::iter::once(&running.window).chain(&running.output) {
+            window.set_visible(false);
+        }
+        let _ = self.messages.send(Message::End);
+        let until = Instant::now() + END_WAIT;
+        self.ends_by = Some(until);
+        event_loop.set_control_flow(ControlFlow::WaitUntil(until));
+    }
+}
+
+/// Whether an event asks for the end, which must not wait for the show.
+fn asks_for_the_end(event: &WindowEvent, held: Modifiers, typing: bool) -> bool {
+    match event {
+        // Destroyed: closed by others without asking.
+        WindowEvent::CloseRequested | WindowEvent::Destroyed => true,
+        WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => {
+            key_press(event).is_some_and(|press| {
+                !typing && Command::of_key(&press.key, held, press.repeat) == Some(Command::Quit)
+            })
+        }
+        _ => false,
+    }
+}
+
+impl ApplicationHandler<Told> for Front {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if let Err(error) = self.open(event_loop) {
+            self.result = Err(error);
+            event_loop.exit();
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
+        let output = self.running.as_ref().and_then(|running| running.output.as_ref());
+        // Keys are the show's in whichever window they are pressed.
+        let is_key = matches!(event, WindowEvent::KeyboardInput { .. } | WindowEvent::ModifiersChanged(_));
+        if output.is_some_and(|output| output.id() == window) && !is_key {
+            if self.ends_by.is_none() {
+                let _ = self.messages.send(Message::OutputEvent(event));
+            }
+            return;
+        }
+        if !is_key && self.running.as_ref().is_some_and(|running| running.window.id() != window) {
+            // Of an output that is closed.
+            return;
+        }
+        if let WindowEvent::ModifiersChanged(held) = &event {
+            self.held = modifiers(held.state());
+        }
+        if let Some(running) = &mut self.running {
+            running.accessibility.note(&running.window, &event);
+        }
+        if asks_for_the_end(&event, self.held, self.typing.is_on()) {
+            return self.end(event_loop);
+        }
+        if self.ends_by.is_none() {
+            let _ = self.messages.send(Message::Window(event));
+        }
+    }
+
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, told: Told) {
+        match told {
+            Told::Ended => {
+                self.show_ended = true;
+                event_loop.exit();
+            }
+            Told::End => self.end(event_loop),
+            Told::Assistance(assistance) => {
+                let _ = self.messages.send(Message::Assistance(assistance));
+            }
+            Told::OpenOutput(monitor) => {
+                let Some(running) = self.running.as_mut().filter(|_| self.ends_by.is_none()) else { return };
+                match open_output(event_loop, &running.config, &monitor) {
+                    Ok(window) => {
+                        running.output = Some(window.clone());
+                        let window = shared(event_loop, &self.proxy, window);
+                        let _ = self.messages.send(Message::Output(window));
+                    }
+                    Err(error) => tracing::warn!("{error}"),
+                }
+            }
+            // winit has read the queued events before it called this.
+            Told::CallsMade => {}
+            Told::CloseOutput => {
+                if let Some(running) = &mut self.running {
+                    running.output = None;
+                }
+            }
+            Told::Controls(controls) => {
+                if let Some(running) = &mut self.running {
+                    running.accessibility.show(*controls);
+                }
+            }
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        if let Some(monitors) = monitors_of_wayland(event_loop)
+            && self.monitors != monitors
+        {
+            self.monitors.clone_from(&monitors);
+            let _ = self.messages.send(Message::Monitors(monitors));
+        }
+        if self.ends_by.is_some_and(|until| Instant::now() >= until) {
+            tracing::info!("a driver holds up the show: the program ends without it");
+            event_loop.exit();
+        }
+    }
+
+    fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
+        let Some(Running { show, accessibility, window, output, .. }) = self.running.take() else { return };
+        if !self.show_ended && self.ends_by.is_none() {
+            // Nobody asked for the end: the window system has gone, and the show may wait for it for ever.
+            end_without_display();
+        }
+        while !show.is_finished() && self.ends_by.is_some_and(|until| Instant::now() < until) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        if !show.is_finished() && self.ends_by.is_some_and(|until| Instant::now() >= until) {
+            // It draws into the window through the connection that the event loop closes when this returns.
+            ending::begin_to_leave().leave(ending::asked_to_end().map_or(0, Signal::exit_code));
+        }
+        self.result = show.join().unwrap_or_else(|_| {
+            let reason = "the show ended with a panic; please report the message above".to_owned();
+            Err(SessionError::Window { doing: "to continue", reason })
+        });
+        // After the show, which draws into them.
+        drop(self.layers.take());
+        drop(accessibility);
+        drop(output);
+        drop(window);
+        self.leave_in_time();
+    }
+}
+
+/// The monitors, where they are Wayland's: from the left to the right.
+#[cfg(all(unix, not(target_os = "macos")))]
+fn monitors_of_wayland(event_loop: &ActiveEventLoop) -> Option<Vec<Monitor>> {
+    use winit::platform::wayland::ActiveEventLoopExtWayland;
+    if !event_loop.is_wayland() {
+        return None;
+    }
+    let known = |monitor: winit::monitor::MonitorHandle| {
+        let (place, size) = (monitor.position().into(), monitor.size().into());
+        Some(Monitor { name: monitor.name()?, place, size })
+    };
+    let mut monitors: Vec<Monitor> = event_loop.available_monitors().filter_map(known).collect();
+    monitors.sort_by_key(|monitor| monitor.place);
+    Some(monitors)
+}
+
+#[cfg(not(all(unix, not(target_os = "macos"))))]
+fn monitors_of_wayland(_event_loop: &ActiveEventLoop) -> Option<Vec<Monitor>> {
+    None
+}
+
+/// Ends the process, whose display has gone, and says so.
+pub(crate) fn end_without_display() -> ! {
+    let leaving = ending::begin_to_leave();
+    tell(&SessionError::DisplayLost.to_string());
+    leaving.leave(1)
+}
+
+/// Reports to the event loop, when it is dropped, that the show has ended.
+struct TellsEnd(EventLoopProxy<Told>);
+
+impl Drop for TellsEnd {
+    fn drop(&mut self) {
+        // An event loop that has gone knows already.
+        let _ = self.0.send_event(Told::Ended);
+    }
+}

@@ -1,0 +1,99 @@
+//! What screen readers are told beyond what egui tells of its widgets, and what they may change.
+
+use std::ops::RangeInclusive;
+
+use egui::accesskit::{Action, ActionData, ActionRequest, Live, Role};
+use egui::{Context, EventFilter, Id, Key, Painter, Response, Stroke, StrokeKind, Ui, accesskit_root_id};
+
+use super::style;
+
+/// What assistive technology asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Assistance {
+    /// It is there: the controls are to be reported from now on.
+    Begins,
+    /// It presses or moves a control.
+    Act(ActionRequest),
+    /// It has gone.
+    Ends,
+}
+
+/// Names the window.
+pub(super) fn window(context: &Context) {
+    let _ = context.accesskit_node_builder(accesskit_root_id(), |node| node.set_label("Mariana"));
+}
+
+/// Tells a text that is drawn without a widget, under a name of its own; `news` is read out when it comes up.
+pub(super) fn text(context: &Context, name: &str, words: &str, news: bool) {
+    let _ = context.accesskit_node_builder(Id::unique(("text", name)), |node| {
+        node.set_role(Role::Label);
+        node.set_value(words);
+        if news {
+            node.set_live(Live::Polite);
+        }
+    });
+}
+
+/// Describes a control beyond its name.
+pub(super) fn describe(context: &Context, control: Id, words: &str) {
+    let _ = context.accesskit_node_builder(control, |node| node.set_description(words));
+}
+
+/// Draws a ring around the focused control.
+pub(super) fn ring(context: &Context, painter: &Painter) {
+    let focused = context.memory(|memory| memory.focused()).and_then(|id| context.read_response(id));
+    if let Some(control) = focused {
+        let stroke = Stroke::new(2.0, style::ACCENT);
+        painter.rect_stroke(control.rect.expand(1.0), 4.0, stroke, StrokeKind::Outside);
+    }
+}
+
+/// Steps by arrow keys while `response` has the focus; positive to the right.
+fn steps_by_keys(ui: &Ui, response: &Response) -> f64 {
+    if !response.has_focus() {
+        return 0.0;
+    }
+    let arrows = EventFilter { horizontal_arrows: true, ..EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+    ui.input(|input| {
+        let count = |key| input.num_presses(key) as f64;
+        count(Key::ArrowRight) - count(Key::ArrowLeft)
+    })
+}
+
+/// Tells a rail with a value that can be changed by `step`; returns the value that it is set to, if any.
+pub(super) fn rail(
+    ui: &Ui,
+    response: &Response,
+    name: &str,
+    value: f64,
+    range: RangeInclusive<f64>,
+    step: f64,
+) -> Option<f64> {
+    let (least, greatest) = range.into_inner();
+    let _ = ui.accesskit_node_builder(response.id, |node| {
+        node.set_role(Role::Slider);
+        node.set_label(name);
+        node.set_numeric_value(value);
+        node.set_min_numeric_value(least);
+        node.set_max_numeric_value(greatest);
+        node.set_numeric_value_step(step);
+        for action in [Action::SetValue, Action::Increment, Action::Decrement] {
+            node.add_action(action);
+        }
+    });
+    let by_keys = steps_by_keys(ui, response);
+    let wanted = ui.input(|input| {
+        let count = |action| input.num_accesskit_action_requests(response.id, action) as f64;
+        let set =
+            input.accesskit_action_requests(response.id, Action::SetValue).filter_map(
+                |request| match request.data {
+                    Some(ActionData::NumericValue(value)) if value.is_finite() => Some(value),
+                    _ => None,
+                },
+            );
+        let steps = count(Action::Increment) - count(Action::Decrement) + by_keys;
+        set.last().or_else(|| (steps != 0.0).then_some(value + steps * step))
+    });
+    wanted.map(|wanted| wanted.max(least).min(greatest))
+}

@@ -1,0 +1,86 @@
+//! The scene that comes next: a small picture with its name, and below it level and beat.
+
+use std::sync::Arc;
+
+use egui::{Color32, Id, LayerId, Order, Rect, TextureHandle, TextureOptions, pos2, vec2};
+use image::RgbaImage;
+
+use super::rooms::Rooms;
+use super::{assisted, style};
+
+/// What the desk shows of the scene that comes next.
+#[derive(Debug, Clone)]
+pub struct NextScene {
+    /// Its title.
+    pub title: String,
+    /// Its picture, once there is one.
+    pub picture: Option<Arc<RgbaImage>>,
+    /// How loud it is, 0..1.
+    pub level: f32,
+    /// How strong the beat is, 0..1.
+    pub beat: f32,
+    /// Changes with all of that.
+    pub revision: u64,
+}
+
+/// Width of the picture in points, and the share of the window that it may have.
+const WIDTH: f32 = 160.0;
+const SHARE: f32 = 0.3;
+/// Height of what shows the level.
+const LEVEL: f32 = 4.0;
+
+/// The picture that was handed to egui last.
+#[derive(Default)]
+pub(super) struct PreviewPicture(Option<(Arc<RgbaImage>, TextureHandle)>);
+
+impl PreviewPicture {
+    fn of(&mut self, context: &egui::Context, image: &Arc<RgbaImage>) -> egui::TextureId {
+        if let Some((known, texture)) = &mut self.0 {
+            if !Arc::ptr_eq(known, image) {
+                texture.set(pixels(image), TextureOptions::LINEAR);
+                known.clone_from(image);
+            }
+            return texture.id();
+        }
+        let texture = context.load_texture("next scene", pixels(image), TextureOptions::LINEAR);
+        self.0.insert((image.clone(), texture)).1.id()
+    }
+}
+
+fn pixels(image: &RgbaImage) -> egui::ColorImage {
+    let size = [image.width() as usize, image.height() as usize];
+    egui::ColorImage::from_rgba_unmultiplied(size, image.as_raw())
+}
+
+/// Draws it in the upper right corner of the picture, or below a small one; returns where it is.
+pub(super) fn show(
+    context: &egui::Context,
+    rooms: &Rooms,
+    next: &NextScene,
+    picture: &mut PreviewPicture,
+) -> Rect {
+    let painter = context.layer_painter(LayerId::new(Order::Background, Id::unique("next scene")));
+    let (place, width) = rooms.small(WIDTH, SHARE);
+    let font = style::proportional(style::SMALL_SIZE);
+    let words = format!("next: {}", next.title);
+    let name = style::line(&painter, &words, font, style::TEXT, width);
+    let place = Rect::from_min_size(place, vec2(width, width * 9.0 / 16.0));
+    let below = place.bottom() + 4.0;
+    let bottom = below + name.size().y + 4.0 + LEVEL;
+    let whole = Rect::from_min_max(place.min, pos2(place.right(), bottom)).expand(5.0);
+    style::ground(&painter, whole);
+    if let Some(image) = &next.picture {
+        let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        painter.image(picture.of(context, image), place, all, Color32::WHITE);
+    }
+    let beat = pos2(place.right() - 5.0, below + 0.5 * name.size().y);
+    painter.galley(pos2(place.left(), below), name, style::TEXT);
+    painter.circle_filled(beat, 4.0, style::RAIL);
+    painter.circle_filled(beat, 4.0, style::ACCENT.gamma_multiply(next.beat));
+    let rail = Rect::from_min_max(pos2(place.left(), bottom - LEVEL), pos2(place.right(), bottom));
+    painter.rect_filled(rail, 1.0, style::RAIL);
+    let share = vec2(rail.width() * next.level.clamp(0.0, 1.0), rail.height());
+    painter.rect_filled(Rect::from_min_size(rail.min, share), 1.0, style::ACCENT);
+    assisted::text(context, "next scene", &words, true);
+    whole
+}
