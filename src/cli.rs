@@ -25,10 +25,12 @@ use std::path::Path;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
+use crate::config::Folders;
 use crate::ending;
 use crate::export::ExportError;
 use crate::export::print::print_line;
 use crate::scenes::SceneError;
+use crate::session::Prepared;
 use common::colors;
 use mariana_field::lang::nearest;
 use mariana_player::decode::quiet_contained_panics;
@@ -140,6 +142,21 @@ pub fn run() -> anyhow::Result<()> {
         Arguments::command().error(ErrorKind::InvalidSubcommand, message).exit();
     }
     dispatch(Arguments::parse()).map_err(colored_on_a_terminal)
+}
+
+/// Parses the arguments of a show, such as `song.flac --scene orb`, without the program's name. What is remembered is in
+/// these folders.
+///
+/// # Errors
+/// A usage error, or an argument that cannot be followed.
+pub fn prepare_show<T: Into<OsString> + Clone>(
+    arguments: impl IntoIterator<Item = T>,
+    folders: Folders,
+) -> anyhow::Result<Prepared> {
+    let named = arguments.into_iter().map(Into::into);
+    let parsed = Arguments::try_parse_from(std::iter::once("mariana".into()).chain(named))?;
+    anyhow::ensure!(parsed.command.is_none(), "this is another command than a show");
+    play::prepare(parsed.play, folders)
 }
 
 /// A first argument that is no file but nearly a command, and that command. Other words are taken for songs.

@@ -45,7 +45,8 @@ pub(super) struct BenchArguments {
 }
 
 pub(super) fn run(arguments: BenchArguments) -> anyhow::Result<()> {
-    let common = arguments.common.start_log();
+    let common = arguments.common;
+    common.start_log();
     let (song, scene) = Files::of(arguments.files)?.song_and_scene()?;
     if arguments.all
         && let Some(scene) = &scene

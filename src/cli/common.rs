@@ -122,7 +122,7 @@ pub(super) fn end_by_signals() {
 impl CommonArguments {
     /// Starts the log on standard error: the program's own warnings; with -v what happens, and other libraries'
     /// warnings; with -vv details.
-    pub(super) fn start_log(self) -> Self {
+    pub(super) fn start_log(&self) {
         let (own, others) = match self.verbose {
             0 => (LevelFilter::WARN, LevelFilter::OFF),
             1 => (LevelFilter::INFO, LevelFilter::WARN),
@@ -134,7 +134,6 @@ impl CommonArguments {
             .with_ansi(colors(&std::io::stderr()))
             .without_time();
         tracing_subscriber::registry().with(lines.with_filter(filter)).init();
-        self
     }
 
     /// A scene, drawn as the flags say.

@@ -13,12 +13,13 @@ use super::setting_flags::SettingFlags;
 use super::show::ShowChoice;
 use super::staging::StagingArguments;
 use super::view::ViewArguments;
-use crate::config::{HandSettings, LastShow, ListenChoice, Memory, PlaySettings, SettingsFile};
+use crate::config::{Folders, HandSettings, LastShow, ListenChoice, Memory, PlaySettings, SettingsFile};
 use crate::demo_track::DEMO_TRACK;
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::limits::LIMITS;
 use crate::program_cache::ProgramCache;
+use crate::session::Prepared;
 use crate::shell;
 use mariana_control::osc::Place;
 use mariana_player::playlist::{Opened, Playlist};
@@ -138,18 +139,27 @@ fn check_scale_factor() -> anyhow::Result<()> {
 }
 
 pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
-    let common = arguments.common.start_log();
+    arguments.common.start_log();
     check_scale_factor()?;
     if arguments.staging.lists_monitors() {
         return list_monitors();
     }
+    shell::run(prepare(arguments, Folders::of_user())?)
+}
+
+/// What the arguments ask to be played and shown, with what is remembered in these folders.
+///
+/// # Errors
+/// An argument that cannot be followed: each says what to do.
+pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Result<Prepared> {
+    let common = arguments.common;
     let listen = match (arguments.mic, arguments.system) {
         (true, _) => Some(ListenChoice::Microphone),
         (false, true) => Some(ListenChoice::System),
         (false, false) => None,
     };
     // What is wrong with the file is told when the window opens.
-    let (file, trouble) = SettingsFile::of_user();
+    let (file, trouble) = SettingsFile::among(&folders);
     let remembered = file.settings().choices.clone();
     let mut choices = arguments.chosen.over(&remembered);
     choices.tone_map = common.tone_map.unwrap_or(choices.tone_map);
@@ -233,7 +243,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         }
         (None, None) => Some(open_songs(&songs, repeat, arguments.shuffle)?),
     };
-    shell::run(tracks, settings, scene, Memory { file, trouble })
+    Ok(Prepared { tracks, settings, scene, memory: Memory { file, trouble, folders } })
 }
 
 /// Prints the monitors, with the numbers and names that --output takes.

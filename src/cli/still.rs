@@ -52,7 +52,8 @@ pub(super) struct StillArguments {
 }
 
 pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
-    let common = arguments.common.start_log();
+    let common = arguments.common;
+    common.start_log();
     end_by_signals();
     let output = Output::from(arguments.output);
     refuse_a_terminal(&output, "mariana still -o - > frame.png")?;

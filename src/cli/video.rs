@@ -80,7 +80,8 @@ pub(super) struct VideoArguments {
 }
 
 pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
-    let common = arguments.common.start_log();
+    let common = arguments.common;
+    common.start_log();
     end_by_signals();
     let output = Output::from(arguments.output);
     refuse_a_terminal(&output, "mariana video -o - | mpv -")?;

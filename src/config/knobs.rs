@@ -8,9 +8,8 @@ use std::fs::{File, create_dir_all};
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-use directories::ProjectDirs;
-
 use super::aside::aside;
+use super::folders::Folders;
 use super::scribe::Scribe;
 use crate::atomic_file::AtomicFile;
 use mariana_control::limits::LIMITS as CONTROL_LIMITS;
@@ -68,9 +67,8 @@ pub enum KnobsError {
 
 impl KnobMemory {
     /// The user's file, and what is wrong with it, if anything. A missing file is none.
-    pub fn of_user() -> (Self, Option<KnobsError>) {
-        let path = ProjectDirs::from("", "", "mariana").map(|places| places.config_dir().join("knobs.toml"));
-        Self::open(path)
+    pub fn among(folders: &Folders) -> (Self, Option<KnobsError>) {
+        Self::open(folders.config.as_ref().map(|config| config.join("knobs.toml")))
     }
 
     /// The same for another file.

@@ -2,6 +2,7 @@
 
 mod aside;
 mod choices;
+mod folders;
 mod kept_settings;
 mod knobs;
 mod last_show;
@@ -13,6 +14,7 @@ mod settings;
 mod understood;
 
 pub use choices::{Choice, Choices, Setting, StageChoices};
+pub use folders::Folders;
 pub use kept_settings::KeptSettings;
 pub use knobs::{KnobEdit, KnobMemory, KnobsError};
 pub use last_show::LastShow;
@@ -88,6 +90,8 @@ pub struct Memory {
     pub file: SettingsFile,
     /// What is wrong with it, if anything.
     pub trouble: Option<SettingsError>,
+    /// Where other things are kept.
+    pub folders: Folders,
 }
 
 /// Which hands from outside there are.

@@ -4,8 +4,7 @@ use std::collections::HashMap;
 use std::fs::create_dir_all;
 use std::path::{Path, PathBuf};
 
-use directories::ProjectDirs;
-
+use super::folders::Folders;
 use super::scribe::Scribe;
 use crate::atomic_file::{AtomicFile, Unwritable};
 
@@ -30,10 +29,8 @@ struct Job {
 
 impl PerformanceFiles {
     /// The user's folder of performances.
-    pub fn of_user() -> Self {
-        Self::in_folder(
-            ProjectDirs::from("", "", "mariana").map(|places| places.data_dir().join("performances")),
-        )
+    pub fn among(folders: &Folders) -> Self {
+        Self::in_folder(folders.data.as_ref().map(|data| data.join("performances")))
     }
 
     /// The same for another folder; without one nothing is kept.

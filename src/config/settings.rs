@@ -22,12 +22,12 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use directories::ProjectDirs;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 use serde::{Deserialize, Serialize};
 
 use super::aside::aside;
 use super::choices::Choices;
+use super::folders::Folders;
 use super::last_show::{self, LastShow};
 use super::understood::{rewrite, understood};
 use crate::atomic_file::AtomicFile;
@@ -120,10 +120,8 @@ pub struct SettingsFile {
 
 impl SettingsFile {
     /// The user's file, and what is wrong with it, if anything. A missing file is not an error.
-    pub fn of_user() -> (Self, Option<SettingsError>) {
-        let path =
-            ProjectDirs::from("", "", "mariana").map(|places| places.config_dir().join("settings.toml"));
-        Self::open(path)
+    pub fn among(folders: &Folders) -> (Self, Option<SettingsError>) {
+        Self::open(folders.config.as_ref().map(|config| config.join("settings.toml")))
     }
 
     /// The same for another file; without one, settings last as long as the program.

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use directories::ProjectDirs;
+use crate::config::Folders;
 use serde::{Deserialize, Serialize};
 
 use super::Bytes;
@@ -50,11 +50,8 @@ struct Head {
 
 impl KeptTexts {
     /// Those of the user.
-    pub fn of_user() -> Self {
-        let places = ProjectDirs::from("", "", "mariana");
-        let folder =
-            places.map(|places| places.state_dir().unwrap_or(places.data_local_dir()).join("unsaved"));
-        Self { folder }
+    pub fn among(folders: &Folders) -> Self {
+        Self { folder: folders.state.as_ref().map(|state| state.join("unsaved")) }
     }
 
     /// Those in a folder.

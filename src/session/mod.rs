@@ -22,15 +22,18 @@ mod inspecting;
 pub(crate) mod lay;
 mod leaving;
 mod listening;
+mod loading;
 mod mastering;
 mod masters;
 mod noting;
+pub mod offscreen;
 mod opening;
 pub mod pacing;
 mod panels;
 mod preview;
 mod recording;
 mod reports;
+mod running;
 pub(crate) mod scene;
 pub(crate) mod screen;
 mod sending;
@@ -47,11 +50,15 @@ use std::time::{Duration, Instant};
 
 use cues::Cues;
 use desk::Desk;
-pub(crate) use opening::{Opening, renewed};
+pub(crate) use loading::load_first;
+pub(crate) use opening::Opening;
+pub use opening::Prepared;
 use preview::Preview;
+pub(crate) use running::Run;
 
+use crate::clock;
 use crate::commands::{Command, Files, Panel};
-use crate::config::{Choices, PlaySettings};
+use crate::config::{Choices, Folders, PlaySettings};
 use crate::gpu::renderer::Renderer;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::input::{Input, Key, Modifiers, NamedKey};
@@ -128,6 +135,8 @@ pub(crate) struct Session {
     thumbnails_ahead: Option<Instant>,
     /// The folder in which something was last picked.
     last_folder: Option<PathBuf>,
+    /// Where things of the user are kept.
+    folders: Folders,
     waker: Waker,
     overlay: Overlay,
     /// When the words of a window without a picture were last shown, and in which size.
@@ -209,14 +218,14 @@ impl Session {
 
     /// Takes input. Returns the command that a key or the mouse sends, if no panel takes it.
     pub(crate) fn take(&mut self, input: &Input) -> Option<Command> {
-        self.pointer_rest.take(input, Instant::now());
+        self.pointer_rest.take(input, clock::now());
         if self.overlay.on_input(input) {
             return None;
         }
         if self.take_for_editor(input) || self.take_for_panels(input) {
             return None;
         }
-        self.input.take(input, Instant::now())
+        self.input.take(input, clock::now())
     }
 
     /// Hands a key to the panel that is open. Returns whether it was meant for it.
@@ -261,7 +270,7 @@ impl Session {
         let taken = self.overlay.take_key(key, held.shift_key());
         if taken {
             // Shows the bar. It stays while it has the focus.
-            self.pointer_rest.wake(Instant::now());
+            self.pointer_rest.wake(clock::now());
             self.screen.request_redraw();
         }
         taken
@@ -288,7 +297,7 @@ impl Session {
     /// # Errors
     /// The only song cannot be played on.
     pub(crate) fn look_at_status(&mut self, settings: &PlaySettings) -> Result<bool, SessionError> {
-        if !self.reports.is_due(Instant::now()) {
+        if !self.reports.is_due(clock::now()) {
             return Ok(false);
         }
         for complaint in self.listening.take_complaints() {
@@ -350,7 +359,7 @@ impl Session {
         self.update_settings();
         self.update_hands();
         self.tell_recording();
-        let now = Instant::now();
+        let now = clock::now();
         self.reports.update(now);
         for sentence in self.screen.update() {
             self.reports.say(sentence);

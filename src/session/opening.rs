@@ -6,14 +6,14 @@
 //! smaller. `faults` lets tests cause both.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use super::Session;
 use super::desk::Desk;
 use super::drawing::paint_waiting;
 use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
-use crate::config::{Choices, DEFAULT_DEVICE, Memory, PerformanceFiles, PlaySettings};
+use crate::clock;
+use crate::config::{Choices, DEFAULT_DEVICE, Folders, Memory, PerformanceFiles, PlaySettings};
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
 use crate::gpu::background::Sources;
@@ -49,6 +49,18 @@ const FPS_DEFAULT: f64 = 60.0;
 /// Threads that compile programs: one for the scene's own, one for the interpreter's.
 const COMPILERS: usize = 2;
 
+/// What a show is to play and show.
+pub struct Prepared {
+    /// What is played; none if only an input is listened to.
+    pub tracks: Option<Opened>,
+    /// How it is played and shown.
+    pub settings: PlaySettings,
+    /// How scenes are drawn.
+    pub scene: SceneChoice,
+    /// What is remembered.
+    pub memory: Memory,
+}
+
 /// What is known before the window opens.
 pub(crate) struct Opening<'a> {
     /// What is played; none if only an input is listened to.
@@ -78,13 +90,14 @@ impl Opening<'_> {
     ///
     /// # Errors
     /// What the driver or the system refuses.
-    pub(crate) fn stage(self, waker: &Waker) -> Result<Session, SessionError> {
+    pub(crate) fn session(self, waker: &Waker) -> Result<Session, SessionError> {
         let Self { tracks, settings, scene, memory, loaders, first, drafts, sends, mut screen, desktop } =
             self;
         let choices = settings.choices.clone();
         tracing::info!("what holds in this run: {choices:?}");
         // First of all, so that the song is known before its first picture.
-        let songs = start_song_reader(waker);
+        let folders = memory.folders.clone();
+        let songs = start_song_reader(&folders, waker);
         if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
             songs.want([&tracks.first.info]);
         }
@@ -144,7 +157,7 @@ impl Opening<'_> {
             gain: choices.gain,
         })?;
         let fps = settings.fps_cap.or_else(|| screen.refresh_rate()).unwrap_or(FPS_DEFAULT);
-        let now = Instant::now();
+        let now = clock::now();
         let of_shows = waker.clone();
         let (file, follow) = (settings.show.clone(), choices.follow_song);
         let direction = Direction::start(file, follow, settings.names_scene, move || of_shows.wake())
@@ -162,14 +175,15 @@ impl Opening<'_> {
             preview: Preview::new(),
             masters: Masters::new(brightness, choices.stage.blackout_fade),
             reports: Reports::new(announcer, desktop(position), now),
-            recording: Recording::new(PerformanceFiles::of_user()),
-            hands: Hands::start(&settings.hands, waker),
+            recording: Recording::new(PerformanceFiles::among(&folders)),
+            hands: Hands::start(&settings.hands, &folders, waker),
             input: UserInput::default(),
             pointer_rest: PointerRest::default(),
             ui_events: Vec::new(),
             thumbnails: None,
             thumbnails_ahead: (!settings.wallpaper).then(|| thumbnails_ahead_at(now)),
             last_folder: None,
+            folders,
             waker: waker.clone(),
             desk: Desk::new(!choices.hints),
             drafts,
@@ -189,9 +203,9 @@ impl Opening<'_> {
 }
 
 /// What listens to whole songs. Without it their numbers stay unknown.
-fn start_song_reader(waker: &Waker) -> Option<SongReader> {
+fn start_song_reader(folders: &Folders, waker: &Waker) -> Option<SongReader> {
     let waker = waker.clone();
-    let started = SongReader::start(StructureCache::of_user(), move || waker.wake());
+    let started = SongReader::start(StructureCache::among(folders), move || waker.wake());
     started.inspect_err(|error| tracing::warn!("whole songs are not listened to: {error}")).ok()
 }
 
@@ -266,7 +280,7 @@ pub(crate) fn renewed(
         renderer: renderer(screen.gl(), &stage.choices, scene)?,
         scene: scenes,
         overlay,
-        pace: stage.pace.renewed(Instant::now()),
+        pace: stage.pace.renewed(clock::now()),
         screen,
         ..stage
     })

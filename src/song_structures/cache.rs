@@ -10,7 +10,7 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use directories::ProjectDirs;
+use crate::config::Folders;
 
 use crate::atomic_file::AtomicFile;
 use crate::limits::LIMITS;
@@ -34,8 +34,12 @@ pub struct StructureCache {
 impl StructureCache {
     /// In the user's folder for caches, if the system has one.
     pub fn of_user() -> Self {
-        let places = ProjectDirs::from("", "", "mariana");
-        Self { folder: places.map(|places| places.cache_dir().join("songs")) }
+        Self::among(&Folders::of_user())
+    }
+
+    /// The one among these folders.
+    pub fn among(folders: &Folders) -> Self {
+        Self { folder: folders.cache.as_ref().map(|cache| cache.join("songs")) }
     }
 
     /// In this folder, which is made when something is written.

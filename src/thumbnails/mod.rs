@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-use directories::ProjectDirs;
+use crate::config::Folders;
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, ImageReader, RgbaImage};
 
@@ -138,9 +138,8 @@ impl Thumbnails {
     ///
     /// # Errors
     /// There is no thread.
-    pub fn start(wake: impl Fn() + Send + 'static) -> io::Result<Self> {
-        let folder = ProjectDirs::from("", "", "mariana").map(|of| of.cache_dir().join("thumbnails"));
-        Self::start_in(folder, wake)
+    pub fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+        Self::start_in(folders.cache.as_ref().map(|cache| cache.join("thumbnails")), wake)
     }
 
     /// The same with another folder for the cache.

@@ -10,12 +10,13 @@ mod phone;
 
 use std::time::{Duration, Instant};
 
+use crate::clock;
 use crate::ui::controllers_panel::HandFacts;
 use midi::Midi;
 use network::Network;
 use phone::Phones;
 
-use crate::config::{HandSettings, KnobEdit};
+use crate::config::{Folders, HandSettings, KnobEdit};
 use crate::scenes::SceneSource;
 use crate::session::frame_times::FrameTimes;
 use crate::session::scene::SceneSession;
@@ -56,14 +57,14 @@ pub(crate) struct Hands {
 
 impl Hands {
     /// Hands that wake the show when they wish for something.
-    pub(crate) fn start(settings: &HandSettings, waker: &Waker) -> Self {
+    pub(crate) fn start(settings: &HandSettings, folders: &Folders, waker: &Waker) -> Self {
         let of_wishes = waker.clone();
         let wishes = Wishes::new(move || of_wishes.wake());
         let board = Board::default();
         let network = Network::start(settings, &wishes, &board, waker);
         let phones = Phones::start(settings, &wishes, &board, waker);
-        let midi = Midi::start(settings, &wishes, waker);
-        let now = Instant::now();
+        let midi = Midi::start(settings, folders, &wishes, waker);
+        let now = clock::now();
         Self {
             wishes,
             board,
@@ -233,7 +234,7 @@ impl Hands {
     /// A frame is on the screen that shows the scene at this revision.
     pub(crate) fn note_shown(&mut self, revision: u64) {
         if let Some((since, _)) = self.unseen.take_if(|(_, turned)| revision >= *turned) {
-            self.times.note(since.elapsed());
+            self.times.note(clock::since(since));
         }
     }
 

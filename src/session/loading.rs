@@ -1,0 +1,50 @@
+//! Starts what loads scenes.
+
+use std::time::Duration;
+
+use super::SessionError;
+use super::scene::{LoadedScene, SceneLoader, SceneLoaders};
+use super::waker::Waker;
+use crate::export::painter::SceneChoice;
+use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneSource, TextureCache};
+
+/// Starts the loaders, one for the scene that is shown and, if it `prepares_ahead`, two for its neighbours, and waits for
+/// the scene at the start: without it there is no show.
+///
+/// # Errors
+/// The scene cannot be shown, or the system has no thread left.
+pub(crate) fn load_first(
+    scene: &SceneChoice,
+    prepares_ahead: bool,
+    waker: &Waker,
+    drafts: &Drafts,
+) -> Result<(SceneLoaders, LoadedScene), SessionError> {
+    let loader = start_loader(waker, drafts)?;
+    loader.request(scene.source.clone());
+    let first = loop {
+        match loader.poll() {
+            Some(loaded) => break LoadedScene { source: loaded.source, scene: loaded.value? },
+            None => std::thread::sleep(Duration::from_millis(1)),
+        }
+    };
+    let ahead = match prepares_ahead {
+        true => Some([start_loader(waker, drafts)?, start_loader(waker, drafts)?]),
+        false => None,
+    };
+    Ok((SceneLoaders { shown: loader, ahead }, first))
+}
+
+/// Starts a loader that has nothing to load yet. It tells an editor what it found.
+fn start_loader(waker: &Waker, drafts: &Drafts) -> Result<SceneLoader, SessionError> {
+    let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
+    let waker = waker.clone();
+    let drafts = drafts.clone();
+    let load = move |source: &SceneSource| {
+        let texts = drafts.texts();
+        let (result, files) = source.ready_with(&mut textures, &mut edits, &texts);
+        drafts.tell(Findings::of(source, &texts, &result));
+        (result, files)
+    };
+    Loader::start(load, move || waker.wake())
+        .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })
+}

@@ -1,0 +1,377 @@
+//! A session that nobody sees: it draws into memory, and whoever holds it is its user. Tests press its keys; a program
+//! that embeds a show gives it commands.
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender as Channel, channel};
+use std::time::{Duration, Instant};
+
+use egui::accesskit::TreeUpdate;
+use egui::{CursorIcon, Rect};
+use image::RgbaImage;
+
+use super::desktop::DesktopControls;
+use super::feeds::Sends;
+use super::lay::Lay;
+use super::screen::{Event, Paint, Screen};
+use super::waker::Waker;
+use super::{Opening, Prepared, Run, SessionError, load_first};
+use crate::clock;
+use crate::commands::{Command, Sender, ShowState};
+use crate::gpu::background::WorkerContext;
+use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
+use crate::gpu::headless::Headless;
+use crate::gpu::renderer::Renderer;
+use crate::gpu::target::{Target, Texel};
+use crate::input::Input;
+use crate::monitor::Monitor;
+use crate::placement::Area;
+use crate::scenes::Drafts;
+use mariana_player::PlayerStatus;
+
+/// Frames per second where nothing else is asked for.
+const FPS: f64 = 60.0;
+/// How long a step waits at most for something to happen.
+const PATIENCE: Duration = Duration::from_millis(20);
+
+/// See the module. It lives on the thread that made it.
+pub struct Offscreen {
+    run: Run,
+    shared: Rc<RefCell<Shared>>,
+}
+
+/// What the user of a session and its screen both know.
+struct Shared {
+    size: (u32, u32),
+    /// What happens next.
+    events: VecDeque<Event>,
+    title: String,
+    fullscreen: bool,
+    cursor: CursorIcon,
+    composes: bool,
+    controls: Option<TreeUpdate>,
+    /// How often a picture was shown.
+    shown: u64,
+    /// Whether the window is to be drawn.
+    is_due: bool,
+    picture: RgbaImage,
+}
+
+impl Offscreen {
+    /// Begins a session with what was prepared. Its window has the size of the settings.
+    ///
+    /// # Errors
+    /// The scene or the song cannot be shown, or the driver gives no context.
+    pub fn open(prepared: Prepared) -> Result<Self, SessionError> {
+        let Prepared { tracks, settings, scene, memory } = prepared;
+        let started = clock::now();
+        let (wakes, woken) = channel();
+        let waker = Waker::new(move || {
+            // After the end there is nobody to wake.
+            let _ = Channel::send(&wakes, ());
+        });
+        let drafts = Drafts::default();
+        let (loaders, first) = load_first(&scene, settings.prepare_ahead, &waker, &drafts)?;
+        let sends =
+            Sends::start(&settings.sends, settings.send_size.unwrap_or(settings.size), settings.send_fps)?;
+        let (screen, shared) = OffscreenWindow::new(settings.size, woken)?;
+        let opening = Opening {
+            tracks,
+            settings: &settings,
+            scene: &scene,
+            memory,
+            loaders,
+            first,
+            drafts,
+            sends,
+            screen: Box::new(screen),
+            desktop: Box::new(|_| Box::new(NoDesktop)),
+        };
+        let session = opening.session(&waker)?;
+        Ok(Self { run: Run::new(session, settings, scene, waker, started), shared })
+    }
+
+    /// Goes on by one step: takes in what has happened, waits a moment for what is due, and draws if that is to be seen.
+    /// Returns whether the session goes on.
+    ///
+    /// # Errors
+    /// An error that the session cannot go on after.
+    pub fn step(&mut self) -> Result<bool, SessionError> {
+        self.run.step()?;
+        Ok(!self.run.is_over())
+    }
+
+    /// Lets a user do something, at the next step.
+    pub fn send(&mut self, input: Input) {
+        self.shared.borrow_mut().events.push_back(Event::Input(input));
+    }
+
+    /// Carries out a command at once.
+    pub fn command(&mut self, command: Command) {
+        self.run.carry_out(command, Sender::Window);
+    }
+
+    /// Changes the size of the window, in pixels.
+    pub fn resize(&mut self, size: (u32, u32)) {
+        let mut shared = self.shared.borrow_mut();
+        (shared.size, shared.is_due) = (size, true);
+    }
+
+    /// The picture that shows, with what is over it.
+    pub fn picture(&self) -> RgbaImage {
+        self.shared.borrow().picture.clone()
+    }
+
+    /// How often a picture was shown.
+    pub fn shown(&self) -> u64 {
+        self.shared.borrow().shown
+    }
+
+    /// The window's title.
+    pub fn title(&self) -> String {
+        self.shared.borrow().title.clone()
+    }
+
+    /// The look of the pointer; [`CursorIcon::None`] hides it.
+    pub fn cursor(&self) -> CursorIcon {
+        self.shared.borrow().cursor
+    }
+
+    /// Whether input methods may put letters together.
+    pub fn composes(&self) -> bool {
+        self.shared.borrow().composes
+    }
+
+    /// The state of everything that a named command can change.
+    pub fn state(&mut self) -> ShowState {
+        self.run.session.state()
+    }
+
+    /// Ends the session as its user would, so that everything is kept that is remembered.
+    pub fn finish(mut self) {
+        self.run.finish();
+    }
+}
+
+/// The window of a session that nobody sees.
+struct OffscreenWindow {
+    target: Target,
+    shared: Rc<RefCell<Shared>>,
+    woken: Receiver<()>,
+    // Last: the target is made in it.
+    context: Headless,
+}
+
+impl OffscreenWindow {
+    fn new(size: (u32, u32), woken: Receiver<()>) -> Result<(Self, Rc<RefCell<Shared>>), SessionError> {
+        let context = Headless::new(false)?;
+        let target = target_of(context.gl(), size)?;
+        let shared = Rc::new(RefCell::new(Shared {
+            size,
+            events: VecDeque::new(),
+            title: String::new(),
+            fullscreen: false,
+            cursor: CursorIcon::Default,
+            composes: false,
+            controls: None,
+            shown: 0,
+            is_due: true,
+            picture: RgbaImage::new(size.0, size.1),
+        }));
+        Ok((Self { target, shared: shared.clone(), woken, context }, shared))
+    }
+
+    /// Has a target of the window's size.
+    fn fit(&mut self) -> Result<(u32, u32), SessionError> {
+        let size = self.shared.borrow().size;
+        if self.target.size() != size {
+            self.target = target_of(self.context.gl(), size)?;
+        }
+        Ok(size)
+    }
+
+    /// Takes what was drawn for what shows.
+    fn present(&self) {
+        let (width, height) = self.target.size();
+        let picture = RgbaImage::from_raw(width, height, self.target.read_rgba8(0)).unwrap_or_default();
+        let mut shared = self.shared.borrow_mut();
+        shared.picture = picture;
+        shared.shown += 1;
+    }
+}
+
+/// A target that stands for the window.
+fn target_of(gl: &Gl, size: (u32, u32)) -> Result<Target, GpuError> {
+    let target = Target::new(gl, size, &[Texel::Rgba8], None)?;
+    gl.replace_window(Some(&target));
+    Ok(target)
+}
+
+impl Screen for OffscreenWindow {
+    fn wait(&mut self, until: Instant) -> Vec<Event> {
+        let patience = until.saturating_duration_since(clock::now()).min(PATIENCE);
+        let is_idle = {
+            let shared = self.shared.borrow();
+            shared.events.is_empty() && !shared.is_due
+        };
+        if is_idle && let Err(RecvTimeoutError::Disconnected) = self.woken.recv_timeout(patience) {
+            return vec![Event::End];
+        }
+        while self.woken.try_recv().is_ok() {}
+        let mut shared = self.shared.borrow_mut();
+        // One at a time: what each key does is drawn before the next one comes.
+        let events: Vec<Event> = shared.events.pop_front().into_iter().collect();
+        let redraw = std::mem::take(&mut shared.is_due).then_some(Event::Redraw);
+        events.into_iter().chain(redraw).collect()
+    }
+
+    fn gl(&self) -> &Gl {
+        self.context.gl()
+    }
+
+    fn worker_contexts(&self, _: usize) -> Vec<WorkerContext> {
+        Vec::new()
+    }
+
+    fn renew(self: Box<Self>) -> Result<Box<dyn Screen>, SessionError> {
+        let Self { target, shared, woken, context } = *self;
+        drop(target);
+        drop(context);
+        let context = Headless::new(false)?;
+        let target = target_of(context.gl(), shared.borrow().size)?;
+        Ok(Box::new(Self { target, shared, woken, context }))
+    }
+
+    fn refresh_rate(&self) -> Option<f64> {
+        Some(FPS)
+    }
+
+    fn size(&self) -> Option<(u32, u32)> {
+        Some(self.shared.borrow().size)
+    }
+
+    fn scale(&self) -> f32 {
+        1.0
+    }
+
+    fn picture_size(&self) -> Option<(u32, u32)> {
+        self.size()
+    }
+
+    fn place(&self) -> Option<(i32, i32)> {
+        None
+    }
+
+    fn is_fullscreen(&self) -> bool {
+        self.shared.borrow().fullscreen
+    }
+
+    fn set_fullscreen(&mut self, on: bool) {
+        self.shared.borrow_mut().fullscreen = on;
+    }
+
+    fn set_title(&mut self, title: &str) {
+        title.clone_into(&mut self.shared.borrow_mut().title);
+    }
+
+    fn raise(&mut self) {}
+
+    fn set_cursor(&mut self, cursor: CursorIcon) {
+        self.shared.borrow_mut().cursor = cursor;
+    }
+
+    fn allow_composing(&mut self, on: bool) {
+        self.shared.borrow_mut().composes = on;
+    }
+
+    fn set_place_of_letters(&mut self, _: Rect) {}
+
+    fn set_keys_are_text(&mut self, _: bool) {}
+
+    fn show_controls(&mut self, controls: TreeUpdate) {
+        self.shared.borrow_mut().controls = Some(controls);
+    }
+
+    fn request_redraw(&self) {
+        // Called while the screen shows something, too.
+        if let Ok(mut shared) = self.shared.try_borrow_mut() {
+            shared.is_due = true;
+        }
+    }
+
+    fn is_seen(&self) -> bool {
+        true
+    }
+
+    fn shows_words(&self) -> bool {
+        true
+    }
+
+    fn is_stale(&self) -> bool {
+        false
+    }
+
+    fn show(
+        &mut self,
+        renderer: &mut Renderer,
+        lay: &Lay,
+        small: Option<Area>,
+        _: bool,
+        paint: Paint<'_>,
+    ) -> Result<Duration, SessionError> {
+        let begun = Instant::now();
+        let size = self.fit()?;
+        match small {
+            Some(area) => lay.show_small(renderer, size, area)?,
+            None => lay.show(renderer, size, lay.area_in(size))?,
+        }
+        paint(size)?;
+        self.present();
+        Ok(begun.elapsed())
+    }
+
+    fn show_waiting(&mut self, paint: Paint<'_>) -> Result<(), SessionError> {
+        let size = self.fit()?;
+        self.context.gl().clear_window(size, [0.0; 3])?;
+        paint(size)?;
+        self.present();
+        Ok(())
+    }
+
+    fn has_output(&self) -> bool {
+        false
+    }
+
+    fn update(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn monitors(&self) -> Vec<Monitor> {
+        Vec::new()
+    }
+
+    fn look_at_monitors(&mut self) {}
+
+    fn want_output(&mut self, _: Option<String>) {}
+
+    fn lie_differently(&mut self) {
+        self.request_redraw();
+    }
+
+    fn show_on_output(&mut self, _: &mut Renderer, _: &Lay, _: bool) -> Result<(), SessionError> {
+        Ok(())
+    }
+}
+
+/// No desktop is there to control the player.
+struct NoDesktop;
+
+impl DesktopControls for NoDesktop {
+    fn poll(&self) -> Option<Command> {
+        None
+    }
+
+    fn show(&self, _: &PlayerStatus, _: bool, _: bool) {}
+}

@@ -1,0 +1,162 @@
+//! The loop of a session.
+
+use std::time::{Duration, Instant};
+
+use super::opening::renewed;
+use super::screen::Event;
+use super::waker::Waker;
+use super::{Session, SessionError};
+use crate::clock;
+use crate::commands::{Command, Sender};
+use crate::config::PlaySettings;
+use crate::export::painter::SceneChoice;
+use crate::gpu::error::GpuError;
+
+/// A context that is lost again this soon after it was made anew is not made again.
+const RENEWED_AGAIN: Duration = Duration::from_secs(5);
+
+/// A session that runs.
+pub(crate) struct Run {
+    settings: PlaySettings,
+    scene: SceneChoice,
+    waker: Waker,
+    started: Instant,
+    /// Whether it is to end.
+    over: bool,
+    pub(super) session: Session,
+}
+
+impl Run {
+    /// A run of a session by these settings, which was begun at `started`.
+    pub(crate) fn new(
+        session: Session,
+        settings: PlaySettings,
+        scene: SceneChoice,
+        waker: Waker,
+        started: Instant,
+    ) -> Self {
+        Self { settings, scene, waker, started, over: false, session }
+    }
+
+    /// Runs until somebody ends it. A context that the driver loses is made anew.
+    ///
+    /// # Errors
+    /// An error that the session cannot go on after.
+    pub(crate) fn go_on(mut self) -> Result<(), SessionError> {
+        let mut renewed_at: Option<Instant> = None;
+        loop {
+            match self.until_the_end() {
+                Err(SessionError::Gpu(GpuError::ContextLost { doing }))
+                    if renewed_at.is_none_or(|at| clock::since(at) > RENEWED_AGAIN) =>
+                {
+                    tracing::warn!("the driver has lost its context while {doing}");
+                    renewed_at = Some(clock::now());
+                    self.session = renewed(self.session, &self.settings, &self.scene, &self.waker)?;
+                }
+                ended => {
+                    if ended.is_ok() {
+                        self.finish();
+                    }
+                    tracing::info!("{}", self.session.frame_times());
+                    tracing::info!("{}", self.session.typing_times());
+                    tracing::info!("from message to frame: {}", self.session.message_times());
+                    return ended;
+                }
+            }
+        }
+    }
+
+    /// Leaves to the next session what it begins with.
+    pub(super) fn finish(&mut self) {
+        self.session.leave_to_the_next(&self.settings);
+    }
+
+    fn until_the_end(&mut self) -> Result<(), SessionError> {
+        while !self.over {
+            self.step()?;
+        }
+        Ok(())
+    }
+
+    /// Whether the session is to end.
+    pub(super) fn is_over(&self) -> bool {
+        self.over
+    }
+
+    /// Takes in what has happened, waits until something happens or is due, and draws if that is to be seen.
+    ///
+    /// # Errors
+    /// An error that the session cannot go on after.
+    pub(super) fn step(&mut self) -> Result<(), SessionError> {
+        let until = self.look_around()?;
+        if self.over {
+            return Ok(());
+        }
+        let mut redraws = false;
+        for event in self.session.screen.wait(until) {
+            match event {
+                Event::Input(input) => {
+                    if let Some(command) = self.session.take(&input) {
+                        self.carry_out(command, Sender::Window);
+                    }
+                    let is_text = self.session.takes_text();
+                    self.session.screen.set_keys_are_text(is_text);
+                }
+                Event::Assistance(assistance) => self.session.assist(assistance),
+                Event::Redraw => redraws = true,
+                Event::End => {
+                    self.over = true;
+                    return Ok(());
+                }
+            }
+        }
+        self.session.follow_editor();
+        if redraws || self.session.scene.composer().is_drawing() {
+            self.draw()?;
+        }
+        Ok(())
+    }
+
+    /// Takes in what has happened, and returns when to look again if nothing happens before.
+    fn look_around(&mut self) -> Result<Instant, SessionError> {
+        self.obey_desktop();
+        self.obey_controllers();
+        self.over |= self.session.look_at_status(&self.settings)?;
+        self.session.remember_show(&self.settings, clock::now());
+        let until = self.session.look_around()?;
+        Ok(self.session.hands_due().map_or(until, |due| until.min(due)))
+    }
+
+    fn draw(&mut self) -> Result<(), SessionError> {
+        if self.session.draw()? {
+            tracing::info!("first picture after {:.0} ms", clock::since(self.started).as_secs_f64() * 1000.0);
+        }
+        for command in self.session.take_ui_events() {
+            self.carry_out(command, Sender::Window);
+        }
+        Ok(())
+    }
+
+    /// Carries out a command.
+    pub(super) fn carry_out(&mut self, command: Command, sender: Sender) {
+        self.over |= command == Command::Quit;
+        self.session.carry_out(command, sender);
+    }
+
+    /// Carries out the commands of controllers.
+    fn obey_controllers(&mut self) {
+        for action in self.session.take_wishes() {
+            match Command::of_controller(&action) {
+                Some(command) => self.carry_out(command, Sender::Controller),
+                None => self.session.hurry_reports(),
+            }
+        }
+    }
+
+    /// Carries out the commands of media keys and the desktop.
+    fn obey_desktop(&mut self) {
+        while let Some(command) = self.session.command_of_desktop() {
+            self.carry_out(command, Sender::Desktop);
+        }
+    }
+}
