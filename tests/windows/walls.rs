@@ -127,3 +127,17 @@ pub(crate) fn quiet_song(folder: &Path) -> PathBuf {
     write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
     song
 }
+
+/// A desktop with a quiet song, in a folder for scenes.
+pub(crate) struct QuietDesktop {
+    pub(crate) desktop: Desktop,
+    pub(crate) song: PathBuf,
+}
+
+impl QuietDesktop {
+    pub(crate) fn new() -> Self {
+        let desktop = Desktop::start();
+        let song = quiet_song(desktop.folder());
+        Self { desktop, song }
+    }
+}

@@ -6,27 +6,15 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::support::desktop::{App, Desktop};
-use crate::walls::{quiet_song, quit_content as quit, wait_for_channel};
+use crate::support::desktop::App;
+use crate::walls::{QuietDesktop, quit_content as quit, wait_for_channel};
 use mariana_testing::process::wait_until;
 
 const AHEAD: [&str; 2] = ["--prepare-ahead", "on"];
 
-/// A desktop with a song and a folder for scenes.
-struct Place {
-    desktop: Desktop,
-    song: PathBuf,
-}
-
-impl Place {
-    fn new() -> Self {
-        let desktop = Desktop::start();
-        let song = quiet_song(desktop.folder());
-        Self { desktop, song }
-    }
-
+impl QuietDesktop {
     /// Saves a wall that shines in one of the colours red, green and blue, a little differently at each moment.
-    fn save(&self, name: &str, channel: usize) {
+    fn save_wall(&self, name: &str, channel: usize) {
         let color = ["vec3(1, 0, 0)", "vec3(0, 1, 0)", "vec3(0, 0, 1)"][channel];
         let text = format!(
             "material paint {{ color = 0 roughness = 1 emission = {color} * (0.9 + 0.1 * sin(t)) }}\n\
@@ -38,7 +26,7 @@ impl Place {
         fs::write(self.desktop.folder().join(name), text).unwrap();
     }
 
-    fn open(&self, name: &str, options: &[&str]) -> App<'_> {
+    fn open_prepared(&self, name: &str, options: &[&str]) -> App<'_> {
         let scene = self.desktop.folder().join(name);
         let scene = ["--silent", "--size", "64x36", "-vv", "--scene", scene.to_str().unwrap()];
         let mut app = self.desktop.open(&self.song, &[&scene[..], options].concat());
@@ -60,10 +48,10 @@ fn pictures_between(told: &str, from: &str, to: &str) -> usize {
 
 #[test]
 fn a_change_to_a_prepared_scene_waits_for_nothing_and_the_way_back_neither() {
-    let place = Place::new();
-    place.save("a.scene", 0);
-    place.save("b.scene", 1);
-    let mut app = place.open("a.scene", &AHEAD);
+    let place = QuietDesktop::new();
+    place.save_wall("a.scene", 0);
+    place.save_wall("b.scene", 1);
+    let mut app = place.open_prepared("a.scene", &AHEAD);
     app.wait_until_told("b is ready ahead");
     app.press(&["n"]);
     wait_for_channel(&app, 1);
@@ -81,10 +69,11 @@ fn a_change_to_a_prepared_scene_waits_for_nothing_and_the_way_back_neither() {
 
 #[test]
 fn a_scene_that_was_prepared_without_code_for_cells_gets_it_when_it_comes_on() {
-    let place = Place::new();
-    place.save("a.scene", 0);
-    place.save("b.scene", 1);
-    let mut app = place.open("a.scene", &[&AHEAD[..], &["--sdf", "compiled", "--regions", "off"]].concat());
+    let place = QuietDesktop::new();
+    place.save_wall("a.scene", 0);
+    place.save_wall("b.scene", 1);
+    let mut app =
+        place.open_prepared("a.scene", &[&AHEAD[..], &["--sdf", "compiled", "--regions", "off"]].concat());
     app.wait_until_told("b is ready ahead");
     app.press(&["r"]);
     app.wait_until_told("a is requested, compiled, with cells");
@@ -109,10 +98,10 @@ fn wait_for_pictures(app: &App, more: usize) {
 /// Mesa's software renderers keep a file of each program and of each form of it that they compile.
 #[test]
 fn a_driver_compiled_prepared_scenes_once_more_when_they_were_shown() {
-    let place = Place::new();
+    let place = QuietDesktop::new();
     // What is prepared beside b has programs that are there.
     for (name, channel) in [("a.scene", 0), ("b.scene", 1), ("c.scene", 0)] {
-        place.save(name, channel);
+        place.save_wall(name, channel);
         // It reads the sound's tables, too.
         let path = place.desktop.folder().join(name);
         let text = fs::read_to_string(&path).unwrap();
@@ -145,18 +134,18 @@ fn a_driver_compiled_prepared_scenes_once_more_when_they_were_shown() {
 
 #[test]
 fn a_neighbour_that_is_saved_is_prepared_anew_and_one_that_comes_between_is_found() {
-    let place = Place::new();
-    place.save("a.scene", 0);
-    place.save("c.scene", 1);
-    let mut app = place.open("a.scene", &AHEAD);
+    let place = QuietDesktop::new();
+    place.save_wall("a.scene", 0);
+    place.save_wall("c.scene", 1);
+    let mut app = place.open_prepared("a.scene", &AHEAD);
     app.wait_until_told("c is ready ahead");
-    place.save("c.scene", 2);
+    place.save_wall("c.scene", 2);
     wait_until("the saved scene, prepared", || count(&app.told(), "c is ready ahead") == 2);
     app.press(&["n"]);
     wait_for_channel(&app, 2);
     app.press(&["p"]);
     wait_for_channel(&app, 0);
-    place.save("b.scene", 1);
+    place.save_wall("b.scene", 1);
     app.press(&["n"]);
     wait_for_channel(&app, 1);
     quit(app);
@@ -164,11 +153,11 @@ fn a_neighbour_that_is_saved_is_prepared_anew_and_one_that_comes_between_is_foun
 
 #[test]
 fn scenes_fade_and_a_fade_of_nothing_is_a_cut() {
-    let place = Place::new();
-    place.save("a.scene", 0);
-    place.save("b.scene", 1);
+    let place = QuietDesktop::new();
+    place.save_wall("a.scene", 0);
+    place.save_wall("b.scene", 1);
     for (options, fades) in [(&[][..], 1), (&["--fade", "0"], 0), (&["--view", "steps"], 0)] {
-        let mut app = place.open("a.scene", options);
+        let mut app = place.open_prepared("a.scene", options);
         wait_until("a picture", || app.told().contains("a picture in "));
         app.press(&["n"]);
         app.wait_until_told("b is shown");
@@ -182,8 +171,8 @@ fn scenes_fade_and_a_fade_of_nothing_is_a_cut() {
 
 #[test]
 fn a_window_whose_scene_is_not_there_yet_says_so() {
-    let place = Place::new();
-    place.save("a.scene", 0);
+    let place = QuietDesktop::new();
+    place.save_wall("a.scene", 0);
     let scene = place.desktop.folder().join("a.scene");
     let options =
         ["--silent", "--size", "320x180", "-v", "--sdf", "compiled", "--scene", scene.to_str().unwrap()];
@@ -205,11 +194,11 @@ fn a_window_whose_scene_is_not_there_yet_says_so() {
 
 #[test]
 fn a_saved_scene_does_not_fade() {
-    let place = Place::new();
-    place.save("a.scene", 0);
-    let app = place.open("a.scene", &[]);
+    let place = QuietDesktop::new();
+    place.save_wall("a.scene", 0);
+    let app = place.open_prepared("a.scene", &[]);
     wait_for_channel(&app, 0);
-    place.save("a.scene", 1);
+    place.save_wall("a.scene", 1);
     wait_for_channel(&app, 1);
     assert!(!quit(app).contains("a fade begins"));
 }

@@ -9,8 +9,8 @@ use std::os::unix::net::UnixDatagram;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::support::desktop::{App, Desktop};
-use crate::walls::{quiet_song, quit};
+use crate::support::desktop::App;
+use crate::walls::{QuietDesktop, quit};
 use mariana_testing::process::{WAIT_LIMIT, wait_until};
 
 const SIZE: &str = "160x90";
@@ -30,20 +30,14 @@ pub(crate) fn write_wall(folder: &Path) -> PathBuf {
     wall
 }
 
-struct Place {
-    desktop: Desktop,
-    song: PathBuf,
-}
-
-impl Place {
-    fn new() -> Self {
-        let desktop = Desktop::start();
-        let song = quiet_song(desktop.folder());
-        write_wall(desktop.folder());
-        Self { desktop, song }
+impl QuietDesktop {
+    fn with_wall() -> Self {
+        let place = Self::new();
+        write_wall(place.desktop.folder());
+        place
     }
 
-    fn open(&self, options: &[&str]) -> App<'_> {
+    fn open_wall(&self, options: &[&str]) -> App<'_> {
         let scene = self.desktop.folder().join("wall.scene");
         let size: &[&str] = if options.contains(&"--size") { &[] } else { &["--size", SIZE] };
         let all = [&["--silent", "--scene", scene.to_str().unwrap()], size, options].concat();
@@ -173,9 +167,9 @@ pub(crate) fn wait_for_colour(app: &App, what: &str, wanted: [bool; 3]) {
 
 #[test]
 fn messages_turn_parameters_and_the_last_hand_wins() {
-    let place = Place::new();
+    let place = QuietDesktop::with_wall();
     let osc = Sender::new();
-    let mut app = place.open(&["--osc", &osc.port.to_string(), "--size", "320x180"]);
+    let mut app = place.open_wall(&["--osc", &osc.port.to_string(), "--size", "320x180"]);
     app.wait_until_told(&format!("OSC is heard on 127.0.0.1:{}", osc.port));
     wait_for_colour(&app, "green", [false, true, false]);
     osc.send("/param/red", &[2.0]);
@@ -208,9 +202,9 @@ fn messages_turn_parameters_and_the_last_hand_wins() {
 
 #[test]
 fn messages_go_to_scenes_and_what_was_turned_is_found_again() {
-    let place = Place::new();
+    let place = QuietDesktop::with_wall();
     let osc = Sender::new();
-    let mut app = place.open(&["--osc", &osc.port.to_string()]);
+    let mut app = place.open_wall(&["--osc", &osc.port.to_string()]);
     app.wait_until_told("OSC is heard");
     wait_for_colour(&app, "green", [false, true, false]);
     osc.send("/param/red", &[2.0]);
@@ -234,9 +228,9 @@ fn messages_go_to_scenes_and_what_was_turned_is_found_again() {
 
 #[test]
 fn rubbish_is_ignored_and_the_show_goes_on() {
-    let place = Place::new();
+    let place = QuietDesktop::with_wall();
     let osc = Sender::new();
-    let mut app = place.open(&["--osc", &osc.port.to_string()]);
+    let mut app = place.open_wall(&["--osc", &osc.port.to_string()]);
     app.wait_until_told("OSC is heard");
     let nested = (0..2_000).rev().fold(message("/param/red", &[2.0]), |inner, _| {
         if inner.len() > 60_000 {
@@ -264,10 +258,10 @@ fn rubbish_is_ignored_and_the_show_goes_on() {
 
 #[test]
 fn a_port_that_is_taken_costs_a_sentence_and_no_show() {
-    let place = Place::new();
+    let place = QuietDesktop::with_wall();
     let taken = UdpSocket::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port().to_string();
-    let mut app = place.open(&["--osc", &port]);
+    let mut app = place.open_wall(&["--osc", &port]);
     app.wait_until_told("OSC is not heard: another program has 127.0.0.1:");
     wait_for_colour(&app, "green", [false, true, false]);
     drop(taken);
@@ -277,11 +271,11 @@ fn a_port_that_is_taken_costs_a_sentence_and_no_show() {
 
 #[test]
 fn what_is_heard_is_sent() {
-    let place = Place::new();
+    let place = QuietDesktop::with_wall();
     let lights = UdpSocket::bind("127.0.0.1:0").unwrap();
     lights.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
     let port = lights.local_addr().unwrap().port();
-    let app = place.open(&["--osc-send", &format!("127.0.0.1:{port}"), "--osc-rate", "60"]);
+    let app = place.open_wall(&["--osc-send", &format!("127.0.0.1:{port}"), "--osc-rate", "60"]);
     let mut buffer = [0; 2_048];
     let (length, _) = lights.recv_from(&mut buffer).unwrap();
     let packet = &buffer[..length];
@@ -312,9 +306,9 @@ fn turned(value: u8) -> [u8; 3] {
 
 #[test]
 fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
-    let place = Place::new();
+    let place = QuietDesktop::with_wall();
     place.plug("desk");
-    let mut app = place.open(&[]);
+    let mut app = place.open_wall(&[]);
     app.wait_until_told("MIDI is heard from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
     place.learn_first(&app, "desk", &turned(127));
@@ -337,7 +331,7 @@ fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
     });
     quit(app);
     // The next show knows it.
-    let mut app = place.open(&[]);
+    let mut app = place.open_wall(&[]);
     app.wait_until_told("MIDI is heard from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
     wait_until("yellow", || {
@@ -352,9 +346,9 @@ fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
 
 #[test]
 fn a_device_that_is_pulled_while_learning_is_said_and_learning_goes_on_when_it_is_back() {
-    let place = Place::new();
+    let place = QuietDesktop::with_wall();
     place.plug("desk");
-    let mut app = place.open(&[]);
+    let mut app = place.open_wall(&[]);
     app.wait_until_told("MIDI is heard from desk (fake port)");
     // The parameters are there with the picture.
     wait_for_colour(&app, "green", [false, true, false]);
@@ -379,9 +373,9 @@ fn a_device_that_is_pulled_while_learning_is_said_and_learning_goes_on_when_it_i
 
 #[test]
 fn floods_of_rubbish_from_a_device_leave_the_show_alone() {
-    let place = Place::new();
+    let place = QuietDesktop::with_wall();
     place.plug("desk");
-    let mut app = place.open(&[]);
+    let mut app = place.open_wall(&[]);
     app.wait_until_told("MIDI is heard from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
     place.learn_first(&app, "desk", &turned(0));
@@ -404,11 +398,11 @@ fn floods_of_rubbish_from_a_device_leave_the_show_alone() {
 
 #[test]
 fn a_damaged_file_of_knobs_is_said_and_kept_aside() {
-    let place = Place::new();
+    let place = QuietDesktop::with_wall();
     place.plug("desk");
     fs::create_dir_all(place.knobs().parent().unwrap()).unwrap();
     fs::write(place.knobs(), "[[knob]]\ndevice = 7\n").unwrap();
-    let mut app = place.open(&[]);
+    let mut app = place.open_wall(&[]);
     app.wait_until_told("knobs.toml cannot be understood");
     app.wait_until_told("MIDI is heard from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
@@ -420,10 +414,10 @@ fn a_damaged_file_of_knobs_is_said_and_kept_aside() {
 
 #[test]
 fn the_clock_of_a_device_sets_the_tempo_until_it_ends() {
-    let place = Place::new();
+    let place = QuietDesktop::with_wall();
     place.plug("drums");
     let osc = Sender::new();
-    let mut app = place.open(&["--osc", &osc.port.to_string()]);
+    let mut app = place.open_wall(&["--osc", &osc.port.to_string()]);
     app.wait_until_told("MIDI is heard from drums (fake port)");
     app.wait_until_told("OSC is heard");
     let tempo = |bytes: &[u8]| number_in(bytes, "/tempo", ",f");
@@ -448,13 +442,13 @@ fn the_clock_of_a_device_sets_the_tempo_until_it_ends() {
 
 #[test]
 fn a_hand_takes_a_parameter_from_a_show_which_takes_it_back_with_its_next_movement() {
-    let place = Place::new();
+    let place = QuietDesktop::with_wall();
     let osc = Sender::new();
     let show = place.desktop.folder().join("own.show");
     // A show that begins after the song has: seeks go to its movements.
     fs::write(&show, "at start wall.scene\n set red = 2\n set red = 1 after 30 s\n").unwrap();
     let port = osc.port.to_string();
-    let mut app = place.open(&["--osc", &port, "--show", show.to_str().unwrap()]);
+    let mut app = place.open_wall(&["--osc", &port, "--show", show.to_str().unwrap()]);
     app.wait_until_told("OSC is heard");
     let of_red = |bytes: &[u8]| number_in(bytes, "/param/red", ",ffffs");
     let held = |value: f32, hand: &'static str| {

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::support::compare::{TIGHT, assert_alike, pixel_difference};
-use crate::support::desktop::{App, Desktop, PROGRAM, command_in};
-use crate::walls::{quiet_song, quit_content as quit};
+use crate::support::desktop::{App, PROGRAM, command_in};
+use crate::walls::{QuietDesktop, quit_content as quit};
 use image::RgbaImage;
 use mariana_testing::process::wait_until;
 
@@ -37,18 +37,11 @@ const RED: &str = "vec3(1, 0, 0)";
 const GREEN: &str = "vec3(0, 1, 0)";
 const BLUE: &str = "vec3(0, 0, 1)";
 
-/// A desktop with a song and a folder for scenes.
-struct Place {
-    desktop: Desktop,
-    song: PathBuf,
-}
-
-impl Place {
-    fn new() -> Self {
-        let desktop = Desktop::start();
-        let song = quiet_song(desktop.folder());
-        fs::create_dir(desktop.folder().join("scenes")).unwrap();
-        Self { desktop, song }
+impl QuietDesktop {
+    fn with_folder() -> Self {
+        let place = Self::new();
+        fs::create_dir(place.desktop.folder().join("scenes")).unwrap();
+        place
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -130,7 +123,7 @@ fn wait_for_mode(app: &mut App, mode: &str) {
 
 #[test]
 fn a_saved_scene_shows_and_the_song_goes_on() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     // Blue comes in the third second of the song: not again if a new scene does not begin it anew.
     let with_time = |red: u8, green: u8| wall(&format!("vec3({red}, {green}, if t < 2 then 0 else 1)"));
     place.save("own.scene", &with_time(1, 0));
@@ -208,7 +201,7 @@ fn wait_for_one_color_at_rest(app: &App) -> RgbaImage {
 
 #[test]
 fn a_broken_save_keeps_the_picture_and_says_what_is_wrong_until_it_is_mended() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     place.save("own.scene", &wall(RED));
     let mut app = place.open("own.scene", &[]);
     wait_for_mode(&mut app, "compiled");
@@ -282,7 +275,7 @@ camera { position = vec3(0, 0.5, 0) target = vec3(0, 0, 4) }
 
 #[test]
 fn the_mode_is_as_told_and_c_changes_it_but_not_the_picture() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     place.save("own.scene", VARIED);
     for (first, other) in [("interpreted", "compiled"), ("compiled", "interpreted")] {
         let mut app = place.open("own.scene", &["--sdf", first, "--quality", "best"]);
@@ -304,7 +297,7 @@ fn the_mode_is_as_told_and_c_changes_it_but_not_the_picture() {
 
 #[test]
 fn r_changes_whether_regions_are_used_but_not_the_picture() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     place.save("own.scene", VARIED);
     for (mode, first) in [("interpreted", "on"), ("compiled", "off")] {
         let mut app = place.open("own.scene", &["--sdf", mode, "--regions", first, "-vv"]);
@@ -329,7 +322,7 @@ fn r_changes_whether_regions_are_used_but_not_the_picture() {
 
 #[test]
 fn what_is_shown_in_the_end_is_what_is_asked_for_however_fast_that_changes() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     place.save("own.scene", VARIED_BY_TIME);
     let mut app = place.open("own.scene", &["--sdf", "interpreted"]);
     pause(&mut app);
@@ -359,7 +352,7 @@ fn heavy(balls: u32, emission: &str) -> String {
 
 #[test]
 fn a_scene_is_shown_interpreted_until_it_is_compiled_without_being_asked() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     // The interpreter that is there for the first serves the second, too.
     // Short ones: on a software renderer long ones wait for their own programs.
     place.save("own.scene", &heavy(2, RED));
@@ -393,7 +386,7 @@ fn a_scene_is_shown_interpreted_until_it_is_compiled_without_being_asked() {
 
 #[test]
 fn a_number_that_is_changed_again_waits_for_no_compiler() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     let save = |green: &str| place.save("own.scene", &wall(&format!("vec3({green}, 0, 0.9 - {green})")));
     save("0");
     let mut app = place.open("own.scene", &["-v"]);
@@ -421,7 +414,7 @@ fn a_number_that_is_changed_again_waits_for_no_compiler() {
 
 #[test]
 fn n_and_p_go_through_the_folder_and_the_shipped_scenes_and_back() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     for (name, emission) in [("a.scene", RED), ("b.scene", GREEN), ("broken.scene", "vec3(")] {
         place.save(name, &wall(emission));
     }
@@ -453,7 +446,7 @@ fn n_and_p_go_through_the_folder_and_the_shipped_scenes_and_back() {
 
 #[test]
 fn a_scene_that_cannot_be_shown_at_the_start_ends_the_program_with_what_is_wrong() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     place.save("broken.scene", &wall("vec3(1, 0 0)"));
     let ended = |scene: &Path, expected: &str| {
         let mut command = place.desktop.command(PROGRAM);
@@ -471,7 +464,7 @@ fn a_scene_that_cannot_be_shown_at_the_start_ends_the_program_with_what_is_wrong
 
 #[test]
 fn a_formula_is_a_scene() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     let mut app = place.open_scene("sqrt(x*x + y*y + z*z) - 1", SMALL, &[]);
     app.wait_for_title("the formula", |title| title.contains("Mariana (formula, "));
     wait_until("a ball in the middle that is not what is in the corner", || {
@@ -484,7 +477,7 @@ fn a_formula_is_a_scene() {
 
 #[test]
 fn a_moved_slider_changes_the_picture_and_outlives_a_reload() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     let text =
         |blue: u8| format!("param level = 0 in 0 .. 1\n{}", wall(&format!("vec3(level, 1 - level, {blue})")));
     place.save("own.scene", &text(0));
@@ -520,7 +513,7 @@ fn a_moved_slider_changes_the_picture_and_outlives_a_reload() {
 
 #[test]
 fn c_pressed_while_a_scene_is_coming_does_not_keep_it_away() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     place.save("own.scene", &wall(RED));
     place.save("own2.scene", &heavy(60, GREEN));
     for (sdf, wish) in [("interpreted", "compiled"), ("compiled", "interpreted")] {
@@ -538,7 +531,7 @@ fn c_pressed_while_a_scene_is_coming_does_not_keep_it_away() {
 
 #[test]
 fn a_second_c_takes_back_the_first_that_is_still_waiting() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     place.save("own.scene", &heavy(60, RED));
     let app = place.open_tiny("own.scene", &["--sdf", "interpreted"]);
     app.press(&["c", "c"]);
@@ -550,7 +543,7 @@ fn a_second_c_takes_back_the_first_that_is_still_waiting() {
 
 #[test]
 fn fifty_saves_in_a_row_show_the_last_and_nothing_waits_for_the_others() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     place.save("own.scene", &heavy(20, RED));
     let mut app = place.open_tiny("own.scene", &[]);
     wait_for_color(&app, "the first", SEEN_RED);
@@ -568,7 +561,7 @@ fn fifty_saves_in_a_row_show_the_last_and_nothing_waits_for_the_others() {
 
 #[test]
 fn the_window_closes_while_a_driver_is_still_compiling() {
-    let place = Place::new();
+    let place = QuietDesktop::with_folder();
     place.save("own.scene", &wall(RED));
     // Of twice as many the text would be refused as too long.
     place.save("own2.scene", &heavy(600, GREEN));

@@ -42,6 +42,15 @@ fn open<'d>(desktop: &'d Desktop, options: &[&str]) -> App<'d> {
     app
 }
 
+/// Two songs of so many seconds of silence, in a folder.
+fn quiet_songs(folder: &Path, seconds: usize) -> [PathBuf; 2] {
+    ["one.wav", "two.wav"].map(|name| {
+        let song = folder.join(name);
+        write_wav(&song, SINK_RATE, 2, std::iter::repeat_n(0.0, 2 * seconds * SINK_RATE as usize));
+        song
+    })
+}
+
 /// Waits until a song plays on an output of the server.
 fn wait_for_output(server: &SoundServer, name: &str) {
     wait_until(name, || {
@@ -184,9 +193,7 @@ fn the_window_opens_where_it_was_unless_that_is_nowhere() {
 fn an_end_without_warning_forgot_the_track_its_place_the_scene_the_volume_and_the_list() {
     let desktop = Desktop::start();
     let options = ["--size", "320x180", "--silent"];
-    let samples = || (0..120 * SINK_RATE as usize).flat_map(|_| [0.0, 0.0]);
-    let songs = ["one.wav", "two.wav"].map(|name| desktop.folder().join(name));
-    songs.iter().for_each(|song| write_wav(song, SINK_RATE, 2, samples()));
+    let songs = quiet_songs(desktop.folder(), 120);
     let songs = songs.each_ref().map(|song| song.to_str().unwrap());
     let mut app = open(&desktop, &[&options[..], &songs].concat());
     app.press(&["Next"]);
@@ -218,9 +225,7 @@ fn tracks_are_forgotten_and_hints_stay_away_where_that_was_chosen() {
     let desktop = Desktop::start();
     let options = ["--size", "640x360", "--silent"];
     let listed = desktop.folder().join(".config/mariana/last tracks.m3u8");
-    let samples = || (0..30 * SINK_RATE as usize).flat_map(|_| [0.0, 0.0]);
-    let songs = ["one.wav", "two.wav"].map(|name| desktop.folder().join(name));
-    songs.iter().for_each(|song| write_wav(song, SINK_RATE, 2, samples()));
+    let songs = quiet_songs(desktop.folder(), 30);
     let songs = songs.each_ref().map(|song| song.to_str().unwrap());
     let mut app = open(&desktop, &[&options[..], &songs].concat());
     app.press(&["Next"]);

@@ -6,7 +6,7 @@ use super::onset::{Flux, Onsets};
 use super::rises::Rises;
 use super::scale::SPECTRUM_POINTS;
 
-/// What is heard in one moment.
+/// Onset and beat of one moment.
 pub(super) struct Pulse {
     /// Whether a sound begins.
     pub(super) begins: bool,

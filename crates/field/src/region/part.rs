@@ -44,7 +44,7 @@ struct Level {
     structure: Structure,
 }
 
-/// What a part has written.
+/// The texels of a part, and where bricks and tapes begin in them.
 #[derive(Debug, Default)]
 struct Written {
     /// Bricks and tapes. Their addresses are counted from the end of the trunk's texels.

@@ -127,7 +127,7 @@ pub(super) struct Root {
     pub(super) groups: Vec<u64>,
 }
 
-/// What roundings cost, by the size of the tree's box.
+/// Allowances for rounding errors, for the size of the tree's box.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rounding {
     /// Bounds are reduced by this.

@@ -1,4 +1,4 @@
-//! What is kept of a song while it is listened to.
+//! Measurements of a song, kept until its structure is found.
 
 use std::ops::Range;
 

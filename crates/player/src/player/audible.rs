@@ -1,4 +1,4 @@
-//! What is audible for the picture, which may be shifted against the device.
+//! The audible moment for the picture, which may be shifted against the device.
 
 use std::sync::Arc;
 use std::time::Instant;

@@ -1,4 +1,4 @@
-//! What a scene's text declares at its top: values, parameters, functions and materials.
+//! Declarations at the top of a scene's text: values, parameters, functions and materials.
 
 use super::super::ast::{ExprId, Function};
 use super::super::origins::Stretch;

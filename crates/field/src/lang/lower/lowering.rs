@@ -92,7 +92,7 @@ impl Inputs {
     }
 }
 
-/// What the work has cost so far.
+/// Depth and steps so far, against the limits.
 #[derive(Default)]
 pub(super) struct Budget {
     pub depth: usize,

@@ -1,4 +1,4 @@
-//! Mistakes, told where the scene's author can mend them.
+//! Reports mistakes at places in the scene's own text.
 
 use super::super::diagnostic::{Diagnostic, Diagnostics};
 use super::super::source::Span;
