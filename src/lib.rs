@@ -8,6 +8,7 @@ pub use mariana_render::{faults, flash, frame, gpu, placement, reading_order, sr
 
 pub mod atomic_file;
 pub mod cli;
+pub mod clock;
 pub mod commands;
 pub mod config;
 pub mod demo_track;

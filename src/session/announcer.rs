@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
+use crate::clock;
 use crate::export::print::tell;
 use crate::ui::overlay::{Notice, NowPlaying};
 use mariana_player::track::{Repeat, TrackInfo};
@@ -54,12 +55,12 @@ impl Announcer {
 
     /// The same, with a share below the text, 0..1.
     pub(crate) fn answer_share(&mut self, text: String, share: Option<f32>) {
-        self.shown = Some(Sentence::new(text, share, Instant::now()));
+        self.shown = Some(Sentence::new(text, share, clock::now()));
     }
 
     /// Shows at once where in the track we are, and follows it for as long as it shows.
     pub(crate) fn answer_position(&mut self, playing: &NowPlaying) {
-        let since = Instant::now();
+        let since = clock::now();
         self.shown = Some(Sentence { is_position: true, ..position(playing, since) });
     }
 

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::Session;
+use crate::clock;
 use crate::commands;
 use crate::export::print::tell;
 use crate::limits::LIMITS;
@@ -20,7 +21,7 @@ impl Session {
                 self.reports.say(sentence);
             }
         }
-        let now = Instant::now();
+        let now = clock::now();
         let heard = self.hands.take(now);
         let is_turned = heard.is_some();
         let Heard { params, mut deeds, knobs, since } = heard.unwrap_or_default();
@@ -121,7 +122,7 @@ impl Session {
 
     /// Brings the panel up to date, if it is open.
     pub(super) fn update_hands(&mut self) {
-        if self.desk.hands.is_some() && self.hands.panel_is_due(Instant::now()) {
+        if self.desk.hands.is_some() && self.hands.panel_is_due(clock::now()) {
             self.put_up_hands();
         }
     }

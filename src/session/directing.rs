@@ -2,13 +2,13 @@
 
 use super::Session;
 use super::cues::Pressed;
+use crate::clock;
 use crate::commands::SetSetting;
 use crate::config::{FollowChoice, Setting};
 use crate::session::direction::{News, Playing};
 use crate::show::{Hearing, LiveDirector};
 use mariana_player::Moment;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// The answer to key A when it starts a show.
 const FOLLOWS: &str = "the scenes follow the song: K keeps one, A ends it";
@@ -17,7 +17,7 @@ impl Session {
     /// Brings the scene on that the show has at a moment.
     pub(super) fn direct(&mut self, moment: Option<Moment>) {
         let Some(moment) = moment else { return };
-        self.hands.note_sound(&moment.features, &moment.song, Instant::now());
+        self.hands.note_sound(&moment.features, &moment.song, clock::now());
         let (track, playing) = (self.listening.track_of(moment), self.listening.playing());
         // Of an input nothing is known before it is heard.
         let song = track.map_or_else(|| Some(Arc::default()), |track| self.listening.structure(track));

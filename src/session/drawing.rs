@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::Session;
 use super::desk::{Seen, content_of};
+use crate::clock;
 use crate::commands::Panel;
 use crate::gpu::error::GpuError;
 use crate::session::SessionError;
@@ -29,7 +30,7 @@ impl Session {
             // Nothing is dimmed in the first picture, so it was shown before the driver had made the limiter's programs.
             self.renderer.limit_flashes(seconds)?;
         }
-        let begun = Instant::now();
+        let begun = clock::now();
         // A picture whose regions have come was due before.
         if !self.scene.composer().has_regions() && !self.scene.composer().is_drawing() {
             self.pace.begun(begun, self.hands.are_unseen());
@@ -106,7 +107,7 @@ impl Session {
         let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else {
             return self.show_waiting(size).map(|()| false);
         };
-        let handing_over = Instant::now();
+        let handing_over = clock::now();
         // Without a new picture there is something to show only if the overlay or the window changes.
         let waits = new.is_none() && !dims && (shown != wanted || is_drawing);
         let has_words =
@@ -119,18 +120,18 @@ impl Session {
         let (overlay, small) = (&mut self.overlay, self.desk.picture);
         let painting =
             self.screen.show(&mut self.renderer, &lay, small, is_new || has_words, &mut |size| {
-                let laying_out = Instant::now();
+                let laying_out = clock::now();
                 if let Some(content) = content.take() {
                     painted = overlay.paint(scale, size, content, laying_out)?;
                 }
-                laid_out = laying_out.elapsed();
+                laid_out = clock::since(laying_out);
                 Ok(())
             })?;
         self.screen.show_on_output(&mut self.renderer, &lay, is_new)?;
         let first = self.pace.show(shown);
-        self.typing_times.note_shown(self.scene.scenes().shown_id(), new.is_some(), laid_out, Instant::now());
+        self.typing_times.note_shown(self.scene.scenes().shown_id(), new.is_some(), laid_out, clock::now());
         if let Some(Drawn { spent, .. }) = new {
-            let showing = spent + handing_over.elapsed();
+            let showing = spent + clock::since(handing_over);
             let cost = self.cost(spent + painting, showing);
             self.pace.note_times(level, showing, cost);
             self.scene.note_frame_time(showing);
@@ -152,7 +153,7 @@ impl Session {
     /// # Errors
     /// What the driver refuses.
     pub(super) fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), SessionError> {
-        let now = Instant::now();
+        let now = clock::now();
         let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
         if self.waited.is_none_or(is_stale) {
             let is_first = self.waited.replace((now, size)).is_none();
@@ -321,7 +322,7 @@ pub(super) fn paint_waiting(
     let mut content = Some(OverlayContent { hint: Some(&words), ..content });
     screen.show_waiting(&mut |size| {
         if let Some(content) = content.take() {
-            painted = overlay.paint(scale, size, content, Instant::now())?;
+            painted = overlay.paint(scale, size, content, clock::now())?;
         }
         Ok(())
     })?;

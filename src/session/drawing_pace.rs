@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::clock;
 use crate::config::QualityChoice;
 use crate::limits::LIMITS;
 use crate::session::dynamic_resolution::{DynamicResolution, Level};
@@ -207,7 +208,7 @@ impl DrawingPace {
     pub(crate) fn note_times(&mut self, level: Level, time: Duration, cost: Duration) {
         self.times.note(time);
         if level == self.resolution.level() {
-            self.resolution.note(Instant::now(), cost);
+            self.resolution.note(clock::now(), cost);
         }
     }
 }

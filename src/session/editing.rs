@@ -1,8 +1,7 @@
 //! The editor of the scene on the stage: opened and closed, its keys, and what it wants of the show.
 
-use std::time::Instant;
-
 use super::Session;
+use crate::clock;
 use crate::commands::{Command, Panel};
 use crate::documents::KeptTexts;
 use crate::input::Input;
@@ -54,7 +53,7 @@ impl Session {
         if !self.is_edited() {
             return false;
         }
-        let (held, begun) = (self.input.held(), Instant::now());
+        let (held, begun) = (self.input.held(), clock::now());
         let Some(editor) = &mut self.desk.editor else { return false };
         let taken = match input {
             // The overlay takes those on the editor.
@@ -74,7 +73,7 @@ impl Session {
             _ => return false,
         };
         self.follow_editor();
-        self.typing_times.note_taken(begun.elapsed());
+        self.typing_times.note_taken(clock::since(begun));
         taken
     }
 
@@ -108,7 +107,7 @@ impl Session {
         let (reloads, others): (Vec<_>, Vec<_>) =
             commands.into_iter().partition(|command| *command == Command::ReloadScene);
         if !reloads.is_empty() {
-            self.typing_times.note_key(self.scene.scenes().shown_id(), Instant::now());
+            self.typing_times.note_key(self.scene.scenes().shown_id(), clock::now());
         }
         self.carry_out_all(reloads.into_iter().next());
         let is_open = self.is_edited();

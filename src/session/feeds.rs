@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::clock;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::picture_reader::PictureReader;
@@ -53,7 +54,7 @@ impl Feeds {
     /// Feeds these sends.
     pub(crate) fn of(sends: Sends) -> Self {
         let Sends { sends, size, period } = sends;
-        Self { sends, reader: None, size, period, due: Instant::now(), is_new: false, was_wanted: true }
+        Self { sends, reader: None, size, period, due: clock::now(), is_new: false, was_wanted: true }
     }
 
     /// Whether somebody may see the picture who does not see the window.

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::Session;
+use crate::clock;
 use crate::config::{LastShow, PlaySettings};
 use crate::scenes::SceneSource;
 use mariana_player::ListedTracks;
@@ -79,7 +80,7 @@ impl Session {
         if let Some(editor) = &mut self.desk.editor {
             editor.finish();
         }
-        self.recording.finish(Instant::now());
+        self.recording.finish(clock::now());
         if settings.remembered {
             self.remember_tracks();
             let left = self.left();

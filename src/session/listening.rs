@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::clock;
 use crate::config::{Choices, Settings};
 use crate::demo_track::is_demo;
 use crate::session::announcer::{TrackOrder, words_of};
@@ -49,7 +50,7 @@ impl Listening {
     /// Begins with a sound that waits for the first picture.
     pub(crate) fn new(sound: Sound, songs: Option<SongReader>) -> Self {
         let (energy, taps) = (LiveEnergy::default(), TapTempo::default());
-        let (clock, clock_now) = (None, (0.0, Instant::now()));
+        let (clock, clock_now) = (None, (0.0, clock::now()));
         Self {
             sound,
             songs,
@@ -240,13 +241,13 @@ impl Listening {
     /// Follows the clock of a device from now on, which says this at these seconds of it; or none.
     pub(crate) fn set_clock(&mut self, clock: Option<(ClockReading, f64)>) {
         self.clock = clock.map(|(reading, _)| reading);
-        self.clock_now = (clock.map_or(0.0, |(_, now)| now), Instant::now());
+        self.clock_now = (clock.map_or(0.0, |(_, now)| now), clock::now());
     }
 
     /// Replaces tempo, phase and bar by those of the clock, if there is one.
     fn apply_clock(&self, now: &mut Moment) {
         let (seconds, at) = self.clock_now;
-        let seconds = seconds + at.elapsed().as_secs_f64();
+        let seconds = seconds + clock::since(at).as_secs_f64();
         let Some((reading, (phase, number))) =
             self.clock.and_then(|reading| Some((reading, reading.phase_at(seconds)?)))
         else {

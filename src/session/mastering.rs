@@ -4,6 +4,7 @@
 use std::time::Instant;
 
 use super::Session;
+use crate::clock;
 use crate::commands::{MovedCorner, SetSetting};
 use crate::config::Setting;
 use crate::placement::{Area, Corners, Placement};
@@ -17,7 +18,7 @@ use crate::ui::overlay::PanelSwitches;
 impl Session {
     /// Lets the picture fade to black, or come back.
     pub(crate) fn toggle_blackout(&mut self) {
-        let words = match self.masters.toggle_blackout(Instant::now()) {
+        let words = match self.masters.toggle_blackout(clock::now()) {
             true => "blackout: X brings the picture back",
             false => "the picture comes back",
         };

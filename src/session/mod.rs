@@ -50,6 +50,7 @@ use desk::Desk;
 pub(crate) use opening::{Opening, renewed};
 use preview::Preview;
 
+use crate::clock;
 use crate::commands::{Command, Files, Panel};
 use crate::config::{Choices, PlaySettings};
 use crate::gpu::renderer::Renderer;
@@ -209,14 +210,14 @@ impl Session {
 
     /// Takes input. Returns the command that a key or the mouse sends, if no panel takes it.
     pub(crate) fn take(&mut self, input: &Input) -> Option<Command> {
-        self.pointer_rest.take(input, Instant::now());
+        self.pointer_rest.take(input, clock::now());
         if self.overlay.on_input(input) {
             return None;
         }
         if self.take_for_editor(input) || self.take_for_panels(input) {
             return None;
         }
-        self.input.take(input, Instant::now())
+        self.input.take(input, clock::now())
     }
 
     /// Hands a key to the panel that is open. Returns whether it was meant for it.
@@ -261,7 +262,7 @@ impl Session {
         let taken = self.overlay.take_key(key, held.shift_key());
         if taken {
             // Shows the bar. It stays while it has the focus.
-            self.pointer_rest.wake(Instant::now());
+            self.pointer_rest.wake(clock::now());
             self.screen.request_redraw();
         }
         taken
@@ -288,7 +289,7 @@ impl Session {
     /// # Errors
     /// The only song cannot be played on.
     pub(crate) fn look_at_status(&mut self, settings: &PlaySettings) -> Result<bool, SessionError> {
-        if !self.reports.is_due(Instant::now()) {
+        if !self.reports.is_due(clock::now()) {
             return Ok(false);
         }
         for complaint in self.listening.take_complaints() {
@@ -350,7 +351,7 @@ impl Session {
         self.update_settings();
         self.update_hands();
         self.tell_recording();
-        let now = Instant::now();
+        let now = clock::now();
         self.reports.update(now);
         for sentence in self.screen.update() {
             self.reports.say(sentence);

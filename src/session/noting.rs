@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::Session;
+use crate::clock;
 use crate::session::scene::Performed;
 use crate::show::Finish;
 use mariana_player::Moment;
@@ -10,9 +11,9 @@ use mariana_player::Moment;
 impl Session {
     /// Begins to record what hands do, or ends that.
     pub(crate) fn toggle_recording(&mut self) {
-        let begins = self.recording.toggle(Instant::now());
+        let begins = self.recording.toggle(clock::now());
         if let Some(shown) = self.pace.shown().filter(|_| begins) {
-            self.record(shown.moment, Instant::now());
+            self.record(shown.moment, clock::now());
         }
         let words = match begins {
             true if self.listening.song_status().is_none() => {
@@ -42,7 +43,7 @@ impl Session {
         let now = self.listening.now().filter(|_| !self.scene.moves_by_itself());
         let time = now.map_or(moment.song_time, |now| now.song_time);
         let of = (track, self.reports.playing().title.as_str());
-        if let Some(words) = self.recording.note(of, time, performed, Instant::now()) {
+        if let Some(words) = self.recording.note(of, time, performed, clock::now()) {
             self.reports.answer(words.to_owned());
         }
     }
@@ -67,7 +68,7 @@ impl Session {
 
     /// Says what became of a recording.
     pub(super) fn tell_recording(&mut self) {
-        self.recording.update(Instant::now());
+        self.recording.update(clock::now());
         if let Some(news) = self.recording.news() {
             tracing::info!("{news}");
             self.reports.answer(news);

@@ -6,13 +6,13 @@
 //! smaller. `faults` lets tests cause both.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use super::Session;
 use super::desk::Desk;
 use super::drawing::paint_waiting;
 use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
+use crate::clock;
 use crate::config::{Choices, DEFAULT_DEVICE, Memory, PerformanceFiles, PlaySettings};
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
@@ -144,7 +144,7 @@ impl Opening<'_> {
             gain: choices.gain,
         })?;
         let fps = settings.fps_cap.or_else(|| screen.refresh_rate()).unwrap_or(FPS_DEFAULT);
-        let now = Instant::now();
+        let now = clock::now();
         let of_shows = waker.clone();
         let (file, follow) = (settings.show.clone(), choices.follow_song);
         let direction = Direction::start(file, follow, settings.names_scene, move || of_shows.wake())
@@ -266,7 +266,7 @@ pub(crate) fn renewed(
         renderer: renderer(screen.gl(), &stage.choices, scene)?,
         scene: scenes,
         overlay,
-        pace: stage.pace.renewed(Instant::now()),
+        pace: stage.pace.renewed(clock::now()),
         screen,
         ..stage
     })

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::Session;
+use crate::clock;
 use crate::commands::{Command, Files, Panel};
 use crate::limits::LIMITS;
 use crate::scenes::{SceneSource, is_scene_file};
@@ -91,7 +92,7 @@ impl Session {
         if let Some(scene) = scenes.into_iter().next_back() {
             self.scene.show_source(SceneSource::File(scene));
             // The file may be from another folder.
-            self.thumbnails_ahead = Some(thumbnails_ahead_at(Instant::now()));
+            self.thumbnails_ahead = Some(thumbnails_ahead_at(clock::now()));
         }
         if !music.is_empty() {
             let words = self.listening.play_files(music, append);
@@ -128,7 +129,7 @@ impl Session {
 
     /// Requests thumbnails of the folder's scenes before the list of scenes is opened.
     fn draw_thumbnails_ahead(&mut self) {
-        if self.thumbnails_ahead.take_if(|due| Instant::now() >= *due).is_none() {
+        if self.thumbnails_ahead.take_if(|due| clock::now() >= *due).is_none() {
             return;
         }
         let of_folder =

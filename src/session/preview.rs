@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use image::RgbaImage;
 
 use super::Session;
+use crate::clock;
 use crate::gpu::error::GpuError;
 use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::renderer::Sketch;
@@ -47,7 +48,7 @@ impl Preview {
     /// Nothing was drawn yet.
     pub(super) fn new() -> Self {
         let (sketch, reader, drawn, next) = (Sketch::default(), None, None, None);
-        Self { sketch, reader, due: Instant::now(), took: ASSUMED, drawn, next }
+        Self { sketch, reader, due: clock::now(), took: ASSUMED, drawn, next }
     }
 
     /// What there is to show.
@@ -99,12 +100,12 @@ impl Session {
             Some(reader) => reader,
             none => none.insert(PictureReader::new(self.screen.gl(), SIZE)?),
         };
-        let begun = Instant::now();
+        let begun = clock::now();
         let sound = Sound { features: moment.features, tables: Default::default(), song: moment.song };
         let heard = (moment.song_time, sound);
         let drawn = self.scene.preview(&mut self.renderer, &mut self.preview.sketch, reader, heard)?;
         if drawn.is_some() {
-            self.preview.took = begun.elapsed();
+            self.preview.took = clock::since(begun);
             tracing::debug!("the next scene in {:?} of {rest:?}", self.preview.took);
             self.preview.drawn = drawn.map(|title| (title, wanted.1));
         }

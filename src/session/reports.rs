@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::clock;
 use crate::commands::Command;
 use crate::export::print::tell;
 use crate::session::announcer::Announcer;
@@ -53,7 +54,7 @@ impl Reports {
 
     /// Looks at the state of the sound at once, because something was changed.
     pub(crate) fn hurry(&mut self) {
-        self.due = Instant::now();
+        self.due = clock::now();
     }
 
     /// The next command of media keys and the desktop, if any.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::clock;
 use crate::commands::SHIFT_STEP_MS;
 use crate::config::{DEFAULT_DEVICE, KeptSettings, ListenChoice, Memory, Settings};
 use crate::export::print::tell;
@@ -155,7 +156,7 @@ impl Sound {
 
     /// The state of the input, if one is listened to. Prints what is new on the terminal.
     pub(crate) fn live_status(&mut self) -> Option<LiveStatus> {
-        if self.list(false, Instant::now()).is_none() {
+        if self.list(false, clock::now()).is_none() {
             self.remember_choice();
         }
         let status = self.live.as_mut()?.status();
@@ -275,7 +276,7 @@ impl Sound {
     /// Shows the list of sources, as it is now.
     pub(crate) fn show_list(&mut self) {
         if let Some(sources) = self.latest_sources() {
-            self.list = Some((sources, Instant::now()));
+            self.list = Some((sources, clock::now()));
         }
     }
 
@@ -284,7 +285,7 @@ impl Sound {
         let Some((sources, since)) = &mut self.list else { return };
         let Some((source, _)) = sources.get(place) else { return };
         let source = source.clone();
-        *since = Instant::now();
+        *since = clock::now();
         if source != self.present() {
             self.choose(source);
         }
@@ -303,7 +304,7 @@ impl Sound {
         if let Some(next) = next {
             self.choose(next);
         }
-        self.list = Some((sources, Instant::now()));
+        self.list = Some((sources, clock::now()));
     }
 
     fn present(&self) -> Source {

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use crate::clock;
 use crate::commands;
 use crate::config::{HandSettings, KnobEdit, KnobMemory};
 use crate::session::scene::SceneSession;
@@ -38,7 +39,7 @@ impl Midi {
         let hub = hub.and_then(|started| {
             started.map_err(|error| news.push((format!("MIDI is not heard: {error}"), true))).ok()
         });
-        Self { hub, memory, learning: None, told: None, news, zero: Instant::now(), revision: 0 }
+        Self { hub, memory, learning: None, told: None, news, zero: clock::now(), revision: 0 }
     }
 
     /// What is new of devices: a sentence, and whether it is bad news.
@@ -129,7 +130,7 @@ impl Midi {
             let (min, max, default) = (slider.min, slider.max, slider.default);
             Some(Param { name, min, max, default }.share_of(to))
         };
-        let now = self.zero.elapsed().as_secs_f64();
+        let now = clock::since(self.zero).as_secs_f64();
         let mut outcomes = Vec::new();
         for knob in knobs {
             match &mut self.learning {
@@ -145,7 +146,7 @@ impl Midi {
 
     /// Notes what was learned, once that is known, and says it.
     pub(super) fn finish_learning(&mut self) -> Option<String> {
-        let now = self.zero.elapsed().as_secs_f64();
+        let now = clock::since(self.zero).as_secs_f64();
         let mapping = self.learning.as_ref()?.learned(now)?;
         self.learning = None;
         let is_known = self.mappings().iter().any(|one| {

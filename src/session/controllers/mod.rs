@@ -10,6 +10,7 @@ mod phone;
 
 use std::time::{Duration, Instant};
 
+use crate::clock;
 use crate::ui::controllers_panel::HandFacts;
 use midi::Midi;
 use network::Network;
@@ -63,7 +64,7 @@ impl Hands {
         let network = Network::start(settings, &wishes, &board, waker);
         let phones = Phones::start(settings, &wishes, &board, waker);
         let midi = Midi::start(settings, &wishes, waker);
-        let now = Instant::now();
+        let now = clock::now();
         Self {
             wishes,
             board,
@@ -233,7 +234,7 @@ impl Hands {
     /// A frame is on the screen that shows the scene at this revision.
     pub(crate) fn note_shown(&mut self, revision: u64) {
         if let Some((since, _)) = self.unseen.take_if(|(_, turned)| revision >= *turned) {
-            self.times.note(since.elapsed());
+            self.times.note(clock::since(since));
         }
     }
 

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::clock;
 use crate::commands;
 use crate::config::HandSettings;
 use crate::session::waker::Waker;
@@ -45,7 +46,7 @@ impl Network {
         });
         let interval = Duration::try_from_secs_f64(1.0 / settings.osc_rate).unwrap_or_default();
         let told = (ReceiverState::default(), false);
-        Self { receiver, sender, interval, sample_due: Instant::now(), told, trouble }
+        Self { receiver, sender, interval, sample_due: clock::now(), told, trouble }
     }
 
     /// Whether anybody may ask how the show stands.

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::camera::SceneCamera;
 use super::edits::Edits;
@@ -16,6 +16,7 @@ use super::scene_change::SceneChange;
 use super::scenery::{Pictured, SeenPictures};
 use super::show_follower::{Outgoing, ShowFollower};
 use super::views::Views;
+use crate::clock;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::GpuError;
@@ -285,7 +286,7 @@ impl SceneComposer {
         match &outgoing {
             Some(outgoing) if outgoing.stay.is_some() => renderer.set_fade(Some(outgoing.share)),
             _ => {
-                let (now, runs, is_live) = (Instant::now(), picture.runs, outgoing.is_some());
+                let (now, runs, is_live) = (clock::now(), picture.runs, outgoing.is_some());
                 self.fading.begin_picture(renderer, Begun { now, moment: &wanted.moment, runs, is_live });
             }
         }

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::awaited_edit::AwaitedEdit;
+use crate::clock;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
 
 /// Loads scenes on a thread.
@@ -71,7 +72,7 @@ impl SceneLibrary {
     pub(crate) fn load_again(&mut self) {
         tracing::debug!("{} is loaded again for its draft", self.wanted.title());
         self.loader.load_again();
-        self.edit.ask(Instant::now());
+        self.edit.ask(clock::now());
     }
 
     /// Until when the next picture waits for a changed text, if it does at `now`.

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use crate::clock;
 use mariana_control::Slider;
 
 /// See the module.
@@ -41,7 +42,7 @@ impl Messages {
     /// Shows a line for a moment.
     pub(super) fn answer(&mut self, text: String) {
         tracing::debug!("told: {text}");
-        self.notice = Some((text, Instant::now()));
+        self.notice = Some((text, clock::now()));
     }
 
     /// Shows which scene the user waits for; none once that is over.

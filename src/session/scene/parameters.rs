@@ -9,6 +9,7 @@ use std::time::Instant;
 use super::knobs::param_of;
 use super::prepared_scene::PreparedScene;
 use super::stays::Stays;
+use crate::clock;
 use mariana_control::{Hand, Model, ParamWish, Reading, Turn};
 
 /// See the module.
@@ -37,7 +38,7 @@ struct TurnedNumbers {
 impl Parameters {
     /// Those that hands have turned as `model` says, whose seconds began at `begun`.
     pub(super) fn new(model: Model, begun: Instant) -> Self {
-        let now = begun.elapsed().as_secs_f64();
+        let now = clock::since(begun).as_secs_f64();
         Self { model, begun, now, song_time: 0.0, turned: None, revision: 0 }
     }
 
@@ -63,7 +64,7 @@ impl Parameters {
 
     /// Goes on to this moment of the song.
     pub(super) fn go_to(&mut self, song_time: f64) {
-        (self.now, self.song_time) = (self.begun.elapsed().as_secs_f64(), song_time);
+        (self.now, self.song_time) = (clock::since(self.begun).as_secs_f64(), song_time);
     }
 
     /// Notes that parameters are on their way to where hands have turned them.

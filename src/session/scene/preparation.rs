@@ -23,6 +23,7 @@ use super::program_task::{Task, ViewsOf};
 use super::refusal::{Refusal, TREE_TOO_LONG, too_expensive};
 use super::tree_trials::TreeTrials;
 use super::versions::{last_version, only_settles};
+use crate::clock;
 use crate::config::SdfChoice;
 use crate::gpu::cell_use::CellUse;
 use crate::gpu::error::GpuError;
@@ -493,7 +494,7 @@ impl ScenePreparation {
         let is_coming = scenes.coming.is_some();
         let Some(shown) = scenes.shown.as_mut().filter(|scene| scene.is_changing()) else { return };
         let is_wanted = shown.source == *self.library.wanted();
-        if shown.since.elapsed() > REST && !shown.is_resting && is_wanted && !is_coming {
+        if clock::since(shown.since) > REST && !shown.is_resting && is_wanted && !is_coming {
             shown.is_resting = true;
             self.library.load();
         }

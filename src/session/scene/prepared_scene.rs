@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::knobs::SceneKnobs;
 use super::program_task::ViewsOf;
+use crate::clock;
 use crate::config::SdfChoice;
 use crate::gpu::cell_use::CellUse;
 use crate::gpu::error::GpuError;
@@ -136,7 +137,7 @@ impl PreparedScene {
             moves,
             hears_curves,
             knobs,
-            since: Instant::now(),
+            since: clock::now(),
             settles: ready.settles,
             is_resting: false,
         })

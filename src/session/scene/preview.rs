@@ -11,6 +11,7 @@ use super::parameters::Parameters;
 use super::prepared_scene::{DrawingChoice, PreparedScene};
 use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
 use super::stays::Stays;
+use crate::clock;
 use crate::frame::Frame;
 use crate::gpu::cell_use::CellUse;
 use crate::gpu::error::GpuError;
@@ -90,11 +91,11 @@ impl NextPicture {
                     Next::Now(frame) => frame,
                     Next::First(frame) => {
                         // The next one in a second.
-                        self.asked = Some((id, Instant::now()));
+                        self.asked = Some((id, clock::now()));
                         frame
                     }
                     Next::WithTree(frame) => {
-                        if self.asks(id, Instant::now()) {
+                        if self.asks(id, clock::now()) {
                             let (request, maker) =
                                 (scene.resources.region_request(&frame), scene.resources.region_maker());
                             let patience = TREE_PATIENCE;

@@ -21,6 +21,7 @@ use super::report::SceneReport;
 use super::show_follower::{Circumstances, ShowFollower, Step};
 use super::shown_parameters::{ShownParameters, TurnedParameters};
 use super::tree_trials::TreeTrials;
+use crate::clock;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::background::{Sources, WorkerContext};
 use crate::gpu::cell_use::CellUse;
@@ -74,7 +75,7 @@ impl SceneSession {
         let mut session = Self {
             scenes: PreparedScenes::with(PreparedAhead::with(loaders.ahead)),
             show: ShowFollower::default(),
-            parameters: Parameters::new(Model::default(), Instant::now()),
+            parameters: Parameters::new(Model::default(), clock::now()),
             messages: Messages::default(),
             composer: SceneComposer::new(regions, ways.view, ways.fade),
             next_picture,
@@ -261,7 +262,7 @@ impl SceneSession {
         if replaced.as_ref().map(|replaced| &replaced.source) != Some(&shown.source) {
             self.composer.edits.forget();
         } else if !shown.settles {
-            self.composer.edits.note(Instant::now());
+            self.composer.edits.note(clock::now());
         }
         if let Some(left) = replaced.as_ref().filter(|_| is_another) {
             self.composer.note_left(left, &self.show, &self.parameters);

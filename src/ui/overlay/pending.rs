@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use egui::{Event, Modifiers, MouseWheelUnit, Pos2, RawInput, TouchDeviceId, TouchId, pos2, vec2};
 
+use crate::clock;
 use crate::input::{self, Input, PointerButton, TouchPhase, Wheel};
 
 /// See the module.
@@ -22,7 +23,7 @@ impl PendingInput {
     /// Nothing was done yet. Textures may have sides of up to `texture_side_max` texels.
     pub(super) fn new(texture_side_max: Option<usize>) -> Self {
         let raw = RawInput { max_texture_side: texture_side_max, focused: true, ..RawInput::default() };
-        Self { raw, place: None, held: Modifiers::NONE, finger: None, started: Instant::now() }
+        Self { raw, place: None, held: Modifiers::NONE, finger: None, started: clock::now() }
     }
 
     /// Whether something was done since the last call of [`Self::take`].

@@ -332,7 +332,7 @@ impl CellDraws {
     fn bind_window(&self, window: (u32, u32)) {
         // SAFETY: plain state.
         unsafe {
-            self.gl.bind_framebuffer(glow::FRAMEBUFFER, None);
+            self.gl.bind_framebuffer(glow::FRAMEBUFFER, self.gl.window());
             self.gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
         }
     }

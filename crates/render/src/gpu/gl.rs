@@ -2,6 +2,7 @@
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
+use std::cell::Cell;
 use std::ffi::{CStr, c_void};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -10,6 +11,7 @@ use glow::HasContext;
 use serde::Serialize;
 
 use super::error::GpuError;
+use super::target::Target;
 use crate::faults::{self, Fault};
 
 /// The functions of the context that is current on this thread. Clones share it.
@@ -18,7 +20,13 @@ use crate::faults::{self, Fault};
 #[derive(Clone)]
 pub struct Gl {
     functions: Arc<glow::Context>,
-    info: Rc<GlInfo>,
+    context: Rc<ContextState>,
+}
+
+struct ContextState {
+    info: GlInfo,
+    /// The framebuffer that stands for the window's; `None` is the window's own.
+    window: Cell<Option<glow::NativeFramebuffer>>,
 }
 
 /// What the driver reports about itself.
@@ -87,8 +95,8 @@ impl Gl {
                 });
             }
         }
-        let info = Rc::new(read_info(&functions));
-        Ok(Self { functions: Arc::new(functions), info })
+        let context = ContextState { info: read_info(&functions), window: Cell::new(None) };
+        Ok(Self { functions: Arc::new(functions), context: Rc::new(context) })
     }
 
     /// The functions, for a library that also draws with them. They belong to this thread's context, as `self` does.
@@ -96,16 +104,27 @@ impl Gl {
         self.functions.clone()
     }
 
+    /// Lets everything that is for the window go into this target from now on, for contexts without a window; `None`
+    /// is the window again. The target must outlive what is drawn.
+    pub fn replace_window(&self, target: Option<&Target>) {
+        self.context.window.set(target.map(Target::native));
+    }
+
+    /// The framebuffer of the window, or of what stands for it.
+    pub(super) fn window(&self) -> Option<glow::NativeFramebuffer> {
+        self.context.window.get()
+    }
+
     /// What the driver reports about itself.
     pub fn info(&self) -> &GlInfo {
-        &self.info
+        &self.context.info
     }
 
     /// Calls `draw` in the state for passes that replace all of one colour attachment, without mixing anything in. llvmpipe
     /// compiles such a pass twice, for squares inside of its triangle and for those at the triangle's edges, but once where
     /// colours are mixed; so there its colours are mixed with nothing.
     pub(super) fn replacing<R>(&self, draw: impl FnOnce() -> R) -> R {
-        let mixes = self.info.software;
+        let mixes = self.context.info.software;
         if mixes {
             // SAFETY: plain state.
             unsafe {

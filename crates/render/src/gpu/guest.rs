@@ -15,7 +15,7 @@ impl Gl {
     /// An error that the driver reports, caused by `draws` or by what came before.
     pub fn lend_window<T>(&self, doing: &'static str, draws: impl FnOnce() -> T) -> Result<T, GpuError> {
         // SAFETY: the window's framebuffer always exists; plain state.
-        unsafe { self.bind_framebuffer(glow::FRAMEBUFFER, None) };
+        unsafe { self.bind_framebuffer(glow::FRAMEBUFFER, self.window()) };
         let drawn = draws();
         self.reset_state();
         self.check(doing)?;
@@ -60,7 +60,7 @@ impl Gl {
             // The vertex array first: the element array's binding belongs to it.
             self.bind_vertex_array(None);
             self.bind_buffer(glow::ARRAY_BUFFER, None);
-            self.bind_framebuffer(glow::FRAMEBUFFER, None);
+            self.bind_framebuffer(glow::FRAMEBUFFER, self.window());
             self.use_program(None);
         }
     }

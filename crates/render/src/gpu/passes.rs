@@ -90,7 +90,7 @@ impl Passes {
             for state in [glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::BLEND, glow::FRAMEBUFFER_SRGB] {
                 gl.disable(state);
             }
-            gl.bind_framebuffer(glow::FRAMEBUFFER, None);
+            gl.bind_framebuffer(glow::FRAMEBUFFER, gl.window());
             gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
             if let Some([x, y, width, height]) = area {
                 gl.enable(glow::SCISSOR_TEST);

@@ -199,9 +199,14 @@ impl Target {
         }
     }
 
+    /// The framebuffer.
+    pub(super) fn native(&self) -> glow::NativeFramebuffer {
+        self.framebuffer.native()
+    }
+
     /// Copies colour attachment 0 to the window's framebuffer of `window` pixels, enlarged if that is larger.
     pub fn blit_to_window(&self, window: (u32, u32)) {
-        self.blit(None, window);
+        self.blit(self.gl.window(), window);
     }
 
     /// Copies colour attachment 0 to that of another target.
