@@ -6,7 +6,7 @@
 //! form of the program; what the driver compiled at the draw it finds in its cache. No object is ever shared between
 //! two contexts, because drivers mishandle shared objects ([`super::program::ReadyProgram`]).
 //!
-//! What a driver made is kept from run to run ([`studio`]).
+//! What a driver made is kept from run to run (`studio`).
 
 #![expect(unsafe_code, reason = "creating contexts is unsafe in glutin")]
 

@@ -1,8 +1,8 @@
 //! From the scene's samples to the finished picture: passes over light, after all rays.
 //!
 //! 1. `resolve.frag` turns the samples of each pixel into its light.
-//! 2. `lens_*.frag` blur what a lens does not show sharply ([`super::lens`]), in scenes that have a lens.
-//! 3. `bloom_down.frag` and `bloom_up.frag` scatter it ([`super::bloom`]).
+//! 2. `lens_*.frag` blur what a lens does not show sharply (`lens`), in scenes that have a lens.
+//! 3. `bloom_down.frag` and `bloom_up.frag` scatter it (`bloom`).
 //! 4. `present.frag` mixes in a share of that, exposes it, maps it to the screen's range, encodes it as sRGB and adds
 //!    the grain. While one scene fades into another, it mixes in the light of the other before the tone map.
 //!

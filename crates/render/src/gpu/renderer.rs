@@ -4,8 +4,8 @@
 //! 2. `edges.frag` marks in the stencil the pixels whose neighbourhood differs visibly.
 //! 3. `scene.frag` again, only there: more samples, each at another place in the pixel.
 //!
-//! A picture is drawn in parts, in one go or several ([`making`]). What happens to it on its way to screens stands in
-//! [`presenter`].
+//! A picture is drawn in parts, in one go or several (`making`). What happens to it on its way to screens stands in
+//! `presenter`.
 //!
 //! The same program draws every sample, so that a driver compiles the scene once. The program belongs to the scene:
 //! the renderer draws with any scene's.
