@@ -1,9 +1,8 @@
 //! Scenes whose pictures are known from their texts alone, in a session, and how to look at them.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use image::RgbaImage;
-use mariana_testing::wave::write_wav;
 
 use crate::support::session::{self, App};
 
@@ -39,9 +38,9 @@ impl Place {
 
     /// A session with a scene and no words, when its first picture shows.
     pub(crate) fn open(&self, scene: &str, options: &[&str]) -> App {
-        let (scene, song) = (self.path(scene), quiet_song(self.inner.folder()));
+        let scene = self.path(scene);
         let own = ["--size", "320x180", "--quality", "best", "--scene", scene.to_str().unwrap()];
-        let app = self.inner.open(&song, &[&own[..], options].concat());
+        let app = self.inner.listen(&[&own[..], options].concat());
         app.wait_until_told("first picture after");
         app
     }
@@ -84,9 +83,3 @@ pub(crate) fn wait_for_channel(app: &App, channel: usize) {
     });
 }
 
-/// A minute of silence, as a song in a folder.
-pub(crate) fn quiet_song(folder: &Path) -> PathBuf {
-    let song = folder.join("quiet.wav");
-    write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
-    song
-}

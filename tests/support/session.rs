@@ -60,6 +60,11 @@ impl Place {
         self.begin(&[&[song.to_str().unwrap()], &ALONE[..], options].concat())
     }
 
+    /// A session with the demo track that shows nothing but what is asked for.
+    pub(crate) fn listen(&self, options: &[&str]) -> App {
+        self.begin(&[&ALONE[..], options].concat())
+    }
+
     /// A session with exactly these arguments.
     pub(crate) fn begin(&self, arguments: &[&str]) -> App {
         let log = Log::default();

@@ -22,7 +22,6 @@ mod window_sends;
 mod window_settings;
 mod window_shows;
 mod window_songs;
-mod window_stage;
 mod window_views;
 
 #[path = "../support/mod.rs"]
