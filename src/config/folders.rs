@@ -15,10 +15,12 @@ pub struct Folders {
     pub data: Option<PathBuf>,
     /// What was not saved.
     pub state: Option<PathBuf>,
+    /// In builds for tests, a folder that stands for the ports of MIDI devices; the system's ports otherwise.
+    pub midi_ports: Option<PathBuf>,
 }
 
 impl Folders {
-    /// Those of the user who runs the program.
+    /// Those of the user who runs the program. `MARIANA_MIDI_FOLDER` names the folder for ports.
     pub fn of_user() -> Self {
         let Some(places) = ProjectDirs::from("", "", "mariana") else { return Self::default() };
         Self {
@@ -26,12 +28,19 @@ impl Folders {
             cache: Some(places.cache_dir().to_owned()),
             data: Some(places.data_dir().to_owned()),
             state: Some(places.state_dir().unwrap_or(places.data_local_dir()).to_owned()),
+            midi_ports: std::env::var_os("MARIANA_MIDI_FOLDER").map(PathBuf::from),
         }
     }
 
-    /// Folders within another one.
+    /// Folders within another one. The ports are the system's.
     pub fn within(folder: &Path) -> Self {
         let part = |name: &str| Some(folder.join(name));
-        Self { config: part("config"), cache: part("cache"), data: part("data"), state: part("state") }
+        Self {
+            config: part("config"),
+            cache: part("cache"),
+            data: part("data"),
+            state: part("state"),
+            midi_ports: None,
+        }
     }
 }

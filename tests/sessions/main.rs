@@ -2,6 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
+mod editor;
+mod hands;
+mod panels;
+mod playlist;
+mod recording;
+mod remote;
+mod sends;
+mod settings;
 mod stage;
 mod walls;
 

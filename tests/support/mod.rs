@@ -14,6 +14,7 @@ pub(crate) mod drawing;
 pub(crate) mod expression;
 pub(crate) mod glsl;
 pub(crate) mod oracle;
+pub(crate) mod osc;
 #[cfg(target_os = "linux")]
 pub(crate) mod pings;
 #[cfg(target_os = "linux")]
@@ -21,5 +22,6 @@ pub(crate) mod program;
 pub(crate) mod session;
 pub(crate) mod shader_folder;
 pub(crate) mod studio;
+pub(crate) mod video_stream;
 #[cfg(target_os = "linux")]
 pub(crate) mod wayland;

@@ -16,6 +16,7 @@ use mariana::config::Folders;
 use mariana::input::{Input, Key, KeyPress, Modifiers, NamedKey, PointerButton, Wheel};
 use mariana::session::offscreen::Offscreen;
 use mariana_testing::process::WAIT_LIMIT;
+use mariana_testing::wave::write_wav;
 
 /// Scenes beside the one that is tested are prepared only where a test asks for it. Nothing stands over the picture that
 /// a test did not ask for, no session begins where the one before ended, and nothing is heard.
@@ -27,9 +28,11 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// A new one, which is empty.
+    /// A new one. Nothing is in it but the folder `midi`, which stands for the ports of MIDI devices.
     pub(crate) fn new() -> Self {
-        Self { folder: tempfile::tempdir().unwrap() }
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("midi")).unwrap();
+        Self { folder }
     }
 
     /// The folder.
@@ -69,10 +72,48 @@ impl Place {
     pub(crate) fn begin(&self, arguments: &[&str]) -> App {
         let log = Log::default();
         let guard = log.listen();
-        let prepared = prepare_show(arguments.iter().copied(), Folders::within(self.folder()))
-            .unwrap_or_else(|error| panic!("{error:#}"));
+        let folders = Folders { midi_ports: Some(self.path("midi")), ..Folders::within(self.folder()) };
+        let prepared =
+            prepare_show(arguments.iter().copied(), folders).unwrap_or_else(|error| panic!("{error:#}"));
         let session = Offscreen::open(prepared).unwrap_or_else(|error| panic!("{error}"));
         App { session: RefCell::new(session), held: RefCell::default(), log, _guard: guard }
+    }
+
+    /// What the file of the settings holds.
+    pub(crate) fn saved_settings(&self) -> String {
+        std::fs::read_to_string(self.settings()).unwrap_or_default()
+    }
+
+    /// A song of so many seconds of silence.
+    pub(crate) fn quiet_song(&self, name: &str, seconds: usize) -> PathBuf {
+        let song = self.path(name);
+        write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * seconds));
+        song
+    }
+
+    /// Ends a session as a power cut does: the files stay as they are now, whatever it writes at its end.
+    pub(crate) fn cut_off(&self, app: App) {
+        let kept = tempfile::tempdir().unwrap();
+        copy_folder(self.folder(), kept.path());
+        drop(app);
+        for entry in std::fs::read_dir(self.folder()).unwrap().flatten() {
+            let path = entry.path();
+            if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) }.unwrap();
+        }
+        copy_folder(kept.path(), self.folder());
+    }
+}
+
+/// Copies the files and folders of a folder. What goes meanwhile is left out.
+fn copy_folder(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).into_iter().flatten().flatten() {
+        let (path, to) = (entry.path(), to.join(entry.file_name()));
+        if path.is_dir() {
+            copy_folder(&path, &to);
+        } else {
+            let _ = std::fs::copy(path, to);
+        }
     }
 }
 
@@ -293,6 +334,54 @@ impl App {
         let Self { session, log, _guard, .. } = self;
         session.into_inner().finish();
         log.text()
+    }
+
+    /// Goes on until something was told or logged so many times.
+    pub(crate) fn wait_until_told_times(&self, what: &str, times: usize) {
+        self.wait_until(what, |app| app.told().matches(what).count() >= times);
+    }
+
+    /// Goes on while something is done on another thread, and returns its result.
+    pub(crate) fn meanwhile<T: Send>(&self, act: impl FnOnce() -> T + Send) -> T {
+        std::thread::scope(|scope| {
+            let acting = scope.spawn(act);
+            while !acting.is_finished() {
+                self.step();
+            }
+            acting.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        })
+    }
+
+    /// Moves the pointer to a place of the window, and lets the overlay see it there.
+    pub(crate) fn point_at(&self, x: u32, y: u32) {
+        self.move_pointer(x.into(), y.into());
+        self.take_steps(3);
+    }
+
+    /// Clicks at a place of the window.
+    pub(crate) fn click_at(&self, x: u32, y: u32) {
+        self.point_at(x, y);
+        self.hold_button(true);
+        self.take_steps(2);
+        self.hold_button(false);
+        self.take_steps(2);
+    }
+
+    /// Goes on by some steps.
+    fn take_steps(&self, count: usize) {
+        for _ in 0..count {
+            self.step();
+        }
+    }
+
+    /// Presses the key that ends a session, and waits until it ends. Returns what was told and logged.
+    pub(crate) fn quit_by_key(self) -> String {
+        self.press(&["q"]);
+        let begun = Instant::now();
+        while self.step() {
+            assert!(begun.elapsed() < WAIT_LIMIT, "Q does not end the session: {}", self.told());
+        }
+        self.quit()
     }
 }
 

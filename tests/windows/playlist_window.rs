@@ -1,4 +1,4 @@
-//! Lists of tracks in a window: keys, sentences over the picture, media keys by D-Bus.
+//! The player on the desktop: media keys and other programs by D-Bus.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
@@ -30,85 +30,6 @@ fn folder_of(desktop: &Desktop, songs: &[&str], seconds: f64) -> PathBuf {
 
 fn wait_for_track(app: &mut App, name: &str, place: &str) {
     app.wait_for_title(name, |title| title.starts_with(name) && title.contains(place));
-}
-
-#[test]
-fn a_folder_plays_in_order_and_the_keys_lead_through_it() {
-    let desktop = Desktop::start();
-    let folder = folder_of(&desktop, &["1.wav", "10.wav", "2.wav"], 60.0);
-    std::fs::write(folder.join("9.mp3"), b"this is no music at all").unwrap();
-    let mut app = desktop.open(&folder, SMALL);
-    wait_for_track(&mut app, "1.wav - Mariana", "1/4");
-    app.press(&["Next"]);
-    wait_for_track(&mut app, "2.wav - Mariana", "2/4");
-    // What cannot be played is skipped, with a sentence.
-    app.press(&["Next"]);
-    wait_for_track(&mut app, "10.wav - Mariana", "4/4");
-    app.wait_until_told("9.mp3 is not an audio file");
-    app.press(&["Next"]);
-    wait_for_track(&mut app, "1.wav - Mariana", "1/4");
-    app.press(&["Prior", "Prior"]);
-    wait_for_track(&mut app, "2.wav - Mariana", "2/4");
-    // Round the end only where the list repeats: all, this one, none.
-    app.press(&["l", "l", "Next"]);
-    wait_for_track(&mut app, "10.wav - Mariana", "4/4");
-    app.press(&["Next"]);
-    app.wait_until_told("the list ends here");
-    assert!(app.runs() && app.title().starts_with("10.wav"));
-    app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-}
-
-#[test]
-fn files_that_go_away_leave_a_show_that_goes_on() {
-    let desktop = Desktop::start();
-    let folder = folder_of(&desktop, &["1.wav", "2.wav"], 1.0);
-    let mut app = desktop.open(&folder, SMALL);
-    wait_for_track(&mut app, "1.wav", "1/2");
-    wait_for_track(&mut app, "2.wav", "2/2");
-    std::fs::remove_dir_all(&folder).unwrap();
-    // What is open plays on; nothing else can be opened.
-    app.wait_until_told("does not exist");
-    app.press(&["Next"]);
-    app.wait_until_told("none of the 2 tracks can be played");
-    assert!(app.runs());
-    app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-}
-
-#[test]
-fn a_list_of_nothing_says_so_and_the_show_goes_on() {
-    let desktop = Desktop::start();
-    let list = desktop.folder().join("list.m3u8");
-    std::fs::write(&list, "gone.mp3\nhttp://radio.example/live\n../nowhere/b.ogg\nlist.m3u8\n").unwrap();
-    let mut app = desktop.open(&list, SMALL);
-    wait_for_track(&mut app, "nothing to play", "Mariana");
-    for sentence in
-        ["gone.mp3 does not exist", "http://radio.example/live", "contains itself", "none of the 2 tracks"]
-    {
-        app.wait_until_told(sentence);
-    }
-    // The scene moves on over silence.
-    let before = app.picture();
-    wait_until("another picture", || app.picture() != before);
-    // A track that comes back is found by a key.
-    write_song(&desktop.folder().join("gone.mp3"), 5.0);
-    app.press(&["Next"]);
-    wait_for_track(&mut app, "gone.mp3", "1/2");
-    app.press(&["q"]);
-    assert!(app.wait_for_end(QUIT_LIMIT).0.success());
-}
-
-#[test]
-fn a_list_that_plays_once_ends_the_program() {
-    let desktop = Desktop::start();
-    let folder = folder_of(&desktop, &["1.wav", "2.wav"], 0.6);
-    std::fs::write(folder.join("3.flac"), b"fLaC").unwrap();
-    let app = desktop.open(&folder, &[SMALL, &["--once"]].concat());
-    let (status, told) = app.wait_for_end(Duration::from_secs(60));
-    assert!(status.success() && told.contains("3.flac"), "{status}: {told}");
 }
 
 #[test]

@@ -10,8 +10,7 @@ use std::time::Duration;
 use crate::support::desktop::{App, Desktop, PROGRAM, SCREEN};
 use crate::walls::quit;
 use mariana_testing::process::wait_until;
-use mariana_testing::sound_server::{SINK_RATE, SoundServer};
-use mariana_testing::wave::write_wav;
+use mariana_testing::sound_server::SoundServer;
 
 /// A scene that costs little.
 const SCENE: &str = "length(p - vec3(0, 1, 0)) - 1";
@@ -40,15 +39,6 @@ fn open<'d>(desktop: &'d Desktop, options: &[&str]) -> App<'d> {
     let mut app = desktop.show(command, Path::new(""));
     app.wait_until_told("first picture after");
     app
-}
-
-/// Two songs of so many seconds of silence, in a folder.
-fn quiet_songs(folder: &Path, seconds: usize) -> [PathBuf; 2] {
-    ["one.wav", "two.wav"].map(|name| {
-        let song = folder.join(name);
-        write_wav(&song, SINK_RATE, 2, std::iter::repeat_n(0.0, 2 * seconds * SINK_RATE as usize));
-        song
-    })
 }
 
 /// Waits until a song plays on an output of the server.
@@ -187,95 +177,4 @@ fn the_window_opens_where_it_was_unless_that_is_nowhere() {
     let (x, y) = place(&app);
     assert!(x < 700 && y < 500, "the window is at {x}, {y}, where nobody sees it");
     quit(app);
-}
-
-#[test]
-fn an_end_without_warning_forgot_the_track_its_place_the_scene_the_volume_and_the_list() {
-    let desktop = Desktop::start();
-    let options = ["--size", "320x180", "--silent"];
-    let songs = quiet_songs(desktop.folder(), 120);
-    let songs = songs.each_ref().map(|song| song.to_str().unwrap());
-    let mut app = open(&desktop, &[&options[..], &songs].concat());
-    app.press(&["Next"]);
-    app.wait_for_title("the second track", |title| title.contains("2/2"));
-    app.press(&["Down"]);
-    app.wait_for_title("another volume", |title| title.contains("volume"));
-    let title = app.title();
-    // Six times 5 s.
-    app.press(&["Right"; 6]);
-    wait_for_setting(&desktop, "track = 1");
-    wait_until("the volume", || settings(&desktop).contains("\nvolume = 0.9"));
-    wait_until("the place", || {
-        let text = settings(&desktop);
-        let seconds = text.lines().find_map(|line| line.strip_prefix("seconds = "));
-        seconds.and_then(|seconds| seconds.parse().ok()).is_some_and(|seconds: f64| seconds >= 30.0)
-    });
-    app.press(&["n"]);
-    wait_until("the scene", || settings(&desktop).contains("\nscene = "));
-    // Killed.
-    drop(app);
-    let mut app = open(&desktop, &options);
-    let volume = title.split(", ").find(|note| note.contains("volume")).unwrap().trim_end_matches(')');
-    app.wait_for_title("all of it", |title| title.contains("2/2") && title.contains(volume));
-    quit(app);
-}
-
-#[test]
-fn tracks_are_forgotten_and_hints_stay_away_where_that_was_chosen() {
-    let desktop = Desktop::start();
-    let options = ["--size", "640x360", "--silent"];
-    let listed = desktop.folder().join(".config/mariana/last tracks.m3u8");
-    let songs = quiet_songs(desktop.folder(), 30);
-    let songs = songs.each_ref().map(|song| song.to_str().unwrap());
-    let mut app = open(&desktop, &[&options[..], &songs].concat());
-    app.press(&["Next"]);
-    app.wait_for_title("the second track", |title| title.contains("2/2"));
-    quit(app);
-    assert!(listed.is_file() && settings(&desktop).contains("track = 1"), "{}", settings(&desktop));
-    // Switched off it is gone at once. In a show without a device the default output is the only one.
-    let mut app = open(&desktop, &options);
-    app.wait_for_title("what was left", |title| title.contains("2/2"));
-    app.press(&["g"]);
-    wait_for_panel();
-    app.press(&["Down", "Down", "Down", "Down", "Down", "Down", "Down", "Return"]);
-    wait_for_setting(&desktop, "last_tracks = \"off\"");
-    assert!(!listed.exists(), "the list is still there");
-    app.press(&["Down", "Return"]);
-    wait_for_setting(&desktop, "hints = \"off\"");
-    quit(app);
-    assert!(!listed.exists() && settings(&desktop).contains("track = 0"), "{}", settings(&desktop));
-    let mut app = open(&desktop, &options);
-    app.wait_for_title("the demo track", |title| title.contains("Hadal Lanterns"));
-    // No bar comes with the pointer.
-    for at in ["200", "230"] {
-        app.xdotool(&["mousemove", "--window", app.window(), at, "100"]);
-        std::thread::sleep(Duration::from_millis(500));
-    }
-    let picture = app.picture();
-    let pixel = picture.get_pixel(24, 338).0;
-    assert!(pixel.iter().take(3).map(|value| u32::from(*value)).sum::<u32>() > 120, "there is a bar");
-    quit(app);
-}
-
-#[test]
-fn a_settings_file_of_another_kind_costs_a_sentence() {
-    let desktop = Desktop::start();
-    let file = settings_file(&desktop);
-    std::fs::create_dir_all(file.parent().unwrap()).unwrap();
-    std::fs::write(&file, "mood = \"blue\"\n[choices]\nquality = \"low\"\ntone_map = \"filmic\"\n").unwrap();
-    let options = ["--size", "320x180", "--silent"];
-    let told = quit(open(&desktop, &options));
-    assert_eq!(told.matches("this version does not know (choices.tone_map, mood)").count(), 1, "{told}");
-    assert!(told.contains("quality: Low"), "{told}");
-    let kept = settings(&desktop);
-    assert!(kept.contains("mood = \"blue\"") && kept.contains("tone_map = \"filmic\""), "{kept}");
-    assert!(kept.contains("[last_show]"), "{kept}");
-    // It can be neither read nor written.
-    std::fs::remove_file(&file).unwrap();
-    std::fs::create_dir(&file).unwrap();
-    let app = open(&desktop, &options);
-    app.press(&["g", "Down", "Right", "Right", "Left"]);
-    std::thread::sleep(Duration::from_millis(500));
-    let told = quit(app);
-    assert_eq!(told.matches("settings.toml cannot be").count(), 1, "{told}");
 }

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop, PROGRAM, command_in};
+use crate::support::osc::{Sender, sent_number};
 use crate::walls::quit;
-use crate::window_hands::{Sender, sent_number};
 use image::RgbaImage;
 use mariana::scenes::shipped_names;
 use mariana_testing::process::{output_of, wait_until};

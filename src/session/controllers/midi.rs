@@ -35,7 +35,8 @@ impl Midi {
         let mut news: Vec<(String, bool)> =
             trouble.into_iter().map(|error| (error.to_string(), true)).collect();
         let of_hub = waker.clone();
-        let hub = settings.midi.then(|| MidiHub::start(ports(), wishes.clone(), move || of_hub.wake()));
+        let hub =
+            settings.midi.then(|| MidiHub::start(ports(folders), wishes.clone(), move || of_hub.wake()));
         let hub = hub.and_then(|started| {
             started.map_err(|error| news.push((format!("MIDI is not heard: {error}"), true))).ok()
         });
@@ -165,11 +166,13 @@ impl Midi {
     }
 }
 
-/// The system's ports, or in builds for tests those of a folder that `MARIANA_MIDI_FOLDER` names.
-fn ports() -> Box<dyn Ports> {
+/// The system's ports, or in builds for tests those of a folder.
+fn ports(folders: &Folders) -> Box<dyn Ports> {
     #[cfg(all(unix, any(debug_assertions, feature = "fake-midi")))]
-    if let Some(folder) = std::env::var_os("MARIANA_MIDI_FOLDER") {
-        return Box::new(mariana_control::midi::FolderPorts(folder.into()));
+    if let Some(folder) = &folders.midi_ports {
+        return Box::new(mariana_control::midi::FolderPorts(folder.clone()));
     }
+    #[cfg(not(all(unix, any(debug_assertions, feature = "fake-midi"))))]
+    let _ = folders;
     Box::new(SystemPorts)
 }

@@ -1,17 +1,15 @@
-//! Hands from outside on a window: OSC through a real socket, MIDI through ports that say that they are fake.
+//! Hands from outside: OSC through a real socket, MIDI through ports that say that they are fake.
 
 #![cfg(target_os = "linux")]
-#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::fs;
 use std::net::UdpSocket;
 use std::os::unix::net::UnixDatagram;
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::path::PathBuf;
+use std::time::Duration;
 
-use crate::support::desktop::App;
-use crate::walls::{QuietDesktop, quit};
-use mariana_testing::process::{WAIT_LIMIT, wait_until};
+use crate::support::osc::{Sender, message, padded};
+use crate::support::session::{self, App};
 
 const SIZE: &str = "160x90";
 
@@ -23,61 +21,61 @@ pub(crate) const WALL: &str = "param red = 0 in 0 .. 2\nparam green = 1 in 0 .. 
     camera { position = vec3(0)  target = vec3(0, 0, 5) }\nsky { color = 0  ambient = 0 }\n";
 
 /// Writes the wall, and one of another colour; returns where the wall is.
-pub(crate) fn write_wall(folder: &Path) -> PathBuf {
-    let wall = folder.join("wall.scene");
-    fs::write(&wall, WALL).unwrap();
-    fs::write(folder.join("wool.scene"), WALL.replace("vec3(red, green, 0)", "vec3(0, 0, 1)")).unwrap();
-    wall
+pub(crate) fn write_wall(place: &session::Place) -> PathBuf {
+    place.save("wool.scene", &WALL.replace("vec3(red, green, 0)", "vec3(0, 0, 1)"));
+    place.save("wall.scene", WALL)
 }
 
-impl QuietDesktop {
-    fn with_wall() -> Self {
-        let place = Self::new();
-        write_wall(place.desktop.folder());
-        place
+/// A folder with the walls, a quiet song and devices.
+struct Place {
+    inner: session::Place,
+    song: PathBuf,
+    scene: PathBuf,
+}
+
+impl Place {
+    fn new() -> Self {
+        let inner = session::Place::new();
+        let (song, scene) = (inner.quiet_song("quiet.wav", 60), write_wall(&inner));
+        Self { inner, song, scene }
     }
 
-    fn open_wall(&self, options: &[&str]) -> App<'_> {
-        let scene = self.desktop.folder().join("wall.scene");
+    fn open(&self, options: &[&str]) -> App {
         let size: &[&str] = if options.contains(&"--size") { &[] } else { &["--size", SIZE] };
-        let all = [&["--silent", "--scene", scene.to_str().unwrap()], size, options].concat();
-        // Ports that a folder stands for: whether this machine has a sequencer makes no difference.
-        let ports = self.ports();
-        fs::create_dir_all(&ports).unwrap();
-        self.desktop.open_with(&[("MARIANA_MIDI_FOLDER", ports.to_str().unwrap())], &self.song, &all)
+        let scene = ["--scene", self.scene.to_str().unwrap()];
+        self.inner.open(&self.song, &[&scene[..], size, options].concat())
     }
 
-    fn ports(&self) -> PathBuf {
-        self.desktop.folder().join("midi")
+    fn port(&self, name: &str) -> PathBuf {
+        self.inner.path(&format!("midi/{name}.port"))
     }
 
     /// Plugs a device in.
     fn plug(&self, name: &str) {
-        fs::create_dir_all(self.ports()).unwrap();
-        fs::write(self.ports().join(format!("{name}.port")), "").unwrap();
+        fs::write(self.port(name), "").unwrap();
     }
 
     /// Pulls a device.
     fn pull(&self, name: &str) {
-        fs::remove_file(self.ports().join(format!("{name}.port"))).unwrap();
+        fs::remove_file(self.port(name)).unwrap();
     }
 
     /// Sends bytes from a device, if it is heard.
     fn play(&self, name: &str, bytes: &[u8]) {
         let socket = UnixDatagram::unbound().unwrap();
-        let _ = socket.send_to(bytes, self.ports().join(format!("{name}.socket")));
+        let _ = socket.send_to(bytes, self.port(name).with_extension("socket"));
     }
 
     /// What is remembered of knobs.
     fn knobs(&self) -> PathBuf {
-        self.desktop.folder().join(".config/mariana/knobs.toml")
+        self.inner.path("config/knobs.toml")
     }
 
     /// Learns in the panel what turns the first parameter: a knob, which is moved until it is learned.
-    fn learn_first(&self, app: &App<'_>, name: &str, knob: &[u8]) {
+    fn learn_first(&self, app: &App, name: &str, knob: &[u8]) {
         let before = fs::read_to_string(self.knobs()).unwrap_or_default();
         begin_to_learn(app);
-        wait_until("what was learned", || {
+        app.wait_until("what was learned", |_| {
             self.play(name, knob);
             fs::read_to_string(self.knobs()).is_ok_and(|text| text != before)
         });
@@ -85,45 +83,15 @@ impl QuietDesktop {
     }
 }
 
-/// A program that sends OSC, and hears the answers.
-pub(crate) struct Sender {
-    socket: UdpSocket,
-    pub(crate) port: u16,
-}
-
-impl Sender {
-    pub(crate) fn new() -> Self {
-        // A port that was free a moment ago.
-        let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-        let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
-        socket.set_read_timeout(Some(Duration::from_millis(100))).unwrap();
-        Self { socket, port }
-    }
-
-    /// Sends a message with numbers.
-    pub(crate) fn send(&self, address: &str, numbers: &[f32]) {
-        self.send_bytes(&message(address, numbers));
-    }
-
-    fn send_bytes(&self, bytes: &[u8]) {
-        // What nobody hears yet is refused now and then.
-        let _ = self.socket.send_to(bytes, ("127.0.0.1", self.port));
-    }
-
-    /// Asks until the answer to `address` is as wanted; gives its bytes.
-    pub(crate) fn ask(&self, address: &str, wanted: impl Fn(&[u8]) -> bool) -> Vec<u8> {
-        let start = Instant::now();
-        let mut buffer = [0; 2_048];
-        loop {
-            self.send(address, &[]);
-            while let Ok((length, _)) = self.socket.recv_from(&mut buffer) {
-                if wanted(&buffer[..length]) {
-                    return buffer[..length].to_vec();
-                }
-            }
-            assert!(start.elapsed() < WAIT_LIMIT, "{address} was not answered as wanted");
-        }
-    }
+/// Asks until the answer to `address` is as wanted; gives its bytes.
+pub(crate) fn ask(app: &App, osc: &Sender, address: &str, wanted: impl Fn(&[u8]) -> bool) -> Vec<u8> {
+    let mut answer = None;
+    app.wait_until(&format!("the wanted answer to {address}"), |_| {
+        osc.send(address, &[]);
+        answer = std::iter::from_fn(|| osc.receive()).find(|bytes| wanted(bytes));
+        answer.is_some()
+    });
+    answer.unwrap()
 }
 
 /// Begins to learn in the panel what turns the first parameter. Each key is seen in the picture, which stands otherwise.
@@ -131,22 +99,8 @@ fn begin_to_learn(app: &App) {
     for key in ["j", "Down", "Return"] {
         let before = app.picture();
         app.press(&[key]);
-        wait_until(key, || app.picture() != before);
+        app.wait_for(key, |picture| *picture != before);
     }
-}
-
-fn padded(text: &str) -> Vec<u8> {
-    let mut bytes = text.as_bytes().to_vec();
-    bytes.resize((text.len() / 4 + 1) * 4, 0);
-    bytes
-}
-
-/// The bytes of a message by the book (OSC 1.0), not by the program's own library.
-fn message(address: &str, numbers: &[f32]) -> Vec<u8> {
-    let mut bytes = padded(address);
-    bytes.extend(padded(&format!(",{}", "f".repeat(numbers.len()))));
-    bytes.extend(numbers.iter().flat_map(|number| number.to_be_bytes()));
-    bytes
 }
 
 /// The first number of a message with the tags `tags`.
@@ -162,14 +116,14 @@ fn colour(app: &App) -> [bool; 3] {
 
 /// Waits until the wall has this colour: which channels are bright.
 pub(crate) fn wait_for_colour(app: &App, what: &str, wanted: [bool; 3]) {
-    wait_until(what, || colour(app) == wanted);
+    app.wait_until(what, |app| colour(app) == wanted);
 }
 
 #[test]
 fn messages_turn_parameters_and_the_last_hand_wins() {
-    let place = QuietDesktop::with_wall();
+    let place = Place::new();
     let osc = Sender::new();
-    let mut app = place.open_wall(&["--osc", &osc.port.to_string(), "--size", "320x180"]);
+    let app = place.open(&["--osc", &osc.port.to_string(), "--size", "320x180"]);
     app.wait_until_told(&format!("OSC is heard on 127.0.0.1:{}", osc.port));
     wait_for_colour(&app, "green", [false, true, false]);
     osc.send("/param/red", &[2.0]);
@@ -177,34 +131,34 @@ fn messages_turn_parameters_and_the_last_hand_wins() {
     osc.send("/share/green", &[0.0]);
     wait_for_colour(&app, "red", [true, false, false]);
     let of_red = |bytes: &[u8]| number_in(bytes, "/param/red", ",ffffs");
-    let answer = osc.ask("/param/red", |bytes| of_red(bytes) == Some(2.0));
+    let answer = ask(&app, &osc, "/param/red", |bytes| of_red(bytes) == Some(2.0));
     assert!(answer.ends_with(&padded("OSC")), "{answer:?}");
     // The slider takes it over, to the right end and beyond: one of the rows is the first one's rail.
     osc.send("/param/red", &[0.5]);
     app.press(&["Tab"]);
     let mut rows = (26..46).step_by(4).cycle();
-    wait_until("what the slider is moved to", || {
-        let row = rows.next().unwrap().to_string();
-        app.xdotool(&["mousemove", "--window", app.window(), "230", &row, "mousedown", "1"]);
-        app.xdotool(&["mousemove", "--window", app.window(), "318", &row]);
-        std::thread::sleep(Duration::from_millis(100));
-        app.xdotool(&["mouseup", "1"]);
-        let answer = osc.ask("/param/red", |bytes| of_red(bytes).is_some());
+    app.wait_until("what the slider is moved to", |app| {
+        let row = rows.next().unwrap();
+        app.point_at(230, row);
+        app.hold_button(true);
+        app.point_at(318, row);
+        app.hold_button(false);
+        let answer = ask(app, &osc, "/param/red", |bytes| of_red(bytes).is_some());
         of_red(&answer) == Some(2.0) && answer.ends_with(&padded("slider"))
     });
     app.press(&["Tab"]);
     // And the message takes it from the slider.
     osc.send("/param/red", &[0.0]);
-    osc.ask("/param/red", |bytes| of_red(bytes) == Some(0.0) && bytes.ends_with(&padded("OSC")));
+    ask(&app, &osc, "/param/red", |bytes| of_red(bytes) == Some(0.0) && bytes.ends_with(&padded("OSC")));
     wait_for_colour(&app, "black", [false, false, false]);
-    quit(app);
+    app.quit_by_key();
 }
 
 #[test]
 fn messages_go_to_scenes_and_what_was_turned_is_found_again() {
-    let place = QuietDesktop::with_wall();
+    let place = Place::new();
     let osc = Sender::new();
-    let mut app = place.open_wall(&["--osc", &osc.port.to_string()]);
+    let app = place.open(&["--osc", &osc.port.to_string()]);
     app.wait_until_told("OSC is heard");
     wait_for_colour(&app, "green", [false, true, false]);
     osc.send("/param/red", &[2.0]);
@@ -219,18 +173,18 @@ fn messages_go_to_scenes_and_what_was_turned_is_found_again() {
     osc.send("/pause", &[1.0]);
     osc.send("/pause", &[1.0]);
     app.wait_for_title("a pause", |title| title.contains("paused"));
-    osc.ask("/query/pause", |bytes| bytes.starts_with(b"/pause\0\0,i\0\0\0\0\0\x01"));
+    ask(&app, &osc, "/query/pause", |bytes| bytes.starts_with(b"/pause\0\0,i\0\0\0\0\0\x01"));
     osc.send("/tempo", &[98.0]);
     osc.send("/volume", &[0.5]);
     app.wait_for_title("the volume", |title| title.contains("volume 50 %"));
-    quit(app);
+    app.quit_by_key();
 }
 
 #[test]
 fn rubbish_is_ignored_and_the_show_goes_on() {
-    let place = QuietDesktop::with_wall();
+    let place = Place::new();
     let osc = Sender::new();
-    let mut app = place.open_wall(&["--osc", &osc.port.to_string()]);
+    let app = place.open(&["--osc", &osc.port.to_string()]);
     app.wait_until_told("OSC is heard");
     let nested = (0..2_000).rev().fold(message("/param/red", &[2.0]), |inner, _| {
         if inner.len() > 60_000 {
@@ -248,55 +202,43 @@ fn rubbish_is_ignored_and_the_show_goes_on() {
     osc.send("/param/nothing", &[1.0]);
     osc.send("/scene/nothing", &[]);
     osc.send("/nothing", &[]);
-    let answer = osc.ask("/param/red", |bytes| number_in(bytes, "/param/red", ",ffffs").is_some());
+    let answer = ask(&app, &osc, "/param/red", |bytes| number_in(bytes, "/param/red", ",ffffs").is_some());
     assert_eq!(number_in(&answer, "/param/red", ",ffffs"), Some(0.0));
     wait_for_colour(&app, "green", [false, true, false]);
     osc.send("/param/red", &[2.0]);
     wait_for_colour(&app, "yellow", [true, true, false]);
-    quit(app);
+    app.quit_by_key();
 }
 
 #[test]
 fn a_port_that_is_taken_costs_a_sentence_and_no_show() {
-    let place = QuietDesktop::with_wall();
+    let place = Place::new();
     let taken = UdpSocket::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port().to_string();
-    let mut app = place.open_wall(&["--osc", &port]);
+    let app = place.open(&["--osc", &port]);
     app.wait_until_told("OSC is not heard: another program has 127.0.0.1:");
     wait_for_colour(&app, "green", [false, true, false]);
     drop(taken);
     app.wait_until_told(&format!("OSC is heard on 127.0.0.1:{port}"));
-    quit(app);
+    app.quit_by_key();
 }
 
 #[test]
 fn what_is_heard_is_sent() {
-    let place = QuietDesktop::with_wall();
+    let place = Place::new();
     let lights = UdpSocket::bind("127.0.0.1:0").unwrap();
     lights.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
     let port = lights.local_addr().unwrap().port();
-    let app = place.open_wall(&["--osc-send", &format!("127.0.0.1:{port}"), "--osc-rate", "60"]);
+    let app = place.open(&["--osc-send", &format!("127.0.0.1:{port}"), "--osc-rate", "60"]);
     let mut buffer = [0; 2_048];
-    let (length, _) = lights.recv_from(&mut buffer).unwrap();
+    let (length, _) = app.meanwhile(|| lights.recv_from(&mut buffer)).unwrap();
     let packet = &buffer[..length];
     assert!(packet.starts_with(b"#bundle\0"), "{packet:?}");
     for address in ["/sound/bands", "/sound/bass", "/sound/beat", "/sound/energy"] {
         let address = padded(address);
         assert!(packet.windows(address.len()).any(|part| part == address), "{address:?} is not sent");
     }
-    quit(app);
-}
-
-/// What the newest bundle that has come says of a number of the sound.
-pub(crate) fn sent_number(lights: &UdpSocket, address: &str) -> Option<f32> {
-    lights.set_nonblocking(true).unwrap();
-    let (mut buffer, mut newest) = ([0; 2_048], None);
-    while let Ok((length, _)) = lights.recv_from(&mut buffer) {
-        newest = Some(buffer[..length].to_vec());
-    }
-    let (packet, head) = (newest?, [padded(address), padded(",f")].concat());
-    let place = packet.windows(head.len()).position(|part| part == head)? + head.len();
-    Some(f32::from_be_bytes(packet.get(place..place + 4)?.try_into().unwrap()))
+    app.quit_by_key();
 }
 
 /// A knob at a value: the first of the first channel.
@@ -306,9 +248,9 @@ fn turned(value: u8) -> [u8; 3] {
 
 #[test]
 fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
-    let place = QuietDesktop::with_wall();
+    let place = Place::new();
     place.plug("desk");
-    let mut app = place.open_wall(&[]);
+    let app = place.open(&[]);
     app.wait_until_told("MIDI is heard from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
     place.learn_first(&app, "desk", &turned(127));
@@ -325,30 +267,30 @@ fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
     place.play("desk", &turned(90));
     wait_for_colour(&app, "green, as before", [false, true, false]);
     place.play("desk", &turned(0));
-    wait_until("the knob's hold", || {
+    app.wait_until("the knob's hold", |_| {
         place.play("desk", &turned(127));
         colour(&app) == [true, true, false]
     });
-    quit(app);
+    app.quit_by_key();
     // The next show knows it.
-    let mut app = place.open_wall(&[]);
+    let app = place.open(&[]);
     app.wait_until_told("MIDI is heard from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
-    wait_until("yellow", || {
+    app.wait_until("yellow", |_| {
         place.play("desk", &turned(0));
-        std::thread::sleep(Duration::from_millis(100));
+        app.run_for(Duration::from_millis(30));
         place.play("desk", &turned(127));
-        std::thread::sleep(Duration::from_millis(400));
+        app.run_for(Duration::from_millis(100));
         colour(&app) == [true, true, false]
     });
-    quit(app);
+    app.quit_by_key();
 }
 
 #[test]
 fn a_device_that_is_pulled_while_learning_is_said_and_learning_goes_on_when_it_is_back() {
-    let place = QuietDesktop::with_wall();
+    let place = Place::new();
     place.plug("desk");
-    let mut app = place.open_wall(&[]);
+    let app = place.open(&[]);
     app.wait_until_told("MIDI is heard from desk (fake port)");
     // The parameters are there with the picture.
     wait_for_colour(&app, "green", [false, true, false]);
@@ -357,25 +299,25 @@ fn a_device_that_is_pulled_while_learning_is_said_and_learning_goes_on_when_it_i
     app.wait_until_told("desk (fake port) was pulled; learning goes on");
     place.plug("desk");
     // A pad this time, which has no way to pass: it jumps.
-    wait_until("what was learned", || {
+    app.wait_until("what was learned", |_| {
         place.play("desk", &[0x99, 36, 127]);
         place.knobs().exists()
     });
     app.press(&["Escape"]);
-    wait_until("yellow", || {
+    app.wait_until("yellow", |_| {
         place.play("desk", &[0x99, 36, 127]);
         colour(&app) == [true, true, false]
     });
     place.play("desk", &[0x89, 36, 0]);
     wait_for_colour(&app, "green", [false, true, false]);
-    quit(app);
+    app.quit_by_key();
 }
 
 #[test]
 fn floods_of_rubbish_from_a_device_leave_the_show_alone() {
-    let place = QuietDesktop::with_wall();
+    let place = Place::new();
     place.plug("desk");
-    let mut app = place.open_wall(&[]);
+    let app = place.open(&[]);
     app.wait_until_told("MIDI is heard from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
     place.learn_first(&app, "desk", &turned(0));
@@ -385,86 +327,84 @@ fn floods_of_rubbish_from_a_device_leave_the_show_alone() {
         place.play("desk", &[0xff; 500]);
         place.play("desk", &[0xb0, 1]);
     }
-    wait_until("yellow", || {
+    app.wait_until("yellow", |_| {
         place.play("desk", &turned(0));
-        std::thread::sleep(Duration::from_millis(100));
+        app.run_for(Duration::from_millis(30));
         // Running status, and a clock in the middle.
         place.play("desk", &[0xb0, 1, 126, 1, 0xf8, 127]);
-        std::thread::sleep(Duration::from_millis(400));
+        app.run_for(Duration::from_millis(100));
         colour(&app) == [true, true, false]
     });
-    quit(app);
+    app.quit_by_key();
 }
 
 #[test]
 fn a_damaged_file_of_knobs_is_said_and_kept_aside() {
-    let place = QuietDesktop::with_wall();
+    let place = Place::new();
     place.plug("desk");
     fs::create_dir_all(place.knobs().parent().unwrap()).unwrap();
     fs::write(place.knobs(), "[[knob]]\ndevice = 7\n").unwrap();
-    let mut app = place.open_wall(&[]);
+    let app = place.open(&[]);
     app.wait_until_told("knobs.toml cannot be understood");
     app.wait_until_told("MIDI is heard from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
     place.learn_first(&app, "desk", &turned(5));
     let kept = fs::read_to_string(place.knobs().with_extension("toml.broken")).unwrap();
     assert_eq!(kept, "[[knob]]\ndevice = 7\n");
-    quit(app);
+    app.quit_by_key();
 }
 
 #[test]
 fn the_clock_of_a_device_sets_the_tempo_until_it_ends() {
-    let place = QuietDesktop::with_wall();
+    let place = Place::new();
     place.plug("drums");
     let osc = Sender::new();
-    let mut app = place.open_wall(&["--osc", &osc.port.to_string()]);
+    let app = place.open(&["--osc", &osc.port.to_string()]);
     app.wait_until_told("MIDI is heard from drums (fake port)");
     app.wait_until_told("OSC is heard");
     let tempo = |bytes: &[u8]| number_in(bytes, "/tempo", ",f");
-    osc.ask("/query/tempo", |bytes| tempo(bytes) == Some(0.0));
+    ask(&app, &osc, "/query/tempo", |bytes| tempo(bytes) == Some(0.0));
     place.play("drums", &[0xfa]);
-    let start = Instant::now();
     let mut seen = 0.0;
-    while seen == 0.0 {
+    app.wait_until("a tempo of the clock", |app| {
         place.play("drums", &[0xf8]);
-        std::thread::sleep(Duration::from_millis(20));
+        app.run_for(Duration::from_millis(20));
         osc.send("/query/tempo", &[]);
-        let mut buffer = [0; 256];
-        if let Ok((length, _)) = osc.socket.recv_from(&mut buffer) {
-            seen = tempo(&buffer[..length]).unwrap_or_default();
+        if let Some(bytes) = osc.receive() {
+            seen = tempo(&bytes).unwrap_or_default();
         }
-        assert!(start.elapsed() < WAIT_LIMIT, "the clock sets no tempo");
-    }
+        seen > 0.0
+    });
     assert!((5.0..400.0).contains(&seen), "{seen}");
-    osc.ask("/query/tempo", |bytes| tempo(bytes) == Some(0.0));
-    quit(app);
+    ask(&app, &osc, "/query/tempo", |bytes| tempo(bytes) == Some(0.0));
+    app.quit_by_key();
 }
 
 #[test]
 fn a_hand_takes_a_parameter_from_a_show_which_takes_it_back_with_its_next_movement() {
-    let place = QuietDesktop::with_wall();
+    let place = Place::new();
     let osc = Sender::new();
-    let show = place.desktop.folder().join("own.show");
+    let show = place.inner.path("own.show");
     // A show that begins after the song has: seeks go to its movements.
     fs::write(&show, "at start wall.scene\n set red = 2\n set red = 1 after 30 s\n").unwrap();
     let port = osc.port.to_string();
-    let mut app = place.open_wall(&["--osc", &port, "--show", show.to_str().unwrap()]);
+    let app = place.open(&["--osc", &port, "--show", show.to_str().unwrap()]);
     app.wait_until_told("OSC is heard");
     let of_red = |bytes: &[u8]| number_in(bytes, "/param/red", ",ffffs");
     let held = |value: f32, hand: &'static str| {
         move |bytes: &[u8]| of_red(bytes) == Some(value) && bytes.ends_with(&padded(hand))
     };
-    osc.ask("/param/red", held(2.0, "show"));
+    ask(&app, &osc, "/param/red", held(2.0, "show"));
     wait_for_colour(&app, "yellow", [true, true, false]);
     osc.send("/pause", &[1.0]);
     app.wait_for_title("a pause", |title| title.contains("paused"));
     osc.send("/param/red", &[0.0]);
-    osc.ask("/param/red", held(0.0, "OSC"));
+    ask(&app, &osc, "/param/red", held(0.0, "OSC"));
     wait_for_colour(&app, "green", [false, true, false]);
     // The next movement is the show's again, and before it the hand still has the parameter.
     osc.send("/position", &[0.9]);
-    osc.ask("/param/red", held(1.0, "show"));
+    ask(&app, &osc, "/param/red", held(1.0, "show"));
     osc.send("/position", &[0.1]);
-    osc.ask("/param/red", held(0.0, "OSC"));
-    quit(app);
+    ask(&app, &osc, "/param/red", held(0.0, "OSC"));
+    app.quit_by_key();
 }

@@ -1,0 +1,199 @@
+//! What a window says by itself, and everything that the pointer is for: a walk with the pointer alone, and the start where
+//! the last session ended.
+
+use std::time::Duration;
+
+use crate::support::session::{self, App};
+use image::RgbaImage;
+use mariana::clock;
+
+/// A window in which every panel has its room.
+const SIZE: &str = "640x360";
+/// A scene that never moves and costs little: what changes in the picture is what stands over it.
+const STILL: &str = "material paint { color = 0  roughness = 1  emission = vec3(0.5, 0.1, 0.1) }\n\
+                     object wall { shape = 5 - p.z  material = paint }\n\
+                     light none { direction = vec3(0, -1, 0)  color = 0 }\n\
+                     camera { position = vec3(0)  target = vec3(0, 0, 5) }\n\
+                     sky { color = 0  ambient = 0 }\n";
+
+/// A folder with the scene and songs of silence.
+struct Place {
+    inner: session::Place,
+    scene: String,
+}
+
+impl Place {
+    fn new(songs: &[&str]) -> Self {
+        let inner = session::Place::new();
+        std::fs::create_dir(inner.path("music")).unwrap();
+        for song in songs {
+            inner.quiet_song(&format!("music/{song}"), 60);
+        }
+        let scene = inner.save("still.scene", STILL).to_str().unwrap().to_owned();
+        Self { inner, scene }
+    }
+
+    /// A session that plays the songs, with everything that it says by itself.
+    fn open(&self, options: &[&str]) -> App {
+        let music = self.inner.path("music");
+        let own = [music.to_str().unwrap(), "--prepare-ahead", "off", "--silent", "--size", SIZE];
+        let scene: &[&str] = if options.contains(&"--scene") { &[] } else { &["--scene", &self.scene] };
+        let app = self.inner.begin(&[&own[..], scene, options].concat());
+        app.wait_for_title("a scene", |title| title.contains(" - Mariana ("));
+        app
+    }
+
+    /// A session with nothing but these options, so that it goes on where the last one ended.
+    fn again(&self, options: &[&str]) -> App {
+        self.inner.begin(&[&["--silent", "--prepare-ahead", "off"], options].concat())
+    }
+}
+
+/// Whether this pixel is not the wall's.
+fn is_covered(picture: &RgbaImage, x: u32, y: u32) -> bool {
+    let wall = picture.get_pixel(picture.width() - 1, 0);
+    let pixel = picture.get_pixel(x, y);
+    (0..3).any(|channel| pixel.0[channel].abs_diff(wall.0[channel]) > 24)
+}
+
+/// The least box of the pixels that are not the wall's: left, top, right and bottom.
+fn panel(picture: &RgbaImage) -> Option<[u32; 4]> {
+    let found = picture.enumerate_pixels().filter(|(x, y, _)| is_covered(picture, *x, *y));
+    found.fold(None, |all, (x, y, _)| {
+        let [left, top, right, bottom] = all.unwrap_or([x, y, x, y]);
+        Some([left.min(x), top.min(y), right.max(x), bottom.max(y)])
+    })
+}
+
+/// Lets simulated time pass until the panels are as wanted.
+fn pass_until(app: &App, what: &str, wanted: impl Fn(Option<[u32; 4]>) -> bool) -> Option<[u32; 4]> {
+    let is_wanted = |picture: &RgbaImage| {
+        clock::advance(Duration::from_millis(40));
+        wanted(panel(picture))
+    };
+    panel(&app.wait_for(what, is_wanted))
+}
+
+fn wait_for_panel(app: &App, what: &str, wanted: impl Fn([u32; 4]) -> bool) -> [u32; 4] {
+    pass_until(app, what, |found| found.is_some_and(&wanted)).unwrap()
+}
+
+fn wait_for_nothing(app: &App, what: &str) {
+    pass_until(app, what, |found| found.is_none());
+}
+
+#[test]
+fn first_words_and_the_bar_come_and_go() {
+    let place = Place::new(&["one.wav"]);
+    let app = place.open(&[]);
+    let [left, top, right, _] = wait_for_panel(&app, "the first words", |panel| panel[1] > 150);
+    assert!(left < 30 && top > 200 && right < 500, "the first words are at {left}, {top} to {right}");
+    wait_for_nothing(&app, "the end of the first words");
+    // The pointer brings the bar, and takes it along when it rests.
+    app.point_at(200, 100);
+    app.point_at(240, 120);
+    let [left, top, right, _] = wait_for_panel(&app, "the bar", |panel| panel[2] - panel[0] > 500);
+    assert!(left < 30 && right > 610 && top > 200, "the bar is at {left}, {top} to {right}");
+    wait_for_nothing(&app, "the end of the bar");
+    // An answer, and it goes.
+    app.press(&["Up"]);
+    let [_, top, _, bottom] = wait_for_panel(&app, "the volume", |panel| panel[3] < 150);
+    assert!(top < 40 && bottom < 100, "the answer is from {top} to {bottom}");
+    wait_for_nothing(&app, "the end of the answer");
+    app.quit();
+}
+
+#[test]
+fn a_clean_window_says_only_what_it_is_asked() {
+    let place = Place::new(&["one.wav"]);
+    let app = place.open(&["--clean"]);
+    app.point_at(200, 100);
+    app.point_at(240, 120);
+    app.press(&["Up", "Left"]);
+    for _ in 0..30 {
+        clock::advance(Duration::from_millis(40));
+        app.step();
+    }
+    assert_eq!(panel(&app.picture()), None, "a clean window says something");
+    app.press(&["h"]);
+    wait_for_panel(&app, "the keys, which were asked for", |_| true);
+    app.quit();
+}
+
+/// Waits for the bar in the system's time, as the list of songs needs it.
+fn wait_for_bar(app: &App) -> [u32; 4] {
+    let bar = |picture: &RgbaImage| panel(picture).filter(|panel| panel[2] - panel[0] > 500);
+    bar(&app.wait_for("the bar", |picture| bar(picture).is_some())).unwrap()
+}
+
+#[test]
+fn with_the_pointer_alone_one_pauses_seeks_changes_scene_and_fills_the_screen() {
+    let place = Place::new(&["one.wav", "two.wav"]);
+    let app = place.open(&[]);
+    app.wait_for_title("the first track", |title| title.contains("1/2"));
+    app.point_at(200, 100);
+    app.point_at(240, 120);
+    let [left, top, right, bottom] = wait_for_bar(&app);
+    // Buttons are 30 wide with 2 between them, in a row at the bottom.
+    let y = bottom - 11 - 15;
+    let button = |place: u32| left + 14 + 15 + 32 * place;
+    let from_right = |place: u32| right - 14 - 15 - 32 * place;
+    app.click_at(button(1), y);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    app.click_at(button(2), y);
+    app.wait_for_title("the second track", |title| title.contains("2/2"));
+    // Near the end of the rail: the track ends, and the first one follows.
+    app.click_at(button(1), y);
+    app.wait_for_title("playing", |title| !title.contains("paused"));
+    app.click_at(right - 16, top + 11 + 19 + 3 + 13);
+    app.wait_for_title("the first track again", |title| title.contains("1/2"));
+    // The list of tracks: a click on the second one plays it.
+    let click_in_list = |x: u32, y: u32| {
+        app.wait_for("the list", |picture| is_covered(picture, x, y));
+        app.click_at(x, y);
+    };
+    app.click_at(from_right(8), y);
+    click_in_list(right - 200, 14 + 11 + 36 + 24 + 12);
+    app.wait_for_title("the second track from the list", |title| title.contains("2/2"));
+    // The list of scenes: the second tile.
+    app.click_at(from_right(5), y);
+    click_in_list(14 + 14 + 170 + 100, 14 + 11 + 24 + 40);
+    app.wait_for_title("another scene", |title| !title.contains("(2/2, still"));
+    app.click_at(from_right(0), y);
+    app.wait_until("full screen", |app| app.state().fullscreen);
+    quit_by_escape(app);
+}
+
+/// Closes the list that is open, leaves full screen and quits.
+fn quit_by_escape(app: App) {
+    app.press(&["Escape", "Escape"]);
+    app.wait_until("the window of before", |app| !app.state().fullscreen);
+    app.quit_by_key();
+}
+
+#[test]
+fn a_show_goes_on_where_the_last_one_ended() {
+    let place = Place::new(&["one.wav", "two.wav"]);
+    let app = place.open(&["--scene", "first_steps"]);
+    app.press(&["Next", "Down", "Down", "l"]);
+    app.wait_for_title("the second track", |title| title.contains("2/2") && title.contains("volume 90 %"));
+    app.quit();
+    let app = place.again(&[]);
+    app.wait_for_title("what was left", |title| {
+        title.starts_with("two.wav - Mariana (2/2, first_steps") && title.contains("volume 90 %")
+    });
+    assert_eq!(app.picture().dimensions(), (640, 360));
+    app.quit();
+    // Nothing of it, and nothing is left: the next but one goes on with the same again.
+    let app = place.again(&["--new", "--size", "320x180"]);
+    app.wait_for_title("the demo track", |title| title.contains("speakers") && !title.contains("volume"));
+    app.press(&["Down"]);
+    app.wait_for_title("another volume", |title| title.contains("volume 95 %"));
+    app.quit();
+    // What has gone costs a sentence, never the start.
+    std::fs::remove_dir_all(place.inner.path("music")).unwrap();
+    let app = place.again(&[]);
+    app.wait_for_title("the demo track", |title| title.contains("first_steps") && title.contains("90 %"));
+    app.wait_until_told("the tracks of the last show cannot be played any more");
+    app.quit();
+}

@@ -1,0 +1,211 @@
+//! A phone that steers the show: the page in a browser without a window, touched by fingers.
+
+#![cfg(target_os = "linux")]
+
+use std::process::Command;
+
+use crate::hands::{wait_for_colour, write_wall};
+use crate::support::browser::Page;
+use crate::support::session::{App, Place};
+use mariana_testing::process::{output_of, wait_until};
+
+/// A session with a wall, a song and a page for phones; and the page's address.
+fn open(place: &Place, options: &[&str]) -> (App, String) {
+    open_at(place, "127.0.0.1:0", options)
+}
+
+/// The same with the page at an address.
+fn open_at(place: &Place, address: &str, options: &[&str]) -> (App, String) {
+    let song = place.quiet_song("quiet.wav", 100);
+    let scene = write_wall(place);
+    let own = ["--midi", "off", "--blackout-fade", "0", "--fade", "0", "--scene"];
+    let all = [&own[..], &[scene.to_str().unwrap(), "--remote", address], options].concat();
+    let app = place.open(&song, &all);
+    app.wait_until_told("a phone can open http://127.0.0.1:");
+    let url = url_in(&app.told());
+    (app, url)
+}
+
+fn url_in(told: &str) -> String {
+    let from = told.find("http://").unwrap();
+    told[from..].split(' ').next().unwrap().to_owned()
+}
+
+/// A phone that is connected.
+fn phone(app: &App, url: &str) -> Page {
+    app.meanwhile(|| {
+        let mut page = Page::open(url);
+        page.wait_until("the connection", "document.getElementById('status')?.textContent === ''");
+        page
+    })
+}
+
+fn value_of(name: &str) -> String {
+    format!("[data-param=\"{name}\"] .value")
+}
+
+fn rail_of(name: &str) -> String {
+    format!("[data-param=\"{name}\"] .rail")
+}
+
+#[test]
+fn fingers_on_a_phone_turn_the_picture_and_other_phones_see_it() {
+    let place = Place::new();
+    let (app, url) = open(&place, &["--size", "160x90"]);
+    wait_for_colour(&app, "green", [false, true, false]);
+    let (mut page, mut other) = (phone(&app, &url), phone(&app, &url));
+    app.meanwhile(|| {
+        page.wait_for_text("#scene", "wall");
+        page.wait_for_text(&value_of("green"), "1.00");
+        // To the right end, beyond which there is nothing.
+        page.drag(&rail_of("red"), 0.1, 1.1);
+    });
+    wait_for_colour(&app, "yellow", [true, true, false]);
+    app.meanwhile(|| {
+        other.wait_for_text(&value_of("red"), "2.00");
+        other.wait_for_text("[data-param=\"red\"] .held", "phone");
+        other.drag(&rail_of("green"), 0.9, -0.1);
+    });
+    wait_for_colour(&app, "red", [true, false, false]);
+    app.meanwhile(|| {
+        page.wait_for_text(&value_of("green"), "0.00");
+        // A finger that goes up moves the page; a tap turns the slider.
+        page.push(&rail_of("red"), -120.0);
+        page.tap(&rail_of("green"));
+        other.wait_for_text(&value_of("green"), "0.50");
+        let seen = (other.text(&value_of("red")), page.text(&value_of("red")));
+        assert_eq!(seen, ("2.00".into(), "2.00".into()));
+        page.tap("[data-param=\"red\"] .back");
+        other.wait_for_text(&value_of("red"), "0.00");
+        page.tap("[data-do=blackout]");
+    });
+    wait_for_colour(&app, "black", [false, false, false]);
+    assert!(app.state().black);
+    app.meanwhile(|| {
+        other.wait_until("blackout", "document.querySelector('[data-do=blackout]').ariaPressed === 'true'");
+        other.tap("[data-do=blackout]");
+        page.wait_until("light", "document.querySelector('[data-do=blackout]').ariaPressed === 'false'");
+        page.drag("[data-level=brightness] .rail", 0.9, -0.1);
+        other.wait_for_text("[data-level=brightness] .value", "0 %");
+    });
+    wait_for_colour(&app, "no light", [false, false, false]);
+    assert_eq!((app.state().black, app.state().brightness), (false, 0.0));
+    app.quit_by_key();
+    page.wait_until("the end", "document.getElementById('status').textContent.startsWith('Connection lost')");
+    assert_eq!(page.value("document.getElementById('hands').inert"), true);
+}
+
+#[test]
+fn what_is_done_in_the_window_shows_on_the_phone_and_its_scenes_and_song_are_steered() {
+    let place = Place::new();
+    let (app, url) = open(&place, &["--size", "160x90"]);
+    let mut page = phone(&app, &url);
+    app.meanwhile(|| {
+        page.wait_for_text("#scene", "wall");
+        page.wait_for_text("#track", "quiet.wav");
+    });
+    app.press(&["space"]);
+    app.meanwhile(|| {
+        page.wait_until("the pause", "document.querySelector('[data-do=pause]').ariaPressed === 'true'");
+    });
+    app.press(&["x"]);
+    app.meanwhile(|| {
+        page.wait_until("blackout", "document.querySelector('[data-do=blackout]').ariaPressed === 'true'");
+    });
+    app.press(&["x", "n"]);
+    app.meanwhile(|| {
+        page.wait_for_text("#scene", "wool");
+        // By its name in the grid, and by the buttons beside it.
+        page.wait_until(
+            "this scene in the grid",
+            "document.querySelector('#scenes [aria-current=true]')?.textContent === 'wool'",
+        );
+        page.value(
+            "[...document.querySelectorAll('#scenes button')].find(b => b.textContent === 'wall').id = 'wanted'",
+        );
+        page.tap("#wanted");
+        page.wait_for_text("#scene", "wall");
+    });
+    wait_for_colour(&app, "the wall", [false, true, false]);
+    app.meanwhile(|| {
+        page.tap("[data-do=next]");
+        page.wait_for_text("#scene", "wool");
+        page.tap("[data-do=previous]");
+        page.wait_for_text("#scene", "wall");
+        // The song: where it is, how loud, whether it plays.
+        page.drag("[data-level=position] .rail", 0.3, 0.5);
+        page.wait_for_text("[data-level=position] .value", "0:50 / 1:40");
+        page.drag("[data-level=volume] .rail", 0.9, 0.25);
+        page.wait_for_text("[data-level=volume] .value", "25 %");
+    });
+    // The finger lets go a moment after the page shows where it is.
+    app.wait_until("the volume", |app| app.state().volume == Some(0.25));
+    assert!(app.state().paused);
+    app.meanwhile(|| {
+        page.tap("[data-do=pause]");
+        page.wait_until("it plays", "document.querySelector('[data-do=pause]').ariaPressed === 'false'");
+        page.wait_until("time goes by", "show.levels.position > 0.505");
+    });
+    assert!(!app.state().paused);
+    app.quit_by_key();
+}
+
+#[test]
+fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_once_and_no_more() {
+    let place = Place::new();
+    let (app, url) = open(&place, &["--size", "640x360"]);
+    app.press(&["j"]);
+    let path = place.path("window.png");
+    let mut read = String::new();
+    app.wait_until("the code", |app| {
+        app.picture().save(&path).unwrap();
+        let mut command = Command::new("zbarimg");
+        command.args(["--quiet", "--raw"]).arg(&path);
+        // It fails where there is no code yet.
+        read = output_of(&mut command, "zbar-tools")
+            .map(|text| String::from_utf8_lossy(&text).trim().to_owned())
+            .unwrap_or_default();
+        !read.is_empty()
+    });
+    assert_eq!(read, url);
+    let mut page = phone(&app, &url);
+    // The page stays open while the program is started again, with the same port and another token.
+    app.quit_by_key();
+    page.wait_until("the end", "document.getElementById('status').textContent.startsWith('Connection lost')");
+    let port = url.split(['/', ':']).nth(4).unwrap();
+    let (app, newer) = open_at(&place, &format!("127.0.0.1:{port}"), &["--size", "160x90"]);
+    assert_ne!(newer, url);
+    app.meanwhile(|| {
+        page.wait_until(
+            "what is wrong with it",
+            "document.getElementById('status').textContent.startsWith('This address is not valid any more')",
+        );
+        // The old page has asked once and asks no more, so the newer address is soon answered.
+        let mut later = Page::open(&newer);
+        wait_until("the newer page", || {
+            later.wait_until("an answer", "document.readyState === 'complete' && document.body !== null");
+            let is_answered = later.value("document.querySelector('h1') !== null") == true;
+            if !is_answered {
+                later.go_to(&newer);
+            }
+            is_answered
+        });
+        later.wait_for_text("#scene", "wall");
+    });
+    app.quit_by_key();
+}
+
+#[test]
+fn a_port_that_is_taken_costs_a_sentence_and_the_show_goes_on() {
+    let place = Place::new();
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    let (song, scene) = (place.quiet_song("quiet.wav", 60), write_wall(&place));
+    let options = ["--size", "160x90", "--scene", scene.to_str().unwrap(), "--remote", &address];
+    let app = place.open(&song, &options);
+    app.wait_until_told(&format!("phones are not listened to: another program has {address}"));
+    wait_for_colour(&app, "green", [false, true, false]);
+    drop(taken);
+    app.wait_until_told(&format!("a phone can open http://{address}/"));
+    app.quit_by_key();
+}

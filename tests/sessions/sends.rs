@@ -1,0 +1,94 @@
+//! The picture in other programs: a FIFO and HTTP, with readers that come, go and block.
+
+#![cfg(target_os = "linux")]
+
+use std::fs::{File, OpenOptions};
+use std::io::{BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::process::Command;
+
+use crate::support::session::App;
+use crate::support::video_stream::{header, light_of_next};
+use crate::walls::{Place, TWO_COLOURS, at, is_black, is_blue, is_red};
+use mariana_testing::process::output_of;
+
+#[test]
+fn a_fifo_gets_pictures_whoever_reads_it_and_however_slowly() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let fifo = place.path("pictures");
+    output_of(Command::new("mkfifo").arg(&fifo), "coreutils").unwrap();
+    let to = format!("y4m:{}", fifo.display());
+    let app = place.open("two.scene", &["--send", &to, "--send-size", "161x90", "--send-fps", "25"]);
+    let mut gone = 0;
+    let mut read = |app: &App, count: usize| {
+        let pictures = app.meanwhile(|| {
+            let mut stream = BufReader::new(File::open(&fifo).unwrap());
+            let told = header(&mut stream);
+            assert!(told.starts_with("YUV4MPEG2 W160 H90 F25:1 ") && told.contains("C420"), "{told}");
+            (0..count).map(|_| light_of_next(&mut stream, (160, 90))).collect::<Vec<_>>()
+        });
+        // Whoever opens it sooner is taken for the same reader, in the middle of the stream.
+        gone += 1;
+        app.wait_until("the reader's going", |app| {
+            app.told().matches("has gone: the next one gets").count() == gone
+        });
+        pictures
+    };
+    // Of red more light is seen than of blue.
+    let wanted = |pictures: Vec<[u8; 2]>| pictures.iter().all(|[left, right]| left > right && *right > 16);
+    assert!(wanted(read(&app, 30)));
+    // Another one, and what it is sent is what shows: a blackout.
+    app.press(&["x"]);
+    app.wait_for("black", |picture| is_black(at(picture, 0.5, 0.5)));
+    app.wait_until("black pictures", |app| read(app, 3).last() == Some(&[16, 16]));
+    app.press(&["x"]);
+    app.wait_until("light", |app| wanted(read(app, 2)));
+    // One that opens it and reads nothing holds nobody up.
+    let blocks = OpenOptions::new().read(true).open(&fifo).unwrap();
+    app.wait_until_told("takes no pictures: the show goes on without it");
+    app.press(&["x"]);
+    app.wait_for("black", |picture| is_black(at(picture, 0.5, 0.5)));
+    drop(blocks);
+    // ffprobe knows what it is.
+    let mut probe = Command::new("ffprobe");
+    probe.args(["-v", "error", "-f", "yuv4mpegpipe", "-read_intervals", "%+#2", "-show_entries"]);
+    probe.args(["stream=width,height,r_frame_rate,pix_fmt", "-of", "csv=p=0"]).arg(&fifo);
+    let told = String::from_utf8(app.meanwhile(|| output_of(&mut probe, "ffmpeg")).unwrap()).unwrap();
+    assert_eq!(told.trim(), "160,90,yuv420p,25/1");
+    let blocks = OpenOptions::new().read(true).open(&fifo).unwrap();
+    // A receiver that blocks does not hold the end up either.
+    let told = app.quit_by_key();
+    drop(blocks);
+    assert_eq!(told.matches("takes no pictures").count(), 1, "{told}");
+}
+
+#[test]
+fn a_client_on_this_machine_gets_jpegs() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    // A port that was free a moment ago.
+    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let app = place.open("two.scene", &["--send", &format!("mjpeg:{port}"), "--send-size", "160x90"]);
+    let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
+    stream.write_all(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    let mut lines = BufReader::new(stream);
+    let mut next = || {
+        let length: usize = loop {
+            let line = header(&mut lines);
+            if let Some(length) = line.strip_prefix("Content-Length: ") {
+                break length.trim().parse().unwrap();
+            }
+        };
+        assert_eq!(header(&mut lines), "\r\n");
+        let mut jpeg = vec![0; length];
+        lines.read_exact(&mut jpeg).unwrap();
+        image::load_from_memory(&jpeg).unwrap().to_rgba8()
+    };
+    let seen = app.meanwhile(&mut next);
+    assert_eq!(seen.dimensions(), (160, 90));
+    assert!(is_red(at(&seen, 0.2, 0.5)) && is_blue(at(&seen, 0.8, 0.5)));
+    app.press(&["x"]);
+    app.wait_until("a black picture", |app| {
+        at(&app.meanwhile(&mut next), 0.5, 0.5).iter().all(|value| *value < 3)
+    });
+    app.quit_by_key();
+}
