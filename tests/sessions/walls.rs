@@ -82,4 +82,3 @@ pub(crate) fn wait_for_channel(app: &App, channel: usize) {
         2 * fits.count() > picture.pixels().count()
     });
 }
-
