@@ -56,52 +56,21 @@ impl Session {
         // A picture that is held is what is wanted.
         let held = self.playback.holds_picture();
         let wanted = self.playback.pace.shown().filter(|_| held).unwrap_or(wanted);
-        let (mut new, gain) = (None, self.playback.masters.gain(begun));
-        let waits_for_text = self.playback.scene.awaits_edit(begun).is_some();
-        if (self.playback.pace.shown() != Some(wanted) || self.playback.scene.composer().is_drawing())
-            && !waits_for_text
-        {
-            // The curves take longer than all other inputs of a frame, so they are only computed for scenes that read
-            // them.
-            let curves = if self.playback.scene.scenes().hear_curves() {
-                self.playback.listening.curves()
-            } else {
-                Default::default()
-            };
-            let Moment { features, song, .. } = moment;
-            let sound = mariana_music::Sound { features, tables: curves, song };
-            let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
-            let Level { quality, edges, .. } = level;
-            let runs =
-                self.playback.scene.composer().fading().is_to_begin() && self.playback.listening.runs();
-            let picture = WantedPicture { moment, sound, size: drawn, aspect, quality, edges, runs };
-            let drawn = self.playback.scene.draw(&mut self.playback.renderer, picture);
-            new = self.playback.without_room_smaller(drawn)?;
-            if new.is_none() {
-                self.playback.weigh_picture(level, begun);
-            }
-        }
-        let dims = self.playback.pace.shown().is_some() && gain != self.playback.renderer.gain();
-        if new.is_some() || dims {
-            self.playback.renderer.dim(gain)?;
-            let since_last = self.playback.pace.note_picture(begun);
-            if self.playback.pace.shown().is_some() {
-                // What flashes too often is dimmed.
-                self.playback.renderer.limit_flashes(since_last)?;
-            } else {
-                self.playback.first_shown_after = Some(since_last);
-            }
-            self.playback.feeds.note_picture();
-        }
-        match new {
-            Some(Drawn { shown, .. }) => self.playback.record(shown.moment, begun),
-            None if dims => self.playback.record_again(begun),
-            None => {}
-        }
+        let new = self.playback.draw_picture(wanted, level, whole, begun)?;
+        let dims = self.playback.finish_picture(new.as_ref(), begun)?;
+        let lay = Lay { placement, screen, is_held: held };
+        self.present(Picture { wanted, new, dims, level, begun }, &lay, size)
+    }
+
+    /// Shows the picture and what is over it, if either looks different. Returns whether it is the first picture.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    fn present(&mut self, picture: Picture, lay: &Lay, size: (u32, u32)) -> Result<bool, SessionError> {
+        let Picture { wanted, new, dims, level, begun } = picture;
         let corner = self.interface.corner_line(&self.playback, begun);
         let is_drawing = self.playback.scene.composer().is_drawing();
-        let lay = Lay { placement, screen, is_held: held };
-        let area = self.interface.note_area(&mut *self.screen, &lay, size);
+        let area = self.interface.note_area(&mut *self.screen, lay, size);
         let map = lay.map(&self.playback.renderer, area);
         self.interface.note_map(&mut self.playback, map);
         if let Some(hands) = &mut self.interface.desk.corners {
@@ -119,7 +88,7 @@ impl Session {
             begun,
         );
         content.next = self.playback.preview.next().filter(|_| !self.interface.desk.bare);
-        let Some(shown) = new.map(|new| new.shown).or(self.playback.pace.shown()) else {
+        let Some(shown) = new.as_ref().map(|new| new.shown).or(self.playback.pace.shown()) else {
             return self.show_waiting(size).map(|()| false);
         };
         let handing_over = clock::now();
@@ -134,7 +103,7 @@ impl Session {
         let (mut painted, mut laid_out, mut content) = (Painted::default(), Duration::ZERO, Some(content));
         let (overlay, small) = (&mut self.interface.overlay, self.interface.desk.picture);
         let painting =
-            self.screen.show(&mut self.playback.renderer, &lay, small, is_new || has_words, &mut |size| {
+            self.screen.show(&mut self.playback.renderer, lay, small, is_new || has_words, &mut |size| {
                 let laying_out = clock::now();
                 if let Some(content) = content.take() {
                     painted = overlay.paint(scale, size, content, laying_out)?;
@@ -142,7 +111,7 @@ impl Session {
                 laid_out = clock::since(laying_out);
                 Ok(())
             })?;
-        self.screen.show_on_output(&mut self.playback.renderer, &lay, is_new)?;
+        self.screen.show_on_output(&mut self.playback.renderer, lay, is_new)?;
         let first = self.playback.pace.show(shown);
         self.interface.typing_times.note_shown(
             self.playback.scene.scenes().shown_id(),
@@ -189,7 +158,80 @@ impl Session {
     }
 }
 
+/// A picture that is drawn or shown.
+struct Picture {
+    /// What it is to show.
+    wanted: Shown,
+    /// What was drawn of it anew.
+    new: Option<Drawn>,
+    /// Whether it is brighter or darker than before.
+    dims: bool,
+    level: Level,
+    begun: Instant,
+}
+
 impl Playback {
+    /// Draws the picture that is wanted, or a part of it, if another one shows. `whole` are the pixels of its screen.
+    /// Returns it once it is complete.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    fn draw_picture(
+        &mut self,
+        wanted: Shown,
+        level: Level,
+        whole: (u32, u32),
+        begun: Instant,
+    ) -> Result<Option<Drawn>, SessionError> {
+        let waits_for_text = self.scene.awaits_edit(begun).is_some();
+        let is_there = self.pace.shown() == Some(wanted) && !self.scene.composer().is_drawing();
+        if is_there || waits_for_text {
+            return Ok(None);
+        }
+        // The curves take longer than all other inputs of a frame, so they are only computed for scenes that read them.
+        let hears_curves = self.scene.scenes().hear_curves();
+        let curves = if hears_curves { self.listening.curves() } else { Default::default() };
+        let Shown { moment, size, .. } = wanted;
+        let sound = mariana_music::Sound { features: moment.features, tables: curves, song: moment.song };
+        let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
+        let Level { quality, edges, .. } = level;
+        let runs = self.scene.composer().fading().is_to_begin() && self.listening.runs();
+        let picture = WantedPicture { moment, sound, size, aspect, quality, edges, runs };
+        let drawn = self.scene.draw(&mut self.renderer, picture);
+        let new = self.without_room_smaller(drawn)?;
+        if new.is_none() {
+            self.weigh_picture(level, begun);
+        }
+        Ok(new)
+    }
+
+    /// Dims the picture as the masters and the limiter of flashes say, and notes it. Returns whether its light changes
+    /// though it is no new one.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    fn finish_picture(&mut self, new: Option<&Drawn>, begun: Instant) -> Result<bool, SessionError> {
+        let gain = self.masters.gain(begun);
+        let dims = self.pace.shown().is_some() && gain != self.renderer.gain();
+        if new.is_some() || dims {
+            self.renderer.dim(gain)?;
+            let since_last = self.pace.note_picture(begun);
+            if self.pace.shown().is_some() {
+                // What flashes too often is dimmed.
+                self.renderer.limit_flashes(since_last)?;
+            } else {
+                self.first_shown_after = Some(since_last);
+            }
+            self.feeds.note_picture();
+        }
+        match new {
+            Some(Drawn { shown, .. }) => self.record(shown.moment, begun),
+            None if dims => self.record_again(begun),
+            None => {}
+        }
+        Ok(dims)
+    }
+
     /// Lets the driver make the programs that all scenes share while it makes that of the first one.
     ///
     /// # Errors
