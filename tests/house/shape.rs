@@ -32,7 +32,7 @@ const OVER: &[(Kind, &str, usize)] = &[
 ];
 
 /// Functions of more than [`FUNCTION_MAX`] lines in the whole repository. Lower it when one is taken apart.
-const LONG_FUNCTIONS: usize = 8;
+const LONG_FUNCTIONS: usize = 7;
 
 /// Types with more than [`FIELDS_MAX`] fields that are plain records, and what each records. Their fields are open, or
 /// they have no methods at all.
