@@ -7,7 +7,7 @@ use mariana::frame::held_inputs::HeldInputs;
 use mariana::frame::orbit_controls::OrbitControls;
 use mariana::frame::{Frame, Staging};
 use mariana::scenes::{ReadyScene, SceneSource, camera_number};
-use mariana::show::{Moment, Plan, Programme, Stay, blend_kind};
+use mariana::show::{Moment, Plan, Programme, Stay};
 use mariana_music::{Section, SongBeat, SongStructure, Sound, Stretch};
 
 use super::bytes::Bytes;
@@ -98,7 +98,7 @@ fn check(programme: &Programme, plan: &Plan) {
         if let Some((from, share)) = leaving {
             assert!(share > 0.0 && share < 1.0, "{share}");
             draw(programme, from, time);
-            let blend = blend_kind(stay.entrance).map(|kind| programme.blend(from, stay, kind));
+            let blend = stay.entrance.kind.blend().map(|kind| programme.blend(from, stay, kind));
             assert!(blend.is_none_or(|blend| blend.is_some()));
         }
         let picture = plan.picture_at(time);

@@ -10,7 +10,7 @@ use crate::frame::held_inputs::{HeldInputs, Setting};
 use crate::frame::orbit_controls::OrbitControls;
 use crate::frame::{Frame, Staging};
 use crate::scenes::{ReadyScene, SceneBlend, SceneError, SceneSource, camera_number};
-use crate::show::{Held, Plan, Programme, ShowError, Stay, blend_kind};
+use crate::show::{Held, Plan, Programme, ShowError, Stay};
 use mariana_field::world::{BlendKind, World, blended_params};
 use mariana_music::Sound;
 
@@ -156,7 +156,7 @@ impl ShowPainter {
             let (model, frame) = self.frame(moment.stay, time, sound, size)?;
             return self.easel.draw(&model, frame);
         };
-        if let Some(kind) = blend_kind(moment.stay.entrance)
+        if let Some(kind) = moment.stay.entrance.kind.blend()
             && let Some(model) = self.blend(leaving, moment.stay, kind)?
         {
             let of =

@@ -1,7 +1,7 @@
 //! Lets the scenes follow the song, as the director or a show file says.
 
-use super::Session;
 use super::cues::Pressed;
+use super::{Playback, Session};
 use crate::clock;
 use crate::commands::SetSetting;
 use crate::config::{FollowChoice, Setting};
@@ -14,6 +14,21 @@ use std::sync::Arc;
 const FOLLOWS: &str = "the scenes follow the song: K keeps one, A ends it";
 
 impl Session {
+    /// Lets the scenes follow the songs, or stay as they are.
+    pub(super) fn toggle_follow(&mut self) {
+        let playing = self.playback.listening.playing();
+        let (follow, words) = match (self.playback.direction.follows(playing), playing) {
+            (true, _) => (FollowChoice::Off, "the scene stays: A lets the scenes follow the song"),
+            // Not `On`: a scene on the next command line has to stay.
+            (false, Playing::Song | Playing::Demo) => (FollowChoice::Songs, FOLLOWS),
+            (false, Playing::Input) => (FollowChoice::On, FOLLOWS),
+        };
+        self.change_setting(SetSetting { setting: Setting::FollowSong(follow), settled: true });
+        self.playback.reports.answer(words.to_owned());
+    }
+}
+
+impl Playback {
     /// Brings the scene on that the show has at a moment.
     pub(super) fn direct(&mut self, moment: Option<Moment>) {
         let Some(moment) = moment else { return };
@@ -59,7 +74,7 @@ impl Session {
     }
 
     /// Brings what a show file holds for a key.
-    pub(crate) fn next_cue(&mut self) {
+    pub(super) fn next_cue(&mut self) {
         let words = match self.listening.now() {
             _ if !self.scene.show().has_programme() => {
                 "no show is on: A lets the scenes follow the song".to_owned()
@@ -79,21 +94,8 @@ impl Session {
         self.reports.answer(words);
     }
 
-    /// Lets the scenes follow the songs, or stay as they are.
-    pub(crate) fn toggle_follow(&mut self) {
-        let playing = self.listening.playing();
-        let (follow, words) = match (self.direction.follows(playing), playing) {
-            (true, _) => (FollowChoice::Off, "the scene stays: A lets the scenes follow the song"),
-            // Not `On`: a scene on the next command line has to stay.
-            (false, Playing::Song | Playing::Demo) => (FollowChoice::Songs, FOLLOWS),
-            (false, Playing::Input) => (FollowChoice::On, FOLLOWS),
-        };
-        self.change_setting(SetSetting { setting: Setting::FollowSong(follow), settled: true });
-        self.reports.answer(words.to_owned());
-    }
-
     /// Keeps the scene that is on until this is called again.
-    pub(crate) fn toggle_keep(&mut self) {
+    pub(super) fn toggle_keep(&mut self) {
         let words = match self.scene.show().has_programme() {
             false => "the scenes do not follow the song: A lets them",
             true if self.scene.show_mut().toggle_lock() => "this scene stays until K is pressed again",

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use super::Session;
 use super::desk::{Seen, content_of};
+use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::commands::Panel;
 use crate::gpu::error::GpuError;
@@ -25,55 +25,193 @@ impl Session {
     ///
     /// # Errors
     /// What the driver refuses.
-    pub(crate) fn draw(&mut self) -> Result<bool, SessionError> {
-        if let Some(seconds) = self.first_shown_after.take() {
+    pub(super) fn draw(&mut self) -> Result<bool, SessionError> {
+        if let Some(seconds) = self.playback.first_shown_after.take() {
             // Nothing is dimmed in the first picture, so it was shown before the driver had made the limiter's programs.
-            self.renderer.limit_flashes(seconds)?;
+            self.playback.renderer.limit_flashes(seconds)?;
         }
         let begun = clock::now();
         // A picture whose regions have come was due before.
-        if !self.scene.composer().has_regions() && !self.scene.composer().is_drawing() {
-            self.pace.begun(begun, self.hands.are_unseen());
+        if !self.playback.scene.composer().has_regions() && !self.playback.scene.composer().is_drawing() {
+            self.playback.pace.begun(begun, self.playback.hands.are_unseen());
         }
         let size = self.screen.size();
         let placement = self.placement();
         let screen = self.screen.picture_size().map(|screen| (screen, placement.picture_size(screen)));
-        self.pace.set_window_size(screen.map(|(_, whole)| whole));
+        self.playback.pace.set_window_size(screen.map(|(_, whole)| whole));
         let Some((screen, whole)) = screen else { return Ok(false) };
-        let Some((size, moment)) = size.and_then(|size| Some((size, self.moment()?))) else {
+        let Some((size, moment)) = size.and_then(|size| Some((size, self.playback.moment()?))) else {
             return Ok(false);
         };
         // A picture that takes long, or that the window system is slow to ask for, must not look as if the show stood
         // still: it would be begun again with all pixels.
-        self.pace.note_wanted(Some(moment), self.scene.revision(), begun);
-        let level = self.level(begun);
-        let drawn = drawn_size(level, whole, self.side_max());
-        if !self.scene.scenes().is_any_shown() {
+        self.playback.pace.note_wanted(Some(moment), self.playback.scene.revision(), begun);
+        let level = self.playback.level(begun);
+        let drawn = drawn_size(level, whole, self.playback.side_max(&*self.screen));
+        if !self.playback.scene.scenes().is_any_shown() {
             return self.show_waiting(size).map(|()| false);
         }
-        let wanted = Shown { moment, size: drawn, edges: level.edges, revision: self.scene.revision() };
+        let wanted =
+            Shown { moment, size: drawn, edges: level.edges, revision: self.playback.scene.revision() };
         // A picture that is held is what is wanted.
-        let held = self.holds_picture();
-        let wanted = self.pace.shown().filter(|_| held).unwrap_or(wanted);
-        let (mut new, gain) = (None, self.masters.gain(begun));
-        let waits_for_text = self.scene.awaits_edit(begun).is_some();
-        if (self.pace.shown() != Some(wanted) || self.scene.composer().is_drawing()) && !waits_for_text {
-            // The curves take longer than all other inputs of a frame, so they are only computed for scenes that read
-            // them.
-            let curves =
-                if self.scene.scenes().hear_curves() { self.listening.curves() } else { Default::default() };
-            let Moment { features, song, .. } = moment;
-            let sound = mariana_music::Sound { features, tables: curves, song };
-            let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
-            let Level { quality, edges, .. } = level;
-            let runs = self.scene.composer().fading().is_to_begin() && self.listening.runs();
-            let picture = WantedPicture { moment, sound, size: drawn, aspect, quality, edges, runs };
-            let drawn = self.scene.draw(&mut self.renderer, picture);
-            new = self.without_room_smaller(drawn)?;
-            if new.is_none() {
-                self.weigh_picture(level, begun);
+        let held = self.playback.holds_picture();
+        let wanted = self.playback.pace.shown().filter(|_| held).unwrap_or(wanted);
+        let new = self.playback.draw_picture(wanted, level, whole, begun)?;
+        let dims = self.playback.finish_picture(new.as_ref(), begun)?;
+        let lay = Lay { placement, screen, is_held: held };
+        self.present(Picture { wanted, new, dims, level, begun }, &lay, size)
+    }
+
+    /// Shows the picture and what is over it, if either looks different. Returns whether it is the first picture.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    fn present(&mut self, picture: Picture, lay: &Lay, size: (u32, u32)) -> Result<bool, SessionError> {
+        let Picture { wanted, new, dims, level, begun } = picture;
+        let corner = self.interface.corner_line(&self.playback, begun);
+        let is_drawing = self.playback.scene.composer().is_drawing();
+        let area = self.interface.note_area(&mut *self.screen, lay, size);
+        let map = lay.map(&self.playback.renderer, area);
+        self.interface.note_map(&mut self.playback, map);
+        if let Some(hands) = &mut self.interface.desk.corners {
+            hands.set_area(area);
+        }
+        self.interface.note_scene(&mut self.playback);
+        let seen = self.interface.look_around_desk(&mut self.playback, &mut *self.screen, begun);
+        let mut content = content_of(&mut self.playback.scene, corner.as_deref(), self.interface.desk.panels);
+        self.interface.desk.add_to(
+            &mut content,
+            &seen,
+            &self.playback.hands,
+            &self.playback.listening,
+            &self.playback.reports,
+            begun,
+        );
+        content.next = self.playback.preview.next().filter(|_| !self.interface.desk.bare);
+        let Some(shown) = new.as_ref().map(|new| new.shown).or(self.playback.pace.shown()) else {
+            return self.show_waiting(size).map(|()| false);
+        };
+        let handing_over = clock::now();
+        // Without a new picture there is something to show only if the overlay or the window changes.
+        let waits = new.is_none() && !dims && (shown != wanted || is_drawing);
+        let has_words = self.interface.overlay.due(&content, begun).is_some_and(|due| due <= begun)
+            && self.screen.shows_words();
+        if waits && !self.screen.is_stale() && !has_words {
+            return Ok(false);
+        }
+        let (scale, is_new) = (self.screen.scale(), new.is_some() || dims);
+        let (mut painted, mut laid_out, mut content) = (Painted::default(), Duration::ZERO, Some(content));
+        let (overlay, small) = (&mut self.interface.overlay, self.interface.desk.picture);
+        let painting =
+            self.screen.show(&mut self.playback.renderer, lay, small, is_new || has_words, &mut |size| {
+                let laying_out = clock::now();
+                if let Some(content) = content.take() {
+                    painted = overlay.paint(scale, size, content, laying_out)?;
+                }
+                laid_out = clock::since(laying_out);
+                Ok(())
+            })?;
+        self.screen.show_on_output(&mut self.playback.renderer, lay, is_new)?;
+        let first = self.playback.pace.show(shown);
+        self.interface.typing_times.note_shown(
+            self.playback.scene.scenes().shown_id(),
+            new.is_some(),
+            laid_out,
+            clock::now(),
+        );
+        if let Some(Drawn { spent, .. }) = new {
+            let showing = spent + clock::since(handing_over);
+            let cost = self.playback.cost(&mut *self.screen, spent + painting, showing);
+            self.playback.pace.note_times(level, showing, cost);
+            self.playback.scene.note_frame_time(showing);
+            self.playback.hands.note_shown(shown.revision);
+        }
+        if painted.params_changed {
+            self.playback.scene.shown_parameters_mut().note_moved();
+        }
+        self.interface.take_painted(&mut *self.screen, painted);
+        if first {
+            self.interface.desk.welcomed.get_or_insert_with(Instant::now);
+            self.playback.listening.follow_wish();
+        }
+        Ok(first)
+    }
+
+    /// Says in a window without a picture what is being prepared: an unpainted window looks broken.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), SessionError> {
+        let now = clock::now();
+        let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
+        if self.waited.is_none_or(is_stale) {
+            let is_first = self.waited.replace((now, size)).is_none();
+            let title = self.playback.scene.library().wanted().title();
+            let content = content_of(&mut self.playback.scene, None, PanelSwitches::default());
+            let painted = paint_waiting(&mut *self.screen, &mut self.interface.overlay, &title, content)?;
+            self.interface.take_painted(&mut *self.screen, painted);
+            if is_first {
+                self.playback.warm_up()?;
             }
         }
+        Ok(())
+    }
+}
+
+/// A picture that is drawn or shown.
+struct Picture {
+    /// What it is to show.
+    wanted: Shown,
+    /// What was drawn of it anew.
+    new: Option<Drawn>,
+    /// Whether it is brighter or darker than before.
+    dims: bool,
+    level: Level,
+    begun: Instant,
+}
+
+impl Playback {
+    /// Draws the picture that is wanted, or a part of it, if another one shows. `whole` are the pixels of its screen.
+    /// Returns it once it is complete.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    fn draw_picture(
+        &mut self,
+        wanted: Shown,
+        level: Level,
+        whole: (u32, u32),
+        begun: Instant,
+    ) -> Result<Option<Drawn>, SessionError> {
+        let waits_for_text = self.scene.awaits_edit(begun).is_some();
+        let is_there = self.pace.shown() == Some(wanted) && !self.scene.composer().is_drawing();
+        if is_there || waits_for_text {
+            return Ok(None);
+        }
+        // The curves take longer than all other inputs of a frame, so they are only computed for scenes that read them.
+        let hears_curves = self.scene.scenes().hear_curves();
+        let curves = if hears_curves { self.listening.curves() } else { Default::default() };
+        let Shown { moment, size, .. } = wanted;
+        let sound = mariana_music::Sound { features: moment.features, tables: curves, song: moment.song };
+        let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
+        let Level { quality, edges, .. } = level;
+        let runs = self.scene.composer().fading().is_to_begin() && self.listening.runs();
+        let picture = WantedPicture { moment, sound, size, aspect, quality, edges, runs };
+        let drawn = self.scene.draw(&mut self.renderer, picture);
+        let new = self.without_room_smaller(drawn)?;
+        if new.is_none() {
+            self.weigh_picture(level, begun);
+        }
+        Ok(new)
+    }
+
+    /// Dims the picture as the masters and the limiter of flashes say, and notes it. Returns whether its light changes
+    /// though it is no new one.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    fn finish_picture(&mut self, new: Option<&Drawn>, begun: Instant) -> Result<bool, SessionError> {
+        let gain = self.masters.gain(begun);
         let dims = self.pace.shown().is_some() && gain != self.renderer.gain();
         if new.is_some() || dims {
             self.renderer.dim(gain)?;
@@ -91,95 +229,7 @@ impl Session {
             None if dims => self.record_again(begun),
             None => {}
         }
-        let corner = self.corner_line(begun);
-        let is_drawing = self.scene.composer().is_drawing();
-        let lay = Lay { placement, screen, is_held: held };
-        let area = self.note_area(&lay, size);
-        self.note_map(lay.map(&self.renderer, area));
-        if let Some(hands) = &mut self.desk.corners {
-            hands.set_area(area);
-        }
-        self.note_scene();
-        let seen = self.look_around_desk(begun);
-        let mut content = content_of(&mut self.scene, corner.as_deref(), self.desk.panels);
-        self.desk.add_to(&mut content, &seen, &self.hands, &self.listening, &self.reports, begun);
-        content.next = self.preview.next().filter(|_| !self.desk.bare);
-        let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else {
-            return self.show_waiting(size).map(|()| false);
-        };
-        let handing_over = clock::now();
-        // Without a new picture there is something to show only if the overlay or the window changes.
-        let waits = new.is_none() && !dims && (shown != wanted || is_drawing);
-        let has_words =
-            self.overlay.due(&content, begun).is_some_and(|due| due <= begun) && self.screen.shows_words();
-        if waits && !self.screen.is_stale() && !has_words {
-            return Ok(false);
-        }
-        let (scale, is_new) = (self.screen.scale(), new.is_some() || dims);
-        let (mut painted, mut laid_out, mut content) = (Painted::default(), Duration::ZERO, Some(content));
-        let (overlay, small) = (&mut self.overlay, self.desk.picture);
-        let painting =
-            self.screen.show(&mut self.renderer, &lay, small, is_new || has_words, &mut |size| {
-                let laying_out = clock::now();
-                if let Some(content) = content.take() {
-                    painted = overlay.paint(scale, size, content, laying_out)?;
-                }
-                laid_out = clock::since(laying_out);
-                Ok(())
-            })?;
-        self.screen.show_on_output(&mut self.renderer, &lay, is_new)?;
-        let first = self.pace.show(shown);
-        self.typing_times.note_shown(self.scene.scenes().shown_id(), new.is_some(), laid_out, clock::now());
-        if let Some(Drawn { spent, .. }) = new {
-            let showing = spent + clock::since(handing_over);
-            let cost = self.cost(spent + painting, showing);
-            self.pace.note_times(level, showing, cost);
-            self.scene.note_frame_time(showing);
-            self.hands.note_shown(shown.revision);
-        }
-        if painted.params_changed {
-            self.scene.shown_parameters_mut().note_moved();
-        }
-        self.take_painted(painted);
-        if first {
-            self.desk.welcomed.get_or_insert_with(Instant::now);
-            self.listening.follow_wish();
-        }
-        Ok(first)
-    }
-
-    /// Says in a window without a picture what is being prepared: an unpainted window looks broken.
-    ///
-    /// # Errors
-    /// What the driver refuses.
-    pub(super) fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), SessionError> {
-        let now = clock::now();
-        let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
-        if self.waited.is_none_or(is_stale) {
-            let is_first = self.waited.replace((now, size)).is_none();
-            let title = self.scene.library().wanted().title();
-            let content = content_of(&mut self.scene, None, PanelSwitches::default());
-            let painted = paint_waiting(&mut *self.screen, &mut self.overlay, &title, content)?;
-            self.take_painted(painted);
-            if is_first {
-                self.warm_up()?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Takes what was done in the panels and what they want of the screen.
-    fn take_painted(&mut self, painted: Painted) {
-        self.ui_events.extend(painted.events);
-        if let Some(controls) = painted.controls {
-            self.screen.show_controls(controls);
-        }
-        if let Some(cursor) = painted.cursor {
-            self.screen.set_cursor(cursor);
-        }
-        if let Some(place) = painted.typed_at {
-            self.screen.set_place_of_letters(place);
-        }
+        Ok(dims)
     }
 
     /// Lets the driver make the programs that all scenes share while it makes that of the first one.
@@ -206,63 +256,16 @@ impl Session {
     }
 
     /// Whether a show that stands still could be drawn better than it is.
-    pub(super) fn could_be_better(&self, now: Instant) -> bool {
-        self.pace.could_be_better(now, self.scene.composer().view().is_some(), self.side_max())
+    pub(super) fn could_be_better(&self, screen: &dyn Screen, now: Instant) -> bool {
+        self.pace.could_be_better(now, self.scene.composer().view().is_some(), self.side_max(screen))
     }
 
-    /// When the window has to be drawn again because of the overlay.
-    pub(super) fn overlay_due(&mut self, now: Instant) -> Option<Instant> {
-        let corner = self.corner_line(now);
-        let seen = self.look_around_desk(now);
-        let mut content = content_of(&mut self.scene, corner.as_deref(), self.desk.panels);
-        self.desk.add_to(&mut content, &seen, &self.hands, &self.listening, &self.reports, now);
-        content.next = self.preview.next().filter(|_| !self.desk.bare);
-        let due = self.overlay.due(&content, now);
-        // The bar goes when the pointer has rested.
-        let goes = self.pointer_rest.falls_asleep().filter(|_| seen.awake);
-        due.into_iter().chain(goes).min()
-    }
-
-    /// What the overlay needs to know of the pointer and the track.
-    fn look_around_desk(&mut self, now: Instant) -> Seen {
-        let busy = self.overlay.has_pointer() || self.overlay.has_key_focus();
-        let awake = self.pointer_rest.is_awake(busy, now);
-        let (lists, shows_bar) =
-            (self.desk.panels.open() == Some(Panel::Tracks), awake && !self.desk.is_quiet());
-        let song = self.listening.with_song(|player| {
-            // How loud the track is is not measured before the bar shows it.
-            let shape = if shows_bar { player.shape() } else { None };
-            (lists.then(|| player.playlist()), shape)
-        });
-        let (tracks, shape) = song.unwrap_or_default();
-        let song = self.listening.present_structure().filter(|_| shows_bar);
-        let (assisted, follows) = (self.overlay.is_assisted(), self.follows());
-        let fullscreen = self.screen.is_fullscreen();
-        Seen { awake, assisted, fullscreen, tracks, shape, follows, song }
-    }
-
-    /// Notes which scene is on the stage, and its place among the others.
-    fn note_scene(&mut self) {
-        let Some(source) = self.scene.scenes().shown_source() else { return };
-        if self.desk.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
-            self.desk.placed_scene = Some((source.clone(), self.scene.library().placed_name(source)));
-        }
-    }
-
-    fn level(&self, now: Instant) -> Level {
+    pub(super) fn level(&self, now: Instant) -> Level {
         self.pace.level(now, self.scene.composer().view().is_some())
     }
 
-    fn side_max(&self) -> u32 {
-        self.screen.gl().info().texture_side_max
-    }
-
-    /// The line about the scene and how it is drawn, if it is wanted.
-    fn corner_line(&self, now: Instant) -> Option<String> {
-        let wanted = self.desk.panels.corner();
-        wanted
-            .then(|| self.scene.report().line(&self.pace.about_pictures(now), &self.pace.quality()))
-            .flatten()
+    fn side_max(&self, screen: &dyn Screen) -> u32 {
+        screen.gl().info().texture_side_max
     }
 
     /// Checks whether the picture that is being drawn takes too long: then it is drawn with fewer pixels or, if that
@@ -299,11 +302,81 @@ impl Session {
 
     /// What a picture cost that took `drawing` until it was handed over and `showing` in all. Handing over waits for a
     /// monitor, but on a software renderer it is what draws.
-    fn cost(&mut self, drawing: Duration, showing: Duration) -> Duration {
-        match (self.screen.gl().info().software, self.renderer.gpu_time()) {
+    pub(super) fn cost(&mut self, screen: &mut dyn Screen, drawing: Duration, showing: Duration) -> Duration {
+        match (screen.gl().info().software, self.renderer.gpu_time()) {
             (true, _) => showing,
             (false, gpu) => drawing.max(gpu.unwrap_or_default()),
         }
+    }
+}
+
+impl Interface {
+    /// Takes what was done in the panels and what they want of the screen.
+    fn take_painted(&mut self, screen: &mut dyn Screen, painted: Painted) {
+        self.ui_events.extend(painted.events);
+        if let Some(controls) = painted.controls {
+            screen.show_controls(controls);
+        }
+        if let Some(cursor) = painted.cursor {
+            screen.set_cursor(cursor);
+        }
+        if let Some(place) = painted.typed_at {
+            screen.set_place_of_letters(place);
+        }
+    }
+
+    /// When the window has to be drawn again because of the overlay.
+    pub(super) fn overlay_due(
+        &mut self,
+        playback: &mut Playback,
+        screen: &mut dyn Screen,
+        now: Instant,
+    ) -> Option<Instant> {
+        let corner = self.corner_line(playback, now);
+        let seen = self.look_around_desk(playback, screen, now);
+        let mut content = content_of(&mut playback.scene, corner.as_deref(), self.desk.panels);
+        self.desk.add_to(&mut content, &seen, &playback.hands, &playback.listening, &playback.reports, now);
+        content.next = playback.preview.next().filter(|_| !self.desk.bare);
+        let due = self.overlay.due(&content, now);
+        // The bar goes when the pointer has rested.
+        let goes = self.pointer_rest.falls_asleep().filter(|_| seen.awake);
+        due.into_iter().chain(goes).min()
+    }
+
+    /// What the overlay needs to know of the pointer and the track.
+    fn look_around_desk(&mut self, playback: &mut Playback, screen: &mut dyn Screen, now: Instant) -> Seen {
+        let busy = self.overlay.has_pointer() || self.overlay.has_key_focus();
+        let awake = self.pointer_rest.is_awake(busy, now);
+        let (lists, shows_bar) =
+            (self.desk.panels.open() == Some(Panel::Tracks), awake && !self.desk.is_quiet());
+        let song = playback.listening.with_song(|player| {
+            // How loud the track is is not measured before the bar shows it.
+            let shape = if shows_bar { player.shape() } else { None };
+            (lists.then(|| player.playlist()), shape)
+        });
+        let (tracks, shape) = song.unwrap_or_default();
+        let song = playback.listening.present_structure().filter(|_| shows_bar);
+        let (assisted, follows) = (self.overlay.is_assisted(), playback.follows());
+        let fullscreen = screen.is_fullscreen();
+        Seen { awake, assisted, fullscreen, tracks, shape, follows, song }
+    }
+
+    /// Notes which scene is on the stage, and its place among the others.
+    fn note_scene(&mut self, playback: &mut Playback) {
+        let Some(source) = playback.scene.scenes().shown_source() else { return };
+        if self.desk.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
+            self.desk.placed_scene = Some((source.clone(), playback.scene.library().placed_name(source)));
+        }
+    }
+
+    /// The line about the scene and how it is drawn, if it is wanted.
+    fn corner_line(&self, playback: &Playback, now: Instant) -> Option<String> {
+        let wanted = self.desk.panels.corner();
+        wanted
+            .then(|| {
+                playback.scene.report().line(&playback.pace.about_pictures(now), &playback.pace.quality())
+            })
+            .flatten()
     }
 }
 

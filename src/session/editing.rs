@@ -1,6 +1,6 @@
 //! The editor of the scene on the stage: opened and closed, its keys, and what it wants of the show.
 
-use super::Session;
+use super::{Interface, Session};
 use crate::clock;
 use crate::commands::{Command, Panel};
 use crate::documents::KeptTexts;
@@ -8,18 +8,9 @@ use crate::input::Input;
 use crate::ui::editor::{Editor, EditorEvent};
 
 impl Session {
-    /// Whether keys are text of the scene.
-    pub(super) fn editor_has_focus(&self) -> bool {
-        self.is_edited() && self.desk.editor.as_ref().is_some_and(Editor::has_focus)
-    }
-
-    pub(super) fn is_edited(&self) -> bool {
-        self.desk.panels.open() == Some(Panel::Editor)
-    }
-
     /// Gives keys to an editor that is open without them; whether there is one.
     pub(super) fn gives_focus_to_editor(&mut self) -> bool {
-        let waits = self.is_edited() && !self.editor_has_focus();
+        let waits = self.interface.is_edited() && !self.interface.editor_has_focus();
         if waits {
             self.write_text(true);
         }
@@ -28,33 +19,37 @@ impl Session {
 
     /// Opens the editor on the scene's text, or notes that it is closed.
     pub(super) fn write_text(&mut self, open: bool) {
-        if open && self.desk.editor.is_none() {
-            let waker = self.waker.clone();
-            match Editor::start(self.drafts.clone(), KeptTexts::among(&self.folders), move || waker.wake()) {
-                Ok(editor) => self.desk.editor = Some(editor),
-                Err(error) => self.reports.answer(format!("there is no editor: {error}")),
+        if open && self.interface.desk.editor.is_none() {
+            let waker = self.interface.waker.clone();
+            match Editor::start(
+                self.interface.drafts.clone(),
+                KeptTexts::among(&self.interface.folders),
+                move || waker.wake(),
+            ) {
+                Ok(editor) => self.interface.desk.editor = Some(editor),
+                Err(error) => self.playback.reports.answer(format!("there is no editor: {error}")),
             }
         }
-        self.scene.library_mut().set_written(open);
+        self.playback.scene.library_mut().set_written(open);
         self.screen.allow_composing(open);
-        let Some(editor) = &mut self.desk.editor else { return };
+        let Some(editor) = &mut self.interface.desk.editor else { return };
         editor.set_focus(open);
         if !open {
             editor.close_probed();
         }
         if open {
-            editor.show_scene(self.scene.library().wanted());
+            editor.show_scene(self.playback.scene.library().wanted());
         }
         self.follow_editor();
     }
 
     /// Takes input for the editor. Returns whether it was meant for the text.
     pub(super) fn take_for_editor(&mut self, input: &Input) -> bool {
-        if !self.is_edited() {
+        if !self.interface.is_edited() {
             return false;
         }
-        let (held, begun) = (self.input.held(), clock::now());
-        let Some(editor) = &mut self.desk.editor else { return false };
+        let (held, begun) = (self.interface.input.held(), clock::now());
+        let Some(editor) = &mut self.interface.desk.editor else { return false };
         let taken = match input {
             // The overlay takes those on the editor.
             Input::PointerButton { pressed: true, .. } => {
@@ -73,13 +68,13 @@ impl Session {
             _ => return false,
         };
         self.follow_editor();
-        self.typing_times.note_taken(clock::since(begun));
+        self.interface.typing_times.note_taken(clock::since(begun));
         taken
     }
 
     /// Takes what was done in the editor.
     pub(super) fn take_editor_event(&mut self, event: EditorEvent) {
-        if let Some(editor) = &mut self.desk.editor {
+        if let Some(editor) = &mut self.interface.desk.editor {
             editor.obey(event);
         }
         self.follow_editor();
@@ -87,32 +82,43 @@ impl Session {
 
     /// Takes in what other threads have for the editor, and shows it the scene on the stage.
     pub(super) fn update_editor(&mut self) {
-        let open = self.is_edited();
-        let Some(editor) = &mut self.desk.editor else { return };
+        let open = self.interface.is_edited();
+        let Some(editor) = &mut self.interface.desk.editor else { return };
         editor.update();
         if editor.tells_mistakes() {
-            self.typing_times.note_mistake();
+            self.interface.typing_times.note_mistake();
         }
         if open {
-            editor.show_scene(self.scene.library().wanted());
+            editor.show_scene(self.playback.scene.library().wanted());
         }
         self.follow_editor();
     }
 
     /// Carries out the commands of the editor.
-    pub(crate) fn follow_editor(&mut self) {
-        let Some(editor) = &mut self.desk.editor else { return };
+    pub(super) fn follow_editor(&mut self) {
+        let Some(editor) = &mut self.interface.desk.editor else { return };
         let commands = editor.take_commands();
         // However many keys have come, the text is loaded once.
         let (reloads, others): (Vec<_>, Vec<_>) =
             commands.into_iter().partition(|command| *command == Command::ReloadScene);
         if !reloads.is_empty() {
-            self.typing_times.note_key(self.scene.scenes().shown_id(), clock::now());
+            self.interface.typing_times.note_key(self.playback.scene.scenes().shown_id(), clock::now());
         }
         self.carry_out_all(reloads.into_iter().next());
-        let is_open = self.is_edited();
+        let is_open = self.interface.is_edited();
         self.carry_out_all(
             others.into_iter().filter(|command| is_open || *command != Command::TogglePanel(Panel::Editor)),
         );
+    }
+}
+
+impl Interface {
+    /// Whether keys are text of the scene.
+    pub(super) fn editor_has_focus(&self) -> bool {
+        self.is_edited() && self.desk.editor.as_ref().is_some_and(Editor::has_focus)
+    }
+
+    pub(super) fn is_edited(&self) -> bool {
+        self.desk.panels.open() == Some(Panel::Editor)
     }
 }

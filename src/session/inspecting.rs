@@ -1,9 +1,10 @@
 //! What the editor asks about the picture: a point that was clicked, and what the lines of the text make.
 
-use super::Session;
+use super::{Interface, Playback};
 use crate::placement::{Map, led};
 use crate::probing::Prober;
 use crate::probing::Scenery;
+use crate::session::screen::Screen;
 use crate::ui::editor::Editor;
 
 /// The thread that looks into pictures, once it was needed, and how the picture lies in the window.
@@ -16,33 +17,33 @@ pub(crate) struct Probing {
     surveyed: Option<u64>,
 }
 
-impl Session {
+impl Interface {
     /// Notes how the picture lies in the window.
-    pub(super) fn note_map(&mut self, map: Map) {
+    pub(super) fn note_map(&mut self, playback: &mut Playback, map: Map) {
         self.probing.map = Some(map);
         if let Some(editor) = &mut self.desk.editor {
-            editor.set_view(map, self.scene.composer().pictures().camera());
+            editor.set_view(map, playback.scene.composer().pictures().camera());
         }
     }
 
     /// Asks what is at a place of the window, in pixels, if the editor is open.
-    pub(super) fn look_at(&mut self, place: [f64; 2]) {
+    pub(super) fn look_at(&mut self, playback: &mut Playback, screen: &mut dyn Screen, place: [f64; 2]) {
         if !self.is_edited() {
             return;
         }
-        let Some((width, height)) = self.screen.size() else { return };
+        let Some((width, height)) = screen.size() else { return };
         let share = [place[0] / f64::from(width), place[1] / f64::from(height)];
         let at = self.probing.map.and_then(|map| led(&map, share));
         let at = at.filter(|at| at.iter().all(|share| (0.0..=1.0).contains(share)));
         let Some(at) = at else { return };
-        match self.scene.composer().pictures().scenery() {
+        match playback.scene.composer().pictures().scenery() {
             Ok(scenery) => self.with_prober(|prober| prober.ask_point(scenery, at)),
             Err(reason) => self.tell_in_editor(&reason.to_string()),
         }
     }
 
     /// Takes in what was found, and asks for what the editor needs next.
-    pub(super) fn update_probing(&mut self) {
+    pub(super) fn update_probing(&mut self, playback: &mut Playback) {
         for answer in self.probing.prober.iter().flat_map(Prober::answers).collect::<Vec<_>>() {
             if let Some(editor) = &mut self.desk.editor {
                 editor.take_answer_about_the_picture(answer);
@@ -56,13 +57,13 @@ impl Session {
             self.probing.surveyed = None;
             return;
         }
-        let picture = self.scene.composer().pictures().count();
+        let picture = playback.scene.composer().pictures().count();
         let busy = self.probing.prober.as_ref().is_some_and(Prober::surveys);
         if busy || self.probing.surveyed == Some(picture) {
             return;
         }
         self.probing.surveyed = Some(picture);
-        let scenery: Option<Scenery> = self.scene.composer().pictures().scenery().ok();
+        let scenery: Option<Scenery> = playback.scene.composer().pictures().scenery().ok();
         if let Some(scenery) = scenery {
             self.with_prober(|prober| prober.ask_survey(scenery));
         }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use super::Session;
+use super::{Playback, Session};
 use crate::clock;
 use crate::config::{LastShow, PlaySettings};
 use crate::scenes::SceneSource;
@@ -76,63 +76,54 @@ impl Legacy {
 
 impl Session {
     /// Finishes what is written while the show runs.
-    pub(crate) fn leave_to_the_next(&mut self, settings: &PlaySettings) {
-        if let Some(editor) = &mut self.desk.editor {
+    pub(super) fn leave_to_the_next(&mut self, settings: &PlaySettings) {
+        if let Some(editor) = &mut self.interface.desk.editor {
             editor.finish();
         }
-        self.recording.finish(clock::now());
+        self.playback.recording.finish(clock::now());
         if settings.remembered {
             self.remember_tracks();
             let left = self.left();
-            self.write_left(left);
+            self.playback.write_left(left);
         }
     }
 
     /// Remembers a running show for the next one if it has changed, unless the user wants nothing remembered.
-    pub(crate) fn remember_show(&mut self, settings: &PlaySettings, now: Instant) {
-        if !settings.remembered || !self.listening.has_started() || !self.legacy.is_due(now) {
+    pub(super) fn remember_show(&mut self, settings: &PlaySettings, now: Instant) {
+        if !settings.remembered || !self.playback.listening.has_started() || !self.legacy.is_due(now) {
             return;
         }
         self.remember_tracks();
         let left = self.left();
-        let remembered = self.listening.settings();
+        let remembered = self.playback.listening.settings();
         let before = || Left {
             show: remembered.last_show.clone().unwrap_or_default(),
             scene: left.scene.clone(),
             sliders: remembered.sliders.get(&left.scene).cloned().unwrap_or_default(),
         };
         if self.legacy.takes(&left, before, now) {
-            self.write_left(left);
+            self.playback.write_left(left);
         }
     }
 
-    fn write_left(&mut self, Left { show, scene, sliders }: Left) {
-        self.listening.remember(move |settings| {
-            settings.last_show = Some(show.clone());
-            if sliders.is_empty() {
-                settings.sliders.remove(&scene);
-            } else {
-                settings.sliders.insert(scene.clone(), sliders.clone());
-            }
-        });
-    }
-
     fn left(&mut self) -> Left {
-        let before = self.listening.settings().last_show.clone().unwrap_or_default();
+        let before = self.playback.listening.settings().last_show.clone().unwrap_or_default();
         let fullscreen = self.screen.is_fullscreen();
         let mut show = LastShow {
             fullscreen,
             size: self.screen.size().filter(|_| !fullscreen).or(before.size),
             place: self.screen.place().or(before.place),
-            scene: name_of(self.scene.scenes().shown_source().unwrap_or(self.scene.library().wanted()))
-                .or(before.scene),
+            scene: name_of(
+                self.playback.scene.scenes().shown_source().unwrap_or(self.playback.scene.library().wanted()),
+            )
+            .or(before.scene),
             volume: before.volume,
             track: if self.choices.last_tracks { before.track } else { 0 },
             seconds: if self.choices.last_tracks { before.seconds } else { 0.0 },
             shuffled: before.shuffled,
             repeat: before.repeat,
         };
-        if let Some(status) = self.listening.with_song(|player| player.status()) {
+        if let Some(status) = self.playback.listening.with_song(|player| player.status()) {
             let remaining = status.track.duration.map(|duration| duration - status.position);
             let is_over = remaining.is_some_and(|remaining| remaining < LEFT_MIN);
             show.volume = Some(status.volume);
@@ -145,18 +136,31 @@ impl Session {
         }
         Left {
             show,
-            scene: self.scene.scenes().name().unwrap_or_default(),
-            sliders: self.scene.shown_parameters().moved(),
+            scene: self.playback.scene.scenes().name().unwrap_or_default(),
+            sliders: self.playback.scene.shown_parameters().moved(),
         }
     }
 
     /// Keeps the list of tracks of a song if it has changed.
     fn remember_tracks(&mut self) {
-        let Some(list) = self.listening.with_song(|player| player.playlist()) else { return };
+        let Some(list) = self.playback.listening.with_song(|player| player.playlist()) else { return };
         let list = Some(list).filter(|_| self.choices.last_tracks);
         if self.legacy.takes_tracks(list.as_ref().map(|list| list.revision)) {
-            self.listening.keep_tracks(list.and_then(|list| files_of(&list)));
+            self.playback.listening.keep_tracks(list.and_then(|list| files_of(&list)));
         }
+    }
+}
+
+impl Playback {
+    fn write_left(&mut self, Left { show, scene, sliders }: Left) {
+        self.listening.remember(move |settings| {
+            settings.last_show = Some(show.clone());
+            if sliders.is_empty() {
+                settings.sliders.remove(&scene);
+            } else {
+                settings.sliders.insert(scene.clone(), sliders.clone());
+            }
+        });
     }
 }
 

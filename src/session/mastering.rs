@@ -3,19 +3,67 @@
 
 use std::time::Instant;
 
-use super::Session;
+use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::commands::{MovedCorner, SetSetting};
 use crate::config::Setting;
 use crate::placement::{Area, Corners, Placement};
 use crate::scenes::SceneSource;
 use crate::session::lay::Lay;
+use crate::session::screen::Screen;
 use crate::show::Picture;
 use crate::ui::corner_hands::CornerHands;
 use crate::ui::desk_picture::{is_within, small_in};
 use crate::ui::overlay::PanelSwitches;
 
 impl Session {
+    /// Hides every word and panel until this is called again.
+    pub(super) fn toggle_clean(&mut self) {
+        self.interface.desk.bare = !self.interface.desk.bare;
+        self.screen.request_redraw();
+        if self.interface.desk.bare {
+            self.interface.desk.panels = PanelSwitches::default();
+            self.leave_panels();
+        } else {
+            self.playback.reports.answer("words and panels show again".to_owned());
+        }
+    }
+
+    /// Where the picture lies on its screen.
+    pub(super) fn placement(&self) -> Placement {
+        self.choices.stage.placement()
+    }
+
+    /// Lets the corners be moved, or no longer.
+    pub(super) fn show_corners(&mut self, open: bool) {
+        if !open && self.interface.desk.corners.is_some() {
+            // One may still be held.
+            let setting = Setting::Corners(self.choices.stage.corners);
+            self.change_setting(SetSetting { setting, settled: true });
+        }
+        self.interface.desk.corners = open.then(|| CornerHands::new(self.choices.stage.corners));
+        self.screen.request_redraw();
+    }
+
+    /// Moves a corner of the picture to a place of its screen, and remembers it once that is settled. A place at which
+    /// nothing could be drawn is left out.
+    pub(super) fn move_corner(&mut self, MovedCorner { corner, place, settled }: MovedCorner) {
+        // Finer than a pixel is no use to anybody.
+        let place = place.map(|share| (share * 1e4).round() / 1e4);
+        let before = self.choices.stage.corners;
+        self.set_corners(before.with(corner, place).unwrap_or(before), corner, settled);
+    }
+
+    /// Sets all corners, of which one is selected, and remembers them once they are settled.
+    pub(super) fn set_corners(&mut self, corners: Corners, selected: usize, settled: bool) {
+        if let Some(hands) = &mut self.interface.desk.corners {
+            hands.take(selected, corners);
+        }
+        self.change_setting(SetSetting { setting: Setting::Corners(corners), settled });
+    }
+}
+
+impl Playback {
     /// Lets the picture fade to black, or come back.
     pub(crate) fn toggle_blackout(&mut self) {
         let words = match self.masters.toggle_blackout(clock::now()) {
@@ -70,18 +118,6 @@ impl Session {
         self.pace.shown().is_some() && self.masters.gain(now) != self.renderer.gain()
     }
 
-    /// Hides every word and panel until this is called again.
-    pub(crate) fn toggle_clean(&mut self) {
-        self.desk.bare = !self.desk.bare;
-        self.screen.request_redraw();
-        if self.desk.bare {
-            self.desk.panels = PanelSwitches::default();
-            self.leave_panels();
-        } else {
-            self.reports.answer("words and panels show again".to_owned());
-        }
-    }
-
     /// All scenes in the order of their numbers: marked ones first.
     pub(super) fn numbered_scenes(&self) -> Vec<SceneSource> {
         let marks = &self.listening.settings().favourite_scenes;
@@ -102,51 +138,20 @@ impl Session {
             }
         }
     }
+}
 
-    /// Where the picture lies on its screen.
-    pub(super) fn placement(&self) -> Placement {
-        self.choices.stage.placement()
-    }
-
-    /// Lets the corners be moved, or no longer.
-    pub(super) fn show_corners(&mut self, open: bool) {
-        if !open && self.desk.corners.is_some() {
-            // One may still be held.
-            let setting = Setting::Corners(self.choices.stage.corners);
-            self.change_setting(SetSetting { setting, settled: true });
-        }
-        self.desk.corners = open.then(|| CornerHands::new(self.choices.stage.corners));
-        self.screen.request_redraw();
-    }
-
-    /// Moves a corner of the picture to a place of its screen, and remembers it once that is settled. A place at which
-    /// nothing could be drawn is left out.
-    pub(super) fn move_corner(&mut self, MovedCorner { corner, place, settled }: MovedCorner) {
-        // Finer than a pixel is no use to anybody.
-        let place = place.map(|share| (share * 1e4).round() / 1e4);
-        let before = self.choices.stage.corners;
-        self.set_corners(before.with(corner, place).unwrap_or(before), corner, settled);
-    }
-
-    /// Sets all corners, of which one is selected, and remembers them once they are settled.
-    pub(super) fn set_corners(&mut self, corners: Corners, selected: usize, settled: bool) {
-        if let Some(hands) = &mut self.desk.corners {
-            hands.take(selected, corners);
-        }
-        self.change_setting(SetSetting { setting: Setting::Corners(corners), settled });
-    }
-
+impl Interface {
     /// Where in the window of `size` pixels the picture lies: as large as it can, or small beside the panels while an output
     /// shows it. It is large there, too, while its corners are moved, and where nothing else is to be seen.
-    pub(super) fn note_area(&mut self, lay: &Lay, size: (u32, u32)) -> Area {
-        let is_small = self.screen.has_output() && !self.desk.bare && self.desk.corners.is_none();
+    pub(super) fn note_area(&mut self, screen: &mut dyn Screen, lay: &Lay, size: (u32, u32)) -> Area {
+        let is_small = screen.has_output() && !self.desk.bare && self.desk.corners.is_none();
         self.desk.picture = is_small.then(|| small_in(size, lay.screen));
         self.desk.picture.unwrap_or_else(|| lay.area_in(size))
     }
 
     /// Whether what the pointer does at a place of the window, in pixels, is meant for the picture.
-    pub(super) fn is_for_picture(&self, place: [f64; 2]) -> bool {
-        let size = self.screen.size().unwrap_or_default();
+    pub(super) fn is_for_picture(&self, screen: &dyn Screen, place: [f64; 2]) -> bool {
+        let size = screen.size().unwrap_or_default();
         self.desk.picture.is_none_or(|area| is_within(area, size, place))
     }
 }

@@ -91,44 +91,64 @@ const IDLE_INTERVAL: Duration = Duration::from_millis(250);
 /// How often it does so while it waits for a sound that it could show.
 const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
 
-/// Everything that lives as long as the window.
+/// See the module.
 pub(crate) struct Session {
-    listening: Listening,
-    renderer: Renderer,
-    pub(crate) scene: SceneSession,
-    direction: Direction,
-    /// Chooses scenes while an input is listened to.
-    live: Option<LiveDirector>,
-    cues: Cues,
-    pace: DrawingPace,
-    /// Brightness, blackout, and whether the picture is held.
-    masters: Masters,
-    /// Where pictures are sent.
-    feeds: Feeds,
-    /// The scene that comes next, for the desk.
-    preview: Preview,
-    reports: Reports,
-    /// What is recorded of the show.
-    recording: Recording,
-    hands: Hands,
-    input: UserInput,
-    pointer_rest: PointerRest,
-    /// What was done in panels during the last picture.
-    ui_events: Vec<UiEvent>,
-    pub(crate) desk: Desk,
-    /// Texts that are edited, for those that load scenes.
-    drafts: Drafts,
-    /// What looks into pictures for the editor.
-    probing: inspecting::Probing,
-    /// How long keys of the editor took.
-    typing_times: TypingTimes,
+    playback: Playback,
+    interface: Interface,
     /// What was chosen, for this run.
     choices: Choices,
     /// Whether the command line says what songs play on.
     names_output: bool,
     /// Whether an output was chosen since the start.
     chose_output: bool,
+    /// When the words of a window without a picture were last shown, and in which size.
+    waited: Option<(Instant, (u32, u32))>,
+    /// The state that was written for the next show.
+    legacy: leaving::Legacy,
+    // Last: everything above that holds OpenGL objects is dropped first.
+    screen: Box<dyn Screen>,
+}
+
+/// What is heard and seen, whoever controls it: the sound, the scenes with their show, and the pictures.
+pub(crate) struct Playback {
+    listening: Listening,
+    scene: SceneSession,
+    direction: Direction,
+    /// Chooses scenes while an input is listened to.
+    live: Option<LiveDirector>,
+    cues: Cues,
+    /// Controllers: MIDI, OSC and phones.
+    hands: Hands,
+    renderer: Renderer,
     shaders: ShaderLibrary,
+    pace: DrawingPace,
+    /// Brightness, blackout, and whether the picture is held.
+    masters: Masters,
+    /// How long after nothing the first picture is shown, until the limiter of flashes has taken it.
+    first_shown_after: Option<f64>,
+    /// The scene that comes next, as a small picture.
+    preview: Preview,
+    /// Where pictures are sent.
+    feeds: Feeds,
+    /// What is recorded of the show.
+    recording: Recording,
+    reports: Reports,
+}
+
+/// What a user has in front of him: panels, the pointer, the editor.
+pub(crate) struct Interface {
+    overlay: Overlay,
+    desk: Desk,
+    input: UserInput,
+    pointer_rest: PointerRest,
+    /// What was done in panels during the last picture.
+    ui_events: Vec<UiEvent>,
+    /// Texts that are edited, for those that load scenes.
+    drafts: Drafts,
+    /// What looks into pictures for the editor.
+    probing: inspecting::Probing,
+    /// How long keys of the editor took.
+    typing_times: TypingTimes,
     /// What finds the pictures of the list of scenes.
     thumbnails: Option<Thumbnails>,
     /// When to request thumbnails of the folder's scenes; `None` once requested.
@@ -138,18 +158,180 @@ pub(crate) struct Session {
     /// Where things of the user are kept.
     folders: Folders,
     waker: Waker,
-    overlay: Overlay,
-    /// When the words of a window without a picture were last shown, and in which size.
-    waited: Option<(Instant, (u32, u32))>,
-    /// How long after nothing the first picture is shown, until the limiter of flashes has taken it.
-    first_shown_after: Option<f64>,
-    /// The state that was written for the next show.
-    legacy: leaving::Legacy,
-    // Last: everything above that holds OpenGL objects is dropped first.
-    pub(crate) screen: Box<dyn Screen>,
 }
 
 impl Session {
+    /// Takes input. Returns the command that a key or the mouse sends, if no panel takes it.
+    pub(crate) fn take(&mut self, input: &Input) -> Option<Command> {
+        self.interface.pointer_rest.take(input, clock::now());
+        if self.interface.overlay.on_input(input) {
+            return None;
+        }
+        if self.take_for_editor(input) || self.take_for_panels(input) {
+            return None;
+        }
+        self.interface.input.take(input, clock::now())
+    }
+
+    /// Hands a key to the panel that is open. Returns whether it was meant for it.
+    fn take_for_panels(&mut self, input: &Input) -> bool {
+        let Some((key, held)) = self.interface.input.typed(input) else { return false };
+        let command_key = held.control_key() || held.super_key();
+        if let Some(browser) = &mut self.interface.desk.browser {
+            let commands = browser.take_key(key, command_key);
+            self.carry_out_all(commands);
+            return true;
+        }
+        if let Some(files) = &mut self.interface.desk.files {
+            let commands = files.take_key(key, held.shift_key(), command_key);
+            self.carry_out_all(commands);
+            return true;
+        }
+        if self.interface.go_through_controls(&mut *self.screen, key, held) {
+            return true;
+        }
+        let of_settings = self.interface.desk.settings.as_mut().map(|settings| settings.take_key(key));
+        let taken = of_settings.filter(|(taken, _)| *taken);
+        let taken = taken.or_else(|| self.interface.desk.hands.as_mut().map(|hands| hands.take_key(key)));
+        if let Some((true, command)) = taken {
+            self.carry_out_all(command);
+            return true;
+        }
+        let of_corners =
+            self.interface.desk.corners.as_mut().and_then(|hands| hands.take_key(key, held.shift_key()));
+        let taken = of_corners.is_some();
+        self.carry_out_all(of_corners.flatten());
+        taken
+    }
+
+    /// Title and messages. Returns whether a song that plays once is over.
+    ///
+    /// # Errors
+    /// The only song cannot be played on.
+    pub(super) fn look_at_status(&mut self, settings: &PlaySettings) -> Result<bool, SessionError> {
+        if !self.playback.reports.is_due(clock::now()) {
+            return Ok(false);
+        }
+        for complaint in self.playback.listening.take_complaints() {
+            self.playback.reports.say(complaint);
+        }
+        if let Some(live) = self.playback.listening.live_status() {
+            let paused = self.playback.listening.is_paused();
+            self.playback.reports.look_at_input(&live, paused);
+            self.playback.set_title(
+                &mut *self.screen,
+                live_title(&live, self.playback.scene.report().notes(), paused),
+            );
+            return Ok(false);
+        }
+        let Some(status) = self.playback.listening.song_status() else { return Ok(false) };
+        let silence_asked = settings.silent && !self.chose_output;
+        self.playback.reports.tell_silence(&status, silence_asked);
+        if let (true, true, 1, Some(error)) =
+            (status.ended, settings.once, status.track.count, &status.troubles.last)
+        {
+            return Err(SessionError::SongLost(error.clone()));
+        }
+        self.playback.reports.look(
+            &status,
+            self.playback.listening.has_started(),
+            self.screen.is_fullscreen(),
+        );
+        self.playback.set_title(
+            &mut *self.screen,
+            title(self.playback.scene.report().notes(), &status, silence_asked),
+        );
+        Ok(status.ended && settings.once)
+    }
+
+    /// Takes in what other threads have finished, requests a picture if one is due, and returns when to look again if
+    /// nothing happens before.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn look_around(&mut self) -> Result<Instant, SessionError> {
+        let dropped = self.interface.input.take_dropped();
+        if !dropped.is_empty() {
+            let append =
+                self.interface.input.shift_held() || self.interface.desk.panels.open() == Some(Panel::Tracks);
+            self.interface.open_files(&mut self.playback, Files { files: dropped, append });
+        }
+        self.playback.scene.update()?;
+        self.update_editor();
+        self.interface.update_probing(&mut self.playback);
+        self.interface.update_thumbnails(&mut self.playback);
+        if let Some(files) = &mut self.interface.desk.files {
+            files.update();
+        }
+        self.update_settings();
+        self.interface.update_hands(&mut self.playback);
+        self.playback.tell_recording();
+        let now = clock::now();
+        self.playback.reports.update(now);
+        for sentence in self.screen.update() {
+            self.playback.reports.say(sentence);
+        }
+        let to_send = self.playback.send(&mut *self.screen, now)?;
+        let edited = self.playback.scene.saves_samples(now);
+        // A picture that was begun is not begun again because the text rests.
+        if edited || !self.playback.scene.composer().is_drawing() {
+            self.playback.pace.set_edited(edited);
+        }
+        if let Some(until) = self.playback.scene.awaits_edit(now)
+            && self
+                .interface
+                .overlay_due(&mut self.playback, &mut *self.screen, now)
+                .is_none_or(|due| due > now)
+        {
+            return Ok(until);
+        }
+        if self.playback.scene.composer().is_drawing() {
+            return Ok(now);
+        }
+        self.playback.scene.rehearse(&mut self.playback.renderer);
+        let overlay_due = self
+            .interface
+            .overlay_due(&mut self.playback, &mut *self.screen, now)
+            .filter(|_| self.screen.shows_words());
+        let moment = self.playback.moment();
+        self.playback.direct(moment);
+        let moves = self.playback.pace.note_wanted(moment, self.playback.scene.revision(), now);
+        if self.playback.holds_picture() {
+            self.playback.record_again(now);
+        }
+        // A picture that is held changes no more.
+        let changes =
+            (moves || self.playback.could_be_better(&*self.screen, now)) && !self.playback.holds_picture();
+        let moving = changes
+            || self.playback.is_dimming(now)
+            || self.screen.is_stale()
+            || overlay_due.is_some_and(|due| due <= now);
+        // The first picture starts the song, seen or not.
+        let seen =
+            self.screen.is_seen() || self.playback.pace.shown().is_none() || self.playback.feeds.are_any();
+        if !moving || !seen {
+            // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
+            // any time.
+            if seen {
+                self.update_preview(now, None)?;
+            }
+            let idle = now + self.playback.idle_interval(seen);
+            Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
+        } else if now >= self.playback.pace.due(self.playback.hands.are_unseen())
+            || self.playback.scene.composer().has_regions()
+        {
+            self.update_preview(now, Some(Duration::ZERO))?;
+            self.screen.request_redraw();
+            Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
+        } else {
+            let due = self.playback.pace.due(self.playback.hands.are_unseen());
+            self.update_preview(now, Some(due.saturating_duration_since(now)))?;
+            Ok(to_send.map_or(due, |sends| sends.min(due)))
+        }
+    }
+}
+
+impl Playback {
     /// Pauses the sound or lets it run.
     pub(crate) fn set_paused(&mut self, paused: bool) {
         self.listening.want_paused(paused);
@@ -164,7 +346,7 @@ impl Session {
     }
 
     /// Changes the volume of the song or whether it is muted, and tells how loud it is then.
-    pub(crate) fn change_volume(&mut self, act: impl FnOnce(&mut Player)) {
+    pub(super) fn change_volume(&mut self, act: impl FnOnce(&mut Player)) {
         let after = self.listening.with_song(|player| {
             act(player);
             let status = player.status();
@@ -182,9 +364,9 @@ impl Session {
     }
 
     /// Shows where in the track we are.
-    pub(crate) fn answer_position(&mut self) {
+    pub(crate) fn answer_position(&mut self, screen: &mut dyn Screen) {
         // What was done a moment ago shows at once.
-        self.note_playing();
+        self.note_playing(screen);
         self.reports.answer_position();
     }
 
@@ -194,7 +376,7 @@ impl Session {
         self.answer(words);
     }
 
-    fn answer(&mut self, words: Option<String>) {
+    pub(super) fn answer(&mut self, words: Option<String>) {
         if let Some(words) = words {
             self.reports.answer(words);
         }
@@ -202,64 +384,60 @@ impl Session {
 
     /// Shows the next view or the one before. Its colours stand for numbers, so the change must not be dimmed as a
     /// flash. The key does not repeat: only single presses by hand escape the limiter.
-    pub(crate) fn go_view(&mut self, forward: bool) {
+    pub(super) fn go_view(&mut self, forward: bool) {
         self.scene.go_view(forward);
         self.renderer.forget_flashes();
     }
 
+    /// The next command of media keys and the desktop, if any.
+    pub(crate) fn command_of_desktop(&self) -> Option<Command> {
+        self.reports.command_of_desktop()
+    }
+
+    /// Looks at the state of the sound at once, because something was changed.
+    pub(super) fn hurry_reports(&mut self) {
+        self.reports.hurry();
+    }
+
+    /// Notes what plays at this moment.
+    fn note_playing(&mut self, screen: &mut dyn Screen) {
+        let fullscreen = screen.is_fullscreen();
+        if let Some(live) = self.listening.live_status() {
+            self.reports.look_at_input(&live, self.listening.is_paused());
+        } else if let Some(status) = self.listening.song_status() {
+            self.reports.look(&status, self.listening.has_started(), fullscreen);
+        }
+    }
+
+    fn set_title(&mut self, screen: &mut dyn Screen, title: String) {
+        if let Some(title) = self.reports.changed_title(title) {
+            screen.set_title(title);
+        }
+    }
+
+    /// How long a show that stands still sleeps: in silence it listens.
+    fn idle_interval(&self, seen: bool) -> Duration {
+        if seen && !self.listening.is_paused() { LISTEN_INTERVAL } else { IDLE_INTERVAL }
+    }
+
+    /// How long frames took, for the log.
+    pub(super) fn frame_times(&self) -> &FrameTimes {
+        self.pace.times()
+    }
+}
+
+impl Interface {
     /// Enters full screen or leaves it.
-    pub(crate) fn toggle_fullscreen(&mut self) {
-        let full = !self.screen.is_fullscreen();
-        self.screen.set_fullscreen(full);
+    pub(super) fn toggle_fullscreen(&mut self, screen: &mut dyn Screen) {
+        let full = !screen.is_fullscreen();
+        screen.set_fullscreen(full);
         if full {
             self.pointer_rest.sleep();
         }
     }
 
-    /// Takes input. Returns the command that a key or the mouse sends, if no panel takes it.
-    pub(crate) fn take(&mut self, input: &Input) -> Option<Command> {
-        self.pointer_rest.take(input, clock::now());
-        if self.overlay.on_input(input) {
-            return None;
-        }
-        if self.take_for_editor(input) || self.take_for_panels(input) {
-            return None;
-        }
-        self.input.take(input, clock::now())
-    }
-
-    /// Hands a key to the panel that is open. Returns whether it was meant for it.
-    fn take_for_panels(&mut self, input: &Input) -> bool {
-        let Some((key, held)) = self.input.typed(input) else { return false };
-        let command_key = held.control_key() || held.super_key();
-        if let Some(browser) = &mut self.desk.browser {
-            let commands = browser.take_key(key, command_key);
-            self.carry_out_all(commands);
-            return true;
-        }
-        if let Some(files) = &mut self.desk.files {
-            let commands = files.take_key(key, held.shift_key(), command_key);
-            self.carry_out_all(commands);
-            return true;
-        }
-        if self.go_through_controls(key, held) {
-            return true;
-        }
-        let of_settings = self.desk.settings.as_mut().map(|settings| settings.take_key(key));
-        let taken = of_settings.filter(|(taken, _)| *taken);
-        let taken = taken.or_else(|| self.desk.hands.as_mut().map(|hands| hands.take_key(key)));
-        if let Some((true, command)) = taken {
-            self.carry_out_all(command);
-            return true;
-        }
-        let of_corners = self.desk.corners.as_mut().and_then(|hands| hands.take_key(key, held.shift_key()));
-        let taken = of_corners.is_some();
-        self.carry_out_all(of_corners.flatten());
-        taken
-    }
-
     /// Passes a key to the controls if they have the focus or get it; returns `true` if the key was used.
-    fn go_through_controls(&mut self, key: &Key, held: Modifiers) -> bool {
+    fn go_through_controls(&mut self, screen: &mut dyn Screen, key: &Key, held: Modifiers) -> bool {
         let begins = *key == Key::Named(NamedKey::Tab)
             && (held.shift_key() || self.overlay.is_assisted())
             && self.desk.corners.is_none();
@@ -271,160 +449,19 @@ impl Session {
         if taken {
             // Shows the bar. It stays while it has the focus.
             self.pointer_rest.wake(clock::now());
-            self.screen.request_redraw();
+            screen.request_redraw();
         }
         taken
     }
 
     /// Does what assistive technology asks for, before anything else is drawn.
-    pub(crate) fn assist(&mut self, assistance: Assistance) {
+    pub(super) fn assist(&mut self, screen: &mut dyn Screen, assistance: Assistance) {
         self.overlay.assist(assistance);
-        self.screen.request_redraw();
-    }
-
-    /// The next command of media keys and the desktop, if any.
-    pub(crate) fn command_of_desktop(&self) -> Option<Command> {
-        self.reports.command_of_desktop()
-    }
-
-    /// Looks at the state of the sound at once, because something was changed.
-    pub(crate) fn hurry_reports(&mut self) {
-        self.reports.hurry();
-    }
-
-    /// Title and messages. Returns whether a song that plays once is over.
-    ///
-    /// # Errors
-    /// The only song cannot be played on.
-    pub(crate) fn look_at_status(&mut self, settings: &PlaySettings) -> Result<bool, SessionError> {
-        if !self.reports.is_due(clock::now()) {
-            return Ok(false);
-        }
-        for complaint in self.listening.take_complaints() {
-            self.reports.say(complaint);
-        }
-        if let Some(live) = self.listening.live_status() {
-            let paused = self.listening.is_paused();
-            self.reports.look_at_input(&live, paused);
-            self.set_title(live_title(&live, self.scene.report().notes(), paused));
-            return Ok(false);
-        }
-        let Some(status) = self.listening.song_status() else { return Ok(false) };
-        let silence_asked = settings.silent && !self.chose_output;
-        self.reports.tell_silence(&status, silence_asked);
-        if let (true, true, 1, Some(error)) =
-            (status.ended, settings.once, status.track.count, &status.troubles.last)
-        {
-            return Err(SessionError::SongLost(error.clone()));
-        }
-        self.reports.look(&status, self.listening.has_started(), self.screen.is_fullscreen());
-        self.set_title(title(self.scene.report().notes(), &status, silence_asked));
-        Ok(status.ended && settings.once)
-    }
-
-    /// Notes what plays at this moment.
-    fn note_playing(&mut self) {
-        let fullscreen = self.screen.is_fullscreen();
-        if let Some(live) = self.listening.live_status() {
-            self.reports.look_at_input(&live, self.listening.is_paused());
-        } else if let Some(status) = self.listening.song_status() {
-            self.reports.look(&status, self.listening.has_started(), fullscreen);
-        }
-    }
-
-    fn set_title(&mut self, title: String) {
-        if let Some(title) = self.reports.changed_title(title) {
-            self.screen.set_title(title);
-        }
-    }
-
-    /// Takes in what other threads have finished, requests a picture if one is due, and returns when to look again if
-    /// nothing happens before.
-    ///
-    /// # Errors
-    /// What the driver refuses.
-    pub(crate) fn look_around(&mut self) -> Result<Instant, SessionError> {
-        let dropped = self.input.take_dropped();
-        if !dropped.is_empty() {
-            let append = self.input.shift_held() || self.desk.panels.open() == Some(Panel::Tracks);
-            self.open_files(Files { files: dropped, append });
-        }
-        self.scene.update()?;
-        self.update_editor();
-        self.update_probing();
-        self.update_thumbnails();
-        if let Some(files) = &mut self.desk.files {
-            files.update();
-        }
-        self.update_settings();
-        self.update_hands();
-        self.tell_recording();
-        let now = clock::now();
-        self.reports.update(now);
-        for sentence in self.screen.update() {
-            self.reports.say(sentence);
-        }
-        let to_send = self.send(now)?;
-        let edited = self.scene.saves_samples(now);
-        // A picture that was begun is not begun again because the text rests.
-        if edited || !self.scene.composer().is_drawing() {
-            self.pace.set_edited(edited);
-        }
-        if let Some(until) = self.scene.awaits_edit(now)
-            && self.overlay_due(now).is_none_or(|due| due > now)
-        {
-            return Ok(until);
-        }
-        if self.scene.composer().is_drawing() {
-            return Ok(now);
-        }
-        self.scene.rehearse(&mut self.renderer);
-        let overlay_due = self.overlay_due(now).filter(|_| self.screen.shows_words());
-        let moment = self.moment();
-        self.direct(moment);
-        let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
-        if self.holds_picture() {
-            self.record_again(now);
-        }
-        // A picture that is held changes no more.
-        let changes = (moves || self.could_be_better(now)) && !self.holds_picture();
-        let moving = changes
-            || self.is_dimming(now)
-            || self.screen.is_stale()
-            || overlay_due.is_some_and(|due| due <= now);
-        // The first picture starts the song, seen or not.
-        let seen = self.screen.is_seen() || self.pace.shown().is_none() || self.feeds.are_any();
-        if !moving || !seen {
-            // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
-            // any time.
-            if seen {
-                self.update_preview(now, None)?;
-            }
-            let idle = now + self.idle_interval(seen);
-            Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
-        } else if now >= self.pace.due(self.hands.are_unseen()) || self.scene.composer().has_regions() {
-            self.update_preview(now, Some(Duration::ZERO))?;
-            self.screen.request_redraw();
-            Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
-        } else {
-            let due = self.pace.due(self.hands.are_unseen());
-            self.update_preview(now, Some(due.saturating_duration_since(now)))?;
-            Ok(to_send.map_or(due, |sends| sends.min(due)))
-        }
-    }
-
-    /// How long a show that stands still sleeps: in silence it listens.
-    fn idle_interval(&self, seen: bool) -> Duration {
-        if seen && !self.listening.is_paused() { LISTEN_INTERVAL } else { IDLE_INTERVAL }
+        screen.request_redraw();
     }
 
     /// How long keys of the editor took to be seen, for the log.
-    pub(crate) fn typing_times(&self) -> &TypingTimes {
+    pub(super) fn typing_times(&self) -> &TypingTimes {
         &self.typing_times
-    }
-
-    /// How long frames took, for the log.
-    pub(crate) fn frame_times(&self) -> &FrameTimes {
-        self.pace.times()
     }
 }

@@ -2,15 +2,15 @@
 
 use std::time::Instant;
 
-use super::Session;
+use super::Playback;
 use crate::clock;
 use crate::session::scene::Performed;
 use crate::show::Finish;
 use mariana_player::Moment;
 
-impl Session {
+impl Playback {
     /// Begins to record what hands do, or ends that.
-    pub(crate) fn toggle_recording(&mut self) {
+    pub(super) fn toggle_recording(&mut self) {
         let begins = self.recording.toggle(clock::now());
         if let Some(shown) = self.pace.shown().filter(|_| begins) {
             self.record(shown.moment, clock::now());
@@ -26,7 +26,7 @@ impl Session {
     }
 
     /// Whether it is recorded what hands do.
-    pub(crate) fn is_recording(&self) -> bool {
+    pub(super) fn is_recording(&self) -> bool {
         self.recording.is_on()
     }
 
@@ -60,7 +60,7 @@ impl Session {
     }
 
     /// What is done to the whole picture that was begun at `begun`.
-    fn finish(&self, begun: Instant) -> Finish {
+    pub(super) fn finish(&self, begun: Instant) -> Finish {
         let share = if self.holds_picture() { 1.0 } else { self.scene.composer().fading().share_held() };
         let is_shown = self.masters.are_idle(begun) && (share == 0.0 || self.masters.is_held_by_show());
         Finish { numbers: [self.masters.gain(begun), share], is_shown }

@@ -7,11 +7,11 @@
 
 use std::sync::Arc;
 
-use super::Session;
 use super::desk::Desk;
 use super::drawing::paint_waiting;
 use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
+use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::config::{Choices, DEFAULT_DEVICE, Folders, Memory, PerformanceFiles, PlaySettings};
 use crate::export::painter::SceneChoice;
@@ -163,39 +163,45 @@ impl Opening<'_> {
         let direction = Direction::start(file, follow, settings.names_scene, move || of_shows.wake())
             .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })?;
         let brightness = f32::from(choices.stage.brightness) / 100.0;
-        Ok(Session {
+        let playback = Playback {
             listening: Listening::new(sound, songs),
-            renderer,
             scene,
             direction,
             live: None,
             cues: Default::default(),
-            pace: DrawingPace::new(choices.quality, fps, screen.gl().info().software, now),
-            feeds: Feeds::of(sends),
-            preview: Preview::new(),
-            masters: Masters::new(brightness, choices.stage.blackout_fade),
-            reports: Reports::new(announcer, desktop(position), now),
-            recording: Recording::new(PerformanceFiles::among(&folders)),
             hands: Hands::start(&settings.hands, &folders, waker),
+            renderer,
+            shaders: choice.shaders.clone(),
+            pace: DrawingPace::new(choices.quality, fps, screen.gl().info().software, now),
+            masters: Masters::new(brightness, choices.stage.blackout_fade),
+            first_shown_after: None,
+            preview: Preview::new(),
+            feeds: Feeds::of(sends),
+            recording: Recording::new(PerformanceFiles::among(&folders)),
+            reports: Reports::new(announcer, desktop(position), now),
+        };
+        let interface = Interface {
+            overlay,
+            desk: Desk::new(!choices.hints),
             input: UserInput::default(),
             pointer_rest: PointerRest::default(),
             ui_events: Vec::new(),
+            drafts,
+            probing: Default::default(),
+            typing_times: Default::default(),
             thumbnails: None,
             thumbnails_ahead: (!settings.wallpaper).then(|| thumbnails_ahead_at(now)),
             last_folder: None,
             folders,
             waker: waker.clone(),
-            desk: Desk::new(!choices.hints),
-            drafts,
-            probing: Default::default(),
-            typing_times: Default::default(),
+        };
+        Ok(Session {
+            playback,
+            interface,
             choices,
             names_output: settings.device.is_some() || settings.silent,
             chose_output: false,
-            shaders: choice.shaders.clone(),
-            overlay,
             waited: None,
-            first_shown_after: None,
             legacy: Default::default(),
             screen,
         })
@@ -241,19 +247,21 @@ fn renderer(gl: &Gl, choices: &Choices, scene: &SceneChoice) -> Result<Renderer,
 ///
 /// # Errors
 /// The driver gives no other context.
-pub(crate) fn renewed(
-    mut stage: Session,
+pub(super) fn renewed(
+    session: Session,
     settings: &PlaySettings,
     scene: &SceneChoice,
     waker: &Waker,
 ) -> Result<Session, SessionError> {
-    let Session { overlay, renderer: old_renderer, scene: old_scene, screen, .. } = stage;
+    let Session { playback, interface, screen, .. } = session;
+    let Playback { renderer: old_renderer, scene: old_scene, mut feeds, mut reports, .. } = playback;
+    let Interface { overlay, .. } = interface;
     // What was made in the context is dropped while it is current: in the next one its names mean something else.
     let assisted = overlay.is_assisted();
     drop(overlay);
     drop(old_renderer);
-    stage.feeds.let_go();
-    stage.preview = Preview::new();
+    feeds.let_go();
+    drop(playback.preview);
     let kept = old_scene.let_go();
     let Some(shown) = kept.shown else {
         return Err(GpuError::ContextLost { doing: "preparing the first scene" }.into());
@@ -275,13 +283,16 @@ pub(crate) fn renewed(
         overlay.assist(Assistance::Begins);
     }
     scenes.take_over(kept.hands, kept.wanted);
-    stage.reports.answer("the driver had lost the picture: it is drawn anew".to_owned());
-    Ok(Session {
-        renderer: renderer(screen.gl(), &stage.choices, scene)?,
+    reports.answer("the driver had lost the picture: it is drawn anew".to_owned());
+    let playback = Playback {
+        renderer: renderer(screen.gl(), &session.choices, scene)?,
         scene: scenes,
-        overlay,
-        pace: stage.pace.renewed(clock::now()),
-        screen,
-        ..stage
-    })
+        pace: playback.pace.renewed(clock::now()),
+        preview: Preview::new(),
+        feeds,
+        reports,
+        ..playback
+    };
+    let interface = Interface { overlay, ..interface };
+    Ok(Session { playback, interface, screen, ..session })
 }

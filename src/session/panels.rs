@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::Session;
+use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::commands::{Command, Files, Panel};
 use crate::limits::LIMITS;
@@ -21,54 +21,32 @@ pub(super) fn thumbnails_ahead_at(now: Instant) -> Instant {
 
 impl Session {
     /// Opens a panel instead of the one that is open, or closes it.
-    pub(crate) fn toggle_panel(&mut self, panel: Panel) {
+    pub(super) fn toggle_panel(&mut self, panel: Panel) {
         if panel == Panel::Editor && self.gives_focus_to_editor() {
             return;
         }
-        self.desk.panels.toggle(panel);
+        self.interface.desk.panels.toggle(panel);
         // Keys act on the panel.
-        self.overlay.drop_key_focus();
-        self.write_text(self.desk.panels.open() == Some(Panel::Editor));
-        if self.desk.panels.open() == Some(Panel::Sources) {
-            self.listening.show_sources();
+        self.interface.overlay.drop_key_focus();
+        self.write_text(self.interface.desk.panels.open() == Some(Panel::Editor));
+        if self.interface.desk.panels.open() == Some(Panel::Sources) {
+            self.playback.listening.show_sources();
         }
-        self.look_through_scenes(self.desk.panels.open() == Some(Panel::Scenes));
-        self.look_through_files(self.desk.panels.open() == Some(Panel::Files));
-        self.show_settings(self.desk.panels.open() == Some(Panel::Settings));
-        self.show_hands(self.desk.panels.open() == Some(Panel::Controllers));
-        self.show_corners(self.desk.panels.open() == Some(Panel::Corners));
-    }
-
-    /// Whether keys are text at present.
-    pub(crate) fn takes_text(&self) -> bool {
-        self.desk.browser.is_some() || self.desk.files.is_some() || self.editor_has_focus()
-    }
-
-    /// Opens the list of files, or closes it.
-    fn look_through_files(&mut self, open: bool) {
-        self.desk.files = None;
-        if !open {
-            return;
-        }
-        let waker = self.waker.clone();
-        let folder = self.last_folder.clone().or_else(|| self.folder_of_track());
-        match FileBrowser::start(folder, move || waker.wake()) {
-            Ok(files) => self.desk.files = Some(files),
-            Err(error) => self.reports.answer(format!("folders cannot be read: {error}")),
-        }
-    }
-
-    /// The folder of the track that plays, if it is a file.
-    fn folder_of_track(&mut self) -> Option<PathBuf> {
-        let entry = self.reports.playing().place.0;
-        let tracks = self.listening.with_song(|player| player.playlist())?;
-        let file = tracks.entries.get(entry)?.file.as_deref()?;
-        std::path::absolute(file).ok()?.parent().map(Path::to_owned)
+        self.interface.look_through_scenes(
+            &mut self.playback,
+            self.interface.desk.panels.open() == Some(Panel::Scenes),
+        );
+        self.interface
+            .look_through_files(&mut self.playback, self.interface.desk.panels.open() == Some(Panel::Files));
+        self.show_settings(self.interface.desk.panels.open() == Some(Panel::Settings));
+        self.interface
+            .show_hands(&mut self.playback, self.interface.desk.panels.open() == Some(Panel::Controllers));
+        self.show_corners(self.interface.desk.panels.open() == Some(Panel::Corners));
     }
 
     /// Takes what was done in the list of files, and carries out what it asks for.
     fn take_file_event(&mut self, event: FileListEvent) {
-        let Some(files) = &mut self.desk.files else { return };
+        let Some(files) = &mut self.interface.desk.files else { return };
         let commands = match event {
             FileListEvent::Open { place, append } => files.open(place, append),
             FileListEvent::OpenFolder { append } => files.open_folder(append),
@@ -85,31 +63,114 @@ impl Session {
         self.carry_out_all(commands);
     }
 
+    /// Takes what was done in the list of scenes, and carries out what it asks for.
+    fn take_scene_event(&mut self, event: SceneListEvent) {
+        let Some(browser) = &mut self.interface.desk.browser else { return };
+        let commands = match event {
+            SceneListEvent::Show { place, close } => browser.show(place, close),
+            SceneListEvent::Mark(place) => browser.mark(place),
+            SceneListEvent::Drawn { places, columns } => {
+                if let Some(thumbnails) = &mut self.interface.thumbnails {
+                    browser.note_drawn(places, columns, thumbnails);
+                }
+                return;
+            }
+        };
+        self.carry_out_all(commands);
+    }
+
+    /// Closes what is open, or leaves full screen.
+    pub(super) fn leave(&mut self) {
+        if self.playback.hands.stop_learning() {
+            return self.interface.update_hands(&mut self.playback);
+        }
+        if !self.interface.desk.panels.close() {
+            self.screen.set_fullscreen(false);
+        }
+        self.leave_panels();
+    }
+
+    /// Leaves what belongs to panels that are closed.
+    pub(super) fn leave_panels(&mut self) {
+        self.interface.look_through_scenes(&mut self.playback, false);
+        self.interface.look_through_files(&mut self.playback, false);
+        self.show_settings(false);
+        self.write_text(false);
+        self.interface.show_hands(&mut self.playback, false);
+        self.show_corners(false);
+    }
+
+    /// Takes what was done in the panels during the last picture. Returns the commands in it.
+    pub(super) fn take_ui_events(&mut self) -> Vec<Command> {
+        let mut commands = Vec::new();
+        for event in std::mem::take(&mut self.interface.ui_events) {
+            match event {
+                UiEvent::Command(command) => commands.push(command),
+                UiEvent::Editor(event) => self.take_editor_event(event),
+                UiEvent::Scenes(event) => self.take_scene_event(event),
+                UiEvent::Files(event) => self.take_file_event(event),
+                UiEvent::Settings(event) => self.take_setting_event(event),
+            }
+        }
+        commands
+    }
+}
+
+impl Playback {
+    /// The folder of the track that plays, if it is a file.
+    fn folder_of_track(&mut self) -> Option<PathBuf> {
+        let entry = self.reports.playing().place.0;
+        let tracks = self.listening.with_song(|player| player.playlist())?;
+        let file = tracks.entries.get(entry)?.file.as_deref()?;
+        std::path::absolute(file).ok()?.parent().map(Path::to_owned)
+    }
+}
+
+impl Interface {
+    /// Whether keys are text at present.
+    pub(super) fn takes_text(&self) -> bool {
+        self.desk.browser.is_some() || self.desk.files.is_some() || self.editor_has_focus()
+    }
+
+    /// Opens the list of files, or closes it.
+    fn look_through_files(&mut self, playback: &mut Playback, open: bool) {
+        self.desk.files = None;
+        if !open {
+            return;
+        }
+        let waker = self.waker.clone();
+        let folder = self.last_folder.clone().or_else(|| playback.folder_of_track());
+        match FileBrowser::start(folder, move || waker.wake()) {
+            Ok(files) => self.desk.files = Some(files),
+            Err(error) => playback.reports.answer(format!("folders cannot be read: {error}")),
+        }
+    }
+
     /// Shows the last scene among these files, and plays the others or adds them to the tracks.
-    pub(super) fn open_files(&mut self, Files { files, append }: Files) {
+    pub(super) fn open_files(&mut self, playback: &mut Playback, Files { files, append }: Files) {
         self.last_folder = files.last().and_then(|file| file.parent()).map(Path::to_owned);
         let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
         if let Some(scene) = scenes.into_iter().next_back() {
-            self.scene.show_source(SceneSource::File(scene));
+            playback.scene.show_source(SceneSource::File(scene));
             // The file may be from another folder.
             self.thumbnails_ahead = Some(thumbnails_ahead_at(clock::now()));
         }
         if !music.is_empty() {
-            let words = self.listening.play_files(music, append);
-            self.answer(words);
+            let words = playback.listening.play_files(music, append);
+            playback.answer(words);
         }
     }
 
     /// Opens the list of scenes, or closes it.
-    fn look_through_scenes(&mut self, open: bool) {
+    fn look_through_scenes(&mut self, playback: &mut Playback, open: bool) {
         self.desk.browser = None;
         if !open {
             return;
         }
         self.look_for_thumbnails();
-        let scenes = self.scene.library().all_sources();
-        let favourites = self.listening.settings().favourite_scenes.clone();
-        let browser = SceneBrowser::new(scenes, self.scene.scenes().shown_source(), favourites);
+        let scenes = playback.scene.library().all_sources();
+        let favourites = playback.listening.settings().favourite_scenes.clone();
+        let browser = SceneBrowser::new(scenes, playback.scene.scenes().shown_source(), favourites);
         if let Some(thumbnails) = &mut self.thumbnails {
             browser.ask_for_comments(thumbnails);
         }
@@ -128,12 +189,12 @@ impl Session {
     }
 
     /// Requests thumbnails of the folder's scenes before the list of scenes is opened.
-    fn draw_thumbnails_ahead(&mut self) {
+    fn draw_thumbnails_ahead(&mut self, playback: &mut Playback) {
         if self.thumbnails_ahead.take_if(|due| clock::now() >= *due).is_none() {
             return;
         }
         let of_folder =
-            self.scene.library().all_sources().into_iter().filter(|source| source.file().is_some());
+            playback.scene.library().all_sources().into_iter().filter(|source| source.file().is_some());
         let of_folder: Vec<_> = of_folder.take(LIMITS.thumbnails_ahead_max).collect();
         if of_folder.is_empty() {
             return;
@@ -145,9 +206,9 @@ impl Session {
     }
 
     /// Gives what was found out about scenes to whoever looks at them, and asks for what phones want to see.
-    pub(super) fn update_thumbnails(&mut self) {
-        self.draw_thumbnails_ahead();
-        let wanted = self.hands.wanted_pictures();
+    pub(super) fn update_thumbnails(&mut self, playback: &mut Playback) {
+        self.draw_thumbnails_ahead(playback);
+        let wanted = playback.hands.wanted_pictures();
         if !wanted.is_empty() {
             self.look_for_thumbnails();
         }
@@ -156,62 +217,10 @@ impl Session {
             thumbnails.ask_for_pictures_later(wanted);
         }
         let found: Vec<_> = std::iter::from_fn(|| thumbnails.poll()).collect();
-        found.iter().for_each(|looked| self.hands.note_picture(looked));
+        found.iter().for_each(|looked| playback.hands.note_picture(looked));
         if let Some(browser) = &mut self.desk.browser {
-            browser.set_present(self.scene.scenes().shown_source());
+            browser.set_present(playback.scene.scenes().shown_source());
             browser.take(found);
         }
-    }
-
-    /// Takes what was done in the list of scenes, and carries out what it asks for.
-    fn take_scene_event(&mut self, event: SceneListEvent) {
-        let Some(browser) = &mut self.desk.browser else { return };
-        let commands = match event {
-            SceneListEvent::Show { place, close } => browser.show(place, close),
-            SceneListEvent::Mark(place) => browser.mark(place),
-            SceneListEvent::Drawn { places, columns } => {
-                if let Some(thumbnails) = &mut self.thumbnails {
-                    browser.note_drawn(places, columns, thumbnails);
-                }
-                return;
-            }
-        };
-        self.carry_out_all(commands);
-    }
-
-    /// Closes what is open, or leaves full screen.
-    pub(crate) fn leave(&mut self) {
-        if self.hands.stop_learning() {
-            return self.update_hands();
-        }
-        if !self.desk.panels.close() {
-            self.screen.set_fullscreen(false);
-        }
-        self.leave_panels();
-    }
-
-    /// Leaves what belongs to panels that are closed.
-    pub(super) fn leave_panels(&mut self) {
-        self.look_through_scenes(false);
-        self.look_through_files(false);
-        self.show_settings(false);
-        self.write_text(false);
-        self.show_hands(false);
-        self.show_corners(false);
-    }
-
-    /// Takes what was done in the panels during the last picture. Returns the commands in it.
-    pub(crate) fn take_ui_events(&mut self) -> Vec<Command> {
-        let mut commands = Vec::new();
-        for event in std::mem::take(&mut self.ui_events) {
-            match event {
-                UiEvent::Command(command) => commands.push(command),
-                UiEvent::Editor(event) => self.take_editor_event(event),
-                UiEvent::Scenes(event) => self.take_scene_event(event),
-                UiEvent::Files(event) => self.take_file_event(event),
-                UiEvent::Settings(event) => self.take_setting_event(event),
-            }
-        }
-        commands
     }
 }

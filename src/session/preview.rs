@@ -9,11 +9,12 @@ use std::time::{Duration, Instant};
 
 use image::RgbaImage;
 
-use super::Session;
+use super::{Playback, Session};
 use crate::clock;
 use crate::gpu::error::GpuError;
 use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::renderer::Sketch;
+use crate::session::screen::Screen;
 use crate::ui::overlay::NextScene;
 use mariana_music::Sound;
 
@@ -64,56 +65,64 @@ impl Session {
     /// # Errors
     /// What the driver refuses.
     pub(super) fn update_preview(&mut self, now: Instant, rest: Option<Duration>) -> Result<(), GpuError> {
-        let is_wanted = self.choices.next_scene || (self.screen.has_output() && !self.desk.clean);
-        let title = self.scene.scenes().next_title().filter(|_| is_wanted && !self.desk.bare);
+        let is_wanted = self.choices.next_scene || (self.screen.has_output() && !self.interface.desk.clean);
+        let title =
+            self.playback.scene.scenes().next_title().filter(|_| is_wanted && !self.interface.desk.bare);
         let Some(title) = title else {
-            if self.preview.next.take().is_some() {
+            if self.playback.preview.next.take().is_some() {
                 self.screen.request_redraw();
             }
             return Ok(());
         };
-        self.take_preview(&title);
-        if now < self.preview.due {
+        self.playback.take_preview(&mut *self.screen, &title);
+        if now < self.playback.preview.due {
             return Ok(());
         }
         let rest = rest.map_or(AT_REST, |rest| rest.min(AT_REST));
-        let Some(moment) = self.pace.shown().map(|shown| shown.moment) else { return Ok(()) };
-        self.preview.due = now + EVERY;
-        let (level, beat) = (self.listening.level(), moment.features.beat.clamp(0.0, 1.0));
-        if let Some(next) = &mut self.preview.next
+        let Some(moment) = self.playback.pace.shown().map(|shown| shown.moment) else { return Ok(()) };
+        self.playback.preview.due = now + EVERY;
+        let (level, beat) = (self.playback.listening.level(), moment.features.beat.clamp(0.0, 1.0));
+        if let Some(next) = &mut self.playback.preview.next
             && (next.level, next.beat) != (level, beat)
         {
             (next.level, next.beat) = (level, beat);
             next.revision += 1;
         }
-        let has_one = self.preview.drawn.as_ref().is_some_and(|(drawn, _)| *drawn == title);
-        if has_one && self.preview.took.mul_f64(RESERVE) > rest {
+        let has_one = self.playback.preview.drawn.as_ref().is_some_and(|(drawn, _)| *drawn == title);
+        if has_one && self.playback.preview.took.mul_f64(RESERVE) > rest {
             // What took long once may take less time later.
-            self.preview.took = self.preview.took.mul_f64(0.9);
+            self.playback.preview.took = self.playback.preview.took.mul_f64(0.9);
             return Ok(());
         }
         let wanted = (title, moment.song_time);
-        if self.preview.drawn.as_ref() == Some(&wanted) {
+        if self.playback.preview.drawn.as_ref() == Some(&wanted) {
             return Ok(());
         }
-        let reader = match &mut self.preview.reader {
+        let reader = match &mut self.playback.preview.reader {
             Some(reader) => reader,
             none => none.insert(PictureReader::new(self.screen.gl(), SIZE)?),
         };
         let begun = clock::now();
         let sound = Sound { features: moment.features, tables: Default::default(), song: moment.song };
         let heard = (moment.song_time, sound);
-        let drawn = self.scene.preview(&mut self.renderer, &mut self.preview.sketch, reader, heard)?;
+        let drawn = self.playback.scene.preview(
+            &mut self.playback.renderer,
+            &mut self.playback.preview.sketch,
+            reader,
+            heard,
+        )?;
         if drawn.is_some() {
-            self.preview.took = clock::since(begun);
-            tracing::debug!("the next scene in {:?} of {rest:?}", self.preview.took);
-            self.preview.drawn = drawn.map(|title| (title, wanted.1));
+            self.playback.preview.took = clock::since(begun);
+            tracing::debug!("the next scene in {:?} of {rest:?}", self.playback.preview.took);
+            self.playback.preview.drawn = drawn.map(|title| (title, wanted.1));
         }
         Ok(())
     }
+}
 
+impl Playback {
     /// Takes a picture that has arrived.
-    fn take_preview(&mut self, title: &str) {
+    fn take_preview(&mut self, screen: &mut dyn Screen, title: &str) {
         let Preview { reader, drawn, next, .. } = &mut self.preview;
         let picture = reader
             .as_mut()
@@ -127,6 +136,6 @@ impl Session {
         let revision = next.as_ref().map_or(0, |next| next.revision + 1);
         let (level, beat) = next.as_ref().map_or((0.0, 0.0), |next| (next.level, next.beat));
         *next = Some(NextScene { title: title.to_owned(), picture, level, beat, revision });
-        self.screen.request_redraw();
+        screen.request_redraw();
     }
 }

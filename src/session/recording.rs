@@ -9,7 +9,7 @@ use crate::config::PerformanceFiles;
 use crate::scenes::SceneSource;
 use crate::session::direction::OfTrack;
 use crate::session::scene::Performed;
-use crate::show::{Entrance, Finish, OnStage, Performance, name_of, print};
+use crate::show::{Entrance, Finish, OnStage, Performance, TransitionKind, name_of, print};
 use mariana_field::lang::Way;
 
 /// How often a performance is written while it changes.
@@ -191,7 +191,7 @@ impl Showing {
     fn goes_on_in(&self, seen: &Performed<'_>, time: f64) -> bool {
         let is_same = self.source == *seen.source && self.camera.as_deref() == seen.camera;
         // A picture that is held ends a fade by hand: behind it the scene is alone.
-        let fades = self.entrance.way == Way::Fade && time < self.start + self.entrance.seconds;
+        let fades = self.entrance.kind == TransitionKind::Fade && time < self.start + self.entrance.seconds;
         is_same && self.start <= time && (seen.directed.is_some() || seen.fades || !fades)
     }
 }

@@ -57,9 +57,9 @@ impl Run {
                     if ended.is_ok() {
                         self.finish();
                     }
-                    tracing::info!("{}", self.session.frame_times());
-                    tracing::info!("{}", self.session.typing_times());
-                    tracing::info!("from message to frame: {}", self.session.message_times());
+                    tracing::info!("{}", self.session.playback.frame_times());
+                    tracing::info!("{}", self.session.interface.typing_times());
+                    tracing::info!("from message to frame: {}", self.session.playback.message_times());
                     return ended;
                 }
             }
@@ -99,10 +99,12 @@ impl Run {
                     if let Some(command) = self.session.take(&input) {
                         self.carry_out(command, Sender::Window);
                     }
-                    let is_text = self.session.takes_text();
+                    let is_text = self.session.interface.takes_text();
                     self.session.screen.set_keys_are_text(is_text);
                 }
-                Event::Assistance(assistance) => self.session.assist(assistance),
+                Event::Assistance(assistance) => {
+                    self.session.interface.assist(&mut *self.session.screen, assistance)
+                }
                 Event::Redraw => redraws = true,
                 Event::End => {
                     self.over = true;
@@ -111,7 +113,7 @@ impl Run {
             }
         }
         self.session.follow_editor();
-        if redraws || self.session.scene.composer().is_drawing() {
+        if redraws || self.session.playback.scene.composer().is_drawing() {
             self.draw()?;
         }
         Ok(())
@@ -124,7 +126,7 @@ impl Run {
         self.over |= self.session.look_at_status(&self.settings)?;
         self.session.remember_show(&self.settings, clock::now());
         let until = self.session.look_around()?;
-        Ok(self.session.hands_due().map_or(until, |due| until.min(due)))
+        Ok(self.session.playback.hands_due().map_or(until, |due| until.min(due)))
     }
 
     fn draw(&mut self) -> Result<(), SessionError> {
@@ -148,14 +150,14 @@ impl Run {
         for action in self.session.take_wishes() {
             match Command::of_controller(&action) {
                 Some(command) => self.carry_out(command, Sender::Controller),
-                None => self.session.hurry_reports(),
+                None => self.session.playback.hurry_reports(),
             }
         }
     }
 
     /// Carries out the commands of media keys and the desktop.
     fn obey_desktop(&mut self) {
-        while let Some(command) = self.session.command_of_desktop() {
+        while let Some(command) = self.session.playback.command_of_desktop() {
             self.carry_out(command, Sender::Desktop);
         }
     }

@@ -2,16 +2,21 @@
 
 use std::time::Instant;
 
-use super::Session;
+use super::Playback;
 use crate::export::print::tell;
 use crate::session::SessionError;
+use crate::session::screen::Screen;
 
-impl Session {
+impl Playback {
     /// Sends what is to be sent. Returns when to look again, if that is before anything else happens.
     ///
     /// # Errors
     /// What the driver refuses.
-    pub(super) fn send(&mut self, now: Instant) -> Result<Option<Instant>, SessionError> {
+    pub(super) fn send(
+        &mut self,
+        screen: &mut dyn Screen,
+        now: Instant,
+    ) -> Result<Option<Instant>, SessionError> {
         for sentence in self.feeds.news() {
             tell(&sentence);
             self.reports.say(sentence);
@@ -19,6 +24,6 @@ impl Session {
         if self.pace.shown().is_none() {
             return Ok(None);
         }
-        Ok(self.feeds.go_on(self.screen.gl(), &mut self.renderer, now)?)
+        Ok(self.feeds.go_on(screen.gl(), &mut self.renderer, now)?)
     }
 }

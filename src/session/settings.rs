@@ -1,6 +1,6 @@
 //! What is chosen in the panel of settings: it takes effect at once, and is remembered.
 
-use super::Session;
+use super::{Playback, Session};
 use crate::commands::{Command, Panel, SetSetting};
 use crate::config::Setting;
 use crate::gpu::error::GpuError;
@@ -13,21 +13,21 @@ impl Session {
         if open {
             self.screen.look_at_monitors();
         }
-        self.desk.settings = open.then(SettingsPanel::default);
+        self.interface.desk.settings = open.then(SettingsPanel::default);
         self.update_settings();
     }
 
     /// Brings the panel up to date, if it is open.
     pub(super) fn update_settings(&mut self) {
-        if let Some(panel) = &mut self.desk.settings {
-            let facts = self.listening.facts(&self.choices, self.names_output);
+        if let Some(panel) = &mut self.interface.desk.settings {
+            let facts = self.playback.listening.facts(&self.choices, self.names_output);
             panel.update(&Facts { monitors: self.screen.monitors(), ..facts });
         }
     }
 
     /// Takes what was done in the panel, and carries out what it asks for.
     pub(super) fn take_setting_event(&mut self, event: SettingEvent) {
-        let Some(panel) = &mut self.desk.settings else { return };
+        let Some(panel) = &mut self.interface.desk.settings else { return };
         let command = match event {
             SettingEvent::Pick { row, value } => panel.pick(row, value),
             SettingEvent::Change { row, number, settled } => panel.change_number(row, number, settled),
@@ -40,43 +40,45 @@ impl Session {
     pub(super) fn change_setting(&mut self, SetSetting { setting, settled }: SetSetting) {
         match &setting {
             Setting::Output(id) => {
-                self.listening.choose_output(id.clone());
+                self.playback.listening.choose_output(id.clone());
                 (self.names_output, self.chose_output) = (false, true);
             }
-            Setting::Quality(quality) => self.pace.set_quality(*quality),
+            Setting::Quality(quality) => self.playback.pace.set_quality(*quality),
             Setting::FlashLimiter(on) => {
-                if let Err(error) = self.limit_flashes(*on) {
-                    return self.reports.answer(format!("flashes cannot be limited: {error}"));
+                if let Err(error) = self.playback.limit_flashes(*on) {
+                    return self.playback.reports.answer(format!("flashes cannot be limited: {error}"));
                 }
             }
             Setting::ToneMap(tone_map) => {
-                self.renderer.set_tone_map(*tone_map);
-                self.scene.composer_mut().look_different();
+                self.playback.renderer.set_tone_map(*tone_map);
+                self.playback.scene.composer_mut().look_different();
             }
-            Setting::Gain(gain) => self.listening.set_gain(*gain),
-            Setting::FollowSong(follow) => self.direction.set_follow(*follow),
+            Setting::Gain(gain) => self.playback.listening.set_gain(*gain),
+            Setting::FollowSong(follow) => self.playback.direction.set_follow(*follow),
             Setting::LastTracks(on) => {
                 if !on {
-                    self.listening.keep_tracks(None);
+                    self.playback.listening.keep_tracks(None);
                 }
             }
             Setting::Screen(name) => self.screen.want_output(name.clone()),
-            Setting::Brightness(percent) => self.masters.set_brightness(f32::from(*percent) / 100.0),
-            Setting::BlackoutFade(seconds) => self.masters.set_fade(*seconds),
+            Setting::Brightness(percent) => self.playback.masters.set_brightness(f32::from(*percent) / 100.0),
+            Setting::BlackoutFade(seconds) => self.playback.masters.set_fade(*seconds),
             Setting::Flip(_) | Setting::Crop(_) | Setting::Corners(_) => {
                 self.screen.lie_differently();
             }
             Setting::NextScene(_) => self.screen.request_redraw(),
-            Setting::Hints(on) => self.desk.clean = !on,
+            Setting::Hints(on) => self.interface.desk.clean = !on,
         }
         self.choices.set(&setting);
         if settled {
-            self.listening.remember(move |settings| settings.choices.set(&setting));
+            self.playback.listening.remember(move |settings| settings.choices.set(&setting));
         }
         self.update_settings();
     }
+}
 
-    fn limit_flashes(&mut self, on: bool) -> Result<(), GpuError> {
+impl Playback {
+    pub(super) fn limit_flashes(&mut self, on: bool) -> Result<(), GpuError> {
         if !on {
             self.renderer.remove_flash_limiter();
             return Ok(());

@@ -6,7 +6,7 @@ mod scene_facts;
 
 pub use live::LiveDirector;
 pub use mariana_show::{
-    Entrance, Finish, Hearing, Held, Moment, Move, Moved, OnStage, Performance, Picture, Plan, Stay, Turned,
-    blend_kind, print,
+    Entrance, Finish, Hearing, Held, Moment, Move, Moved, OnStage, Performance, Picture, Plan, Stay,
+    TransitionKind, Turned, print,
 };
 pub use programme::{Programme, ShowError, ShowSource, name_of};

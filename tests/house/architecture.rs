@@ -85,7 +85,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("commands", &["config", "input", "scenes"]),
     ("ending", &[]),
     ("demo_track", &[]),
-    ("documents", &["atomic_file", "limits"]),
+    ("documents", &["atomic_file", "config", "limits"]),
     ("atomic_file", &["ending"]),
     // Modules of `mariana_render`, by the names that lib.rs gives them.
     ("faults", &[]),
@@ -98,18 +98,20 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("system_fonts", &[]),
     ("view", &[]),
     ("program_cache", &["atomic_file", "ending", "gpu", "limits"]),
-    ("thumbnails", &["atomic_file", "limits", "scenes"]),
-    ("song_structures", &["atomic_file", "limits"]),
+    ("thumbnails", &["atomic_file", "config", "limits", "scenes"]),
+    ("song_structures", &["atomic_file", "config", "limits"]),
     ("scenes", &["limits"]),
     ("sending", &["limits", "y4m"]),
     ("y4m", &[]),
     ("show", &["scenes"]),
+    ("clock", &[]),
     ("input", &[]),
     ("monitor", &[]),
     ("probing", &["frame", "gpu", "scenes"]),
     (
         "ui",
         &[
+            "clock",
             "commands",
             "config",
             "documents",
@@ -129,6 +131,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "session",
         &[
+            "clock",
             "commands",
             "config",
             "demo_track",
@@ -142,7 +145,6 @@ const ROOMS: &[(&str, &[&str])] = &[
             "monitor",
             "placement",
             "probing",
-            "program_cache",
             "scenes",
             "sending",
             "show",
@@ -159,10 +161,8 @@ const ROOMS: &[(&str, &[&str])] = &[
             "config",
             "ending",
             "export",
-            "frame",
             "gpu",
             "input",
-            "limits",
             "monitor",
             "placement",
             "scenes",
@@ -438,6 +438,22 @@ fn what_is_pure_touches_nothing() {
     assert_none(&found, "these rooms do no I/O, read no clock and start no thread");
 }
 
+/// Files of the session that measure how long something takes, whatever time is simulated.
+const MEASURES: &[&str] = &["src/session/offscreen.rs", "src/session/scene/region_builder.rs"];
+
+#[test]
+fn a_session_takes_its_time_from_its_clock() {
+    let mut found = Vec::new();
+    for (file, text) in ["src/session", "src/ui"].into_iter().flat_map(sources) {
+        if MEASURES.contains(&file.as_str()) || file.contains("test") {
+            continue;
+        }
+        let lines = shipped_code(&text).filter(|(_, line)| line.contains("Instant::now("));
+        found.extend(lines.map(|(number, _)| format!("{file}:{number}")));
+    }
+    assert_none(&found, "write `clock::now()`, so that tests can let the time pass");
+}
+
 /// Whether a line excuses itself from the lint that keeps code safe, or from those that forbid to panic on what comes
 /// from outside.
 fn is_excuse(line: &str) -> bool {
@@ -486,7 +502,7 @@ fn the_scanner_finds_what_it_must() {
     }
     for (file, line) in [
         ("src/scenes/loader.rs", "use super::Frame;"),
-        ("src/shell/window.rs", "use glutin::display; use crate::frame::Frame;"),
+        ("src/shell/window.rs", "use glutin::display; use crate::gpu::gl::Gl;"),
         ("src/shell/window.rs", "use glutin_winit::X; let window = self.winit.window();"),
         ("src/ui/overlay/mod.rs", "use super::corner_hands::CornerHands;"),
         ("src/main.rs", "use mariana::cli;"),

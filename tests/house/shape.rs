@@ -28,13 +28,11 @@ const OVER: &[(Kind, &str, usize)] = &[
     (Modules, "shell/window_thread.rs", 12),
     (Fields, "Editor", 23),
     (Fields, "Sound", 16),
-    (Fields, "Session", 34),
     (Methods, "Editor", 102),
-    (Methods, "Session", 118),
 ];
 
 /// Functions of more than [`FUNCTION_MAX`] lines in the whole repository. Lower it when one is taken apart.
-const LONG_FUNCTIONS: usize = 8;
+const LONG_FUNCTIONS: usize = 7;
 
 /// Types with more than [`FIELDS_MAX`] fields that are plain records, and what each records. Their fields are open, or
 /// they have no methods at all.

@@ -89,7 +89,7 @@ _mariana() {
 
     case "${cmd}" in
         mariana)
-            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --quality --flash-limiter --fade --prepare-ahead --program-cache --fullscreen --clean --size --show --osc --osc-send --osc-rate --midi --remote --new --gl-info --brightness --blackout-fade --flip --crop --corners --output --wallpaper --send --send-size --send-fps --scene --view --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check tape eval show scenes devices help"
+            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --fade --prepare-ahead --program-cache --fullscreen --clean --size --show --osc --osc-send --osc-rate --midi --remote --new --gl-info --quality --flash-limiter --brightness --blackout-fade --flip --crop --corners --output --wallpaper --send --send-size --send-fps --scene --view --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check tape eval show scenes devices help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -113,14 +113,6 @@ _mariana() {
                     ;;
                 --fps-cap)
                     COMPREPLY=($(compgen -f "${cur}"))
-                    return 0
-                    ;;
-                --quality)
-                    COMPREPLY=($(compgen -W "auto low medium high best" -- "${cur}"))
-                    return 0
-                    ;;
-                --flash-limiter)
-                    COMPREPLY=($(compgen -W "on off" -- "${cur}"))
                     return 0
                     ;;
                 --fade)
@@ -161,6 +153,14 @@ _mariana() {
                     ;;
                 --remote)
                     COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --quality)
+                    COMPREPLY=($(compgen -W "auto low medium high best" -- "${cur}"))
+                    return 0
+                    ;;
+                --flash-limiter)
+                    COMPREPLY=($(compgen -W "on off" -- "${cur}"))
                     return 0
                     ;;
                 --brightness)

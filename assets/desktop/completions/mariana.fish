@@ -1,6 +1,6 @@
 # Print an optspec for argparse to handle cmd's options that are independent of any subcommand.
 function __fish_mariana_global_optspecs
-    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= quality= flash-limiter= fade= prepare-ahead= program-cache= fullscreen clean size= show= osc= osc-send= osc-rate= midi= remote= new gl-info brightness= blackout-fade= flip= crop= corners= output= wallpaper send= send-size= send-fps= scene= view= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
+    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= fade= prepare-ahead= program-cache= fullscreen clean size= show= osc= osc-send= osc-rate= midi= remote= new gl-info quality= flash-limiter= brightness= blackout-fade= flip= crop= corners= output= wallpaper send= send-size= send-fps= scene= view= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
 end
 
 function __fish_mariana_needs_command
@@ -31,13 +31,6 @@ complete -c mariana -n "__fish_mariana_needs_command" -l device -d 'Output devic
 complete -c mariana -n "__fish_mariana_needs_command" -l volume -d 'Volume at the start, in percent [default: the last one, at first 100]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l latency -d 'How much later the sound is heard than the device reports; negative for earlier [default: what [ and ] set last]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l fps-cap -d 'Maximum frames per second [default: the monitor\'s rate]' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l quality -d 'How good the picture is; auto draws fewer pixels if frames take too long [default: what was chosen in the window, at first auto]' -r -f -a "auto\t'As good as the frame rate allows'
-low\t'About half of the window\'s width and height'
-medium\t''
-high\t''
-best\t'Every pixel, every term, however long it takes'"
-complete -c mariana -n "__fish_mariana_needs_command" -l flash-limiter -d 'Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for [default: what was chosen in the window, at first on]' -r -f -a "on\t''
-off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l fade -d 'How many seconds one scene fades into another with N and P; 0 cuts' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l prepare-ahead -d 'Whether the next and the previous scene are prepared while one is shown' -r -f -a "on\t''
 off\t''"
@@ -51,6 +44,13 @@ complete -c mariana -n "__fish_mariana_needs_command" -l osc-rate -d 'How often 
 complete -c mariana -n "__fish_mariana_needs_command" -l midi -d 'Whether MIDI devices are heard; J maps them' -r -f -a "on\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l remote -d 'Let phones on the network steer the show by a page on this port, or with ADDRESS:PORT of that address alone: J shows the code to scan; docs/remote.md tells what is protected' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l quality -d 'How good the picture is; auto draws fewer pixels if frames take too long [default: what was chosen in the window, at first auto]' -r -f -a "auto\t'As good as the frame rate allows'
+low\t'About half of the window\'s width and height'
+medium\t''
+high\t''
+best\t'Every pixel, every term, however long it takes'"
+complete -c mariana -n "__fish_mariana_needs_command" -l flash-limiter -d 'Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for [default: what was chosen in the window, at first on]' -r -f -a "on\t''
+off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l brightness -d 'How much of its light the picture has in the window, in percent [default: what was chosen there, at first 100]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l blackout-fade -d 'How many seconds a blackout (X) takes to come and to go, and a picture that was held (Z) to give way [default: what was chosen in the window, at first 0.5]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l flip -d 'Mirror the picture in the window, for projectors [default: what was chosen there, at first off]' -r -f -a "off\t''

@@ -14,10 +14,10 @@ mod changes;
 use std::collections::HashMap;
 
 use super::bar_lines::BarLines;
-use super::script::{Anchor, Entry, Length, Script, Transition, When};
+use super::script::{Anchor, Entry, Length, Script, Transition, TransitionKind, When};
 use changes::{Change, Reason, changes, in_build};
 use mariana_field::lang::{About, Way};
-use mariana_field::world::PortalShape;
+use mariana_field::world::{BlendKind, PortalShape};
 use mariana_music::SongStructure;
 
 /// What the director knows of a scene.
@@ -91,7 +91,7 @@ pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> Script {
         let views = director.views(card, index, change);
         // What flows begins before the border, so that it has come when the section begins.
         let lead = match transition {
-            Some(Transition { way: Way::Melt | Way::Portal, length: Length::Bars(bars), .. }) => bars / 2.0,
+            Some(Transition { kind: TransitionKind::Blend(_), length: Length::Bars(bars), .. }) => bars / 2.0,
             _ => 0.0,
         };
         let mut when = change.when.clone();
@@ -222,7 +222,8 @@ fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard, coin: bool)
                 None if coin => PortalShape::Ball,
                 None => PortalShape::Plane,
             };
-            Transition { shape, ..Transition::new(way, Length::Bars(2.0)) }
+            let portal = TransitionKind::Blend(BlendKind::Portal(shape));
+            Transition::new(portal, Length::Bars(2.0))
         }
         Way::Fade => Transition::new(way, Length::Bars(1.0)),
     }

@@ -58,12 +58,12 @@ pub use live::{Hearing, LiveDirector};
 pub use parse::{Parsed, parse};
 pub use performance::{Finish, OnStage, Performance, Turned};
 pub use picture::{Held, Picture};
-pub use plan::{Entrance, Moment, Move, Moved, Plan, Stay, blend_kind};
+pub use plan::{Entrance, Moment, Move, Moved, Plan, Stay};
 pub use resolve::resolve;
 pub use scene_facts::{Refusal, SceneFacts};
 pub use script::{
     Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Script, Setting, Step, Transition,
-    UNTURNED, When,
+    TransitionKind, UNTURNED, When,
 };
 pub use show::{ScriptError, Show, seed_of};
 pub use text::print;

@@ -132,7 +132,7 @@ mod tests {
                 Hearing { time, energy: energy(time), tempo: 120.0, phase: (time * 2.0).fract() as f32 };
             if let Some(plan) = director.hear(heard) {
                 let stay = plan.at(time + 10.0).stay;
-                found.push((stay.start, stay.entrance.way));
+                found.push((stay.start, stay.entrance.kind.way()));
             }
         }
         found

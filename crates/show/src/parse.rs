@@ -17,8 +17,8 @@
 mod words;
 
 use super::script::{
-    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, Script, Setting, Step, Transition, When,
-    is_of_no_scene,
+    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, Script, Setting, Step, Transition, TransitionKind,
+    When, is_of_no_scene,
 };
 use crate::limits::LIMITS;
 use mariana_field::lang::{Diagnostic, Sources, Span, Way, nearest, render_all};
@@ -265,20 +265,26 @@ impl<'a> Reader<'a> {
         if way == Way::Cut {
             return Ok(Some(Transition::CUT));
         }
-        let named = self.peek().filter(|_| way == Way::Portal).and_then(|word| BlendKind::named(word.text));
-        let shape = match named {
-            Some(BlendKind::Portal(shape)) => {
-                self.at += 1;
-                shape
-            }
-            _ => match self.peek().filter(|word| way == Way::Portal && word.kind == Kind::Name) {
-                Some(word) if word.text != "over" => return Err(no_shape(word)),
-                _ => PortalShape::default(),
-            },
+        let kind = match way {
+            Way::Portal => TransitionKind::Blend(BlendKind::Portal(self.portal_shape()?)),
+            Way::Cut | Way::Fade | Way::Melt => way.into(),
         };
         let length = if self.eat("over") { self.length()? } else { Length::Bars(1.0) };
         let unfinished = self.eat("unfinished");
-        Ok(Some(Transition { way, shape, length, unfinished }))
+        Ok(Some(Transition { kind, length, unfinished }))
+    }
+
+    /// The shape of a portal, which need not be written.
+    fn portal_shape(&mut self) -> Read<PortalShape> {
+        let Some(word) = self.peek() else { return Ok(PortalShape::default()) };
+        match BlendKind::named(word.text) {
+            Some(BlendKind::Portal(shape)) => {
+                self.at += 1;
+                Ok(shape)
+            }
+            _ if word.kind == Kind::Name && word.text != "over" => Err(no_shape(word)),
+            _ => Ok(PortalShape::default()),
+        }
     }
 
     fn setting(&mut self) -> Read<Setting> {

@@ -8,10 +8,10 @@ use std::collections::BTreeMap;
 use super::plan::{Entrance, Move};
 use super::script::{
     Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Script, Setting, Step, Transition,
-    UNTURNED, When,
+    TransitionKind, UNTURNED, When,
 };
 use crate::limits::LIMITS;
-use mariana_field::lang::{Span, Way};
+use mariana_field::lang::Span;
 
 /// A value that stays for longer than this, in seconds, stays until it changes; else it is on its way.
 const REST: f64 = 0.1;
@@ -279,7 +279,8 @@ impl Performance {
         for ((played, next), entry) in self.scenes.iter().zip(self.scenes.iter().skip(1)).zip(&mut entries) {
             // What a show made quick enough to be complete ends where the next one begins.
             let breaks_off = next.start < played.start + played.entrance.seconds - EXACT;
-            if let Some(transition) = entry.transition.as_mut().filter(|one| one.way != Way::Cut) {
+            if let Some(transition) = entry.transition.as_mut().filter(|one| one.kind != TransitionKind::Cut)
+            {
                 transition.unfinished = breaks_off;
             }
         }
@@ -369,8 +370,8 @@ impl Played {
     }
 
     fn entry(&self) -> Entry {
-        let Entrance { way, shape, seconds, .. } = self.entrance;
-        let length = if way == Way::Cut { Length::ZERO } else { Length::Seconds(seconds) };
+        let Entrance { kind, seconds, .. } = self.entrance;
+        let length = if kind == TransitionKind::Cut { Length::ZERO } else { Length::Seconds(seconds) };
         // A whole millisecond is kept, not made the one before by rounding.
         let ticks = if self.plays_over { 1e6 } else { 1e3 };
         let whole = (self.start * ticks).round() / ticks;
@@ -378,7 +379,7 @@ impl Played {
         let moves = self.moves.iter().map(|one| setting_of(one, start));
         let settings = moves.chain(self.lines.iter().filter_map(|(param, line)| line.setting(param, start)));
         let when = When { anchor: Anchor::Time(start), offset: Length::ZERO };
-        let transition = Transition { way, shape, length, unfinished: false };
+        let transition = Transition { kind, length, unfinished: false };
         let entry = Entry::new(when, &self.scene, self.camera.clone(), Some(transition));
         Entry { settings: settings.collect(), ..entry }
     }

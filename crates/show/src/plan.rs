@@ -1,9 +1,8 @@
 //! A show in seconds.
 
 use super::picture::{Held, Picture, Pictures};
-use super::script::{CAMERA_TURNS, UNTURNED};
-use mariana_field::lang::{Param, Scene, Way};
-use mariana_field::world::{BlendKind, PortalShape};
+use super::script::{CAMERA_TURNS, TransitionKind, UNTURNED};
+use mariana_field::lang::{Param, Scene};
 
 /// What is on when. There is something on at every moment.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,10 +31,8 @@ pub struct Stay {
 /// How a scene comes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Entrance {
-    /// The way.
-    pub way: Way,
-    /// The shape of a portal.
-    pub shape: PortalShape,
+    /// The kind of its transition.
+    pub kind: TransitionKind,
     /// How long it takes, in seconds.
     pub seconds: f64,
     /// Whether it breaks off where the next stay begins sooner; else it takes no longer than until then.
@@ -44,11 +41,11 @@ pub struct Entrance {
 
 impl Entrance {
     /// At once.
-    pub const CUT: Self = Self { way: Way::Cut, shape: PortalShape::Ball, seconds: 0.0, unfinished: false };
+    pub const CUT: Self = Self { kind: TransitionKind::Cut, seconds: 0.0, unfinished: false };
 
-    /// In a way that takes some seconds; a portal is a ball.
-    pub fn new(way: Way, seconds: f64) -> Self {
-        Self { way, seconds, ..Self::CUT }
+    /// By a transition that takes some seconds.
+    pub fn new(kind: impl Into<TransitionKind>, seconds: f64) -> Self {
+        Self { kind: kind.into(), seconds, ..Self::CUT }
     }
 }
 
@@ -100,7 +97,7 @@ impl Plan {
         let ends: Vec<f64> = stays.iter().skip(1).map(|stay| stay.start).collect();
         for (index, stay) in stays.iter_mut().enumerate() {
             let left = ends.get(index).map_or(f64::INFINITY, |end| end - stay.start);
-            let is_cut = index == 0 || stay.entrance.way == Way::Cut;
+            let is_cut = index == 0 || stay.entrance.kind == TransitionKind::Cut;
             let most = if stay.entrance.unfinished { f64::INFINITY } else { left };
             stay.entrance.seconds = if is_cut { 0.0 } else { stay.entrance.seconds.clamp(0.0, most) };
         }
@@ -146,15 +143,6 @@ impl Plan {
         }
         // The first picture of a transition is that of the scene that goes.
         alone(before)
-    }
-}
-
-/// How worlds are blended in a way that is no mixture of pictures.
-pub fn blend_kind(entrance: Entrance) -> Option<BlendKind> {
-    match entrance.way {
-        Way::Melt => Some(BlendKind::Melt),
-        Way::Portal => Some(BlendKind::Portal(entrance.shape)),
-        Way::Cut | Way::Fade => None,
     }
 }
 
@@ -234,6 +222,7 @@ impl Stay {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mariana_field::lang::Way;
 
     fn stay(start: f64, way: Way, seconds: f64) -> Stay {
         let entrance = Entrance::new(way, seconds);

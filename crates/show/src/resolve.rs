@@ -2,12 +2,13 @@
 
 use super::bar_lines::BarLines;
 use super::plan::{Entrance, Move, Plan, Stay};
-use super::script::{Anchor, Length, Script, Setting, Step, Transition, When};
+use super::script::{Anchor, Length, Script, Setting, Step, Transition, TransitionKind, When};
 use mariana_field::lang::{Diagnostic, Span, Way};
 use mariana_music::SongStructure;
 
 /// How a scene comes of which neither the script nor the scene says more.
-const USUAL: Transition = Transition { way: Way::Fade, length: Length::Seconds(1.0), ..Transition::CUT };
+const USUAL: Transition =
+    Transition { kind: TransitionKind::Fade, length: Length::Seconds(1.0), ..Transition::CUT };
 /// How long a transition takes of which only the way is known.
 const USUAL_BARS: f64 = 1.0;
 
@@ -60,12 +61,7 @@ pub fn resolve(
             start,
             scene: entry.scene.clone(),
             camera: entry.camera.clone(),
-            entrance: Entrance {
-                way: transition.way,
-                shape: transition.shape,
-                seconds,
-                unfinished: transition.unfinished,
-            },
+            entrance: Entrance { kind: transition.kind, seconds, unfinished: transition.unfinished },
             moves,
         });
     }
@@ -226,7 +222,7 @@ mod tests {
         let starts: Vec<f64> = plan.stays().iter().map(|stay| stay.start).collect();
         assert_eq!(starts, [0.0, 7.25, 9.5, 16.5, 24.5, 30.5, 32.5, 60.5]);
         let entrances: Vec<(Way, f64)> =
-            plan.stays().iter().map(|stay| (stay.entrance.way, stay.entrance.seconds)).collect();
+            plan.stays().iter().map(|stay| (stay.entrance.kind.way(), stay.entrance.seconds)).collect();
         use Way::{Cut, Fade, Melt, Portal};
         let wanted = [
             (Fade, 0.0),

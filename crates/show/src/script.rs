@@ -1,7 +1,7 @@
 //! A show as it is written down: what comes at which moment of a song, in the words of musicians.
 
 use mariana_field::lang::{Span, Way};
-use mariana_field::world::PortalShape;
+use mariana_field::world::{BlendKind, PortalShape};
 
 /// A show. Its entries stand in the order in which they were written.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -120,13 +120,54 @@ pub(super) struct Unit {
     pub names: &'static [&'static str],
 }
 
+/// How one scene changes into another. Only a portal has a shape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TransitionKind {
+    /// From one picture to the next.
+    Cut,
+    /// The pictures are mixed in linear light.
+    Fade,
+    /// The worlds are mixed.
+    Blend(BlendKind),
+}
+
+impl TransitionKind {
+    /// The kind in the words of scenes, which name no shape.
+    pub fn way(self) -> Way {
+        match self {
+            Self::Cut => Way::Cut,
+            Self::Fade => Way::Fade,
+            Self::Blend(BlendKind::Melt) => Way::Melt,
+            Self::Blend(BlendKind::Portal(_)) => Way::Portal,
+        }
+    }
+
+    /// How the worlds are mixed, if they are.
+    pub fn blend(self) -> Option<BlendKind> {
+        match self {
+            Self::Blend(kind) => Some(kind),
+            Self::Cut | Self::Fade => None,
+        }
+    }
+}
+
+/// A portal is a ball.
+impl From<Way> for TransitionKind {
+    fn from(way: Way) -> Self {
+        match way {
+            Way::Cut => Self::Cut,
+            Way::Fade => Self::Fade,
+            Way::Melt => Self::Blend(BlendKind::Melt),
+            Way::Portal => Self::Blend(BlendKind::Portal(PortalShape::default())),
+        }
+    }
+}
+
 /// How a scene comes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transition {
-    /// The way.
-    pub way: Way,
-    /// The shape of a portal.
-    pub shape: PortalShape,
+    /// The kind.
+    pub kind: TransitionKind,
     /// How long it takes; nothing for a cut.
     pub length: Length,
     /// Whether it breaks off where what comes next begins sooner; else it is quicker then, and complete.
@@ -135,12 +176,11 @@ pub struct Transition {
 
 impl Transition {
     /// At once.
-    pub const CUT: Self =
-        Self { way: Way::Cut, shape: PortalShape::Ball, length: Length::ZERO, unfinished: false };
+    pub const CUT: Self = Self { kind: TransitionKind::Cut, length: Length::ZERO, unfinished: false };
 
-    /// In a way that takes some time; a portal is a ball.
-    pub fn new(way: Way, length: Length) -> Self {
-        Self { way, length, ..Self::CUT }
+    /// Of a kind that takes some time.
+    pub fn new(kind: impl Into<TransitionKind>, length: Length) -> Self {
+        Self { kind: kind.into(), length, ..Self::CUT }
     }
 }
 

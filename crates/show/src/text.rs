@@ -3,8 +3,7 @@
 use std::fmt::Write;
 
 use super::resolve::clock_to;
-use super::script::{Anchor, Entry, Length, Script, Setting, is_of_no_scene};
-use mariana_field::lang::Way;
+use super::script::{Anchor, Entry, Length, Script, Setting, TransitionKind, is_of_no_scene};
 use mariana_field::world::{BlendKind, PortalShape};
 
 /// Most decimals of a moment in seconds. Recordings need more than three only where the song went back.
@@ -27,11 +26,13 @@ pub fn print(script: &Script, comments: &[String]) -> String {
             let _ = write!(text, "  camera {}", name(camera));
         }
         if let Some(transition) = entry.transition {
-            let _ = write!(text, "  {}", transition.way.name());
-            if transition.way == Way::Portal && transition.shape != PortalShape::default() {
-                let _ = write!(text, " {}", BlendKind::Portal(transition.shape).name());
+            let _ = write!(text, "  {}", transition.kind.way().name());
+            if let TransitionKind::Blend(kind @ BlendKind::Portal(shape)) = transition.kind
+                && shape != PortalShape::default()
+            {
+                let _ = write!(text, " {}", kind.name());
             }
-            if transition.way != Way::Cut {
+            if transition.kind != TransitionKind::Cut {
                 let _ = write!(text, " over {}", length(transition.length));
                 text.push_str(if transition.unfinished { " unfinished" } else { "" });
             }

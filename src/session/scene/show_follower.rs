@@ -12,7 +12,7 @@ use super::prepared_scenes::{Place, PreparedScenes};
 use super::stays::Stays;
 use crate::config::SdfChoice;
 use crate::scenes::SceneSource;
-use crate::show::{Picture, Programme, Stay, blend_kind};
+use crate::show::{Picture, Programme, Stay};
 
 /// A scene that comes so much later than the show has it, in seconds, still comes as the show says.
 const LATE: f64 = 0.5;
@@ -334,7 +334,7 @@ fn blend_of(programme: &Programme, from: &Stay, to: &Stay) -> Option<SceneSource
     if from.scene == to.scene {
         return None;
     }
-    programme.blend(from, to, blend_kind(to.entrance)?).map(|blend| SceneSource::Blend(Arc::new(blend)))
+    programme.blend(from, to, to.entrance.kind.blend()?).map(|blend| SceneSource::Blend(Arc::new(blend)))
 }
 
 /// The next two sources behind the one that is wanted now, in a stay, of which the first may be that of a cue.

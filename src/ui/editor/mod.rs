@@ -29,6 +29,7 @@ pub(crate) use probed::Light;
 pub(crate) use proposing::Proposing;
 use turning::Turn;
 
+use crate::clock;
 use crate::commands::{Command, Panel};
 use crate::documents::{Clerk, KeptTexts};
 use crate::scenes::{Drafts, Findings, SceneSource};
@@ -256,7 +257,7 @@ impl Editor {
             self.take_findings(findings);
         }
         self.want_portrait();
-        if self.answer.as_ref().is_some_and(|(_, since)| since.elapsed() > ANSWER_STAYS) {
+        if self.answer.as_ref().is_some_and(|(_, since)| clock::since(*since) > ANSWER_STAYS) {
             self.answer = None;
             self.revision += 1;
         }
@@ -327,7 +328,7 @@ impl Editor {
 
     /// Says something for a moment.
     fn say(&mut self, words: impl Into<String>) {
-        self.answer = Some((words.into(), Instant::now()));
+        self.answer = Some((words.into(), clock::now()));
         self.revision += 1;
     }
 

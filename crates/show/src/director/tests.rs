@@ -37,11 +37,12 @@ fn a_show_follows_the_song() {
     assert!(["fire", "storm"].contains(&on(33.0)), "{text}");
     assert_eq!(on(1.0), on(60.0), "{text}");
     let entrance = |time: f64| plan.at(time).stay;
-    assert_eq!((entrance(33.0).start, entrance(33.0).entrance.way), (32.5, Way::Cut), "{text}");
+    assert_eq!((entrance(33.0).start, entrance(33.0).entrance.kind.way()), (32.5, Way::Cut), "{text}");
     // Nothing happens in the build.
     assert!(plan.stays().iter().all(|stay| stay.start < 24.5 || stay.start >= 32.5), "{text}");
     // What flows has half come when the section begins.
-    let flowing = plan.stays().iter().filter(|stay| matches!(stay.entrance.way, Way::Melt | Way::Portal));
+    let flowing =
+        plan.stays().iter().filter(|stay| matches!(stay.entrance.kind.way(), Way::Melt | Way::Portal));
     for stay in flowing.filter(|stay| stay.start > 0.0) {
         let middle = stay.start + 0.5 * stay.entrance.seconds;
         assert!([16.5, 32.5, 48.5].iter().any(|border| (middle - border).abs() < 1e-6), "{text}");

@@ -146,8 +146,10 @@ prop_compose! {
         };
         let offset = if offset.number() == 0.0 { Length::ZERO } else if before { negative(offset) } else { offset };
         let transition = Way::ALL.get(way).map(|way| Transition {
-            way: *way,
-            shape: if *way == Way::Portal { SHAPES[shape] } else { PortalShape::Ball },
+            kind: match way {
+                Way::Portal => TransitionKind::Blend(BlendKind::Portal(SHAPES[shape])),
+                other => (*other).into(),
+            },
             length: if *way == Way::Cut { Length::ZERO } else { over },
             unfinished: unfinished && *way != Way::Cut,
         });

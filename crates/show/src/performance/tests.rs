@@ -2,6 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::{parse, print, resolve};
+use mariana_field::lang::Way;
 use mariana_music::SongStructure;
 
 /// A picture: seconds since the one before, whether another scene comes, where a knob and the camera are, how bright it
