@@ -7,8 +7,8 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, EventLoop, EventLoopProxy};
 use winit::window::Window;
 
-use crate::shell::window_thread::Told;
-pub(crate) use crate::ui::overlay::Assistance;
+use crate::shell::messages::Told;
+use crate::ui::overlay::Assistance;
 
 impl From<Asked> for Assistance {
     fn from(asked: Asked) -> Self {

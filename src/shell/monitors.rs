@@ -8,6 +8,20 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub use crate::monitor::Monitor;
 pub(crate) use crate::monitor::{named, names};
 
+/// Left and top edge, width and height in pixels of the desktop.
+pub(crate) type Rect = ((i32, i32), (u32, u32));
+
+/// The least rectangle with all monitors in it; none without one.
+pub(crate) fn around(monitors: &[Monitor]) -> Option<Rect> {
+    let left = monitors.iter().map(|monitor| monitor.place.0).min()?;
+    let top = monitors.iter().map(|monitor| monitor.place.1).min()?;
+    let end = |from: i32, length: u32| i64::from(from) + i64::from(length);
+    let right = monitors.iter().map(|monitor| end(monitor.place.0, monitor.size.0)).max()?;
+    let bottom = monitors.iter().map(|monitor| end(monitor.place.1, monitor.size.1)).max()?;
+    let length = |from: i32, to: i64| u32::try_from(to - i64::from(from)).unwrap_or(1).max(1);
+    Some(((left, top), (length(left, right), length(top, bottom))))
+}
+
 /// What is known of the monitors.
 #[derive(Default)]
 pub(crate) struct MonitorWatch {

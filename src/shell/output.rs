@@ -9,9 +9,10 @@ use winit::event_loop::EventLoopProxy;
 
 use crate::session::SessionError;
 use crate::session::waker::Waker;
+use crate::shell::messages::Told;
 use crate::shell::monitors::{Monitor, MonitorWatch, named, names};
-use crate::shell::window::{GlWindowContext, SecondSurface, SharedWindow};
-use crate::shell::window_thread::Told;
+use crate::shell::shared_window::SharedWindow;
+use crate::shell::window::{GlWindowContext, SecondSurface};
 
 /// See the module.
 pub(crate) struct Output {

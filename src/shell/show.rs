@@ -16,12 +16,13 @@ use crate::session::feeds::Sends;
 use crate::session::{Opening, Prepared, Run, load_first};
 use crate::shell::accessibility::ControlsTeller;
 use crate::shell::media_controls::MediaControls;
-use crate::shell::monitors;
+use crate::shell::messages::{Typing, inbox};
+use crate::shell::monitors::{self, around};
 use crate::shell::output::Output;
-use crate::shell::wallpaper::{FPS, Layers, Wallpaper, around, is_wayland, of_screen_saver};
+use crate::shell::wallpaper::{FPS, Layers, Wallpaper, is_wayland, of_screen_saver};
 use crate::shell::window::{Ground, OpenWindow, WindowWishes};
 use crate::shell::window_screen::{Lines, WindowScreen};
-use crate::shell::window_thread::{self, Typing, inbox};
+use crate::shell::window_thread;
 
 /// Opens the window and plays the tracks until the user quits, or until they end if they play once; without tracks it
 /// listens to the input that the settings name.

@@ -4,7 +4,6 @@
 
 mod gl_display;
 mod second;
-mod shared_window;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod wayland;
 
@@ -30,12 +29,13 @@ use crate::gpu::background::WorkerContext;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::session::SessionError;
+use crate::session::waker::Waker;
 use crate::shell::identity;
-use crate::shell::wallpaper::Rect;
-use crate::shell::window_thread::Told;
+use crate::shell::messages::Told;
+use crate::shell::monitors::Rect;
+use crate::shell::shared_window::{SharedWindow, WindowCalls};
 use second::grounded;
-pub(crate) use second::{Ground, SecondSurface, open_output};
-pub(crate) use shared_window::{SharedWindow, WindowCalls};
+pub(crate) use second::{Bearer, Ground, SecondSurface, open_output};
 #[cfg(all(unix, not(target_os = "macos")))]
 pub(crate) use wayland::wayland_connection;
 
@@ -283,7 +283,11 @@ pub(crate) fn shared(
     window: Arc<Window>,
 ) -> SharedWindow {
     #[cfg(all(unix, not(target_os = "macos")))]
-    let events = winit::platform::x11::ActiveEventLoopExtX11::is_x11(event_loop).then(|| events.clone());
+    let events = winit::platform::x11::ActiveEventLoopExtX11::is_x11(event_loop).then(|| {
+        let events = events.clone();
+        // After the end nobody waits for events.
+        Waker::new(move || drop(events.send_event(Told::CallsMade)))
+    });
     #[cfg(not(all(unix, not(target_os = "macos"))))]
     let events = (event_loop, events, None).2;
     SharedWindow::new(window, events)

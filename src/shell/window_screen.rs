@@ -18,11 +18,13 @@ use crate::session::SessionError;
 use crate::session::lay::Lay;
 use crate::session::screen::{Event, Paint, Screen};
 use crate::shell::accessibility::ControlsTeller;
+use crate::shell::messages::{Message, Typing};
+use crate::shell::monitors::Rect as PlaceOnDesktop;
 use crate::shell::output::Output;
+use crate::shell::shared_window::SharedWindow;
 use crate::shell::translate::input_of;
-use crate::shell::wallpaper::{self, Wallpaper, filling};
-use crate::shell::window::{GlWindowContext, OpenWindow, SharedWindow};
-use crate::shell::window_thread::{Message, Typing};
+use crate::shell::wallpaper::{Wallpaper, filling};
+use crate::shell::window::{GlWindowContext, OpenWindow};
 use crate::ui::desk_picture::AROUND;
 
 /// See the module.
@@ -31,7 +33,7 @@ pub(crate) struct WindowScreen {
     /// If the window is the desktop's wallpaper.
     wallpaper: Option<Wallpaper>,
     /// Where the wallpaper's window was moved last.
-    placed_at: Option<wallpaper::Rect>,
+    placed_at: Option<PlaceOnDesktop>,
     /// Whether nothing of the window can be seen.
     occluded: bool,
     inbox: Receiver<Message>,

@@ -4,12 +4,10 @@
 //! window answers its window system at once, and quits at once, however long a driver compiles.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::Sender;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use egui::accesskit::TreeUpdate;
 use winit::application::ApplicationHandler;
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
@@ -20,75 +18,15 @@ use crate::ending::{self, Signal};
 use crate::export::print::tell;
 use crate::input::Modifiers;
 use crate::session::SessionError;
-use crate::session::waker::Waker;
-use crate::shell::accessibility::{Accessibility, Assistance};
+use crate::shell::accessibility::Accessibility;
+use crate::shell::messages::{Message, Told, Typing};
 use crate::shell::monitors::Monitor;
 use crate::shell::translate::{key_press, modifiers};
 use crate::shell::wallpaper::Layers;
-use crate::shell::window::{OpenWindow, SharedWindow, WindowWishes, open_output, shared};
+use crate::shell::window::{OpenWindow, WindowWishes, open_output, shared};
 
 /// How long the end waits for a show that a driver blocks: a little longer than the show waits for its compilers.
 const END_WAIT: Duration = Duration::from_secs(6);
-
-/// What the show receives.
-pub(crate) enum Message {
-    /// Something happened to the window.
-    Window(WindowEvent),
-    /// These monitors are there, where X11 does not tell.
-    Monitors(Vec<Monitor>),
-    /// The window of the output, which was asked for.
-    Output(SharedWindow),
-    /// Something happened to it.
-    OutputEvent(WindowEvent),
-    /// Assistive technology asks for something.
-    Assistance(Assistance),
-    /// Another thread has something for the show.
-    Wake,
-    /// The window is closed, or is to be.
-    End,
-}
-
-/// Whether keys are text at present, which the show knows: then no letter ends it.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Typing(Arc<AtomicBool>);
-
-impl Typing {
-    /// Notes whether keys are text from now on.
-    pub(crate) fn set(&self, on: bool) {
-        self.0.store(on, Ordering::Relaxed);
-    }
-
-    fn is_on(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
-
-/// What wakes a show, where its messages are sent, and where it gets them.
-pub(crate) fn inbox() -> (Waker, Sender<Message>, Receiver<Message>) {
-    let (sender, inbox) = channel();
-    let of_waker = sender.clone();
-    // After the end there is nobody to wake.
-    (Waker::new(move || drop(of_waker.send(Message::Wake))), sender, inbox)
-}
-
-/// What the window's thread receives.
-#[derive(Debug)]
-pub(crate) enum Told {
-    /// The show has ended.
-    Ended,
-    /// A signal asks for the end.
-    End,
-    /// Assistive technology asks the show for something.
-    Assistance(Assistance),
-    /// The show has these controls now.
-    Controls(Box<TreeUpdate>),
-    /// The show wants a window for its output on this monitor.
-    OpenOutput(Monitor),
-    /// It needs that no longer.
-    CloseOutput,
-    /// The show has called a window, which may have queued events: see [`crate::shell::window::SharedWindow`].
-    CallsMade,
-}
 
 /// A show: everything that happens on its thread, from the window to the end.
 pub(crate) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), SessionError> + Send>;

@@ -25,7 +25,6 @@ const FUNCTION_MAX: usize = 80;
 /// Current violations, one line each: the kind, the type (for knots the end of the path of one of its files), the
 /// size. Lower a number when the thing shrinks, and delete the line when it is within the limit.
 const OVER: &[(Kind, &str, usize)] = &[
-    (Modules, "shell/window_thread.rs", 12),
     (Fields, "Editor", 23),
     (Fields, "Sound", 16),
     (Methods, "Editor", 102),

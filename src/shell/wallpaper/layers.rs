@@ -35,8 +35,8 @@ pub(crate) use sheet::{Extent, Sheet, Sheets};
 
 use crate::session::SessionError;
 use crate::session::waker::Waker;
+use crate::shell::messages::Told;
 use crate::shell::window::wayland_connection;
-use crate::shell::window_thread::Told;
 
 /// Whether windows of this session are Wayland's. winit decides by the same.
 pub(crate) fn is_wayland() -> bool {

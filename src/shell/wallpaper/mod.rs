@@ -16,7 +16,7 @@ mod wall;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod windows;
 
-pub(crate) use layers::{Layers, Sheet, Sheets, is_wayland};
+pub(crate) use layers::{Layers, Sheets, is_wayland};
 use rest::Rest;
 use wall::Wall;
 
@@ -24,25 +24,11 @@ use crate::placement::Area;
 use crate::session::SessionError;
 use crate::session::lay::Panel;
 use crate::session::waker::Waker;
-use crate::shell::monitors::{Monitor, MonitorWatch};
+use crate::shell::monitors::{Monitor, MonitorWatch, Rect, around};
 use crate::shell::window::GlWindowContext;
 
 /// Frame cap where none is given, in frames per second.
 pub(crate) const FPS: f64 = 30.0;
-
-/// Left and top edge, width and height in pixels of the desktop.
-pub(crate) type Rect = ((i32, i32), (u32, u32));
-
-/// The least rectangle with all monitors in it; none without one.
-pub(crate) fn around(monitors: &[Monitor]) -> Option<Rect> {
-    let left = monitors.iter().map(|monitor| monitor.place.0).min()?;
-    let top = monitors.iter().map(|monitor| monitor.place.1).min()?;
-    let end = |from: i32, length: u32| i64::from(from) + i64::from(length);
-    let right = monitors.iter().map(|monitor| end(monitor.place.0, monitor.size.0)).max()?;
-    let bottom = monitors.iter().map(|monitor| end(monitor.place.1, monitor.size.1)).max()?;
-    let length = |from: i32, to: i64| u32::try_from(to - i64::from(from)).unwrap_or(1).max(1);
-    Some(((left, top), (length(left, right), length(top, bottom))))
-}
 
 /// See the module.
 pub(crate) struct Wallpaper {

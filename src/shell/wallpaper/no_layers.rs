@@ -9,7 +9,7 @@ use winit::event_loop::EventLoop;
 
 use crate::session::SessionError;
 use crate::session::waker::Waker;
-use crate::shell::window_thread::Told;
+use crate::shell::messages::Told;
 
 /// Never.
 pub(crate) fn is_wayland() -> bool {

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-#[cfg(any(test, all(unix, not(target_os = "macos"))))]
-use super::Rect;
 use super::layers::Sheets;
 use super::power;
 #[cfg(all(unix, not(target_os = "macos")))]
 use super::windows;
 use crate::session::waker::Waker;
+#[cfg(any(test, all(unix, not(target_os = "macos"))))]
+use crate::shell::monitors::Rect;
 
 /// How often windows and power are looked at.
 const LOOK_PERIOD: Duration = Duration::from_millis(500);

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use raw_window_handle::RawWindowHandle;
+
 use super::layers::{Extent, Sheet, Sheets};
 use crate::export::print::tell;
 use crate::session::SessionError;
-use crate::shell::window::{GlWindowContext, SecondSurface};
+use crate::shell::window::{Bearer, GlWindowContext, SecondSurface};
 
 /// See the module.
 pub(crate) struct Wall {
@@ -23,6 +25,16 @@ struct Hung {
     is_stale: bool,
     /// Whether it shows nothing of its size.
     is_blank: bool,
+}
+
+impl Bearer for Sheet {
+    fn handle(&self) -> Option<RawWindowHandle> {
+        self.handle()
+    }
+
+    fn is_about_to_show(&self) {
+        self.ask();
+    }
 }
 
 impl Hung {

@@ -7,8 +7,8 @@ use x11rb::protocol::randr::ConnectionExt as _;
 use x11rb::protocol::xproto::{Atom, AtomEnum, ConnectionExt as _, Window};
 use x11rb::rust_connection::RustConnection;
 
-use super::Rect;
 use super::rest::are_covered;
+use crate::shell::monitors::Rect;
 
 x11rb::atom_manager! {
     Names: NamesCookie {

@@ -13,16 +13,17 @@ use glutin::surface::{
     GlSurface, Surface, SurfaceAttributes, SurfaceAttributesBuilder, SwapInterval, WindowSurface,
 };
 use glutin_winit::GlWindow;
+use raw_window_handle::{HasWindowHandle, RawWindowHandle};
 use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event_loop::ActiveEventLoop;
 use winit::window::{Fullscreen, Window, WindowAttributes};
 
-use super::{GlWindowContext, SharedWindow};
+use super::GlWindowContext;
 use crate::gpu::error::GpuError;
 use crate::session::SessionError;
 use crate::shell::identity;
-use crate::shell::monitors::Monitor;
-use crate::shell::wallpaper::{Rect, Sheet};
+use crate::shell::monitors::{Monitor, Rect};
+use crate::shell::shared_window::SharedWindow;
 
 /// A window for the eyes alone.
 #[derive(Debug, Clone, Copy)]
@@ -39,14 +40,27 @@ pub(crate) enum Ground {
 pub(crate) struct SecondSurface {
     // The surface before what it lies on.
     surface: Surface<WindowSurface>,
-    lies_on: Bearer,
+    lies_on: Arc<dyn Bearer>,
     size: (u32, u32),
 }
 
 /// What pictures lie on.
-enum Bearer {
-    Window(SharedWindow),
-    Sheet(Arc<Sheet>),
+pub(crate) trait Bearer {
+    /// What drivers draw into; none if it is gone.
+    fn handle(&self) -> Option<RawWindowHandle>;
+
+    /// A picture is about to be shown.
+    fn is_about_to_show(&self);
+}
+
+impl Bearer for SharedWindow {
+    fn handle(&self) -> Option<RawWindowHandle> {
+        self.calls().window_handle().ok().map(|handle| handle.as_raw())
+    }
+
+    fn is_about_to_show(&self) {
+        self.pre_present_notify();
+    }
 }
 
 impl SecondSurface {
@@ -78,32 +92,32 @@ impl GlWindowContext {
         let size = calls.inner_size().into();
         drop(calls);
         let vertical_sync = SwapInterval::Wait(NonZeroU32::MIN);
-        let second = self.surface_on(Bearer::Window(window), &attributes, size, vertical_sync)?;
+        let second = self.surface_on(Arc::new(window), &attributes, size, vertical_sync)?;
         self.wait_for_monitor(false);
         Ok(second)
     }
 
     /// A surface of a part of the ground of a Wayland desktop, for pictures of `size` pixels. Showing one waits for
-    /// nothing: the compositor says when it wants the next one ([`Sheet::is_ready`]).
+    /// nothing: the compositor says when it wants the next one.
     ///
     /// # Errors
     /// The driver refuses.
     pub(crate) fn surface_of_sheet(
         &self,
-        sheet: Arc<Sheet>,
+        sheet: Arc<dyn Bearer>,
         size: (u32, u32),
     ) -> Result<SecondSurface, SessionError> {
         let handle = sheet.handle().ok_or_else(|| refused("a wallpaper", &"the surface is gone"))?;
         let side = |side: u32| NonZeroU32::new(side).unwrap_or(NonZeroU32::MIN);
         let attributes =
             SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side(size.0), side(size.1));
-        self.surface_on(Bearer::Sheet(sheet), &attributes, size, SwapInterval::DontWait)
+        self.surface_on(sheet, &attributes, size, SwapInterval::DontWait)
     }
 
     /// A surface of `size` pixels by the attributes of what it lies on.
     fn surface_on(
         &self,
-        lies_on: Bearer,
+        lies_on: Arc<dyn Bearer>,
         attributes: &SurfaceAttributes<WindowSurface>,
         size: (u32, u32),
         interval: SwapInterval,
@@ -144,10 +158,7 @@ impl GlWindowContext {
         };
         self.context.make_current(&second.surface).map_err(failed)?;
         let drawn = draw();
-        match &second.lies_on {
-            Bearer::Window(window) => window.pre_present_notify(),
-            Bearer::Sheet(sheet) => sheet.ask(),
-        }
+        second.lies_on.is_about_to_show();
         let shown = second.surface.swap_buffers(&self.context).map_err(failed);
         self.context.make_current(&self.surface).map_err(failed)?;
         drawn.and_then(|drawn| shown.map(|()| drawn))

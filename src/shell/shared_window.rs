@@ -7,25 +7,25 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
-use winit::event_loop::EventLoopProxy;
 use winit::window::Window;
 
-use crate::shell::window_thread::Told;
+use crate::session::waker::Waker;
 
 /// See the module.
 #[derive(Clone)]
 pub(crate) struct SharedWindow {
     window: Arc<Window>,
-    /// The event thread. `None` where a call never takes its events.
-    events: Option<EventLoopProxy<Told>>,
+    /// Wakes the event thread. `None` where a call never takes its events.
+    events: Option<Waker>,
 }
 
 /// Access to a window. Dropping it wakes the event thread.
 pub(crate) struct WindowCalls<'a>(&'a SharedWindow);
 
 impl SharedWindow {
-    /// A window whose events arrive on the thread behind `events`; `None` if calls do not read the connection of events.
-    pub(crate) fn new(window: Arc<Window>, events: Option<EventLoopProxy<Told>>) -> Self {
+    /// A window whose events arrive on the thread that `events` wakes; `None` if calls do not read the connection of
+    /// events.
+    pub(crate) fn new(window: Arc<Window>, events: Option<Waker>) -> Self {
         Self { window, events }
     }
 
@@ -63,8 +63,7 @@ impl Deref for WindowCalls<'_> {
 impl Drop for WindowCalls<'_> {
     fn drop(&mut self) {
         if let Some(events) = &self.0.events {
-            // After the end nobody waits for events.
-            let _ = events.send_event(Told::CallsMade);
+            events.wake();
         }
     }
 }
