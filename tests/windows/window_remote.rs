@@ -4,14 +4,25 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::fs;
-use std::process::Command;
+use std::path::{Path, PathBuf};
 
 use crate::support::browser::Page;
 use crate::support::desktop::{App, Desktop};
-use crate::walls::{quiet_song, quit};
-use crate::window_hands::{WALL, wait_for_colour, write_wall};
-use mariana_testing::process::{output_of, wait_until};
+use crate::walls::quit;
 use mariana_testing::wave::write_wav;
+
+/// A wall that shines in a colour.
+fn wall(emission: &str) -> String {
+    format!("param red = 0 in 0 .. 2\nparam green = 1 in 0 .. 1\n{}", crate::walls::wall(emission))
+}
+
+/// Writes a green wall and a blue one; returns where the green one is.
+fn write_walls(folder: &Path) -> PathBuf {
+    fs::write(folder.join("wool.scene"), wall("vec3(0, 0, 1)")).unwrap();
+    let path = folder.join("wall.scene");
+    fs::write(&path, wall("vec3(red, green, 0)")).unwrap();
+    path
+}
 
 /// The program with a wall, a song and a page for phones; and the page's address.
 fn open<'d>(desktop: &'d Desktop, options: &[&str]) -> (App<'d>, String) {
@@ -22,7 +33,7 @@ fn open<'d>(desktop: &'d Desktop, options: &[&str]) -> (App<'d>, String) {
 fn open_at<'d>(desktop: &'d Desktop, place: &str, options: &[&str]) -> (App<'d>, String) {
     let song = desktop.folder().join("quiet.wav");
     write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 100));
-    let scene = write_wall(desktop.folder());
+    let scene = write_walls(desktop.folder());
     let own = ["--silent", "--midi", "off", "--blackout-fade", "0", "--fade", "0", "--scene"];
     let all = [&own[..], &[scene.to_str().unwrap(), "--remote", place], options].concat();
     let mut app = desktop.open(&song, &all);
@@ -41,89 +52,6 @@ fn phone(url: &str) -> Page {
     let mut page = Page::open(url);
     page.wait_until("the connection", "document.getElementById('status')?.textContent === ''");
     page
-}
-
-fn value_of(name: &str) -> String {
-    format!("[data-param=\"{name}\"] .value")
-}
-
-fn rail_of(name: &str) -> String {
-    format!("[data-param=\"{name}\"] .rail")
-}
-
-#[test]
-fn fingers_on_a_phone_turn_the_picture_and_other_phones_see_it() {
-    let desktop = Desktop::start();
-    let (app, url) = open(&desktop, &["--size", "160x90"]);
-    wait_for_colour(&app, "green", [false, true, false]);
-    let (mut page, mut other) = (phone(&url), phone(&url));
-    page.wait_for_text("#scene", "wall");
-    page.wait_for_text(&value_of("green"), "1.00");
-    // To the right end, beyond which there is nothing.
-    page.drag(&rail_of("red"), 0.1, 1.1);
-    wait_for_colour(&app, "yellow", [true, true, false]);
-    other.wait_for_text(&value_of("red"), "2.00");
-    other.wait_for_text("[data-param=\"red\"] .held", "phone");
-    other.drag(&rail_of("green"), 0.9, -0.1);
-    wait_for_colour(&app, "red", [true, false, false]);
-    page.wait_for_text(&value_of("green"), "0.00");
-    // A finger that goes up moves the page; a tap turns the slider.
-    page.push(&rail_of("red"), -120.0);
-    page.tap(&rail_of("green"));
-    other.wait_for_text(&value_of("green"), "0.50");
-    assert_eq!((other.text(&value_of("red")), page.text(&value_of("red"))), ("2.00".into(), "2.00".into()));
-    page.tap("[data-param=\"red\"] .back");
-    other.wait_for_text(&value_of("red"), "0.00");
-    page.tap("[data-do=blackout]");
-    wait_for_colour(&app, "black", [false, false, false]);
-    other.wait_until("blackout", "document.querySelector('[data-do=blackout]').ariaPressed === 'true'");
-    other.tap("[data-do=blackout]");
-    page.wait_until("light", "document.querySelector('[data-do=blackout]').ariaPressed === 'false'");
-    page.drag("[data-level=brightness] .rail", 0.9, -0.1);
-    other.wait_for_text("[data-level=brightness] .value", "0 %");
-    wait_for_colour(&app, "no light", [false, false, false]);
-    quit(app);
-    page.wait_until("the end", "document.getElementById('status').textContent.startsWith('Connection lost')");
-    assert_eq!(page.value("document.getElementById('hands').inert"), true);
-}
-
-#[test]
-fn what_is_done_in_the_window_shows_on_the_phone_and_its_scenes_and_song_are_steered() {
-    let desktop = Desktop::start();
-    let (app, url) = open(&desktop, &["--size", "160x90"]);
-    let mut page = phone(&url);
-    page.wait_for_text("#scene", "wall");
-    page.wait_for_text("#track", "quiet.wav");
-    app.press(&["space"]);
-    page.wait_until("the pause", "document.querySelector('[data-do=pause]').ariaPressed === 'true'");
-    app.press(&["x"]);
-    page.wait_until("blackout", "document.querySelector('[data-do=blackout]').ariaPressed === 'true'");
-    app.press(&["x", "n"]);
-    page.wait_for_text("#scene", "wool");
-    // By its name in the grid, and by the buttons beside it.
-    page.wait_until(
-        "this scene in the grid",
-        "document.querySelector('#scenes [aria-current=true]')?.textContent === 'wool'",
-    );
-    page.value(
-        "[...document.querySelectorAll('#scenes button')].find(b => b.textContent === 'wall').id = 'wanted'",
-    );
-    page.tap("#wanted");
-    page.wait_for_text("#scene", "wall");
-    wait_for_colour(&app, "the wall", [false, true, false]);
-    page.tap("[data-do=next]");
-    page.wait_for_text("#scene", "wool");
-    page.tap("[data-do=previous]");
-    page.wait_for_text("#scene", "wall");
-    // The song: where it is, how loud, whether it plays.
-    page.drag("[data-level=position] .rail", 0.3, 0.5);
-    page.wait_for_text("[data-level=position] .value", "0:50 / 1:40");
-    page.drag("[data-level=volume] .rail", 0.9, 0.25);
-    page.wait_for_text("[data-level=volume] .value", "25 %");
-    page.tap("[data-do=pause]");
-    page.wait_until("it plays", "document.querySelector('[data-do=pause]').ariaPressed === 'false'");
-    page.wait_until("time goes by", "show.levels.position > 0.505");
-    quit(app);
 }
 
 #[test]
@@ -161,65 +89,5 @@ fn a_phone_sees_small_pictures_of_the_scenes_and_does_without_them() {
         "the pictures",
         "[...document.querySelectorAll('#scenes img')].slice(0, 2).every(image => image.naturalWidth === 320)",
     );
-    quit(app);
-}
-
-#[test]
-fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_once_and_no_more() {
-    let desktop = Desktop::start();
-    let (app, url) = open(&desktop, &["--size", "640x360"]);
-    app.press(&["j"]);
-    let path = desktop.folder().join("window.png");
-    let mut read = String::new();
-    wait_until("the code", || {
-        app.picture().save(&path).unwrap();
-        let mut command = Command::new("zbarimg");
-        command.args(["--quiet", "--raw"]).arg(&path);
-        // It fails where there is no code yet.
-        read = output_of(&mut command, "zbar-tools")
-            .map(|text| String::from_utf8_lossy(&text).trim().to_owned())
-            .unwrap_or_default();
-        !read.is_empty()
-    });
-    assert_eq!(read, url);
-    let mut page = phone(&url);
-    // The page stays open while the program is started again, with the same port and another token.
-    quit(app);
-    page.wait_until("the end", "document.getElementById('status').textContent.startsWith('Connection lost')");
-    let port = url.split(['/', ':']).nth(4).unwrap();
-    let (app, newer) = open_at(&desktop, &format!("127.0.0.1:{port}"), &["--size", "160x90"]);
-    assert_ne!(newer, url);
-    page.wait_until(
-        "what is wrong with it",
-        "document.getElementById('status').textContent.startsWith('This address is not valid any more')",
-    );
-    // The old page has asked once and asks no more, so the newer address is soon answered.
-    let mut later = Page::open(&newer);
-    wait_until("the newer page", || {
-        later.wait_until("an answer", "document.readyState === 'complete' && document.body !== null");
-        let is_answered = later.value("document.querySelector('h1') !== null") == true;
-        if !is_answered {
-            later.go_to(&newer);
-        }
-        is_answered
-    });
-    later.wait_for_text("#scene", "wall");
-    quit(app);
-}
-
-#[test]
-fn a_port_that_is_taken_costs_a_sentence_and_the_show_goes_on() {
-    let desktop = Desktop::start();
-    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
-    let song = quiet_song(desktop.folder());
-    let scene = desktop.folder().join("wall.scene");
-    fs::write(&scene, WALL).unwrap();
-    let place = taken.local_addr().unwrap().to_string();
-    let options = ["--silent", "--size", "160x90", "--scene", scene.to_str().unwrap(), "--remote", &place];
-    let mut app = desktop.open(&song, &options);
-    app.wait_until_told(&format!("phones are not listened to: another program has {place}"));
-    wait_for_colour(&app, "green", [false, true, false]);
-    drop(taken);
-    app.wait_until_told(&format!("a phone can open http://{place}/"));
     quit(app);
 }
