@@ -1,6 +1,7 @@
 //! The editor as a user meets it: what is typed shows, a mistake leaves the picture, texts are saved and not lost, numbers
 //! are dragged.
 
+use crate::support::apart::apart;
 use std::fs;
 use std::path::PathBuf;
 
@@ -109,6 +110,7 @@ fn quit(app: App) {
 
 #[test]
 fn what_is_typed_shows_in_the_picture_and_a_mistake_leaves_it() {
+    apart!();
     let place = Place::new(&wall("vec3(1, 0, 0)"));
     let app = place.open(&[]);
     wait_for_color(&app, "a red wall", RED);
@@ -130,6 +132,7 @@ fn what_is_typed_shows_in_the_picture_and_a_mistake_leaves_it() {
 
 #[test]
 fn keys_are_text_in_the_editor_and_the_shows_beside_it() {
+    apart!();
     let place = Place::new(&wall("vec3(1, 0, 0)"));
     let app = place.open(&[]);
     write(&app);
@@ -153,6 +156,7 @@ fn keys_are_text_in_the_editor_and_the_shows_beside_it() {
 
 #[test]
 fn another_programs_save_is_asked_about_and_nothing_is_lost() {
+    apart!();
     let place = Place::new(&wall("vec3(1, 0, 0)"));
     let app = place.open(&[]);
     write(&app);
@@ -171,6 +175,7 @@ fn another_programs_save_is_asked_about_and_nothing_is_lost() {
 
 #[test]
 fn what_was_typed_comes_back_after_the_program_was_killed() {
+    apart!();
     let place = Place::new(&wall("vec3(1, 0, 0)"));
     let app = place.open(&[]);
     write(&app);
@@ -200,6 +205,7 @@ fn what_was_typed_comes_back_after_the_program_was_killed() {
 
 #[test]
 fn a_number_is_dragged_and_no_text_is_read_meanwhile() {
+    apart!();
     let place = Place::new(&format!("let level = 1\n{}", wall("level * vec3(0, 0.1, 0)")));
     let app = place.open(&["-vv"]);
     app.wait_until("a dark wall", |_| color(&app) == [false; 3]);
@@ -263,6 +269,7 @@ fn is_ball(app: &App, wanted: [bool; 3]) -> bool {
 
 #[test]
 fn a_click_in_the_picture_tells_what_is_there_and_leads_to_its_line() {
+    apart!();
     let place = Place::new(BALL);
     let app = place.open(&["-vv"]);
     write(&app);
@@ -292,6 +299,7 @@ fn a_click_in_the_picture_tells_what_is_there_and_leads_to_its_line() {
 
 #[test]
 fn what_the_line_at_the_cursor_makes_is_lit_up_in_the_picture() {
+    apart!();
     let place = Place::new(BALL);
     let app = place.open(&[]);
     write(&app);
@@ -310,6 +318,7 @@ fn what_the_line_at_the_cursor_makes_is_lit_up_in_the_picture() {
 
 #[test]
 fn a_colour_of_the_text_is_picked_and_saved() {
+    apart!();
     let place = Place::new(BALL);
     let app = place.open(&[]);
     write(&app);
@@ -344,6 +353,7 @@ fn a_colour_of_the_text_is_picked_and_saved() {
 
 #[test]
 fn a_position_is_dragged_in_the_picture_and_saved() {
+    apart!();
     /// The arm along x.
     const ARM: [u8; 3] = [236, 96, 84];
     let place = Place::new(&BALL.replace("vec3(1, 0, 0)", "vec3(0, 0, 1)"));

@@ -2,6 +2,7 @@
 
 #![cfg(target_os = "linux")]
 
+use crate::support::apart::apart;
 use std::fs;
 use std::net::UdpSocket;
 use std::os::unix::net::UnixDatagram;
@@ -121,6 +122,7 @@ pub(crate) fn wait_for_colour(app: &App, what: &str, wanted: [bool; 3]) {
 
 #[test]
 fn messages_turn_parameters_and_the_last_hand_wins() {
+    apart!();
     let place = Place::new();
     let osc = Sender::new();
     let app = place.open(&["--osc", &osc.port.to_string(), "--size", "320x180"]);
@@ -156,6 +158,7 @@ fn messages_turn_parameters_and_the_last_hand_wins() {
 
 #[test]
 fn messages_go_to_scenes_and_what_was_turned_is_found_again() {
+    apart!();
     let place = Place::new();
     let osc = Sender::new();
     let app = place.open(&["--osc", &osc.port.to_string()]);
@@ -182,6 +185,7 @@ fn messages_go_to_scenes_and_what_was_turned_is_found_again() {
 
 #[test]
 fn rubbish_is_ignored_and_the_show_goes_on() {
+    apart!();
     let place = Place::new();
     let osc = Sender::new();
     let app = place.open(&["--osc", &osc.port.to_string()]);
@@ -212,6 +216,7 @@ fn rubbish_is_ignored_and_the_show_goes_on() {
 
 #[test]
 fn a_port_that_is_taken_costs_a_sentence_and_no_show() {
+    apart!();
     let place = Place::new();
     let taken = UdpSocket::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port().to_string();
@@ -225,6 +230,7 @@ fn a_port_that_is_taken_costs_a_sentence_and_no_show() {
 
 #[test]
 fn what_is_heard_is_sent() {
+    apart!();
     let place = Place::new();
     let lights = UdpSocket::bind("127.0.0.1:0").unwrap();
     lights.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
@@ -248,6 +254,7 @@ fn turned(value: u8) -> [u8; 3] {
 
 #[test]
 fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
+    apart!();
     let place = Place::new();
     place.plug("desk");
     let app = place.open(&[]);
@@ -288,6 +295,7 @@ fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
 
 #[test]
 fn a_device_that_is_pulled_while_learning_is_said_and_learning_goes_on_when_it_is_back() {
+    apart!();
     let place = Place::new();
     place.plug("desk");
     let app = place.open(&[]);
@@ -315,6 +323,7 @@ fn a_device_that_is_pulled_while_learning_is_said_and_learning_goes_on_when_it_i
 
 #[test]
 fn floods_of_rubbish_from_a_device_leave_the_show_alone() {
+    apart!();
     let place = Place::new();
     place.plug("desk");
     let app = place.open(&[]);
@@ -340,6 +349,7 @@ fn floods_of_rubbish_from_a_device_leave_the_show_alone() {
 
 #[test]
 fn a_damaged_file_of_knobs_is_said_and_kept_aside() {
+    apart!();
     let place = Place::new();
     place.plug("desk");
     fs::create_dir_all(place.knobs().parent().unwrap()).unwrap();
@@ -356,6 +366,7 @@ fn a_damaged_file_of_knobs_is_said_and_kept_aside() {
 
 #[test]
 fn the_clock_of_a_device_sets_the_tempo_until_it_ends() {
+    apart!();
     let place = Place::new();
     place.plug("drums");
     let osc = Sender::new();
@@ -382,6 +393,7 @@ fn the_clock_of_a_device_sets_the_tempo_until_it_ends() {
 
 #[test]
 fn a_hand_takes_a_parameter_from_a_show_which_takes_it_back_with_its_next_movement() {
+    apart!();
     let place = Place::new();
     let osc = Sender::new();
     let show = place.inner.path("own.show");

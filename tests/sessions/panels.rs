@@ -1,6 +1,7 @@
 //! What a window says by itself, and everything that the pointer is for: a walk with the pointer alone, and the start where
 //! the last session ended.
 
+use crate::support::apart::apart;
 use std::time::Duration;
 
 use crate::support::session::{self, App};
@@ -84,6 +85,7 @@ fn wait_for_nothing(app: &App, what: &str) {
 
 #[test]
 fn first_words_and_the_bar_come_and_go() {
+    apart!();
     let place = Place::new(&["one.wav"]);
     let app = place.open(&[]);
     let [left, top, right, _] = wait_for_panel(&app, "the first words", |panel| panel[1] > 150);
@@ -105,6 +107,7 @@ fn first_words_and_the_bar_come_and_go() {
 
 #[test]
 fn a_clean_window_says_only_what_it_is_asked() {
+    apart!();
     let place = Place::new(&["one.wav"]);
     let app = place.open(&["--clean"]);
     app.point_at(200, 100);
@@ -128,6 +131,7 @@ fn wait_for_bar(app: &App) -> [u32; 4] {
 
 #[test]
 fn with_the_pointer_alone_one_pauses_seeks_changes_scene_and_fills_the_screen() {
+    apart!();
     let place = Place::new(&["one.wav", "two.wav"]);
     let app = place.open(&[]);
     app.wait_for_title("the first track", |title| title.contains("1/2"));
@@ -173,6 +177,7 @@ fn quit_by_escape(app: App) {
 
 #[test]
 fn a_show_goes_on_where_the_last_one_ended() {
+    apart!();
     let place = Place::new(&["one.wav", "two.wav"]);
     let app = place.open(&["--scene", "first_steps"]);
     app.press(&["Next", "Down", "Down", "l"]);

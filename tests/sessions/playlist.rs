@@ -1,5 +1,6 @@
 //! Lists of tracks: keys, and sentences over the picture.
 
+use crate::support::apart::apart;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -28,6 +29,7 @@ fn wait_for_track(app: &App, name: &str, place: &str) {
 
 #[test]
 fn a_folder_plays_in_order_and_the_keys_lead_through_it() {
+    apart!();
     let place = Place::new();
     let folder = folder_of(&place, &["1.wav", "10.wav", "2.wav"], 60.0);
     std::fs::write(folder.join("9.mp3"), b"this is no music at all").unwrap();
@@ -54,6 +56,7 @@ fn a_folder_plays_in_order_and_the_keys_lead_through_it() {
 
 #[test]
 fn files_that_go_away_leave_a_show_that_goes_on() {
+    apart!();
     let place = Place::new();
     let folder = folder_of(&place, &["1.wav", "2.wav"], 1.0);
     let app = place.open(&folder, SMALL);
@@ -70,6 +73,7 @@ fn files_that_go_away_leave_a_show_that_goes_on() {
 
 #[test]
 fn a_list_of_nothing_says_so_and_the_show_goes_on() {
+    apart!();
     let place = Place::new();
     let list = place.path("list.m3u8");
     std::fs::write(&list, "gone.mp3\nhttp://radio.example/live\n../nowhere/b.ogg\nlist.m3u8\n").unwrap();
@@ -92,6 +96,7 @@ fn a_list_of_nothing_says_so_and_the_show_goes_on() {
 
 #[test]
 fn a_list_that_plays_once_ends_the_program() {
+    apart!();
     let place = Place::new();
     let folder = folder_of(&place, &["1.wav", "2.wav"], 0.6);
     std::fs::write(folder.join("3.flac"), b"fLaC").unwrap();

@@ -2,6 +2,7 @@
 
 #![cfg(target_os = "linux")]
 
+use crate::support::apart::apart;
 use std::fs;
 use std::net::UdpSocket;
 use std::path::PathBuf;
@@ -140,6 +141,7 @@ impl Place {
 
 #[test]
 fn what_was_played_by_hand_is_rendered_again_bit_for_bit() {
+    apart!();
     let place = Place::new();
     let sender = &place.sender;
     let app = place.open(&["--fade", "0"]);
@@ -173,6 +175,7 @@ fn what_was_played_by_hand_is_rendered_again_bit_for_bit() {
 
 #[test]
 fn fades_blackouts_and_held_pictures_are_rendered_again_bit_for_bit() {
+    apart!();
     let place = Place::new();
     let app = place.open(&["--fade", "20", "--blackout-fade", "3"]);
     // Several pictures tell that both scenes can be drawn.
@@ -242,6 +245,7 @@ fn fades_blackouts_and_held_pictures_are_rendered_again_bit_for_bit() {
 
 #[test]
 fn a_fade_that_another_change_cut_short_is_rendered_again_bit_for_bit() {
+    apart!();
     let place = Place::new();
     let app = place.open(&["--fade", "30", "--blackout-fade", "5"]);
     place.hear_a_second(&app);
@@ -280,6 +284,7 @@ fn a_fade_that_another_change_cut_short_is_rendered_again_bit_for_bit() {
 
 #[test]
 fn a_picture_held_while_another_gives_way_is_rendered_again_bit_for_bit() {
+    apart!();
     let place = Place::new();
     let app = place.open(&["--fade", "0", "--blackout-fade", "15"]);
     app.press(&["F9"]);
@@ -308,6 +313,7 @@ fn a_picture_held_while_another_gives_way_is_rendered_again_bit_for_bit() {
 
 #[test]
 fn scenes_that_change_and_come_back_behind_a_held_picture_are_rendered_again_bit_for_bit() {
+    apart!();
     let place = Place::new();
     let app = place.open(&["--fade", "10", "--blackout-fade", "5"]);
     app.press(&["F9"]);
@@ -349,6 +355,7 @@ fn scenes_that_change_and_come_back_behind_a_held_picture_are_rendered_again_bit
 
 #[test]
 fn what_a_show_does_to_a_scene_that_somebody_came_back_to_is_rendered_again_bit_for_bit() {
+    apart!();
     let place = Place::new();
     let show = place.inner.path("led.show");
     let text = "at start wall.scene\n set width = 1 -> 4 over 60 s\n\

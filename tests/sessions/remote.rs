@@ -2,6 +2,7 @@
 
 #![cfg(target_os = "linux")]
 
+use crate::support::apart::apart;
 use std::process::Command;
 
 use crate::hands::{wait_for_colour, write_wall};
@@ -50,6 +51,7 @@ fn rail_of(name: &str) -> String {
 
 #[test]
 fn fingers_on_a_phone_turn_the_picture_and_other_phones_see_it() {
+    apart!();
     let place = Place::new();
     let (app, url) = open(&place, &["--size", "160x90"]);
     wait_for_colour(&app, "green", [false, true, false]);
@@ -97,6 +99,7 @@ fn fingers_on_a_phone_turn_the_picture_and_other_phones_see_it() {
 
 #[test]
 fn what_is_done_in_the_window_shows_on_the_phone_and_its_scenes_and_song_are_steered() {
+    apart!();
     let place = Place::new();
     let (app, url) = open(&place, &["--size", "160x90"]);
     let mut page = phone(&app, &url);
@@ -152,6 +155,7 @@ fn what_is_done_in_the_window_shows_on_the_phone_and_its_scenes_and_song_are_ste
 
 #[test]
 fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_once_and_no_more() {
+    apart!();
     let place = Place::new();
     let (app, url) = open(&place, &["--size", "640x360"]);
     app.press(&["j"]);
@@ -197,6 +201,7 @@ fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_onc
 
 #[test]
 fn a_port_that_is_taken_costs_a_sentence_and_the_show_goes_on() {
+    apart!();
     let place = Place::new();
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let address = taken.local_addr().unwrap().to_string();

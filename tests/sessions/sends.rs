@@ -2,6 +2,7 @@
 
 #![cfg(target_os = "linux")]
 
+use crate::support::apart::apart;
 use std::fs::{File, OpenOptions};
 use std::io::{BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -14,6 +15,7 @@ use mariana_testing::process::output_of;
 
 #[test]
 fn a_fifo_gets_pictures_whoever_reads_it_and_however_slowly() {
+    apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let fifo = place.path("pictures");
     output_of(Command::new("mkfifo").arg(&fifo), "coreutils").unwrap();
@@ -64,6 +66,7 @@ fn a_fifo_gets_pictures_whoever_reads_it_and_however_slowly() {
 
 #[test]
 fn a_client_on_this_machine_gets_jpegs() {
+    apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     // A port that was free a moment ago.
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();

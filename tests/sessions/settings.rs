@@ -1,5 +1,6 @@
 //! What the panel of settings changes and what is remembered, and what is there in the next session.
 
+use crate::support::apart::apart;
 use std::time::Duration;
 
 use crate::support::session::{App, Place};
@@ -20,6 +21,7 @@ fn open(place: &Place, options: &[&str]) -> App {
 
 #[test]
 fn an_end_without_warning_forgot_the_track_its_place_the_scene_the_volume_and_the_list() {
+    apart!();
     let place = Place::new();
     let options = ["--size", "320x180"];
     let songs = ["one.wav", "two.wav"].map(|name| place.quiet_song(name, 120));
@@ -50,6 +52,7 @@ fn an_end_without_warning_forgot_the_track_its_place_the_scene_the_volume_and_th
 
 #[test]
 fn tracks_are_forgotten_and_hints_stay_away_where_that_was_chosen() {
+    apart!();
     let place = Place::new();
     let options = ["--size", "640x360"];
     let listed = place.path("config/last tracks.m3u8");
@@ -86,6 +89,7 @@ fn tracks_are_forgotten_and_hints_stay_away_where_that_was_chosen() {
 
 #[test]
 fn a_settings_file_of_another_kind_costs_a_sentence() {
+    apart!();
     let place = Place::new();
     let file = place.settings();
     std::fs::create_dir_all(file.parent().unwrap()).unwrap();

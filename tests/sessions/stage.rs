@@ -1,11 +1,13 @@
 //! What performers do to every picture: blackout, freeze, clean, scenes by number, corners.
 
+use crate::support::apart::apart;
 use crate::walls::{BREATHES, Place, TWO_COLOURS, at, is_black, is_blue, is_red};
 use image::RgbaImage;
 use mariana::srgb::linear;
 
 #[test]
 fn a_blackout_takes_the_light_away_and_brings_the_same_picture_back() {
+    apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let app = place.open("two.scene", &["--blackout-fade", "0.4"]);
     let lit = app.wait_for("the picture", |picture| is_red(at(picture, 0.2, 0.5)));
@@ -23,6 +25,7 @@ fn a_blackout_takes_the_light_away_and_brings_the_same_picture_back() {
 
 #[test]
 fn a_picture_that_is_held_stands_while_the_song_goes_on() {
+    apart!();
     let place = Place::new(&[("breathes.scene", BREATHES), ("two.scene", TWO_COLOURS)]);
     let app = place.open("breathes.scene", &["--blackout-fade", "0"]);
     let first = app.picture();
@@ -42,6 +45,7 @@ fn a_picture_that_is_held_stands_while_the_song_goes_on() {
 
 #[test]
 fn numbers_show_the_scenes_of_the_list() {
+    apart!();
     let place = Place::new(&[("a.scene", "vec3(0.1)"), ("b.scene", "vec3(0.2)"), ("c.scene", TWO_COLOURS)]);
     let app = place.open("a.scene", &[]);
     for (key, name) in [("3", "(c,"), ("2", "(b,"), ("1", "(a,")] {
@@ -56,6 +60,7 @@ fn numbers_show_the_scenes_of_the_list() {
 
 #[test]
 fn one_key_hides_every_word_and_panel() {
+    apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let app = place.open("two.scene", &["--flash-limiter", "off"]);
     let plain = app.wait_for("the picture", |picture| is_blue(at(picture, 0.8, 0.5)));
@@ -77,6 +82,7 @@ fn one_key_hides_every_word_and_panel() {
 
 #[test]
 fn the_picture_is_mirrored_cropped_and_pulled_at_its_corners() {
+    apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let app = place.open("two.scene", &["--flip", "horizontal", "--crop", "0,0,25,0"]);
     // Blue is at the left now, and takes a third.
@@ -112,6 +118,7 @@ fn the_picture_is_mirrored_cropped_and_pulled_at_its_corners() {
 
 #[test]
 fn a_corner_that_was_held_when_its_panel_closed_was_forgotten() {
+    apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let is_pulled = |picture: &RgbaImage| is_black(at(picture, 0.1, 0.05));
     let app = place.open("two.scene", &[]);
@@ -135,6 +142,7 @@ fn a_corner_that_was_held_when_its_panel_closed_was_forgotten() {
 
 #[test]
 fn the_scene_that_comes_next_moves_on_the_desk_though_it_is_interpreted() {
+    apart!();
     // No two moments have the same colour.
     let place = Place::new(&[
         ("a.scene", "vec3(0.5, 0.01, 0.01)"),
@@ -161,6 +169,7 @@ fn the_scene_that_comes_next_moves_on_the_desk_though_it_is_interpreted() {
 
 #[test]
 fn the_desk_shows_the_scene_that_comes_next_where_it_costs_no_picture() {
+    apart!();
     let red = "vec3(0.35 + 0.008 * t, 0.01, 0.01)";
     let blue = "vec3(0.01, 0.01, 0.35 + 0.008 * t)";
     let place = Place::new(&[("a.scene", red), ("b.scene", blue)]);

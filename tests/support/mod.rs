@@ -4,6 +4,7 @@
 #![allow(dead_code, reason = "every test program uses its own part of this")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
+pub(crate) mod apart;
 #[cfg(target_os = "linux")]
 pub(crate) mod browser;
 pub(crate) mod compare;

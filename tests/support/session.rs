@@ -10,6 +10,7 @@ use image::RgbaImage;
 use tempfile::TempDir;
 use tracing_subscriber::filter::LevelFilter;
 
+use super::apart::is_apart;
 use mariana::cli::prepare_show;
 use mariana::commands::{Command, ShowState};
 use mariana::config::Folders;
@@ -70,6 +71,7 @@ impl Place {
 
     /// A session with exactly these arguments.
     pub(crate) fn begin(&self, arguments: &[&str]) -> App {
+        assert!(is_apart(), "the test of a session begins with `apart!()`");
         let log = Log::default();
         let guard = log.listen();
         let folders = Folders { midi_ports: Some(self.path("midi")), ..Folders::within(self.folder()) };

@@ -1,0 +1,46 @@
+//! Tests that run in processes of their own.
+//!
+//! Mesa 22.3's llvmpipe looks into all contexts of a display while their threads change them, so two sessions that draw in
+//! one process can crash each other. A process also has variables, a log and an end of its own.
+
+use std::process::Command;
+
+/// Set in the process of a test: its name.
+const TEST: &str = "MARIANA_TEST_APART";
+
+/// Runs the calling test in a process of its own, with these environment variables: `apart!("NAME" = "value");`. It stands
+/// at the beginning of the test.
+macro_rules! apart {
+    ($($name:literal = $value:expr),*) => {
+        fn here() {}
+        if $crate::support::apart::runs_elsewhere(std::any::type_name_of_val(&here), &[$(($name, $value)),*]) {
+            return;
+        }
+    };
+}
+pub(crate) use apart;
+
+/// Runs the test that holds the function `path` in a process of its own, and returns whether that was done: false in
+/// that process itself.
+///
+/// # Panics
+/// If the test fails.
+pub(crate) fn runs_elsewhere(path: &str, variables: &[(&str, &str)]) -> bool {
+    if is_apart() {
+        return false;
+    }
+    let test = path.split("::").skip(1).collect::<Vec<_>>();
+    let test = test[..test.len() - 1].join("::");
+    let mut again = Command::new(std::env::current_exe().unwrap());
+    again.args([&test, "--exact", "--nocapture", "--test-threads=1"]).env(TEST, &test);
+    let output = again.envs(variables.iter().copied()).output().unwrap();
+    let (told, failed) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{test}: {}\n{told}\n{failed}", output.status);
+    assert!(told.contains("1 passed"), "{test} did not run: {told}");
+    true
+}
+
+/// Whether this is the process of one test.
+pub(crate) fn is_apart() -> bool {
+    std::env::var_os(TEST).is_some()
+}
