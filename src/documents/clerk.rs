@@ -11,6 +11,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use super::{Bytes, KeptTexts, News, OnDisk, stem_of};
 use crate::atomic_file::AtomicFile;
+use crate::config::Folders;
 use crate::limits::LIMITS;
 
 /// How often files are looked at for changes by others.
@@ -25,6 +26,7 @@ const NAMES_MAX: usize = 1_000;
 pub struct Clerk {
     orders: Sender<Order>,
     news: Receiver<News>,
+    own_scenes: Option<PathBuf>,
 }
 
 enum Order {
@@ -36,11 +38,13 @@ enum Order {
 }
 
 impl Clerk {
-    /// Starts the thread. `wake` is called after each piece of news.
+    /// Starts the thread; texts of the user's own lie in these folders. `wake` is called after each piece of news.
     ///
     /// # Errors
     /// The system has no thread left.
-    pub fn start(kept: KeptTexts, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+    pub fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+        let kept = KeptTexts::among(folders);
+        let own_scenes = folders.data.as_ref().map(|data| data.join("scenes"));
         let ((orders, inbox), (tell, news)) = (channel(), channel());
         Builder::new().name("documents".into()).spawn(move || {
             let tell = move |news| {
@@ -50,7 +54,12 @@ impl Clerk {
             };
             Desk { tell, kept, known: BTreeMap::new(), to_keep: BTreeMap::new() }.run(&inbox);
         })?;
-        Ok(Self { orders, news })
+        Ok(Self { orders, news, own_scenes })
+    }
+
+    /// The folder for scenes of the user's own that begin as copies; none if the system has no place for it.
+    pub fn own_scenes(&self) -> Option<&Path> {
+        self.own_scenes.as_deref()
     }
 
     /// Reads a file, which is watched from then on.

@@ -54,11 +54,6 @@ impl KeptTexts {
         Self { folder: folders.state.as_ref().map(|state| state.join("unsaved")) }
     }
 
-    /// Those in a folder.
-    pub fn in_folder(folder: &Path) -> Self {
-        Self { folder: Some(folder.to_owned()) }
-    }
-
     /// Keeps the text of a file. Without a place for it nothing happens.
     ///
     /// # Errors

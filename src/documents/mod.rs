@@ -18,8 +18,6 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use directories::ProjectDirs;
-
 pub use clerk::Clerk;
 pub use kept::{Kept, KeptTexts};
 
@@ -82,11 +80,6 @@ pub enum News {
         /// The file.
         file: PathBuf,
     },
-}
-
-/// The folder for scenes of the user's own that begin as copies; none if the system has no place for it.
-pub fn own_scenes() -> Option<PathBuf> {
-    ProjectDirs::from("", "", "mariana").map(|places| places.data_dir().join("scenes"))
 }
 
 /// A file's name without its ending, as part of another name.

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 use super::*;
+use crate::config::Folders;
 use crate::limits::LIMITS;
 
 const WAIT_LIMIT: Duration = Duration::from_secs(10);
@@ -24,8 +25,8 @@ impl Place {
 
     fn in_folder(folder: TempDir) -> Self {
         let (wake, woken) = channel();
-        let kept = KeptTexts::in_folder(&folder.path().join("state"));
-        let clerk = Clerk::start(kept, move || wake.send(()).unwrap_or_default()).unwrap();
+        let clerk =
+            Clerk::start(&Folders::within(folder.path()), move || wake.send(()).unwrap_or_default()).unwrap();
         Self { folder, clerk, woken }
     }
 
@@ -135,7 +136,7 @@ fn what_was_typed_is_kept_over_runs_until_it_is_saved() {
     place = Place::in_folder(place.folder);
     assert_eq!(place.open(), (holds(b"old"), Some(bytes(b"typed more \xff"))));
     // Another file has its own.
-    assert_eq!(KeptTexts::in_folder(&place.folder.path().join("state")).of(Path::new("/other")), None);
+    assert_eq!(KeptTexts::among(&Folders::within(place.folder.path())).of(Path::new("/other")), None);
     place.clerk.save(&file, bytes(b"typed more"), Some(holds(b"old")));
     assert!(matches!(place.news(), News::Saved { .. }));
     assert_eq!(place.open().1, None);
@@ -148,7 +149,7 @@ fn what_was_typed_is_kept_over_runs_until_it_is_saved() {
 #[test]
 fn what_was_typed_was_kept_only_when_the_program_ended() {
     let place = Place::new();
-    let kept = KeptTexts::in_folder(&place.folder.path().join("state"));
+    let kept = KeptTexts::among(&Folders::within(place.folder.path()));
     for text in [b"typed".as_slice(), b"typed more"] {
         place.clerk.keep(&place.file(), Some(bytes(text)));
         let start = Instant::now();
@@ -162,9 +163,11 @@ fn what_was_typed_was_kept_only_when_the_program_ended() {
 #[test]
 fn a_damaged_kept_text_is_none() {
     let place = Place::new();
-    let kept = KeptTexts::in_folder(place.folder.path());
+    let folders = Folders::within(place.folder.path());
+    let kept = KeptTexts::among(&folders);
     kept.keep(&place.file(), b"text").unwrap();
-    let stored = fs::read_dir(place.folder.path()).unwrap().next().unwrap().unwrap().path();
+    let stored =
+        fs::read_dir(folders.state.unwrap().join("unsaved")).unwrap().next().unwrap().unwrap().path();
     assert!(kept.of(&place.file()).is_some());
     for damage in [b"".as_slice(), b"\xff\n", b"{}\ntext", b"no line"] {
         fs::write(&stored, damage).unwrap();

@@ -3,7 +3,6 @@
 use super::{Interface, Session};
 use crate::clock;
 use crate::commands::{Command, Panel};
-use crate::documents::KeptTexts;
 use crate::input::Input;
 use crate::ui::editor::{Editor, EditorEvent};
 
@@ -21,11 +20,8 @@ impl Session {
     pub(super) fn write_text(&mut self, open: bool) {
         if open && self.interface.desk.editor.is_none() {
             let waker = self.interface.waker.clone();
-            match Editor::start(
-                self.interface.drafts.clone(),
-                KeptTexts::among(&self.interface.folders),
-                move || waker.wake(),
-            ) {
+            match Editor::start(self.interface.drafts.clone(), &self.interface.folders, move || waker.wake())
+            {
                 Ok(editor) => self.interface.desk.editor = Some(editor),
                 Err(error) => self.playback.reports.answer(format!("there is no editor: {error}")),
             }

@@ -389,3 +389,47 @@ fn a_position_is_dragged_in_the_picture_and_saved() {
     assert!(x < 3.0 && saved.contains(&format!("p - vec3({numbers}, 0, 5)")), "{saved}");
     quit(app);
 }
+
+/// A red ball that fills the right of the picture, and in a comment a green one before it.
+const BALLS: &str = "\
+material red { color = 0  roughness = 1  emission = vec3(1, 0, 0) }
+material green { color = 0  roughness = 1  emission = vec3(0, 1, 0) }
+light none { direction = vec3(0, -1, 0)  color = 0 }
+camera { position = vec3(0)  target = vec3(0, 0, 5) }
+sky { color = 0  ambient = 0 }
+object far { shape = sphere(p - vec3(0, 0, 30 + 0.1 * sin(t)), 25)  material = red }
+#object near { shape = sphere(p - vec3(0, 0, 20 + 0.1 * sin(t)), 16)  material = green }";
+
+/// One key makes the change, because a text that is typed letter by letter shows what it is on the way, too.
+#[test]
+fn a_changed_text_whose_tree_takes_too_long_gives_the_last_picture_back() {
+    apart!("MARIANA_FAULT" = "slow-tree@0");
+    let place = Place::new(BALLS);
+    let app = place.open(&[]);
+    wait_for_color(&app, "a red ball", RED);
+    write(&app);
+    app.press(&["ctrl+End", "Home", "Delete"]);
+    app.wait_until_told("main is too much for this machine");
+    assert_eq!(color(&app), RED);
+    quit(app);
+}
+
+#[test]
+fn a_shipped_scene_is_copied_by_one_key_and_the_copy_is_written() {
+    apart!();
+    let place = session::Place::new();
+    let song = place.quiet_song("quiet.wav", 60);
+    let app = place.open(&song, &["--size", SIZE, "--sdf", "interpreted", "--scene", "heart"]);
+    app.wait_for_title("a scene", |title| title.contains("(heart"));
+    write(&app);
+    app.press(&["ctrl+s"]);
+    let copy = place.path("data/scenes/heart.scene");
+    app.wait_until("the copy", |_| copy.is_file());
+    app.wait_for_title("its title", |title| title.contains("heart"));
+    // As soon as the copy is read, keys are its text.
+    app.wait_until("a letter in the copy", |app| {
+        app.press(&["ctrl+End", "#", "ctrl+s"]);
+        fs::read_to_string(&copy).is_ok_and(|text| text.trim_end().ends_with('#'))
+    });
+    quit(app);
+}

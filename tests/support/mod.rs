@@ -1,7 +1,7 @@
 //! What several tests share: shader folders, the tools that check shaders, a renderer without a window, the
 //! comparison of pictures, a desktop and a sound server of the test's own.
 
-#![allow(dead_code, reason = "every test program uses its own part of this")]
+#![allow(dead_code, unused_macros, unused_imports, reason = "every test program uses its own part of this")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
 pub(crate) mod apart;

@@ -7,7 +7,6 @@ mod walls;
 mod window;
 mod window_assisted;
 mod window_changes;
-mod window_editor;
 mod window_grounds;
 mod window_live;
 mod window_outputs;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Document, Editor, Owner, Question};
 use crate::commands::Command;
-use crate::documents::{News, OnDisk, own_scenes};
+use crate::documents::{News, OnDisk};
 use crate::scenes::SceneSource;
 
 /// The text that a new scene begins with.
@@ -167,19 +167,19 @@ impl Editor {
 
     fn copy_to_own_folder(&mut self) {
         let Some(document) = self.document() else { return };
-        let Some(folder) = own_scenes() else {
+        let Some(folder) = self.clerk.own_scenes() else {
             return self.say("the system has no place for your own scenes: start with --scene FILE.scene");
         };
         let carried = (document.editing.cursor(), document.view);
-        self.clerk.create(&folder, &document.name(), document.bytes());
+        self.clerk.create(folder, &document.name(), document.bytes());
         self.carried = Some(carried);
     }
 
     /// Begins a new scene beside the one that shows, or in the user's folder.
     pub(super) fn begin_scene(&mut self) {
         let beside = self.source.as_ref().and_then(SceneSource::file).and_then(std::path::Path::parent);
-        match beside.map(std::path::Path::to_owned).or_else(own_scenes) {
-            Some(folder) => self.clerk.create(&folder, "new.scene", Arc::from(TEMPLATE.as_bytes())),
+        match beside.or_else(|| self.clerk.own_scenes()) {
+            Some(folder) => self.clerk.create(folder, "new.scene", Arc::from(TEMPLATE.as_bytes())),
             None => self.say("the system has no place for your own scenes: start with --scene FILE.scene"),
         }
     }

@@ -31,7 +31,8 @@ use turning::Turn;
 
 use crate::clock;
 use crate::commands::{Command, Panel};
-use crate::documents::{Clerk, KeptTexts};
+use crate::config::Folders;
+use crate::documents::Clerk;
 use crate::scenes::{Drafts, Findings, SceneSource};
 use crate::ui::clipboard::Clipboard;
 
@@ -167,18 +168,18 @@ impl std::fmt::Debug for Editor {
 }
 
 impl Editor {
-    /// An editor without a text. `wake` is called on other threads when there is something new for it.
+    /// An editor without a text, for a user with these folders. `wake` is called on other threads when there is something new for it.
     ///
     /// # Errors
     /// The system has no thread left.
     pub(crate) fn start(
         drafts: Drafts,
-        kept: KeptTexts,
+        folders: &Folders,
         wake: impl Fn() + Send + Clone + 'static,
     ) -> io::Result<Self> {
         Ok(Self {
             drafts,
-            clerk: Clerk::start(kept, wake.clone())?,
+            clerk: Clerk::start(folders, wake.clone())?,
             clipboard: Clipboard::new(wake.clone()),
             documents: Vec::new(),
             shown: 0,

@@ -37,9 +37,10 @@ impl Desk {
 
     fn in_folder(folder: TempDir) -> Self {
         let (wake, woken) = channel();
-        let kept = KeptTexts::in_folder(&folder.path().join("state"));
-        let editor =
-            Editor::start(Drafts::default(), kept, move || wake.send(()).unwrap_or_default()).unwrap();
+        let editor = Editor::start(Drafts::default(), &Folders::within(folder.path()), move || {
+            wake.send(()).unwrap_or_default()
+        })
+        .unwrap();
         let mut desk = Self { folder, editor, woken, edits: NumberEdits::default(), commands: Vec::new() };
         desk.editor.set_focus(true);
         desk.editor.ignores_repeats = false;

@@ -12,8 +12,7 @@ use super::{
     Bar, Notice, NowPlaying, OverlayContent, Problem, SettingEvent, SourceList, Tracks, UiEvent, style,
 };
 use crate::commands::{Command, Panel, Switch};
-use crate::config::{Choices, QualityChoice};
-use crate::documents::KeptTexts;
+use crate::config::{Choices, Folders, QualityChoice};
 use crate::scenes::{Drafts, SceneSource};
 use crate::system_fonts::SystemFonts;
 use crate::ui::editor::Editor;
@@ -547,10 +546,12 @@ fn songs_had_no_level_beside_the_sign_of_what_is_heard() {
 #[test]
 fn an_input_method_did_not_know_where_letters_are_typed() {
     let (folder, waker) = (tempfile::tempdir().unwrap(), channel().0);
-    let (kept, file) = (KeptTexts::in_folder(folder.path()), folder.path().join("own.scene"));
+    let file = folder.path().join("own.scene");
     fs::write(&file, "object ball { shape = sphere(p, 1) }").unwrap();
-    let mut editor =
-        Editor::start(Drafts::default(), kept, move || waker.send(()).unwrap_or_default()).unwrap();
+    let mut editor = Editor::start(Drafts::default(), &Folders::within(folder.path()), move || {
+        waker.send(()).unwrap_or_default()
+    })
+    .unwrap();
     editor.show_scene(&SceneSource::File(file));
     let mut stage = Stage::new(SCREEN);
     let mut typed_at = |editor: &Editor| {
