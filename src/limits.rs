@@ -20,14 +20,6 @@ pub struct Limits {
     pub seconds_max: f64,
     /// Most bytes of a song that comes by standard input (1 GiB).
     pub standard_input_bytes_max: u64,
-    /// Most bytes of the settings file.
-    pub settings_bytes_max: usize,
-    /// Most bytes of a texture's file.
-    pub texture_bytes_max: usize,
-    /// Largest width and height of a texture, in texels.
-    pub texture_side_max: u32,
-    /// Most texels of a texture (16 Mi: 64 MiB, and a third more with its mip levels).
-    pub texture_pixels_max: u64,
     /// Most interpreters, and most programs of views, that are kept for scenes to come (some 20 MiB each on a
     /// software renderer).
     pub programs_kept_max: usize,
@@ -35,14 +27,6 @@ pub struct Limits {
     pub kept_program_bytes_max: usize,
     /// Most bytes that all kept programs take on the disk; those that were used longest ago go first.
     pub program_cache_bytes_max: u64,
-    /// Most entries of a folder that are listed in the window.
-    pub folder_entries_max: usize,
-    /// Most letters that are looked for among the system's fonts.
-    pub letters_looked_for_max: usize,
-    /// Longest time in seconds that drawing a small picture of a scene for the list may take.
-    pub thumbnail_seconds_max: f64,
-    /// Most small pictures that are kept from run to run (some 60 KiB each); the oldest go first.
-    pub thumbnails_kept_max: usize,
     /// Seconds from the start until the thumbnails of the folder's scenes are drawn ahead.
     pub thumbnails_ahead_after: f64,
     /// Most scenes of a folder that are drawn ahead.
@@ -53,12 +37,8 @@ pub struct Limits {
     pub structures_kept_max: usize,
     /// Most bytes, by estimate, that the scenes take which are prepared while another one is shown.
     pub prepared_bytes_max: u64,
-    /// Most bytes of a text that is edited or kept unsaved, with what is said of it.
-    pub kept_text_bytes_max: usize,
     /// Longest time in seconds for which a video's encoder may make no progress while it is waited for.
     pub encoder_wait_seconds: f64,
-    /// Longest fade from one scene to another, in seconds.
-    pub fade_seconds_max: f64,
     /// Most programs that are sent pictures over one port at a time.
     pub send_readers_max: usize,
     /// Most bytes of what such a program asks for.
@@ -80,25 +60,15 @@ pub const LIMITS: Limits = Limits {
     fps_max: 1_000.0,
     seconds_max: 86_400.0,
     standard_input_bytes_max: 1 << 30,
-    settings_bytes_max: 1 << 20,
-    texture_bytes_max: 1 << 25,
-    texture_side_max: 8_192,
-    texture_pixels_max: 1 << 24,
     programs_kept_max: 4,
     kept_program_bytes_max: 1 << 24,
-    folder_entries_max: 20_000,
-    letters_looked_for_max: 20_000,
-    thumbnail_seconds_max: 60.0,
-    thumbnails_kept_max: 2_000,
     thumbnails_ahead_after: 20.0,
     thumbnails_ahead_max: 100,
     structure_bytes_max: 1 << 24,
     structures_kept_max: 500,
     program_cache_bytes_max: 1 << 26,
     prepared_bytes_max: 1 << 27,
-    kept_text_bytes_max: (1 << 20) + (1 << 16),
     encoder_wait_seconds: 300.0,
-    fade_seconds_max: 60.0,
     send_readers_max: 8,
     send_request_bytes_max: 8_192,
     send_request_fields_max: 64,

@@ -4,6 +4,7 @@ use mariana_control::limits::LIMITS as CONTROL_LIMITS;
 use mariana_field::world::BlendKind;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 
+use crate::config::SETTING_LIMITS;
 use crate::limits::LIMITS;
 use crate::placement::{Corners, Crop};
 
@@ -111,7 +112,7 @@ pub(super) fn parse_fps(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn parse_fade(text: &str) -> Result<f64, String> {
-    parse_within(text, 0.0, LIMITS.fade_seconds_max, "seconds")
+    parse_within(text, 0.0, SETTING_LIMITS.fade_seconds_max, "seconds")
 }
 
 /// So many numbers with commas between.

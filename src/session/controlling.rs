@@ -5,8 +5,8 @@ use std::time::Instant;
 use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::commands;
+use crate::config::SETTING_LIMITS;
 use crate::export::print::tell;
-use crate::limits::LIMITS;
 use crate::session::frame_times::FrameTimes;
 use crate::session::screen::Screen;
 use mariana_control::deed::Deed;
@@ -98,7 +98,7 @@ impl Playback {
 
     /// Lets a fade from scene to scene by hand take so many seconds.
     pub(super) fn set_fade(&mut self, seconds: f32) {
-        let seconds = f64::from(seconds).clamp(0.0, LIMITS.fade_seconds_max);
+        let seconds = f64::from(seconds).clamp(0.0, SETTING_LIMITS.fade_seconds_max);
         let words = self.scene.composer_mut().fading_mut().set_seconds(seconds);
         self.reports.answer(words);
     }

@@ -225,6 +225,8 @@ fn keep(files: &PerformanceFiles, take: &mut Take, now: Instant) {
 
 #[cfg(test)]
 mod tests {
+    use mariana_testing::process::wait_until;
+
     use super::*;
     use crate::frame::orbit_controls::OrbitControls;
 
@@ -295,7 +297,12 @@ mod tests {
         // The picture is still: nothing more is noted.
         recording.update(start + KEPT_EVERY);
         assert!(!recording.files.is_idle());
-        let path = recording.files.wait().unwrap().unwrap();
+        let mut path = None;
+        wait_until("the file", || {
+            path = recording.files.poll();
+            path.is_some()
+        });
+        let path = path.unwrap().unwrap();
         assert!(std::fs::read_to_string(path).unwrap().ends_with("\nat 0:02  orb  cut\n"));
         recording.update(start + 9 * KEPT_EVERY);
         assert!(recording.files.is_idle(), "it has not changed");

@@ -10,13 +10,12 @@ use winit::window::Window;
 use crate::shell::messages::Told;
 use crate::ui::overlay::Assistance;
 
-impl From<Asked> for Assistance {
-    fn from(asked: Asked) -> Self {
-        match asked {
-            Asked::InitialTreeRequested => Self::Begins,
-            Asked::ActionRequested(request) => Self::Act(request),
-            Asked::AccessibilityDeactivated => Self::Ends,
-        }
+/// What the window asks in the words of the panels.
+fn assistance(asked: Asked) -> Assistance {
+    match asked {
+        Asked::InitialTreeRequested => Assistance::Begins,
+        Asked::ActionRequested(request) => Assistance::Act(request),
+        Asked::AccessibilityDeactivated => Assistance::Ends,
     }
 }
 
@@ -59,6 +58,6 @@ impl Accessibility {
 
 impl From<Event> for Told {
     fn from(event: Event) -> Self {
-        Self::Assistance(event.window_event.into())
+        Self::Assistance(assistance(event.window_event))
     }
 }

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use image::{DynamicImage, ImageFormat, Rgba, RgbaImage};
-use mariana::limits::LIMITS;
+use mariana::scenes::limits::LIMITS;
 use mariana::scenes::{SceneSource, TextureCache};
 use mariana_field::lang::{Compiled, Diagnostic, Fault, render_all};
 use tempfile::TempDir;

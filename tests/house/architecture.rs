@@ -1,4 +1,4 @@
-//! What Cargo cannot say of the walls. Cargo holds those between the crates; the tables here say which packages each may
+//! What Cargo cannot say of the walls. Cargo holds those between the crates; the tables in `walls` say which packages each may
 //! take along, which rooms of the program may use which, and where the outside world may be touched. ARCHITECTURE.md
 //! explains them. Clippy holds `unwrap` and `unsafe` (see `[workspace.lints]`).
 
@@ -9,240 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What each crate may depend on besides the standard library. None of them knows the program.
-const CRATES: &[(&str, &[&str])] = &[
-    ("editing", &["mariana-field", "thiserror"]),
-    ("control", &["midir", "rosc", "serde", "thiserror", "toml", "tracing"]),
-    ("field", &["fidget", "image", "multiversion", "naga", "serde", "thiserror"]),
-    ("music", &["ebur128", "rustfft", "serde"]),
-    (
-        "player",
-        &[
-            "alsa",
-            "cpal",
-            "futures-executor",
-            "mariana-music",
-            "pulseaudio",
-            "rtrb",
-            "rubato",
-            "rustix",
-            "serde",
-            "serde_json",
-            "symphonia",
-            "symphonia-adapter-libopus",
-            "thiserror",
-            "tracing",
-        ],
-    ),
-    (
-        "remote",
-        &[
-            "getrandom",
-            "httparse",
-            "mariana-control",
-            "qrcode",
-            "serde",
-            "serde_json",
-            "thiserror",
-            "tracing",
-            "tungstenite",
-        ],
-    ),
-    (
-        "render",
-        &[
-            "epaint",
-            "fontdb",
-            "glam",
-            "glow",
-            "glutin",
-            "image",
-            "include_dir",
-            "libc",
-            "mariana-field",
-            "mariana-music",
-            "rustix",
-            "serde",
-            "skrifa",
-            "thiserror",
-            "tracing",
-            "unicode-bidi",
-        ],
-    ),
-    ("show", &["mariana-field", "mariana-music", "thiserror"]),
-    ("testing", &["tempfile"]),
-];
-
-/// What stands in a row of [`ROOMS`] for a room that may use every other one.
-const EVERYTHING: &[&str] = &["*"];
-
-/// Each room (a folder or a file under `src/`) and the rooms it may use besides itself.
-const ROOMS: &[(&str, &[&str])] = &[
-    ("main", EVERYTHING),
-    ("lib", EVERYTHING),
-    ("cli", EVERYTHING),
-    ("limits", &[]),
-    ("commands", &["config", "input", "scenes"]),
-    ("ending", &[]),
-    ("demo_track", &[]),
-    ("documents", &["atomic_file", "config", "limits"]),
-    ("atomic_file", &["ending"]),
-    // Modules of `mariana_render`, by the names that lib.rs gives them.
-    ("faults", &[]),
-    ("flash", &[]),
-    ("frame", &[]),
-    ("gpu", &[]),
-    ("placement", &[]),
-    ("reading_order", &[]),
-    ("srgb", &[]),
-    ("system_fonts", &[]),
-    ("view", &[]),
-    ("program_cache", &["atomic_file", "ending", "gpu", "limits"]),
-    ("thumbnails", &["atomic_file", "config", "limits", "scenes"]),
-    ("song_structures", &["atomic_file", "config", "limits"]),
-    ("scenes", &["limits"]),
-    ("sending", &["limits", "y4m"]),
-    ("y4m", &[]),
-    ("show", &["scenes"]),
-    ("clock", &[]),
-    ("input", &[]),
-    ("monitor", &[]),
-    ("probing", &["frame", "gpu", "scenes"]),
-    (
-        "ui",
-        &[
-            "clock",
-            "commands",
-            "config",
-            "documents",
-            "frame",
-            "gpu",
-            "input",
-            "limits",
-            "monitor",
-            "placement",
-            "probing",
-            "reading_order",
-            "scenes",
-            "system_fonts",
-            "thumbnails",
-        ],
-    ),
-    (
-        "session",
-        &[
-            "clock",
-            "commands",
-            "config",
-            "demo_track",
-            "documents",
-            "export",
-            "faults",
-            "frame",
-            "gpu",
-            "input",
-            "limits",
-            "monitor",
-            "placement",
-            "probing",
-            "scenes",
-            "sending",
-            "show",
-            "song_structures",
-            "thumbnails",
-            "ui",
-            "view",
-        ],
-    ),
-    (
-        "shell",
-        &[
-            "commands",
-            "config",
-            "ending",
-            "export",
-            "gpu",
-            "input",
-            "monitor",
-            "placement",
-            "scenes",
-            "session",
-            "ui",
-        ],
-    ),
-    (
-        "export",
-        &[
-            "scenes",
-            "frame",
-            "view",
-            "flash",
-            "gpu",
-            "config",
-            "atomic_file",
-            "ending",
-            "limits",
-            "show",
-            "song_structures",
-            "y4m",
-        ],
-    ),
-    ("config", &["atomic_file", "program_cache", "show", "limits", "placement", "sending"]),
-];
-
-/// Packages that only some rooms may use. `egui` stands for `egui_glow` and its like, too.
-const OUTSIDE: &[(&str, &[&str])] = &[
-    // By the names of its modules in lib.rs, for which each room has a row.
-    ("mariana_render", &["lib"]),
-    ("mariana_show", &["show"]),
-    ("glutin", &["shell"]),
-    ("glutin_winit", &["shell"]),
-    ("arboard", &["ui"]),
-    ("winit", &["shell"]),
-    ("x11_dl", &["shell"]),
-    ("x11rb", &["shell"]),
-    ("egui", &["session", "shell", "ui"]),
-    ("mpris_server", &["shell"]),
-    ("signal_hook", &["ending"]),
-    ("notify", &["scenes"]),
-    // Whoever draws knows features of the sound, not where it comes from.
-    (
-        "mariana_player",
-        &["cli", "commands", "config", "demo_track", "export", "session", "shell", "song_structures", "ui"],
-    ),
-];
-
-/// Folders without I/O, clocks and threads: the same input gives the same output.
-const PURE: &[&str] = &[
-    "crates/editing/src",
-    "crates/field/src",
-    "crates/music/src",
-    "crates/render/src/flash",
-    "crates/render/src/frame",
-    "crates/show/src",
-];
-const IMPURE: &[&str] = &[
-    "std::env",
-    "std::fs",
-    "std::io",
-    "std::net",
-    "std::process",
-    "std::thread",
-    "Instant",
-    "SystemTime",
-    "print!(",
-    "println!(",
-    "dbg!(",
-];
-
-/// Where code may be unsafe.
-const UNSAFE: &[&str] = &[
-    "crates/render/examples/",
-    "crates/render/src/gpu/",
-    "crates/testing/",
-    "src/shell/",
-    "src/sending/v4l2.rs",
-];
+use crate::walls::{CRATES, EVERYTHING, IMPURE, OUTSIDE, PURE, ROOMS, UNSAFE};
 
 const LINES_MAX: usize = 600;
 /// Files that may be longer than [`LINES_MAX`], and why.
@@ -396,6 +163,12 @@ pub(super) fn assert_none(found: &[String], advice: &str) {
 
 #[test]
 fn crates_take_along_what_their_row_allows() {
+    // The tool for developers knows the program.
+    let folders = fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().file_name());
+    let folders: BTreeSet<String> =
+        folders.filter_map(|name| name.into_string().ok()).filter(|name| name != "xtask").collect();
+    let rows: BTreeSet<String> = CRATES.iter().map(|(name, _)| (*name).to_owned()).collect();
+    assert_eq!(folders, rows, "the crates, and the rows here");
     for (name, allowed) in CRATES {
         let manifest: toml::Table = read(&format!("crates/{name}/Cargo.toml")).parse().unwrap();
         let of_systems = manifest.get("target").and_then(toml::Value::as_table).into_iter().flatten();
@@ -444,7 +217,7 @@ const MEASURES: &[&str] = &["src/session/offscreen.rs", "src/session/scene/regio
 #[test]
 fn a_session_takes_its_time_from_its_clock() {
     let mut found = Vec::new();
-    for (file, text) in ["src/session", "src/ui"].into_iter().flat_map(sources) {
+    for (file, text) in ["src/session", "crates/ui/src"].into_iter().flat_map(sources) {
         if MEASURES.contains(&file.as_str()) || file.contains("test") {
             continue;
         }
@@ -485,26 +258,26 @@ fn unsafe_code_keeps_to_its_rooms_and_every_excuse_has_its_reason() {
 #[test]
 fn the_scanner_finds_what_it_must() {
     for (file, line) in [
-        ("src/scenes/mod.rs", "use crate::gpu;"),
-        ("src/scenes/loader.rs", "    let gl = <crate::gpu::Gl as Default>::default();"),
-        ("src/scenes/loader.rs", "use super::super::gpu::Gl;"),
-        ("src/scenes/mod.rs", "use super::gpu::Gl;"),
-        ("src/scenes/mod.rs", "use crate::{limits, gpu};"),
-        ("src/scenes/mod.rs", "use crate::*;"),
-        ("src/scenes/mod.rs", "use mariana_render::gpu;"),
+        ("src/sending/mod.rs", "use crate::gpu;"),
+        ("src/sending/stream.rs", "    let gl = <crate::gpu::Gl as Default>::default();"),
+        ("src/sending/stream.rs", "use super::super::gpu::Gl;"),
+        ("src/sending/mod.rs", "use super::gpu::Gl;"),
+        ("src/sending/mod.rs", "use crate::{limits, gpu};"),
+        ("src/sending/mod.rs", "use crate::*;"),
+        ("src/sending/mod.rs", "use mariana_render::gpu;"),
         ("src/shell/mod.rs", "use mariana::cli;"),
         ("src/export/mod.rs", "use glutin::display;"),
         ("src/export/mod.rs", "use egui_winit::State;"),
         ("src/export/mod.rs", "use glutin_winit::X;"),
-        ("src/scenes/mod.rs", "fn f(player: &mariana_player::Player) {}"),
+        ("src/sending/mod.rs", "fn f(player: &mariana_player::Player) {}"),
     ] {
         assert_eq!(broken_walls(file, 0, line).len(), 1, "{file}: {line}: {:?}", broken_walls(file, 0, line));
     }
     for (file, line) in [
-        ("src/scenes/loader.rs", "use super::Frame;"),
+        ("src/sending/stream.rs", "use super::Frame;"),
         ("src/shell/window.rs", "use glutin::display; use crate::gpu::gl::Gl;"),
         ("src/shell/window.rs", "use glutin_winit::X; let window = self.winit.window();"),
-        ("src/ui/overlay/mod.rs", "use super::corner_hands::CornerHands;"),
+        ("src/session/scene/mod.rs", "use super::lay::Lay;"),
         ("src/main.rs", "use mariana::cli;"),
         ("src/export/mod.rs", "let text = \"winit\"; notify(one); glutin.fs::<u8>()"),
     ] {

@@ -5,3 +5,4 @@ mod dependencies;
 mod readme;
 mod security;
 mod shape;
+mod walls;

@@ -1,0 +1,364 @@
+//! Everything that a user can ask for: one [`Command`] for each, and one row of a table that says how it is reached.
+//!
+//! Keys, buttons, the settings panel, OSC, MIDI, phones, media keys and dropped files all send commands, and the show
+//! carries them out in one place (`session::carrying_out`). The help, README's table of keys, the addresses of OSC,
+//! the targets of MIDI mappings and the buttons of the page for phones are made from the table.
+//!
+//! A new command takes two places: its row here, and its arm where commands are carried out.
+
+pub mod input;
+mod state;
+mod table;
+
+use std::sync::OnceLock;
+
+pub use state::ShowState;
+pub use table::{
+    Binding, Command, Delay, Files, MovedCorner, ROWS, SEEK_SECONDS, SHIFT_STEP_MS, SetSetting,
+    TurnedNumbers, VOLUME_STEP,
+};
+
+use crate::input::{Key, Modifiers};
+use mariana_control::deed::{Deed, DeedRow, Given, Takes};
+
+/// On, off, or the other of the two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Switch {
+    /// On.
+    On,
+    /// Off.
+    Off,
+    /// Off if it is on, and on if it is off.
+    Toggle,
+}
+
+impl Switch {
+    /// Returns the state that follows from `on`.
+    pub fn applied_to(self, on: bool) -> bool {
+        match self {
+            Self::On => true,
+            Self::Off => false,
+            Self::Toggle => !on,
+        }
+    }
+}
+
+impl From<bool> for Switch {
+    fn from(on: bool) -> Self {
+        if on { Self::On } else { Self::Off }
+    }
+}
+
+/// A panel that opens over the picture; one at a time is open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Panel {
+    /// The list of tracks.
+    Tracks,
+    /// The sources that can be listened to.
+    Sources,
+    /// The scenes.
+    Scenes,
+    /// Files to open.
+    Files,
+    /// The settings that are remembered.
+    Settings,
+    /// The text of the scene.
+    Editor,
+    /// MIDI, OSC and phones, and the mappings of knobs.
+    Controllers,
+    /// The corners of the picture.
+    Corners,
+}
+
+/// A scene as a controller names it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SceneName {
+    /// By its title.
+    Title(String),
+    /// By its number in the list of scenes, from 1, marked ones first.
+    Number(usize),
+}
+
+/// Who sends a command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sender {
+    /// A key, the pointer, or a file that was dropped on the window.
+    Window,
+    /// A controller: MIDI, OSC or a phone. A phone gets only the rows that [`Row::for_phones`] allows.
+    Controller,
+    /// Media keys and the desktop's player controls.
+    Desktop,
+}
+
+/// How a controller reaches a command: the type of the value that it sends, and the command that this makes.
+#[derive(Debug, Clone, Copy)]
+pub enum Control {
+    /// A button.
+    Press(fn() -> Command),
+    /// On or off; without a value the other of the two.
+    Switch(fn(Switch) -> Command),
+    /// A share, 0..1.
+    Level(fn(f32) -> Command),
+    /// A number in units of its own; without a value, the second one or none.
+    Number(fn(f32) -> Command, Option<f32>),
+    /// A scene.
+    Scene(fn(SceneName) -> Command),
+}
+
+/// What a row says about a command.
+#[derive(Debug, Clone, Copy)]
+pub struct Row {
+    /// The name in OSC addresses, mappings of MIDI and on phones: small letters and underscores. It never changes,
+    /// because files of users contain it.
+    pub name: Option<&'static str>,
+    /// How a controller reaches it.
+    pub control: Option<Control>,
+    /// The keys that send the command.
+    pub bindings: &'static [Binding],
+    /// The effect in words, where no key says it.
+    pub help: &'static str,
+    /// Whether a switch is on.
+    pub is_on: Option<fn(&ShowState) -> bool>,
+    /// The value of a level, 0..1.
+    pub level: Option<fn(&ShowState) -> Option<f32>>,
+    /// Whether phones may send it: their requests write no file.
+    pub for_phones: bool,
+}
+
+impl Row {
+    /// A command without a key and a name: only panels send it.
+    pub const PLAIN: Self = Self {
+        name: None,
+        control: None,
+        bindings: &[],
+        help: "",
+        is_on: None,
+        level: None,
+        for_phones: true,
+    };
+
+    /// Returns the row as controllers see it, if it has a name.
+    fn for_controllers(&self) -> Option<DeedRow> {
+        let name = self.name?;
+        let takes = match self.control? {
+            Control::Press(_) => Takes::Press,
+            Control::Switch(_) => Takes::Switch,
+            Control::Level(_) => Takes::Level,
+            Control::Number(..) => Takes::Number,
+            Control::Scene(_) => Takes::Choice,
+        };
+        Some(DeedRow { name, takes, meaning: self.words() })
+    }
+
+    /// Returns the effect in words.
+    pub fn words(&self) -> &'static str {
+        self.bindings.first().map_or(self.help, |binding| binding.help)
+    }
+}
+
+impl Command {
+    /// Returns the command that a controller's action asks for; `None` if the table has no such name or the value
+    /// does not fit.
+    pub fn of_controller(action: &Deed) -> Option<Self> {
+        let row = ROWS.iter().find(|row| row.name == Some(action.name))?;
+        let number = match action.given {
+            Given::Number(number) => Some(number),
+            Given::Nothing | Given::Text(_) => None,
+        };
+        Some(match row.control? {
+            Control::Press(command) => command(),
+            Control::Switch(command) => {
+                command(number.map_or(Switch::Toggle, |number| Switch::from(number >= 0.5)))
+            }
+            Control::Level(command) => command(number?),
+            Control::Number(command, default) => command(number.or(default)?),
+            Control::Scene(command) => command(match &action.given {
+                Given::Text(title) => SceneName::Title(title.clone()),
+                Given::Number(number) => SceneName::Number(number.round().max(0.0) as usize),
+                Given::Nothing => return None,
+            }),
+        })
+    }
+
+    /// Returns the command that a key sends, if any; `repeated` while it is held. With Ctrl, Alt or the system's key it
+    /// sends none: those belong to the desktop and to later keys.
+    pub fn of_key(key: &Key, held: Modifiers, repeated: bool) -> Option<Self> {
+        if held.intersects(Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER) {
+            return None;
+        }
+        let lower = match key {
+            Key::Character(text) => text.to_lowercase(),
+            Key::Named(_) | Key::Other => String::new(),
+        };
+        let same = |bound: &Key<&str>| match (bound, key) {
+            (Key::Character(bound), Key::Character(_)) => *bound == lower,
+            (Key::Named(bound), Key::Named(pressed)) => bound == pressed,
+            _ => false,
+        };
+        let (binding, place) = bindings()
+            .find_map(|binding| Some((binding, binding.keys.iter().position(|(bound, _)| same(bound))?)))?;
+        if repeated && !binding.repeats {
+            return None;
+        }
+        let shifted = binding.shifted.as_ref().filter(|_| held.shift_key() && place == 0);
+        shifted.or(binding.keys.get(place).map(|(_, command)| command)).cloned()
+    }
+
+    /// Returns the binding of the keys that send exactly this command.
+    pub fn binding(&self) -> Option<&'static Binding> {
+        self.row().bindings.iter().find(|binding| binding.keys.iter().any(|(_, bound)| bound == self))
+    }
+
+    /// Returns whether the command asks a switch for the state that it has already.
+    pub fn is_done_already(&self, state: &ShowState) -> bool {
+        let Row { control: Some(Control::Switch(command)), is_on: Some(is_on), .. } = self.row() else {
+            return false;
+        };
+        *self == command(Switch::from(is_on(state)))
+    }
+}
+
+/// The commands with a name, as devices and networks see them.
+pub fn for_controllers() -> &'static [DeedRow] {
+    static TABLE: OnceLock<Vec<DeedRow>> = OnceLock::new();
+    TABLE.get_or_init(|| ROWS.iter().filter_map(Row::for_controllers).collect())
+}
+
+/// The commands with a name that phones may send.
+pub fn for_phones() -> &'static [DeedRow] {
+    static TABLE: OnceLock<Vec<DeedRow>> = OnceLock::new();
+    TABLE.get_or_init(|| ROWS.iter().filter(|row| row.for_phones).filter_map(Row::for_controllers).collect())
+}
+
+/// The named switches, and whether each is on.
+pub fn switches(state: &ShowState) -> Vec<(&'static str, bool)> {
+    ROWS.iter().filter_map(|row| Some((row.name?, (row.is_on?)(state)))).collect()
+}
+
+/// The named levels that have a value now, 0..1.
+pub fn levels(state: &ShowState) -> Vec<(&'static str, f32)> {
+    ROWS.iter().filter_map(|row| Some((row.name?, (row.level?)(state)?))).collect()
+}
+
+/// All bindings of keys, in the order of the help.
+pub fn bindings() -> impl Iterator<Item = &'static Binding> {
+    ROWS.iter().flat_map(|row| row.bindings)
+}
+
+/// README's table of keys.
+pub fn markdown_table() -> String {
+    let mut text = String::from("| key | what it does |\n|---|---|\n");
+    for binding in bindings() {
+        text.push_str(&format!("| {} | {} |\n", binding.written, binding.help));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::NamedKey;
+
+    fn pressed(key: &str, held: Modifiers, repeated: bool) -> Option<Command> {
+        Command::of_key(&Key::Character(key.to_owned()), held, repeated)
+    }
+
+    const NONE: Modifiers = Modifiers::empty();
+
+    #[test]
+    fn no_key_is_bound_twice() {
+        let all: Vec<_> = bindings().flat_map(|binding| binding.keys).map(|(key, _)| *key).collect();
+        for (index, key) in all.iter().enumerate() {
+            assert!(!all[..index].contains(key), "{key:?} is bound twice");
+        }
+    }
+
+    #[test]
+    fn letters_work_with_caps_lock_and_only_some_keys_repeat() {
+        assert_eq!(pressed("M", NONE, false), Some(Command::Mute(Switch::Toggle)));
+        assert_eq!(pressed("m", NONE, true), None);
+        assert_eq!(["ß", "ab"].map(|key| pressed(key, NONE, false)), [None, None]);
+        assert_eq!(
+            ["1", "9", "0"].map(|key| pressed(key, NONE, false)),
+            [0, 8, 9].map(|place| Some(Command::SceneAt(place)))
+        );
+        let left = Command::of_key(&Key::Named(NamedKey::ArrowLeft), NONE, true);
+        assert_eq!(left, Some(Command::SeekBy(-SEEK_SECONDS)));
+        // With caps lock on, V is typed as with Shift.
+        assert_eq!(pressed("V", NONE, false), Some(Command::NextView));
+        assert_eq!(pressed("V", Modifiers::SHIFT, false), Some(Command::PreviousView));
+    }
+
+    #[test]
+    fn keys_with_ctrl_or_alt_are_no_letters() {
+        assert_eq!(pressed("s", NONE, false), Some(Command::Shuffle(Switch::Toggle)));
+        for held in [Modifiers::CONTROL, Modifiers::ALT, Modifiers::SUPER | Modifiers::SHIFT] {
+            assert_eq!(pressed("s", held, false), None, "{held:?}");
+        }
+    }
+
+    #[test]
+    fn the_words_of_a_seek_name_its_length() {
+        for (binding, (_, command)) in bindings().flat_map(|b| b.keys.iter().map(move |key| (b, key))) {
+            if let Command::SeekBy(seconds) = command {
+                assert!(binding.help.contains(&format!("{} s", seconds.abs())), "{}", binding.help);
+            }
+        }
+    }
+
+    #[test]
+    fn every_name_is_unique_fits_an_address_and_says_what_it_does() {
+        let rows = for_controllers();
+        assert!(rows.len() > 20, "{}", rows.len());
+        for (place, row) in rows.iter().enumerate() {
+            assert!(row.name.chars().all(|c| c.is_ascii_lowercase() || c == '_'), "{}", row.name);
+            assert!(!row.meaning.is_empty(), "{} has no words", row.name);
+            assert!(rows[..place].iter().all(|other| other.name != row.name), "{} is there twice", row.name);
+            assert!(
+                !["param", "query", "sound"].contains(&row.name),
+                "{} is an address of its own",
+                row.name
+            );
+        }
+    }
+
+    #[test]
+    fn every_switch_and_level_of_a_controller_reports_its_state() {
+        for row in ROWS {
+            let (Some(name), Some(control)) = (row.name, row.control) else { continue };
+            assert_eq!(matches!(control, Control::Switch(_)), row.is_on.is_some(), "{name}");
+            assert_eq!(matches!(control, Control::Level(_)), row.level.is_some(), "{name}");
+        }
+    }
+
+    #[test]
+    fn phones_cause_no_file_to_be_written() {
+        assert!(for_controllers().iter().any(|row| row.name == "record"));
+        assert!(for_phones().iter().all(|row| row.name != "record"));
+    }
+
+    #[test]
+    fn a_switch_that_is_on_already_is_left_alone() {
+        let action = |given| Deed { name: "pause", given };
+        let pause = |given| Command::of_controller(&action(given)).unwrap();
+        let (playing, paused) = (ShowState::default(), ShowState { paused: true, ..ShowState::default() });
+        assert!(pause(Given::Number(1.0)).is_done_already(&paused));
+        assert!(!pause(Given::Number(1.0)).is_done_already(&playing));
+        assert!(pause(Given::Number(0.0)).is_done_already(&playing));
+        assert!(!pause(Given::Nothing).is_done_already(&playing));
+        assert!(!pause(Given::Nothing).is_done_already(&paused));
+    }
+
+    #[test]
+    fn values_become_commands_or_are_left() {
+        let of = |name, given| Command::of_controller(&Deed { name, given });
+        assert_eq!(of("next", Given::Nothing), Some(Command::NextScene));
+        assert_eq!(of("volume", Given::Number(0.5)), Some(Command::Volume(0.5)));
+        assert_eq!(of("tempo", Given::Nothing), Some(Command::Tempo(0.0)));
+        let orb = Command::Scene(SceneName::Title("orb".to_owned()));
+        assert_eq!(of("scene", Given::Text("orb".to_owned())), Some(orb));
+        assert_eq!(of("scene", Given::Number(3.0)), Some(Command::Scene(SceneName::Number(3))));
+        assert_eq!(of("scene", Given::Nothing), None);
+        assert_eq!(of("no_such_name", Given::Nothing), None);
+    }
+}

@@ -1,0 +1,167 @@
+//! A scene's folder: the files that a scene names are read from there and from nowhere else.
+
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read};
+use std::path::{Component, Path, PathBuf};
+
+/// Why a scene does not get a file that it names. As text it continues "`name` cannot be ...: ".
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub(super) enum Refusal {
+    #[error("it would lead out of the scene's folder")]
+    Leaves,
+    #[error("it is a link that leads out of the scene's folder")]
+    LinkOut,
+    #[error("there is no such file in the scene's folder")]
+    Missing,
+    #[error("it is not a file")]
+    NoFile,
+    #[error("the system refuses it: {0}")]
+    Unreadable(String),
+    #[error("it is larger than {0} bytes")]
+    TooLarge(usize),
+    #[error("it is not text: byte {0} is not UTF-8")]
+    NotText(usize),
+}
+
+/// The folder that a scene file lies in.
+#[derive(Debug, Clone)]
+pub(super) struct Folder(PathBuf);
+
+/// Most entries of a folder that are looked through for a suggestion.
+const ENTRIES_MAX: usize = 10_000;
+
+impl Folder {
+    pub(super) fn of(scene: &Path) -> Self {
+        Self(scene.parent().map_or_else(PathBuf::new, Path::to_owned))
+    }
+
+    /// Where `name` is, as long as no link is in the way.
+    pub(super) fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    /// The bytes of `name`, at most `max`.
+    pub(super) fn bytes(&self, name: &str, max: usize) -> Result<Vec<u8>, Refusal> {
+        let path = self.inside(name)?;
+        let refused = |error: io::Error| Refusal::Unreadable(error.to_string());
+        // Checked before it is opened, because opening a pipe waits for somebody who writes.
+        if !fs::metadata(&path).map_err(refused)?.is_file() {
+            return Err(Refusal::NoFile);
+        }
+        read_at_most(&path, max).map_err(refused)?.ok_or(Refusal::TooLarge(max))
+    }
+
+    /// The text of `name`, at most `max` bytes.
+    pub(super) fn text(&self, name: &str, max: usize) -> Result<String, Refusal> {
+        Self::text_of(self.bytes(name, max)?)
+    }
+
+    /// Bytes as text.
+    pub(super) fn text_of(bytes: Vec<u8>) -> Result<String, Refusal> {
+        String::from_utf8(bytes).map_err(|error| Refusal::NotText(error.utf8_error().valid_up_to()))
+    }
+
+    /// The names, written as `name` is, of the files in the same folder; those that are not UTF-8 are left out.
+    pub(super) fn beside(&self, name: &str) -> Vec<String> {
+        let (prefix, folder) = match name.rsplit_once('/') {
+            Some((folder, _)) => (format!("{folder}/"), self.inside(folder)),
+            None => (String::new(), Ok(self.opened().to_owned())),
+        };
+        let entries = folder.ok().and_then(|folder| fs::read_dir(folder).ok()).into_iter().flatten();
+        let names = entries.flatten().filter_map(|entry| entry.file_name().into_string().ok());
+        names.take(ENTRIES_MAX).map(|found| format!("{prefix}{found}")).collect()
+    }
+
+    /// Where `name` really is; refused if that is outside of the folder.
+    fn inside(&self, name: &str) -> Result<PathBuf, Refusal> {
+        if !Path::new(name).components().all(|part| matches!(part, Component::Normal(_))) {
+            return Err(Refusal::Leaves);
+        }
+        let missing = |error: io::Error| match error.kind() {
+            ErrorKind::NotFound | ErrorKind::NotADirectory => Refusal::Missing,
+            _ => Refusal::Unreadable(error.to_string()),
+        };
+        let folder = self.opened().canonicalize().map_err(missing)?;
+        let path = folder.join(name).canonicalize().map_err(missing)?;
+        if path.starts_with(&folder) { Ok(path) } else { Err(Refusal::LinkOut) }
+    }
+
+    /// The folder as the system knows it: an empty path does not name the current one.
+    fn opened(&self) -> &Path {
+        if self.0.as_os_str().is_empty() { Path::new(".") } else { &self.0 }
+    }
+}
+
+/// A file's bytes; none if there are more than `max`. Never reads more than that, whatever the file claims to be.
+pub fn read_at_most(path: &Path, max: usize) -> io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take((max as u64).saturating_add(1)).read_to_end(&mut bytes)?;
+    Ok((bytes.len() <= max).then_some(bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder() -> (tempfile::TempDir, Folder) {
+        let place = tempfile::tempdir().unwrap();
+        fs::create_dir_all(place.path().join("in/sub")).unwrap();
+        fs::write(place.path().join("outside"), "secret").unwrap();
+        fs::write(place.path().join("in/sub/part"), "part").unwrap();
+        let folder = Folder::of(&place.path().join("in/main.scene"));
+        (place, folder)
+    }
+
+    #[test]
+    fn refusals_are_told_apart() {
+        let (place, folder) = folder();
+        assert_eq!(folder.bytes("sub/part", 4), Ok(b"part".to_vec()));
+        assert_eq!(folder.bytes("sub/part", 3), Err(Refusal::TooLarge(3)));
+        assert_eq!(folder.bytes("sub/none", 4), Err(Refusal::Missing));
+        assert_eq!(folder.bytes("sub/part/none", 4), Err(Refusal::Missing));
+        assert_eq!(folder.bytes("sub", 4), Err(Refusal::NoFile));
+        assert_eq!(folder.bytes("../outside", 9), Err(Refusal::Leaves));
+        assert_eq!(folder.bytes(place.path().join("outside").to_str().unwrap(), 9), Err(Refusal::Leaves));
+        fs::write(place.path().join("in/latin"), [b'a', 0xe4]).unwrap();
+        assert_eq!(folder.text("latin", 9), Err(Refusal::NotText(1)));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_lead_around_in_the_folder_but_not_out_of_it() {
+        use std::os::unix::fs::symlink;
+        let (place, folder) = folder();
+        let link = |from: &str, to: &str| symlink(to, place.path().join("in").join(from)).unwrap();
+        link("near", "sub/part");
+        link("far", "../outside");
+        link("up", "..");
+        link("round", "round");
+        assert_eq!(folder.text("near", 9), Ok("part".to_owned()));
+        assert_eq!(folder.text("far", 9), Err(Refusal::LinkOut));
+        assert_eq!(folder.text("up/outside", 9), Err(Refusal::LinkOut));
+        assert_eq!(folder.text("up/in/sub/part", 9), Ok("part".to_owned()));
+        assert!(matches!(folder.text("round", 9), Err(Refusal::Unreadable(_))));
+        assert_eq!(folder.beside("up/x"), [""; 0]);
+        assert_eq!(folder.beside("sub/x"), ["sub/part"]);
+    }
+
+    /// Tests run in the package's folder.
+    #[test]
+    fn a_bare_name_lies_in_the_current_folder() {
+        let folder = Folder::of(Path::new("bare.scene"));
+        assert_eq!(folder.path("Cargo.toml"), Path::new("Cargo.toml"));
+        assert!(folder.bytes("Cargo.toml", 1 << 20).is_ok());
+        assert!(folder.beside("").contains(&"Cargo.toml".to_owned()));
+        assert!(folder.beside("src/x").contains(&"src/lib.rs".to_owned()));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_pipe_is_not_waited_for() {
+        let (place, folder) = folder();
+        let pipe = place.path().join("in/pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        assert_eq!(folder.bytes("pipe", 9), Err(Refusal::NoFile));
+        assert_eq!(read_at_most(Path::new("/dev/zero"), 9).unwrap(), None);
+    }
+}

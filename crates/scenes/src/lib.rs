@@ -1,0 +1,352 @@
+//! Where scenes come from: the shipped ones, files, and formulas given instead.
+//!
+//! **A scene reads its own folder.** Includes and pictures come from there; pictures that are missing there come from
+//! the shipped ones. The system is asked where a path really leads, so that links do not lead out of the folder.
+
+mod blend;
+mod content;
+mod debounce;
+mod draft_texts;
+mod drafts;
+mod error;
+mod folder;
+pub mod limits;
+mod loader;
+mod number_edits;
+mod order;
+pub mod probing;
+mod textures;
+pub mod thumbnails;
+mod watch;
+mod world;
+
+use std::borrow::Cow;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use include_dir::{Dir, include_dir};
+
+pub use blend::{SceneBlend, SeenScene, camera_number};
+pub use draft_texts::DraftTexts;
+pub use drafts::{Drafts, Findings, Mistake};
+pub use error::{FoundMistakes, SceneError};
+pub use folder::read_at_most;
+pub use loader::{Loaded, Loader};
+pub use number_edits::NumberEdits;
+pub use order::SceneList;
+pub use textures::TextureCache;
+pub use world::ReadyScene;
+
+use folder::Folder;
+use mariana_field::lang::{self, Compiled};
+use mariana_field::limits::LIMITS as FIELD_LIMITS;
+
+static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/scenes");
+
+/// The extension of scene files.
+const ENDING: &str = "scene";
+
+/// A scene that can be compiled any number of times.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SceneSource {
+    /// One of the shipped scenes, by its name.
+    Shipped(String),
+    /// A file.
+    File(PathBuf),
+    /// A formula in `x`, `y`, `z`, or a whole scene, as text.
+    Formula(String),
+    /// A scene on its way into another; its text is that of the other.
+    Blend(Arc<SceneBlend>),
+}
+
+impl SceneSource {
+    /// What a user means by `argument`: a file that is there or that ends in `.scene`, the name of a shipped scene,
+    /// or else a formula.
+    ///
+    /// # Errors
+    /// [`SceneError::Unknown`] for a single word that is none of these.
+    pub fn find(argument: &(impl AsRef<OsStr> + ?Sized)) -> Result<Self, SceneError> {
+        let path = Path::new(argument);
+        if path.exists() || is_scene_file(path) {
+            return Ok(Self::File(path.to_owned()));
+        }
+        // Names and formulas are text; an argument that is not text can only be a missing file.
+        let Some(argument) = path.to_str() else { return Ok(Self::File(path.to_owned())) };
+        if shipped(argument).is_some() {
+            return Ok(Self::Shipped(argument.to_owned()));
+        }
+        let starts_as_name = argument.starts_with(|c: char| c.is_alphabetic() || c == '_');
+        let word = starts_as_name && argument.chars().all(|c| c.is_alphanumeric() || "_-".contains(c));
+        let known = lang::inputs().any(|(name, _)| name == argument);
+        if word && !known {
+            return Err(SceneError::Unknown {
+                name: argument.to_owned(),
+                shipped: shipped_names().join(", "),
+            });
+        }
+        Ok(Self::Formula(argument.to_owned()))
+    }
+
+    /// What messages call it.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Shipped(name) => format!("{name}.{ENDING}"),
+            Self::File(path) => path.display().to_string(),
+            Self::Formula(_) => "formula".to_owned(),
+            Self::Blend(blend) => format!("{} into {}", blend.from.source.name(), blend.to.source.name()),
+        }
+    }
+
+    /// The file that it is read from, if it is one.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::File(path) => Some(path),
+            Self::Shipped(_) | Self::Formula(_) => None,
+            Self::Blend(blend) => blend.to.source.file(),
+        }
+    }
+
+    /// Every file whose change can change the scene: its own, those that it includes and its textures, including
+    /// those that could not be read. Empty if the scene is not a file. `compiled` is none if its own file could not
+    /// be read.
+    pub fn files(&self, compiled: Option<&Compiled>) -> Vec<PathBuf> {
+        let Self::File(path) = self else { return Vec::new() };
+        let folder = Folder::of(path);
+        let mut files = vec![path.clone()];
+        if let Some(compiled) = compiled {
+            files.extend(compiled.includes_asked.iter().map(|name| folder.path(name)));
+            let textures = compiled.scene.iter().flat_map(|scene| &scene.textures);
+            files.extend(textures.map(|texture| folder.path(&texture.name)));
+        }
+        files
+    }
+
+    /// What titles call it: a file's name without its folder and extension.
+    pub fn title(&self) -> String {
+        match self {
+            Self::Shipped(name) => name.clone(),
+            Self::File(path) => {
+                let name = path.file_stem().unwrap_or(path.as_os_str());
+                // One line, whatever the file is called.
+                name.to_string_lossy().replace(char::is_control, " ")
+            }
+            Self::Formula(_) => "formula".to_owned(),
+            Self::Blend(blend) => blend.to.source.title(),
+        }
+    }
+
+    /// Reads and compiles it. Mistakes in the text are part of the result.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is too large, or is not text.
+    pub fn compile(&self) -> Result<Compiled, SceneError> {
+        self.compile_following(&mut NumberEdits::default(), &DraftTexts::default())
+    }
+
+    /// The same for a source of which earlier versions may have been compiled: numbers that are being changed are read
+    /// as inputs. `drafts` stand in the place of what files hold.
+    ///
+    /// # Errors
+    /// As [`SceneSource::compile`].
+    pub fn compile_following(
+        &self,
+        edits: &mut NumberEdits,
+        drafts: &DraftTexts,
+    ) -> Result<Compiled, SceneError> {
+        Ok(match self.file().and_then(|file| Some((file, drafts.of(file)?))) {
+            Some((file, draft)) => self.compile_as(text_of(file, draft)?, edits, drafts),
+            None => self.compile_as(&self.text()?, edits, drafts),
+        })
+    }
+
+    /// Its text.
+    ///
+    /// # Errors
+    /// As [`SceneSource::compile`].
+    pub fn text(&self) -> Result<Cow<'_, str>, SceneError> {
+        match self {
+            Self::Formula(text) => Ok(text.into()),
+            Self::Shipped(name) => shipped(name).map(Cow::from).ok_or_else(|| SceneError::Unknown {
+                name: name.clone(),
+                shipped: shipped_names().join(", "),
+            }),
+            Self::File(path) => read(path).map(Cow::from),
+            Self::Blend(blend) => blend.to.source.text(),
+        }
+    }
+
+    /// Compiles `text` as if it were its own, with what that includes.
+    fn compile_as(&self, text: &str, edits: &mut NumberEdits, drafts: &DraftTexts) -> Compiled {
+        let name = self.name();
+        match self {
+            // It stands where the program was started.
+            Self::Formula(_) => lang::compile(&name, text, &mut including(Folder::of(Path::new("")), drafts)),
+            Self::Shipped(_) => {
+                let mut include = |path: &str| {
+                    let file = SHIPPED.get_file(path).and_then(|file| file.contents_utf8());
+                    file.map(str::to_owned).ok_or_else(|| "no such file is shipped".to_owned())
+                };
+                lang::compile(&name, text, &mut include)
+            }
+            Self::Blend(blend) => blend.to.source.compile_as(text, edits, drafts),
+            Self::File(path) => {
+                let turning = drafts.turning(path);
+                let changing = edits.follow(self, text, !turning.is_empty());
+                let mut include = including(Folder::of(path), drafts);
+                lang::compile_while_changing(&name, text, &mut include, changing, turning)
+            }
+        }
+    }
+}
+
+/// What reads the files that a scene of `folder` includes, or the drafts that stand in their place.
+fn including(folder: Folder, drafts: &DraftTexts) -> impl FnMut(&str) -> Result<String, String> {
+    move |path| {
+        let text = match drafts.of(&folder.path(path)) {
+            Some(draft) => Folder::text_of(draft.to_vec()),
+            None => folder.text(path, FIELD_LIMITS.scene_bytes_max),
+        };
+        text.map_err(|refusal| refusal.to_string())
+    }
+}
+
+/// A draft of a file as text.
+fn text_of<'a>(file: &Path, draft: &'a [u8]) -> Result<&'a str, SceneError> {
+    std::str::from_utf8(draft)
+        .map_err(|error| SceneError::NotText { path: file.to_owned(), position: error.valid_up_to() })
+}
+
+/// Whether a path is that of a scene, by its ending.
+pub fn is_scene_file(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == ENDING)
+}
+
+/// The comment with which a scene's text begins, line by line; what it says about the scene.
+pub fn first_comment(text: &str) -> impl Iterator<Item = &str> {
+    let lines = text.lines().map(|line| line.trim().strip_prefix('#').map(str::trim));
+    lines.take_while(Option::is_some).flatten().take_while(|line| !line.is_empty())
+}
+
+/// The names of the shipped scenes, sorted.
+pub fn shipped_names() -> Vec<String> {
+    let mut names: Vec<String> = SHIPPED
+        .files()
+        .filter_map(|file| file.path().to_str()?.strip_suffix(&format!(".{ENDING}")).map(str::to_owned))
+        .collect();
+    names.sort();
+    names
+}
+
+fn shipped(name: &str) -> Option<&'static str> {
+    SHIPPED.get_file(format!("{name}.{ENDING}"))?.contents_utf8()
+}
+
+/// The text of a file, no longer than the limit.
+fn read(path: &Path) -> Result<String, SceneError> {
+    let unreadable =
+        |error: std::io::Error| SceneError::Unreadable { path: path.to_owned(), reason: error.to_string() };
+    // Checked before it is opened, because opening a pipe waits for somebody who writes.
+    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
+        return Err(SceneError::NoFile { path: path.to_owned() });
+    }
+    let max = FIELD_LIMITS.scene_bytes_max;
+    let bytes = folder::read_at_most(path, max).map_err(unreadable)?;
+    let bytes = bytes.ok_or_else(|| SceneError::TooLarge { path: path.to_owned(), max })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let position = error.utf8_error().valid_up_to();
+        SceneError::NotText { path: path.to_owned(), position }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shipped_scene_compiles_without_a_word() {
+        assert!(shipped_names().contains(&"speakers".to_owned()));
+        for name in shipped_names() {
+            let compiled = SceneSource::Shipped(name.clone()).compile().unwrap();
+            assert!(compiled.scene.is_some(), "{name}:\n{}", compiled.render(false));
+        }
+    }
+
+    #[test]
+    fn an_argument_is_a_file_a_name_or_a_formula() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("own.scene");
+        std::fs::write(&file, "sqrt(x*x + y*y + z*z) - 1").unwrap();
+        let argument = file.to_str().unwrap();
+        assert_eq!(SceneSource::find(argument).unwrap(), SceneSource::File(file.clone()));
+        assert_eq!(SceneSource::find("speakers").unwrap(), SceneSource::Shipped("speakers".into()));
+        for formula in ["y", "x/2", "min(y, 1)", "-x"] {
+            assert_eq!(SceneSource::find(formula).unwrap(), SceneSource::Formula(formula.into()));
+        }
+        let message = SceneSource::find("speekers").unwrap_err().to_string();
+        assert!(message.contains("speekers") && message.contains("speakers"), "{message}");
+    }
+
+    #[test]
+    fn a_scenes_name_of_two_lines_made_a_title_of_two_lines() {
+        assert_eq!(SceneSource::File("two\nlines.scene".into()).title(), "two lines");
+    }
+
+    #[test]
+    fn files_that_are_missing_too_large_or_no_text_are_told_apart() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("large.scene"), vec![b' '; FIELD_LIMITS.scene_bytes_max + 1]).unwrap();
+        std::fs::write(path("binary.scene"), [b'x', 0xff, 0xfe]).unwrap();
+        let error = |name: &str| SceneSource::File(path(name)).compile().unwrap_err();
+        assert!(matches!(error("missing.scene"), SceneError::Unreadable { .. }));
+        assert!(matches!(error("large.scene"), SceneError::TooLarge { .. }));
+        assert!(matches!(error("binary.scene"), SceneError::NotText { position: 1, .. }));
+    }
+
+    #[test]
+    fn includes_are_read_from_the_scenes_folder_and_from_nowhere_else() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("in")).unwrap();
+        std::fs::write(folder.path().join("outside.scene"), "fn ball(p) { length(p) - 1 }").unwrap();
+        std::fs::write(folder.path().join("in/part.scene"), "fn ball(p) { length(p) - 1 }").unwrap();
+        let compile = |include: &str| {
+            let file = folder.path().join("in/main.scene");
+            let text = format!("include \"{include}\"\nobject o {{ shape = ball(p) }}\n");
+            std::fs::write(&file, text).unwrap();
+            SceneSource::File(file).compile().unwrap()
+        };
+        let good = compile("part.scene");
+        assert!(good.scene.is_some(), "{}", good.render(false));
+        assert!(compile("../outside.scene").scene.is_none());
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink("../outside.scene", folder.path().join("in/link.scene")).unwrap();
+            let refused = compile("link.scene");
+            assert!(refused.scene.is_none());
+            let message =
+                "`link.scene` cannot be included: it is a link that leads out of the scene's folder";
+            assert_eq!(refused.diagnostics.first().map(|one| one.message.as_str()), Some(message));
+        }
+    }
+
+    #[test]
+    fn the_files_of_a_scene_are_those_that_it_asked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let source = SceneSource::File(path("main.scene"));
+        assert_eq!(source.files(None), [path("main.scene")]);
+        std::fs::write(path("part.scene"), "include \"deep/none.scene\"").unwrap();
+        let text = "include \"part.scene\"\nmaterial m { color = texture(\"a.png\", p.xy).rgb }\n\
+                    object o { shape = length(p) - 1 material = m }";
+        std::fs::write(path("main.scene"), text).unwrap();
+        let files = ["main.scene", "part.scene", "deep/none.scene", "a.png"].map(path);
+        assert_eq!(source.files(Some(&source.compile().unwrap())), files[..3]);
+        std::fs::create_dir(path("deep")).unwrap();
+        std::fs::write(path("deep/none.scene"), "").unwrap();
+        let compiled = source.compile().unwrap();
+        assert_eq!(source.files(Some(&compiled)), files, "{}", compiled.render(false));
+        let speakers = SceneSource::Shipped("speakers".into());
+        assert!(speakers.files(Some(&speakers.compile().unwrap())).is_empty());
+    }
+}

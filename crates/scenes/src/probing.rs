@@ -1,0 +1,331 @@
+//! Looks into the picture for the editor: what is at a point, and which part of the scene each place of a coarse grid
+//! shows. Rays are followed on a thread of their own, with the numbers of the picture that was asked about; of each kind
+//! of question only the latest counts.
+
+use std::io;
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use crate::SceneSource;
+use mariana_field::sight::{Deciding, Ray, Sight, Survey, SurveyOptions};
+use mariana_field::world::World;
+use mariana_render::frame::Frame;
+use mariana_render::gpu::scene_resources::{RegionMaker, RegionRequest};
+
+/// A picture that can be asked about.
+#[derive(Clone)]
+pub struct Scenery {
+    /// The scene.
+    pub source: SceneSource,
+    /// Its world.
+    pub world: Arc<World>,
+    /// The numbers of the picture, and its camera.
+    pub frame: Frame,
+    /// What builds its tree.
+    pub maker: RegionMaker,
+    /// What the tree is built for.
+    pub request: RegionRequest,
+}
+
+/// How long an answer may take: then the scene is too large for it.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// Between surveys the processors are the show's for as long as one took, but for no longer than this.
+const REST_MAX: Duration = Duration::from_secs(1);
+/// Rays of a survey side by side.
+const COLUMNS: usize = 160;
+/// Share of a pixel that the ray of a probe is wide.
+const PROBE_WIDTH: f64 = 0.05;
+
+/// What is at a point of the picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probed {
+    /// The scene.
+    pub source: SceneSource,
+    /// The point, as shares of the picture to the right and down.
+    pub at: [f64; 2],
+    /// The surface; none where the sky is.
+    pub surface: Option<Surface>,
+}
+
+/// A surface at a point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    /// The object's name.
+    pub object: String,
+    /// The material's.
+    pub material: String,
+    /// Way from the eye.
+    pub distance: f32,
+    /// The point in the scene.
+    pub position: [f32; 3],
+    /// Away from the surface, of length 1.
+    pub normal: [f32; 3],
+    /// The file by its number among the scene's texts, and the bytes of what made it.
+    pub written: Option<(usize, Range<usize>)>,
+}
+
+/// An answer.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Answer {
+    /// What is at a point.
+    Point(Probed),
+    /// What a grid shows.
+    Survey(SceneSource, Arc<Survey>),
+    /// It would have taken too long.
+    TooLong,
+}
+
+#[derive(Default)]
+struct State {
+    point: Option<(Scenery, [f64; 2])>,
+    survey: Option<Scenery>,
+    answers: Vec<Answer>,
+    /// Whether a survey is being made, or was a moment ago.
+    surveys: bool,
+    over: bool,
+}
+
+#[derive(Default)]
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The thread, which ends by itself when this is dropped.
+pub struct Prober(Arc<Shared>);
+
+impl Prober {
+    /// Starts the thread, which calls `wake` after each answer.
+    ///
+    /// # Errors
+    /// What the system says about threads.
+    pub fn start(wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+        let shared = Arc::new(Shared::default());
+        let theirs = shared.clone();
+        std::thread::Builder::new().name("probe".into()).spawn(move || work(&theirs, &wake))?;
+        Ok(Self(shared))
+    }
+
+    /// Asks what is at a point, as shares of the picture to the right and down.
+    pub fn ask_point(&self, scenery: Scenery, at: [f64; 2]) {
+        self.0.lock().point = Some((scenery, at));
+        self.0.changed.notify_one();
+    }
+
+    /// Asks for a survey.
+    pub fn ask_survey(&self, scenery: Scenery) {
+        self.0.lock().survey = Some(scenery);
+        self.0.changed.notify_one();
+    }
+
+    /// Whether a survey is on its way, or its thread rests.
+    pub fn surveys(&self) -> bool {
+        let state = self.0.lock();
+        state.surveys || state.survey.is_some()
+    }
+
+    /// The answers since the last call.
+    pub fn answers(&self) -> Vec<Answer> {
+        std::mem::take(&mut self.0.lock().answers)
+    }
+}
+
+impl Drop for Prober {
+    fn drop(&mut self) {
+        let mut state = self.0.lock();
+        (state.over, state.point, state.survey) = (true, None, None);
+        drop(state);
+        self.0.changed.notify_one();
+    }
+}
+
+fn work(shared: &Shared, wake: &dyn Fn()) {
+    loop {
+        let mut state = shared.lock();
+        while state.point.is_none() && state.survey.is_none() && !state.over {
+            state = shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        if state.over {
+            return;
+        }
+        let point = state.point.take();
+        let survey = if point.is_none() { state.survey.take() } else { None };
+        state.surveys = survey.is_some();
+        drop(state);
+        let begun = Instant::now();
+        // A survey waits while somebody asks for a point.
+        let is_asked = point.is_some();
+        let is_wanted = || {
+            let state = shared.lock();
+            !state.over && begun.elapsed() < PATIENCE && (is_asked || state.point.is_none())
+        };
+        let answer = catch_unwind(AssertUnwindSafe(|| match (point, survey) {
+            (Some((scenery, at)), _) => probe(&scenery, at, &is_wanted).map(Answer::Point),
+            (None, Some(scenery)) => {
+                let survey = survey_of(&scenery, &is_wanted)?;
+                Some(Answer::Survey(scenery.source, Arc::new(survey)))
+            }
+            (None, None) => None,
+        }));
+        let what = if is_asked { "a point" } else { "a grid" };
+        tracing::debug!("looked at {what} of the picture in {:.1} ms", 1e3 * begun.elapsed().as_secs_f64());
+        let mut state = shared.lock();
+        match answer {
+            Ok(Some(answer)) => state.answers.push(answer),
+            Ok(None) if begun.elapsed() >= PATIENCE => state.answers.push(Answer::TooLong),
+            Ok(None) => {}
+            Err(_) => tracing::error!("probing ended with a panic"),
+        }
+        let surveyed = state.surveys;
+        drop(state);
+        wake();
+        if surveyed {
+            let rest = begun.elapsed().min(REST_MAX);
+            let is_idle = |state: &mut State| state.point.is_none() && !state.over;
+            let rested = shared.changed.wait_timeout_while(shared.lock(), rest, is_idle);
+            rested.unwrap_or_else(PoisonError::into_inner).0.surveys = false;
+            wake();
+        }
+    }
+}
+
+/// The ray through a point of a picture, as shares to the right and down, of which a pixel's cone has this share.
+fn ray_at(frame: &Frame, [x, y]: [f64; 2], width: f64) -> Ray {
+    let camera = &frame.camera;
+    let (right, up) = ((2.0 * x - 1.0) * camera.tan_half.0, (1.0 - 2.0 * y) * camera.tan_half.1);
+    let direction = (camera.forward + right * camera.right + up * camera.up).normalize();
+    let spread = camera.tan_half.1 / f64::from(frame.size.1) * width;
+    Ray {
+        origin: camera.position.as_vec3().to_array(),
+        direction: direction.as_vec3().to_array(),
+        spread: spread.max(1e-6) as f32,
+    }
+}
+
+/// Looks at a picture; none if its tree takes too long.
+fn look<T>(
+    scenery: &Scenery,
+    is_wanted: &(dyn Fn() -> bool + Sync),
+    look: impl FnOnce(&Sight<'_>) -> T,
+) -> Option<T> {
+    let Scenery { world, frame, maker, request, .. } = scenery;
+    let built = maker.build_while(frame, request.clone(), is_wanted);
+    is_wanted().then(|| look(&Sight::new(world, &built.regions, &frame.inputs, &frame.values.planes)))
+}
+
+/// What is at a point of the picture, given as shares of it to the right and down; none as soon as it is not wanted any more.
+pub fn probe(scenery: &Scenery, at: [f64; 2], is_wanted: &(dyn Fn() -> bool + Sync)) -> Option<Probed> {
+    let ray = ray_at(&scenery.frame, at, PROBE_WIDTH);
+    let scene = &scenery.world.scene;
+    let surface = look(scenery, is_wanted, |sight| {
+        let hit = sight.trace(&ray).hit?;
+        let object = scene.objects.get(hit.object)?;
+        let deciding = Deciding::new(&scene.graph, object.shape).ok();
+        let path = sight.path(&hit, deciding.as_ref());
+        let written = path.last().and_then(|node| scene.origins.written_at(*node));
+        let declared = || {
+            let (file, start) = scene.origins.place(object.span.start)?;
+            Some((file, start..start))
+        };
+        Some(Surface {
+            object: object.name.clone(),
+            material: scene.materials.get(object.material).map_or(String::new(), |one| one.name.clone()),
+            distance: hit.distance,
+            position: hit.position,
+            normal: sight.normal(&ray, &hit),
+            written: written.or_else(declared),
+        })
+    })?;
+    Some(Probed { source: scenery.source.clone(), at, surface })
+}
+
+/// What a grid over the picture shows; none as soon as it is not wanted any more.
+pub fn survey_of(scenery: &Scenery, is_wanted: &(dyn Fn() -> bool + Sync)) -> Option<Survey> {
+    let (width, height) = scenery.frame.camera.tan_half;
+    let rows = (COLUMNS as f64 * height / width).round().clamp(8.0, COLUMNS as f64 * 2.0) as usize;
+    let options = SurveyOptions { columns: COLUMNS, rows };
+    let ray = |x: f64, y: f64| ray_at(&scenery.frame, [x, y], 1.0);
+    look(scenery, is_wanted, |sight| Survey::of(sight, options, ray, is_wanted))?
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use mariana_field::region::RegionOptions;
+    use mariana_music::Features;
+
+    use super::*;
+
+    const BALLS: &str = "\
+object near {
+  shape = sphere(p - vec3(0, 0, 5), 1)
+}
+object floor { shape = y + 1 }
+camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 90 }";
+
+    /// A picture of a scene after a second of silence, twice as wide as it is high.
+    fn scenery(text: &str) -> Scenery {
+        let source = SceneSource::Formula(text.to_owned());
+        let ready = source.ready().unwrap();
+        let frame = Frame::new(&ready.world, 1.0, Features::SILENCE, (200, 100));
+        let maker = RegionMaker { plan: ready.plan, buffers: ready.buffers, last: None };
+        let request = RegionRequest::of(&maker.plan, &frame, RegionOptions::default());
+        Scenery { source, world: ready.world, frame, maker, request }
+    }
+
+    fn asked(scenery: &Scenery, ask: impl Fn(&Prober, Scenery)) -> Answer {
+        let (woken, wakes) = channel();
+        let prober = Prober::start(move || woken.send(()).unwrap_or_default()).unwrap();
+        ask(&prober, scenery.clone());
+        wakes.recv_timeout(Duration::from_secs(20)).unwrap();
+        prober.answers().pop().unwrap()
+    }
+
+    #[test]
+    fn a_point_of_the_picture_is_told_with_its_object_its_place_and_its_line() {
+        let scenery = scenery(BALLS);
+        let surface = |at: [f64; 2]| match asked(&scenery, |prober, scenery| prober.ask_point(scenery, at)) {
+            Answer::Point(probed) => probed.surface,
+            other => panic!("{other:?}"),
+        };
+        let ball = surface([0.5, 0.5]).unwrap();
+        assert_eq!((ball.object.as_str(), ball.material.as_str()), ("near", "default"));
+        assert!((ball.distance - 4.0).abs() < 1e-3 && (ball.position[2] - 4.0).abs() < 1e-3, "{ball:?}");
+        assert!(ball.normal[2] < -0.999, "{ball:?}");
+        let (file, bytes) = ball.written.unwrap();
+        assert_eq!((file, &BALLS[bytes]), (0, "sphere(p - vec3(0, 0, 5), 1)"));
+        // Half way down the field of view the floor is at 45 / 2 degrees.
+        let floor = surface([0.5, 0.9]).unwrap();
+        assert!((floor.position[2] - 1.0 / 0.8).abs() < 1e-3, "{floor:?}");
+        let (_, bytes) = floor.written.unwrap();
+        assert_eq!(&BALLS[bytes], "y + 1");
+        assert_eq!(surface([0.5, 0.1]), None);
+        // To the right in the picture is to the right in the scene.
+        assert!(surface([0.75, 0.9]).unwrap().position[0] > 0.1);
+    }
+
+    #[test]
+    fn a_survey_has_the_shape_of_the_picture_and_all_objects() {
+        let scenery = scenery(BALLS);
+        let Answer::Survey(source, survey) = asked(&scenery, |prober, scenery| prober.ask_survey(scenery))
+        else {
+            panic!("no survey came");
+        };
+        assert_eq!(source, scenery.source);
+        assert_eq!((survey.columns, survey.cells.len()), (COLUMNS, COLUMNS * COLUMNS / 2));
+        assert!(
+            survey.objects.iter().all(|object| object.rays > 0 && object.run > 0),
+            "{:?}",
+            survey.objects
+        );
+    }
+}

@@ -1,0 +1,191 @@
+//! The pictures that scenes read.
+//!
+//! A scene that is a file gets PNG and JPEG pictures from its own folder, never from outside of it. If the folder has
+//! no picture of that name, a shipped one of the same name is used, so that a copy of a shipped scene works anywhere.
+//! Shipped scenes and formulas get shipped pictures only.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::Cursor;
+use std::sync::Arc;
+
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, RgbaImage};
+use include_dir::{Dir, include_dir};
+
+use super::SceneSource;
+use super::folder::{Folder, Refusal};
+use crate::limits::{LIMITS, Limits};
+use mariana_field::lang::{Diagnostic, Scene, Span, TextureRef, nearest};
+
+static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/textures");
+
+/// The extensions of pictures.
+const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
+
+/// Reads textures, and keeps those of the last scene decoded: loading a scene again decodes only what has changed,
+/// and gives the same [`Arc`] for what has not.
+#[derive(Debug, Default)]
+pub struct TextureCache {
+    pictures: HashMap<u64, Arc<RgbaImage>>,
+}
+
+impl SceneSource {
+    /// The pictures of [`Scene::textures`], in their order: sRGB with alpha that is not premultiplied, top row first.
+    ///
+    /// # Errors
+    /// What is wrong with each picture that cannot be read, with the place in the text that asks for it.
+    pub fn textures(&self, scene: &Scene) -> Result<Vec<Arc<RgbaImage>>, Vec<Diagnostic>> {
+        TextureCache::default().load(self, scene)
+    }
+}
+
+impl TextureCache {
+    /// The same as [`SceneSource::textures`]. Pictures that this scene does not read are forgotten.
+    ///
+    /// # Errors
+    /// See there; pictures that could be read are kept.
+    pub fn load(
+        &mut self,
+        source: &SceneSource,
+        scene: &Scene,
+    ) -> Result<Vec<Arc<RgbaImage>>, Vec<Diagnostic>> {
+        let mut kept = HashMap::new();
+        let (mut pictures, mut wrong) = (Vec::new(), Vec::new());
+        for texture in &scene.textures {
+            match self.picture(source, texture, &mut kept) {
+                Ok(picture) => pictures.push(picture),
+                Err(diagnostic) => wrong.push(*diagnostic),
+            }
+        }
+        self.pictures = kept;
+        if wrong.is_empty() {
+            return Ok(pictures);
+        }
+        wrong.sort_by_key(|diagnostic| diagnostic.span);
+        Err(wrong)
+    }
+
+    fn picture(
+        &mut self,
+        source: &SceneSource,
+        texture: &TextureRef,
+        kept: &mut HashMap<u64, Arc<RgbaImage>>,
+    ) -> Result<Arc<RgbaImage>, Box<Diagnostic>> {
+        let mut hasher = DefaultHasher::new();
+        let bytes = match (own_bytes(source, &texture.name), shipped(&texture.name)) {
+            (Some(Ok(bytes)), _) => {
+                bytes.hash(&mut hasher);
+                Cow::Owned(bytes)
+            }
+            (None | Some(Err(Refusal::Missing)), Some(bytes)) => {
+                // Shipped pictures never change: their name is enough.
+                texture.name.hash(&mut hasher);
+                Cow::Borrowed(bytes)
+            }
+            (None, None) => return Err(Box::new(missing(source, texture))),
+            (Some(Err(refusal)), _) => return Err(Box::new(refused(source, texture, &refusal))),
+        };
+        let key = hasher.finish();
+        let known = kept.get(&key).or_else(|| self.pictures.get(&key)).cloned();
+        let picture = match known {
+            Some(picture) => picture,
+            None => Arc::new(decode(texture, &bytes, &LIMITS)?),
+        };
+        kept.insert(key, Arc::clone(&picture));
+        Ok(picture)
+    }
+}
+
+/// The file from the scene's folder; none if the scene has no folder.
+fn own_bytes(source: &SceneSource, name: &str) -> Option<Result<Vec<u8>, Refusal>> {
+    Some(Folder::of(source.file()?).bytes(name, LIMITS.texture_bytes_max))
+}
+
+fn shipped(name: &str) -> Option<&'static [u8]> {
+    SHIPPED.get_file(name).map(|file| file.contents())
+}
+
+fn shipped_names() -> Vec<String> {
+    let mut names: Vec<String> =
+        SHIPPED.files().filter_map(|file| Some(file.path().to_str()?.to_owned())).collect();
+    names.sort();
+    names
+}
+
+fn missing(source: &SceneSource, texture: &TextureRef) -> Diagnostic {
+    let name = &texture.name;
+    let shipped = shipped_names();
+    let (message, advice) = match source {
+        SceneSource::File(_) => (
+            format!("there is no picture `{name}` in the scene's folder"),
+            format!("put it there, or use one that is shipped: {}", shipped.join(", ")),
+        ),
+        SceneSource::Blend(blend) => return missing(&blend.to.source, texture),
+        SceneSource::Shipped(_) | SceneSource::Formula(_) => (
+            format!("there is no shipped picture `{name}`"),
+            format!("use one of {}, or save the scene as a file next to your pictures", shipped.join(", ")),
+        ),
+    };
+    let mut names = source.file().map_or_else(Vec::new, |file| Folder::of(file).beside(name));
+    names.retain(|name| {
+        name.rsplit_once('.')
+            .is_some_and(|(_, end)| ENDINGS.iter().any(|known| end.eq_ignore_ascii_case(known)))
+    });
+    names.sort();
+    let similar = nearest(name, names.iter().chain(&shipped).map(String::as_str));
+    Diagnostic::new(texture.span, message).hint(advice).did_you_mean(similar)
+}
+
+fn refused(source: &SceneSource, texture: &TextureRef, refusal: &Refusal) -> Diagnostic {
+    if *refusal == Refusal::Missing {
+        return missing(source, texture);
+    }
+    let message = format!("the picture `{}` cannot be read: {refusal}", texture.name);
+    let (over_limit, hint) = match refusal {
+        Refusal::Leaves | Refusal::LinkOut | Refusal::Missing => {
+            (false, "put the picture itself into the scene's folder")
+        }
+        Refusal::NoFile => (false, "name a PNG or JPEG file"),
+        Refusal::Unreadable(_) | Refusal::NotText(_) => (false, "check that you may read it"),
+        Refusal::TooLarge(_) => (true, "scale it down, or save it with stronger compression"),
+    };
+    let kind = if over_limit { Diagnostic::over_limit } else { Diagnostic::new };
+    kind(texture.span, message).hint(hint)
+}
+
+/// Decodes a PNG or JPEG, after checking in its header that its size is allowed.
+fn decode(texture: &TextureRef, bytes: &[u8], limits: &Limits) -> Result<RgbaImage, Box<Diagnostic>> {
+    let TextureRef { name, span } = texture;
+    let diagnostic = |kind: fn(Span, String) -> Diagnostic, message: String, hint: &str| {
+        Box::new(kind(*span, message).hint(hint))
+    };
+    let format = match image::guess_format(bytes) {
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
+        Ok(other) => {
+            let message = format!("`{name}` is a picture in the format {other:?}, which is not supported");
+            return Err(diagnostic(Diagnostic::unsupported, message, "save it as PNG or JPEG"));
+        }
+        Err(_) => {
+            let message = format!("`{name}` is not a picture in a known format");
+            return Err(diagnostic(Diagnostic::new, message, "name a PNG or JPEG file"));
+        }
+    };
+    let damaged = |error: image::ImageError| {
+        diagnostic(Diagnostic::new, format!("the picture `{name}` is damaged: {error}"), "save it again")
+    };
+    let mut decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder().map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    let (side, pixels) = (limits.texture_side_max, limits.texture_pixels_max);
+    if width > side || height > side || u64::from(width) * u64::from(height) > pixels {
+        let message = format!("the picture `{name}` is too large: {width} x {height} pixels");
+        let hint = format!("scale it down to no more than {side} pixels a side and {pixels} in all");
+        return Err(diagnostic(Diagnostic::over_limit, message, &hint));
+    }
+    // How the camera was held is stored beside the pixels.
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let mut picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    picture.apply_orientation(orientation);
+    Ok(picture.into_rgba8())
+}

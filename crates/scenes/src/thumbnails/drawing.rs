@@ -1,0 +1,85 @@
+//! Draws a thumbnail in a separate process.
+
+use std::fs;
+use std::io;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use super::{MOMENT, SIZE};
+use crate::SceneSource;
+use crate::limits::LIMITS;
+
+/// How often the process is looked at.
+const INTERVAL: Duration = Duration::from_millis(20);
+
+/// Why there is no thumbnail.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum NotDrawn {
+    /// The system refuses a process or a file.
+    #[error("it cannot be drawn ({0})")]
+    System(#[from] io::Error),
+    /// The process failed.
+    #[error("it cannot be drawn")]
+    Failed,
+    /// The process exceeded its time.
+    #[error("drawing it takes over {} s", LIMITS.thumbnail_seconds_max)]
+    TooSlow,
+    /// The caller stopped it.
+    #[error("")]
+    Stopped,
+}
+
+/// Draws the thumbnail of a scene in a separate process and returns the PNG's bytes. Stops when `is_stopped`, which is
+/// polled, returns `true`.
+///
+/// # Errors
+/// [`NotDrawn`].
+pub(super) fn draw(source: &SceneSource, mut is_stopped: impl FnMut() -> bool) -> Result<Vec<u8>, NotDrawn> {
+    let place = tempfile::tempdir()?;
+    let file = place.path().join("picture.png");
+    let scene = match source {
+        SceneSource::Blend(blend) => return draw(&blend.to.source, is_stopped),
+        SceneSource::Shipped(name) => name.into(),
+        SceneSource::File(path) => path.clone().into_os_string(),
+        SceneSource::Formula(text) => text.into(),
+    };
+    let mut option = std::ffi::OsString::from("--scene=");
+    option.push(scene);
+    let mut command = Command::new(std::env::current_exe()?);
+    let size = format!("{}x{}", SIZE.0, SIZE.1);
+    command.args(["still", "--at", &MOMENT.to_string(), "--size", &size, "-o"]).arg(&file);
+    command.arg(option).env("LP_NUM_THREADS", "1");
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = Drawing(command.spawn()?);
+    lower_priority(&child.0);
+    let until = Instant::now() + Duration::from_secs_f64(LIMITS.thumbnail_seconds_max);
+    loop {
+        match child.0.try_wait()? {
+            Some(status) if status.success() => return Ok(fs::read(&file)?),
+            Some(_) => return Err(NotDrawn::Failed),
+            None if is_stopped() => return Err(NotDrawn::Stopped),
+            None if Instant::now() > until => return Err(NotDrawn::TooSlow),
+            None => std::thread::sleep(INTERVAL),
+        }
+    }
+}
+
+/// A process that is killed on drop.
+struct Drawing(Child);
+
+impl Drop for Drawing {
+    fn drop(&mut self) {
+        // Fails if the process has ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn lower_priority(child: &Child) {
+    let lowered = i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw);
+    let _ = rustix::process::setpriority_process(lowered, 19);
+}
+
+#[cfg(not(target_os = "linux"))]
+fn lower_priority(_: &Child) {}

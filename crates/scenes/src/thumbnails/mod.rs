@@ -1,0 +1,483 @@
+//! Thumbnails of scenes. The program includes thumbnails of the shipped scenes ([`shipped`]). All others are drawn once and
+//! cached; the key is a hash of the scene's text, includes and textures.
+//!
+//! **A separate process draws a thumbnail**, at the lowest priority and on one thread: the program itself renders a still.
+//! A slow scene, or a crash of the driver, does not affect the show. The newest request comes first. Requests that need
+//! no drawing are answered while another scene is drawn. An idle thread draws scenes that the user may see next.
+
+mod drawing;
+mod shipped;
+
+use std::collections::VecDeque;
+use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::{self, Read as _};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+use image::codecs::jpeg::JpegEncoder;
+use image::{ExtendedColorType, ImageEncoder as _, ImageReader, RgbaImage};
+use mariana_files::Folders;
+
+use crate::limits::LIMITS;
+use crate::{SceneSource, first_comment};
+use drawing::{NotDrawn, draw};
+use mariana_files::atomic_file::AtomicFile;
+pub use shipped::shipped;
+
+/// Size of a thumbnail in pixels.
+pub const SIZE: (u32, u32) = (320, 180);
+/// The moment of the demo track that thumbnails show, in seconds: loud, and in the middle of a phrase.
+pub const MOMENT: f64 = 47.3;
+/// Goes up when thumbnails of the same scene look different than before.
+const VERSION: u32 = 1;
+/// Quality of a thumbnail as a JPEG, of 100: a few steps of it fit into what a phone loads at once.
+const JPEG_QUALITY: u8 = 82;
+
+/// What was found out about a scene.
+#[derive(Debug)]
+pub struct Looked {
+    /// The scene.
+    pub source: SceneSource,
+    /// What was found out.
+    pub about: About,
+}
+
+/// See [`Looked`].
+#[derive(Debug)]
+pub enum About {
+    /// What it says about itself.
+    Comment(String),
+    /// Its thumbnail, and the same as a JPEG for phones.
+    Picture(Arc<RgbaImage>, Arc<[u8]>),
+    /// The reason for a missing thumbnail.
+    NoPicture(String),
+}
+
+/// See the module. Dropping it ends the process that draws.
+#[derive(Debug)]
+pub struct Thumbnails {
+    requests: Arc<Requests>,
+    looked: Receiver<Looked>,
+}
+
+/// Requests that wait for the thread.
+#[derive(Debug, Default)]
+struct Requests {
+    waiting: Mutex<Waiting>,
+    changed: Condvar,
+    over: AtomicBool,
+}
+
+#[derive(Debug, Default)]
+struct Waiting {
+    /// Requests with an answer; the newest is the last.
+    asked: VecDeque<Request>,
+    /// Scenes to draw ahead, the first one first.
+    ahead: VecDeque<SceneSource>,
+}
+
+/// A question about a scene.
+#[derive(Debug, Clone, PartialEq)]
+enum Request {
+    Comment(SceneSource),
+    Picture(SceneSource),
+    /// Fills the cache; there is no answer.
+    Ahead(SceneSource),
+}
+
+impl Request {
+    /// Returns `true` if the answer needs no drawing.
+    fn is_quick(&self) -> bool {
+        match self {
+            Self::Comment(_) => true,
+            Self::Picture(source) => jpeg_shipped_with(source).is_some(),
+            Self::Ahead(_) => false,
+        }
+    }
+}
+
+impl Waiting {
+    /// The newest quick request, or else the newest one, or else a scene to draw ahead.
+    fn take(&mut self) -> Option<Request> {
+        self.take_quick()
+            .or_else(|| self.asked.pop_back())
+            .or_else(|| self.ahead.pop_front().map(Request::Ahead))
+    }
+
+    fn take_quick(&mut self) -> Option<Request> {
+        let newest = self.asked.iter().rposition(Request::is_quick)?;
+        self.asked.remove(newest)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.asked.is_empty() && self.ahead.is_empty()
+    }
+}
+
+impl Requests {
+    fn lock(&self) -> MutexGuard<'_, Waiting> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next request, once there is one; `None` at the end.
+    fn next(&self) -> Option<Request> {
+        let waiting = self.changed.wait_while(self.lock(), |waiting| waiting.is_empty() && !self.is_over());
+        waiting.unwrap_or_else(PoisonError::into_inner).take().filter(|_| !self.is_over())
+    }
+
+    fn is_over(&self) -> bool {
+        self.over.load(Ordering::Relaxed)
+    }
+}
+
+impl Thumbnails {
+    /// Starts the thread that answers requests; `wake` is called after each answer.
+    ///
+    /// # Errors
+    /// There is no thread.
+    pub fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+        Self::start_in(folders.cache.as_ref().map(|cache| cache.join("thumbnails")), wake)
+    }
+
+    /// The same with another folder for the cache.
+    fn start_in(folder: Option<PathBuf>, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+        let requests = Arc::new(Requests::default());
+        let (answers, looked) = channel();
+        let worker = Worker { requests: requests.clone(), folder, answers, wake: Box::new(wake) };
+        std::thread::Builder::new().name("thumbnails".into()).spawn(move || worker.work())?;
+        Ok(Self { requests, looked })
+    }
+
+    /// Asks what scenes say about themselves.
+    pub fn ask_for_comments<'a>(&mut self, sources: impl DoubleEndedIterator<Item = &'a SceneSource>) {
+        self.requests.lock().asked.extend(sources.rev().cloned().map(Request::Comment));
+        self.requests.changed.notify_one();
+    }
+
+    /// Asks for thumbnails in this order, before all earlier requests.
+    pub fn ask_for_pictures(&mut self, sources: Vec<SceneSource>) {
+        self.requests.lock().asked.extend(sources.into_iter().rev().map(Request::Picture));
+        self.requests.changed.notify_one();
+    }
+
+    /// Asks for thumbnails in this order, after all other requests.
+    pub fn ask_for_pictures_later(&mut self, sources: Vec<SceneSource>) {
+        let mut waiting = self.requests.lock();
+        sources.into_iter().map(Request::Picture).for_each(|request| waiting.asked.push_front(request));
+        drop(waiting);
+        self.requests.changed.notify_one();
+    }
+
+    /// Fills the cache with thumbnails while there are no other requests.
+    pub fn draw_ahead(&mut self, sources: impl Iterator<Item = SceneSource>) {
+        self.requests.lock().ahead.extend(sources);
+        self.requests.changed.notify_one();
+    }
+
+    /// The next answer, if there is one.
+    pub fn poll(&mut self) -> Option<Looked> {
+        self.looked.try_recv().ok()
+    }
+}
+
+impl Drop for Thumbnails {
+    fn drop(&mut self) {
+        self.requests.over.store(true, Ordering::Relaxed);
+        self.requests.changed.notify_all();
+    }
+}
+
+/// The thread that answers requests.
+struct Worker {
+    requests: Arc<Requests>,
+    /// The cache; `None` if the system has no folder for it.
+    folder: Option<PathBuf>,
+    answers: Sender<Looked>,
+    wake: Box<dyn Fn() + Send>,
+}
+
+impl Worker {
+    fn work(&self) {
+        if let Some(folder) = &self.folder {
+            forget_oldest(folder);
+        }
+        while let Some(request) = self.requests.next() {
+            self.answer(request);
+        }
+    }
+
+    fn answer(&self, request: Request) {
+        let (source, about) = match request {
+            Request::Comment(source) => {
+                let about = comment_of(&source);
+                (source, about)
+            }
+            Request::Picture(source) => {
+                let about = self.picture_of(&source);
+                (source, about)
+            }
+            Request::Ahead(source) => return self.draw_ahead(source),
+        };
+        let _ = self.answers.send(Looked { source, about });
+        (self.wake)();
+    }
+
+    /// Answers requests that need no drawing, while a process draws.
+    fn answer_quick(&self) {
+        loop {
+            // The lock is free again before the answer.
+            let quick = self.requests.lock().take_quick();
+            let Some(quick) = quick else { return };
+            self.answer(quick);
+        }
+    }
+
+    /// The thumbnail of a scene: shipped, cached or new.
+    fn picture_of(&self, source: &SceneSource) -> About {
+        let found = match jpeg_shipped_with(source) {
+            Some(jpeg) => {
+                read_jpeg(jpeg).map(|image| (image, jpeg.into())).map_err(|error| error.to_string())
+            }
+            None => self.kept_or_drawn(source).map(|image| {
+                let jpeg = jpeg_of(&image).into();
+                (image, jpeg)
+            }),
+        };
+        match found {
+            Ok((image, jpeg)) => About::Picture(Arc::new(image), jpeg),
+            Err(reason) => About::NoPicture(reason),
+        }
+    }
+
+    fn kept_or_drawn(&self, source: &SceneSource) -> Result<RgbaImage, String> {
+        let kept = self.path_of(source)?;
+        if let Some(image) = kept.as_deref().and_then(|path| read_png(path).ok()) {
+            return Ok(image);
+        }
+        let bytes = self.drawn(source, || self.requests.is_over()).map_err(|error| error.to_string())?;
+        let image = decode(&bytes).map_err(|error| error.to_string())?;
+        if let Some(path) = &kept {
+            keep(path, &bytes);
+        }
+        Ok(image)
+    }
+
+    /// Draws a thumbnail into the cache. Any other request interrupts it.
+    fn draw_ahead(&self, source: SceneSource) {
+        let Ok(Some(path)) = self.path_of(&source) else { return };
+        if path.exists() {
+            return;
+        }
+        let gives_way = || self.requests.is_over() || !self.requests.lock().asked.is_empty();
+        match self.drawn(&source, gives_way) {
+            Ok(bytes) if decode(&bytes).is_ok() => keep(&path, &bytes),
+            Err(NotDrawn::Stopped) => self.requests.lock().ahead.push_front(source),
+            Ok(_) | Err(_) => {}
+        }
+    }
+
+    /// Has a scene drawn, and answers quick requests meanwhile.
+    fn drawn(&self, source: &SceneSource, is_stopped: impl Fn() -> bool) -> Result<Vec<u8>, NotDrawn> {
+        draw(source, || {
+            self.answer_quick();
+            is_stopped()
+        })
+    }
+
+    /// The file in which the thumbnail of a scene is kept; `None` without a folder.
+    ///
+    /// # Errors
+    /// The scene has mistakes; the first of them.
+    fn path_of(&self, source: &SceneSource) -> Result<Option<PathBuf>, String> {
+        let text = source.text().map_err(|error| error.to_string())?;
+        let key = key_of(source, &text)?;
+        Ok(self.folder.as_ref().map(|folder| folder.join(format!("{key:016x}.png"))))
+    }
+}
+
+fn comment_of(source: &SceneSource) -> About {
+    let text = source.text().unwrap_or_default();
+    About::Comment(first_comment(&text).collect::<Vec<_>>().join(" "))
+}
+
+/// The thumbnail of a scene if it is part of the program.
+fn jpeg_shipped_with(source: &SceneSource) -> Option<&'static [u8]> {
+    match source {
+        SceneSource::Shipped(name) => shipped(name),
+        SceneSource::File(_) | SceneSource::Formula(_) => None,
+        SceneSource::Blend(blend) => jpeg_shipped_with(&blend.to.source),
+    }
+}
+
+/// A number of everything that a scene is made of.
+///
+/// # Errors
+/// The scene has mistakes; the first of them.
+fn key_of(source: &SceneSource, text: &str) -> Result<u64, String> {
+    let compiled = source.compile().map_err(|error| error.to_string())?;
+    let mut hasher = DefaultHasher::new();
+    (VERSION, env!("CARGO_PKG_VERSION"), text).hash(&mut hasher);
+    // Whatever it includes and whatever pictures it shows: their names and bytes. Its own file is the first.
+    for path in source.files(Some(&compiled)).into_iter().skip(1) {
+        let mut bytes = Vec::new();
+        let read = fs::File::open(&path)
+            .and_then(|file| file.take(LIMITS.texture_bytes_max as u64).read_to_end(&mut bytes));
+        (path.file_name(), read.is_ok(), bytes).hash(&mut hasher);
+    }
+    match compiled.diagnostics.first() {
+        None => Ok(hasher.finish()),
+        Some(mistake) => Err(mistake.message.clone()),
+    }
+}
+
+fn read_png(path: &Path) -> image::ImageResult<RgbaImage> {
+    decode(&fs::read(path)?)
+}
+
+/// A picture that is no larger than a thumbnail: what lies in the folder may be anything.
+fn decode(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
+    let mut reader = ImageReader::new(io::Cursor::new(bytes));
+    reader.set_format(image::ImageFormat::Png);
+    let mut limits = image::Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(SIZE.0), Some(SIZE.1));
+    reader.limits(limits);
+    Ok(reader.decode()?.into_rgba8())
+}
+
+/// The picture in a JPEG that is part of the program.
+fn read_jpeg(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
+    Ok(image::load_from_memory_with_format(bytes, image::ImageFormat::Jpeg)?.into_rgba8())
+}
+
+/// A picture as a JPEG; empty if it cannot be one.
+pub fn jpeg_of(image: &RgbaImage) -> Vec<u8> {
+    let rgb: Vec<u8> = image.pixels().flat_map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2]]).collect();
+    let mut jpeg = Vec::new();
+    let encoder = JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY);
+    let written = encoder.write_image(&rgb, image.width(), image.height(), ExtendedColorType::Rgb8);
+    if written.is_ok() { jpeg } else { Vec::new() }
+}
+
+/// Keeps a picture for the next run. One that cannot be kept is drawn again then.
+fn keep(path: &Path, bytes: &[u8]) {
+    let written = path.parent().map_or(Ok(()), fs::create_dir_all).map_err(|error| error.to_string());
+    let written = written.and_then(|()| {
+        AtomicFile::create(path).and_then(|file| file.write(bytes)).map_err(|error| error.to_string())
+    });
+    if let Err(reason) = written {
+        tracing::debug!("a small picture cannot be kept: {reason}");
+    }
+}
+
+/// Removes the oldest pictures beyond the limit.
+fn forget_oldest(folder: &Path) {
+    let Ok(listing) = fs::read_dir(folder) else { return };
+    let mut files: Vec<(std::time::SystemTime, PathBuf)> = listing
+        .flatten()
+        .filter_map(|entry| Some((entry.metadata().ok()?.modified().ok()?, entry.path())))
+        .collect();
+    files.sort();
+    let surplus = files.len().saturating_sub(LIMITS.thumbnails_kept_max);
+    for (_, path) in files.into_iter().take(surplus) {
+        let _ = fs::remove_file(path);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_is_known_by_everything_that_the_scene_is_made_of() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+        write("a.scene", "include \"part.scene\"\nobject a { shape = ball(p) }\n");
+        let source = SceneSource::File(folder.path().join("a.scene"));
+        let key = || key_of(&source, &source.text().unwrap());
+        assert!(key().is_err(), "what it includes is missing");
+        write("part.scene", "fn ball(q) = length(q) - 1\n");
+        let first = key().unwrap();
+        assert_eq!(key(), Ok(first));
+        write("part.scene", "fn ball(q) = length(q) - 2\n");
+        let second = key().unwrap();
+        assert_ne!(first, second);
+        write("a.scene", "include \"part.scene\"\nobject b { shape = ball(p) }\n");
+        assert!(![first, second].contains(&key().unwrap()));
+    }
+
+    #[test]
+    fn the_list_of_scenes_opened_with_grey_tiles() {
+        let (woken, wakes) = channel();
+        let mut thumbnails = Thumbnails::start_in(None, move || {
+            let _ = woken.send(());
+        })
+        .unwrap();
+        let all: Vec<_> = crate::shipped_names().into_iter().map(SceneSource::Shipped).collect();
+        // No process of the tests draws a still.
+        thumbnails.ask_for_pictures(all.clone());
+        for source in all {
+            wakes.recv_timeout(std::time::Duration::from_secs(60)).unwrap();
+            let looked = thumbnails.poll().unwrap();
+            assert_eq!(looked.source, source);
+            let About::Picture(image, jpeg) = looked.about else { panic!("{:?}", looked) };
+            assert_eq!((image.dimensions(), &*jpeg), (SIZE, jpeg_shipped_with(&source).unwrap()));
+        }
+    }
+
+    #[test]
+    fn a_scene_that_is_drawn_held_up_all_others() {
+        let file = |name: &str| SceneSource::File(name.into());
+        let orb = SceneSource::Shipped("orb".into());
+        let mut waiting = Waiting::default();
+        waiting.ahead.extend([file("c"), file("d")]);
+        waiting.asked.extend([Request::Picture(file("a")), Request::Picture(orb.clone())]);
+        waiting.asked.extend([Request::Comment(file("a")), Request::Picture(file("b"))]);
+        let quick: Vec<_> = std::iter::from_fn(|| waiting.take_quick()).collect();
+        assert_eq!(quick, [Request::Comment(file("a")), Request::Picture(orb)]);
+        let slow: Vec<_> = std::iter::from_fn(|| waiting.take()).collect();
+        let asked = [file("b"), file("a")].map(Request::Picture);
+        assert_eq!(slow, [asked, [file("c"), file("d")].map(Request::Ahead)].concat());
+    }
+
+    #[test]
+    fn what_lies_in_the_folder_may_be_anything() {
+        assert!(decode(b"").is_err() && decode(b"\x89PNG\r\n\x1a\nrubbish").is_err());
+        let encoded = |width, height| {
+            let mut bytes = io::Cursor::new(Vec::new());
+            image::RgbaImage::new(width, height).write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+            bytes.into_inner()
+        };
+        assert_eq!(decode(&encoded(SIZE.0, SIZE.1)).unwrap().dimensions(), SIZE);
+        assert!(decode(&encoded(5_000, 10)).is_err(), "larger than any that was kept");
+    }
+
+    #[test]
+    fn a_picture_for_phones_is_a_jpeg_of_few_bytes() {
+        let noise = RgbaImage::from_fn(SIZE.0, SIZE.1, |x, y| {
+            let hash = (x * 7_919 + y * 104_729).wrapping_mul(2_654_435_761);
+            image::Rgba([(hash >> 8) as u8, (hash >> 16) as u8, (hash >> 24) as u8, 255])
+        });
+        let jpeg = jpeg_of(&noise);
+        assert!(
+            jpeg.len() <= mariana_remote::limits::LIMITS.picture_bytes_max,
+            "{} bytes of noise",
+            jpeg.len()
+        );
+        let read = image::load_from_memory_with_format(&jpeg, image::ImageFormat::Jpeg).unwrap();
+        assert_eq!((read.width(), read.height()), SIZE);
+    }
+
+    #[test]
+    fn only_the_oldest_beyond_the_limit_are_forgotten() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in 0..3 {
+            fs::write(folder.path().join(name.to_string()), "x").unwrap();
+        }
+        forget_oldest(folder.path());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
+        forget_oldest(&folder.path().join("missing"));
+    }
+}

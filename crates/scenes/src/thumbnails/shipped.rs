@@ -1,0 +1,24 @@
+//! The thumbnails of shipped scenes, which `cargo xtask thumbnails` draws.
+
+use include_dir::{Dir, include_dir};
+
+static FOLDER: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/thumbnails");
+
+/// The thumbnail of a shipped scene as a JPEG; `None` for an unknown name.
+pub fn shipped(name: &str) -> Option<&'static [u8]> {
+    FOLDER.get_file(format!("{name}.jpg")).map(|file| file.contents())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shipped_names;
+
+    #[test]
+    fn every_shipped_scene_has_a_thumbnail_and_there_are_no_others() {
+        let mut names: Vec<_> =
+            FOLDER.files().map(|file| file.path().with_extension("").display().to_string()).collect();
+        names.sort();
+        assert_eq!(names, shipped_names(), "run cargo xtask thumbnails");
+    }
+}

@@ -1,0 +1,277 @@
+//! What a user chooses for good: in the window's panel of settings, remembered in the settings file. A flag of the
+//! command line overrules it for a run.
+//!
+//! **A choice has one name**, which is that of the flag, of the file and of the panel.
+
+use mariana_field::world::ToneMap;
+use mariana_music::Gain;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::setting_rows::{SettingRow, Shown};
+use super::{FollowChoice, QualityChoice};
+use crate::limits::LIMITS;
+use crate::with_settings;
+use mariana_render::placement::{Corners, Crop, Flip, Placement};
+
+/// One of several things, each with a name.
+pub trait Choice: Copy + PartialEq + 'static {
+    /// All of them: each with its name, and with what it means where the name does not say that.
+    const ALL: &'static [(Self, &'static str, &'static str)];
+
+    /// Its name.
+    fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(value, ..)| *value == self).map_or("", |(_, name, _)| name)
+    }
+
+    /// The one with this name.
+    fn named(name: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(_, known, _)| *known == name).map(|(value, ..)| *value)
+    }
+}
+
+impl Choice for bool {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[(true, "on", ""), (false, "off", "")];
+}
+
+impl Choice for QualityChoice {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Auto, "auto", "As good as the frame rate allows"),
+        (Self::Low, "low", "About half of the window's width and height"),
+        (Self::Medium, "medium", ""),
+        (Self::High, "high", ""),
+        (Self::Best, "best", "Every pixel, every term, however long it takes"),
+    ];
+}
+
+impl Choice for FollowChoice {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Songs, "songs", "Every song, unless the program was started with a scene"),
+        (Self::On, "on", "Inputs, too"),
+        (Self::Off, "off", "N and P change the scene"),
+    ];
+}
+
+impl Choice for Flip {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Off, "off", ""),
+        (Self::Horizontal, "horizontal", "For a screen that is lit from behind"),
+        (Self::Vertical, "vertical", ""),
+        (Self::Both, "both", "For a projector that hangs upside down"),
+    ];
+}
+
+impl Choice for Gain {
+    const ALL: &'static [(Self, &'static str, &'static str)] =
+        &[(Self::Auto, "auto", ""), (Self::Off, "off", "")];
+}
+
+/// None is the scene's own.
+impl Choice for Option<ToneMap> {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (None, "scene", "As the scene says, otherwise agx"),
+        (Some(ToneMap::Agx), ToneMap::Agx.name(), ""),
+        (Some(ToneMap::Aces), ToneMap::Aces.name(), ""),
+        (Some(ToneMap::Reinhard), ToneMap::Reinhard.name(), ""),
+        (Some(ToneMap::None), ToneMap::None.name(), ""),
+    ];
+}
+
+/// Makes the settings from their table.
+macro_rules! define_settings {
+    ($( $table:ident { $(
+        $(#[$of_field:meta])* $field:ident: $type:ty = $default:expr, $variant:ident
+            $({ $name:literal, $purpose:literal })? $([ $($flag:tt)* ])?;
+    )* } )*) => {
+        define_settings! { @structs $( $table { $( $(#[$of_field])* $field: $type = $default; )* } )* }
+
+        /// A setting and its value.
+        #[derive(Debug, Clone, PartialEq)]
+        pub enum Setting { $($(
+            #[doc = concat!("See [`", stringify!($table), "::", stringify!($field), "`].")]
+            $variant($type),
+        )*)* }
+
+        $( impl $table {
+            /// Returns the rows of the panel: these settings hold now, and those are `remembered`.
+            pub fn rows(&self, remembered: &Self) -> Vec<SettingRow> {
+                vec![$( $( SettingRow {
+                    name: $name.to_owned(),
+                    purpose: self.$field.purpose($purpose),
+                    values: self.$field.values(Setting::$variant),
+                    for_this_run: self.$field != remembered.$field,
+                }, )? )*]
+            }
+
+            /// Sets one of these settings. Returns `false` if it is another table's.
+            fn set_own(&mut self, setting: &Setting) -> bool {
+                match setting {
+                    $( Setting::$variant(value) => self.$field = value.clone(), )*
+                    _ => return false,
+                }
+                true
+            }
+        } )*
+    };
+    (@structs Choices { $( $(#[$of_field:meta])* $field:ident: $type:ty = $default:expr; )* }
+        StageChoices { $( $(#[$of_stage:meta])* $staged:ident: $staged_type:ty = $staged_default:expr; )* }) => {
+        /// Everything that is chosen for good. What is not remembered is as it is by default.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct Choices {
+            $( $(#[$of_field])* pub $field: $type, )*
+            /// How pictures come onto screens.
+            #[serde(skip_serializing_if = "is_default")]
+            pub stage: StageChoices,
+        }
+
+        impl Default for Choices {
+            fn default() -> Self {
+                Self { $( $field: $default, )* stage: StageChoices::default() }
+            }
+        }
+
+        /// How pictures come onto screens.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct StageChoices {
+            $( $(#[$of_stage])* pub $staged: $staged_type, )*
+        }
+
+        impl Default for StageChoices {
+            fn default() -> Self {
+                Self { $( $staged: $staged_default, )* }
+            }
+        }
+    };
+}
+
+with_settings!(define_settings);
+
+impl Choices {
+    /// Sets one setting.
+    pub fn set(&mut self, setting: &Setting) {
+        let _ = self.set_own(setting) || self.stage.set_own(setting);
+    }
+}
+
+impl StageChoices {
+    /// Where pictures lie on a screen.
+    pub fn placement(&self) -> Placement {
+        Placement { crop: self.crop, flip: self.flip, corners: self.corners }
+    }
+}
+
+/// How long a blackout takes where nothing else is chosen, in seconds.
+const FADE_SECONDS: f64 = 0.5;
+
+fn is_full(percent: &u8) -> bool {
+    *percent == 100
+}
+
+fn is_usual(seconds: &f64) -> bool {
+    *seconds == FADE_SECONDS
+}
+
+fn percent<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u8, D::Error> {
+    let percent = u8::deserialize(deserializer)?;
+    if percent <= 100 { Ok(percent) } else { Err(D::Error::custom("a brightness is 0 to 100 percent")) }
+}
+
+fn fade<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    let seconds = f64::deserialize(deserializer)?;
+    if (0.0..=LIMITS.fade_seconds_max).contains(&seconds) {
+        Ok(seconds)
+    } else {
+        Err(D::Error::custom("a fade takes 0 to 60 seconds"))
+    }
+}
+
+fn is_on(switch: &bool) -> bool {
+    *switch
+}
+
+pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+/// Writes a choice as its name.
+pub(super) mod by_name {
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    use super::Choice;
+
+    pub(crate) fn serialize<T: Choice, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(value.name())
+    }
+
+    pub(crate) fn deserialize<'de, T: Choice, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        T::named(&name).ok_or_else(|| D::Error::custom(format!("there is no choice '{name}'")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn assert_named<T: Choice + std::fmt::Debug>() {
+        for (value, name, _) in T::ALL {
+            assert_eq!((value.name(), T::named(name)), (*name, Some(*value)));
+        }
+        assert_eq!(T::named("no such choice"), None);
+    }
+
+    #[test]
+    fn every_choice_is_found_by_its_name() {
+        assert_named::<bool>();
+        assert_named::<QualityChoice>();
+        assert_named::<FollowChoice>();
+        assert_named::<Flip>();
+        assert_named::<Gain>();
+        assert_named::<Option<ToneMap>>();
+        assert_eq!(<Option<ToneMap>>::ALL.len(), ToneMap::ALL.len() + 1, "a tone map cannot be chosen");
+    }
+
+    #[test]
+    fn only_what_was_chosen_is_written_and_all_of_it_is_read_again() {
+        assert_eq!(toml::to_string(&Choices::default()).unwrap(), "");
+        let chosen = Choices {
+            output: Some("p:usb".into()),
+            quality: QualityChoice::Low,
+            flash_limiter: false,
+            tone_map: Some(ToneMap::None),
+            gain: Gain::Off,
+            follow_song: FollowChoice::On,
+            last_tracks: false,
+            hints: false,
+            next_scene: true,
+            stage: StageChoices { brightness: 40, flip: Flip::Both, ..StageChoices::default() },
+        };
+        let text = toml::to_string(&chosen).unwrap();
+        assert!(text.contains("flash_limiter = \"off\"") && text.contains("tone_map = \"none\""), "{text}");
+        assert_eq!(toml::from_str::<Choices>(&text).unwrap(), chosen);
+    }
+
+    #[test]
+    fn what_was_chosen_is_read_again_and_what_cannot_be_drawn_is_not() {
+        assert_eq!(toml::to_string(&StageChoices::default()).unwrap(), "");
+        let corners = Corners::default().with(1, [0.9, 0.1]).unwrap();
+        let crop = Crop::try_from([1.0, 2.0, 3.0, 4.5]).unwrap();
+        let output = Some("HDMI-1".to_owned());
+        let chosen =
+            StageChoices { brightness: 7, blackout_fade: 2.5, flip: Flip::Vertical, crop, corners, output };
+        let text = toml::to_string(&chosen).unwrap();
+        assert_eq!(toml::from_str::<StageChoices>(&text).unwrap(), chosen, "{text}");
+        for text in [
+            "brightness = 101",
+            "blackout_fade = 61.0",
+            "blackout_fade = nan",
+            "flip = \"over\"",
+            "crop = [60.0, 0.0, 60.0, 0.0]",
+            "corners = [[0.0, 0.0], [0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]",
+        ] {
+            assert!(toml::from_str::<StageChoices>(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! What a user chooses for good, and what is remembered from run to run.
+//!
+//! The table of settings (`setting_table`) makes the record [`Choices`], the enum [`Setting`] whose values commands carry,
+//! the rows of the panel and the flags of the command line. Settings that are not as they are by default are written to
+//! a file that people may edit ([`SettingsFile`]), which never loses what it does not understand:
+//!
+//! ```
+//! use mariana_settings::{Choices, Setting};
+//!
+//! let remembered = Choices::default();
+//! let mut choices = remembered.clone();
+//! choices.set(&Setting::Hints(false));
+//! let changed: Vec<_> = choices.rows(&remembered).into_iter().filter(|row| row.for_this_run).collect();
+//! assert_eq!(changed[0].name, "Hints");
+//! ```
+//!
+//! Beside it lie the mappings of controllers ([`KnobMemory`]), recorded performances ([`PerformanceFiles`]) and where the last
+//! show was ([`LastShow`]).
+
+mod aside;
+mod choices;
+mod kept_settings;
+mod knobs;
+mod last_show;
+pub mod limits;
+mod performances;
+mod scribe;
+mod setting_rows;
+mod setting_table;
+mod settings;
+mod understood;
+
+pub use choices::{Choice, Choices, Setting, StageChoices};
+pub use kept_settings::KeptSettings;
+pub use knobs::{KnobEdit, KnobMemory, KnobsError};
+pub use last_show::LastShow;
+pub use performances::{Kept, PerformanceFiles};
+pub use setting_rows::{SettingRow, Values};
+pub use settings::{Settings, SettingsError, SettingsFile};
+
+/// How much a picture in the window may cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum QualityChoice {
+    /// As much as the frame rate allows.
+    #[default]
+    Auto,
+    /// About half of the window's width and height, without costly terms.
+    Low,
+    /// Between the two.
+    Medium,
+    /// Hardly less than the best.
+    High,
+    /// Every pixel and every term, as in stills and videos.
+    Best,
+}
+
+/// The sources of sound that get a show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FollowChoice {
+    /// Every song, unless the command line names a scene.
+    #[default]
+    Songs,
+    /// Every song and every input.
+    On,
+    /// The scene stays until the user changes it.
+    Off,
+}

@@ -1,0 +1,120 @@
+//! Performances are kept as show files of the user's, by a thread of their own: a disk may be slow.
+
+use std::collections::HashMap;
+use std::fs::create_dir_all;
+use std::path::{Path, PathBuf};
+
+use super::scribe::Scribe;
+use mariana_files::Folders;
+use mariana_files::atomic_file::{AtomicFile, Unwritable};
+
+/// Longest name of a file, in characters, without what is added to it.
+const NAME_MAX: usize = 80;
+
+/// What became of a performance.
+pub type Kept = Result<PathBuf, Unwritable>;
+
+/// See the module.
+pub struct PerformanceFiles {
+    /// None where there is no folder.
+    scribe: Option<Scribe<Job, Kept>>,
+}
+
+/// A performance to be written: again, if there is one of that number.
+struct Job {
+    number: u64,
+    title: String,
+    text: Box<dyn FnOnce() -> String + Send>,
+}
+
+impl PerformanceFiles {
+    /// The user's folder of performances.
+    pub fn among(folders: &Folders) -> Self {
+        Self::in_folder(folders.data.as_ref().map(|data| data.join("performances")))
+    }
+
+    /// The same for another folder; without one nothing is kept.
+    pub fn in_folder(folder: Option<PathBuf>) -> Self {
+        let start = |folder: PathBuf| {
+            let mut paths = HashMap::new();
+            Scribe::start("performances", move |Job { number, title, text }| {
+                let path = paths.entry(number).or_insert_with(|| free_path(&folder, &title));
+                write(path, &text())
+            })
+        };
+        Self { scribe: folder.map(start) }
+    }
+
+    /// Writes a performance to music of this title; `text` is called on the thread. One that was written before under the
+    /// same number is replaced. Returns whether there is anywhere to write it.
+    pub fn keep(&self, number: u64, title: &str, text: impl FnOnce() -> String + Send + 'static) -> bool {
+        let job = Job { number, title: title.to_owned(), text: Box::new(text) };
+        self.scribe.as_ref().is_some_and(|scribe| scribe.give(job))
+    }
+
+    /// Returns `true` once all files are written and all results were taken.
+    pub fn is_idle(&self) -> bool {
+        self.scribe.as_ref().is_none_or(Scribe::is_idle)
+    }
+
+    /// What became of one that was to be written.
+    pub fn poll(&self) -> Option<Kept> {
+        self.scribe.as_ref()?.poll()
+    }
+}
+
+/// A file of that title that is not there yet.
+fn free_path(folder: &Path, title: &str) -> PathBuf {
+    let plain = |c: char| if c.is_alphanumeric() || " -_.()&'".contains(c) { c } else { '_' };
+    let name: String = title.trim().trim_start_matches('.').chars().map(plain).take(NAME_MAX).collect();
+    let name = if name.is_empty() { "performance".to_owned() } else { name };
+    let named = |number: u32| match number {
+        1 => folder.join(format!("{name}.show")),
+        _ => folder.join(format!("{name} {number}.show")),
+    };
+    (1..100_000).map(named).find(|path| !path.exists()).unwrap_or_else(|| named(1))
+}
+
+fn write(path: &Path, text: &str) -> Kept {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    create_dir_all(folder)
+        .map_err(|error| Unwritable { path: folder.to_owned(), reason: error.to_string() })?;
+    AtomicFile::create(path)?.write(text.as_bytes())?;
+    Ok(path.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn performances_have_names_of_their_own_and_grow_in_their_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path().join("data/performances");
+        for (first, name) in [("one", "AC_DC_ Live.show"), ("other", "AC_DC_ Live 2.show")] {
+            let files = PerformanceFiles::in_folder(Some(place.clone()));
+            assert!(files.keep(7, "AC/DC: Live", || first.to_owned()));
+            assert!(files.keep(7, "AC/DC: Live", move || format!("{first}, longer")));
+            drop(files);
+            assert_eq!(std::fs::read_to_string(place.join(name)).unwrap(), format!("{first}, longer"));
+        }
+        let files = PerformanceFiles::in_folder(Some(place.clone()));
+        files.keep(1, "../..", || "nowhere else".to_owned());
+        files.keep(2, "", || "nameless".to_owned());
+        drop(files);
+        assert_eq!(std::fs::read_dir(&place).unwrap().count(), 4, "each in that folder");
+        assert_eq!(std::fs::read_to_string(place.join("performance.show")).unwrap(), "nameless");
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path().join("a file");
+        std::fs::write(&place, "where the folder should be").unwrap();
+        let files = PerformanceFiles::in_folder(Some(place.clone()));
+        assert!(files.keep(1, "song", || "at start orb".to_owned()));
+        let told = files.scribe.as_ref().unwrap().wait().unwrap().unwrap_err().to_string();
+        assert!(told.contains("a file"), "{told}");
+        assert!(!PerformanceFiles::in_folder(None).keep(1, "song", String::new));
+    }
+}

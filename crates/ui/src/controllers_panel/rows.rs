@@ -1,0 +1,138 @@
+//! The rows of the panel, from what holds at present.
+
+use super::{HandFacts, HandRow};
+use mariana_commands as commands;
+use mariana_control::Param;
+use mariana_control::deed::Takes;
+use mariana_control::midi::{Mapping, Target};
+use mariana_remote::RemoteState;
+
+/// All rows, from the top.
+pub(super) fn rows_of(facts: &HandFacts<'_>) -> Vec<HandRow> {
+    let words = |text: String| HandRow::Words { text, is_bad: false };
+    let osc = facts.osc.as_deref().unwrap_or("off; begin with --osc 9000");
+    // What is to be seen from afar comes first.
+    let mut rows = Vec::from_iter(invitation(facts));
+    rows.push(words(format!("OSC: {osc}")));
+    rows.extend(phone_words(facts));
+    rows.extend(midi_words(facts));
+    rows.extend(count_words(facts).map(words));
+    if facts.midi.as_ref().is_some_and(|midi| midi.trouble.is_none()) {
+        rows.push(HandRow::Clock(facts.clock));
+    }
+    let mut is_shown = vec![false; facts.mappings.len()];
+    let mut add = |rows: &mut Vec<HandRow>, target: Target, name: String, about: String, stands| {
+        let learns = facts.learning == Some(&target);
+        let about = if learns { "move a knob, or press a key or a pad".to_owned() } else { about };
+        rows.push(HandRow::Target { target: target.clone(), name, about, learns });
+        let mapped = facts.mappings.iter().zip(&mut is_shown).filter(|(one, _)| one.target == target);
+        rows.extend(mapped.map(|(mapping, is_shown)| {
+            *is_shown = true;
+            HandRow::Knob { mapping: mapping.clone(), words: knob_words(mapping, facts), stands }
+        }));
+    };
+    if !facts.sliders.is_empty() {
+        rows.push(words(format!("Parameters of {}", facts.scene)));
+    }
+    for slider in facts.sliders {
+        let target = Target::Param { scene: facts.scene.clone(), name: slider.name.clone() };
+        let param = Param { name: &slider.name, min: slider.min, max: slider.max, default: slider.default };
+        let about = format!("{} · {}", slider.value_text(), slider.hand.name());
+        add(&mut rows, target, slider.name.clone(), about, Some(param.share_of(slider.value)));
+    }
+    rows.push(words("Actions".to_owned()));
+    for row in commands::for_controllers() {
+        let deed = |value: Option<String>| Target::Deed { name: row.name.to_owned(), value };
+        if row.takes == Takes::Choice {
+            let here = deed(Some(facts.scene.clone()));
+            add(
+                &mut rows,
+                here,
+                format!("{} {}", row.name, facts.scene),
+                "this scene, by a pad".to_owned(),
+                None,
+            );
+            add(&mut rows, deed(None), "scenes".to_owned(), "all, by program numbers".to_owned(), None);
+        } else {
+            add(&mut rows, deed(None), row.name.replace('_', " "), row.meaning.to_owned(), None);
+        }
+    }
+    let others: Vec<&Mapping> =
+        facts.mappings.iter().zip(&is_shown).filter(|(_, shown)| !**shown).map(|(one, _)| one).collect();
+    if !others.is_empty() {
+        rows.push(words("In other scenes".to_owned()));
+    }
+    rows.extend(others.into_iter().map(|mapping| HandRow::Knob {
+        mapping: mapping.clone(),
+        words: format!("{} · {}", words_of(&mapping.target), knob_words(mapping, facts)),
+        stands: None,
+    }));
+    rows
+}
+
+/// The invitation of phones, while they can come.
+fn invitation(facts: &HandFacts<'_>) -> Option<HandRow> {
+    let phone = facts.phone.as_ref()?;
+    let RemoteState::Open(invitation) = &phone.state else { return None };
+    let about = match (phone.phones, invitation.is_local) {
+        (0, true) => "Only this computer can: it is in no other network.".to_owned(),
+        (0, false) => "It has to be in the same network.".to_owned(),
+        (1, _) => "One phone is there.".to_owned(),
+        (count, _) => format!("{count} phones are there."),
+    };
+    Some(HandRow::Phone { invitation: invitation.clone(), about })
+}
+
+/// How it stands with phones, while they cannot come.
+fn phone_words(facts: &HandFacts<'_>) -> Option<HandRow> {
+    let (text, is_bad) = match facts.phone.as_ref().map(|phone| &phone.state) {
+        None => ("Phone: off; begin with --remote 8080".to_owned(), false),
+        Some(RemoteState::Opening) => ("Phone: the port is being opened".to_owned(), false),
+        Some(RemoteState::Refused(why)) => (format!("Phone: {why}"), true),
+        Some(RemoteState::Open(_)) => return None,
+    };
+    Some(HandRow::Words { text, is_bad })
+}
+
+/// How many messages came of either kind, if any did.
+fn count_words(facts: &HandFacts<'_>) -> Option<String> {
+    match facts.counts {
+        (0, 0) => None,
+        (messages, 0) => Some(format!("{messages} messages came")),
+        (messages, ignored) => Some(format!("{messages} messages came, {ignored} were ignored")),
+    }
+}
+
+fn midi_words(facts: &HandFacts<'_>) -> Vec<HandRow> {
+    let words = |text: String, is_bad| HandRow::Words { text, is_bad };
+    let Some(midi) = &facts.midi else { return vec![words("MIDI: off (--midi off)".to_owned(), false)] };
+    if let Some(trouble) = &midi.trouble {
+        return vec![words(format!("MIDI: {trouble}"), true)];
+    }
+    let devices = match &midi.devices[..] {
+        [] if !midi.is_known => "looking for devices".to_owned(),
+        [] => "no device is there; plug one in".to_owned(),
+        devices => devices.join(", "),
+    };
+    let mut rows = vec![words(format!("MIDI: {devices}"), false)];
+    rows.extend(midi.refused.iter().map(|(name, why)| words(format!("{name} cannot be heard: {why}"), true)));
+    if let (Some(device), Some(tempo)) = (&midi.clock_of, facts.clock_tempo) {
+        rows.push(words(format!("The clock of {device}: {tempo:.1} beats per minute"), false));
+    }
+    rows
+}
+
+fn knob_words(mapping: &Mapping, facts: &HandFacts<'_>) -> String {
+    let devices = facts.midi.as_ref().map(|midi| &midi.devices[..]).unwrap_or_default();
+    let gone = if devices.contains(&mapping.device) { "" } else { ", which is not there" };
+    format!("{} of {}{gone}", mapping.source, mapping.device)
+}
+
+/// What people call something that knobs turn.
+pub fn words_of(target: &Target) -> String {
+    match target {
+        Target::Param { scene, name } => format!("{name} in {scene}"),
+        Target::Deed { name, value: None } => name.replace('_', " "),
+        Target::Deed { name, value: Some(value) } => format!("{} {value}", name.replace('_', " ")),
+    }
+}

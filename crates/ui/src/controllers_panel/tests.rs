@@ -1,0 +1,191 @@
+//! The panel as keys meet it.
+
+use super::*;
+use mariana_commands as commands;
+use mariana_control::Hand;
+use mariana_control::midi::Source;
+use mariana_remote::RemoteState;
+
+fn slider() -> Slider {
+    Slider { name: "size".into(), value: 1.0, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Midi }
+}
+
+fn size() -> Target {
+    Target::Param { scene: "orb".to_owned(), name: "size".to_owned() }
+}
+
+fn knob(target: Target) -> Mapping {
+    Mapping::learned("desk", Source::Control { channel: 0, number: 7 }, target)
+}
+
+fn panel(mappings: &[Mapping], learning: Option<&Target>) -> HandsPanel {
+    let midi = MidiState { devices: vec!["pads".to_owned()], is_known: true, ..MidiState::default() };
+    let mut panel = HandsPanel::default();
+    panel.update(&HandFacts {
+        scene: "orb".to_owned(),
+        sliders: &[slider()],
+        osc: None,
+        phone: None,
+        midi: Some(midi),
+        clock: true,
+        clock_tempo: None,
+        counts: (7, 2),
+        mappings,
+        learning,
+    });
+    panel
+}
+
+fn key(named: NamedKey) -> Key {
+    Key::Named(named)
+}
+
+#[test]
+fn everything_that_can_be_turned_has_a_row_with_what_turns_it_below() {
+    let other = Target::Param { scene: "city".to_owned(), name: "fog".to_owned() };
+    let panel = panel(&[knob(size()), knob(other)], None);
+    let place = panel
+        .rows()
+        .iter()
+        .position(|row| matches!(row, HandRow::Target { target, .. } if *target == size()));
+    let below = &panel.rows()[place.unwrap() + 1];
+    assert!(
+        matches!(below, HandRow::Knob { words, stands: Some(0.25), .. }
+            if words == "cc 7 on channel 1 of desk, which is not there"),
+        "{below:?}"
+    );
+    let targets = panel.rows().iter().filter(|row| matches!(row, HandRow::Target { .. })).count();
+    assert_eq!(targets, 1 + commands::for_controllers().len() + 1);
+    let last = panel.rows().last();
+    assert!(
+        matches!(last, Some(HandRow::Knob { words, .. }) if words.starts_with("fog in city")),
+        "{last:?}"
+    );
+    let counts = "7 messages came, 2 were ignored";
+    assert!(panel.rows().iter().any(|row| matches!(row, HandRow::Words { text, .. } if text == counts)));
+}
+
+#[test]
+fn keys_learn_change_and_forget() {
+    let mut panel = panel(&[knob(size())], None);
+    assert_eq!(
+        panel.take_key(&key(NamedKey::Enter)),
+        (true, Some(Command::EditMappings(KnobEdit::Clock(false))))
+    );
+    panel.take_key(&key(NamedKey::ArrowDown));
+    assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(Command::Learn(size())));
+    panel.take_key(&key(NamedKey::ArrowDown));
+    // The lower end of its way is where the parameter stands.
+    let mut after = knob(size());
+    after.range = [0.25, 1.0];
+    assert_eq!(
+        panel.take_key(&key(NamedKey::Enter)).1,
+        Some(Command::EditMappings(KnobEdit::Change(knob(size()), after)))
+    );
+    panel.take_key(&key(NamedKey::ArrowRight));
+    panel.take_key(&key(NamedKey::ArrowRight));
+    let mut after = knob(size());
+    after.range = [1.0, 0.0];
+    assert_eq!(
+        panel.take_key(&key(NamedKey::Enter)).1,
+        Some(Command::EditMappings(KnobEdit::Change(knob(size()), after)))
+    );
+    assert_eq!(
+        panel.take_key(&key(NamedKey::Delete)).1,
+        Some(Command::EditMappings(KnobEdit::Remove(knob(size()))))
+    );
+    assert_eq!(panel.take_key(&Key::Character("n".into())), (false, None), "letters are the show's");
+    for _ in 0..100 {
+        panel.take_key(&key(NamedKey::ArrowDown));
+    }
+    assert!(panel.selected() < panel.rows().len());
+    for _ in 0..100 {
+        panel.take_key(&key(NamedKey::ArrowUp));
+    }
+    assert!(matches!(panel.rows()[panel.selected()], HandRow::Clock(true)));
+}
+
+#[test]
+fn a_row_that_moves_stays_selected() {
+    let mut panel = panel(&[], None);
+    let next = Target::Deed { name: "next".to_owned(), value: None };
+    while !matches!(&panel.rows()[panel.selected()], HandRow::Target { target, .. } if *target == next) {
+        panel.take_key(&key(NamedKey::ArrowDown));
+    }
+    // The scene has no parameters any more.
+    panel.update(&HandFacts {
+        scene: "city".to_owned(),
+        sliders: &[],
+        osc: None,
+        phone: None,
+        midi: Some(MidiState { is_known: true, ..MidiState::default() }),
+        clock: true,
+        clock_tempo: None,
+        counts: (0, 0),
+        mappings: &[],
+        learning: None,
+    });
+    assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(Command::Learn(next)));
+}
+
+#[test]
+fn every_field_says_what_holds_and_goes_round() {
+    let mut mapping = knob(size());
+    for field in [Field::Curve, Field::Smoothing, Field::PickUp] {
+        let first = field.words(&mapping);
+        let mut seen = Vec::new();
+        loop {
+            seen.push(field.words(&mapping));
+            let Some(Command::EditMappings(KnobEdit::Change(_, after))) = field.request(&mapping, None)
+            else {
+                panic!()
+            };
+            mapping = after;
+            if field.words(&mapping) == first {
+                break;
+            }
+            assert!(!seen.contains(&field.words(&mapping)), "{field:?}");
+        }
+        assert!(seen.len() > 1, "{field:?}");
+    }
+    assert_eq!(Field::To.request(&mapping, None), None, "nobody knows where it stands");
+    assert_eq!(Field::To.words(&mapping), "to 100 %");
+}
+
+#[test]
+fn what_is_learned_says_what_to_do() {
+    let panel = panel(&[], Some(&size()));
+    let row = panel.rows().iter().find(|row| matches!(row, HandRow::Target { learns: true, .. }));
+    assert!(matches!(row, Some(HandRow::Target { about, .. }) if about.contains("move a knob")), "{row:?}");
+}
+
+#[test]
+fn the_invitation_of_phones_comes_first_and_why_none_can_come_is_told() {
+    let panel_of = |state| {
+        let mut panel = HandsPanel::default();
+        panel.update(&HandFacts {
+            scene: "orb".to_owned(),
+            sliders: &[slider()],
+            osc: None,
+            phone: Some(PhoneFacts { state, phones: 2 }),
+            midi: None,
+            clock: false,
+            clock_tempo: None,
+            counts: (0, 0),
+            mappings: &[],
+            learning: None,
+        });
+        panel
+    };
+    let url = "http://192.168.0.7:8080/x/".to_owned();
+    let invitation = Invitation { code: mariana_remote::Code::of(&url), url, is_local: false };
+    let panel = panel_of(RemoteState::Open(Arc::new(invitation.clone())));
+    let Some(HandRow::Phone { invitation: shown, about }) = panel.rows().first() else {
+        panic!("{:?}", panel.rows().first())
+    };
+    assert_eq!((&**shown, &**about), (&invitation, "2 phones are there."));
+    assert!(panel.selected() > 0, "there is nothing to choose of it");
+    let panel = panel_of(RemoteState::Refused("why".to_owned()));
+    assert!(panel.rows().contains(&HandRow::Words { text: "Phone: why".to_owned(), is_bad: true }));
+    assert!(!panel.rows().iter().any(|row| matches!(row, HandRow::Phone { .. })));
+}

@@ -1,0 +1,365 @@
+//! Choosing music, lists and scenes by looking through folders. It needs no dialog of the desktop, which is not
+//! everywhere.
+//!
+//! It is a plain value: the overlay draws it, keys and pointer change it, and a thread reads folders, so that a slow
+//! disk keeps nothing waiting.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use directories::UserDirs;
+use mariana_commands::input::{Key, NamedKey};
+
+use crate::limits::LIMITS;
+use crate::text_query::TextQuery;
+use mariana_commands::{Command, Files, Panel};
+
+/// What stands in a folder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileEntry {
+    /// Its name.
+    pub name: String,
+    /// Where it is.
+    pub path: PathBuf,
+    /// Whether it is a folder, or leads to one.
+    pub is_folder: bool,
+}
+
+/// A folder to begin with.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// Such as "Music".
+    pub name: String,
+    /// Where it is.
+    pub path: PathBuf,
+}
+
+/// Closes the list.
+const CLOSE: Command = Command::TogglePanel(Panel::Files);
+
+/// See the module.
+#[derive(Debug)]
+pub struct FileBrowser {
+    folder: PathBuf,
+    places: Vec<Place>,
+    entries: Vec<FileEntry>,
+    /// Indices of the entries that match what was typed.
+    found: Vec<usize>,
+    query: TextQuery,
+    selected: usize,
+    /// What is said instead of entries, if anything.
+    trouble: Option<String>,
+    /// The folder that was left upwards: it is selected in the one above.
+    came_from: Option<PathBuf>,
+    wanted: Sender<PathBuf>,
+    read: Receiver<(PathBuf, Result<Vec<FileEntry>, String>)>,
+    revision: u64,
+}
+
+impl FileBrowser {
+    /// Begins in `folder`, or in the user's folder for music. `wake` is called when a folder has been read.
+    ///
+    /// # Errors
+    /// There is no thread.
+    pub fn start(folder: Option<PathBuf>, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+        let (wanted, requests) = channel::<PathBuf>();
+        let (answers, read) = channel();
+        std::thread::Builder::new().name("folders".into()).spawn(move || {
+            for folder in requests {
+                let listing = entries_of(&folder);
+                if answers.send((folder, listing)).is_err() {
+                    return;
+                }
+                wake();
+            }
+        })?;
+        let places = places();
+        let begin = folder.or_else(|| places.first().map(|place| place.path.clone()));
+        let mut browser = Self {
+            folder: PathBuf::new(),
+            places,
+            entries: Vec::new(),
+            found: Vec::new(),
+            query: TextQuery::default(),
+            selected: 0,
+            trouble: None,
+            came_from: None,
+            wanted,
+            read,
+            revision: 0,
+        };
+        browser.enter(begin.unwrap_or_else(|| PathBuf::from("/")));
+        Ok(browser)
+    }
+
+    /// The folder that is shown.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Where one can begin.
+    pub fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// How many entries match what was typed.
+    pub fn count(&self) -> usize {
+        self.found.len()
+    }
+
+    /// The entry at a place among those that match.
+    pub fn entry(&self, place: usize) -> Option<&FileEntry> {
+        self.entries.get(*self.found.get(place)?)
+    }
+
+    /// What was typed.
+    pub fn query(&self) -> &str {
+        self.query.text()
+    }
+
+    /// The selected place among the entries that match.
+    pub fn selected(&self) -> usize {
+        self.selected
+    }
+
+    /// What is said instead of entries.
+    pub fn trouble(&self) -> Option<&str> {
+        self.trouble.as_deref()
+    }
+
+    /// Grows with everything that changes its look.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Takes in folders that have been read.
+    pub fn update(&mut self) {
+        while let Ok((folder, listing)) = self.read.try_recv() {
+            // A folder that was left meanwhile is not of interest any more.
+            if folder != self.folder {
+                continue;
+            }
+            (self.entries, self.trouble) = match listing {
+                Ok(entries) if entries.is_empty() => (entries, Some("this folder is empty".to_owned())),
+                Ok(entries) => (entries, None),
+                Err(reason) => (Vec::new(), Some(format!("this folder cannot be read ({reason})"))),
+            };
+            self.search();
+            let left = self.came_from.take();
+            let at = self
+                .found
+                .iter()
+                .position(|at| self.entries.get(*at).is_some_and(|entry| Some(&entry.path) == left.as_ref()));
+            self.selected = at.unwrap_or(0);
+        }
+    }
+
+    /// Takes a key and returns the commands that it sends. Letters are searched for; arrows select; Enter opens; Backspace leads upwards; Escape clears, then
+    /// closes. With `shift` what is opened follows the tracks that are there; with `command` Enter opens the folder
+    /// itself.
+    pub fn take_key(&mut self, key: &Key, shift: bool, command: bool) -> Vec<Command> {
+        self.revision += 1;
+        match key {
+            Key::Named(NamedKey::Escape) if self.query.text().is_empty() => return vec![CLOSE],
+            Key::Named(NamedKey::Enter) if command => return self.open_folder(shift),
+            Key::Named(NamedKey::Enter) => return self.open(self.selected, shift),
+            Key::Named(NamedKey::ArrowUp) => self.select(self.selected.saturating_sub(1)),
+            Key::Named(NamedKey::ArrowDown) => self.select(self.selected + 1),
+            Key::Named(NamedKey::PageUp) => self.select(self.selected.saturating_sub(10)),
+            Key::Named(NamedKey::PageDown) => self.select(self.selected + 10),
+            Key::Named(NamedKey::Home) => self.select(0),
+            Key::Named(NamedKey::End) => self.select(usize::MAX),
+            Key::Named(NamedKey::ArrowLeft) => self.go_up(),
+            Key::Named(NamedKey::Backspace) if self.query.text().is_empty() => self.go_up(),
+            key => {
+                if self.query.take_key(key, command) {
+                    self.search();
+                    self.selected = 0;
+                }
+            }
+        }
+        Vec::new()
+    }
+
+    /// Opens the entry at a place: a folder is entered, a file is picked.
+    pub fn open(&mut self, place: usize, append: bool) -> Vec<Command> {
+        self.select(place);
+        let Some(entry) = self.entry(place).cloned() else { return Vec::new() };
+        if entry.is_folder {
+            self.enter(entry.path);
+            return Vec::new();
+        }
+        self.pick(entry.path, append)
+    }
+
+    /// Picks the folder itself, with everything in it.
+    pub fn open_folder(&self, append: bool) -> Vec<Command> {
+        self.pick(self.folder.clone(), append)
+    }
+
+    fn pick(&self, path: PathBuf, append: bool) -> Vec<Command> {
+        vec![Command::Open(Files { files: vec![path], append }), CLOSE]
+    }
+
+    /// Enters the folder of a place to begin with.
+    pub fn enter_place(&mut self, place: usize) {
+        if let Some(path) = self.places.get(place).map(|place| place.path.clone()) {
+            self.enter(path);
+        }
+    }
+
+    /// Goes to the folder above.
+    pub fn go_up(&mut self) {
+        if let Some(above) = self.folder.parent().map(Path::to_owned) {
+            let left = self.folder.clone();
+            self.enter(above);
+            self.came_from = Some(left);
+        }
+    }
+
+    fn enter(&mut self, folder: PathBuf) {
+        self.query = TextQuery::default();
+        (self.entries, self.found, self.selected) = (Vec::new(), Vec::new(), 0);
+        (self.trouble, self.came_from) = (Some("reading ...".to_owned()), None);
+        self.folder = folder.clone();
+        self.revision += 1;
+        if self.wanted.send(folder).is_err() {
+            self.trouble = Some("folders cannot be read any more".to_owned());
+        }
+    }
+
+    fn select(&mut self, place: usize) {
+        self.selected = place.min(self.found.len().saturating_sub(1));
+        self.revision += 1;
+    }
+
+    fn search(&mut self) {
+        let fits = |entry: &FileEntry| self.query.fits(&entry.name);
+        let all = self.entries.iter().enumerate();
+        self.found = all.filter(|(_, entry)| fits(entry)).map(|(at, _)| at).collect();
+        self.revision += 1;
+    }
+}
+
+/// Folders to begin with that are there: music, home, what is mounted.
+fn places() -> Vec<Place> {
+    let user = UserDirs::new();
+    let music = user.as_ref().and_then(|user| user.audio_dir().map(Path::to_owned));
+    let home = user.as_ref().map(|user| user.home_dir().to_owned());
+    let here = std::env::current_dir().ok();
+    let root = here.as_ref().and_then(|here| here.ancestors().last().map(Path::to_owned));
+    let all = [("Music", music), ("Home", home), ("Here", here), ("Computer", root)];
+    let mut places: Vec<Place> = Vec::new();
+    for (name, path) in all {
+        let Some(path) = path.filter(|path| path.is_dir()) else { continue };
+        if !places.iter().any(|place| place.path == path) {
+            places.push(Place { name: name.to_owned(), path });
+        }
+    }
+    places
+}
+
+/// What stands in a folder, without what is hidden: folders first, each kind by name.
+fn entries_of(folder: &Path) -> Result<Vec<FileEntry>, String> {
+    let listing = fs::read_dir(folder).map_err(|error| error.to_string())?;
+    let mut entries: Vec<FileEntry> = listing
+        .flatten()
+        .take(LIMITS.folder_entries_max)
+        .map(|entry| {
+            let path = entry.path();
+            let name = entry.file_name().to_string_lossy().replace(char::is_control, " ");
+            FileEntry { name, is_folder: path.is_dir(), path }
+        })
+        .filter(|entry| !entry.name.starts_with('.'))
+        .collect();
+    entries.sort_by_cached_key(|entry| (!entry.is_folder, entry.name.to_lowercase(), entry.name.clone()));
+    Ok(entries)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    fn names(browser: &FileBrowser) -> Vec<&str> {
+        (0..browser.count()).filter_map(|place| browser.entry(place)).map(|entry| &*entry.name).collect()
+    }
+
+    /// Waits for the folder that was entered.
+    fn read(browser: &mut FileBrowser) {
+        for _ in 0..2_000 {
+            browser.update();
+            if browser.trouble() != Some("reading ...") {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        panic!("the folder is not read");
+    }
+
+    fn folder() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("album")).unwrap();
+        fs::create_dir(folder.path().join("empty")).unwrap();
+        for name in ["b.flac", "A.mp3", ".hidden.mp3", "album/1.ogg"] {
+            fs::write(folder.path().join(name), "x").unwrap();
+        }
+        folder
+    }
+
+    fn key(browser: &mut FileBrowser, key: NamedKey) -> Vec<Command> {
+        browser.take_key(&Key::Named(key), false, false)
+    }
+
+    #[test]
+    fn folders_are_entered_and_left_and_files_are_picked() {
+        let folder = folder();
+        let mut browser = FileBrowser::start(Some(folder.path().to_owned()), || {}).unwrap();
+        read(&mut browser);
+        assert_eq!(names(&browser), ["album", "empty", "A.mp3", "b.flac"]);
+        assert_eq!(key(&mut browser, NamedKey::Enter), []);
+        read(&mut browser);
+        assert_eq!(names(&browser), ["1.ogg"]);
+        let path = folder.path().join("album/1.ogg");
+        let picked = browser.take_key(&Key::Named(NamedKey::Enter), true, false);
+        let open = |path, append| [Command::Open(Files { files: vec![path], append }), CLOSE];
+        assert_eq!(picked, open(path, true));
+        let album = browser.take_key(&Key::Named(NamedKey::Enter), false, true);
+        assert_eq!(album, open(folder.path().join("album"), false));
+        // Upwards, where the folder that was left is selected.
+        assert_eq!(key(&mut browser, NamedKey::ArrowDown), []);
+        assert_eq!(key(&mut browser, NamedKey::Backspace), []);
+        read(&mut browser);
+        assert_eq!(browser.entry(browser.selected()).unwrap().name, "album");
+        assert_eq!(key(&mut browser, NamedKey::Escape), [CLOSE]);
+    }
+
+    #[test]
+    fn what_is_typed_is_searched_for_and_backspace_takes_letters_before_it_leads_upwards() {
+        let folder = folder();
+        let mut browser = FileBrowser::start(Some(folder.path().to_owned()), || {}).unwrap();
+        read(&mut browser);
+        for letter in ["M", "P"] {
+            let _ = browser.take_key(&Key::Character(letter.into()), false, false);
+        }
+        assert_eq!((browser.query(), names(&browser)), ("MP", vec!["empty", "A.mp3"]));
+        let _ = key(&mut browser, NamedKey::Backspace);
+        assert_eq!((browser.query(), browser.folder()), ("M", folder.path()));
+        assert_eq!(key(&mut browser, NamedKey::Escape), []);
+        assert_eq!((browser.query(), browser.count()), ("", 4));
+    }
+
+    #[test]
+    fn folders_that_are_empty_or_cannot_be_read_say_so() {
+        let folder = folder();
+        let mut browser = FileBrowser::start(Some(folder.path().join("empty")), || {}).unwrap();
+        read(&mut browser);
+        assert_eq!(browser.trouble(), Some("this folder is empty"));
+        assert_eq!(key(&mut browser, NamedKey::Enter), []);
+        let mut browser = FileBrowser::start(Some(folder.path().join("missing")), || {}).unwrap();
+        read(&mut browser);
+        assert!(browser.trouble().unwrap().contains("cannot be read"), "{:?}", browser.trouble());
+    }
+}

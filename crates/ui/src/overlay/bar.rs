@@ -1,0 +1,381 @@
+//! The bar that comes with the pointer: what plays, where in it we are, and a button for everything that is done often.
+//!
+//! Buttons tell in their tooltips which key does the same; words and keys come from the one table of keys.
+
+use std::hash::{Hash, Hasher};
+
+use egui::{
+    Align, Color32, Id, Layout, Order, Painter, Rect, Response, Sense, Ui, Vec2, WidgetInfo, pos2, vec2,
+};
+use mariana_music::SongStructure;
+use mariana_player::LoudnessShape;
+use mariana_player::track::Repeat;
+
+use super::events::UiEvent;
+use super::icons::{self, Icon};
+use super::now_playing::{NowPlaying, clock_time};
+use super::{assisted, style};
+use mariana_commands::{Command, Panel, SEEK_SECONDS, Switch, VOLUME_STEP};
+use mariana_render::reading_order::isolated;
+
+/// Widest bar, in points.
+const WIDTH_MAX: f32 = 1100.0;
+/// Height of the rail by which one seeks: what can be hit.
+const RAIL_HEIGHT: f32 = 26.0;
+/// Height of the rail's line where no loudness is known.
+const LINE_HEIGHT: f32 = 4.0;
+/// Width and height of a button.
+const BUTTON: f32 = 30.0;
+/// Width and height of the level under the sign of what is listened to.
+const LEVEL: Vec2 = vec2(18.0, 2.0);
+/// Height of the line of words.
+const WORDS: f32 = 19.0;
+/// Between the lines.
+const GAP: f32 = 3.0;
+/// Height of a sign.
+const SIGN: f32 = 15.0;
+/// Distance of two bars of the loudness.
+const BAR_STEP: f32 = 3.0;
+/// Width of the volume's rail: at least, or there is none, and at most.
+const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
+/// Buttons at the right.
+const RIGHT_BUTTONS: f32 = 10.0;
+/// Height of the line of sections, and size of their letters.
+const SECTION_HEIGHT: f32 = 3.0;
+const LETTER_SIZE: f32 = 9.5;
+/// Colours of sections, by the order of their letters.
+const SECTION_COLORS: [Color32; 8] = [
+    Color32::from_rgb(112, 178, 230),
+    Color32::from_rgb(240, 170, 110),
+    Color32::from_rgb(120, 214, 160),
+    Color32::from_rgb(206, 150, 226),
+    Color32::from_rgb(236, 212, 110),
+    Color32::from_rgb(236, 128, 128),
+    Color32::from_rgb(110, 208, 200),
+    Color32::from_rgb(170, 176, 190),
+];
+/// Between buttons.
+const BUTTON_GAP: f32 = 2.0;
+
+/// What the bar shows.
+#[derive(Debug, Clone, Copy)]
+pub struct Bar<'a> {
+    /// What plays.
+    pub now: &'a NowPlaying,
+    /// How loud the track is from its start to its end, as far as is known.
+    pub shape: Option<&'a LoudnessShape>,
+    /// What it is made of, once that is known.
+    pub song: Option<&'a SongStructure>,
+    /// How loud it is at this moment, 0..1.
+    pub level: f32,
+    /// The scene on the stage, such as "speakers, 12 of 17".
+    pub scene: &'a str,
+    /// The panel that is open.
+    pub open: Option<Panel>,
+    /// Whether the keys are shown.
+    pub help: bool,
+    /// Whether the sliders are shown.
+    pub sliders: bool,
+    /// `true` in full screen.
+    pub fullscreen: bool,
+    /// A show is on.
+    pub follows: bool,
+    /// Whether it is seen; else it is there for screen readers alone.
+    pub seen: bool,
+}
+
+/// How finely the level is told apart: the bar is laid out anew for each step.
+const LEVEL_STEPS: f32 = 24.0;
+
+impl Hash for Bar<'_> {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let lit = (self.open, self.help, self.sliders, self.fullscreen, self.follows);
+        (self.now, self.scene, lit, self.seen).hash(state);
+        self.shape.map(|shape| shape.revision).hash(state);
+        self.song.map(|song| song.sections.len()).hash(state);
+        ((self.level * LEVEL_STEPS) as u32).hash(state);
+    }
+}
+
+/// Draws the bar at the bottom of `space`; returns where it is, and adds what was asked for.
+pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, events: &mut Vec<UiEvent>) -> Rect {
+    let width = space.width().min(WIDTH_MAX);
+    let area = style::area(Id::unique("bar"), Order::Middle)
+        .pivot(egui::Align2::CENTER_BOTTOM)
+        .fixed_pos(space.center_bottom());
+    let shown = area.show(context, |ui| {
+        if !bar.seen {
+            ui.set_opacity(0.0);
+        }
+        style::frame().show(ui, |ui| {
+            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
+            ui.spacing_mut().item_spacing = vec2(BUTTON_GAP, GAP);
+            words(ui, bar);
+            seek_rail(ui, bar, events);
+            buttons(ui, bar, events);
+        });
+    });
+    shown.response.rect
+}
+
+/// The line above: title and artist to the left, the scene to the right.
+fn words(ui: &mut Ui, bar: &Bar<'_>) {
+    let full = ui.available_width();
+    let (line, _) = ui.allocate_exact_size(vec2(full, WORDS), Sense::hover());
+    let painter = ui.painter();
+    let font = style::proportional(style::SMALL_SIZE);
+    let scene = style::line(painter, bar.scene, font, style::DIM, 0.4 * full);
+    let left = scene.size().x;
+    painter.galley(pos2(line.right() - left, line.center().y - 0.5 * scene.size().y), scene, style::DIM);
+    assisted::text(ui.ctx(), "scene", bar.scene, false);
+    let mut text = isolated(&bar.now.title).into_owned();
+    if let Some(artist) = &bar.now.artist {
+        text = format!("{text} · {}", isolated(artist));
+    }
+    if bar.now.place.1 > 1 && !bar.now.live {
+        text = format!("{text} · {} of {}", bar.now.place.0 + 1, bar.now.place.1);
+    }
+    let font = style::proportional(style::TEXT_SIZE);
+    assisted::text(ui.ctx(), "track", &text, false);
+    let title = style::line(painter, &text, font, style::TEXT, full - left - 16.0);
+    painter.galley(pos2(line.left(), line.center().y - 0.5 * title.size().y), title, style::TEXT);
+}
+
+/// Where in the track we are, and by a click or a drag where we will be. Of an input it is the level.
+fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
+    let full = ui.available_width();
+    let (place, response) = ui.allocate_exact_size(vec2(full, RAIL_HEIGHT), Sense::click_and_drag());
+    let rail = Rect::from_center_size(place.center(), vec2(full, LINE_HEIGHT));
+    let painter = ui.painter().clone();
+    let Some((duration, share)) = bar.now.duration.zip(bar.now.share()).filter(|_| !bar.now.live) else {
+        draw_share(&painter, rail, if bar.now.live { bar.level.clamp(0.0, 1.0) } else { 0.0 });
+        return;
+    };
+    let share_at = |x: f32| ((x - rail.left()) / rail.width().max(1.0)).clamp(0.0, 1.0);
+    let pointed = response.interact_pointer_pos().or_else(|| response.hover_pos()).map(|at| share_at(at.x));
+    let held = response.dragged() || response.is_pointer_button_down_on();
+    let shown = pointed.filter(|_| held).unwrap_or(share);
+    match bar.shape {
+        Some(shape) => draw_shape(&painter, place, shape, shown),
+        None => draw_share(&painter, rail, shown),
+    }
+    if let Some(song) = bar.song {
+        draw_sections(&painter, place, song, duration);
+    }
+    let knob = pos2(rail.left() + shown * rail.width(), rail.center().y);
+    painter.circle_filled(knob, if response.hovered() || held { 7.0 } else { 5.0 }, style::ACCENT);
+    let (name, position) = ("position in the track in seconds", bar.now.position);
+    if let Some(wanted) = assisted::rail(ui, &response, name, position, 0.0..=duration, SEEK_SECONDS) {
+        events.push(UiEvent::Command(Command::SeekTo(wanted)));
+    }
+    let Some(pointed) = pointed else { return };
+    let seconds = f64::from(pointed) * duration;
+    if response.clicked() || response.drag_stopped() {
+        events.push(UiEvent::Command(Command::SeekTo(seconds)));
+    }
+    // The time under the pointer stands above it, within the window.
+    let front = ui.ctx().layer_painter(egui::LayerId::new(Order::Tooltip, Id::unique("hover time")));
+    let font = style::proportional(style::SMALL_SIZE);
+    let galley = style::line(&front, &clock_time(seconds), font, style::TEXT, 200.0);
+    let size = galley.size() + vec2(12.0, 6.0);
+    let x =
+        (rail.left() + pointed * rail.width()).clamp(rail.left() + 0.5 * size.x, rail.right() - 0.5 * size.x);
+    let label = Rect::from_center_size(pos2(x, place.top() - 0.5 * size.y - 2.0), size);
+    style::ground(&front, label);
+    front.galley(label.center() - 0.5 * galley.size(), galley, style::TEXT);
+}
+
+/// Draws how loud the track is as bars around the middle of `place`; those up to `share` of it have passed. What is not
+/// known yet is a line.
+fn draw_shape(painter: &Painter, place: Rect, shape: &LoudnessShape, share: f32) {
+    let bars = (place.width() / BAR_STEP).floor().max(1.0) as usize;
+    for bar in 0..bars {
+        let (from, to) =
+            (bar * shape.parts / bars, ((bar + 1) * shape.parts / bars).max(bar * shape.parts / bars + 1));
+        let known = shape.levels.get(from..to.min(shape.levels.len())).unwrap_or_default();
+        let level = known.iter().copied().fold(0.0, f32::max).clamp(0.0, 1.0);
+        let left = place.left() + bar as f32 * place.width() / bars as f32;
+        let height = 2.0 + level * (place.height() - 6.0);
+        let middle = pos2(left + 0.5 * BAR_STEP, place.center().y);
+        let passed = (bar as f32 + 0.5) / bars as f32 <= share;
+        let color = if passed { style::ACCENT } else { style::AHEAD };
+        painter.rect_filled(Rect::from_center_size(middle, vec2(BAR_STEP - 1.0, height)), 1.0, color);
+    }
+}
+
+/// Draws the song's sections as a coloured line with their letters at the lower edge of `place`, and its drops as marks at
+/// the upper one.
+fn draw_sections(painter: &Painter, place: Rect, song: &SongStructure, duration: f64) {
+    let x = |time: f64| place.left() + (time / duration).clamp(0.0, 1.0) as f32 * place.width();
+    let mut letters: Vec<&str> = Vec::new();
+    for section in &song.sections {
+        let number = letters.iter().position(|letter| *letter == section.letter).unwrap_or(letters.len());
+        if number == letters.len() {
+            letters.push(&section.letter);
+        }
+        let color = SECTION_COLORS[number % SECTION_COLORS.len()];
+        let (left, right) = (x(section.start), x(section.end) - 1.0);
+        let line =
+            Rect::from_min_max(pos2(left, place.bottom() - SECTION_HEIGHT), pos2(right, place.bottom()));
+        painter.rect_filled(line, 1.0, color);
+        let letter = style::line(painter, &section.letter, style::proportional(LETTER_SIZE), color, f32::MAX);
+        if letter.size().x + 4.0 < right - left {
+            let at = pos2(left + 2.0, line.top() - letter.size().y + 1.0);
+            painter.galley(at, letter, color);
+        }
+    }
+    for drop in &song.drops {
+        let mark = Rect::from_min_size(pos2(x(*drop) - 1.0, place.top()), vec2(2.0, SECTION_HEIGHT + 2.0));
+        painter.rect_filled(mark, 0.0, style::TEXT);
+    }
+}
+
+fn draw_share(painter: &Painter, rail: Rect, share: f32) {
+    painter.rect_filled(rail, LINE_HEIGHT / 2.0, style::RAIL);
+    let mut passed = rail;
+    passed.set_width(share * rail.width());
+    painter.rect_filled(passed, LINE_HEIGHT / 2.0, style::ACCENT);
+}
+
+fn buttons(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
+    let now = bar.now;
+    let right = RIGHT_BUTTONS * (BUTTON + BUTTON_GAP);
+    ui.horizontal(|ui| {
+        if !now.live {
+            key_button(ui, Icon::Previous, Command::PreviousTrack, Lamp::None, events);
+        }
+        let pause = if now.paused { Icon::Play } else { Icon::Pause };
+        key_button(ui, pause, Command::Pause(Switch::Toggle), Lamp::Hidden(now.paused), events);
+        if !now.live {
+            key_button(ui, Icon::Next, Command::NextTrack, Lamp::None, events);
+            key_button(ui, Icon::Shuffle, Command::Shuffle(Switch::Toggle), Lamp::Seen(now.shuffled), events);
+            repeat_button(ui, now, events);
+            let sound = if now.muted { Icon::Muted } else { Icon::Volume };
+            key_button(ui, sound, Command::Mute(Switch::Toggle), Lamp::Hidden(now.muted), events);
+            let room = ui.available_width() - right;
+            if room >= VOLUME_WIDTH.0 {
+                volume(ui, now, room.min(VOLUME_WIDTH.1), events);
+            }
+            let font = style::proportional(style::SMALL_SIZE);
+            ui.add_space(6.0);
+            let room = ui.available_width() - right;
+            let times = style::line(ui.painter(), &now.times(), font, style::DIM, f32::MAX);
+            if room > times.size().x {
+                let (place, _) = ui.allocate_exact_size(vec2(times.size().x, BUTTON), Sense::hover());
+                ui.painter().galley(place.left_center() - vec2(0.0, 0.5 * times.size().y), times, style::DIM);
+            }
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            key_button(
+                ui,
+                Icon::Fullscreen,
+                Command::Fullscreen(Switch::Toggle),
+                Lamp::Hidden(bar.fullscreen),
+                events,
+            );
+            key_button(ui, Icon::Keys, Command::ToggleHelp, Lamp::Seen(bar.help), events);
+            panel_button(ui, Icon::Settings, Panel::Settings, bar, events);
+            key_button(ui, Icon::Sliders, Command::ToggleSliders, Lamp::Seen(bar.sliders), events);
+            panel_button(ui, Icon::Text, Panel::Editor, bar, events);
+            panel_button(ui, Icon::Scenes, Panel::Scenes, bar, events);
+            key_button(ui, Icon::Show, Command::Follow(Switch::Toggle), Lamp::Seen(bar.follows), events);
+            let source = panel_button(ui, Icon::Source, Panel::Sources, bar, events);
+            // How loud it is, under the sign.
+            let bottom = source.rect.center_bottom() - vec2(0.0, LEVEL.y);
+            draw_share(ui.painter(), Rect::from_center_size(bottom, LEVEL), bar.level.clamp(0.0, 1.0));
+            if !now.live {
+                panel_button(ui, Icon::Tracks, Panel::Tracks, bar, events);
+            }
+            panel_button(ui, Icon::Folder, Panel::Files, bar, events);
+        });
+    });
+}
+
+/// A button that does what a key does, and says which.
+fn key_button(ui: &mut Ui, icon: Icon, command: Command, lamp: Lamp, events: &mut Vec<UiEvent>) -> Response {
+    let response = button(ui, icon, &words_of(&command), lamp);
+    if response.clicked() {
+        events.push(UiEvent::Command(command));
+    }
+    response
+}
+
+/// The effect of a button, and the key for it.
+pub(super) fn words_of(command: &Command) -> String {
+    match (command, command.binding()) {
+        (_, Some(binding)) => format!("{} ({})", binding.help, binding.written),
+        (Command::TogglePanel(Panel::Sources), None) => {
+            let key = Command::NextSource.binding().map_or("", |binding| binding.written);
+            format!("what is listened to ({key} goes to the next)")
+        }
+        (_, None) => String::new(),
+    }
+}
+
+fn panel_button(ui: &mut Ui, icon: Icon, panel: Panel, bar: &Bar<'_>, events: &mut Vec<UiEvent>) -> Response {
+    key_button(ui, icon, Command::TogglePanel(panel), Lamp::Seen(bar.open == Some(panel)), events)
+}
+
+/// How a button shows its state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lamp {
+    /// Not at all: the button is no switch.
+    None,
+    /// By its colour, and to screen readers.
+    Seen(bool),
+    /// By its sign, and to screen readers.
+    Hidden(bool),
+}
+
+/// A button with a sign, whose words are its tooltip and its name.
+pub(super) fn button(ui: &mut Ui, icon: Icon, words: &str, lamp: Lamp) -> Response {
+    let (place, response) = ui.allocate_exact_size(vec2(BUTTON, BUTTON), Sense::click());
+    let color = match (response.hovered(), lamp) {
+        (_, Lamp::Seen(true)) => style::ACCENT,
+        (true, _) => style::TEXT,
+        (false, _) => style::BUTTON,
+    };
+    if response.hovered() {
+        ui.painter().rect_filled(place.shrink(1.0), 5.0, style::RAIL);
+    }
+    icons::draw(ui.painter(), icon, place, SIGN, color);
+    response.widget_info(|| match lamp {
+        Lamp::None => WidgetInfo::labeled(egui::Role::Button, true, words),
+        Lamp::Seen(on) | Lamp::Hidden(on) => WidgetInfo::selected(egui::Role::Button, true, on, words),
+    });
+    response.on_hover_text(words)
+}
+
+/// The button for repeating all tracks, one or none. Its description names the present choice.
+fn repeat_button(ui: &mut Ui, now: &NowPlaying, events: &mut Vec<UiEvent>) {
+    let (icon, holds) = match now.repeat {
+        Repeat::Off => (Icon::Repeat, "none is repeated"),
+        Repeat::All => (Icon::Repeat, "all are repeated"),
+        Repeat::One => (Icon::RepeatOne, "one is repeated"),
+    };
+    let lamp = Lamp::Seen(now.repeat != Repeat::Off);
+    let response = key_button(ui, icon, Command::NextRepeat, lamp, events);
+    assisted::describe(ui.ctx(), response.id, holds);
+}
+
+/// The volume's rail.
+fn volume(ui: &mut Ui, now: &NowPlaying, width: f32, events: &mut Vec<UiEvent>) {
+    let (place, response) = ui.allocate_exact_size(vec2(width, BUTTON), Sense::click_and_drag());
+    let rail = Rect::from_center_size(place.center(), vec2(width - 14.0, LINE_HEIGHT));
+    let volume = if now.muted { 0.0 } else { now.volume };
+    let mut shown = volume;
+    if let Some(at) = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on()) {
+        shown = ((at.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
+        if shown.to_bits() != now.volume.to_bits() || now.muted {
+            events.push(UiEvent::Command(Command::Volume(shown)));
+        }
+    }
+    draw_share(ui.painter(), rail, shown);
+    let knob = pos2(rail.left() + shown * rail.width(), rail.center().y);
+    ui.painter().circle_filled(knob, if response.hovered() { 6.0 } else { 5.0 }, style::ACCENT);
+    let (percent, step) = (100.0 * f64::from(volume), 100.0 * f64::from(VOLUME_STEP));
+    if let Some(wanted) = assisted::rail(ui, &response, "volume in percent", percent, 0.0..=100.0, step) {
+        events.push(UiEvent::Command(Command::Volume(wanted as f32 / 100.0)));
+    }
+    response.on_hover_text(format!("volume {:.0} %", 100.0 * shown));
+}

@@ -1,0 +1,236 @@
+//! The list of scenes: a tile with a picture for each, and what was typed to find them.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use egui::{
+    ColorImage, Id, Order, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui,
+    WidgetInfo, pos2, vec2,
+};
+
+use super::events::{SceneListEvent, UiEvent};
+use super::icons::{self, Icon};
+use super::style;
+use image::RgbaImage;
+
+use crate::scene_browser::{SceneBrowser, Tile, TilePicture};
+use mariana_commands::{Command, Panel};
+
+/// Narrowest tile, in points; as many stand side by side as fit.
+const TILE_MIN: f32 = 168.0;
+/// Between tiles.
+const GAP: f32 = 10.0;
+/// Height of a tile's name.
+const NAME: f32 = 22.0;
+/// Height of the lines above and below the tiles.
+const LINE: f32 = 24.0;
+/// Widest panel.
+const WIDTH_MAX: f32 = 1180.0;
+
+/// Pictures that the GPU has, by the place of their bytes in memory; only of tiles that are seen.
+#[derive(Default)]
+pub(super) struct TilePictures {
+    textures: HashMap<usize, (Arc<RgbaImage>, TextureHandle)>,
+    /// The selected tile when it was last drawn: when it changes it is scrolled to.
+    selected: Option<usize>,
+}
+
+impl TilePictures {
+    fn texture(&mut self, context: &egui::Context, image: &Arc<RgbaImage>) -> egui::TextureId {
+        let key = Arc::as_ptr(image) as usize;
+        let made = || {
+            let options = TextureOptions::LINEAR;
+            let size = [image.width() as usize, image.height() as usize];
+            let pixels = ColorImage::from_rgba_unmultiplied(size, image);
+            (image.clone(), context.load_texture("tile", pixels, options))
+        };
+        self.textures.entry(key).or_insert_with(made).1.id()
+    }
+
+    /// Lets go of everything; the panel is closed.
+    pub(super) fn clear(&mut self) {
+        *self = Self::default();
+    }
+}
+
+/// Draws the panel in the middle of `space`; returns where it is.
+pub(super) fn show(
+    context: &egui::Context,
+    space: Rect,
+    browser: &SceneBrowser,
+    pictures: &mut TilePictures,
+    events: &mut Vec<UiEvent>,
+) -> Rect {
+    let width = space.width().min(WIDTH_MAX);
+    let area = style::area(Id::unique("scenes"), Order::Foreground)
+        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()));
+    let shown = area.show(context, |ui| {
+        style::frame().show(ui, |ui| {
+            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
+            ui.spacing_mut().item_spacing = vec2(GAP, 0.0);
+            heading(ui, browser, events);
+            tiles(ui, space.height() - 2.0 * style::PADDING.y - 2.0 * LINE, browser, pictures, events);
+            comment(ui, browser);
+        });
+    });
+    shown.response.rect
+}
+
+/// What was typed, or what one can do; and how many scenes there are.
+fn heading(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
+    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
+    let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));
+    if icons::closing_cross(ui, cross, "close the list of scenes") {
+        events.push(UiEvent::Command(Command::TogglePanel(Panel::Scenes)));
+    }
+    let painter = ui.painter();
+    let found = match browser.found() {
+        all if all == browser.count() => format!("{all} scenes"),
+        some => format!("{some} of {} scenes", browser.count()),
+    };
+    let small = style::proportional(style::SMALL_SIZE);
+    let count = style::line(painter, &found, small.clone(), style::DIM, place.width());
+    let right = cross.left() - count.size().x - 8.0;
+    painter.galley(pos2(right, place.top() + 1.0), count, style::DIM);
+    let (words, color, font) = match browser.query() {
+        "" => {
+            ("type to search · arrows and Enter, or a click, show · Tab or the star marks", style::DIM, small)
+        }
+        query => (query, style::TEXT, style::proportional(style::HEADING_SIZE)),
+    };
+    let galley = style::line(painter, words, font, color, right - place.left() - 12.0);
+    let end = place.left() + galley.size().x + 2.0;
+    painter.galley(place.min, galley, color);
+    if !browser.query().is_empty() {
+        painter.vline(
+            end,
+            place.top()..=place.top() + style::HEADING_SIZE * 1.2,
+            Stroke::new(1.5, style::ACCENT),
+        );
+    }
+}
+
+fn tiles(
+    ui: &mut Ui,
+    height: f32,
+    browser: &SceneBrowser,
+    pictures: &mut TilePictures,
+    events: &mut Vec<UiEvent>,
+) {
+    let lane = 10.0;
+    let room = ui.available_width() - lane;
+    let columns = ((room + GAP) / (TILE_MIN + GAP)).floor().max(1.0);
+    let width = (room - (columns - 1.0) * GAP) / columns;
+    let tile_height = width * 9.0 / 16.0 + NAME;
+    let columns = columns as usize;
+    let count = browser.found();
+    let rows = count.div_ceil(columns);
+    let scroll = ScrollArea::vertical().max_height(height.max(tile_height)).auto_shrink([false, true]);
+    let moved = pictures.selected.replace(browser.selected()) != Some(browser.selected());
+    let scroll = match moved {
+        true => scroll.vertical_scroll_offset(style::scrolled_to(
+            browser.selected() / columns,
+            tile_height,
+            height,
+        )),
+        false => scroll,
+    };
+    let mut seen: Range<usize> = 0..0;
+    scroll.show_rows(ui, tile_height, rows, |ui, rows| {
+        seen = rows.start * columns..(rows.end * columns).min(count);
+        for row in rows {
+            let (line, _) = ui.allocate_exact_size(vec2(room, tile_height), Sense::hover());
+            for column in 0..columns {
+                let place = row * columns + column;
+                let Some(tile) = browser.tile(place) else { break };
+                let left = line.left() + column as f32 * (width + GAP);
+                let rect = Rect::from_min_size(pos2(left, line.top()), vec2(width, tile_height));
+                draw_tile(ui, rect, tile, place, browser, pictures, events);
+            }
+        }
+    });
+    let kept = |image: &Arc<RgbaImage>| {
+        let mut shown = seen.clone().filter_map(|place| browser.tile(place));
+        shown.any(|tile| matches!(&tile.picture, TilePicture::There(of) if Arc::ptr_eq(of, image)))
+    };
+    pictures.textures.retain(|_, (image, _)| kept(image));
+    events.push(UiEvent::Scenes(SceneListEvent::Drawn { places: seen, columns }));
+}
+
+fn draw_tile(
+    ui: &mut Ui,
+    rect: Rect,
+    tile: &Tile,
+    place: usize,
+    browser: &SceneBrowser,
+    pictures: &mut TilePictures,
+    events: &mut Vec<UiEvent>,
+) {
+    let picture = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - NAME));
+    let response = ui.interact(picture, ui.scope_id().with(("tile", place)), Sense::click());
+    let star =
+        Rect::from_center_size(pos2(rect.right() - 10.0, rect.bottom() - 0.5 * NAME), vec2(22.0, NAME));
+    let marks = ui.interact(star, ui.scope_id().with(("star", place)), Sense::click());
+    let painter = ui.painter();
+    painter.rect_filled(picture, 4.0, style::RAIL);
+    match &tile.picture {
+        TilePicture::There(image) => {
+            let texture = pictures.texture(ui.ctx(), image);
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            painter.image(texture, picture, whole, egui::Color32::WHITE);
+        }
+        TilePicture::Missing(reason) => {
+            let font = style::proportional(style::SMALL_SIZE);
+            let galley = style::lines(painter, reason, font, style::ERROR, picture.width() - 12.0, 4);
+            painter.galley(picture.center() - galley.rect.center().to_vec2(), galley, style::ERROR);
+        }
+        TilePicture::Unseen | TilePicture::Coming => {
+            for dot in -1..=1 {
+                painter.circle_filled(picture.center() + vec2(9.0 * dot as f32, 0.0), 2.5, style::DIM);
+            }
+        }
+    }
+    let is_selected = browser.selected() == place;
+    let edge = match (is_selected, response.hovered()) {
+        (true, _) => Some(Stroke::new(2.5, style::ACCENT)),
+        (false, true) => Some(Stroke::new(1.5, style::TEXT)),
+        (false, false) => None,
+    };
+    if let Some(edge) = edge {
+        painter.rect_stroke(picture, 4.0, edge, StrokeKind::Inside);
+    }
+    let color = if browser.is_present(place) { style::ACCENT } else { style::TEXT };
+    let font = style::proportional(style::TEXT_SIZE);
+    let name = style::line(painter, &tile.name, font, color, rect.width() - 26.0);
+    painter.galley(pos2(rect.left() + 2.0, star.center().y - 0.5 * name.size().y), name, color);
+    if tile.favourite || marks.hovered() || response.hovered() {
+        let color = if tile.favourite { style::ACCENT } else { style::DIM };
+        icons::draw(painter, Icon::Star, star, 12.0, color);
+    }
+    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, is_selected, &tile.name));
+    marks.widget_info(|| {
+        WidgetInfo::selected(egui::Role::CheckBox, true, tile.favourite, format!("mark {}", tile.name))
+    });
+    if marks.clicked() {
+        events.push(UiEvent::Scenes(SceneListEvent::Mark(place)));
+    } else if response.clicked() {
+        events.push(UiEvent::Scenes(SceneListEvent::Show { place, close: response.double_clicked() }));
+    }
+    if !tile.comment.is_empty() {
+        response.on_hover_text(&tile.comment);
+    }
+}
+
+/// What the selected scene says about itself.
+fn comment(ui: &mut Ui, browser: &SceneBrowser) {
+    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
+    let words = match browser.tile(browser.selected()) {
+        Some(tile) if tile.comment.is_empty() => tile.name.clone(),
+        Some(tile) => format!("{}: {}", tile.name, tile.comment),
+        None => "no scene has these words; Backspace takes letters away".to_owned(),
+    };
+    let font = style::proportional(style::SMALL_SIZE);
+    let galley = style::line(ui.painter(), &words, font, style::DIM, place.width());
+    ui.painter().galley(pos2(place.left(), place.bottom() - galley.size().y), galley, style::DIM);
+}

@@ -1,0 +1,208 @@
+//! The panel of knobs from outside.
+
+use egui::{Color32, Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
+
+use super::events::UiEvent;
+use super::icons;
+use super::invitation;
+use super::style;
+use crate::controllers_panel::{Field, HandRow, HandsPanel};
+use mariana_commands::{Command, Panel};
+use mariana_control::midi::Mapping;
+use mariana_settings::KnobEdit;
+
+/// Widest panel, in points.
+const WIDTH_MAX: f32 = 640.0;
+/// Height of a line.
+const LINE: f32 = 24.0;
+/// Width of the scroll bar's lane.
+const LANE: f32 = 10.0;
+/// How far mappings stand to the right of what they turn.
+const INDENT: f32 = 16.0;
+/// Width of the names of what can be turned, as a share of a row.
+const NAME: f32 = 0.34;
+
+/// What was seen when the panel was last drawn: the row that keys change.
+pub(super) type Seen = usize;
+
+/// Draws the panel in the middle of `space`; returns where it is.
+pub(super) fn show(
+    context: &egui::Context,
+    space: Rect,
+    panel: &HandsPanel,
+    last_seen: &mut Option<Seen>,
+    events: &mut Vec<UiEvent>,
+) -> Rect {
+    let width = space.width().min(WIDTH_MAX);
+    let area = style::area(Id::unique("hands"), Order::Foreground)
+        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()));
+    let shown = area.show(context, |ui| {
+        style::frame().show(ui, |ui| {
+            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
+            ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+            let mut ask = |command| events.push(UiEvent::Command(command));
+            heading(ui, &mut ask);
+            let height = (space.height() - 2.0 * style::PADDING.y - LINE).max(LINE);
+            let before = last_seen.replace(panel.selected());
+            let moved = before.is_some_and(|before| before != panel.selected());
+            let mut list = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+            if before.is_none() {
+                // It opens with what stands above everything that can be chosen.
+                list = list.vertical_scroll_offset(0.0);
+            }
+            list.show(ui, |ui| {
+                ui.set_width((ui.available_width() - LANE).max(0.0));
+                for (place, row) in panel.rows().iter().enumerate() {
+                    let is_selected = place == panel.selected();
+                    let drawn =
+                        ui.push_id(place, |ui| draw_row(ui, row, is_selected, panel.field(), &mut ask));
+                    if is_selected && moved {
+                        drawn.inner.scroll_to_me(None);
+                    }
+                }
+            });
+        });
+    });
+    shown.response.rect
+}
+
+fn heading(ui: &mut Ui, ask: &mut impl FnMut(Command)) {
+    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
+    let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));
+    if icons::closing_cross(ui, cross, "close the knobs") {
+        ask(Command::TogglePanel(Panel::Controllers));
+    }
+    let painter = ui.painter();
+    let font = style::proportional(style::HEADING_SIZE);
+    let title = style::line(painter, "Knobs from outside", font, style::TEXT, place.width());
+    let left = place.left() + title.size().x + 14.0;
+    let font = style::proportional(style::SMALL_SIZE);
+    let words = "choose, then move a knob · remembered";
+    let hint = style::line(painter, words, font, style::DIM, (cross.left() - left - 8.0).max(0.0));
+    painter.galley(pos2(left, place.top() + title.size().y - hint.size().y - 1.0), hint, style::DIM);
+    painter.galley(place.min, title, style::TEXT);
+}
+
+fn draw_row(
+    ui: &mut Ui,
+    row: &HandRow,
+    is_selected: bool,
+    field: Field,
+    ask: &mut impl FnMut(Command),
+) -> Response {
+    match row {
+        HandRow::Words { text, is_bad } => {
+            let color = if *is_bad { style::ERROR } else { style::DIM };
+            let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
+            put(ui, rect.left(), rect, text, color, rect.width());
+            response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, text));
+            response
+        }
+        HandRow::Phone { invitation, about } => invitation::show(ui, invitation, about),
+        HandRow::Clock(on) => {
+            let name = "MIDI clock sets the tempo";
+            let response = two_words(
+                ui,
+                is_selected,
+                (name, style::TEXT),
+                (if *on { "on" } else { "off" }, style::ACCENT),
+            );
+            response.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, *on, name));
+            if response.clicked() {
+                ask(Command::EditMappings(KnobEdit::Clock(!on)));
+            }
+            response
+        }
+        HandRow::Target { target, name, about, learns } => {
+            let color = if *learns { style::ACCENT } else { style::TEXT };
+            let about_color = if *learns { style::ACCENT } else { style::DIM };
+            let response = two_words(ui, is_selected, (name, color), (about, about_color));
+            response.widget_info(|| {
+                WidgetInfo::selected(egui::Role::Button, true, *learns, format!("learn {name}"))
+            });
+            if response.clicked() {
+                ask(Command::Learn(target.clone()));
+            }
+            response
+        }
+        HandRow::Knob { mapping, words, stands } => {
+            draw_knob(ui, (mapping, words, *stands), is_selected.then_some(field), ask)
+        }
+    }
+}
+
+/// A row that can be clicked: a name and what there is to say of it.
+fn two_words(ui: &mut Ui, is_selected: bool, name: (&str, Color32), about: (&str, Color32)) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::click());
+    if is_selected || response.hovered() {
+        ui.painter().rect_filled(rect, 4.0, style::RAIL);
+    }
+    let middle = rect.left() + NAME * rect.width();
+    put(ui, rect.left() + 6.0, rect, name.0, name.1, middle - rect.left() - 12.0);
+    put(ui, middle, rect, about.0, about.1, rect.right() - middle - 6.0);
+    response
+}
+
+/// Draws a mapping: what it is, and below what can be changed of it.
+fn draw_knob(
+    ui: &mut Ui,
+    (mapping, words, stands): (&Mapping, &str, Option<f32>),
+    selected: Option<Field>,
+    ask: &mut impl FnMut(Command),
+) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 2.0 * LINE), Sense::hover());
+    if selected.is_some() {
+        ui.painter().rect_filled(rect, 4.0, style::RAIL);
+    }
+    let line = Rect::from_min_size(rect.min, vec2(rect.width(), LINE));
+    let left = rect.left() + 6.0 + INDENT;
+    put(ui, left, line, words, style::BUTTON, rect.right() - left);
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, words));
+    let mut at = pos2(left, rect.top() + LINE);
+    for field in Field::ALL {
+        let text = field.words(mapping);
+        let font = style::proportional(style::SMALL_SIZE);
+        let galley = style::line(ui.painter(), &text, font, style::TEXT, f32::MAX);
+        let place = Rect::from_min_size(at, vec2(galley.size().x + 14.0, LINE)).shrink2(vec2(1.0, 2.0));
+        if place.right() > rect.right() {
+            break;
+        }
+        at.x = place.right() + 3.0;
+        let request = field.request(mapping, stands);
+        let button = ui.interact(place, ui.scope_id().with(text.as_str()), Sense::click());
+        let (fill, color) = match (selected == Some(field), button.hovered(), &request) {
+            (true, ..) => (Some(style::ACCENT), style::ON_ACCENT),
+            (false, _, None) => (None, style::DIM),
+            (false, true, _) => (Some(style::RAIL), style::TEXT),
+            (false, false, _) => (None, style::BUTTON),
+        };
+        if let Some(fill) = fill {
+            ui.painter().rect_filled(place, 4.0, fill);
+        }
+        let top = place.center().y - 0.5 * galley.size().y;
+        ui.painter().galley_with_override_text_color(pos2(place.left() + 6.0, top), galley, color);
+        button.widget_info(|| {
+            WidgetInfo::labeled(egui::Role::Button, request.is_some(), format!("{text}, {words}"))
+        });
+        if let Some(request) = request.filter(|_| button.clicked()) {
+            ask(request);
+        }
+        let button = match field {
+            Field::From | Field::To if stands.is_some() => {
+                button.on_hover_text("click: where the parameter stands now is this end of the knob's way")
+            }
+            Field::PickUp => {
+                button.on_hover_text("whether the knob takes hold only where it passes the value")
+            }
+            _ => button,
+        };
+        drop(button);
+    }
+    response
+}
+
+fn put(ui: &Ui, left: f32, rect: Rect, text: &str, color: Color32, width: f32) {
+    let font = style::proportional(style::TEXT_SIZE);
+    let galley = style::line(ui.painter(), text, font, color, width.max(0.0));
+    ui.painter().galley(pos2(left, rect.center().y - 0.5 * galley.size().y), galley, color);
+}

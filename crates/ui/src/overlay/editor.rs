@@ -1,0 +1,250 @@
+//! The editor over the left of the picture: the scene's text between a line of names and buttons and what is to be told.
+
+mod card;
+mod cross;
+mod light;
+mod picker;
+mod popup;
+mod profile;
+mod text;
+
+use egui::{Id, Order, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+
+use super::events::UiEvent;
+use super::rooms::Rooms;
+use super::{assisted, icons, style};
+use crate::editor::keys::written_rows;
+use crate::editor::{Document, EditAction, Editor, EditorEvent, Owner, Question};
+
+/// Share of the window's width that the editor takes, and its least and greatest width in points.
+const WIDTH_SHARE: f32 = 0.56;
+const WIDTH_MIN: f32 = 500.0;
+const WIDTH_MAX: f32 = 860.0;
+/// Height of a line of words and buttons.
+const LINE: f32 = 24.0;
+/// Fewest lines for which there is room, so that there is some for proposals, too.
+const LINES_MIN: usize = 14;
+/// Height of what is around the text, about.
+const AROUND: f32 = 112.0;
+/// Distance of the words from the panel's edge.
+const EDGE: f32 = 10.0;
+
+/// Draws the editor at the left of its room, and over the picture what is told of it; returns where the editor is, and
+/// then what else belongs to it.
+pub(super) fn show(
+    context: &egui::Context,
+    rooms: &Rooms,
+    editor: &Editor,
+    events: &mut Vec<UiEvent>,
+) -> Vec<Rect> {
+    let space = rooms.main;
+    let share = if rooms.is_desk { 1.0 } else { WIDTH_SHARE };
+    let width = (share * space.width()).clamp(WIDTH_MIN.min(space.width()), WIDTH_MAX);
+    // As high as its text, so that it hides no more of the picture than it must.
+    let font = context.layer_painter(egui::LayerId::background());
+    let lines = editor.document().map_or(0, |document| document.editing.buffer().line_count());
+    let wanted = (lines + 2).max(LINES_MIN) as f32 * text::cell(&font).y + AROUND;
+    let rect = Rect::from_min_size(space.min, vec2(width, wanted.min(space.height())));
+    let mut ask = |request| events.push(UiEvent::Editor(request));
+    let screen = context.viewport_rect();
+    light::show(context, screen, editor);
+    let area = style::area(Id::unique("editor"), Order::Middle).fixed_pos(rect.min);
+    let mut parts = vec![rect];
+    area.show(context, |ui| {
+        ui.set_clip_rect(rect);
+        ui.allocate_rect(rect, Sense::click_and_drag());
+        style::ground(ui.painter(), rect);
+        let Some(document) = editor.document() else { return };
+        let mut inner = rect.shrink2(vec2(EDGE, 6.0));
+        inner.min.y = header(ui, inner, editor, document, &mut ask);
+        inner.min.y = question(ui, inner, document, &mut ask);
+        inner.max.y = footer(ui, inner, editor, document);
+        inner.max.y = profile::show(ui, inner, editor, &mut ask);
+        parts.extend(text::show(ui, inner, editor, document, &mut ask));
+    });
+    parts.extend(cross::show(context, screen, rect, editor, &mut ask));
+    let mut beside = rooms.side;
+    if !rooms.is_desk {
+        beside.min.x = (rect.right() + 8.0).min(space.right() - 60.0);
+    }
+    parts.extend(card::show(context, screen, beside, editor, &mut ask));
+    parts
+}
+
+/// Names of the texts, and buttons; returns where what follows begins.
+fn header(
+    ui: &Ui,
+    space: Rect,
+    editor: &Editor,
+    document: &Document,
+    ask: &mut impl FnMut(EditorEvent),
+) -> f32 {
+    let line = Rect::from_min_size(space.min, vec2(space.width(), LINE));
+    let cross = Rect::from_center_size(pos2(line.right() - 0.5 * LINE, line.center().y), vec2(LINE, LINE));
+    if icons::closing_cross(ui, cross, "leave the editor (Esc)") {
+        ask(EditorEvent::Act(EditAction::Leave));
+    }
+    let mut right = cross.left() - 6.0;
+    let save = match (&document.owner, document.is_dirty()) {
+        (Owner::Shipped(_), _) => Some("copy to my folder"),
+        (_, true) => Some("save"),
+        _ => None,
+    };
+    let save = save.map(|words| (words, EditAction::Save, false));
+    let (lights, profiles) = editor.switches();
+    let others = [
+        ("new", EditAction::New, false),
+        ("profile", EditAction::Profile, profiles),
+        ("light up", EditAction::Light, lights),
+    ];
+    for (words, command, is_on) in save.into_iter().chain(others) {
+        let key = written_key(command);
+        let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key, is_on);
+        right = rect.left() - 6.0;
+        if clicked {
+            ask(EditorEvent::Act(command));
+        }
+    }
+    let mut left = line.left();
+    for (number, tab) in editor.tabs().into_iter().enumerate() {
+        let sign = if tab.dirty { " •" } else { "" };
+        let color = match (tab.wrong, tab.shows) {
+            (true, _) => style::ERROR,
+            (false, true) => style::TEXT,
+            (false, false) => style::DIM,
+        };
+        let font = style::proportional(style::TEXT_SIZE);
+        let galley =
+            style::line(ui.painter(), &format!("{}{sign}", tab.name), font, color, (right - left).max(20.0));
+        let rect = Rect::from_min_size(pos2(left, line.top()), vec2(galley.size().x, LINE));
+        let at = rect.left_center() - vec2(0.0, 0.5 * galley.size().y);
+        ui.painter().galley(at, galley, color);
+        let response = ui.interact(rect, Id::unique(("editor tab", number)), Sense::click());
+        response.widget_info(|| WidgetInfo::labeled(egui::Role::Tab, true, &tab.name));
+        if response.clicked() && !tab.shows {
+            ask(EditorEvent::ShowText(number));
+        }
+        left = rect.right() + 14.0;
+        if left > right {
+            break;
+        }
+    }
+    line.bottom() + 4.0
+}
+
+/// What is asked about the text, with its answers; returns where what follows begins.
+fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(EditorEvent)) -> f32 {
+    let (words, first, second) = match &document.question {
+        None => return space.top(),
+        Some(Question::Kept(_)) => {
+            ("Text that you typed earlier and did not save is kept.", "bring it back", "throw it away")
+        }
+        Some(Question::Conflict(_)) => {
+            ("Another program has written this file meanwhile.", "save mine over it", "take theirs")
+        }
+        Some(Question::Gone) => {
+            ("This file was deleted. Your text is still here.", "write it again", "leave it")
+        }
+    };
+    assisted::text(ui.ctx(), "question", words, true);
+    let line = Rect::from_min_size(space.min, vec2(space.width(), LINE));
+    let mut right = line.right();
+    for (words, is_first) in [(second, false), (first, true)] {
+        let key = written_key(EditAction::Answer { first: is_first });
+        let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key, false);
+        right = rect.left() - 6.0;
+        if clicked {
+            ask(EditorEvent::Answer { first: is_first });
+        }
+    }
+    let font = style::proportional(style::SMALL_SIZE);
+    let galley = style::line(ui.painter(), words, font, style::ERROR, (right - line.left() - 8.0).max(20.0));
+    ui.painter().galley(line.left_center() - vec2(0.0, 0.5 * galley.size().y), galley, style::ERROR);
+    line.bottom() + 4.0
+}
+
+/// The key for a command, as people write it.
+fn written_key(action: EditAction) -> &'static str {
+    written_rows().find(|row| row.action == action).map_or("", |row| row.written)
+}
+
+/// A button with a word, for which there is a key, too, whose right edge is at a place; returns where it is and whether it was clicked.
+/// `is_on`: it is a switch that is on.
+fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str, is_on: bool) -> (Rect, bool) {
+    let color = style::ACCENT;
+    let galley = style::line(ui.painter(), words, style::proportional(style::SMALL_SIZE), color, f32::MAX);
+    let size = vec2(galley.size().x + 14.0, LINE - 4.0);
+    let rect = Rect::from_min_size(right_center - vec2(size.x, 0.5 * size.y), size);
+    let response = ui.interact(rect, Id::unique(("editor word", words)), Sense::click());
+    let color = match (is_on, response.hovered()) {
+        (true, _) => style::ON_ACCENT,
+        (false, true) => style::TEXT,
+        (false, false) => color,
+    };
+    ui.painter().rect_filled(rect, 4.0, if is_on { style::ACCENT } else { style::RAIL });
+    ui.painter().galley_with_override_text_color(rect.center() - 0.5 * galley.size(), galley, color);
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, words));
+    let clicked = response.clicked();
+    response.on_hover_text(format!("{words} ({key})"));
+    (rect, clicked)
+}
+
+/// What is to be told, at the bottom: what is wrong or what stands at the cursor, then the answer to the last key, or
+/// where the cursor is. Returns where it begins.
+fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
+    let painter = ui.painter();
+    let (small, width) = (style::proportional(style::SMALL_SIZE), space.width());
+    let mut lines = Vec::new();
+    let mut add = |words: &str, font: egui::FontId, color| {
+        let galley = style::line(painter, words, font, color, width);
+        lines.push((galley, color));
+    };
+    if let Some(mistake) = editor.mistake() {
+        assisted::text(ui.ctx(), "mistake", &mistake.message, true);
+        add(&mistake.message, small.clone(), style::ERROR);
+        add(&mistake.hint, small.clone(), style::ACCENT);
+    } else if let Some(about) = editor.about() {
+        let facts = if about.facts.is_empty() { String::new() } else { format!("  [{}]", about.facts) };
+        add(&about.head, style::monospace(style::SMALL_SIZE), style::ACCENT);
+        add(&format!("{}{facts}", about.text), small.clone(), style::DIM);
+    } else {
+        add("", small.clone(), style::DIM);
+        add("", small.clone(), style::DIM);
+    }
+    match (editor.find_line(), editor.answer()) {
+        (Some(find), answer) => {
+            let cursor = if find.typing { "|" } else { "" };
+            let answer = answer.map_or(String::new(), |answer| format!("   {answer}"));
+            let letters = if find.typing { editor.preedit() } else { "" };
+            add(&format!("find: {}{letters}{cursor}{answer}", find.query), small, style::TEXT);
+        }
+        (None, Some(answer)) => {
+            assisted::text(ui.ctx(), "answer", answer, true);
+            add(answer, small, style::TEXT);
+        }
+        (None, None) => {
+            let (editing, buffer) = (&document.editing, document.editing.buffer());
+            let line = buffer.line_of(editing.cursor());
+            let inside = editing.cursor() - buffer.line_start(line);
+            let column = mariana_editing::cells(buffer.line(line)).filter(|cell| cell.start < inside).count();
+            let state = match (&document.owner, document.is_dirty()) {
+                (Owner::Shipped(_), _) => "comes with Mariana",
+                (_, true) => "not saved",
+                (_, false) if document.disk.is_none() => "being read",
+                (_, false) => "saved",
+            };
+            let focus = if editor.has_focus() { "" } else { " · keys go to the show: click here to write" };
+            add(&format!("line {}, {} · {state}{focus}", line + 1, column + 1), small, style::DIM);
+        }
+    }
+    let heights: f32 = lines.iter().map(|(galley, _)| galley.size().y.max(15.0) + 2.0).sum();
+    let top = space.bottom() - heights;
+    painter.hline(space.x_range(), top - 3.0, egui::Stroke::new(1.0, style::RAIL));
+    let mut y = top;
+    for (galley, color) in lines {
+        let height = galley.size().y.max(15.0) + 2.0;
+        painter.galley(pos2(space.left(), y), galley, color);
+        y += height;
+    }
+    top - 6.0
+}

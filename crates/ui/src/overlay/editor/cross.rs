@@ -1,0 +1,125 @@
+//! The cross at the position at the cursor: its arms are dragged along the axes, its middle in the plane of the view.
+
+use egui::{Color32, Context, CursorIcon, Id, LayerId, Order, Pos2, Rect, Sense, Stroke, Vec2, vec2};
+use glam::DVec3;
+
+use super::light::on_screen;
+use crate::editor::{Editor, EditorEvent};
+use crate::overlay::style;
+use mariana_render::frame::camera::Camera;
+use mariana_render::placement::Map;
+
+/// Length of an arm that points across the view, in points.
+const ARM: f32 = 64.0;
+/// Least length of an arm that can be dragged: a shorter one points at the eye.
+const ARM_MIN: f32 = 10.0;
+/// Half the side of what is taken by the pointer.
+const HANDLE: f32 = 9.0;
+/// Share of the usual way while Shift is held.
+const FINE: f64 = 0.1;
+const COLORS: [Color32; 3] =
+    [Color32::from_rgb(236, 96, 84), Color32::from_rgb(120, 204, 96), Color32::from_rgb(104, 148, 244)];
+
+/// Something that is dragged: where it is, and which way of the scene a point of the screen is along each of its
+/// directions.
+struct Handle {
+    name: &'static str,
+    at: Pos2,
+    ways: Vec<(Vec2, DVec3)>,
+}
+
+/// Draws the cross where `hidden` does not cover it; returns where the pointer takes it.
+pub(super) fn show(
+    context: &Context,
+    screen: Rect,
+    hidden: Rect,
+    editor: &Editor,
+    ask: &mut impl FnMut(EditorEvent),
+) -> Vec<Rect> {
+    let parts = editor.place().zip(editor.view());
+    let Some((place, (map, camera))) = parts else { return Vec::new() };
+    let place = DVec3::from_array(place);
+    let seen = |point: DVec3| seen_at(camera, map, screen, point);
+    let Some(middle) = seen(place).filter(|at| screen.contains(*at) && !hidden.contains(*at)) else {
+        return Vec::new();
+    };
+    // As long as it is seen from everywhere, however small the picture is.
+    let depth = (place - camera.position).dot(camera.forward);
+    let length = f64::from(ARM / (0.5 * screen.height())) * depth * camera.tan_half.1;
+    let upwards = seen(place + length * camera.up).map_or(ARM, |tip| (tip - middle).length());
+    let length = length * f64::from(ARM / upwards.max(1.0));
+    let way = |along: DVec3| seen(place + length * along).map(|tip| (tip - middle, length * along));
+    let plane: Vec<_> = [camera.right, camera.up].into_iter().filter_map(way).collect();
+    let mut handles = vec![Handle { name: "middle", at: middle, ways: plane }];
+    let painter = context.layer_painter(LayerId::new(Order::Background, Id::unique("cross")));
+    for ((name, axis), color) in [("x", DVec3::X), ("y", DVec3::Y), ("z", DVec3::Z)].into_iter().zip(COLORS) {
+        let Some((arm, along)) = way(axis).filter(|(arm, _)| arm.length() > ARM_MIN) else { continue };
+        let tip = middle + arm;
+        for (width, color) in [(4.5, style::ON_ACCENT), (2.2, color)] {
+            painter.line_segment([middle, tip], Stroke::new(width, color));
+        }
+        painter.circle(tip, 5.0, color, Stroke::new(1.2, style::ON_ACCENT));
+        let font = style::proportional(style::SMALL_SIZE);
+        painter.text(tip + 11.0 * arm.normalized(), egui::Align2::CENTER_CENTER, name, font, color);
+        handles.push(Handle { name, at: tip, ways: vec![(arm, along)] });
+    }
+    painter.circle(middle, 5.5, style::TEXT, Stroke::new(1.4, style::ON_ACCENT));
+    handles.iter().map(|handle| drag(context, handle, ask)).collect()
+}
+
+/// Where a point of the scene is on the screen.
+fn seen_at(camera: &Camera, map: &Map, screen: Rect, point: DVec3) -> Option<Pos2> {
+    let (x, y) = camera.project(point)?;
+    on_screen(map, screen, [0.5 + 0.5 * x, 0.5 - 0.5 * y])
+}
+
+/// Takes the pointer at a handle; returns where.
+fn drag(context: &Context, handle: &Handle, ask: &mut impl FnMut(EditorEvent)) -> Rect {
+    let rect = Rect::from_center_size(handle.at, Vec2::splat(2.0 * HANDLE));
+    let id = Id::unique(("cross handle", handle.name));
+    let area = style::area(id, Order::Background).fixed_pos(rect.min);
+    area.show(context, |ui| {
+        let response = ui.allocate_rect(rect, Sense::drag());
+        if response.hovered() || response.dragged() {
+            ui.ctx().set_cursor_icon(CursorIcon::Move);
+            ui.painter().circle_stroke(handle.at, HANDLE, Stroke::new(1.4, style::TEXT));
+        }
+        let moved = response.drag_delta();
+        if !response.dragged() || moved == Vec2::ZERO {
+            return;
+        }
+        let fine = if ui.input(|input| input.modifiers.shift) { FINE } else { 1.0 };
+        ask(EditorEvent::MovePlace((fine * way_of(&handle.ways, moved)).to_array()));
+    });
+    rect
+}
+
+/// The way in the scene of a way on the screen.
+fn way_of(ways: &[(Vec2, DVec3)], moved: Vec2) -> DVec3 {
+    match ways {
+        [(on_screen, along)] => f64::from(moved.dot(*on_screen) / on_screen.length_sq()) * *along,
+        [(a, along_a), (b, along_b)] => {
+            let area = a.x * b.y - a.y * b.x;
+            if area.abs() < 1e-3 {
+                return DVec3::ZERO;
+            }
+            let shares = vec2(moved.x * b.y - moved.y * b.x, a.x * moved.y - a.y * moved.x) / area;
+            f64::from(shares.x) * *along_a + f64::from(shares.y) * *along_b
+        }
+        _ => DVec3::ZERO,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_on_the_screen_is_one_along_the_axis_or_in_the_plane() {
+        let x = (vec2(64.0, 0.0), DVec3::new(2.0, 0.0, 0.0));
+        assert_eq!(way_of(&[x], vec2(32.0, 50.0)), DVec3::new(1.0, 0.0, 0.0));
+        let y = (vec2(0.0, -64.0), DVec3::new(0.0, 2.0, 0.0));
+        assert_eq!(way_of(&[x, y], vec2(-32.0, -16.0)), DVec3::new(-1.0, 0.5, 0.0));
+        assert_eq!(way_of(&[x, x], vec2(5.0, 5.0)), DVec3::ZERO);
+    }
+}

@@ -1,0 +1,124 @@
+//! What the lines at the cursor make, lit up over the picture.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use egui::{
+    Color32, ColorImage, Context, Id, LayerId, Mesh, Order, Pos2, Rect, Shape, TextureHandle, TextureOptions,
+    pos2,
+};
+
+use crate::editor::{Editor, Light};
+use crate::overlay::style;
+use mariana_render::placement::{Map, inverse, led};
+
+/// How much of what is lit up the colour covers, of 255, inside and at its edge.
+const INSIDE: u8 = 60;
+const EDGE: u8 = 190;
+/// Parts into which the picture is divided on its way to the screen: it may lie there slanted.
+const PARTS: usize = 12;
+
+/// The last mask, which is uploaded again only if it has changed.
+#[derive(Clone)]
+struct Kept {
+    fingerprint: u64,
+    texture: TextureHandle,
+}
+
+/// Where a place of the picture, as shares to the right and down, is on the screen.
+pub(super) fn on_screen(map: &Map, screen: Rect, at: [f64; 2]) -> Option<Pos2> {
+    let [x, y] = led(&inverse(map), at)?;
+    Some(pos2(screen.left() + x as f32 * screen.width(), screen.top() + y as f32 * screen.height()))
+}
+
+/// Draws it under the panels.
+pub(super) fn show(context: &Context, screen: Rect, editor: &Editor) {
+    let Some((light, map)) = editor.light().zip(editor.map()) else { return };
+    if !light.cells.contains(&true) {
+        return;
+    }
+    let id = Id::unique("editor light");
+    let mut hasher = DefaultHasher::new();
+    (light.columns, &light.cells).hash(&mut hasher);
+    let fingerprint = hasher.finish();
+    let kept = context.data(|data| data.get_temp::<Kept>(id)).filter(|kept| kept.fingerprint == fingerprint);
+    let kept = kept.unwrap_or_else(|| {
+        let texture = context.load_texture("editor light", mask(&light), TextureOptions::LINEAR);
+        Kept { fingerprint, texture }
+    });
+    context.data_mut(|data| data.insert_temp(id, kept.clone()));
+    let mut mesh = Mesh::with_texture(kept.texture.id());
+    let share = |place: usize| place as f32 / PARTS as f32;
+    for row in 0..=PARTS {
+        for column in 0..=PARTS {
+            let (x, y) = (share(column), share(row));
+            let Some(place) = on_screen(map, screen, [f64::from(x), f64::from(y)]) else { return };
+            mesh.vertices.push(egui::epaint::Vertex { pos: place, uv: pos2(x, y), color: Color32::WHITE });
+        }
+    }
+    for row in 0..PARTS as u32 {
+        for column in 0..PARTS as u32 {
+            let first = row * (PARTS as u32 + 1) + column;
+            let below = first + PARTS as u32 + 1;
+            mesh.add_triangle(first, first + 1, below);
+            mesh.add_triangle(first + 1, below, below + 1);
+        }
+    }
+    context.layer_painter(LayerId::new(Order::Background, id)).add(Shape::mesh(mesh));
+}
+
+/// Pixels for each cell along each axis: its outline is smooth.
+const FINER: usize = 3;
+/// How near a half the share of lit cells around a place is at the outline.
+const OUTLINE: f32 = 0.17;
+
+/// The outline of what is lit up, and its inside.
+fn mask(light: &Light) -> ColorImage {
+    let (columns, rows) = (light.columns.max(1), light.cells.len() / light.columns.max(1));
+    let cell = |column: i64, row: i64| {
+        let column = column.clamp(0, columns as i64 - 1) as usize;
+        let row = row.clamp(0, rows as i64 - 1) as usize;
+        f32::from(u8::from(light.cells.get(row * columns + column).is_some_and(|lit| *lit)))
+    };
+    // Between the cells around a place.
+    let share = |x: f32, y: f32| {
+        let (left, top) = (x.floor(), y.floor());
+        let (right_share, lower_share) = (x - left, y - top);
+        let row = |row: i64| {
+            let (a, b) = (cell(left as i64, row), cell(left as i64 + 1, row));
+            a + (b - a) * right_share
+        };
+        let (upper, lower) = (row(top as i64), row(top as i64 + 1));
+        upper + (lower - upper) * lower_share
+    };
+    let [r, g, b, _] = style::ACCENT.to_array();
+    let mut image = ColorImage::filled([FINER * columns, FINER * rows], Color32::TRANSPARENT);
+    for (place, pixel) in image.pixels.iter_mut().enumerate() {
+        let at = |place: usize| (place as f32 + 0.5) / FINER as f32 - 0.5;
+        let (x, y) = (at(place % (FINER * columns)), at(place / (FINER * columns)));
+        // A mean of the place's surroundings, so that steps of the grid become slopes.
+        let around = [(-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5)];
+        let lit = around.into_iter().map(|(dx, dy)| share(x + dx, y + dy)).sum::<f32>() / 4.0;
+        let covers = match lit {
+            lit if (lit - 0.5).abs() < OUTLINE => EDGE,
+            lit if lit > 0.5 => INSIDE,
+            _ => continue,
+        };
+        *pixel = Color32::from_rgba_unmultiplied(r, g, b, covers);
+    }
+    image
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_lit_has_an_outline_and_what_is_not_has_no_colour() {
+        let cells = (0..16 * 8).map(|cell| (4..12).contains(&(cell % 16))).collect();
+        let image = mask(&Light { columns: 16, cells });
+        assert_eq!(image.size, [48, 24]);
+        let alpha = |x: usize| image.pixels[12 * 48 + x].a();
+        assert_eq!((alpha(0), alpha(24), alpha(47)), (0, INSIDE, 0));
+        assert!((0..48).filter(|x| alpha(*x) == EDGE).count() >= 2, "no outline");
+    }
+}

@@ -1,0 +1,111 @@
+//! The colours of the text: each is seen below its `vec3`, and picked by a click on that.
+
+use egui::color_picker::{Alpha, color_picker_hsva_2d};
+use egui::ecolor::Hsva;
+use egui::{Color32, Context, Id, Order, Pos2, Rect, Rgba, pos2};
+
+use crate::editor::{Editor, EditorEvent};
+use crate::overlay::{icons, style};
+
+/// Width of the field of colours, and about the height of all of it.
+const WIDTH: f32 = 190.0;
+const HEIGHT: f32 = 310.0;
+
+/// What is picked at a place: hue and strength stay where the numbers do not tell them, as those of black.
+#[derive(Clone, Copy)]
+struct Picked {
+    at: usize,
+    color: Hsva,
+    /// How much brighter than 1 it is.
+    bright: f64,
+}
+
+/// The colour of three numbers as it looks on a screen; what is brighter than white keeps its hue.
+pub(super) fn look(values: [f64; 3]) -> Color32 {
+    let bright = brightness(values);
+    let [r, g, b] = values.map(|part| (part.max(0.0) / bright) as f32);
+    Rgba::from_rgb(r, g, b).into()
+}
+
+fn brightness(values: [f64; 3]) -> f64 {
+    values.into_iter().fold(1.0, f64::max)
+}
+
+/// Shows what picks the colour below or above a place of the text, if one is picked; returns where.
+pub(super) fn show(
+    context: &Context,
+    at: Rect,
+    editor: &Editor,
+    ask: &mut impl FnMut(EditorEvent),
+) -> Option<Rect> {
+    let (place, values) = editor.picked_color()?;
+    let id = Id::unique("picked color");
+    let known = context.data(|data| data.get_temp::<Picked>(id)).filter(|known| known.at == place);
+    let near = |known: &Picked| {
+        let [r, g, b] = known.color.to_rgb().map(|part| f64::from(part) * known.bright);
+        [r, g, b].iter().zip(values).all(|(a, b)| (a - b).abs() < 2e-3 * known.bright)
+    };
+    let mut picked = known.filter(near).unwrap_or_else(|| {
+        let bright = brightness(values);
+        let color = Hsva::from_rgb(values.map(|part| (part.max(0.0) / bright) as f32));
+        Picked { at: place, color, bright }
+    });
+    let screen = context.viewport_rect();
+    let top = if at.bottom() + HEIGHT < screen.bottom() { at.bottom() + 6.0 } else { at.top() - HEIGHT };
+    let corner: Pos2 = pos2(at.left().min(screen.right() - WIDTH - 40.0), top.max(screen.top() + 4.0));
+    let area = style::area(id, Order::Foreground).fixed_pos(corner);
+    let shown = area.show(context, |ui| {
+        let frame = style::frame().fill(style::ON_ACCENT);
+        frame.show(ui, |ui| {
+            ui.spacing_mut().slider_width = WIDTH;
+            let corner = ui.cursor().min;
+            let changed = color_picker_hsva_2d(ui, &mut picked.color, Alpha::Opaque);
+            // egui's first row has numbers for screens and a button for its own clipboard: the text has the numbers.
+            let row =
+                Rect::from_min_size(corner, egui::vec2(ui.min_rect().width(), ui.spacing().interact_size.y));
+            ui.painter().rect_filled(row, 0.0, style::ON_ACCENT);
+            ui.interact(row, Id::unique("picker heading"), egui::Sense::click_and_drag());
+            let words = match picked.bright > 1.0 {
+                true => format!("colour, {} times as bright as white", short(picked.bright)),
+                false => "colour".to_owned(),
+            };
+            let font = style::proportional(style::SMALL_SIZE);
+            let galley = style::line(ui.painter(), &words, font, style::DIM, row.width() - 24.0);
+            ui.painter().galley(row.min, galley, style::DIM);
+            changed
+        })
+    });
+    let rect = shown.response.rect;
+    let cross = Rect::from_min_size(pos2(rect.right() - 26.0, rect.top() + 6.0), egui::vec2(20.0, 20.0));
+    let closes = style::area(Id::unique("picker cross"), Order::Foreground).fixed_pos(cross.min);
+    closes.show(context, |ui| {
+        if icons::closing_cross(ui, cross, "close (Esc)") {
+            ask(EditorEvent::ClosePicker);
+        }
+    });
+    if shown.inner.inner {
+        let color = picked.color.to_rgb().map(|part| f64::from(part) * picked.bright);
+        ask(EditorEvent::SetColor(color));
+    }
+    context.data_mut(|data| data.insert_temp(id, picked));
+    Some(rect)
+}
+
+fn short(value: f64) -> String {
+    mariana_editing::written_part((100.0 * value).round() / 100.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_colour_of_the_text_is_light_and_is_seen_as_it_looks() {
+        assert_eq!(look([1.0, 1.0, 1.0]), Color32::WHITE);
+        assert_eq!(look([0.0, 0.0, 0.0]), Color32::BLACK);
+        // Half the light is more than half as bright on a screen.
+        assert!(look([0.5, 0.5, 0.5]).r() > 180);
+        assert_eq!(look([300.0, 0.0, 0.0]), Color32::from_rgb(255, 0, 0));
+        assert_eq!(look([-1.0, 0.0, 2.0]), Color32::from_rgb(0, 0, 255));
+    }
+}

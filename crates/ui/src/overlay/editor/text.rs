@@ -1,0 +1,528 @@
+//! The lines that show: numbers, colours, what is selected, mistakes, the cursor, and the grips of numbers.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use egui::output::IMEOutput;
+use egui::text::{LayoutJob, TextFormat};
+use egui::{
+    Color32, CursorIcon, FontId, Galley, IMEPurpose, Id, Painter, Pos2, Rect, Response, Sense, Stroke,
+    StrokeKind, Ui, Vec2, pos2, vec2,
+};
+use mariana_editing::{Buffer, TripleKind, TurnSpeed, cells, column_of, offset_of};
+use mariana_field::lang::WordKind;
+
+use super::{picker, popup};
+use crate::editor::{Document, Editor, EditorEvent};
+use crate::overlay::{assisted, style};
+
+/// Size of the text, in points.
+const SIZE: f32 = 13.0;
+/// Distance between lines, in heights of the font's own line.
+const LINE_HEIGHT: f32 = 1.18;
+/// Width of the lane at the right that shows where in the text one is.
+const LANE: f32 = 10.0;
+/// Height of a number's grip, and how far above its line's lower edge it begins.
+const GRIP: (f32, f32) = (9.0, 3.0);
+/// Least width of a grip.
+const GRIP_WIDTH_MIN: f32 = 18.0;
+
+const SELECTED: Color32 = Color32::from_rgba_premultiplied(30, 52, 66, 110);
+const CURRENT: Color32 = Color32::from_rgba_premultiplied(16, 17, 19, 22);
+
+/// The colour of a kind of word.
+fn color_of(kind: WordKind) -> Color32 {
+    match kind {
+        WordKind::Number => Color32::from_rgb(244, 190, 120),
+        WordKind::Keyword => Color32::from_rgb(208, 160, 240),
+        WordKind::Function => style::ACCENT,
+        WordKind::Input => Color32::from_rgb(150, 218, 160),
+        WordKind::Name => style::TEXT,
+        WordKind::Text => Color32::from_rgb(190, 214, 130),
+        WordKind::Comment => Color32::from_rgb(128, 134, 146),
+        WordKind::Sign => Color32::from_rgb(184, 190, 200),
+        WordKind::Unknown => style::ERROR,
+    }
+}
+
+/// Where what stands in the text stands on the screen.
+struct Page {
+    /// Where the letters are, without line numbers.
+    rect: Rect,
+    /// Width and height of a column.
+    cell: Vec2,
+    top: f32,
+    left: f32,
+}
+
+impl Page {
+    fn at(&self, line: usize, column: f32) -> Pos2 {
+        self.rect.min + vec2((column - self.left) * self.cell.x, (line as f32 - self.top) * self.cell.y)
+    }
+
+    /// The byte at a place on the screen.
+    fn offset(&self, buffer: &Buffer, at: Pos2) -> usize {
+        let line = (self.top + (at.y - self.rect.top()) / self.cell.y).max(0.0) as usize;
+        let line = line.min(buffer.line_count() - 1);
+        let column = self.left + (at.x - self.rect.left()) / self.cell.x;
+        buffer.line_start(line) + offset_of(buffer.line(line), column.max(0.0))
+    }
+
+    /// Where bytes of one line stand.
+    fn rect_of(&self, buffer: &Buffer, range: &Range<usize>) -> Rect {
+        let line = buffer.line_of(range.start);
+        let (start, text) = (buffer.line_start(line), buffer.line(line));
+        let column = |offset: usize| column_of(text, offset.saturating_sub(start)) as f32;
+        let from = self.at(line, column(range.start));
+        Rect::from_min_max(from, self.at(line, column(range.end)) + vec2(0.0, self.cell.y))
+    }
+}
+
+/// Width and height of a column.
+pub(super) fn cell(painter: &Painter) -> Vec2 {
+    let font = style::monospace(SIZE);
+    painter.fonts_mut(|fonts| {
+        vec2(fonts.glyph_width(&font, '0'), (LINE_HEIGHT * fonts.row_height(&font)).round())
+    })
+}
+
+/// Draws the text in `space`; returns where more of it is.
+pub(super) fn show(
+    ui: &Ui,
+    space: Rect,
+    editor: &Editor,
+    document: &Document,
+    ask: &mut impl FnMut(EditorEvent),
+) -> Option<Rect> {
+    let buffer = document.editing.buffer();
+    let font = style::monospace(SIZE);
+    let cell = cell(ui.painter());
+    let digits = buffer.line_count().to_string().len().max(3) as f32;
+    let gutter = (digits + 1.5) * cell.x;
+    let rect = Rect::from_min_max(space.min + vec2(gutter, 0.0), space.max - vec2(LANE, 0.0));
+    let (top, left) = document.view;
+    let page = Page { rect, cell, top, left };
+    let rows = (rect.height() / cell.y).max(1.0);
+    ask(EditorEvent::Drawn { rows: rows as usize, columns: (rect.width() / cell.x).max(1.0) as usize });
+
+    let whole = Rect::from_min_max(space.min, rect.max);
+    let response = ui.interact(whole, Id::unique("editor text"), Sense::click_and_drag());
+    let painter = ui.painter().with_clip_rect(space.intersect(ui.clip_rect()));
+    let seen = top as usize..((top + rows).ceil() as usize + 1).min(buffer.line_count());
+    draw_ground(&painter, space, &page, document, &seen);
+    if let Some(line) = editor.probed_line().filter(|line| seen.contains(line)) {
+        // What made the point of the picture that was clicked.
+        let rect = Rect::from_min_size(pos2(space.left(), page.at(line, 0.0).y), vec2(3.0, cell.y));
+        painter.rect_filled(rect, 1.0, style::ACCENT);
+    }
+    for line in seen.clone() {
+        draw_number(&painter, space.left() + gutter - 1.5 * cell.x, &page, line, document);
+        let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
+        draw_line(&clipped, &page, document, line, &font);
+        draw_colors(&clipped, &page, document, line);
+    }
+    draw_mistakes(&painter, space, &page, document, &seen);
+    draw_cursor(&painter, &page, document, editor.has_focus());
+    if editor.find_line().is_none_or(|find| !find.typing) {
+        draw_preedit(&painter, &page, document, editor.preedit(), &font);
+    }
+    point(ui, &painter, &page, editor, document, &response, ask);
+    lane(ui, space, document, rows, ask);
+    let cursor = document.editing.cursor();
+    let line = buffer.line_of(cursor);
+    let words = String::from_utf8_lossy(buffer.line(line)).into_owned();
+    assisted::text(ui.ctx(), "editor", &format!("{}, line {}: {words}", document.name(), line + 1), false);
+    if let Some(proposing) = editor.proposing() {
+        let at = page.rect_of(buffer, &(proposing.from..cursor)).left_bottom();
+        popup::show(ui, space, at, cell.y, (proposing, editor.portrait()), ask);
+    }
+    let (at, _) = editor.picked_color()?;
+    picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, ask)
+}
+
+/// The line of the cursor, and what is selected.
+fn draw_ground(painter: &Painter, space: Rect, page: &Page, document: &Document, seen: &Range<usize>) {
+    let (editing, buffer) = (&document.editing, document.editing.buffer());
+    let current = buffer.line_of(editing.cursor());
+    if seen.contains(&current) {
+        let y = page.at(current, 0.0).y;
+        let rect = Rect::from_min_max(pos2(space.left(), y), pos2(page.rect.right(), y + page.cell.y));
+        painter.rect_filled(rect, 2.0, CURRENT);
+    }
+    let selection = editing.selection();
+    if selection.is_empty() {
+        return;
+    }
+    for line in seen.clone() {
+        let range = buffer.line_range(line);
+        let (from, to) = (selection.start.max(range.start), selection.end.min(range.end));
+        if from > to || selection.start >= buffer.line_start(line + 1) && line + 1 < buffer.line_count() {
+            continue;
+        }
+        let mut rect = page.rect_of(buffer, &(from..from));
+        rect.max.x = page.rect_of(buffer, &(range.start..to)).right();
+        if selection.end > range.end {
+            rect.max.x += 0.6 * page.cell.x;
+        }
+        rect.min.x = rect.min.x.max(page.rect.left());
+        painter.rect_filled(rect, 0.0, SELECTED);
+    }
+}
+
+fn draw_number(painter: &Painter, right: f32, page: &Page, line: usize, document: &Document) {
+    let is_current = document.editing.buffer().line_of(document.editing.cursor()) == line;
+    let color = if is_current { style::TEXT } else { style::AHEAD };
+    let galley = style::line(painter, &(line + 1).to_string(), style::monospace(SIZE), color, f32::MAX);
+    painter.galley(pos2(right - galley.size().x, page.at(line, 0.0).y), galley, color);
+}
+
+/// Draws a line's letters: those of ASCII together, each other one in its own column, because it may come from another
+/// font with other widths.
+fn draw_line(painter: &Painter, page: &Page, document: &Document, line: usize, font: &FontId) {
+    let text = document.editing.buffer().line(line);
+    let words = document.words(line);
+    let (first, last) = (page.left as usize, (page.left + page.rect.width() / page.cell.x) as usize + 1);
+    let mut words = words.iter().peekable();
+    let mut run = Run::default();
+    for cell in cells(text) {
+        if cell.column + cell.width <= first {
+            continue;
+        }
+        if cell.column > last {
+            break;
+        }
+        while words.next_if(|word| word.end <= cell.start).is_some() {}
+        let word = words.peek().filter(|word| word.start <= cell.start);
+        let color = word.map_or(style::TEXT, |word| color_of(word.kind));
+        let bytes = text.get(cell.start..cell.end).unwrap_or_default();
+        match bytes {
+            b"\t" => {}
+            [byte @ b' '..=b'~'] => {
+                run.push(painter, page, line, (cell.column, char::from(*byte), color), font)
+            }
+            _ => {
+                run.flush(painter, page, line, font);
+                let (shown, color) = match std::str::from_utf8(bytes) {
+                    Ok(shown) if cell.is_text && !shown.contains(char::is_control) => (shown, color),
+                    _ => ("\u{fffd}", style::ERROR),
+                };
+                let galley = painter.layout_no_wrap(shown.to_owned(), font.clone(), color);
+                painter.galley(page.at(line, cell.column as f32), galley, color);
+            }
+        }
+    }
+    run.flush(painter, page, line, font);
+}
+
+/// The colours of a line, each below its `vec3`.
+fn draw_colors(painter: &Painter, page: &Page, document: &Document, line: usize) {
+    let (triples, start) = document.triples(line);
+    for triple in triples.into_iter().filter(|triple| triple.kind == TripleKind::Color) {
+        let word = start + triple.word.start..start + triple.word.end;
+        let mut rect = page.rect_of(document.editing.buffer(), &word);
+        rect.min.y = rect.bottom() - 3.5;
+        painter.rect(
+            rect,
+            1.5,
+            picker::look(triple.values()),
+            Stroke::new(0.5, style::AHEAD),
+            StrokeKind::Outside,
+        );
+    }
+}
+
+/// Letters of ASCII that stand side by side.
+#[derive(Default)]
+struct Run {
+    column: usize,
+    text: String,
+    colors: Vec<(usize, Color32)>,
+}
+
+impl Run {
+    fn push(
+        &mut self,
+        painter: &Painter,
+        page: &Page,
+        line: usize,
+        (column, letter, color): (usize, char, Color32),
+        font: &FontId,
+    ) {
+        if column != self.column + self.text.len() {
+            self.flush(painter, page, line, font);
+            self.column = column;
+        }
+        if self.colors.last().is_none_or(|(_, last)| *last != color) {
+            self.colors.push((self.text.len(), color));
+        }
+        self.text.push(letter);
+    }
+
+    fn flush(&mut self, painter: &Painter, page: &Page, line: usize, font: &FontId) {
+        let Self { column, text, colors } = std::mem::take(self);
+        if text.trim().is_empty() {
+            return;
+        }
+        let galley = laid_out(painter, &text, &colors, font);
+        painter.galley(page.at(line, column as f32), galley, style::TEXT);
+    }
+}
+
+fn laid_out(painter: &Painter, text: &str, colors: &[(usize, Color32)], font: &FontId) -> Arc<Galley> {
+    let mut job = LayoutJob::default();
+    let ends = colors.iter().skip(1).map(|(start, _)| *start).chain([text.len()]);
+    for ((start, color), end) in colors.iter().zip(ends) {
+        let part = text.get(*start..end).unwrap_or_default();
+        job.append(part, 0.0, TextFormat::simple(font.clone(), *color));
+    }
+    painter.layout_job(job)
+}
+
+fn draw_mistakes(painter: &Painter, space: Rect, page: &Page, document: &Document, seen: &Range<usize>) {
+    let buffer = document.editing.buffer();
+    for mistake in document.mistakes().filter(|mistake| !mistake.range.is_empty() || mistake.range.start > 0)
+    {
+        let (first, last) = (buffer.line_of(mistake.range.start), buffer.line_of(mistake.range.end));
+        for line in first.max(seen.start)..(last + 1).min(seen.end) {
+            let range = buffer.line_range(line);
+            let part =
+                mistake.range.start.max(range.start)..mistake.range.end.min(range.end).max(range.start);
+            let mut rect = page.rect_of(buffer, &part);
+            rect.max.x = rect.max.x.max(rect.min.x + page.cell.x);
+            if rect.left() < page.rect.right() && rect.right() > page.rect.left() {
+                wave(painter, rect, page.rect.left());
+            }
+            if line == first {
+                let at = pos2(space.left() + 3.0, rect.center().y);
+                painter.circle_filled(at, 3.0, style::ERROR);
+            }
+        }
+    }
+}
+
+/// A wavy line under a part of a line.
+fn wave(painter: &Painter, rect: Rect, left: f32) {
+    let (mut x, mut up) = (rect.left().max(left), false);
+    let mut points = Vec::new();
+    while x <= rect.right() {
+        points.push(pos2(x, rect.bottom() - if up { 3.5 } else { 1.0 }));
+        (x, up) = (x + 2.5, !up);
+    }
+    painter.line(points, Stroke::new(1.3, style::ERROR));
+}
+
+fn draw_cursor(painter: &Painter, page: &Page, document: &Document, focused: bool) {
+    let cursor = document.editing.cursor();
+    let rect = page.rect_of(document.editing.buffer(), &(cursor..cursor));
+    if rect.left() >= page.rect.left() - 1.0 {
+        let color = if focused { style::TEXT } else { style::AHEAD };
+        painter.vline(rect.left(), rect.y_range(), Stroke::new(1.6, color));
+    }
+    if focused {
+        // An input method shows beside it what its letters may become.
+        let cursor_rect = rect.intersect(page.rect);
+        let (purpose, should_interrupt_composition) = (IMEPurpose::Normal, false);
+        painter.ctx().output_mut(|output| {
+            output.ime =
+                Some(IMEOutput { purpose, rect: page.rect, cursor_rect, should_interrupt_composition });
+        });
+    }
+}
+
+/// Letters that are being put together, underlined over what stands behind the cursor.
+fn draw_preedit(painter: &Painter, page: &Page, document: &Document, letters: &str, font: &FontId) {
+    if letters.is_empty() {
+        return;
+    }
+    let cursor = document.editing.cursor();
+    let at = page.rect_of(document.editing.buffer(), &(cursor..cursor)).left_top();
+    let galley = style::line(painter, letters, font.clone(), style::TEXT, f32::MAX);
+    let rect = Rect::from_min_size(at, vec2(galley.size().x + 2.0, page.cell.y));
+    painter.rect_filled(rect, 0.0, style::ON_ACCENT);
+    painter.galley(at, galley, style::TEXT);
+    painter.hline(rect.x_range(), rect.bottom() - 1.5, Stroke::new(1.5, style::ACCENT));
+}
+
+/// What the pointer does to the text.
+fn point(
+    ui: &Ui,
+    painter: &Painter,
+    page: &Page,
+    editor: &Editor,
+    document: &Document,
+    response: &Response,
+    ask: &mut impl FnMut(EditorEvent),
+) {
+    let buffer = document.editing.buffer();
+    let (modifiers, pressed, down, moved, scrolled) = ui.input(|input| {
+        let pointer = &input.pointer;
+        let moved = pointer.delta().x;
+        (
+            input.modifiers,
+            pointer.primary_pressed(),
+            pointer.primary_down(),
+            moved,
+            input.smooth_scroll_delta(),
+        )
+    });
+    if editor.turns_three() {
+        // What turns them lies elsewhere.
+        if !down {
+            ask(EditorEvent::LetGo);
+        }
+        return;
+    }
+    if let Some(turned) = editor.turned() {
+        let speed = match (modifiers.shift, modifiers.ctrl) {
+            (true, _) => TurnSpeed::Fine,
+            (false, true) => TurnSpeed::Coarse,
+            (false, false) => TurnSpeed::Usual,
+        };
+        draw_grip(painter, grip_of(page.rect_of(buffer, &turned)), true);
+        ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
+        if !down {
+            ask(EditorEvent::LetGo);
+        } else if moved != 0.0 {
+            ask(EditorEvent::Turn { points: moved, speed });
+        }
+        return;
+    }
+    let Some(at) = response.hover_pos().or_else(|| response.interact_pointer_pos()) else { return };
+    if scrolled != Vec2::ZERO {
+        let lines = -scrolled.y / page.cell.y;
+        ask(EditorEvent::Scroll { lines, columns: -scrolled.x / page.cell.x });
+    }
+    let offset = page.offset(buffer, at);
+    let number = document.is_open().then(|| number_at(page, document, at)).flatten();
+    let grips = number.as_ref().filter(|rect| modifiers.alt || grip_of(**rect).contains(at));
+    if let Some(rect) = number.filter(|_| !response.dragged()) {
+        draw_grip(painter, grip_of(rect), grips.is_some());
+    }
+    let color = color_at(page, document, at);
+    ui.ctx().set_cursor_icon(match (grips.is_some(), color.is_some()) {
+        (true, _) => CursorIcon::ResizeHorizontal,
+        (false, true) => CursorIcon::PointingHand,
+        (false, false) => CursorIcon::Text,
+    });
+    if let Some(rect) = grips.filter(|_| pressed) {
+        return ask(EditorEvent::Grab(page.offset(buffer, rect.center())));
+    }
+    if let Some(color) = color.filter(|_| response.clicked() && !modifiers.shift) {
+        ask(EditorEvent::PickColor(color));
+    } else if pressed && response.contains_pointer() {
+        ask(EditorEvent::Press { at: offset, clicks: 1, select: modifiers.shift });
+    } else if response.triple_clicked() {
+        ask(EditorEvent::Press { at: offset, clicks: 3, select: false });
+    } else if response.double_clicked() {
+        ask(EditorEvent::Press { at: offset, clicks: 2, select: false });
+    } else if response.dragged() && down && moved_enough(ui) {
+        ask(EditorEvent::DragTo(offset));
+    } else if grips.is_none() {
+        hover_help(response, document, page, offset, at);
+    }
+}
+
+/// Whether the pointer has left the place where it was pressed: a click selects nothing.
+fn moved_enough(ui: &Ui) -> bool {
+    ui.input(|input| {
+        let way = input.pointer.press_origin().zip(input.pointer.latest_pos());
+        way.is_some_and(|(from, to)| from.distance(to) > 3.0)
+    })
+}
+
+/// Where the number stands at which the pointer is, or under whose line its grip is.
+fn number_at(page: &Page, document: &Document, at: Pos2) -> Option<Rect> {
+    let buffer = document.editing.buffer();
+    [at, at - vec2(0.0, GRIP.0)].into_iter().find_map(|near| {
+        let offset = page.offset(buffer, near);
+        let (number, start) = document.number(offset)?;
+        let rect = page.rect_of(buffer, &(start + number.range.start..start + number.range.end));
+        (rect.contains(near) || grip_of(rect).contains(at)).then_some(rect)
+    })
+}
+
+/// The byte of the colour on whose `vec3` the pointer is.
+fn color_at(page: &Page, document: &Document, at: Pos2) -> Option<usize> {
+    let buffer = document.editing.buffer();
+    let (triples, start) = document.triples(buffer.line_of(page.offset(buffer, at)));
+    let mut words = triples.into_iter().filter(|triple| triple.kind == TripleKind::Color);
+    words.find_map(|triple| {
+        let word = start + triple.word.start..start + triple.word.end;
+        page.rect_of(buffer, &word).contains(at).then_some(word.start)
+    })
+}
+
+fn grip_of(number: Rect) -> Rect {
+    let width = number.width().max(GRIP_WIDTH_MIN);
+    Rect::from_min_size(pos2(number.center().x - 0.5 * width, number.bottom() - GRIP.1), vec2(width, GRIP.0))
+}
+
+fn draw_grip(painter: &Painter, rect: Rect, held: bool) {
+    let color = if held { style::ACCENT } else { style::AHEAD };
+    painter.rect_filled(rect.shrink2(vec2(0.0, 2.5)), 2.0, color);
+    // Two arrows say which way it goes.
+    let middle = rect.center().y;
+    for (x, way) in [(rect.left() - 5.0, -1.0), (rect.right() + 5.0, 1.0)] {
+        let tip = pos2(x + 2.5 * way, middle);
+        let ends = [tip - vec2(3.5 * way, 3.0), tip - vec2(3.5 * way, -3.0)];
+        painter.line(vec![ends[0], tip, ends[1]], Stroke::new(1.4, color));
+    }
+}
+
+/// Tells what stands under the pointer when it rests.
+fn hover_help(response: &Response, document: &Document, page: &Page, offset: usize, at: Pos2) {
+    let buffer = document.editing.buffer();
+    let line = buffer.line_of(offset);
+    let behind = page.rect_of(buffer, &(offset..offset)).left() + page.cell.x;
+    if at.x > behind || !response.hovered() {
+        return;
+    }
+    if let Some(mistake) = document.mistakes().find(|one| one.range.contains(&offset)) {
+        let words = match mistake.hint.as_str() {
+            "" => mistake.message,
+            hint => format!("{}\n{hint}", mistake.message),
+        };
+        response.clone().on_hover_text_at_pointer(words);
+        return;
+    }
+    let Some((range, about)) = document.about(offset) else { return };
+    if buffer.line_of(range.start) != line || !(range.start..=range.end).contains(&offset) {
+        return;
+    }
+    response.clone().on_hover_ui_at_pointer(|ui| {
+        ui.set_max_width(420.0);
+        ui.label(egui::RichText::new(&about.head).monospace().color(style::ACCENT));
+        if !about.text.is_empty() {
+            ui.label(&about.text);
+        }
+        if !about.facts.is_empty() {
+            ui.label(egui::RichText::new(&about.facts).small().color(style::DIM));
+        }
+    });
+}
+
+/// The lane at the right: what part of the text shows, and where mistakes are. Dragged, it scrolls.
+fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnMut(EditorEvent)) {
+    let count = document.editing.buffer().line_count() as f32;
+    if count <= rows {
+        return;
+    }
+    let lane = Rect::from_min_max(pos2(space.right() - LANE + 3.0, space.top()), space.max);
+    let response = ui.interact(lane, Id::unique("editor lane"), Sense::click_and_drag());
+    let whole = count + 0.5 * rows;
+    let y = |line: f32| lane.top() + line / whole * lane.height();
+    let thumb = Rect::from_min_max(
+        pos2(lane.left(), y(document.view.0)),
+        pos2(lane.right(), y(document.view.0 + rows)),
+    );
+    let color = if response.hovered() || response.dragged() { style::DIM } else { style::AHEAD };
+    ui.painter().rect_filled(thumb.shrink2(vec2(1.5, 0.0)), 2.0, color);
+    for mistake in document.mistakes() {
+        let at = y(document.editing.buffer().line_of(mistake.range.start) as f32);
+        ui.painter().hline(lane.x_range(), at, Stroke::new(2.0, style::ERROR));
+    }
+    if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged() || response.clicked()) {
+        let wanted = (at.y - lane.top()) / lane.height().max(1.0) * whole - 0.5 * rows;
+        ask(EditorEvent::Scroll { lines: wanted - document.view.0, columns: 0.0 });
+    }
+}

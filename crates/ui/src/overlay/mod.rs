@@ -1,0 +1,361 @@
+//! What is shown over the picture: a line in the corner, the scene's mistakes, notices, hints, what can be listened
+//! to, sliders and the keys.
+//!
+//! The show says what there is ([`OverlayContent`]) and asks [`Overlay::due`] whether the window must be drawn again
+//! for it. Content that has not changed is painted again as it was laid out; an empty overlay costs nothing.
+//!
+//! **The overlay asks.** The show draws when its picture changes. `Overlay::due` says when the overlay changes, so a
+//! fading notice moves in a paused show, and a panel that does not change costs nothing. Keys belong to
+//! the show until Shift+Tab, or Tab with a screen reader, moves the focus to the controls. Escape returns it. A click that begins on a panel belongs to the overlay.
+
+mod assisted;
+mod bar;
+mod browser;
+mod content;
+mod controllers;
+mod corners;
+mod editor;
+mod events;
+mod files;
+mod fonts;
+mod help;
+mod icons;
+mod invitation;
+mod now_playing;
+mod panels;
+mod params;
+mod pending;
+mod pointer;
+mod preview;
+mod problem;
+mod rooms;
+mod settings;
+mod sources;
+mod style;
+mod switches;
+#[cfg(test)]
+mod tests;
+mod tracks;
+mod welcome;
+
+use std::time::Instant;
+
+use egui::accesskit::TreeUpdate;
+use egui::{ClippedPrimitive, CursorIcon, Event, Modifiers, RawInput, Rect, Vec2};
+use egui_glow::Painter;
+
+pub use assisted::Assistance;
+pub use bar::Bar;
+pub use content::{Notice, OverlayContent, Problem, SourceList};
+pub use events::{FileListEvent, SceneListEvent, SettingEvent, UiEvent};
+pub use now_playing::NowPlaying;
+use panels::{LaidOut, Panels, pressed};
+use pending::PendingInput;
+use pointer::Pointer;
+pub use preview::NextScene;
+pub use switches::PanelSwitches;
+pub use tracks::Tracks;
+pub use welcome::Welcome;
+
+use crate::UiError;
+use mariana_commands::input::{Input, Key, NamedKey};
+use mariana_render::gpu::gl::Gl;
+use mariana_render::system_fonts::SystemFonts;
+
+/// The overlay of a window. Drop it before the window's context.
+pub struct Overlay {
+    gl: Gl,
+    panels: Panels,
+    /// What was done since the panels were laid out last.
+    input: PendingInput,
+    /// Pixels of the window per point, as they were at the last painting.
+    scale: f32,
+    /// Made when something shows for the first time.
+    painter: Option<Painter>,
+    pointer: Pointer,
+    /// The look of the pointer, as was reported last.
+    cursor: CursorIcon,
+    /// Where letters are typed, as was reported last, in pixels.
+    typed_at: Option<Rect>,
+    shown: Option<Shown>,
+    /// Whether assistive technology is told what there is.
+    assisted: bool,
+}
+
+/// What shows.
+struct Shown {
+    primitives: Vec<ClippedPrimitive>,
+    pixels_per_point: f32,
+    size: (u32, u32),
+    fingerprint: u64,
+    /// Whether the pointer can move something.
+    interactive: bool,
+    /// When it will look different by itself, if ever.
+    changes_at: Option<Instant>,
+}
+
+/// What [`Overlay::paint`] did.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Painted {
+    /// Whether the user moved a slider, so that [`OverlayContent::params`] has other values than before.
+    pub params_changed: bool,
+    /// What was done in the panels, in that order.
+    pub events: Vec<UiEvent>,
+    /// What assistive technology is to be told.
+    pub controls: Option<TreeUpdate>,
+    /// The look of the pointer, if it is to be another one.
+    pub cursor: Option<CursorIcon>,
+    /// Where letters are typed, in pixels, if that is elsewhere than before: an input method shows its proposals there.
+    pub typed_at: Option<Rect>,
+}
+
+impl Overlay {
+    /// An overlay that shows nothing yet. Calls no OpenGL. `wake` is called on another thread when something is
+    /// [`Self::due`] that was not before.
+    pub fn new(gl: &Gl, scale: f32, wake: impl Fn() + Send + 'static) -> Self {
+        let panels = Panels::new(SystemFonts::new(), wake);
+        Self {
+            gl: gl.clone(),
+            panels,
+            input: PendingInput::new(usize::try_from(gl.info().texture_side_max).ok()),
+            scale,
+            painter: None,
+            pointer: Pointer::default(),
+            cursor: CursorIcon::Default,
+            typed_at: None,
+            shown: None,
+            assisted: false,
+        }
+    }
+
+    /// Takes input and returns whether it belongs to the overlay alone. Keys never do: see [`Overlay::take_key`].
+    pub fn on_input(&mut self, input: &Input) -> bool {
+        let consumed = self.pointer.on_event(input);
+        self.input.add(input, self.panels.context().pixels_per_point());
+        if !self.shown.as_ref().is_some_and(|shown| shown.interactive) {
+            self.input.forget_pointer();
+        }
+        consumed
+    }
+
+    /// Returns `true` while a control has the keyboard focus.
+    pub fn has_key_focus(&self) -> bool {
+        self.panels.context().memory(|memory| memory.focused().is_some())
+    }
+
+    /// Returns the keyboard focus to the show.
+    pub fn drop_key_focus(&self) {
+        self.panels.context().memory_mut(|memory| {
+            if let Some(id) = memory.focused() {
+                memory.surrender_focus(id);
+            }
+        });
+    }
+
+    /// Passes a key to the controls: Tab moves the focus, Enter, Space and arrows act on the focused control. Returns
+    /// `false` for other keys.
+    pub fn take_key(&mut self, key: &Key, shift: bool) -> bool {
+        let Some(key) = key_of_controls(key) else { return false };
+        if self.has_key_focus() {
+            let modifiers = Modifiers { shift, ..Modifiers::NONE };
+            self.input.extend(pressed(key, modifiers));
+        } else {
+            self.panels.ask_for_focus();
+        }
+        true
+    }
+
+    /// Does what assistive technology asks for.
+    pub fn assist(&mut self, assistance: Assistance) {
+        let context = self.panels.context();
+        match assistance {
+            Assistance::Begins => context.enable_accesskit(),
+            Assistance::Ends => context.disable_accesskit(),
+            Assistance::Act(request) => {
+                return self.input.extend([Event::AccessKitActionRequest(request)]);
+            }
+        }
+        self.assisted = assistance == Assistance::Begins;
+        // Laid out anew, and told.
+        self.shown = None;
+    }
+
+    /// Whether assistive technology is told what there is.
+    pub fn is_assisted(&self) -> bool {
+        self.assisted
+    }
+
+    /// When the window has to be drawn again because of `content`: now, at a later moment, or not until something
+    /// happens.
+    pub fn due(&self, content: &OverlayContent<'_>, now: Instant) -> Option<Instant> {
+        let Some(shown) = &self.shown else {
+            let changes =
+                !content.is_empty(now) || content.hides_pointer == (self.cursor != CursorIcon::None);
+            return changes.then_some(now);
+        };
+        let changed = content.fingerprint(now) != shown.fingerprint;
+        let touched = !self.input.is_empty();
+        let relaid = changed || touched || self.panels.wants_focus() || self.panels.has_found_fonts();
+        if relaid { Some(now) } else { shown.changes_at.map(|at| at.max(now)) }
+    }
+
+    /// Paints `content` over what is in the framebuffer of a window of `size` pixels, `scale` of them per point. Calls no
+    /// OpenGL when there is nothing to show.
+    ///
+    /// # Errors
+    /// [`UiError::Painter`] and [`UiError::Gpu`] for what the driver refuses.
+    pub fn paint(
+        &mut self,
+        scale: f32,
+        size: (u32, u32),
+        mut content: OverlayContent<'_>,
+        now: Instant,
+    ) -> Result<Painted, UiError> {
+        self.scale = scale;
+        if content.is_empty(now) {
+            self.panels.forget_focus();
+            if self.shown.take().is_some() {
+                self.pointer.panels.clear();
+                self.input.clear();
+            }
+            let cursor = if content.hides_pointer { CursorIcon::None } else { CursorIcon::Default };
+            return Ok(Painted { cursor: self.changed_cursor(cursor), ..Painted::default() });
+        }
+        let pixels_per_point = scale * style::zoom(points(size, scale));
+        let stands = self.due(&content, now).is_none_or(|due| due > now)
+            && self.shown.as_ref().is_some_and(|shown| {
+                shown.size == size && shown.pixels_per_point.to_bits() == pixels_per_point.to_bits()
+            });
+        let painted = if stands { Painted::default() } else { self.lay_out(size, &mut content, now)? };
+        if let (Some(shown), Some(painter)) = (&self.shown, &mut self.painter) {
+            self.gl.lend_window("drawing the overlay", || {
+                painter.paint_primitives(size.into(), shown.pixels_per_point, &shown.primitives);
+            })?;
+        }
+        Ok(painted)
+    }
+
+    fn lay_out(
+        &mut self,
+        size: (u32, u32),
+        content: &mut OverlayContent<'_>,
+        now: Instant,
+    ) -> Result<Painted, UiError> {
+        // First, because egui's textures need a place.
+        if self.painter.is_none() {
+            let painter = Painter::new(self.gl.shared(), "", None, false);
+            self.painter = Some(painter.map_err(|error| UiError::Painter(error.to_string()))?);
+        }
+        let interactive = content.is_interactive();
+        let input = self.take_input(size, interactive, now);
+        let laid_out = self.panels.lay_out(input, content, now);
+        let mut output = laid_out.output;
+        let controls = output.platform_output.accesskit_update.take();
+        let cursor =
+            if content.hides_pointer { CursorIcon::None } else { output.platform_output.cursor_icon };
+        let typed_at = output.platform_output.ime.take().map(|ime| ime.cursor_rect * output.pixels_per_point);
+
+        let mut textures = output.textures_delta;
+        let painter = &mut self.painter;
+        self.gl.lend_window("uploading the overlay's letters", || {
+            let Some(painter) = painter else { return textures.clear() };
+            for (id, images) in textures.set.drain() {
+                for image in images {
+                    painter.set_texture(id, &image);
+                }
+            }
+            for id in textures.free.drain() {
+                painter.free_texture(id);
+            }
+        })?;
+
+        let pixels_per_point = output.pixels_per_point;
+        self.pointer.panels = laid_out.panels.iter().map(|rect| *rect * pixels_per_point).collect();
+        let own = now.checked_add(laid_out.repaint_after);
+        let fades = content.notice.as_ref().and_then(|notice| notice.next_change(now));
+        let answer = content.editor.and_then(|editor| editor.changes_at());
+        let goes = content.welcome.as_ref().and_then(|welcome| welcome.next_change(now));
+        self.shown = Some(Shown {
+            primitives: self.panels.context().tessellate(output.shapes, pixels_per_point),
+            pixels_per_point,
+            size,
+            // The sliders may have moved.
+            fingerprint: content.fingerprint(now),
+            interactive,
+            changes_at: own.into_iter().chain(fades).chain(goes).chain(answer).min(),
+        });
+        let (cursor, typed_at) = (self.changed_cursor(cursor), self.changed_place_of_letters(typed_at));
+        let LaidOut { params_changed, events, .. } = laid_out;
+        Ok(Painted { params_changed, events, controls, cursor, typed_at })
+    }
+
+    /// Returns where letters are typed if that is elsewhere than before.
+    fn changed_place_of_letters(&mut self, at: Option<Rect>) -> Option<Rect> {
+        let changed = at.filter(|rect| rect.is_finite() && self.typed_at != at);
+        self.typed_at = changed.or(self.typed_at);
+        changed
+    }
+
+    /// Returns the look of the pointer if it is another one than before.
+    fn changed_cursor(&mut self, cursor: CursorIcon) -> Option<CursorIcon> {
+        let is_new = self.cursor != cursor;
+        self.cursor = cursor;
+        is_new.then_some(cursor)
+    }
+
+    /// Whether the pointer is on a panel, or holds one.
+    pub fn has_pointer(&self) -> bool {
+        self.pointer.is_busy()
+    }
+
+    /// What egui needs to know: time, size and what the pointer did.
+    fn take_input(&mut self, size: (u32, u32), interactive: bool, now: Instant) -> RawInput {
+        let scale = self.scale;
+        let zoom = style::zoom(points(size, scale));
+        // Not with `set_zoom_factor`, which applies from the next pass on and guesses the size in this one.
+        self.panels.context().options_mut(|options| options.zoom_factor = zoom);
+        let mut input = self.input.take(scale, now);
+        input.screen_rect = Some(Rect::from_min_size(egui::Pos2::ZERO, points(size, scale * zoom)));
+        let was = self.shown.as_ref().is_some_and(|shown| shown.interactive);
+        if was && !interactive {
+            // What stays for screen readers alone is under no pointer.
+            input.events.push(Event::PointerGone);
+        }
+        if interactive && !was {
+            // What egui has missed.
+            if self.panels.context().input(|input| input.pointer.any_down()) {
+                input.events.push(egui::Event::PointerGone);
+            }
+            if let Some(place) = self.pointer.place {
+                input.events.push(egui::Event::PointerMoved(place / (scale * zoom)));
+            }
+        }
+        input
+    }
+}
+
+impl Drop for Overlay {
+    fn drop(&mut self) {
+        if let Some(painter) = &mut self.painter {
+            painter.destroy();
+        }
+    }
+}
+
+/// Translates the keys of [`Overlay::take_key`].
+fn key_of_controls(key: &Key) -> Option<egui::Key> {
+    let Key::Named(named) = key else { return None };
+    match named {
+        NamedKey::Tab => Some(egui::Key::Tab),
+        NamedKey::Enter => Some(egui::Key::Enter),
+        NamedKey::Space => Some(egui::Key::Space),
+        NamedKey::Escape => Some(egui::Key::Escape),
+        NamedKey::ArrowLeft => Some(egui::Key::ArrowLeft),
+        NamedKey::ArrowRight => Some(egui::Key::ArrowRight),
+        _ => None,
+    }
+}
+
+fn points(size: (u32, u32), pixels_per_point: f32) -> Vec2 {
+    Vec2::new(size.0 as f32, size.1 as f32) / pixels_per_point
+}

@@ -1,0 +1,315 @@
+//! The panels' layout, without a window and without OpenGL: input and content in, shapes out.
+
+use std::time::{Duration, Instant};
+
+use egui::{
+    Align2, Context, Event, FullOutput, Id, Key, LayerId, Modifiers, Order, Painter, RawInput, Rect, pos2,
+    vec2,
+};
+
+use super::browser::TilePictures;
+use super::content::{Notice, OverlayContent};
+use super::events::UiEvent;
+use super::fonts::Fallback;
+use super::rooms::Rooms;
+use super::{
+    assisted, bar, browser, controllers, corners, editor, files, help, params, preview, problem, settings,
+    sources, style, tracks, welcome,
+};
+use mariana_render::system_fonts::SystemFonts;
+
+/// Widest line at the top or in the corner, as a share of the window's width.
+const LINE_WIDTH_MAX: f32 = 0.8;
+/// Most lines of a sentence at the top.
+const SENTENCE_ROWS_MAX: usize = 4;
+/// Greatest share of the window's height that a problem takes.
+const PROBLEM_HEIGHT_MAX: f32 = 0.75;
+/// Width of a rail below a short text, in points.
+const SHARE_WIDTH: f32 = 180.0;
+/// A problem stays beside the parameters if it has this width there, in points.
+const PROBLEM_WIDTH_MIN: f32 = 420.0;
+
+/// egui, and how the panels look.
+pub(super) struct Panels {
+    context: Context,
+    fallback: Fallback,
+    kept: Kept,
+    /// A pending request to focus the first control.
+    wants_focus: bool,
+    /// `true` if the last layout had controls. egui focuses no control in its first layout.
+    had_controls: bool,
+}
+
+/// What is kept from one layout to the next.
+#[derive(Default)]
+struct Kept {
+    pictures: TilePictures,
+    /// The file that was selected when the list was last drawn.
+    selected_file: Option<usize>,
+    seen_setting: Option<settings::Seen>,
+    seen_hand: Option<controllers::Seen>,
+    next: preview::PreviewPicture,
+}
+
+/// What was laid out.
+pub(super) struct LaidOut {
+    /// Shapes, textures and the cursor's look.
+    pub output: FullOutput,
+    /// Panels that take clicks, in points.
+    pub panels: Vec<Rect>,
+    /// Whether the user moved a slider.
+    pub params_changed: bool,
+    /// What the user asked for.
+    pub events: Vec<UiEvent>,
+    /// When egui wants to be asked again without input; very long if never.
+    pub repaint_after: Duration,
+}
+
+impl Panels {
+    /// Lays nothing out yet. Letters that egui lacks come from `fonts`; `wake` is called on another thread when some
+    /// have been found.
+    pub(super) fn new(fonts: SystemFonts, wake: impl Fn() + Send + 'static) -> Self {
+        let context = Context::default();
+        style::apply(&context);
+        let fallback = Fallback::new(&context, fonts, wake);
+        Self { context, fallback, kept: Kept::default(), wants_focus: false, had_controls: false }
+    }
+
+    /// Whether the same content would be laid out with other letters than it was.
+    pub(super) fn has_found_fonts(&self) -> bool {
+        self.fallback.has_found()
+    }
+
+    /// What letters are looked for, and whether a thread does.
+    #[cfg(test)]
+    pub(super) fn fallback(&self) -> &Fallback {
+        &self.fallback
+    }
+
+    /// egui's context.
+    pub(super) fn context(&self) -> &Context {
+        &self.context
+    }
+
+    /// Focuses the first control as soon as one is laid out.
+    pub(super) fn ask_for_focus(&mut self) {
+        self.wants_focus = true;
+    }
+
+    /// Returns `true` while a request of [`Self::ask_for_focus`] is pending.
+    pub(super) fn wants_focus(&self) -> bool {
+        self.wants_focus
+    }
+
+    /// Cancels the request: there are no controls.
+    pub(super) fn forget_focus(&mut self) {
+        self.wants_focus = false;
+        self.had_controls = false;
+    }
+
+    /// Lays `content` out in the screen that `input` describes.
+    pub(super) fn lay_out(
+        &mut self,
+        mut input: RawInput,
+        content: &mut OverlayContent<'_>,
+        now: Instant,
+    ) -> LaidOut {
+        if self.had_controls && std::mem::take(&mut self.wants_focus) {
+            input.events.extend(pressed(Key::Tab, Modifiers::NONE));
+        }
+        self.had_controls = content.bar.is_some() || content.is_interactive();
+        let (mut panels, mut params_changed, mut events) = (Vec::new(), false, Vec::new());
+        self.fallback.add_found(&self.context);
+        // egui may ask for another pass when it learns sizes.
+        let kept = &mut self.kept;
+        let output = self.context.run_pass(input, |context| {
+            panels.clear();
+            events.clear();
+            params_changed |= show(context, content, now, &mut panels, &mut events, kept);
+        });
+        self.fallback.look();
+        let root = output.viewport_output.values().next();
+        let repaint_after = root.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
+        LaidOut { output, panels, params_changed, events, repaint_after }
+    }
+}
+
+/// The events of a key press.
+pub(super) fn pressed(key: Key, modifiers: Modifiers) -> [Event; 2] {
+    let event = |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
+    [true, false].map(event)
+}
+
+/// Shows everything; returns whether the user moved a slider.
+fn show(
+    context: &Context,
+    content: &mut OverlayContent<'_>,
+    now: Instant,
+    panels: &mut Vec<Rect>,
+    events: &mut Vec<UiEvent>,
+    kept: &mut Kept,
+) -> bool {
+    assisted::window(context);
+    let screen = context.viewport_rect();
+    let space = screen.shrink(style::MARGIN.min(0.1 * screen.size().min_elem()));
+    let back = context.layer_painter(LayerId::new(Order::Background, Id::unique("overlay lines")));
+    let front = context.layer_painter(LayerId::new(Order::Foreground, Id::unique("overlay front")));
+
+    // What follows stands above the bar.
+    let mut space = space;
+    if let Some(bar) = &content.bar {
+        let rect = bar::show(context, space, bar, events);
+        if bar.seen {
+            panels.push(rect);
+            space.max.y = (rect.top() - 0.5 * style::MARGIN).max(space.top());
+        }
+    }
+    if let Some(hands) = &content.corners {
+        panels.extend(corners::show(context, screen, hands, events));
+    }
+    let mut rooms = Rooms::of(space, screen, content.picture);
+    if let Some(next) = content.next {
+        let rect = preview::show(context, &rooms, next, &mut kept.next);
+        if rooms.is_desk {
+            rooms.below(rect);
+        }
+    }
+    let Rooms { main: space, mut side, is_desk } = rooms;
+    if is_desk {
+        // Below the picture and the next scene, along their left edge.
+        side.set_width(params::width(side.width() + 2.0 * style::MARGIN));
+    }
+    let mut left = space;
+    if let Some(text) = content.corner {
+        assisted::text(context, "about the picture", text, false);
+        left.max.y = corner(&back, space, text).top() - 0.5 * style::MARGIN;
+    }
+    let mut changed = false;
+    let help = content.help.then(|| help::draw(&front, space));
+    if let Some(sliders) = content.params.as_deref_mut().filter(|sliders| !sliders.is_empty()) {
+        let (rect, moved) = params::show(context, side, help, (sliders, content.learning), events);
+        panels.push(rect);
+        changed = moved;
+        leave_beside(&mut left, rect);
+    }
+    if let Some(text) = content.editor {
+        let parts = editor::show(context, &rooms, text, events);
+        let right = parts.first().map_or(left.left(), |rect| rect.right() + style::MARGIN);
+        panels.extend(parts);
+        left.min.x = right.min(left.right());
+    }
+    if let Some(list) = &content.tracks {
+        let rect = tracks::show(context, space, list, events);
+        panels.push(rect);
+        leave_beside(&mut left, rect);
+    }
+    if let Some(problem) = &content.problem {
+        assisted::text(context, "problem", problem.heading, true);
+        assisted::text(context, "problem's text", problem.text, false);
+        left.min.y = left.max.y - (PROBLEM_HEIGHT_MAX * screen.height()).min(left.height());
+        panels.push(problem::draw(&back, left, problem));
+    }
+    panels.extend(help);
+    match content.scenes {
+        Some(scenes) => panels.push(browser::show(context, space, scenes, &mut kept.pictures, events)),
+        None => kept.pictures.clear(),
+    }
+    match content.files {
+        Some(list) => panels.push(files::show(context, space, list, &mut kept.selected_file, events)),
+        None => kept.selected_file = None,
+    }
+    match content.settings {
+        Some(rows) => {
+            panels.push(settings::show(context, space, rows, &mut kept.seen_setting, events));
+        }
+        None => kept.seen_setting = None,
+    }
+    match content.hands {
+        Some(rows) => panels.push(controllers::show(context, space, rows, &mut kept.seen_hand, events)),
+        None => kept.seen_hand = None,
+    }
+    if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
+        welcome::draw(&back, left, words, now);
+    }
+    let mut below = space;
+    let has_heading = content.scenes.is_some()
+        || content.files.is_some()
+        || content.settings.is_some()
+        || content.hands.is_some();
+    if has_heading {
+        // The heading of what is open in the middle, with its cross, is not covered by what goes by itself.
+        let sentences = u8::from(content.hint.is_some()) + u8::from(content.notice.is_some());
+        below.min.y = (space.max.y - f32::from(sentences) * NOTICE_HEIGHT).max(space.min.y);
+    }
+    if let Some(text) = content.hint {
+        assisted::text(context, "hint", text, true);
+        below.min.y = draw_sentence(&front, below, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
+    }
+    if let Some(notice) = &content.notice {
+        assisted::text(context, "notice", notice.text, true);
+        below.min.y = draw_notice(&front, below, notice, now).bottom() + 0.5 * style::MARGIN;
+    }
+    if let Some(list) = &content.sources {
+        panels.push(sources::show(context, below, list, events));
+    }
+    assisted::ring(context, &front);
+    changed
+}
+
+/// Room for a sentence below a panel's heading, in points.
+const NOTICE_HEIGHT: f32 = 60.0;
+
+/// Leaves out of `left` what a panel at the right covers, if enough is left.
+fn leave_beside(left: &mut Rect, panel: Rect) {
+    let beside = panel.left() - style::MARGIN;
+    if beside - left.left() >= PROBLEM_WIDTH_MIN {
+        left.max.x = beside;
+    }
+}
+
+/// Draws the line in the lower left corner and returns where it is.
+fn corner(painter: &Painter, space: Rect, text: &str) -> Rect {
+    let font = style::proportional(style::SMALL_SIZE);
+    let galley = style::line(painter, text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
+    let size = galley.size() + vec2(20.0, 8.0);
+    let rect = Rect::from_min_size(pos2(space.left(), space.bottom() - size.y), size);
+    style::ground(painter, rect);
+    painter.galley(rect.center() - 0.5 * galley.size(), galley, style::TEXT);
+    rect
+}
+
+fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant) -> Rect {
+    let mut painter = painter.clone();
+    painter.set_opacity(notice.opacity(now));
+    let Some(share) = notice.share else { return draw_sentence(&painter, space, notice.text, style::TEXT) };
+    draw_share(&painter, space, notice.text, share)
+}
+
+/// Draws a short text over a rail that is filled to `share`; returns where they are.
+fn draw_share(painter: &Painter, space: Rect, text: &str, share: f32) -> Rect {
+    let font = style::proportional(style::HEADING_SIZE);
+    let galley = style::line(painter, text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
+    let width = galley.size().x.max(SHARE_WIDTH).min(space.width());
+    let size = vec2(width + 32.0, galley.size().y + 24.0);
+    let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
+    style::ground(painter, rect);
+    painter.galley(pos2(rect.center().x - 0.5 * galley.size().x, rect.top() + 7.0), galley, style::TEXT);
+    let rail = Rect::from_min_size(pos2(rect.left() + 16.0, rect.bottom() - 12.0), vec2(width, 4.0));
+    painter.rect_filled(rail, 2.0, style::RAIL);
+    let filled = Rect::from_min_size(rail.min, vec2(share.clamp(0.0, 1.0) * width, 4.0));
+    painter.rect_filled(filled, 2.0, style::ACCENT);
+    rect
+}
+
+/// Draws a sentence at the top and returns where it is.
+fn draw_sentence(painter: &Painter, space: Rect, text: &str, color: egui::Color32) -> Rect {
+    let font = style::proportional(style::HEADING_SIZE);
+    let width = LINE_WIDTH_MAX * space.width();
+    let galley = style::lines(painter, text, font, color, width, SENTENCE_ROWS_MAX);
+    let size = galley.size() + vec2(32.0, 14.0);
+    let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
+    style::ground(painter, rect);
+    // Centred lines extend to both sides of the place where they are drawn.
+    painter.galley(rect.center() - galley.rect.center().to_vec2(), galley, color);
+    rect
+}

@@ -1,0 +1,166 @@
+//! Sliders of the scene's parameters.
+//!
+//! They are made by hand, because egui's own sliders take the keyboard's focus and the keys belong to the show.
+
+use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
+
+use super::events::UiEvent;
+use super::{assisted, style};
+use mariana_commands::Command;
+use mariana_control::Slider;
+
+/// Width of the panel in points, if the window is wide enough.
+const WIDTH: f32 = 260.0;
+/// Width of the scroll bar's lane beside the sliders.
+const LANE: f32 = 10.0;
+const RAIL_HEIGHT: f32 = 3.0;
+const KNOB_RADIUS: f32 = 5.5;
+/// Height of the area in which a slider can be grabbed, in points: larger than it looks.
+const HOLD_HEIGHT: f32 = 18.0;
+const RESET_SIZE: f32 = 16.0;
+/// What screen readers move a slider by, as a share of its range.
+const STEP: f64 = 0.05;
+
+/// Width of the panel in a window of that width, in points.
+pub(super) fn width(window: f32) -> f32 {
+    WIDTH.min(window - 2.0 * style::MARGIN).max(0.0)
+}
+
+/// Lays the panel out at the upper right of `space`; returns where it is and whether a value changed. Sliders that
+/// `cover` may hide cannot be moved by accident.
+pub(super) fn show(
+    context: &egui::Context,
+    space: Rect,
+    cover: Option<Rect>,
+    (sliders, learning): (&mut [Slider], Option<&str>),
+    events: &mut Vec<UiEvent>,
+) -> (Rect, bool) {
+    let width = width(space.width() + 2.0 * style::MARGIN);
+    let id = Id::unique("overlay parameters");
+    if context.memory(|memory| memory.area_rect(id)).is_none() {
+        // egui's first pass finds the size and shows nothing.
+        context.request_discard("the size of the parameters' panel");
+    }
+    let area = style::area(id, Order::Middle)
+        .fixed_pos(pos2(space.right() - width, space.top()))
+        .interactable(cover.is_none_or(|cover| cover.right() <= space.right() - width));
+    let shown = area.show(context, |ui| {
+        style::frame()
+            .show(ui, |ui| {
+                // In a window of a few pixels no width is left.
+                ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
+                let height = space.height() - 2.0 * style::PADDING.y;
+                egui::ScrollArea::vertical()
+                    .max_height(height)
+                    .show(ui, |ui| {
+                        ui.set_width((ui.available_width() - LANE).max(0.0));
+                        let rows = sliders.iter_mut().enumerate();
+                        rows.fold(false, |changed, (i, slider)| {
+                            let is_learning = learning == Some(&*slider.name);
+                            ui.push_id(i, |ui| row(ui, slider, is_learning, events)).inner || changed
+                        })
+                    })
+                    .inner
+            })
+            .inner
+    });
+    (shown.response.rect, shown.inner)
+}
+
+/// Name, value and rail of one parameter; returns whether the value changed. A click on the name learns what turns it.
+fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiEvent>) -> bool {
+    let before = slider.value;
+    slider.value = slider.clamped(slider.value);
+    let full = ui.available_width();
+
+    let (line, _) = ui.allocate_exact_size(vec2(full, HOLD_HEIGHT), Sense::hover());
+    let painter = ui.painter();
+    let changed_by_user = slider.value != slider.default;
+    let reset = Rect::from_center_size(
+        pos2(line.right() - 0.5 * RESET_SIZE, line.center().y),
+        vec2(RESET_SIZE, RESET_SIZE),
+    );
+    let value = painter.text(
+        pos2(reset.left() - 4.0, line.center().y),
+        Align2::RIGHT_CENTER,
+        slider.value_text(),
+        style::monospace(style::SMALL_SIZE),
+        style::TEXT,
+    );
+    let font = style::proportional(style::TEXT_SIZE);
+    let room = value.left() - line.left() - 8.0;
+    let name = style::line(painter, &slider.name, font, style::TEXT, room);
+    let size = name.size();
+    let label = ui.interact(
+        Rect::from_min_size(pos2(line.left(), line.center().y - 0.5 * size.y), size),
+        ui.scope_id().with("name"),
+        Sense::click(),
+    );
+    let color = if is_learning || label.hovered() { style::ACCENT } else { style::TEXT };
+    painter.galley_with_override_text_color(label.rect.min, name, color);
+    let words = if is_learning { "move a knob" } else { slider.hand_words() };
+    let font = style::proportional(style::SMALL_SIZE);
+    let words = style::line(painter, words, font, style::DIM, (room - size.x - 8.0).max(0.0));
+    let at = pos2(label.rect.right() + 8.0, line.center().y - 0.5 * words.size().y);
+    painter.galley_with_override_text_color(at, words, if is_learning { style::ACCENT } else { style::DIM });
+    label.widget_info(|| {
+        WidgetInfo::selected(egui::Role::Button, true, is_learning, format!("learn {}", slider.name))
+    });
+    if label.clicked() {
+        events.push(UiEvent::Command(Command::LearnParameter(slider.name.clone())));
+    }
+    if changed_by_user {
+        let response = ui.interact(reset, ui.scope_id().with("reset"), Sense::click());
+        let color = if response.hovered() { style::TEXT } else { style::DIM };
+        let font = style::monospace(style::TEXT_SIZE);
+        ui.painter().text(reset.center(), Align2::CENTER_CENTER, RESET_SIGN, font, color);
+        response
+            .widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("reset {}", slider.name)));
+        if response.clicked() {
+            slider.value = slider.default;
+        }
+    }
+
+    let (hold, response) = ui.allocate_exact_size(vec2(full, HOLD_HEIGHT), Sense::click_and_drag());
+    let rail = Rect::from_center_size(hold.center(), vec2(full - 2.0 * KNOB_RADIUS, RAIL_HEIGHT));
+    if response.double_clicked() {
+        slider.value = slider.default;
+    } else if let Some(pointer) =
+        response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on())
+    {
+        slider.value = slider.value_at((pointer.x - rail.left()) / rail.width());
+    }
+    let (range, step) =
+        (f64::from(slider.min)..=f64::from(slider.max), STEP * f64::from(slider.max - slider.min));
+    if let Some(wanted) = assisted::rail(ui, &response, &slider.name, slider.value.into(), range, step) {
+        slider.value = slider.clamped(wanted as f32);
+    }
+    draw_rail(ui, slider, rail, &response);
+    ui.add_space(2.0);
+    slider.value.to_bits() != before.to_bits()
+}
+
+/// The sign that resets a parameter.
+const RESET_SIGN: &str = "↺";
+
+fn draw_rail(ui: &Ui, slider: &Slider, rail: Rect, response: &Response) {
+    let painter = ui.painter();
+    let x_of = |value: f32| rail.left() + slider.position_of(value) * rail.width();
+    let (knob, default) = (x_of(slider.value), x_of(slider.default));
+    let held = response.hovered() || response.is_pointer_button_down_on();
+    painter.rect_filled(rail, RAIL_HEIGHT / 2.0, style::RAIL);
+    // A mark where the default is.
+    let mark = Rect::from_center_size(pos2(default, rail.center().y), vec2(1.5, 3.0 * RAIL_HEIGHT));
+    painter.rect_filled(mark, 0.0, style::RAIL);
+    painter.rect_filled(
+        Rect::from_min_max(rail.min, pos2(knob, rail.bottom())),
+        RAIL_HEIGHT / 2.0,
+        style::ACCENT,
+    );
+    let color = if held { style::TEXT } else { style::ACCENT };
+    painter.circle_filled(
+        pos2(knob, rail.center().y),
+        if held { KNOB_RADIUS + 0.5 } else { KNOB_RADIUS },
+        color,
+    );
+}

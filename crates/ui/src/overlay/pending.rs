@@ -1,0 +1,186 @@
+//! Collects what a user does until the panels are laid out again, in egui's terms.
+
+use std::time::Instant;
+
+use egui::{Event, Modifiers, MouseWheelUnit, Pos2, RawInput, TouchDeviceId, TouchId, pos2, vec2};
+
+use crate::clock;
+use mariana_commands::input::{self, Input, PointerButton, TouchPhase, Wheel};
+
+/// See the module.
+#[derive(Debug)]
+pub(super) struct PendingInput {
+    raw: RawInput,
+    /// The place of the pointer, in points.
+    place: Option<Pos2>,
+    held: Modifiers,
+    /// The finger that stands for the pointer.
+    finger: Option<u64>,
+    started: Instant,
+}
+
+impl PendingInput {
+    /// Nothing was done yet. Textures may have sides of up to `texture_side_max` texels.
+    pub(super) fn new(texture_side_max: Option<usize>) -> Self {
+        let raw = RawInput { max_texture_side: texture_side_max, focused: true, ..RawInput::default() };
+        Self { raw, place: None, held: Modifiers::NONE, finger: None, started: clock::now() }
+    }
+
+    /// Whether something was done since the last call of [`Self::take`].
+    pub(super) fn is_empty(&self) -> bool {
+        self.raw.events.is_empty()
+    }
+
+    /// Adds events that come from elsewhere.
+    pub(super) fn extend(&mut self, events: impl IntoIterator<Item = Event>) {
+        self.raw.events.extend(events);
+    }
+
+    /// Forgets what was done.
+    pub(super) fn clear(&mut self) {
+        self.raw.events.clear();
+    }
+
+    /// Forgets what the pointer did: it met no panel.
+    pub(super) fn forget_pointer(&mut self) {
+        self.raw.events.retain(|event| matches!(event, Event::AccessKitActionRequest(_) | Event::Key { .. }));
+    }
+
+    /// Adds what the pointer and the keys that are held do. Other keys are not egui's.
+    pub(super) fn add(&mut self, input: &Input, pixels_per_point: f32) {
+        let points = |[x, y]: [f64; 2]| pos2(x as f32, y as f32) / pixels_per_point;
+        match input {
+            Input::PointerMoved(place) => self.move_to(points(*place)),
+            Input::PointerLeft => self.leave(),
+            Input::PointerButton { button, pressed } => self.press(*button, *pressed),
+            Input::Wheel(wheel) => {
+                let (unit, delta) = match wheel {
+                    Wheel::Notches([x, y]) => (MouseWheelUnit::Line, vec2(*x as f32, *y as f32)),
+                    Wheel::Pixels(pixels) => (MouseWheelUnit::Point, points(*pixels).to_vec2()),
+                };
+                let (phase, modifiers) = (egui::TouchPhase::Move, self.held);
+                let source = egui::MouseWheelSource::Unknown;
+                self.raw.events.push(Event::MouseWheel { unit, delta, phase, modifiers, source });
+            }
+            Input::Touch { finger, phase, place } => self.touch(*finger, *phase, points(*place)),
+            Input::Modifiers(held) => {
+                self.held = modifiers(*held);
+                self.raw.events.push(Event::ModifiersChanged(self.held));
+            }
+            Input::Focused(focused) => {
+                self.raw.focused = *focused;
+                if !focused {
+                    self.held = Modifiers::NONE;
+                }
+                self.raw.events.push(Event::WindowFocused(*focused));
+            }
+            Input::Key(_) | Input::Text(_) | Input::Composing(_) | Input::Dropped(_) => {}
+        }
+    }
+
+    /// Hands over what was done until `now`, on a screen with this many pixels per point.
+    pub(super) fn take(&mut self, scale: f32, now: Instant) -> RawInput {
+        self.raw.time = Some(now.saturating_duration_since(self.started).as_secs_f64());
+        let viewport = self.raw.viewports.entry(self.raw.viewport_id).or_default();
+        viewport.native_pixels_per_point = Some(scale);
+        self.raw.take()
+    }
+
+    fn move_to(&mut self, place: Pos2) {
+        self.place = Some(place);
+        self.raw.events.push(Event::PointerMoved(place));
+    }
+
+    fn leave(&mut self) {
+        self.place = None;
+        self.raw.events.push(Event::PointerGone);
+    }
+
+    fn press(&mut self, button: PointerButton, pressed: bool) {
+        let button = match button {
+            PointerButton::Primary => egui::PointerButton::Primary,
+            PointerButton::Secondary => egui::PointerButton::Secondary,
+            PointerButton::Middle => egui::PointerButton::Middle,
+            PointerButton::Other => return,
+        };
+        if let Some(pos) = self.place {
+            self.raw.events.push(Event::PointerButton { pos, button, pressed, modifiers: self.held });
+        }
+    }
+
+    /// The first finger that touches stands for the pointer.
+    fn touch(&mut self, finger: u64, phase: TouchPhase, pos: Pos2) {
+        self.raw.events.push(Event::Touch {
+            device_id: TouchDeviceId(0),
+            id: TouchId::from(finger),
+            phase: match phase {
+                TouchPhase::Started => egui::TouchPhase::Start,
+                TouchPhase::Moved => egui::TouchPhase::Move,
+                TouchPhase::Ended => egui::TouchPhase::End,
+                TouchPhase::Cancelled => egui::TouchPhase::Cancel,
+            },
+            pos,
+            force: None,
+        });
+        if self.finger.is_some_and(|first| first != finger) {
+            return;
+        }
+        match phase {
+            TouchPhase::Started => {
+                self.finger = Some(finger);
+                self.move_to(pos);
+                self.press(PointerButton::Primary, true);
+            }
+            TouchPhase::Moved => self.move_to(pos),
+            TouchPhase::Ended => {
+                self.finger = None;
+                self.press(PointerButton::Primary, false);
+                self.leave();
+            }
+            TouchPhase::Cancelled => {
+                self.finger = None;
+                self.leave();
+            }
+        }
+    }
+}
+
+fn modifiers(held: input::Modifiers) -> Modifiers {
+    let is_mac = cfg!(target_os = "macos");
+    Modifiers {
+        alt: held.alt_key(),
+        ctrl: held.control_key(),
+        shift: held.shift_key(),
+        mac_cmd: is_mac && held.super_key(),
+        command: if is_mac { held.super_key() } else { held.control_key() },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_finger_stands_for_the_pointer_and_others_do_not() {
+        let mut pending = PendingInput::new(None);
+        let touch = |finger, phase, x| Input::Touch { finger, phase, place: [x, 8.0] };
+        for input in [
+            touch(7, TouchPhase::Started, 4.0),
+            touch(9, TouchPhase::Started, 90.0),
+            touch(7, TouchPhase::Ended, 4.0),
+        ] {
+            pending.add(&input, 2.0);
+        }
+        let events = pending.take(2.0, Instant::now()).events;
+        let places: Vec<Pos2> = events
+            .iter()
+            .filter_map(|event| match event {
+                Event::PointerMoved(place) => Some(*place),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(places, [pos2(2.0, 4.0)]);
+        assert_eq!(events.last(), Some(&Event::PointerGone));
+        assert!(pending.is_empty());
+    }
+}

@@ -1,0 +1,354 @@
+//! The panel of settings: a row for each, with what can be chosen in it.
+
+use egui::{Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
+
+use super::events::{SettingEvent, UiEvent};
+use super::style;
+use super::{assisted, icons};
+use crate::settings_panel::{SettingsPanel, whole_steps};
+use mariana_settings::{Setting, SettingRow, Values};
+
+/// Widest panel, in points.
+const WIDTH_MAX: f32 = 640.0;
+/// Height of a row, and of a line of names in it.
+const ROW: f32 = 26.0;
+/// Width of the scroll bar's lane.
+const LANE: f32 = 10.0;
+/// Width of what stands before the values: at most, and as a share of a row.
+const NAME: (f32, f32) = (170.0, 0.34);
+/// The rail reaches so many milliseconds either way. Keys reach further.
+const RAIL_MS: f64 = 500.0;
+/// What was seen when the panel was last drawn.
+pub(super) struct Seen {
+    selected: usize,
+    /// Height for all rows, and how much of them is above it.
+    height: f32,
+    offset: f32,
+    /// Whether the selected row is still to come into sight.
+    follows: bool,
+}
+
+/// Lines of what the selected row is for.
+const MEANING_LINES: usize = 2;
+
+/// Draws the panel in the middle of `space`; returns where it is.
+pub(super) fn show(
+    context: &egui::Context,
+    space: Rect,
+    settings: &SettingsPanel,
+    last_seen: &mut Option<Seen>,
+    events: &mut Vec<UiEvent>,
+) -> Rect {
+    let width = space.width().min(WIDTH_MAX);
+    let area = style::area(Id::unique("settings"), Order::Foreground)
+        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()));
+    let shown = area.show(context, |ui| {
+        style::frame().show(ui, |ui| {
+            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
+            ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+            let mut ask = |request| events.push(UiEvent::Settings(request));
+            heading(ui, &mut ask);
+            let meaning = MEANING_LINES as f32 * 1.3 * style::SMALL_SIZE + 6.0;
+            let height = (space.height() - 2.0 * style::PADDING.y - ROW - meaning).max(ROW);
+            let pointed = rows(ui, height, settings, last_seen, &mut ask);
+            let row = settings.rows().get(pointed.unwrap_or(settings.selected()));
+            footing(ui, row.map_or("", |row| &row.purpose), meaning);
+        });
+    });
+    shown.response.rect
+}
+
+fn heading(ui: &mut Ui, ask: &mut impl FnMut(SettingEvent)) {
+    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 3.0), vec2(ROW, ROW));
+    if icons::closing_cross(ui, cross, "close the settings") {
+        ask(SettingEvent::Close);
+    }
+    let painter = ui.painter();
+    let title = style::line(
+        painter,
+        "Settings",
+        style::proportional(style::HEADING_SIZE),
+        style::TEXT,
+        place.width(),
+    );
+    let words = "arrows and Enter, or a click, change · remembered";
+    let left = place.left() + title.size().x + 14.0;
+    let font = style::proportional(style::SMALL_SIZE);
+    let hint = style::line(painter, words, font, style::DIM, cross.left() - left - 8.0);
+    let baseline = place.top() + title.size().y;
+    painter.galley(pos2(left, baseline - hint.size().y - 1.0), hint, style::DIM);
+    painter.galley(place.min, title, style::TEXT);
+}
+
+/// Draws all rows; returns the place of the one that is pointed at.
+fn rows(
+    ui: &mut Ui,
+    height: f32,
+    settings: &SettingsPanel,
+    last_seen: &mut Option<Seen>,
+    ask: &mut impl FnMut(SettingEvent),
+) -> Option<usize> {
+    let selected = settings.selected();
+    let width = ui.available_width() - LANE;
+    let heights = settings.rows().iter().map(|row| ROW * lines_of(ui, row, width) as f32);
+    let (mut top, mut bottom) = (0.0, 0.0);
+    for row_height in heights.take(selected + 1) {
+        (top, bottom) = (bottom, bottom + row_height);
+    }
+    let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+    // The bar takes room when it comes, and the selected row must not go with it. Sizes may take more than one pass.
+    let stands = last_seen.as_ref().filter(|seen| seen.selected == selected && seen.height == height);
+    let offset = last_seen.as_ref().map_or(0.0, |seen| seen.offset);
+    let is_seen = |offset: f32| top >= offset - 0.5 && bottom.min(top + height) <= offset + height + 0.5;
+    let follows = stands.is_none_or(|seen| seen.follows) && !is_seen(offset);
+    if follows {
+        scroll = scroll.vertical_scroll_offset(if top < offset { top } else { (bottom - height).min(top) });
+        if stands.is_none() {
+            ui.ctx().request_repaint();
+        }
+    }
+    let shown = scroll.show(ui, |ui| {
+        ui.set_width((ui.available_width() - LANE).max(0.0));
+        let mut pointed = None;
+        for (place, row) in settings.rows().iter().enumerate() {
+            let is_selected = place == settings.selected();
+            let response = ui.push_id(place, |ui| draw_row(ui, row, place, is_selected, ask)).inner;
+            if response.contains_pointer() {
+                pointed = Some(place);
+            }
+        }
+        pointed
+    });
+    let offset = shown.state.clamped_offset().y;
+    *last_seen = Some(Seen { selected, height, offset, follows: !is_seen(offset) && follows });
+    shown.inner
+}
+
+fn draw_row(
+    ui: &mut Ui,
+    row: &SettingRow,
+    place: usize,
+    is_selected: bool,
+    ask: &mut impl FnMut(SettingEvent),
+) -> Response {
+    let width = ui.available_width();
+    let start = start_of_values(width);
+    let height = ROW * lines_of(ui, row, width) as f32;
+    // In other rows only the values are controls.
+    let sense = match row.values {
+        Values::OneOfRows { .. } => Sense::click(),
+        Values::Names { .. } | Values::Delay(_) | Values::Percent { .. } => Sense::hover(),
+    };
+    let (rect, response) = ui.allocate_exact_size(vec2(width, height), sense);
+    if is_selected || response.hovered() && matches!(row.values, Values::OneOfRows { .. }) {
+        ui.painter().rect_filled(rect, 4.0, style::RAIL);
+    }
+    let values = Rect::from_min_max(pos2(rect.left() + start, rect.top()), rect.max);
+    let name_width = match row.values {
+        Values::OneOfRows { .. } => width - 12.0,
+        Values::Names { .. } | Values::Delay(_) | Values::Percent { .. } => start - 12.0,
+    };
+    draw_name(ui, row, rect, name_width, is_selected);
+    match &row.values {
+        Values::OneOfRows { chosen, .. } => {
+            response.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, true, *chosen, &row.name));
+            if response.clicked() {
+                ask(SettingEvent::Pick { row: place, value: 0 });
+            }
+        }
+        Values::Names { options, chosen } => {
+            if let Some(value) = draw_names(ui, values, row, options, *chosen) {
+                ask(SettingEvent::Pick { row: place, value });
+            }
+        }
+        Values::Delay(shift) => {
+            if let Some((shift, settled)) = draw_number(ui, values, &row.name, *shift, &SHIFT) {
+                ask(SettingEvent::Change { row: place, number: shift, settled });
+            }
+        }
+        Values::Percent { percent, .. } => {
+            if let Some((shift, settled)) = draw_number(ui, values, &row.name, *percent, &PERCENT) {
+                ask(SettingEvent::Change { row: place, number: shift, settled });
+            }
+        }
+    }
+    response
+}
+
+/// The name at the left; a row of which one holds has a mark before it, and one of the command line a word behind it.
+fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: bool) {
+    let painter = ui.painter();
+    let (mark, color) = match (&row.values, is_selected) {
+        (Values::OneOfRows { chosen: true, .. }, _) => ("> ", style::ACCENT),
+        (Values::OneOfRows { chosen: false, .. }, false) => ("· ", style::TEXT),
+        (Values::OneOfRows { chosen: false, .. }, true) => ("· ", style::ACCENT),
+        (_, true) => ("", style::ACCENT),
+        (_, false) => ("", style::TEXT),
+    };
+    let words = format!("{mark}{}", row.name);
+    let name = style::line(painter, &words, style::proportional(style::TEXT_SIZE), color, width);
+    let middle = rect.top() + 0.5 * ROW;
+    let end = rect.left() + 6.0 + name.size().x;
+    painter.galley(pos2(rect.left() + 6.0, middle - 0.5 * name.size().y), name, color);
+    if row.for_this_run {
+        // A dot where there is no room for words.
+        let font = style::proportional(style::SMALL_SIZE);
+        let left = rect.left() + 6.0 + width - end;
+        let mark = style::line(painter, THIS_RUN, font, style::DIM, left.max(8.0));
+        painter.galley(pos2(end + 6.0, middle - 0.5 * mark.size().y), mark, style::DIM);
+    }
+}
+
+/// What stands behind a name that the command line has a say in.
+const THIS_RUN: &str = "this run";
+
+/// Width of a name that can be chosen, with its ground.
+fn name_width(ui: &Ui, name: &str) -> f32 {
+    let font = style::proportional(style::TEXT_SIZE);
+    style::line(ui.painter(), name, font, style::TEXT, f32::MAX).size().x + 18.0
+}
+
+/// Where values begin in a row of that width.
+fn start_of_values(width: f32) -> f32 {
+    (NAME.1 * width).min(NAME.0)
+}
+
+/// How many lines a row of that width takes.
+fn lines_of(ui: &Ui, row: &SettingRow, width: f32) -> usize {
+    let Values::Names { options, .. } = &row.values else { return 1 };
+    let width = width - start_of_values(width);
+    let mut lines = 1;
+    let mut left = 0.0;
+    for (name, _) in options {
+        let next = name_width(ui, name);
+        if left > 0.0 && left + next > width {
+            (lines, left) = (lines + 1, 0.0);
+        }
+        left += next;
+    }
+    lines
+}
+
+/// Draws names side by side, in as many lines as it takes; returns the place of the one that was clicked.
+fn draw_names(
+    ui: &Ui,
+    rect: Rect,
+    row: &SettingRow,
+    options: &[(&str, Setting)],
+    chosen: usize,
+) -> Option<usize> {
+    let mut clicked = None;
+    let mut at = rect.min;
+    for (place, (name, _)) in options.iter().enumerate() {
+        let width = name_width(ui, name);
+        if at.x > rect.left() && at.x + width > rect.right() + 0.5 {
+            at = pos2(rect.left(), at.y + ROW);
+        }
+        let ground = Rect::from_min_size(at, vec2(width, ROW)).shrink2(vec2(2.0, 3.0));
+        at.x += width;
+        let response = ui.interact(ground, ui.scope_id().with(("value", place)), Sense::click());
+        let (fill, color) = match (place == chosen, response.hovered()) {
+            (true, _) => (Some(style::ACCENT), style::ON_ACCENT),
+            (false, true) => (Some(style::RAIL), style::TEXT),
+            (false, false) => (None, style::BUTTON),
+        };
+        let painter = ui.painter();
+        if let Some(fill) = fill {
+            painter.rect_filled(ground, 4.0, fill);
+        }
+        let galley = style::line(painter, name, style::proportional(style::TEXT_SIZE), color, width);
+        painter.galley_with_override_text_color(ground.center() - 0.5 * galley.size(), galley, color);
+        response.widget_info(|| {
+            let words = format!("{}: {name}", row.name);
+            WidgetInfo::selected(egui::Role::RadioButton, true, place == chosen, words)
+        });
+        if response.clicked() {
+            clicked = Some(place);
+        }
+    }
+    clicked
+}
+
+/// A number on a rail.
+struct Scale {
+    /// The ends of the rail.
+    from: f64,
+    to: f64,
+    /// What a double click brings back.
+    usual: f64,
+    words: fn(f64) -> String,
+    rounded: fn(f64) -> f64,
+    unit: &'static str,
+    /// Step of keys and screen readers.
+    step: f64,
+}
+
+const SHIFT: Scale = Scale {
+    from: -RAIL_MS,
+    to: RAIL_MS,
+    usual: 0.0,
+    words: |shift| if shift == 0.0 { "0 ms".to_owned() } else { format!("{shift:+.0} ms") },
+    rounded: whole_steps,
+    unit: "milliseconds",
+    step: 10.0,
+};
+
+const PERCENT: Scale = Scale {
+    from: 0.0,
+    to: 100.0,
+    usual: 100.0,
+    words: |percent| format!("{percent:.0} %"),
+    rounded: f64::round,
+    unit: "percent",
+    step: 5.0,
+};
+
+/// Draws a rail for a number; returns where the user moves it, and whether it stays there.
+fn draw_number(ui: &Ui, rect: Rect, name: &str, shift: f64, scale: &Scale) -> Option<(f64, bool)> {
+    let painter = ui.painter();
+    let words = (scale.words)(shift);
+    let number = style::line(painter, &words, style::proportional(style::TEXT_SIZE), style::TEXT, 80.0);
+    let place = pos2(rect.right() - 8.0 - number.size().x, rect.center().y - 0.5 * number.size().y);
+    painter.galley(place, number, style::TEXT);
+    let hold =
+        Rect::from_min_max(rect.min, pos2((rect.right() - 84.0).max(rect.left() + 1.0), rect.bottom()));
+    let rail = Rect::from_center_size(hold.center(), vec2((hold.width() - 18.0).max(1.0), 3.0));
+    let x_of = |shift: f64| {
+        let share = ((shift - scale.from) / (scale.to - scale.from)).clamp(0.0, 1.0);
+        rail.left() + share as f32 * rail.width()
+    };
+    let response = ui.interact(hold, ui.scope_id().with("number"), Sense::click_and_drag());
+    let held = response.hovered() || response.is_pointer_button_down_on();
+    painter.rect_filled(rail, 1.5, style::RAIL);
+    let base = if scale.from < 0.0 { 0.0 } else { scale.from };
+    let zero = Rect::from_center_size(pos2(x_of(base), rail.center().y), vec2(1.5, 9.0));
+    painter.rect_filled(zero, 0.0, style::RAIL);
+    let (least, most) = (x_of(shift.min(base)), x_of(shift.max(base)));
+    let filled = Rect::from_min_max(pos2(least, rail.top()), pos2(most, rail.bottom()));
+    painter.rect_filled(filled, 1.5, style::ACCENT);
+    let color = if held { style::TEXT } else { style::ACCENT };
+    painter.circle_filled(pos2(x_of(shift), rail.center().y), if held { 6.0 } else { 5.5 }, color);
+    let name = format!("{name} in {}", scale.unit);
+    if let Some(wanted) = assisted::rail(ui, &response, &name, shift, scale.from..=scale.to, scale.step) {
+        return Some(((scale.rounded)(wanted), true));
+    }
+    if response.double_clicked() {
+        return Some((scale.usual, true));
+    }
+    let settled = response.drag_stopped() || response.clicked();
+    let pointer =
+        response.interact_pointer_pos().filter(|_| settled || response.is_pointer_button_down_on())?;
+    let share = f64::from((pointer.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
+    let wanted = (scale.rounded)(scale.from + share * (scale.to - scale.from));
+    (settled || wanted != shift).then_some((wanted, settled))
+}
+
+fn footing(ui: &mut Ui, words: &str, height: f32) {
+    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
+    let font = style::proportional(style::SMALL_SIZE);
+    let mut job = egui::text::LayoutJob::simple(words.to_owned(), font, style::DIM, place.width().max(1.0));
+    job.wrap.max_rows = MEANING_LINES;
+    let galley = ui.painter().layout_job(job);
+    ui.painter().galley(pos2(place.left() + 6.0, place.top() + 6.0), galley, style::DIM);
+}

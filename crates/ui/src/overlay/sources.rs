@@ -1,0 +1,68 @@
+//! The list of what can be listened to.
+
+use egui::{Id, Order, Rect, ScrollArea, Sense, WidgetInfo, pos2, vec2};
+
+use super::content::SourceList;
+use super::events::UiEvent;
+use super::style;
+use mariana_commands::Command;
+
+/// Height of a row, in sizes of the text.
+const ROW: f32 = 1.7;
+/// Widest row, as a share of the window's width.
+const WIDTH_MAX: f32 = 0.6;
+
+/// Draws the panel at the upper left of `space`, below the sentences at the top; returns where it is. A click chooses.
+pub(super) fn show(
+    context: &egui::Context,
+    space: Rect,
+    list: &SourceList,
+    events: &mut Vec<UiEvent>,
+) -> Rect {
+    let row_height = ROW * style::TEXT_SIZE;
+    let area = style::area(Id::unique("sources"), Order::Foreground).fixed_pos(space.min);
+    let shown = area.show(context, |ui| {
+        style::frame().show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            let line = |text: &str, color| {
+                let font = style::proportional(style::TEXT_SIZE);
+                style::line(ui.painter(), text, font, color, WIDTH_MAX * space.width())
+            };
+            let heading = line("D: listen to", style::DIM);
+            let rows: Vec<_> = list
+                .names
+                .iter()
+                .enumerate()
+                .map(|(index, name)| {
+                    let (mark, color) =
+                        if list.present == Some(index) { (">", style::ACCENT) } else { ("·", style::TEXT) };
+                    (line(&format!("{mark} {name}"), color), name)
+                })
+                .collect();
+            let widest = rows.iter().map(|(row, _)| row.size().x).fold(heading.size().x, f32::max);
+            let (place, _) = ui.allocate_exact_size(vec2(widest, row_height), Sense::hover());
+            ui.painter().galley(place.min, heading, style::DIM);
+            let height = (space.height() - 2.0 * style::PADDING.y - row_height).max(row_height);
+            ScrollArea::vertical().max_height(height).show(ui, |ui| {
+                for (index, (galley, name)) in rows.into_iter().enumerate() {
+                    let (place, response) = ui.allocate_exact_size(vec2(widest, row_height), Sense::click());
+                    if response.hovered() {
+                        ui.painter().rect_filled(place.expand2(vec2(5.0, 0.0)), 4.0, style::RAIL);
+                    }
+                    let top = place.center().y - 0.5 * galley.size().y;
+                    ui.painter().galley(pos2(place.left(), top), galley, style::TEXT);
+                    let is_present = list.present == Some(index);
+                    response.widget_info(|| {
+                        WidgetInfo::selected(egui::Role::RadioButton, true, is_present, name)
+                    });
+                    if response.clicked() {
+                        events.push(UiEvent::Command(Command::Listen(index)));
+                    } else if is_present && response.rect.is_positive() && !ui.is_rect_visible(place) {
+                        response.scroll_to_me(None);
+                    }
+                }
+            });
+        });
+    });
+    shown.response.rect
+}

@@ -1,0 +1,121 @@
+//! The look: one set of colours, sizes and shapes for all panels.
+//!
+//! Dark, mostly opaque backgrounds keep light text readable over a white picture as well as over a black one.
+
+use std::sync::Arc;
+
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{Color32, CornerRadius, FontId, Galley, Painter, Rect, Stroke, StrokeKind, Vec2};
+
+use mariana_render::reading_order::as_seen;
+
+/// Text.
+pub(super) const TEXT: Color32 = Color32::from_rgb(232, 234, 238);
+/// Less important text.
+pub(super) const DIM: Color32 = Color32::from_rgb(152, 158, 170);
+/// What of a track is still to come.
+pub(super) const AHEAD: Color32 = Color32::from_rgb(92, 98, 110);
+/// Signs on buttons.
+pub(super) const BUTTON: Color32 = Color32::from_rgb(196, 200, 208);
+/// What is wrong.
+pub(super) const ERROR: Color32 = Color32::from_rgb(255, 128, 112);
+/// Hints, and values that are set.
+pub(super) const ACCENT: Color32 = Color32::from_rgb(130, 204, 232);
+/// Text on a ground of [`ACCENT`].
+pub(super) const ON_ACCENT: Color32 = Color32::from_rgb(8, 10, 13);
+/// Rails of sliders and caps of keys.
+pub(super) const RAIL: Color32 = Color32::from_rgba_premultiplied(44, 44, 44, 44);
+
+/// The background of a panel: near black, 84 % opaque.
+pub(super) const GROUND: Color32 = Color32::from_rgba_premultiplied(8, 10, 13, 214);
+const EDGE: Color32 = Color32::from_rgba_premultiplied(20, 20, 20, 20);
+const CORNERS: CornerRadius = CornerRadius::same(7);
+
+/// Distance of panels from the window's edge and from each other, in points.
+pub(super) const MARGIN: f32 = 14.0;
+/// Distance of a panel's text from its edge, in points.
+pub(super) const PADDING: Vec2 = Vec2::new(14.0, 11.0);
+/// Sizes of text, in points.
+pub(super) const TEXT_SIZE: f32 = 14.0;
+/// The same for the line in the corner.
+pub(super) const SMALL_SIZE: f32 = 12.5;
+/// The same for a heading.
+pub(super) const HEADING_SIZE: f32 = 15.5;
+/// Small windows make no text of a panel smaller than this, in the window system's points; what does not fit is cut.
+/// Only the keys' and a problem's text shrink further, to be seen whole.
+const SMALLEST: f32 = 9.0;
+
+/// Text in a proportional font.
+pub(super) fn proportional(size: f32) -> FontId {
+    FontId::proportional(size)
+}
+
+/// Text in a monospaced font.
+pub(super) fn monospace(size: f32) -> FontId {
+    FontId::monospace(size)
+}
+
+/// One line of text, cut with an ellipsis beyond `width` points.
+pub(super) fn line(painter: &Painter, text: &str, font: FontId, color: Color32, width: f32) -> Arc<Galley> {
+    let mut job = LayoutJob::simple_singleline(as_seen(text).into_owned(), font, color);
+    job.wrap = TextWrapping::truncate_at_width(width.max(1.0));
+    painter.layout_job(job)
+}
+
+/// Text in lines of `width` points, `rows` of them at most, centred, the last cut with an ellipsis.
+pub(super) fn lines(
+    painter: &Painter,
+    text: &str,
+    font: FontId,
+    color: Color32,
+    width: f32,
+    rows: usize,
+) -> Arc<Galley> {
+    let mut job = LayoutJob::simple(as_seen(text).into_owned(), font, color, width.max(1.0));
+    job.wrap.max_rows = rows;
+    job.halign = egui::Align::Center;
+    painter.layout_job(job)
+}
+
+/// Draws the background of a panel.
+pub(super) fn ground(painter: &Painter, rect: Rect) {
+    painter.rect(rect, CORNERS, GROUND, Stroke::new(1.0, EDGE), StrokeKind::Inside);
+}
+
+/// Where a panel is that egui lays out: it stays there, and does not fade in.
+pub(super) fn area(id: egui::Id, order: egui::Order) -> egui::Area {
+    egui::Area::new(id).kind(egui::UiKind::Window).order(order).constrain(false).fade_in(false)
+}
+
+/// How far a list is scrolled so that a row stands in the middle, as far as there are rows around it.
+pub(super) fn scrolled_to(row: usize, row_height: f32, height: f32) -> f32 {
+    (row as f32 * row_height - 0.5 * (height - row_height)).max(0.0)
+}
+
+/// The background of a panel that egui lays out.
+pub(super) fn frame() -> egui::Frame {
+    egui::Frame::new()
+        .fill(GROUND)
+        .stroke(Stroke::new(1.0, EDGE))
+        .corner_radius(CORNERS)
+        .inner_margin(egui::Margin::symmetric(PADDING.x as i8, PADDING.y as i8))
+}
+
+/// Makes egui's own parts (scroll bars) fit.
+pub(super) fn apply(context: &egui::Context) {
+    context.set_theme(egui::Theme::Dark);
+    context.all_styles_mut(|style| {
+        style.animation_time = 0.0;
+        style.interaction.selectable_labels = false;
+        style.spacing.item_spacing = Vec2::new(8.0, 4.0);
+        style.visuals.override_text_color = Some(TEXT);
+    });
+}
+
+/// How much larger a window's panels are than the window system's points: smaller in windows that are too small for
+/// them, larger in windows of more than 1920x1080 points, because those are viewed from further away.
+pub(super) fn zoom(size: Vec2) -> f32 {
+    let shrunk = (size.x / 560.0).min(size.y / 360.0).clamp(SMALLEST / SMALL_SIZE, 1.0);
+    let grown = (size.x / 1920.0).min(size.y / 1080.0).clamp(1.0, 2.0);
+    shrunk * grown
+}

@@ -1,0 +1,126 @@
+//! The controls as screen readers and keys meet them.
+
+use egui::accesskit::{Action as Asked, Node, Role, Toggled};
+use egui::{Event, Key};
+
+use super::super::panels::pressed;
+use super::*;
+use crate::settings_panel::tests::panel;
+use mariana_player::track::Repeat;
+
+/// A window with a screen reader.
+fn assisted_stage() -> Stage {
+    let stage = Stage::new(SCREEN);
+    stage.panels.context().enable_accesskit();
+    stage
+}
+
+/// The controls after some frames: egui learns sizes in the first one.
+fn controls<'a>(stage: &mut Stage, content: impl Fn() -> OverlayContent<'a>) -> Vec<Node> {
+    stage.frame(vec![], content());
+    stage.frame(vec![], content());
+    let laid_out = stage.frame(vec![], content());
+    let told = laid_out.output.platform_output.accesskit_update.expect("controls are told");
+    told.nodes.into_iter().map(|(_, node)| node).collect()
+}
+
+fn press(key: Key) -> Vec<Event> {
+    pressed(key, Modifiers::NONE).to_vec()
+}
+
+#[test]
+fn toggles_exposed_no_state_to_screen_readers() {
+    let states = |playing: &NowPlaying, change: fn(&mut Bar<'_>)| -> Vec<Option<Toggled>> {
+        let content = || {
+            let mut bar = bar(playing);
+            change(&mut bar);
+            OverlayContent { bar: Some(bar), ..Default::default() }
+        };
+        let nodes = controls(&mut assisted_stage(), content);
+        let state = |begin: &&str| {
+            let named = |node: &&Node| node.label().is_some_and(|name| name.starts_with(*begin));
+            nodes.iter().find(named).unwrap_or_else(|| panic!("no {begin}")).toggled()
+        };
+        let switches = [
+            "pause",
+            "tracks in random order",
+            "repeat all tracks",
+            "mute",
+            "full screen",
+            "show the keys",
+            "the scene's sliders",
+            "settings",
+        ];
+        switches.iter().map(state).collect()
+    };
+    let off = NowPlaying { repeat: Repeat::Off, ..playing() };
+    assert_eq!(states(&off, |_| ()), [Some(Toggled::False); 8]);
+    let now = NowPlaying { paused: true, shuffled: true, repeat: Repeat::One, muted: true, ..playing() };
+    let all_on = |bar: &mut Bar<'_>| {
+        (bar.fullscreen, bar.help, bar.sliders, bar.open) = (true, true, true, Some(Panel::Settings));
+    };
+    assert_eq!(states(&now, all_on), [Some(Toggled::True); 8]);
+}
+
+#[test]
+fn settings_and_sliders_had_controls_without_a_name() {
+    let rows = panel(&Choices::default(), Some("tv"));
+    let mut turned = sliders(2);
+    let mut stage = assisted_stage();
+    let mut nodes = controls(&mut stage, || OverlayContent { settings: Some(&rows), ..Default::default() });
+    assert!(nodes.iter().filter(|node| node.toggled().is_some()).count() > 5, "the settings are not there");
+    for _ in 0..3 {
+        let content = OverlayContent { params: Some(&mut turned), ..Default::default() };
+        let told = stage.frame(vec![], content).output.platform_output.accesskit_update.unwrap();
+        nodes.extend(told.nodes.into_iter().map(|(_, node)| node));
+    }
+    // A scroll bar is known by its role.
+    let is_control = |node: &&Node| {
+        let acts = node.supports_action(Asked::Click) || node.supports_action(Asked::Focus);
+        acts && node.role() != Role::ScrollBar
+    };
+    let nameless: Vec<_> =
+        nodes.iter().filter(is_control).filter(|node| node.label().is_none_or(str::is_empty)).collect();
+    assert!(nameless.is_empty(), "{nameless:#?}");
+}
+
+#[test]
+fn tab_did_not_reach_the_bar() {
+    let now = playing();
+    let content = || OverlayContent { bar: Some(bar(&now)), ..Default::default() };
+    let mut stage = Stage::new(SCREEN);
+    let focused = |stage: &Stage| stage.panels.context().memory(|memory| memory.focused());
+    stage.frame(vec![], OverlayContent::default());
+    assert_eq!(focused(&stage), None, "keys are the show's");
+    // The bar comes with the key.
+    stage.panels.ask_for_focus();
+    while stage.panels.wants_focus() {
+        stage.frame(vec![], content());
+    }
+    // The rail first: arrows seek.
+    assert!(focused(&stage).is_some());
+    stage.frame(vec![], content());
+    assert_eq!(
+        stage.frame(press(Key::ArrowRight), content()).events,
+        [UiEvent::Command(Command::SeekTo(55.0))]
+    );
+    assert_eq!(
+        stage.frame(press(Key::ArrowLeft), content()).events,
+        [UiEvent::Command(Command::SeekTo(45.0))]
+    );
+    // Then each button; Enter presses it.
+    let mut asked = Vec::new();
+    for _ in 0..20 {
+        stage.frame(press(Key::Tab), content());
+        asked.extend(stage.frame(press(Key::Enter), content()).events);
+    }
+    for command in [
+        Command::Pause(Switch::Toggle),
+        Command::Shuffle(Switch::Toggle),
+        Command::TogglePanel(Panel::Scenes),
+    ] {
+        assert!(asked.contains(&UiEvent::Command(command.clone())), "no way to {command:?} in {asked:?}");
+    }
+    stage.frame(press(Key::Escape), content());
+    assert_eq!(focused(&stage), None, "the keys are the show's again");
+}

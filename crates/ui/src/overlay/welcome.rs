@@ -1,0 +1,143 @@
+//! What a window says when it opens: what plays, which scene this is, and the few keys that lead to everything else.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui::{Galley, Painter, Rect, pos2, vec2};
+
+use super::style;
+use mariana_commands::{Command, Switch};
+
+/// How long the words stand before they fade.
+const STANDS: Duration = Duration::from_secs(6);
+/// How long they take to fade.
+const FADES: Duration = Duration::from_millis(700);
+/// The keys that are named.
+const NAMED: [Command; 3] = [Command::ToggleHelp, Command::NextScene, Command::Fullscreen(Switch::Toggle)];
+/// Widest line, as a share of the window's width.
+const WIDTH_MAX: f32 = 0.9;
+
+/// See the module.
+#[derive(Debug, Clone, Copy, Hash)]
+pub struct Welcome<'a> {
+    /// The track, or what is listened to.
+    pub title: &'a str,
+    /// Who made the track.
+    pub artist: Option<&'a str>,
+    /// The scene on the stage, such as "speakers, 12 of 17".
+    pub scene: &'a str,
+    /// When it came up.
+    pub since: Instant,
+}
+
+impl Welcome<'_> {
+    /// Its opacity, 0..1.
+    fn opacity(&self, now: Instant) -> f32 {
+        let fading = now.saturating_duration_since(self.since).saturating_sub(STANDS);
+        1.0 - (fading.as_secs_f32() / FADES.as_secs_f32()).min(1.0)
+    }
+
+    /// When it will look different; never once it is gone.
+    pub(super) fn next_change(&self, now: Instant) -> Option<Instant> {
+        (self.opacity(now) > 0.0).then(|| now.max(self.since + STANDS))
+    }
+
+    /// Whether it no longer shows.
+    pub(super) fn is_gone(&self, now: Instant) -> bool {
+        self.opacity(now) <= 0.0
+    }
+}
+
+/// Draws the words at the lower left of `space`.
+pub(super) fn draw(painter: &Painter, space: Rect, welcome: &Welcome<'_>, now: Instant) {
+    let mut painter = painter.clone();
+    painter.set_opacity(welcome.opacity(now));
+    let width = WIDTH_MAX * space.width() - 2.0 * style::PADDING.x;
+    let line =
+        |text: &str, size: f32, color| style::line(&painter, text, style::proportional(size), color, width);
+    let mut lines = vec![line(welcome.title, 1.6 * style::TEXT_SIZE, style::TEXT)];
+    lines.extend(welcome.artist.map(|artist| line(artist, style::HEADING_SIZE, style::TEXT)));
+    lines.push(line(&format!("scene: {}", welcome.scene), style::TEXT_SIZE, style::DIM));
+    let hints = Hints::new(&painter);
+    let below = vec2(hints.width().min(width), hints.height);
+    let size =
+        lines.iter().fold(below, |size, line| vec2(size.x.max(line.size().x), size.y + line.size().y + 3.0));
+    let rect = {
+        let size = size + 2.0 * style::PADDING;
+        Rect::from_min_size(pos2(space.left(), space.bottom() - size.y), size)
+    };
+    style::ground(&painter, rect);
+    let mut at = rect.min + style::PADDING;
+    for line in lines {
+        let height = line.size().y + 3.0;
+        painter.galley(at, line, style::TEXT);
+        at.y += height;
+    }
+    hints.draw(&painter.with_clip_rect(rect), at);
+}
+
+/// Caps of keys with what they do, in a row.
+struct Hints {
+    parts: Vec<(Arc<Galley>, bool)>,
+    height: f32,
+}
+
+/// Around the letters of a cap, and between the parts.
+const CAP_PADDING: f32 = 6.0;
+const GAP: f32 = 7.0;
+
+impl Hints {
+    fn new(painter: &Painter) -> Self {
+        let text = |text: &str, color| {
+            painter.layout_no_wrap(text.to_owned(), style::proportional(style::SMALL_SIZE), color)
+        };
+        let mut parts = Vec::new();
+        for (command, words) in NAMED.iter().zip(["all keys", "next scene", "full screen"]) {
+            let Some(binding) = command.binding() else { continue };
+            let cap = binding.written.split([',', ' ']).next().unwrap_or(binding.written);
+            parts.push((text(cap, style::TEXT), true));
+            parts.push((text(words, style::DIM), false));
+        }
+        parts.push((text("· drop music here", style::DIM), false));
+        let height = parts.iter().map(|(galley, _)| galley.size().y).fold(0.0, f32::max) + 12.0;
+        Self { parts, height }
+    }
+
+    fn width(&self) -> f32 {
+        self.parts.iter().map(|(galley, cap)| Self::width_of(galley, *cap) + GAP).sum::<f32>() - GAP
+    }
+
+    fn width_of(galley: &Galley, cap: bool) -> f32 {
+        galley.size().x + if cap { 2.0 * CAP_PADDING } else { 0.0 }
+    }
+
+    fn draw(self, painter: &Painter, at: egui::Pos2) {
+        let mut x = at.x;
+        for (galley, cap) in self.parts {
+            let size = vec2(Self::width_of(&galley, cap), galley.size().y + 4.0);
+            let place = Rect::from_min_size(pos2(x, at.y + self.height - size.y), size);
+            if cap {
+                painter.rect_filled(place, 4.0, style::RAIL);
+            }
+            painter.galley(place.center() - 0.5 * galley.size(), galley, style::TEXT);
+            x += size.x + GAP;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_words_stand_six_seconds_and_go() {
+        let since = Instant::now();
+        let welcome = Welcome { title: "demo track", artist: None, scene: "speakers, 12 of 17", since };
+        let at = |ms| since + Duration::from_millis(ms);
+        assert_eq!([0, 5_900].map(|ms| welcome.is_gone(at(ms))), [false; 2]);
+        assert!(welcome.is_gone(at(6_701)));
+        assert_eq!(welcome.next_change(at(10)), Some(at(6_000)));
+        assert_eq!(welcome.next_change(at(6_200)), Some(at(6_200)));
+        assert_eq!(welcome.next_change(at(7_000)), None);
+    }
+}

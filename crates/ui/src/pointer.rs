@@ -1,0 +1,144 @@
+//! What the mouse does over the picture: it turns the camera, moves it nearer, or double-clicks.
+
+use std::time::{Duration, Instant};
+
+use mariana_commands::input::{Input, PointerButton, Wheel};
+
+/// Two clicks within this time and distance in pixels are a double click.
+const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
+/// A held button turns the camera once the pointer has moved this far, in pixels: a hand that clicks shakes a little.
+const DRAG_MIN: f64 = 4.0;
+/// Pixels of a touchpad that equal one notch of a wheel.
+const NOTCH_PIXELS: f64 = 40.0;
+
+/// What the mouse did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Gesture {
+    /// A click that moved nothing, at a place in pixels.
+    Click([f64; 2]),
+    /// Two clicks in one place.
+    DoubleClick,
+    /// The movement with the button held, to the right and down, in pixels.
+    Drag([f64; 2]),
+    /// Notches of the wheel, positive away from the user.
+    Zoom(f64),
+}
+
+/// The state of the mouse, from the events that are not the overlay's.
+#[derive(Debug, Default)]
+pub(crate) struct Pointer {
+    place: [f64; 2],
+    last_click: Option<(Instant, [f64; 2])>,
+    /// While the button is held: where the movement began, and whether it is a drag already.
+    held: Option<([f64; 2], bool)>,
+    /// Where the button was pressed last.
+    pressed_at: [f64; 2],
+}
+
+impl Pointer {
+    /// Takes an event and returns what the mouse did with it.
+    pub(crate) fn take(&mut self, input: &Input, now: Instant) -> Option<Gesture> {
+        match input {
+            Input::PointerMoved(place) => self.moved(*place),
+            Input::PointerButton { button: PointerButton::Primary, pressed: true } => self.pressed(now),
+            Input::PointerButton { button: PointerButton::Primary, pressed: false } => {
+                let (from, drags) = self.held.take()?;
+                (!drags).then_some(Gesture::Click(from))
+            }
+            Input::Wheel(wheel) => {
+                let notches = match wheel {
+                    Wheel::Notches([_, notches]) => *notches,
+                    Wheel::Pixels([_, pixels]) => pixels / NOTCH_PIXELS,
+                };
+                (notches != 0.0).then_some(Gesture::Zoom(notches))
+            }
+            Input::Focused(false) => {
+                self.held = None;
+                None
+            }
+            _ => None,
+        }
+    }
+
+    /// Where what it does began, in pixels: where the button was pressed that is held, else where it is.
+    pub(crate) fn began(&self) -> [f64; 2] {
+        if self.held.is_some() { self.pressed_at } else { self.place }
+    }
+
+    fn moved(&mut self, to: [f64; 2]) -> Option<Gesture> {
+        self.place = to;
+        let (from, drags) = self.held?;
+        let way = [to[0] - from[0], to[1] - from[1]];
+        if !drags && way[0].hypot(way[1]) < DRAG_MIN {
+            return None;
+        }
+        self.held = Some((to, true));
+        self.last_click = None;
+        (way != [0.0; 2]).then_some(Gesture::Drag(way))
+    }
+
+    fn pressed(&mut self, now: Instant) -> Option<Gesture> {
+        let double = self.last_click.is_some_and(|(then, place)| {
+            let [dx, dy] = [place[0] - self.place[0], place[1] - self.place[1]];
+            now.saturating_duration_since(then) <= DOUBLE_CLICK.0 && dx.hypot(dy) <= DOUBLE_CLICK.1
+        });
+        self.last_click = if double { None } else { Some((now, self.place)) };
+        // The window changes its size under the pointer.
+        self.held = (!double).then_some((self.place, false));
+        self.pressed_at = self.place;
+        double.then_some(Gesture::DoubleClick)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn to(x: f64, y: f64) -> Input {
+        Input::PointerMoved([x, y])
+    }
+
+    fn button(pressed: bool) -> Input {
+        Input::PointerButton { button: PointerButton::Primary, pressed }
+    }
+
+    #[test]
+    fn a_held_button_drags_and_a_still_one_clicks() {
+        let (mut pointer, now) = (Pointer::default(), Instant::now());
+        let (down, up) = (button(true), button(false));
+        let mut all = |events: &[&Input]| -> Vec<Option<Gesture>> {
+            events.iter().map(|event| pointer.take(event, now)).collect()
+        };
+        let click = [None, None, None, Some(Gesture::Click([10.0, 10.0]))];
+        assert_eq!(all(&[&to(10.0, 10.0), &down, &to(12.0, 11.0), &up]), click, "a hand that shakes");
+        assert_eq!(all(&[&to(13.0, 10.0), &down]), [None, Some(Gesture::DoubleClick)]);
+        assert_eq!(all(&[&to(90.0, 10.0), &up]), [None; 2], "the second click drags nothing");
+        let drags = all(&[&down, &to(100.0, 13.0), &to(101.0, 13.0), &up, &to(0.0, 0.0)]);
+        let ways = [None, Some(Gesture::Drag([10.0, 3.0])), Some(Gesture::Drag([1.0, 0.0])), None, None];
+        assert_eq!(drags, ways);
+        assert_eq!(all(&[&to(101.0, 13.0), &down])[1], None, "a drag is no click");
+        assert_eq!(all(&[&Input::Focused(false), &to(0.0, 0.0)]), [None; 2]);
+    }
+
+    #[test]
+    fn what_the_pointer_does_began_where_it_was_pressed_or_where_it_is() {
+        let (mut pointer, now) = (Pointer::default(), Instant::now());
+        let mut after = |event: &Input| {
+            let _ = pointer.take(event, now);
+            pointer.began()
+        };
+        assert_eq!(after(&to(5.0, 6.0)), [5.0, 6.0]);
+        assert_eq!(after(&button(true)), [5.0, 6.0]);
+        assert_eq!(after(&to(70.0, 80.0)), [5.0, 6.0]);
+        assert_eq!(after(&button(false)), [70.0, 80.0]);
+    }
+
+    #[test]
+    fn wheels_and_touchpads_zoom() {
+        let mut pointer = Pointer::default();
+        let mut zoom = |wheel| pointer.take(&Input::Wheel(wheel), Instant::now());
+        assert_eq!(zoom(Wheel::Notches([0.0, -2.0])), Some(Gesture::Zoom(-2.0)));
+        assert_eq!(zoom(Wheel::Pixels([7.0, 20.0])), Some(Gesture::Zoom(0.5)));
+        assert_eq!(zoom(Wheel::Notches([1.0, 0.0])), None);
+    }
+}

@@ -1,0 +1,103 @@
+//! Whether the pointer rests. It comes with the bar when it moves, and both go when it has rested for a while; in full
+//! screen they go at once.
+
+use std::time::{Duration, Instant};
+
+use mariana_commands::input::{Input, TouchPhase};
+
+/// How long a pointer that does not move stays, and the bar with it.
+const STAYS: Duration = Duration::from_millis(2_500);
+/// A pointer has moved if it is this far from where it was, in pixels: tables shake.
+const MOVED_MIN: f64 = 2.0;
+
+/// See the module.
+#[derive(Debug, Default)]
+pub struct PointerRest {
+    place: Option<[f64; 2]>,
+    moved: Option<Instant>,
+}
+
+impl PointerRest {
+    /// Takes an event of the window.
+    pub fn take(&mut self, input: &Input, now: Instant) {
+        match input {
+            Input::PointerMoved(position) => {
+                let moved = self
+                    .place
+                    .is_some_and(|place| (place[0] - position[0]).hypot(place[1] - position[1]) >= MOVED_MIN);
+                if moved {
+                    self.moved = Some(now);
+                }
+                // Where a window opens below a pointer, nobody has moved it.
+                if moved || self.place.is_none() {
+                    self.place = Some(*position);
+                }
+            }
+            Input::PointerLeft => self.sleep(),
+            Input::PointerButton { .. } | Input::Wheel(_) => self.moved = Some(now),
+            Input::Touch { phase: TouchPhase::Started, .. } => self.moved = Some(now),
+            _ => {}
+        }
+    }
+
+    /// Acts as if the pointer had moved.
+    pub fn wake(&mut self, now: Instant) {
+        self.moved = Some(now);
+    }
+
+    /// Lets it rest from now on, until it moves.
+    pub fn sleep(&mut self) {
+        self.moved = None;
+    }
+
+    /// Whether it has moved lately; `busy` while it does something with the bar.
+    pub fn is_awake(&mut self, busy: bool, now: Instant) -> bool {
+        if busy && self.moved.is_some() {
+            self.moved = Some(now);
+        }
+        self.falls_asleep().is_some_and(|at| at > now)
+    }
+
+    /// When it will rest if it does not move.
+    pub fn falls_asleep(&self) -> Option<Instant> {
+        self.moved.map(|moved| moved + STAYS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn to(x: f64, y: f64) -> Input {
+        Input::PointerMoved([x, y])
+    }
+
+    #[test]
+    fn a_pointer_that_moves_wakes_and_one_that_rests_sleeps() {
+        let (mut rest, start) = (PointerRest::default(), Instant::now());
+        let at = |ms| start + Duration::from_millis(ms);
+        rest.take(&to(10.0, 10.0), start);
+        assert!(!rest.is_awake(false, start), "the window opened below it");
+        rest.take(&to(11.0, 10.0), start);
+        assert!(!rest.is_awake(false, start), "the table shook");
+        rest.take(&to(14.0, 10.0), start);
+        assert!(rest.is_awake(false, at(2_499)) && !rest.is_awake(false, at(2_500)));
+        // On the bar it stays.
+        rest.take(&to(20.0, 10.0), at(3_000));
+        assert!(rest.is_awake(true, at(5_000)) && rest.is_awake(false, at(7_400)));
+        assert!(!rest.is_awake(false, at(7_501)));
+    }
+
+    #[test]
+    fn in_full_screen_it_rests_at_once() {
+        let (mut rest, now) = (PointerRest::default(), Instant::now());
+        rest.take(&to(10.0, 10.0), now);
+        rest.take(&to(20.0, 10.0), now);
+        rest.sleep();
+        assert!(!rest.is_awake(true, now));
+        rest.take(&Input::PointerLeft, now);
+        assert_eq!(rest.falls_asleep(), None);
+        rest.take(&to(30.0, 10.0), now);
+        assert!(rest.is_awake(false, now));
+    }
+}

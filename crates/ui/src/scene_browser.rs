@@ -1,0 +1,332 @@
+//! The list of scenes as one looks through it: all that the keys go through, with a small picture of each, found by
+//! typing a part of a name or of what a scene says about itself.
+//!
+//! It is a plain value: the overlay draws it, keys and pointer change it, and [`Thumbnails`] finds the pictures.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::sync::Arc;
+
+use image::RgbaImage;
+use mariana_commands::input::{Key, NamedKey};
+
+use crate::text_query::TextQuery;
+use mariana_commands::{Command, Panel};
+use mariana_scenes::SceneSource;
+use mariana_scenes::thumbnails::{About, Looked, Thumbnails};
+
+/// A scene in the list.
+#[derive(Debug, Clone)]
+pub struct Tile {
+    /// What titles call it.
+    pub name: String,
+    /// What it says about itself.
+    pub comment: String,
+    /// Its picture.
+    pub picture: TilePicture,
+    /// Whether the user has marked it.
+    pub favourite: bool,
+    source: SceneSource,
+}
+
+/// The picture of a scene.
+#[derive(Debug, Clone)]
+pub enum TilePicture {
+    /// Nobody has looked at it.
+    Unseen,
+    /// It is being looked for, or drawn.
+    Coming,
+    /// Here it is.
+    There(Arc<RgbaImage>),
+    /// There is none; why.
+    Missing(String),
+}
+
+/// Closes the list.
+const CLOSE: Command = Command::TogglePanel(Panel::Scenes);
+
+/// See the module.
+#[derive(Debug)]
+pub struct SceneBrowser {
+    tiles: Vec<Tile>,
+    /// Indices of the tiles that match what was typed, marked ones first.
+    found: Vec<usize>,
+    query: TextQuery,
+    /// Index in `found`.
+    selected: usize,
+    /// Index in `tiles` of the scene on the stage.
+    present: Option<usize>,
+    /// Tiles side by side, as they were last drawn.
+    columns: usize,
+    favourites: BTreeSet<String>,
+    /// Counts what changes its look.
+    revision: u64,
+}
+
+impl SceneBrowser {
+    /// The list of `scenes`, one of which is on the stage; `favourites` are the names of marked ones.
+    pub fn new(
+        scenes: Vec<SceneSource>,
+        present: Option<&SceneSource>,
+        favourites: BTreeSet<String>,
+    ) -> Self {
+        let tile = |source: SceneSource| Tile {
+            name: source.title(),
+            comment: String::new(),
+            picture: TilePicture::Unseen,
+            favourite: favourites.contains(&source.title()),
+            source,
+        };
+        let tiles: Vec<Tile> = scenes.into_iter().map(tile).collect();
+        let mut browser = Self {
+            found: Vec::new(),
+            query: TextQuery::default(),
+            selected: 0,
+            present: None,
+            columns: 1,
+            favourites,
+            revision: 0,
+            tiles,
+        };
+        browser.search();
+        browser.set_present(present);
+        browser.selected = browser.present.and_then(|at| browser.place_of(at)).unwrap_or(0);
+        browser
+    }
+
+    /// Notes which scene is on the stage.
+    pub fn set_present(&mut self, present: Option<&SceneSource>) {
+        let present = present.and_then(|source| self.tiles.iter().position(|tile| tile.source == *source));
+        if present != self.present {
+            self.present = present;
+            self.revision += 1;
+        }
+    }
+
+    /// How many tiles match what was typed.
+    pub fn found(&self) -> usize {
+        self.found.len()
+    }
+
+    /// The tile at a place among those found.
+    pub fn tile(&self, place: usize) -> Option<&Tile> {
+        self.tiles.get(*self.found.get(place)?)
+    }
+
+    /// How many scenes there are, found or not.
+    pub fn count(&self) -> usize {
+        self.tiles.len()
+    }
+
+    /// What was typed.
+    pub fn query(&self) -> &str {
+        self.query.text()
+    }
+
+    /// The place of the selected tile among those found.
+    pub fn selected(&self) -> usize {
+        self.selected
+    }
+
+    /// Whether the tile at a place among those found is the scene on the stage.
+    pub fn is_present(&self, place: usize) -> bool {
+        self.present.is_some() && self.found.get(place) == self.present.as_ref()
+    }
+
+    /// Grows with everything that changes its look.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Which tiles were drawn, and how many side by side. Asks for the pictures of those that nobody has looked at.
+    pub fn note_drawn(&mut self, places: Range<usize>, columns: usize, thumbnails: &mut Thumbnails) {
+        self.columns = columns.max(1);
+        let mut wanted = Vec::new();
+        for place in places {
+            let Some(at) = self.found.get(place).copied() else { break };
+            let Some(tile) = self.tiles.get_mut(at) else { continue };
+            if matches!(tile.picture, TilePicture::Unseen) {
+                tile.picture = TilePicture::Coming;
+                wanted.push(tile.source.clone());
+            }
+        }
+        if !wanted.is_empty() {
+            thumbnails.ask_for_pictures(wanted);
+        }
+    }
+
+    /// Asks what all scenes say about themselves.
+    pub fn ask_for_comments(&self, thumbnails: &mut Thumbnails) {
+        thumbnails.ask_for_comments(self.tiles.iter().map(|tile| &tile.source));
+    }
+
+    /// Takes in what was found out about scenes.
+    pub fn take(&mut self, found: Vec<Looked>) {
+        let mut described = false;
+        for Looked { source, about } in found {
+            let Some(tile) = self.tiles.iter_mut().find(|tile| tile.source == source) else { continue };
+            match about {
+                About::Comment(comment) => {
+                    tile.comment = comment;
+                    described = true;
+                }
+                About::Picture(image, _) => tile.picture = TilePicture::There(image),
+                About::NoPicture(reason) => tile.picture = TilePicture::Missing(reason),
+            }
+            self.revision += 1;
+        }
+        if described && !self.query().is_empty() {
+            let selected = self.found.get(self.selected).copied();
+            self.search();
+            self.selected = selected.and_then(|at| self.place_of(at)).unwrap_or(0);
+        }
+    }
+
+    /// Takes a key, with Ctrl or Command held or not, and returns the commands that it sends. Letters are searched for;
+    /// arrows select; Enter shows; Tab marks; Escape clears, then closes.
+    pub fn take_key(&mut self, key: &Key, command: bool) -> Vec<Command> {
+        self.revision += 1;
+        match key {
+            Key::Named(NamedKey::Escape) if self.query().is_empty() => return vec![CLOSE],
+            Key::Named(NamedKey::Enter) => return self.show(self.selected, true),
+            Key::Named(NamedKey::Tab) => return self.mark(self.selected),
+            Key::Named(NamedKey::ArrowLeft) => self.select(self.selected.saturating_sub(1)),
+            Key::Named(NamedKey::ArrowRight) => self.select(self.selected + 1),
+            Key::Named(NamedKey::ArrowUp) => self.select(self.selected.saturating_sub(self.columns)),
+            Key::Named(NamedKey::ArrowDown) => self.select(self.selected + self.columns),
+            Key::Named(NamedKey::Home) => self.select(0),
+            Key::Named(NamedKey::End) => self.select(usize::MAX),
+            key => {
+                if self.query.take_key(key, command) {
+                    self.search();
+                    self.selected = 0;
+                }
+            }
+        }
+        Vec::new()
+    }
+
+    /// Asks for the scene at a place among those found.
+    pub fn show(&mut self, place: usize, close: bool) -> Vec<Command> {
+        self.select(place);
+        let show = self.tile(place).map(|tile| Command::ShowScene(Box::new(tile.source.clone())));
+        let close = show.is_some().then_some(CLOSE).filter(|_| close);
+        show.into_iter().chain(close).collect()
+    }
+
+    /// Marks the scene at a place among those found, or takes its mark away.
+    pub fn mark(&mut self, place: usize) -> Vec<Command> {
+        let Some(at) = self.found.get(place).copied() else { return Vec::new() };
+        let Some(tile) = self.tiles.get_mut(at) else { return Vec::new() };
+        tile.favourite = !tile.favourite;
+        let name = tile.name.clone();
+        if tile.favourite {
+            self.favourites.insert(name);
+        } else {
+            self.favourites.remove(&name);
+        }
+        self.search();
+        self.selected = self.place_of(at).unwrap_or(0);
+        vec![Command::MarkScenes(self.favourites.clone())]
+    }
+
+    fn select(&mut self, place: usize) {
+        self.selected = place.min(self.found.len().saturating_sub(1));
+        self.revision += 1;
+    }
+
+    /// Finds the tiles that hold every word that was typed. Names that begin with it come first, then marked ones.
+    fn search(&mut self) {
+        let matches = |tile: &Tile| self.query.fits(&format!("{} {}", tile.name, tile.comment));
+        let mut found: Vec<usize> =
+            self.tiles.iter().enumerate().filter(|(_, tile)| matches(tile)).map(|(at, _)| at).collect();
+        let rank =
+            |at: &usize| self.tiles.get(*at).map(|tile| (!self.query.begins(&tile.name), !tile.favourite));
+        found.sort_by_key(rank);
+        self.found = found;
+        self.revision += 1;
+    }
+
+    /// The place among those found of a tile.
+    fn place_of(&self, tile: usize) -> Option<usize> {
+        self.found.iter().position(|at| *at == tile)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn browser(names: &[&str]) -> SceneBrowser {
+        let scenes: Vec<_> = names.iter().map(|name| SceneSource::Shipped((*name).to_owned())).collect();
+        SceneBrowser::new(scenes.clone(), scenes.get(1), BTreeSet::new())
+    }
+
+    fn names(browser: &SceneBrowser) -> Vec<&str> {
+        (0..browser.found()).filter_map(|at| browser.tile(at)).map(|tile| tile.name.as_str()).collect()
+    }
+
+    fn typed(browser: &mut SceneBrowser, text: &str) {
+        for letter in text.chars() {
+            assert_eq!(browser.take_key(&Key::Character(letter.to_string()), false), []);
+        }
+    }
+
+    #[test]
+    fn scenes_are_found_by_typing_and_shown_by_enter() {
+        let mut browser = browser(&["barth", "city", "clockwork", "speakers", "quick"]);
+        assert_eq!((browser.selected(), browser.is_present(1)), (1, true));
+        typed(&mut browser, "C");
+        assert_eq!(names(&browser), ["city", "clockwork", "quick"], "the beginning counts more");
+        typed(&mut browser, "LO");
+        assert_eq!(names(&browser), ["clockwork"]);
+        let shown = browser.take_key(&Key::Named(NamedKey::Enter), false);
+        let source = SceneSource::Shipped("clockwork".into());
+        assert_eq!(shown, [Command::ShowScene(Box::new(source)), CLOSE]);
+        // Nothing fits: nothing is shown, and nothing breaks.
+        typed(&mut browser, "zz");
+        assert_eq!(browser.take_key(&Key::Named(NamedKey::Enter), false), []);
+        let _ = browser.take_key(&Key::Named(NamedKey::Backspace), false);
+        assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), []);
+        assert_eq!((browser.query(), names(&browser).len()), ("", 5));
+        assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), [CLOSE]);
+        // Ctrl+C is no letter.
+        assert_eq!(browser.take_key(&Key::Character("c".into()), true), []);
+        assert_eq!(browser.query(), "");
+    }
+
+    #[test]
+    fn arrows_move_by_rows_and_stop_at_the_ends() {
+        let mut browser = browser(&["a", "b", "c", "d", "e"]);
+        browser.columns = 3;
+        let mut go = |key| {
+            let _ = browser.take_key(&Key::Named(key), false);
+            browser.selected()
+        };
+        assert_eq!(go(NamedKey::ArrowDown), 4);
+        assert_eq!(go(NamedKey::ArrowDown), 4);
+        assert_eq!(go(NamedKey::ArrowUp), 1);
+        assert_eq!([go(NamedKey::ArrowLeft), go(NamedKey::ArrowLeft)], [0, 0]);
+        assert_eq!([go(NamedKey::End), go(NamedKey::ArrowRight), go(NamedKey::Home)], [4, 4, 0]);
+    }
+
+    #[test]
+    fn marked_scenes_come_first_and_the_selection_stays_with_its_scene() {
+        let mut browser = browser(&["a", "b", "c"]);
+        let _ = browser.take_key(&Key::Named(NamedKey::End), false);
+        let marked = Command::MarkScenes(["c".to_owned()].into());
+        assert_eq!(browser.take_key(&Key::Named(NamedKey::Tab), false), [marked]);
+        assert_eq!((names(&browser), browser.selected()), (vec!["c", "a", "b"], 0));
+        assert!(browser.is_present(2));
+        assert_eq!(browser.mark(0), [Command::MarkScenes(BTreeSet::new())]);
+        assert_eq!((names(&browser), browser.selected()), (vec!["a", "b", "c"], 2));
+    }
+
+    #[test]
+    fn an_empty_list_costs_nothing() {
+        let mut browser = browser(&[]);
+        for key in [NamedKey::Enter, NamedKey::Tab, NamedKey::ArrowDown, NamedKey::End] {
+            assert_eq!(browser.take_key(&Key::Named(key), false), []);
+        }
+    }
+}

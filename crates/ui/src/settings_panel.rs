@@ -1,0 +1,321 @@
+//! The panel of the settings that users choose for good: a row for each row of their table, and rows for outputs,
+//! monitors and the delay of the picture, which depend on what is plugged in.
+//!
+//! It is a plain value: the overlay draws it, and keys and pointer make commands of it.
+
+mod screens;
+
+use mariana_commands::input::{Key, NamedKey};
+
+use crate::monitor::Monitor;
+use mariana_commands::{Command, Delay, SHIFT_STEP_MS, SetSetting};
+use mariana_player::limits::LIMITS as PLAYER_LIMITS;
+use mariana_settings::{Choices, Setting, SettingRow, Values};
+
+/// An output that songs can play on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Output {
+    /// Its id; none is the system's default.
+    pub id: Option<String>,
+    /// What people call it.
+    pub name: String,
+    /// Whether songs play on it, or would if it were there.
+    pub is_chosen: bool,
+}
+
+/// What holds at present.
+pub struct Facts<'a> {
+    /// In this run.
+    pub choices: &'a Choices,
+    /// From run to run.
+    pub remembered: &'a Choices,
+    /// The outputs; none where no song can play.
+    pub outputs: Vec<Output>,
+    /// The monitors that are there.
+    pub monitors: Vec<Monitor>,
+    /// Whether the command line names the output.
+    pub output_for_this_run: bool,
+    /// The shift of the picture, in milliseconds.
+    pub shift: f64,
+    /// What people call the device that it is for.
+    pub device: Option<&'a str>,
+}
+
+/// See the module.
+#[derive(Debug, Default)]
+pub struct SettingsPanel {
+    rows: Vec<SettingRow>,
+    selected: usize,
+    revision: u64,
+}
+
+impl SettingsPanel {
+    /// The rows, from the top.
+    pub fn rows(&self) -> &[SettingRow] {
+        &self.rows
+    }
+
+    /// The place of the row that keys change.
+    pub fn selected(&self) -> usize {
+        self.selected
+    }
+
+    /// Grows with everything that changes its look.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Takes in what holds now. The selected row stays the same one, wherever it stands.
+    pub fn update(&mut self, facts: &Facts<'_>) {
+        let rows = rows(facts);
+        if rows == self.rows {
+            return;
+        }
+        let before = self.rows.get(self.selected);
+        let place = before.and_then(|before| rows.iter().position(|row| is_same(row, before)));
+        self.selected = place.unwrap_or(self.selected).min(rows.len().saturating_sub(1));
+        self.rows = rows;
+        self.revision += 1;
+    }
+
+    /// Takes a key, if it is one of the panel's: arrows select and change, Enter chooses the next value. Returns whether
+    /// it was, and the command that it sends.
+    pub fn take_key(&mut self, key: &Key) -> (bool, Option<Command>) {
+        let command = match key {
+            Key::Named(NamedKey::ArrowUp) => {
+                self.select(self.selected.saturating_sub(1));
+                None
+            }
+            Key::Named(NamedKey::ArrowDown) => {
+                self.select(self.selected + 1);
+                None
+            }
+            Key::Named(NamedKey::ArrowLeft) => self.step(false),
+            Key::Named(NamedKey::ArrowRight) => self.step(true),
+            Key::Named(NamedKey::Enter) => self.enter(),
+            _ => return (false, None),
+        };
+        (true, command)
+    }
+
+    /// Selects the row at a place, and chooses its value at another place, if that is one.
+    pub fn pick(&mut self, row: usize, value: usize) -> Option<Command> {
+        self.select(row);
+        let row = self.rows.get(row)?;
+        let setting = match &row.values {
+            Values::OneOfRows { chosen: false, setting } => setting,
+            Values::Names { options, chosen } if *chosen != value || row.for_this_run => {
+                &options.get(value)?.1
+            }
+            _ => return None,
+        };
+        Some(Command::Set(SetSetting { setting: setting.clone(), settled: true }))
+    }
+
+    /// Selects the row at a place, and changes its number, if it has one.
+    pub fn change_number(&mut self, row: usize, number: f64, settled: bool) -> Option<Command> {
+        self.select(row);
+        match &self.rows.get(row)?.values {
+            Values::Delay(_) => Some(Command::Delay(Delay { milliseconds: number, settled })),
+            Values::Percent { setting, .. } => {
+                Some(Command::Set(SetSetting { setting: setting.at(number), settled }))
+            }
+            Values::OneOfRows { .. } | Values::Names { .. } => None,
+        }
+    }
+
+    fn select(&mut self, row: usize) {
+        let row = row.min(self.rows.len().saturating_sub(1));
+        self.revision += u64::from(row != self.selected);
+        self.selected = row;
+    }
+
+    /// The next value of the selected row, or the one before.
+    fn step(&mut self, forward: bool) -> Option<Command> {
+        let sign = if forward { 1.0 } else { -1.0 };
+        match &self.rows.get(self.selected)?.values {
+            Values::OneOfRows { .. } => None,
+            Values::Names { options, chosen } => {
+                let last = options.len().saturating_sub(1);
+                let value = if forward { (chosen + 1).min(last) } else { chosen.saturating_sub(1) };
+                self.pick(self.selected, value)
+            }
+            Values::Delay(shift) => self.change_number(self.selected, shift + sign * SHIFT_STEP_MS, true),
+            Values::Percent { percent, .. } => {
+                self.change_number(self.selected, percent + sign * PERCENT_STEP, true)
+            }
+        }
+    }
+
+    /// Chooses the selected row, or its next value, after the last the first.
+    fn enter(&mut self) -> Option<Command> {
+        let value = match &self.rows.get(self.selected)?.values {
+            Values::OneOfRows { .. } => 0,
+            Values::Names { options, chosen } => (chosen + 1) % options.len().max(1),
+            Values::Delay(_) | Values::Percent { .. } => return None,
+        };
+        self.pick(self.selected, value)
+    }
+}
+
+/// Whether two rows are about the same thing, whichever value it has.
+fn is_same(a: &SettingRow, b: &SettingRow) -> bool {
+    match (&a.values, &b.values) {
+        (Values::OneOfRows { setting: a, .. }, Values::OneOfRows { setting: b, .. }) => a == b,
+        _ => a.name == b.name,
+    }
+}
+
+/// What an arrow adds to percent.
+const PERCENT_STEP: f64 = 5.0;
+
+fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
+    let Facts { choices: now, remembered, .. } = facts;
+    let outputs = facts.outputs.iter().map(|output| SettingRow {
+        name: output.name.clone(),
+        purpose: "Songs play here; a song that plays moves at once, and comes back when the output does"
+            .to_owned(),
+        values: Values::OneOfRows { chosen: output.is_chosen, setting: Setting::Output(output.id.clone()) },
+        for_this_run: output.is_chosen && facts.output_for_this_run,
+    });
+    let of_device = facts.device.map_or_else(String::new, |device| format!("; for {device}"));
+    let delay = SettingRow {
+        name: "Latency".to_owned(),
+        purpose: format!("The picture comes so much later, for headphones or a TV that lag{of_device}"),
+        values: Values::Delay(facts.shift),
+        for_this_run: false,
+    };
+    let screens =
+        screens::rows(&facts.monitors, now.stage.output.as_deref(), remembered.stage.output.as_deref());
+    outputs
+        .chain([delay])
+        .chain(now.rows(remembered))
+        .chain(screens)
+        .chain(now.stage.rows(&remembered.stage))
+        .collect()
+}
+
+/// A shift by pointer, in milliseconds: in steps, and within the limits.
+pub fn whole_steps(shift: f64) -> f64 {
+    let limit = PLAYER_LIMITS.latency_ms_max;
+    ((shift / SHIFT_STEP_MS).round() * SHIFT_STEP_MS).clamp(-limit, limit)
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use mariana_render::placement::Crop;
+    use mariana_settings::QualityChoice;
+
+    /// A panel with two outputs besides the default, of which `chosen` is chosen.
+    pub(crate) fn panel(choices: &Choices, chosen: Option<&str>) -> SettingsPanel {
+        let mut panel = SettingsPanel::default();
+        update(&mut panel, choices, chosen, &["usb", "tv"]);
+        panel
+    }
+
+    fn update(panel: &mut SettingsPanel, choices: &Choices, chosen: Option<&str>, ids: &[&str]) {
+        let output = |id: Option<&str>| Output {
+            id: id.map(str::to_owned),
+            name: id.unwrap_or("the system's default").to_uppercase(),
+            is_chosen: id == chosen,
+        };
+        panel.update(&Facts {
+            choices,
+            remembered: &Choices::default(),
+            outputs: [None].into_iter().chain(ids.iter().copied().map(Some)).map(output).collect(),
+            monitors: Vec::new(),
+            output_for_this_run: false,
+            shift: 35.0,
+            device: Some("USB"),
+        });
+    }
+
+    fn press(panel: &mut SettingsPanel, key: NamedKey) -> Option<Command> {
+        let (taken, change) = panel.take_key(&Key::Named(key));
+        assert!(taken, "{key:?} is not the panel's");
+        change
+    }
+
+    fn set(setting: Setting) -> Option<Command> {
+        Some(Command::Set(SetSetting { setting, settled: true }))
+    }
+
+    fn select(panel: &mut SettingsPanel, name: &str) {
+        let row = panel.rows().iter().position(|row| row.name == name).unwrap();
+        panel.select(row);
+    }
+
+    #[test]
+    fn arrows_select_and_change_and_enter_goes_round() {
+        use NamedKey::{ArrowDown, ArrowLeft, ArrowRight, ArrowUp, Enter};
+        let mut panel = panel(&Choices::default(), None);
+        assert_eq!((press(&mut panel, ArrowUp), panel.selected()), (None, 0));
+        // The output that is chosen already is no change, and no arrow plays through the others.
+        assert_eq!((press(&mut panel, Enter), press(&mut panel, ArrowRight)), (None, None));
+        assert_eq!((press(&mut panel, ArrowDown), panel.selected()), (None, 1));
+        assert_eq!(press(&mut panel, Enter), set(Setting::Output(Some("usb".into()))));
+        select(&mut panel, "Latency");
+        let shift = |milliseconds| Some(Command::Delay(Delay { milliseconds, settled: true }));
+        assert_eq!((press(&mut panel, ArrowLeft), press(&mut panel, ArrowRight)), (shift(30.0), shift(40.0)));
+        select(&mut panel, "Brightness");
+        let percent = |percent| set(Setting::Brightness(percent));
+        assert_eq!(
+            (press(&mut panel, ArrowLeft), press(&mut panel, ArrowRight)),
+            (percent(95), percent(100))
+        );
+        select(&mut panel, "Blackout fade");
+        assert_eq!(press(&mut panel, ArrowRight), set(Setting::BlackoutFade(1.0)));
+        select(&mut panel, "Quality");
+        assert_eq!(press(&mut panel, ArrowLeft), None, "there is none before the first");
+        assert_eq!(press(&mut panel, ArrowRight), set(Setting::Quality(QualityChoice::Low)));
+        select(&mut panel, "Limit flashes");
+        assert_eq!(press(&mut panel, Enter), set(Setting::FlashLimiter(false)));
+        let off = Choices { flash_limiter: false, ..Choices::default() };
+        update(&mut panel, &off, None, &["usb", "tv"]);
+        assert_eq!(press(&mut panel, Enter), set(Setting::FlashLimiter(true)));
+        (0..99).for_each(|_| drop(press(&mut panel, ArrowDown)));
+        assert_eq!(panel.rows()[panel.selected()].name, "Crop");
+        assert_eq!(press(&mut panel, ArrowRight), set(Setting::Crop(Crop::try_from([1.0; 4]).unwrap())));
+        for key in [Key::Character("q".into()), Key::Named(NamedKey::Escape), Key::Named(NamedKey::Space)] {
+            assert_eq!(panel.take_key(&key), (false, None), "{key:?} is the show's");
+        }
+    }
+
+    #[test]
+    fn the_selected_row_stays_the_same_while_outputs_come_and_go() {
+        let choices = Choices::default();
+        let mut panel = panel(&choices, None);
+        select(&mut panel, "Gain");
+        let revision = panel.revision();
+        update(&mut panel, &choices, None, &["usb", "tv"]);
+        assert_eq!(panel.revision(), revision, "nothing has changed");
+        update(&mut panel, &choices, None, &[]);
+        assert_eq!(panel.rows()[panel.selected()].name, "Gain");
+        assert!(panel.revision() > revision);
+        select(&mut panel, "THE SYSTEM'S DEFAULT");
+        update(&mut panel, &choices, None, &["a", "b"]);
+        assert_eq!(panel.selected(), 0);
+    }
+
+    #[test]
+    fn what_the_command_line_says_is_marked_and_can_be_made_to_stay() {
+        let choices = Choices { quality: QualityChoice::High, ..Choices::default() };
+        let mut panel = panel(&choices, None);
+        let marked: Vec<&str> =
+            panel.rows().iter().filter(|row| row.for_this_run).map(|row| &*row.name).collect();
+        assert_eq!(marked, ["Quality"]);
+        let row = panel.rows().iter().position(|row| row.name == "Quality").unwrap();
+        assert_eq!(panel.pick(row, 3), set(Setting::Quality(QualityChoice::High)));
+        assert_eq!((panel.pick(row, 99), panel.pick(99, 0)), (None, None));
+    }
+
+    #[test]
+    fn every_row_has_its_words() {
+        let panel = panel(&Choices::default(), Some("tv"));
+        for row in panel.rows() {
+            assert!(!row.name.is_empty() && row.purpose.len() > 20, "{row:?}");
+        }
+        assert_eq!([whole_steps(12.4), whole_steps(-1e9), whole_steps(-2.6)], [10.0, -5_000.0, -5.0]);
+    }
+}

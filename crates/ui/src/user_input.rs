@@ -1,0 +1,108 @@
+//! Makes commands of keys, the mouse and dropped files.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use crate::pointer::{Gesture, Pointer};
+use mariana_commands::input::{Input, Key, Modifiers};
+use mariana_commands::{Command, Switch};
+
+/// The state of the keys and the mouse, from the input that is not the overlay's.
+#[derive(Debug, Default)]
+pub struct UserInput {
+    pointer: Pointer,
+    /// The keys that are held and change what others do.
+    held: Modifiers,
+    /// Files that were dropped onto the window. Each comes as an event of its own, and together they are a list.
+    dropped: Vec<PathBuf>,
+}
+
+impl UserInput {
+    /// Takes input and returns the command that it makes, if any.
+    pub fn take(&mut self, input: &Input, now: Instant) -> Option<Command> {
+        match input {
+            Input::Dropped(path) => {
+                self.dropped.push(path.clone());
+                None
+            }
+            Input::Modifiers(held) => {
+                self.held = *held;
+                None
+            }
+            Input::Key(press) => Command::of_key(&press.key, self.held, press.repeat),
+            _ => self.pointer.take(input, now).map(|gesture| match gesture {
+                Gesture::DoubleClick => Command::Fullscreen(Switch::Toggle),
+                Gesture::Drag(way) => Command::TurnCamera(way),
+                Gesture::Zoom(notches) => Command::ZoomCamera(notches),
+                Gesture::Click(place) => Command::Inspect(place),
+            }),
+        }
+    }
+
+    /// The key that is pressed, and what is held with it. A letter that is held counts once: it may be the key that
+    /// opened what it would be typed into.
+    pub fn typed<'a>(&self, input: &'a Input) -> Option<(&'a Key, Modifiers)> {
+        match input {
+            Input::Key(press) => {
+                (!press.repeat || matches!(press.key, Key::Named(_))).then_some((&press.key, self.held))
+            }
+            _ => None,
+        }
+    }
+
+    /// Takes out the files that were dropped since the last call.
+    pub fn take_dropped(&mut self) -> Vec<PathBuf> {
+        std::mem::take(&mut self.dropped)
+    }
+
+    /// What is held and changes what other keys do.
+    pub fn held(&self) -> Modifiers {
+        self.held
+    }
+
+    /// Where the pointer began what it does, in pixels.
+    pub fn began(&self) -> [f64; 2] {
+        self.pointer.began()
+    }
+
+    /// Whether a shift key is held.
+    pub fn shift_held(&self) -> bool {
+        self.held.shift_key()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mariana_commands::input::PointerButton;
+
+    #[test]
+    fn files_that_are_dropped_together_are_taken_together_and_once() {
+        let mut input = UserInput::default();
+        for name in ["a.wav", "b.wav"] {
+            assert_eq!(input.take(&Input::Dropped(name.into()), Instant::now()), None);
+        }
+        assert_eq!(input.take_dropped(), [PathBuf::from("a.wav"), "b.wav".into()]);
+        assert!(input.take_dropped().is_empty());
+    }
+
+    #[test]
+    fn a_double_click_asks_for_full_screen() {
+        let (mut input, now) = (UserInput::default(), Instant::now());
+        let mut click =
+            |pressed| input.take(&Input::PointerButton { button: PointerButton::Primary, pressed }, now);
+        assert_eq!([click(true), click(false)], [None, Some(Command::Inspect([0.0, 0.0]))]);
+        assert_eq!(click(true), Some(Command::Fullscreen(Switch::Toggle)));
+    }
+
+    #[test]
+    fn shift_is_held_until_it_is_let_go() {
+        let mut input = UserInput::default();
+        for held in [Modifiers::SHIFT, Modifiers::SHIFT | Modifiers::ALT] {
+            let _ = input.take(&Input::Modifiers(held), Instant::now());
+            assert!(input.held.shift_key(), "{held:?}");
+        }
+        let _ = input.take(&Input::Modifiers(Modifiers::ALT), Instant::now());
+        assert!(!input.held.shift_key());
+    }
+}
