@@ -5,6 +5,17 @@
 //! the targets of MIDI mappings and the buttons of the page for phones are made from the table.
 //!
 //! A new command takes two places: its row here, and its arm where commands are carried out.
+//!
+//! ```
+//! use mariana_commands::input::{Key, Modifiers};
+//! use mariana_commands::{Command, Switch};
+//! use mariana_control::deed::{Deed, Given};
+//!
+//! let typed = Command::of_key(&Key::Character("m".to_owned()), Modifiers::empty(), false);
+//! assert_eq!(typed, Some(Command::Mute(Switch::Toggle)));
+//! let sent = Command::of_controller(&Deed { name: "mute", given: Given::Number(1.0) });
+//! assert_eq!(sent, Some(Command::Mute(Switch::On)));
+//! ```
 
 pub mod input;
 mod state;

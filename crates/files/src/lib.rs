@@ -7,10 +7,9 @@
 //! let folder = tempfile::tempdir()?;
 //! let path = folder.path().join("notes.txt");
 //! std::fs::write(&path, "before")?;
-//! let mut file = AtomicFile::create(&path)?;
-//! std::io::Write::write_all(&mut file, b"after")?;
+//! drop(AtomicFile::create(&path)?);
 //! assert_eq!(std::fs::read_to_string(&path)?, "before");
-//! file.commit()?;
+//! AtomicFile::create(&path)?.write(b"after")?;
 //! assert_eq!(std::fs::read_to_string(&path)?, "after");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

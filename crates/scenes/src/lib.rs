@@ -1,5 +1,16 @@
 //! Where scenes come from: the shipped ones, files, and formulas given instead.
 //!
+//! ```
+//! use mariana_scenes::SceneSource;
+//!
+//! let source = SceneSource::find("smooth_union(0.3, sphere(p, 1), box(p, vec3(2, 0.1, 2)))")?;
+//! assert_eq!(source.ready()?.world.scene.objects.len(), 1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A [`Loader`] compiles scenes on a thread and again whenever their files or [`Drafts`] change. [`probing`] says what is at a
+//! point of a picture, [`thumbnails`] has small pictures drawn by processes of their own.
+//!
 //! **A scene reads its own folder.** Includes and pictures come from there; pictures that are missing there come from
 //! the shipped ones. The system is asked where a path really leads, so that links do not lead out of the folder.
 

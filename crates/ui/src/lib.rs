@@ -1,4 +1,30 @@
 //! The words and panels over the picture: they take plain state and the input of users, and give shapes and commands.
+//!
+//! [`overlay::Overlay`] draws what an [`overlay::OverlayContent`] holds with egui. The panels are plain values, which keys and
+//! the pointer change and which send [`mariana_commands::Command`]s:
+//!
+//! ```
+//! use mariana_commands::input::{Key, NamedKey};
+//! use mariana_settings::Choices;
+//! use mariana_ui::settings_panel::{Facts, SettingsPanel};
+//!
+//! let choices = Choices::default();
+//! let mut panel = SettingsPanel::default();
+//! panel.update(&Facts {
+//!     choices: &choices,
+//!     remembered: &choices,
+//!     outputs: Vec::new(),
+//!     monitors: Vec::new(),
+//!     output_for_this_run: false,
+//!     shift: 0.0,
+//!     device: None,
+//! });
+//! assert!(panel.rows().iter().any(|row| row.name == "Quality"));
+//! panel.take_key(&Key::Named(NamedKey::ArrowDown));
+//! assert_eq!(panel.selected(), 1);
+//! ```
+//!
+//! Their time is [`clock`]'s, which tests let pass by hand.
 
 pub mod clipboard;
 pub mod clock;
