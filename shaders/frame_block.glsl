@@ -15,7 +15,7 @@ layout(std140) uniform FrameBlock {
     vec4 frame_reach;       // x the distance within which things take ambient light and give theirs; y quality; z 0;
                             // w how much the shortest step of a shadow ray grows with each step
     vec4 block_planes[PLANES_MAX];       // unit normal, and the distance of the origin; normal 0: no plane
-    vec4 lights[4 * LIGHTS_MAX];        // place, w 1 lamp, 2 sun (xyz towards), 3 panel; colour, w radius; half the right
+    vec4 lights[4 * LIGHTS_MAX];        // place, w its kind (a sun's xyz are where its rays go); colour, w radius; half the right
                                         // side, w range or 0; half the upper side, w share that shadows take away
     vec4 frame_heard[HEARD_QUADS];      // numbers of the sound, four to a vector, in the order of their table
                                         // (crates/field/src/graph/sound_input.rs; volumes: Abt 2022, section 5, eq. 1)

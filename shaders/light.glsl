@@ -1,9 +1,10 @@
 // Lights: what arrives from them at a surface, and what the surface reflects.
 
 const float PI = 3.14159265;
-// Kinds of lights, as src/frame/block.rs numbers them.
-const float SUN = 2.0;
-const float PANEL = 3.0;
+// LIGHT_LAMP, LIGHT_SUN and LIGHT_PANEL number the kinds of lights.
+#if LIGHT_KINDS != 3
+#error "`light_at` knows lamps, suns and panels: give the new kind of light its rays there"
+#endif
 
 // A light as a point of a surface sees it.
 struct Incoming {
@@ -72,11 +73,11 @@ Incoming light_at(int number, vec3 p, vec3 normal, vec3 direction) {
     float range = lights[4 * number + 2].w;
     float shadow = lights[4 * number + 3].w;
 #ifdef PANELS
-    if (place.w == PANEL) {
+    if (place.w == LIGHT_PANEL) {
         return light_of_panel(place, color, lights[4 * number + 2], lights[4 * number + 3], p, normal, direction);
     }
 #endif
-    bool sun = place.w == SUN;
+    bool sun = place.w == LIGHT_SUN;
     vec3 way = sun ? -place.xyz : place.xyz - p;
     float distance2 = dot(way, way);
     Incoming incoming;

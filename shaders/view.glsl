@@ -1,4 +1,5 @@
-// The colours of the views, in the variant VIEWS: what the screen gets, 0..1, from what was recorded of a sample.
+// The colours of the views, in the variant VIEWS: what the screen gets, 0..1, from what was recorded of a sample. Each view
+// has a function `view_NAME` of the ray's direction.
 
 // The most texels of a tape that are counted.
 const int TAPE_TEXELS_MAX = 4096;
@@ -29,7 +30,7 @@ float line_cover(float away, float half_width) {
 }
 
 // Lines of equal distance (Abt 2022, figure 1).
-vec3 slice_color(vec3 direction) {
+vec3 view_slice(vec3 direction) {
     float along = dot(view_plane.xyz, direction);
     float t = -(dot(view_plane.xyz, camera_position.xyz) + view_plane.w) / max(along, 1e-6);
     // A camera that looks at itself.
@@ -80,7 +81,8 @@ float face_cover(vec3 q, float side, float half_width) {
     return max(cover.x, max(cover.y, cover.z));
 }
 
-vec3 cell_color() {
+vec3 view_cells(vec3 direction) {
+    if (!noted) return COLOR_NOTHING;
     vec3 q = in_root(noted_p);
     Cell cell = cell_at(q);
     if (cell.side <= 0.0) return COLOR_NO_CELL;
@@ -93,25 +95,38 @@ vec3 cell_color() {
     return color * (1.0 - 0.75 * face_cover(q, 1.0, LINE_WIDTH));
 }
 
-vec3 view_color(vec3 direction) {
-    float view = view_choice.x;
-    if (view == VIEW_STEPS) return heat_color(count_primary / view_choice.y);
-    if (view == VIEW_CLAUSES) {
-#ifdef CLAUSES_RUN
-        float run = CLAUSES_RUN + SURFACE_CLAUSES_RUN;
-#else
-        float run = count_primary + count_reflection + count_normal + count_shadow + count_occlusion;
-#endif
-        return heat_color(run / view_choice.y);
-    }
-    if (view == VIEW_SLICE) return slice_color(direction);
-    if (!noted) return COLOR_NOTHING;
-    if (view == VIEW_NORMALS) return 0.5 + 0.5 * noted_normal;
-    if (view == VIEW_SHADOW) {
-        return noted_light > 0.0 ? vec3(clamp(noted_arrives / noted_light, 0.0, 1.0)) : COLOR_FACES_AWAY;
-    }
-    if (view == VIEW_OCCLUSION) return vec3(noted_open);
-    if (view == VIEW_CELLS) return cell_color();
-    if (view == VIEW_MATERIALS) return OBJECT_COLOR[noted_object - OBJECT_COLORS * (noted_object / OBJECT_COLORS)];
-    return vec3(1.0 - clamp(noted_t / view_choice.y, 0.0, 1.0));
+vec3 view_steps(vec3 direction) {
+    return heat_color(count_primary / view_choice.y);
 }
+
+vec3 view_clauses(vec3 direction) {
+#ifdef CLAUSES_RUN
+    float run = CLAUSES_RUN + SURFACE_CLAUSES_RUN;
+#else
+    float run = count_primary + count_reflection + count_normal + count_shadow + count_occlusion;
+#endif
+    return heat_color(run / view_choice.y);
+}
+
+vec3 view_normals(vec3 direction) {
+    return noted ? 0.5 + 0.5 * noted_normal : COLOR_NOTHING;
+}
+
+vec3 view_shadow(vec3 direction) {
+    if (!noted) return COLOR_NOTHING;
+    return noted_light > 0.0 ? vec3(clamp(noted_arrives / noted_light, 0.0, 1.0)) : COLOR_FACES_AWAY;
+}
+
+vec3 view_occlusion(vec3 direction) {
+    return noted ? vec3(noted_open) : COLOR_NOTHING;
+}
+
+vec3 view_materials(vec3 direction) {
+    return noted ? OBJECT_COLOR[noted_object - OBJECT_COLORS * (noted_object / OBJECT_COLORS)] : COLOR_NOTHING;
+}
+
+vec3 view_depth(vec3 direction) {
+    return noted ? vec3(1.0 - clamp(noted_t / view_choice.y, 0.0, 1.0)) : COLOR_NOTHING;
+}
+
+#include "view_dispatch.glsl"

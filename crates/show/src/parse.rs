@@ -267,7 +267,7 @@ impl<'a> Reader<'a> {
         }
         let kind = match way {
             Way::Portal => TransitionKind::Blend(BlendKind::Portal(self.portal_shape()?)),
-            Way::Cut | Way::Fade | Way::Melt => way.into(),
+            way => way.into(),
         };
         let length = if self.eat("over") { self.length()? } else { Length::Bars(1.0) };
         let unfinished = self.eat("unfinished");

@@ -1,7 +1,7 @@
 //! A show as it is written down: what comes at which moment of a song, in the words of musicians.
 
 use mariana_field::lang::{Span, Way};
-use mariana_field::world::{BlendKind, PortalShape};
+use mariana_field::world::BlendKind;
 
 /// A show. Its entries stand in the order in which they were written.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -137,8 +137,7 @@ impl TransitionKind {
         match self {
             Self::Cut => Way::Cut,
             Self::Fade => Way::Fade,
-            Self::Blend(BlendKind::Melt) => Way::Melt,
-            Self::Blend(BlendKind::Portal(_)) => Way::Portal,
+            Self::Blend(kind) => kind.way(),
         }
     }
 
@@ -154,11 +153,10 @@ impl TransitionKind {
 /// A portal is a ball.
 impl From<Way> for TransitionKind {
     fn from(way: Way) -> Self {
-        match way {
-            Way::Cut => Self::Cut,
-            Way::Fade => Self::Fade,
-            Way::Melt => Self::Blend(BlendKind::Melt),
-            Way::Portal => Self::Blend(BlendKind::Portal(PortalShape::default())),
+        match way.blend() {
+            Some(kind) => Self::Blend(kind),
+            None if way == Way::Cut => Self::Cut,
+            None => Self::Fade,
         }
     }
 }

@@ -4,33 +4,39 @@ use super::builtin::uses::{FRAME, NOTHING, POINT};
 use super::fields::{DefaultValue, Field, Holds};
 use crate::graph::NodeId;
 
-/// How one scene gives way to another.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Way {
+/// Makes [`Way`] from rows: documentation, way, and its name in scenes and shows.
+macro_rules! define_ways {
+    ($( $(#[$documentation:meta])* $way:ident, $name:literal; )*) => {
+        /// How one scene gives way to another.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum Way { $( $(#[$documentation])* $way, )* }
+
+        impl Way {
+            /// All of them, in the order of their numbers.
+            pub const ALL: [Self; [$($name),*].len()] = [$( Self::$way, )*];
+
+            /// Its name in scenes and shows.
+            pub const fn name(self) -> &'static str {
+                match self { $( Self::$way => $name, )* }
+            }
+        }
+    };
+}
+
+// A new way in which worlds are mixed takes three places: its row here, its kind in `world::blend` ([`Way::blend`] and what
+// it is called), and the mixing itself (`World::blend`).
+define_ways! {
     /// From one picture to the next.
-    Cut,
+    Cut, "cut";
     /// The pictures are mixed in linear light.
-    Fade,
+    Fade, "fade";
     /// The worlds are mixed: surfaces flow into each other.
-    Melt,
+    Melt, "melt";
     /// The other world appears inside a growing shape.
-    Portal,
+    Portal, "portal";
 }
 
 impl Way {
-    /// All of them, in the order of their numbers.
-    pub const ALL: [Self; 4] = [Self::Cut, Self::Fade, Self::Melt, Self::Portal];
-
-    /// Its name in scenes and shows.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Cut => "cut",
-            Self::Fade => "fade",
-            Self::Melt => "melt",
-            Self::Portal => "portal",
-        }
-    }
-
     /// The way of this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|way| way.name() == name)

@@ -68,15 +68,36 @@ pub struct Object {
     pub material: usize,
 }
 
-/// Where a light's rays come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LightKind {
+/// Makes [`LightKind`] from rows: documentation, kind, the name in shaders, and the field that says where it is.
+macro_rules! define_light_kinds {
+    ($( $(#[$documentation:meta])* $kind:ident, $name:literal, $place:ident; )*) => {
+        /// Where a light's rays come from.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum LightKind { $( $(#[$documentation])* $kind, )* }
+
+        impl LightKind {
+            /// Every kind with its name in shaders, in the order of their numbers, which begin with 1.
+            pub const ALL: [(Self, &'static str); [$($name),*].len()] = [$( (Self::$kind, $name), )*];
+        }
+
+        impl Light<f32> {
+            /// Where it is, or which way its rays travel if it is infinitely far away.
+            pub fn place(&self) -> [f32; 3] {
+                match self.kind { $( LightKind::$kind => self.$place, )* }
+            }
+        }
+    };
+}
+
+// A new kind takes three places: its row here (and the fields of [`Light`] that it alone has), the fields that make it one in
+// `lower::lights`, and its rays in `shaders/light.glsl`, which refuses to compile for a number of kinds that it does not know.
+define_light_kinds! {
     /// A point or, with a radius, a ball. Its light falls with the square of the distance.
-    Lamp,
+    Lamp, "LAMP", position;
     /// From infinitely far away, in one direction.
-    Sun,
+    Sun, "SUN", direction;
     /// A rectangle. It shines to the side of the cross product of its sides.
-    Panel,
+    Panel, "PANEL", position;
 }
 
 section! {

@@ -122,13 +122,20 @@ impl Frame {
     }
 }
 
+/// The kinds of lights, as the defines that `shaders/light.glsl` needs.
+pub fn light_defines() -> impl Iterator<Item = String> {
+    let kinds = LightKind::ALL.into_iter().map(|(kind, name)| format!("LIGHT_{name} {:?}", number_of(kind)));
+    kinds.chain([format!("LIGHT_KINDS {}", LightKind::ALL.len())])
+}
+
+/// The number of a kind of light in the shaders, from 1.
+fn number_of(kind: LightKind) -> f32 {
+    kind as u8 as f32 + 1.0
+}
+
 /// A light as `frame_block.glsl` describes it.
 fn light(light: &Light<f32>) -> [[f32; 4]; LIGHT] {
-    let (kind, [x, y, z]) = match light.kind {
-        LightKind::Lamp => (1.0, light.position),
-        LightKind::Sun => (2.0, light.direction),
-        LightKind::Panel => (3.0, light.position),
-    };
+    let ([x, y, z], kind) = (light.place(), number_of(light.kind));
     let ([r, g, b], [rx, ry, rz], [ux, uy, uz]) = (light.color, light.right, light.up);
     let (range, shadow) = (light.range.max(0.0), light.shadow.clamp(0.0, 1.0));
     [[x, y, z, kind], [r, g, b, light.radius.max(0.0)], [rx, ry, rz, range], [ux, uy, uz, shadow]]

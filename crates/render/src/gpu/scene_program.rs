@@ -17,7 +17,7 @@ use super::gl::{Gl, GlInfo};
 pub use super::mode::Mode;
 use super::program::Program;
 use super::shader_source::{ShaderLibrary, Variant};
-use crate::frame::block::block_defines;
+use crate::frame::block::{block_defines, light_defines};
 use crate::view::scale;
 use mariana_field::graph::CELL_HASH_GLSL;
 use mariana_field::region::{RegionPlan, RegionVariant};
@@ -132,6 +132,7 @@ pub fn compiled_variant(
 fn common(textures: usize, traits: SceneFeatures, counting: Counting) -> Variant {
     let mut variant = Variant::default();
     variant.defines.extend(block_defines());
+    variant.defines.extend(light_defines());
     variant.defines.extend(mariana_field::rays::defines());
     variant.defines.push(format!("TEXTURES {textures}"));
     variant.defines.extend(traits.defines().map(str::to_owned));
@@ -141,6 +142,7 @@ fn common(textures: usize, traits: SceneFeatures, counting: Counting) -> Variant
     variant.generated.push(("cell_hash.glsl".into(), CELL_HASH_GLSL.to_owned()));
     // Read only by views.
     variant.generated.push(("view_scales.glsl".into(), scale::glsl()));
+    variant.generated.push(("view_dispatch.glsl".into(), scale::dispatch_glsl()));
     variant
 }
 

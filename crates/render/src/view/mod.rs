@@ -18,34 +18,11 @@ pub mod setup;
 
 use std::str::FromStr;
 
-/// What a view shows. Each view's number is its place in [`VIEWS`], in the shaders too.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum View {
-    /// Steps of the ray from the eye.
-    Steps,
-    /// The distance on a plane through what the camera looks at.
-    Slice,
-    /// Normals by finite differences.
-    Normals,
-    /// The share of the lamps' light that arrives.
-    Shadow,
-    /// The share of the ambient light that arrives.
-    Occlusion,
-    /// The work done for a pixel.
-    Clauses,
-    /// The cells of the regions.
-    Cells,
-    /// Objects.
-    Materials,
-    /// The distance along the ray to the surface.
-    Depth,
-}
-
 /// A row of [`VIEWS`].
 pub struct ViewRow {
     /// The view.
     pub view: View,
-    /// Its name on the command line and in the title.
+    /// Its name on the command line and in the title, and behind `view_` that of its function in `shaders/view.glsl`.
     pub name: &'static str,
     /// What it shows.
     pub meaning: &'static str,
@@ -53,42 +30,47 @@ pub struct ViewRow {
     pub number: Option<&'static str>,
 }
 
-const fn row(view: View, name: &'static str, meaning: &'static str, number: Option<&'static str>) -> ViewRow {
-    ViewRow { view, name, meaning, number }
+/// Makes [`View`] and [`VIEWS`] from rows: documentation, view, name, meaning, and the meaning of the number if it takes one.
+macro_rules! define_views {
+    ($( $(#[$documentation:meta])* $view:ident, $name:literal, $meaning:literal $(, $number:literal)?; )*) => {
+        /// What a view shows. Each view's number is its place in [`VIEWS`], in the shaders too.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum View { $( $(#[$documentation])* $view, )* }
+
+        /// Every view, in the order of the key.
+        pub const VIEWS: [ViewRow; [$($name),*].len()] = [$( ViewRow {
+            view: View::$view,
+            name: $name,
+            meaning: $meaning,
+            number: [$(Some($number),)? None][0],
+        }, )*];
+    };
 }
 
-/// Every view, in the order of the key.
-pub const VIEWS: [ViewRow; 9] = [
-    row(
-        View::Steps,
-        "steps",
-        "steps of the ray from the eye, blue to red",
-        Some("the count shown in red, 100 by default"),
-    ),
-    row(
-        View::Slice,
-        "slice",
-        "the distance on a plane through what the camera looks at, as lines",
-        Some("the distance between two lines"),
-    ),
-    row(
-        View::Normals,
-        "normals",
-        "directions of the surfaces, by differences of the distance",
-        Some("the length of a difference, by default a share of the pixel"),
-    ),
-    row(View::Shadow, "shadow", "the share of the lamps' light that arrives", None),
-    row(View::Occlusion, "occlusion", "the share of the light from everywhere that arrives", None),
-    row(
-        View::Clauses,
-        "clauses",
-        "clauses that the interpreter runs; evaluations if compiled",
-        Some("the count shown in red"),
-    ),
-    row(View::Cells, "cells", "the cells of the regions, and how long their tapes are", None),
-    row(View::Materials, "materials", "a colour for each object", None),
-    row(View::Depth, "depth", "the distance to the surface", Some("the distance shown in black")),
-];
+// A new view takes three places, and compilers name what is missing: its row here, its arm in `setup`, and its function
+// `view_NAME` in `shaders/view.glsl`.
+define_views! {
+    /// Steps of the ray from the eye.
+    Steps, "steps", "steps of the ray from the eye, blue to red", "the count shown in red, 100 by default";
+    /// The distance on a plane through what the camera looks at.
+    Slice, "slice", "the distance on a plane through what the camera looks at, as lines",
+        "the distance between two lines";
+    /// Normals by finite differences.
+    Normals, "normals", "directions of the surfaces, by differences of the distance",
+        "the length of a difference, by default a share of the pixel";
+    /// The share of the lamps' light that arrives.
+    Shadow, "shadow", "the share of the lamps' light that arrives";
+    /// The share of the ambient light that arrives.
+    Occlusion, "occlusion", "the share of the light from everywhere that arrives";
+    /// The work done for a pixel.
+    Clauses, "clauses", "clauses that the interpreter runs; evaluations if compiled", "the count shown in red";
+    /// The cells of the regions.
+    Cells, "cells", "the cells of the regions, and how long their tapes are";
+    /// Objects.
+    Materials, "materials", "a colour for each object";
+    /// The distance along the ray to the surface.
+    Depth, "depth", "the distance to the surface", "the distance shown in black";
+}
 
 /// Range of the number after a view's name.
 const NUMBERS: (f32, f32) = (1e-5, 1e6);
@@ -139,7 +121,6 @@ pub fn help() -> String {
 impl View {
     /// Its row.
     pub fn row(self) -> &'static ViewRow {
-        // The enum's order is that of the table; a test checks this.
         &VIEWS[self as usize % VIEWS.len()]
     }
 
@@ -219,9 +200,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_is_in_the_order_of_the_numbers_and_every_name_is_read_again() {
-        for (number, row) in VIEWS.iter().enumerate() {
-            assert_eq!(row.view as usize, number);
+    fn every_name_is_read_again() {
+        for row in &VIEWS {
             assert_eq!(row.name.parse(), Ok(ViewChoice::from(row.view)));
             let with_number = format!("{}:0.5", row.name).parse::<ViewChoice>();
             assert_eq!(with_number.is_ok(), row.number.is_some(), "{with_number:?}");

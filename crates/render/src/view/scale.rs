@@ -88,6 +88,20 @@ pub fn glsl() -> String {
     text
 }
 
+/// The colour of the view that is chosen, by the function of each, `view_NAME`: `view_dispatch.glsl`.
+pub fn dispatch_glsl() -> String {
+    let mut text = String::from("vec3 view_color(vec3 direction) {\n");
+    for row in &VIEWS {
+        let name = row.name;
+        text.push_str(&format!(
+            "    if (view_choice.x == VIEW_{}) return view_{name}(direction);\n",
+            name.to_uppercase()
+        ));
+    }
+    text.push_str("    return COLOR_NOTHING;\n}\n");
+    text
+}
+
 /// The smallest of 1, 2, 5, 10, 20 ... and their tenths that is not less than `value`.
 pub fn nice(value: f32) -> f32 {
     let value = if value.is_finite() { value.clamp(1e-6, 1e9) } else { 1.0 };

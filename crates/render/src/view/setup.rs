@@ -48,27 +48,25 @@ impl ViewSetup {
     /// The view of a frame of a world.
     pub fn of(choice: ViewChoice, frame: &Frame, world: &World, drawn: Drawn) -> Self {
         let reach = (frame.camera.position - frame.target()).length() as f32;
-        let own = match choice.view {
-            View::Steps => Some(STEPS_RED),
-            View::Clauses if drawn.interpreted => Some(nice(RUNS_RED * drawn.clauses.max(1) as f32)),
-            View::Clauses => Some(RUNS_RED),
-            View::Slice => Some(nice(2.0 * reach * frame.camera.tan_half.1 as f32 / SLICE_LINES)),
-            View::Depth => Some(nice(DEPTH_BLACK * reach)),
-            View::Cells => Some(nice(drawn.clauses.max(1) as f32)),
-            View::Normals | View::Shadow | View::Occlusion | View::Materials => None,
-        };
-        let number = choice.number.or(own);
+        let number = |own: f32| choice.number.unwrap_or(own);
         let legend = Legend { title: choice.view.row().name.to_owned(), ..Legend::default() };
-        let legend = match choice.view {
-            View::Steps => steps(legend, number),
-            View::Slice => slice(legend, number, world),
-            View::Normals => normals(legend, choice.number),
-            View::Shadow => shadow(legend),
-            View::Occlusion => occlusion(legend),
-            View::Clauses => clauses(legend, number, drawn),
-            View::Cells => cells(legend, number, drawn),
-            View::Materials => materials(legend, world),
-            View::Depth => depth(legend, number),
+        let (number, legend) = match choice.view {
+            View::Steps => with(number(STEPS_RED), |red| steps(legend, red)),
+            View::Slice => {
+                let height = 2.0 * reach * frame.camera.tan_half.1 as f32;
+                with(number(nice(height / SLICE_LINES)), |spacing| slice(legend, spacing, world))
+            }
+            View::Normals => (choice.number, normals(legend, choice.number)),
+            View::Shadow => (None, shadow(legend)),
+            View::Occlusion => (None, occlusion(legend)),
+            View::Clauses => {
+                let each =
+                    if drawn.interpreted { nice(RUNS_RED * drawn.clauses.max(1) as f32) } else { RUNS_RED };
+                with(number(each), |red| clauses(legend, red, drawn))
+            }
+            View::Cells => with(nice(drawn.clauses.max(1) as f32), |red| cells(legend, red, drawn)),
+            View::Materials => (None, materials(legend, world)),
+            View::Depth => with(number(nice(DEPTH_BLACK * reach)), |black| depth(legend, black)),
         };
         // The plane of the slice goes through what the camera looks at, and faces the camera.
         let normal: DVec3 = frame.camera.forward;
@@ -81,6 +79,11 @@ impl ViewSetup {
             number: number.filter(|_| choice.view.row().number.is_some()),
         }
     }
+}
+
+/// A number and the legend that shows it.
+fn with(number: f32, legend: impl FnOnce(f32) -> Legend) -> (Option<f32>, Legend) {
+    (Some(number), legend(number))
 }
 
 /// A legend's entry for places where nothing is met.
@@ -98,17 +101,12 @@ fn marks(ramp: Ramp, full: f32, unit: &str) -> Scale {
     Scale { ramp, ticks: quarters.collect() }
 }
 
-fn steps(legend: Legend, number: Option<f32>) -> Legend {
+fn steps(legend: Legend, number: f32) -> Legend {
     let lines = ["Steps of the ray from the eye: evaluations", "of the distance. Skipped cells cost none."];
-    Legend {
-        lines: lines.map(str::to_owned).to_vec(),
-        scale: Some(marks(Ramp::Heat, number.unwrap_or(STEPS_RED), "+")),
-        ..legend
-    }
+    Legend { lines: lines.map(str::to_owned).to_vec(), scale: Some(marks(Ramp::Heat, number, "+")), ..legend }
 }
 
-fn slice(legend: Legend, number: Option<f32>, world: &World) -> Legend {
-    let spacing = number.unwrap_or(1.0);
+fn slice(legend: Legend, spacing: f32, world: &World) -> Legend {
     let what = if world.steep { "Values of the formula" } else { "Distances to the nearest surface" };
     Legend {
         lines: vec![
@@ -161,20 +159,16 @@ fn occlusion(legend: Legend) -> Legend {
     }
 }
 
-fn clauses(legend: Legend, number: Option<f32>, drawn: Drawn) -> Legend {
+fn clauses(legend: Legend, number: f32, drawn: Drawn) -> Legend {
     let lines = if drawn.interpreted {
         ["Clauses that the interpreter runs for a pixel:", "rays, normals, shadows, occlusion, materials."]
     } else {
         ["Compiled: no clauses are run. Shown are the", "evaluations of the distance for a pixel."]
     };
-    Legend {
-        lines: lines.map(str::to_owned).to_vec(),
-        scale: Some(marks(Ramp::Heat, number.unwrap_or(RUNS_RED), "+")),
-        ..legend
-    }
+    Legend { lines: lines.map(str::to_owned).to_vec(), scale: Some(marks(Ramp::Heat, number, "+")), ..legend }
 }
 
-fn cells(legend: Legend, number: Option<f32>, drawn: Drawn) -> Legend {
+fn cells(legend: Legend, number: f32, drawn: Drawn) -> Legend {
     if !drawn.cells {
         let lines = ["Regions are off: one tape holds everywhere.", "Key R, or --regions on, divides space."];
         return Legend { lines: lines.map(str::to_owned).to_vec(), ..legend };
@@ -186,7 +180,7 @@ fn cells(legend: Legend, number: Option<f32>, drawn: Drawn) -> Legend {
     ];
     Legend {
         lines: lines.map(str::to_owned).to_vec(),
-        scale: Some(marks(Ramp::Heat, number.unwrap_or(1.0), "+")),
+        scale: Some(marks(Ramp::Heat, number, "+")),
         colors: vec![
             (scale::EMPTY_CELL, "a cell without a traced surface".to_owned()),
             (scale::NO_CELL, "outside of the tree".to_owned()),
@@ -218,10 +212,10 @@ fn materials(legend: Legend, world: &World) -> Legend {
     Legend { lines: vec!["Objects, and what they are made of.".to_owned()], colors, ..legend }
 }
 
-fn depth(legend: Legend, number: Option<f32>) -> Legend {
+fn depth(legend: Legend, number: f32) -> Legend {
     Legend {
         lines: vec!["The way from the eye to the surface,".to_owned(), "in the scene's units.".to_owned()],
-        scale: Some(marks(Ramp::Dark, number.unwrap_or(1.0), "+")),
+        scale: Some(marks(Ramp::Dark, number, "+")),
         colors: vec![nothing()],
         ..legend
     }

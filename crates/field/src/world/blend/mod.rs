@@ -28,7 +28,7 @@ pub use portal::PortalShape;
 
 use super::{Bounds, Plane, Rest, Surfaces, Traced, World, WorldError};
 use crate::graph::{Graph, Input, NodeId, Op};
-use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky};
+use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky, Way};
 use crate::limits::LIMITS;
 use side::{Side, Steps};
 
@@ -44,20 +44,49 @@ pub enum BlendKind {
 impl BlendKind {
     /// All kinds: what each is called, and what it does.
     pub const ALL: [(BlendKind, &'static str, &'static str); 4] = [
-        (BlendKind::Melt, "melt", "every surface flows from one scene to the other"),
-        (BlendKind::Portal(PortalShape::Ball), "ball", "the other scene is inside a growing ball"),
-        (BlendKind::Portal(PortalShape::Plane), "plane", "the other scene is behind a moving plane"),
-        (BlendKind::Portal(PortalShape::Own), "shape", "the other scene is inside a shape that it names"),
+        BlendKind::Melt.row(),
+        BlendKind::Portal(PortalShape::Ball).row(),
+        BlendKind::Portal(PortalShape::Plane).row(),
+        BlendKind::Portal(PortalShape::Own).row(),
     ];
+
+    const fn row(self) -> (Self, &'static str, &'static str) {
+        let (name, meaning) = match self {
+            Self::Melt => ("melt", "every surface flows from one scene to the other"),
+            Self::Portal(PortalShape::Ball) => ("ball", "the other scene is inside a growing ball"),
+            Self::Portal(PortalShape::Plane) => ("plane", "the other scene is behind a moving plane"),
+            Self::Portal(PortalShape::Own) => ("shape", "the other scene is inside a shape that it names"),
+        };
+        (self, name, meaning)
+    }
 
     /// What it is called.
     pub fn name(self) -> &'static str {
-        Self::ALL.into_iter().find(|(kind, ..)| *kind == self).map_or("", |(_, name, _)| name)
+        self.row().1
     }
 
     /// The kind of that name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|(_, known, _)| *known == name).map(|(kind, ..)| kind)
+    }
+
+    /// The word for it in scenes and shows.
+    pub fn way(self) -> Way {
+        match self {
+            Self::Melt => Way::Melt,
+            Self::Portal(_) => Way::Portal,
+        }
+    }
+}
+
+impl Way {
+    /// How it mixes the worlds, if it does; a portal is a ball.
+    pub fn blend(self) -> Option<BlendKind> {
+        match self {
+            Self::Cut | Self::Fade => None,
+            Self::Melt => Some(BlendKind::Melt),
+            Self::Portal => Some(BlendKind::Portal(PortalShape::default())),
+        }
     }
 }
 
