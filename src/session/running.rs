@@ -23,6 +23,8 @@ pub(crate) struct Run {
     started: Instant,
     /// Whether it is to end.
     over: bool,
+    /// The time of the last new context.
+    renewed_at: Option<Instant>,
     pub(super) session: Session,
 }
 
@@ -35,7 +37,7 @@ impl Run {
         waker: Waker,
         started: Instant,
     ) -> Self {
-        Self { settings, scene, waker, started, over: false, session }
+        Self { settings, scene, waker, started, over: false, renewed_at: None, session }
     }
 
     /// Runs until somebody ends it. A context that the driver loses is made anew.
@@ -43,16 +45,9 @@ impl Run {
     /// # Errors
     /// An error that the session cannot go on after.
     pub(crate) fn go_on(mut self) -> Result<(), SessionError> {
-        let mut renewed_at: Option<Instant> = None;
         loop {
             match self.until_the_end() {
-                Err(SessionError::Gpu(GpuError::ContextLost { doing }))
-                    if renewed_at.is_none_or(|at| clock::since(at) > RENEWED_AGAIN) =>
-                {
-                    tracing::warn!("the driver has lost its context while {doing}");
-                    renewed_at = Some(clock::now());
-                    self.session = renewed(self.session, &self.settings, &self.scene, &self.waker)?;
-                }
+                Err(error) if self.can_go_on_after(&error) => self = self.renewed()?,
                 ended => {
                     if ended.is_ok() {
                         self.finish();
@@ -64,6 +59,25 @@ impl Run {
                 }
             }
         }
+    }
+
+    /// Returns `true` for a lost context that a new one may replace: the first loss in [`RENEWED_AGAIN`].
+    pub(super) fn can_go_on_after(&self, error: &SessionError) -> bool {
+        let SessionError::Gpu(GpuError::ContextLost { doing }) = error else { return false };
+        let is_first = self.renewed_at.is_none_or(|at| clock::since(at) > RENEWED_AGAIN);
+        if is_first {
+            tracing::warn!("the driver has lost its context while {doing}");
+        }
+        is_first
+    }
+
+    /// Moves the session to a new context.
+    ///
+    /// # Errors
+    /// The driver refuses a context.
+    pub(super) fn renewed(self) -> Result<Self, SessionError> {
+        let session = renewed(self.session, &self.settings, &self.scene, &self.waker)?;
+        Ok(Self { renewed_at: Some(clock::now()), session, ..self })
     }
 
     /// Leaves to the next session what it begins with.

@@ -61,6 +61,7 @@ const CRATES: &[(&str, &[&str])] = &[
             "libc",
             "mariana-field",
             "mariana-music",
+            "raw-window-handle",
             "rustix",
             "serde",
             "skrifa",
