@@ -11,6 +11,7 @@ use crate::commands::{Command, Sender};
 use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::gpu::error::GpuError;
+use crate::ui::UiError;
 
 /// A context that is lost again this soon after it was made anew is not made again.
 const RENEWED_AGAIN: Duration = Duration::from_secs(5);
@@ -63,7 +64,7 @@ impl Run {
 
     /// Returns `true` for a lost context that a new one may replace: the first loss in [`RENEWED_AGAIN`].
     pub(super) fn can_go_on_after(&self, error: &SessionError) -> bool {
-        let SessionError::Gpu(GpuError::ContextLost { doing }) = error else { return false };
+        let Some(doing) = doing_at_loss(error) else { return false };
         let is_first = self.renewed_at.is_none_or(|at| clock::since(at) > RENEWED_AGAIN);
         if is_first {
             tracing::warn!("the driver has lost its context while {doing}");
@@ -174,5 +175,27 @@ impl Run {
         while let Some(command) = self.session.playback.command_of_desktop() {
             self.carry_out(command, Sender::Desktop);
         }
+    }
+}
+
+/// What the session was doing when the driver lost the context; `None` for other errors.
+fn doing_at_loss(error: &SessionError) -> Option<&'static str> {
+    match error {
+        SessionError::Gpu(GpuError::ContextLost { doing })
+        | SessionError::Ui(UiError::Gpu(GpuError::ContextLost { doing })) => Some(doing),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_loss_that_the_panels_noticed_ended_the_show() {
+        let lost = || GpuError::ContextLost { doing: "drawing" };
+        assert_eq!(doing_at_loss(&SessionError::Gpu(lost())), Some("drawing"));
+        assert_eq!(doing_at_loss(&SessionError::Ui(UiError::Gpu(lost()))), Some("drawing"));
+        assert_eq!(doing_at_loss(&SessionError::NoMonitor), None);
     }
 }
