@@ -171,6 +171,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         true => LastShow::default(),
         false => file.settings().last_show.clone().unwrap_or_default(),
     };
+    let kept = ProgramCache::within(folders.cache.as_deref());
     let mut settings = PlaySettings {
         choices,
         show: arguments.show.and_then(ShowChoice::into_named),
@@ -184,7 +185,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         fps_cap: arguments.fps_cap,
         fade: arguments.fade,
         prepare_ahead: arguments.prepare_ahead,
-        program_cache: if arguments.program_cache { ProgramCache::of_user() } else { ProgramCache::off() },
+        program_cache: if arguments.program_cache { kept } else { ProgramCache::off() },
         fullscreen: arguments.fullscreen || (arguments.size.is_none() && last.fullscreen),
         begin_at: 0.0,
         hands: HandSettings {

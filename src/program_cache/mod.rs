@@ -30,8 +30,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 
-use directories::ProjectDirs;
-
 use attempts::Attempt;
 
 use crate::atomic_file::AtomicFile;
@@ -64,10 +62,9 @@ impl ProgramCache {
         Self { folder: None }
     }
 
-    /// In the user's folder for caches, if the system has one.
-    pub fn of_user() -> Self {
-        ProjectDirs::from("", "", "mariana")
-            .map_or_else(Self::off, |places| Self::in_folder(places.cache_dir().join("programs")))
+    /// In a subfolder of `caches`; off without it.
+    pub fn within(caches: Option<&Path>) -> Self {
+        caches.map_or_else(Self::off, |caches| Self::in_folder(caches.join("programs")))
     }
 
     /// In this folder, which is made when something is written.

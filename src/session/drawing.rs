@@ -62,6 +62,14 @@ impl Session {
         self.present(Picture { wanted, new, dims, level, begun }, &lay, size)
     }
 
+    /// Returns `true` once a resting show has its best picture. A frozen picture always rests.
+    pub(super) fn is_at_rest(&self, now: Instant) -> bool {
+        let playback = &self.playback;
+        let is_drawn =
+            !playback.scene.composer().is_drawing() && !playback.could_be_better(&*self.screen, now);
+        playback.holds_picture() || playback.pace.stands_still(now) && is_drawn
+    }
+
     /// Shows the picture and what is over it, if either looks different. Returns whether it is the first picture.
     ///
     /// # Errors

@@ -141,11 +141,19 @@ impl DrawingPace {
         moves
     }
 
+    /// Returns `true` after [`STANDS_STILL`] without a change.
+    pub(crate) fn stands_still(&self, now: Instant) -> bool {
+        now.saturating_duration_since(self.moved) >= STANDS_STILL
+    }
+
     /// How the next picture is drawn: as well as possible if it stands still, and also if it is a view, whose legend
     /// is read.
     pub(crate) fn level(&self, now: Instant, is_view: bool) -> Level {
-        let still = now.saturating_duration_since(self.moved) >= STANDS_STILL;
-        if still || is_view { self.resolution.still_level() } else { self.resolution.level() }
+        if self.stands_still(now) || is_view {
+            self.resolution.still_level()
+        } else {
+            self.resolution.level()
+        }
     }
 
     /// Says whether samples are saved because the scene is being edited. A show that stands still is drawn well all the

@@ -305,8 +305,9 @@ impl DynamicResolution {
     fn begin(&mut self, cost: f64) {
         let share = cost / self.level().cost();
         let fits = |level: &usize| share * level_at(*level).cost() <= FREE * self.time_at(*level);
-        if let Some(better) = (0..self.level).find(fits) {
-            self.change(better);
+        match (0..self.level).find(fits) {
+            Some(better) => self.change(better),
+            None => self.tell_level(),
         }
     }
 
@@ -347,9 +348,13 @@ impl DynamicResolution {
 
     fn change(&mut self, level: usize) {
         self.level = level;
-        tracing::info!("{} of the window's width and height are drawn", self.level().scale);
+        self.tell_level();
         self.frames.clear();
         self.settling = SETTLING;
+    }
+
+    fn tell_level(&self) {
+        tracing::info!("{} of the window's width and height are drawn", self.level().scale);
     }
 }
 

@@ -24,7 +24,7 @@ use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::headless::Headless;
 use crate::gpu::renderer::Renderer;
-use crate::gpu::target::{Target, Texel};
+use crate::gpu::target::Target;
 use crate::input::Input;
 use crate::monitor::Monitor;
 use crate::placement::Area;
@@ -38,7 +38,8 @@ const PATIENCE: Duration = Duration::from_millis(20);
 
 /// See the module. It lives on the thread that made it.
 pub struct Offscreen {
-    run: Run,
+    /// `None` after an error.
+    run: Option<Run>,
     shared: Rc<RefCell<Shared>>,
 }
 
@@ -60,11 +61,24 @@ struct Shared {
 }
 
 impl Offscreen {
-    /// Begins a session with what was prepared. Its window has the size of the settings.
+    /// Begins a prepared session. Its window has the size of the settings; programs compile between frames.
     ///
     /// # Errors
     /// The scene or the song cannot be shown, or the driver gives no context.
     pub fn open(prepared: Prepared) -> Result<Self, SessionError> {
+        Self::begin(prepared, false)
+    }
+
+    /// The same, with a thread that compiles programs on EGL's default display. Programs compile between frames if EGL
+    /// has no such display.
+    ///
+    /// # Errors
+    /// As [`Offscreen::open`].
+    pub fn open_with_compiler(prepared: Prepared) -> Result<Self, SessionError> {
+        Self::begin(prepared, true)
+    }
+
+    fn begin(prepared: Prepared, has_compiler: bool) -> Result<Self, SessionError> {
         let Prepared { tracks, settings, scene, memory } = prepared;
         let started = clock::now();
         let (wakes, woken) = channel();
@@ -76,7 +90,7 @@ impl Offscreen {
         let (loaders, first) = load_first(&scene, settings.prepare_ahead, &waker, &drafts)?;
         let sends =
             Sends::start(&settings.sends, settings.send_size.unwrap_or(settings.size), settings.send_fps)?;
-        let (screen, shared) = OffscreenWindow::new(settings.size, woken)?;
+        let (screen, shared) = OffscreenWindow::new(settings.size, woken, has_compiler)?;
         let opening = Opening {
             tracks,
             settings: &settings,
@@ -90,17 +104,23 @@ impl Offscreen {
             desktop: Box::new(|_| Box::new(NoDesktop)),
         };
         let session = opening.session(&waker)?;
-        Ok(Self { run: Run::new(session, settings, scene, waker, started), shared })
+        Ok(Self { run: Some(Run::new(session, settings, scene, waker, started)), shared })
     }
 
-    /// Goes on by one step: takes in what has happened, waits a moment for what is due, and draws if that is to be seen.
-    /// Returns whether the session goes on.
+    /// Runs one step: takes input, waits briefly for due work, draws if the picture changes. Replaces a lost context.
+    /// Returns `false` once the session has ended.
     ///
     /// # Errors
-    /// An error that the session cannot go on after.
+    /// An error that ends the session.
     pub fn step(&mut self) -> Result<bool, SessionError> {
-        self.run.step()?;
-        Ok(!self.run.is_over())
+        let Some(mut run) = self.run.take() else { return Ok(false) };
+        match run.step() {
+            Err(error) if run.can_go_on_after(&error) => run = run.renewed()?,
+            done => done?,
+        }
+        let goes_on = !run.is_over();
+        self.run = Some(run);
+        Ok(goes_on)
     }
 
     /// Lets a user do something, at the next step.
@@ -110,7 +130,9 @@ impl Offscreen {
 
     /// Carries out a command at once.
     pub fn command(&mut self, command: Command) {
-        self.run.carry_out(command, Sender::Window);
+        if let Some(run) = &mut self.run {
+            run.carry_out(command, Sender::Window);
+        }
     }
 
     /// Changes the size of the window, in pixels.
@@ -146,12 +168,19 @@ impl Offscreen {
 
     /// The state of everything that a named command can change.
     pub fn state(&mut self) -> ShowState {
-        self.run.session.state()
+        self.run.as_mut().map(|run| run.session.state()).unwrap_or_default()
+    }
+
+    /// Returns `true` once a resting show has its best picture. A frozen picture always rests.
+    pub fn is_at_rest(&self) -> bool {
+        self.run.as_ref().is_none_or(|run| run.session.is_at_rest(clock::now()))
     }
 
     /// Ends the session as its user would, so that everything is kept that is remembered.
     pub fn finish(mut self) {
-        self.run.finish();
+        if let Some(run) = &mut self.run {
+            run.finish();
+        }
     }
 }
 
@@ -160,12 +189,18 @@ struct OffscreenWindow {
     target: Target,
     shared: Rc<RefCell<Shared>>,
     woken: Receiver<()>,
+    /// Compile programs on a thread.
+    has_compiler: bool,
     // Last: the target is made in it.
     context: Headless,
 }
 
 impl OffscreenWindow {
-    fn new(size: (u32, u32), woken: Receiver<()>) -> Result<(Self, Rc<RefCell<Shared>>), SessionError> {
+    fn new(
+        size: (u32, u32),
+        woken: Receiver<()>,
+        has_compiler: bool,
+    ) -> Result<(Self, Rc<RefCell<Shared>>), SessionError> {
         let context = Headless::new(false)?;
         let target = target_of(context.gl(), size)?;
         let shared = Rc::new(RefCell::new(Shared {
@@ -180,7 +215,7 @@ impl OffscreenWindow {
             is_due: true,
             picture: RgbaImage::new(size.0, size.1),
         }));
-        Ok((Self { target, shared: shared.clone(), woken, context }, shared))
+        Ok((Self { target, shared: shared.clone(), woken, has_compiler, context }, shared))
     }
 
     /// Has a target of the window's size.
@@ -204,7 +239,7 @@ impl OffscreenWindow {
 
 /// A target that stands for the window.
 fn target_of(gl: &Gl, size: (u32, u32)) -> Result<Target, GpuError> {
-    let target = Target::new(gl, size, &[Texel::Rgba8], None)?;
+    let target = Target::of_window(gl, size)?;
     gl.replace_window(Some(&target));
     Ok(target)
 }
@@ -232,16 +267,16 @@ impl Screen for OffscreenWindow {
     }
 
     fn worker_contexts(&self, _: usize) -> Vec<WorkerContext> {
-        Vec::new()
+        self.has_compiler.then(WorkerContext::beside_headless).flatten().into_iter().collect()
     }
 
     fn renew(self: Box<Self>) -> Result<Box<dyn Screen>, SessionError> {
-        let Self { target, shared, woken, context } = *self;
+        let Self { target, shared, woken, has_compiler, context } = *self;
         drop(target);
         drop(context);
         let context = Headless::new(false)?;
         let target = target_of(context.gl(), shared.borrow().size)?;
-        Ok(Box::new(Self { target, shared, woken, context }))
+        Ok(Box::new(Self { target, shared, woken, has_compiler, context }))
     }
 
     fn refresh_rate(&self) -> Option<f64> {

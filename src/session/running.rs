@@ -11,6 +11,7 @@ use crate::commands::{Command, Sender};
 use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::gpu::error::GpuError;
+use crate::ui::UiError;
 
 /// A context that is lost again this soon after it was made anew is not made again.
 const RENEWED_AGAIN: Duration = Duration::from_secs(5);
@@ -23,6 +24,8 @@ pub(crate) struct Run {
     started: Instant,
     /// Whether it is to end.
     over: bool,
+    /// The time of the last new context.
+    renewed_at: Option<Instant>,
     pub(super) session: Session,
 }
 
@@ -35,7 +38,7 @@ impl Run {
         waker: Waker,
         started: Instant,
     ) -> Self {
-        Self { settings, scene, waker, started, over: false, session }
+        Self { settings, scene, waker, started, over: false, renewed_at: None, session }
     }
 
     /// Runs until somebody ends it. A context that the driver loses is made anew.
@@ -43,16 +46,9 @@ impl Run {
     /// # Errors
     /// An error that the session cannot go on after.
     pub(crate) fn go_on(mut self) -> Result<(), SessionError> {
-        let mut renewed_at: Option<Instant> = None;
         loop {
             match self.until_the_end() {
-                Err(SessionError::Gpu(GpuError::ContextLost { doing }))
-                    if renewed_at.is_none_or(|at| clock::since(at) > RENEWED_AGAIN) =>
-                {
-                    tracing::warn!("the driver has lost its context while {doing}");
-                    renewed_at = Some(clock::now());
-                    self.session = renewed(self.session, &self.settings, &self.scene, &self.waker)?;
-                }
+                Err(error) if self.can_go_on_after(&error) => self = self.renewed()?,
                 ended => {
                     if ended.is_ok() {
                         self.finish();
@@ -64,6 +60,25 @@ impl Run {
                 }
             }
         }
+    }
+
+    /// Returns `true` for a lost context that a new one may replace: the first loss in [`RENEWED_AGAIN`].
+    pub(super) fn can_go_on_after(&self, error: &SessionError) -> bool {
+        let Some(doing) = doing_at_loss(error) else { return false };
+        let is_first = self.renewed_at.is_none_or(|at| clock::since(at) > RENEWED_AGAIN);
+        if is_first {
+            tracing::warn!("the driver has lost its context while {doing}");
+        }
+        is_first
+    }
+
+    /// Moves the session to a new context.
+    ///
+    /// # Errors
+    /// The driver refuses a context.
+    pub(super) fn renewed(self) -> Result<Self, SessionError> {
+        let session = renewed(self.session, &self.settings, &self.scene, &self.waker)?;
+        Ok(Self { renewed_at: Some(clock::now()), session, ..self })
     }
 
     /// Leaves to the next session what it begins with.
@@ -160,5 +175,27 @@ impl Run {
         while let Some(command) = self.session.playback.command_of_desktop() {
             self.carry_out(command, Sender::Desktop);
         }
+    }
+}
+
+/// What the session was doing when the driver lost the context; `None` for other errors.
+fn doing_at_loss(error: &SessionError) -> Option<&'static str> {
+    match error {
+        SessionError::Gpu(GpuError::ContextLost { doing })
+        | SessionError::Ui(UiError::Gpu(GpuError::ContextLost { doing })) => Some(doing),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_loss_that_the_panels_noticed_ended_the_show() {
+        let lost = || GpuError::ContextLost { doing: "drawing" };
+        assert_eq!(doing_at_loss(&SessionError::Gpu(lost())), Some("drawing"));
+        assert_eq!(doing_at_loss(&SessionError::Ui(UiError::Gpu(lost()))), Some("drawing"));
+        assert_eq!(doing_at_loss(&SessionError::NoMonitor), None);
     }
 }

@@ -137,3 +137,19 @@ fn rubbish_is_refused_with_a_sentence_and_in_time() {
     let told = place.run(&["eval", "y", "--points", "points.csv"]);
     assert!(told.code == 1 && told.stderr.contains("points.csv:2"), "{told:?}");
 }
+
+#[test]
+fn a_scene_that_cannot_be_shown_at_the_start_ends_the_program_with_what_is_wrong() {
+    let place = Workplace::new();
+    place.write_tone("song.wav", 440.0, 0.1, [0.5, 0.5]);
+    place.write("broken.scene", "object wall { shape = 5 - p.z }\nobject ball { shape = vec3(1, 0 0) }\n");
+    for (scene, expected) in [
+        ("broken.scene", "broken.scene:2:"),
+        ("missing.scene", "missing.scene"),
+        ("speekers", "speekers"),
+        ("length(p) - ", "formula:1:13"),
+    ] {
+        let outcome = place.run(&["song.wav", "--silent", "--scene", scene]);
+        assert!(outcome.code == 1 && outcome.stderr.contains(expected), "no '{expected}' in {outcome:?}");
+    }
+}

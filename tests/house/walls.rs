@@ -55,6 +55,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "libc",
             "mariana-field",
             "mariana-music",
+            "raw-window-handle",
             "rustix",
             "serde",
             "skrifa",

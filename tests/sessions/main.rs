@@ -2,15 +2,20 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
+mod changes;
 mod editor;
 mod hands;
 mod panels;
 mod playlist;
+mod programs;
+mod quality;
 mod recording;
 mod remote;
+mod scenes;
 mod sends;
 mod settings;
 mod stage;
+mod views;
 mod walls;
 
 #[path = "../support/mod.rs"]

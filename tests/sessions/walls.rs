@@ -75,7 +75,6 @@ pub(crate) fn is_black(color: [u8; 3]) -> bool {
 }
 
 /// Waits until most of the picture has one channel only: 0 is red, 1 green, 2 blue.
-#[expect(dead_code, reason = "soon")]
 pub(crate) fn wait_for_channel(app: &App, channel: usize) {
     app.wait_for("the wall's colour", |picture| {
         let fits = picture.pixels().filter(|pixel| (0..3).all(|at| (pixel.0[at] > 120) == (at == channel)));

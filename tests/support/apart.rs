@@ -3,7 +3,8 @@
 //! Mesa 22.3's llvmpipe looks into all contexts of a display while their threads change them, so two sessions that draw in
 //! one process can crash each other. A process also has variables, a log and an end of its own.
 
-use std::process::Command;
+use std::ffi::OsStr;
+use std::process::{Command, ExitStatus, Stdio};
 
 /// Set in the process of a test: its name.
 const TEST: &str = "MARIANA_TEST_APART";
@@ -31,13 +32,24 @@ pub(crate) fn runs_elsewhere(path: &str, variables: &[(&str, &str)]) -> bool {
     }
     let test = path.split("::").skip(1).collect::<Vec<_>>();
     let test = test[..test.len() - 1].join("::");
-    let mut again = Command::new(std::env::current_exe().unwrap());
-    again.args([&test, "--exact", "--nocapture", "--test-threads=1"]).env(TEST, &test);
-    let output = again.envs(variables.iter().copied()).output().unwrap();
+    let output = process_of(&test).envs(variables.iter().copied()).output().unwrap();
     let (told, failed) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "{test}: {}\n{told}\n{failed}", output.status);
     assert!(told.contains("1 passed"), "{test} did not run: {told}");
     true
+}
+
+/// Runs the test of this process again, in another process with further variables.
+pub(crate) fn run_again(variables: &[(&str, &OsStr)]) -> ExitStatus {
+    let mut again = process_of(&std::env::var(TEST).unwrap());
+    again.envs(variables.iter().copied()).stdout(Stdio::null()).stderr(Stdio::null()).status().unwrap()
+}
+
+/// The process of one test.
+fn process_of(test: &str) -> Command {
+    let mut process = Command::new(std::env::current_exe().unwrap());
+    process.args([test, "--exact", "--nocapture", "--test-threads=1"]).env(TEST, test);
+    process
 }
 
 /// Whether this is the process of one test.

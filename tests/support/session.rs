@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, Once, PoisonError};
 use std::time::{Duration, Instant};
 
 use image::RgbaImage;
@@ -16,6 +16,7 @@ use mariana::commands::{Command, ShowState};
 use mariana::config::Folders;
 use mariana::input::{Input, Key, KeyPress, Modifiers, NamedKey, PointerButton, Wheel};
 use mariana::session::offscreen::Offscreen;
+use mariana::session::{Prepared, SessionError};
 use mariana_testing::process::WAIT_LIMIT;
 use mariana_testing::wave::write_wav;
 
@@ -25,7 +26,9 @@ const ALONE: [&str; 5] = ["--prepare-ahead", "off", "--clean", "--new", "--silen
 
 /// A folder in which sessions find their files and keep their own.
 pub(crate) struct Place {
-    folder: TempDir,
+    folder: PathBuf,
+    /// Removes the folder; `None` if another process owns it.
+    _own: Option<TempDir>,
 }
 
 impl Place {
@@ -33,17 +36,22 @@ impl Place {
     pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         std::fs::create_dir(folder.path().join("midi")).unwrap();
-        Self { folder }
+        Self { folder: folder.path().to_owned(), _own: Some(folder) }
+    }
+
+    /// An existing folder.
+    pub(crate) fn at(folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), _own: None }
     }
 
     /// The folder.
     pub(crate) fn folder(&self) -> &Path {
-        self.folder.path()
+        &self.folder
     }
 
     /// A file in it.
     pub(crate) fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
+        self.folder.join(name)
     }
 
     /// The file of the settings.
@@ -69,16 +77,33 @@ impl Place {
         self.begin(&[&ALONE[..], options].concat())
     }
 
+    /// The same, with a thread that compiles programs.
+    pub(crate) fn open_with_compiler(&self, song: &Path, options: &[&str]) -> App {
+        let platform = std::env::var("EGL_PLATFORM").unwrap_or_default();
+        assert_eq!(
+            platform, "surfaceless",
+            "such a test begins with `apart!(\"EGL_PLATFORM\" = \"surfaceless\")`"
+        );
+        let all = [&[song.to_str().unwrap()], &ALONE[..], options].concat();
+        let app = self.start(&all, Offscreen::open_with_compiler);
+        assert!(!app.told().contains("no context on the default display"), "{}", app.told());
+        app
+    }
+
     /// A session with exactly these arguments.
     pub(crate) fn begin(&self, arguments: &[&str]) -> App {
+        self.start(arguments, Offscreen::open)
+    }
+
+    fn start(&self, arguments: &[&str], open: fn(Prepared) -> Result<Offscreen, SessionError>) -> App {
         assert!(is_apart(), "the test of a session begins with `apart!()`");
         let log = Log::default();
-        let guard = log.listen();
+        log.listen();
         let folders = Folders { midi_ports: Some(self.path("midi")), ..Folders::within(self.folder()) };
         let prepared =
             prepare_show(arguments.iter().copied(), folders).unwrap_or_else(|error| panic!("{error:#}"));
-        let session = Offscreen::open(prepared).unwrap_or_else(|error| panic!("{error}"));
-        App { session: RefCell::new(session), held: RefCell::default(), log, _guard: guard }
+        let session = open(prepared).unwrap_or_else(|error| panic!("{error}"));
+        App { session: RefCell::new(session), held: RefCell::default(), log }
     }
 
     /// What the file of the settings holds.
@@ -123,17 +148,23 @@ fn copy_folder(from: &Path, to: &Path) {
 #[derive(Clone, Default)]
 struct Log(Arc<Mutex<Vec<u8>>>);
 
+/// The log of the newest session.
+static NEWEST: LazyLock<Mutex<Log>> = LazyLock::new(Mutex::default);
+
 impl Log {
-    /// Takes what is logged on this thread.
-    fn listen(&self) -> tracing::subscriber::DefaultGuard {
-        let log = self.clone();
-        let lines = tracing_subscriber::fmt()
-            .with_writer(move || log.clone())
-            .with_ansi(false)
-            .without_time()
-            .with_max_level(LevelFilter::DEBUG)
-            .finish();
-        tracing::subscriber::set_default(lines)
+    /// Collects the log of this process from now on, on all threads.
+    fn listen(&self) {
+        static STARTED: Once = Once::new();
+        *NEWEST.lock().unwrap() = self.clone();
+        STARTED.call_once(|| {
+            let lines = tracing_subscriber::fmt()
+                .with_writer(|| NEWEST.lock().unwrap().clone())
+                .with_ansi(false)
+                .without_time()
+                .with_max_level(LevelFilter::DEBUG)
+                .finish();
+            tracing::subscriber::set_global_default(lines).unwrap();
+        });
     }
 
     fn text(&self) -> String {
@@ -156,7 +187,6 @@ pub(crate) struct App {
     session: RefCell<Offscreen>,
     held: RefCell<Modifiers>,
     log: Log,
-    _guard: tracing::subscriber::DefaultGuard,
 }
 
 impl App {
@@ -291,7 +321,7 @@ impl App {
         self.wait_until(what, |app| app.told().contains(what));
     }
 
-    /// Goes on until the picture stays the same for a while, and returns it.
+    /// Goes on until the picture stays the same for a while and is as good as it can be, and returns it.
     pub(crate) fn wait_until_still(&self) -> RgbaImage {
         let (mut last, mut since) = (self.picture(), Instant::now());
         self.wait_until("a picture that stands", |app| {
@@ -299,7 +329,7 @@ impl App {
             if now != last {
                 (last, since) = (now, Instant::now());
             }
-            since.elapsed() > Duration::from_millis(700)
+            since.elapsed() > Duration::from_millis(700) && app.session.borrow().is_at_rest()
         });
         last
     }
@@ -321,7 +351,7 @@ impl App {
         self.session.borrow_mut().state()
     }
 
-    /// What was told and logged on the session's thread; a sentence for the user stands behind `told: `.
+    /// What was told and logged; a sentence for the user stands behind `told: `.
     pub(crate) fn told(&self) -> String {
         self.log.text()
     }
@@ -333,7 +363,7 @@ impl App {
 
     /// Ends the session as its user would. Returns what was told and logged.
     pub(crate) fn quit(self) -> String {
-        let Self { session, log, _guard, .. } = self;
+        let Self { session, log, .. } = self;
         session.into_inner().finish();
         log.text()
     }
@@ -385,6 +415,18 @@ impl App {
         }
         self.quit()
     }
+
+    /// The same, after a show without complaints.
+    pub(crate) fn quit_content(self) -> String {
+        let told = self.quit_by_key();
+        assert!(!complains(&told), "it complains: {told}");
+        told
+    }
+}
+
+/// Returns `true` if the log holds a sentence that the program prints on standard error.
+fn complains(told: &str) -> bool {
+    told.lines().any(|line| line.trim_start().starts_with("DEBUG told: "))
 }
 
 fn key_of(name: &str, shift: bool) -> Key {

@@ -3,13 +3,12 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop};
 use image::RgbaImage;
 use mariana_testing::process::wait_until;
-use mariana_testing::wave::write_wav;
 
 pub(crate) const QUIT_LIMIT: Duration = Duration::from_secs(60);
 
@@ -103,41 +102,4 @@ pub(crate) fn quit(app: App<'_>) -> String {
     assert!(status.success(), "{status}: {told}");
     assert!(!told.contains("panicked"), "{told}");
     told
-}
-
-/// The same, and nothing was complained about.
-pub(crate) fn quit_content(app: App<'_>) -> String {
-    let told = quit(app);
-    assert!(!told.contains("mariana: "), "it complains: {told}");
-    told
-}
-
-/// Waits until most of the picture has one channel only: 0 is red, 1 green, 2 blue.
-pub(crate) fn wait_for_channel(app: &App, channel: usize) {
-    wait_until("the wall's colour", || {
-        let picture = app.picture();
-        let fits = picture.pixels().filter(|pixel| (0..3).all(|at| (pixel.0[at] > 120) == (at == channel)));
-        2 * fits.count() > picture.pixels().count()
-    });
-}
-
-/// A minute of silence, as a song in a folder.
-pub(crate) fn quiet_song(folder: &Path) -> PathBuf {
-    let song = folder.join("quiet.wav");
-    write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
-    song
-}
-
-/// A desktop with a quiet song, in a folder for scenes.
-pub(crate) struct QuietDesktop {
-    pub(crate) desktop: Desktop,
-    pub(crate) song: PathBuf,
-}
-
-impl QuietDesktop {
-    pub(crate) fn new() -> Self {
-        let desktop = Desktop::start();
-        let song = quiet_song(desktop.folder());
-        Self { desktop, song }
-    }
 }

@@ -69,6 +69,19 @@ impl WorkerContext {
         Ok(Self { display: display.clone(), context })
     }
 
+    /// A context on EGL's default display; [`super::headless::Headless`] uses another one. `None` if EGL refuses it.
+    pub fn beside_headless() -> Option<Self> {
+        #[cfg(target_os = "linux")]
+        let made = super::headless::default_context();
+        #[cfg(target_os = "linux")]
+        return made.map(|(display, context)| Self {
+            display: Display::Egl(display),
+            context: NotCurrentContext::Egl(context),
+        });
+        #[cfg(not(target_os = "linux"))]
+        None
+    }
+
     /// Makes it current on this thread. Without a window only EGL can do that.
     fn make_current(self) -> Result<(Display, PossiblyCurrentContext), String> {
         let current = match self.context {

@@ -102,13 +102,37 @@ fn context_on(
     device: &glutin::api::egl::device::Device,
 ) -> glutin::error::Result<(glutin::api::egl::display::Display, glutin::api::egl::context::NotCurrentContext)>
 {
+    // SAFETY: the device comes from the same EGL library.
+    context_of(unsafe { glutin::api::egl::display::Display::with_device(device, None) }?)
+}
+
+/// A context on EGL's default display, not current yet. It shares no display with contexts on devices. The variable
+/// `EGL_PLATFORM` or the desktop decides which display EGL takes.
+#[cfg(target_os = "linux")]
+pub(super) fn default_context()
+-> Option<(glutin::api::egl::display::Display, glutin::api::egl::context::NotCurrentContext)> {
+    use raw_window_handle::{OhosDisplayHandle, RawDisplayHandle};
+
+    let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    // glutin asks EGL for the default display on this platform.
+    let handle = RawDisplayHandle::Ohos(OhosDisplayHandle::new());
+    // SAFETY: the handle points to nothing.
+    let display = unsafe { glutin::api::egl::display::Display::new(handle) };
+    let made = display.and_then(context_of);
+    made.inspect_err(|error| tracing::info!("no context on the default display: {error}")).ok()
+}
+
+#[cfg(all(unix, not(target_os = "macos")))]
+fn context_of(
+    display: glutin::api::egl::display::Display,
+) -> glutin::error::Result<(glutin::api::egl::display::Display, glutin::api::egl::context::NotCurrentContext)>
+{
     use glutin::config::{Api, ConfigSurfaceTypes, ConfigTemplateBuilder};
     use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
     use glutin::display::GlDisplay;
 
-    // SAFETY: the device comes from the same EGL library; the context outlives nothing that is not ours.
+    // SAFETY: the display is alive; the context outlives nothing that is not ours.
     unsafe {
-        let display = glutin::api::egl::display::Display::with_device(device, None)?;
         let template = ConfigTemplateBuilder::new()
             .with_surface_type(ConfigSurfaceTypes::empty())
             .with_api(Api::OPENGL)

@@ -103,6 +103,24 @@ impl Target {
             let reason = "no memory is left (a deliberate fault)".to_owned();
             return Err(GpuError::Object { what: "a render target", reason });
         }
+        Self::made(gl, size, texels, stencil)
+    }
+
+    /// A target in place of a window of `size` pixels, exempt from the faults of tests.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] beyond the driver's size, [`GpuError::Object`] if it refuses.
+    pub fn of_window(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
+        Self::check_size(gl, size)?;
+        Self::made(gl, size, &[Texel::Rgba8], None)
+    }
+
+    fn made(
+        gl: &Gl,
+        size: (u32, u32),
+        texels: &[Texel],
+        stencil: Option<Rc<Stencil>>,
+    ) -> Result<Self, GpuError> {
         let framebuffer = Framebuffer::new(gl)?;
         let mut colors = Vec::with_capacity(texels.len());
         // SAFETY: all names are ours and made in the current context.

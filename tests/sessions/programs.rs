@@ -1,39 +1,42 @@
-//! The programs that draw the window: the interpreter for nearly every scene that is there before anyone edits, what is
-//! kept from run to run, and drivers that fail. Mesa's option `force_gl_renderer` makes its software renderer pass for a
-//! GPU.
+//! The programs that draw: the interpreter for nearly every scene that is there before anyone edits, what is kept from run
+//! to run, and drivers that fail. Mesa's option `force_gl_renderer` makes its software renderer pass for a GPU.
 
 #![cfg(target_os = "linux")]
-#![allow(clippy::unwrap_used, clippy::expect_used)]
 
+use crate::support::apart::{apart, run_again};
+use std::ffi::OsStr;
 use std::fs;
 use std::os::unix::process::ExitStatusExt;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
 
-use crate::support::desktop::{App, Desktop, PROGRAM};
-use crate::walls::{quiet_song, quit_content as quit, wait_for_channel};
-use mariana_testing::process::wait_until;
+use crate::support::session::{self, App};
+use crate::walls::wait_for_channel;
+use mariana_testing::process::WAIT_LIMIT;
 
-/// What makes Mesa's software renderer pass for a GPU, silently.
-const GPU: [(&str, &str); 2] = [("force_gl_renderer", "GPU"), ("MESA_DEBUG", "silent")];
 /// What the log says once the interpreter for nearly every scene is there; the other kind's line goes on.
 const READY: &str = "the universal interpreter is ready\n";
 const READY_STEEP: &str = "the universal interpreter is ready, for formulas";
 
-/// A desktop with a song and a scene.
+const SONG: &str = "quiet.wav";
+
+/// A folder with a song and a scene.
 struct Place {
-    desktop: Desktop,
+    inner: session::Place,
     song: PathBuf,
     scene: PathBuf,
 }
 
 impl Place {
     fn new() -> Self {
-        let desktop = Desktop::start();
-        let (song, scene) = (quiet_song(desktop.folder()), desktop.folder().join("own.scene"));
-        let place = Self { desktop, song, scene };
+        let place = Self::of(session::Place::new());
+        place.inner.quiet_song(SONG, 60);
         place.save(0, "p.z - 5");
         place
+    }
+
+    fn of(inner: session::Place) -> Self {
+        let (song, scene) = (inner.path(SONG), inner.path("own.scene"));
+        Self { inner, song, scene }
     }
 
     /// Saves a wall that shines in one of the colours red, green and blue.
@@ -49,21 +52,17 @@ impl Place {
         fs::write(&self.scene, text).unwrap();
     }
 
-    fn arguments<'a>(&'a self, options: &[&'a str]) -> Vec<&'a str> {
-        let scene = self.scene.to_str().unwrap();
-        [&["--silent", "--size", "64x36", "-v", "--scene", scene], options].concat()
-    }
-
-    /// The window with these variables, when its scene shows.
-    fn open(&self, variables: &[(&str, &str)], options: &[&str]) -> App<'_> {
-        let mut app = self.desktop.open_with(variables, &self.song, &self.arguments(options));
+    /// A session that compiles on a thread, when its scene shows.
+    fn open(&self, options: &[&str]) -> App {
+        let own = ["--size", "64x36", "--scene", self.scene.to_str().unwrap()];
+        let app = self.inner.open_with_compiler(&self.song, &[&own[..], options].concat());
         app.wait_for_title("the scene", |title| title.contains("(own, "));
         app
     }
 
     /// The folder of kept programs.
     fn kept(&self) -> PathBuf {
-        self.desktop.folder().join(".cache/mariana/programs")
+        self.inner.path("cache/programs")
     }
 
     /// Its files of a kind.
@@ -80,9 +79,10 @@ fn count(text: &str, what: &str) -> usize {
 
 #[test]
 fn edits_find_the_interpreter_and_the_next_start_finds_it_kept_unless_it_is_damaged() {
+    apart!("EGL_PLATFORM" = "surfaceless", "force_gl_renderer" = "GPU", "MESA_DEBUG" = "silent");
     let place = Place::new();
     let options = ["--sdf", "interpreted"];
-    let mut app = place.open(&GPU, &options);
+    let app = place.open(&options);
     wait_for_channel(&app, 0);
     app.wait_until_told(READY);
     app.wait_until_told(READY_STEEP);
@@ -92,97 +92,117 @@ fn edits_find_the_interpreter_and_the_next_start_finds_it_kept_unless_it_is_dama
         place.save(channel, wall);
         wait_for_channel(&app, channel);
     }
-    let told = quit(app);
+    let told = app.quit_content();
     let after = told.strip_prefix(&before).unwrap();
     assert!(!after.contains("is requested"), "an edit waited for a compiler: {after}");
     // The first scene's own, which was there sooner, too.
     assert_eq!((place.files("program").len(), place.files("attempt").len()), (3, 0));
 
     place.save(0, "p.z - 5");
-    let mut app = place.open(&GPU, &options);
+    let app = place.open(&options);
     wait_for_channel(&app, 0);
     app.wait_until_told(READY_STEEP);
-    let told = quit(app);
+    let told = app.quit_content();
     assert_eq!((count(&told, "a kept program is there"), count(&told, "is compiled")), (3, 0), "{told}");
 
     // One that is cut off.
     let files = place.files("program");
     let whole = files.iter().map(|path| fs::read(path).unwrap()).collect::<Vec<_>>();
     fs::write(&files[0], &whole[0][..whole[0].len() / 2]).unwrap();
-    let app = &mut place.open(&GPU, &options);
-    wait_for_channel(app, 0);
+    let app = place.open(&options);
+    wait_for_channel(&app, 0);
     app.wait_until_told("is damaged and removed");
     app.wait_until_told(READY_STEEP);
-    wait_until("the program, kept again", || place.files("program").len() == 3);
+    app.wait_until("the program, kept again", |_| place.files("program").len() == 3);
     assert!(files[0].metadata().unwrap().len() > whole[0].len() as u64 / 2);
 }
 
 #[test]
 fn without_a_folder_or_without_being_allowed_nothing_is_kept_and_the_show_goes_on() {
+    apart!("EGL_PLATFORM" = "surfaceless");
     let place = Place::new();
-    let folder = place.desktop.folder().join(".cache/mariana");
-    fs::create_dir_all(folder.parent().unwrap()).unwrap();
+    let folder = place.inner.path("cache");
     fs::write(&folder, "in the way").unwrap();
-    let mut app = place.open(&[], &[]);
+    let app = place.open(&[]);
     wait_for_channel(&app, 0);
     app.wait_until_told("no programs are kept in ");
-    assert_eq!(count(&quit(app), "no programs are kept in "), 1);
+    assert_eq!(count(&app.quit_content(), "no programs are kept in "), 1);
     fs::remove_file(&folder).unwrap();
-    let app = place.open(&[], &["--program-cache", "off"]);
+    let app = place.open(&["--program-cache", "off"]);
     wait_for_channel(&app, 0);
-    quit(app);
+    app.quit_content();
     // Others keep things there, too: the song's structure, once it has been found.
     assert!(!place.kept().exists());
 }
 
 #[test]
 fn an_interpreter_that_the_driver_refuses_is_not_tried_again_and_a_smaller_one_draws() {
+    apart!(
+        "EGL_PLATFORM" = "surfaceless",
+        "force_gl_renderer" = "GPU",
+        "MESA_DEBUG" = "silent",
+        "MARIANA_FAULT" = "no-interpreter@0"
+    );
     let place = Place::new();
     let sentence = "this driver has no interpreter for all scenes: each scene gets its own";
-    let refused = [&GPU[..], &[("MARIANA_FAULT", "no-interpreter@0")]].concat();
-    let mut app = place.open(&refused, &[]);
+    // A fault strikes once: the first session only.
+    let app = place.open(&[]);
     app.wait_until_told(sentence);
     app.wait_until_told("an interpreter is ready");
     app.press(&["c"]);
     app.wait_for_title("interpreted", |title| title.contains("interpreted"));
     wait_for_channel(&app, 0);
-    quit(app);
+    app.quit_content();
     let [mark] = &place.files("given-up")[..] else { panic!("{:?}", place.files("given-up")) };
 
-    let mut app = place.open(&GPU, &[]);
+    let app = place.open(&[]);
     app.wait_until_told(&format!("delete {} to have it tried", mark.display()));
     wait_for_channel(&app, 0);
-    let told = quit(app);
+    let told = app.quit_content();
     assert!(told.contains(sentence) && !told.contains(READY), "{told}");
 
     fs::remove_file(mark).unwrap();
-    let mut app = place.open(&GPU, &[]);
+    let app = place.open(&[]);
     app.wait_until_told(READY);
-    quit(app);
+    app.quit_content();
 }
 
-/// Runs the program until a driver that compiles an interpreter takes it along.
+/// Variables of a process that dies: its folder, and its options separated by spaces.
+const DYING: [&str; 2] = ["MARIANA_TEST_FOLDER", "MARIANA_TEST_OPTIONS"];
+
+/// Runs a session in another process, where compiling an interpreter aborts.
 fn die(place: &Place, options: &[&str]) {
-    let mut command: Command = place.desktop.command(PROGRAM);
-    command
-        .envs(GPU)
-        .env("MARIANA_FAULT", "deadly-interpreter@0")
-        .arg(&place.song)
-        .args(place.arguments(options));
-    let status = command.stdout(Stdio::null()).stderr(Stdio::null()).status().unwrap();
+    let options = options.join(" ");
+    let [folder, given] = DYING;
+    let status = run_again(&[
+        ("MARIANA_FAULT", OsStr::new("deadly-interpreter@0")),
+        (folder, place.inner.folder().as_os_str()),
+        (given, OsStr::new(&options)),
+    ]);
     assert_eq!(status.signal(), Some(6), "{status}");
+}
+
+/// Never returns in that process.
+fn die_if_asked() {
+    let [Some(folder), Some(options)] = DYING.map(std::env::var_os) else { return };
+    let place = Place::of(session::Place::at(folder.as_ref()));
+    let options = options.into_string().unwrap();
+    place.open(&options.split_whitespace().collect::<Vec<_>>()).run_for(WAIT_LIMIT);
+    panic!("the driver has not taken the process along");
 }
 
 #[test]
 fn a_driver_that_takes_the_process_along_is_not_asked_for_that_again() {
+    apart!("EGL_PLATFORM" = "surfaceless", "force_gl_renderer" = "GPU", "MESA_DEBUG" = "silent");
+    die_if_asked();
     let place = Place::new();
     die(&place, &[]);
     assert!(!place.files("attempt").is_empty());
-    let mut app = place.open(&GPU, &[]);
+    let app = place.open(&[]);
     app.wait_until_told("Mariana ended while the driver compiled it before");
     wait_for_channel(&app, 0);
     app.wait_until_told("an interpreter is ready");
-    quit(app);
+    app.quit_content();
     assert_eq!((place.files("attempt").len(), place.files("given-up").len()), (0, 1));
     // A later start tries it once more, and dies again. Then it is the scene's own that kills it: it is compiled.
     die(&place, &[]);
@@ -192,31 +212,35 @@ fn a_driver_that_takes_the_process_along_is_not_asked_for_that_again() {
     }
     let options = ["--sdf", "interpreted"];
     die(&place, &options);
-    let mut app = place.open(&GPU, &options);
+    let app = place.open(&options);
     app.wait_until_told("Mariana ended twice while the driver compiled it");
     wait_for_channel(&app, 1);
     assert!(app.title().contains("compiled"), "{}", app.title());
-    quit(app);
+    app.quit_content();
 }
 
 #[test]
 fn a_driver_that_compiles_for_long_is_told_once_and_the_show_goes_on() {
+    apart!("EGL_PLATFORM" = "surfaceless", "MARIANA_FAULT" = "slow-compiler@0");
     let place = Place::new();
-    let app = place.open(&[("MARIANA_FAULT", "slow-compiler@0")], &["--sdf", "compiled"]);
+    let app = place.open(&["--sdf", "compiled"]);
     wait_for_channel(&app, 0);
-    let told = quit(app);
+    let told = app.quit_content();
     let [words, rest] = ["the driver is still compiling", " own: nothing can be shown before"];
-    assert_eq!((count(&told, words), count(&told, &format!("{words}{rest}"))), (1, 1), "{told}");
+    let told: Vec<&str> =
+        told.lines().filter(|line| line.contains(" WARN ") && line.contains(words)).collect();
+    assert!(matches!(told[..], [only] if only.ends_with(&format!("{words}{rest}"))), "{told:?}");
 }
 
 #[test]
 fn a_scene_goes_on_while_another_program_takes_long() {
+    apart!("EGL_PLATFORM" = "surfaceless", "MARIANA_FAULT" = "slow-interpreter@0");
     let place = Place::new();
-    let mut app = place.open(&[("MARIANA_FAULT", "slow-interpreter@0")], &["--sdf", "compiled"]);
+    let app = place.open(&["--sdf", "compiled"]);
     wait_for_channel(&app, 0);
     app.press(&["c"]);
     app.wait_until_told("the driver is still compiling an interpreter: the show goes on without it");
     app.wait_for_title("interpreted", |title| title.contains("interpreted"));
     wait_for_channel(&app, 0);
-    quit(app);
+    app.quit_content();
 }

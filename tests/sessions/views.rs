@@ -1,0 +1,145 @@
+//! Views and the camera by hand.
+
+use crate::support::apart::apart;
+use std::time::Duration;
+
+use crate::support::compare::{TIGHT, difference};
+use crate::support::desktop::{PROGRAM, command_in};
+use crate::support::session::{App, Place};
+use image::RgbaImage;
+use mariana::view::VIEWS;
+use mariana_testing::process::output_of;
+
+const SIZE: &str = "320x180";
+
+/// The picture of the song's start, without a session.
+fn still(place: &Place, options: &[&str]) -> RgbaImage {
+    let output = place.path("still.png");
+    let mut command = command_in(PROGRAM, place.folder(), None);
+    command.arg("still").arg(place.path("quiet.wav")).args(options).args(["--size", SIZE, "-o"]).arg(&output);
+    output_of(&mut command, "mariana").unwrap_or_else(|error| panic!("{error}"));
+    image::open(&output).unwrap().to_rgba8()
+}
+
+/// A paused session at the start of a silent song, and its picture.
+fn paused(place: &Place, options: &[&str]) -> (App, RgbaImage) {
+    let song = place.quiet_song("quiet.wav", 40);
+    let app = place.open(&song, &[&["--size", SIZE, "--sdf", "compiled"], options].concat());
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    app.press(&["Left", "Left", "Left", "Left"]);
+    if !options.contains(&"--view") {
+        let wanted = still(place, &[]);
+        app.wait_for("the song's start", |picture| {
+            let found = difference(picture, &wanted, TIGHT.visible);
+            found.mean <= TIGHT.mean_max && found.share <= TIGHT.share_max
+        });
+    }
+    let picture = app.wait_until_still();
+    (app, picture)
+}
+
+fn share(a: &RgbaImage, b: &RgbaImage) -> f64 {
+    difference(a, b, TIGHT.visible).share
+}
+
+/// Whether this is the picture, but darker.
+fn is_dimmed(now: &RgbaImage, picture: &RgbaImage) -> bool {
+    let light = |image: &RgbaImage| image.as_raw().iter().map(|byte| f64::from(*byte)).sum::<f64>();
+    let bytes = || now.as_raw().iter().zip(picture.as_raw());
+    let brighter = bytes().filter(|(now, byte)| **now > byte.saturating_add(8)).count();
+    (brighter as f64) < 0.02 * picture.as_raw().len() as f64 && light(now) < 0.98 * light(picture)
+}
+
+/// Drags with the left button from the middle.
+fn drag(app: &App, (right, down): (i32, i32)) {
+    let (x, y) = (160, 90);
+    let place = |x: i32, y: i32| app.move_pointer(x.into(), y.into());
+    place(x, y);
+    app.hold_button(true);
+    for step in 1..=4 {
+        place(x + right * step / 4, y + down * step / 4);
+    }
+    app.hold_button(false);
+}
+
+#[test]
+fn the_key_goes_through_the_views_and_the_title_tells_which() {
+    apart!();
+    let place = Place::new();
+    // Without cells, which some drawings wait for and others do not: the picture is the same bit for bit.
+    let (app, picture) = paused(&place, &["--regions", "off"]);
+    for row in &VIEWS {
+        app.press(&["v"]);
+        app.wait_for_title(row.name, |title| title.contains(&format!("view {}", row.name)));
+        app.wait_until("the view", |app| share(&app.picture(), &picture) > 0.3);
+    }
+    app.press(&["shift+v"]);
+    app.wait_for_title("the view before", |title| title.contains("view materials"));
+    app.press(&["v", "v"]);
+    app.wait_for_title("no view", |title| !title.contains("view"));
+    app.wait_until("the picture again", |app| app.picture() == picture);
+    // Numbers go up and down.
+    app.press(&["v", "v", "v"]);
+    app.wait_for_title("normals", |title| title.contains("view normals"));
+    app.wait_until("normals", |app| share(&app.picture(), &picture) > 0.3);
+    app.press(&["period"]);
+    app.wait_for_title("a number", |title| title.contains("view normals:0.001"));
+    app.press(&["comma"]);
+    app.wait_for_title("no number", |title| title.contains("view normals,"));
+}
+
+#[test]
+fn views_that_follow_each_other_quickly_were_dimmed_as_flashes() {
+    apart!();
+    let place = Place::new();
+    let (app, picture) = paused(&place, &["--regions", "off"]);
+    app.press(&["v"]);
+    app.wait_until("the first view", |app| share(&app.picture(), &picture) > 0.3);
+    for _ in 0..VIEWS.len() {
+        app.press(&["v"]);
+        app.run_for(Duration::from_millis(60));
+    }
+    app.wait_until("the picture again", |app| {
+        let now = app.picture();
+        assert!(!is_dimmed(&now, &picture), "the picture is dimmed");
+        share(&now, &picture) < 0.1
+    });
+}
+
+#[test]
+fn the_camera_is_turned_by_hand_and_given_back() {
+    apart!();
+    let place = Place::new();
+    let (app, picture) = paused(&place, &["--regions", "off"]);
+    drag(&app, (60, 10));
+    app.wait_until("the turned picture", |app| share(&app.picture(), &picture) > 0.2);
+    app.press(&["Home"]);
+    app.wait_until("the scene's own picture", |app| app.picture() == picture);
+    app.move_pointer(160.0, 90.0);
+    (0..4).for_each(|_| app.turn_wheel(1.0));
+    app.wait_until("a nearer picture", |app| share(&app.picture(), &picture) > 0.2);
+    app.press(&["Home"]);
+    app.wait_until("the scene's own picture again", |app| app.picture() == picture);
+    // A click that does not move turns nothing, and two are a wish for full screen.
+    app.click();
+    assert!(app.wait_until_still() == picture, "a click moves the camera");
+    drag(&app, (-40, 0));
+    app.wait_until("the picture turned once more", |app| share(&app.picture(), &picture) > 0.1);
+    // Another scene has its own camera again.
+    app.press(&["n"]);
+    app.wait_for_title("another scene", |title| !title.contains("speakers"));
+    app.press(&["p"]);
+    app.wait_for_title("the first scene", |title| title.contains("speakers"));
+    app.wait_until("the scene's own picture at last", |app| app.picture() == picture);
+}
+
+#[test]
+fn a_view_is_there_from_the_start() {
+    apart!();
+    let place = Place::new();
+    let (app, _) = paused(&place, &["--view", "materials"]);
+    app.wait_for_title("the view", |title| title.contains("view materials"));
+    let still = still(&place, &["--view", "materials", "--sdf", "compiled"]);
+    app.wait_until("the still's picture in the window", |app| share(&app.picture(), &still) < 0.001);
+}
