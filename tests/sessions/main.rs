@@ -4,12 +4,16 @@
 
 mod editor;
 mod hands;
+mod live;
 mod panels;
 mod playlist;
 mod recording;
 mod remote;
 mod sends;
 mod settings;
+mod shows;
+mod song;
+mod songs;
 mod stage;
 mod walls;
 

@@ -214,3 +214,47 @@ fn a_port_that_is_taken_costs_a_sentence_and_the_show_goes_on() {
     app.wait_until_told(&format!("a phone can open http://{address}/"));
     app.quit_by_key();
 }
+
+#[test]
+fn a_phone_sees_small_pictures_of_the_scenes_and_does_without_them() {
+    apart!();
+    let place = Place::new();
+    // A scene with a mistake has none.
+    place.save("wrong.scene", "object");
+    let (app, url) = open(&place, &["--size", "160x90"]);
+    wait_for_colour(&app, "green", [false, true, false]);
+    app.press(&["n"]);
+    let mut page = phone(&app, &url);
+    app.meanwhile(|| {
+        page.wait_until("the scenes", "document.querySelectorAll('#scenes button').length > 3");
+        // What stands in the middle of a picture: red, green and blue.
+        page.value(
+            "window.colour = (name) => { \
+               const button = [...document.querySelectorAll('#scenes button')].find(b => b.textContent === name); \
+               const image = button.querySelector('img'); \
+               if (!image.complete || image.naturalWidth !== 320) return ''; \
+               const canvas = document.createElement('canvas').getContext('2d'); \
+               canvas.drawImage(image, 0, 0); \
+               return [...canvas.getImageData(160, 90, 1, 1).data].slice(0, 3).map(part => part > 100).join(); \
+             }; 1",
+        );
+        page.wait_until("the wall's picture", "colour('wall') === 'false,true,false'");
+        page.wait_until("the wool's picture", "colour('wool') === 'false,false,true'");
+        assert_eq!(page.value("colour('wrong')"), "");
+        // The scene without one is asked for like the others: nothing of the page waits for pictures.
+        page.value(
+            "[...document.querySelectorAll('#scenes button')].find(b => b.textContent === 'wall').id = 'wanted'",
+        );
+        page.tap("#wanted");
+        page.wait_for_text("#scene", "wall");
+    });
+    // Who comes later has them at once.
+    let mut other = phone(&app, &url);
+    app.meanwhile(|| {
+        other.wait_until(
+            "the pictures",
+            "[...document.querySelectorAll('#scenes img')].slice(0, 2).every(image => image.naturalWidth === 320)",
+        );
+    });
+    app.quit_by_key();
+}

@@ -69,12 +69,23 @@ impl Place {
         self.begin(&[&ALONE[..], options].concat())
     }
 
+    /// A session with `song`, or without one, that is heard, and shows nothing but what is asked for.
+    pub(crate) fn hear(&self, song: Option<&Path>, options: &[&str]) -> App {
+        let song: Vec<&str> = song.iter().map(|song| song.to_str().unwrap()).collect();
+        let alone: Vec<&str> = ALONE.into_iter().filter(|option| *option != "--silent").collect();
+        self.begin(&[&song[..], &alone, options].concat())
+    }
+
     /// A session with exactly these arguments.
     pub(crate) fn begin(&self, arguments: &[&str]) -> App {
         assert!(is_apart(), "the test of a session begins with `apart!()`");
         let log = Log::default();
         let guard = log.listen();
-        let folders = Folders { midi_ports: Some(self.path("midi")), ..Folders::within(self.folder()) };
+        let folders = Folders {
+            midi_ports: Some(self.path("midi")),
+            program: Some(env!("CARGO_BIN_EXE_mariana").into()),
+            ..Folders::within(self.folder())
+        };
         let prepared =
             prepare_show(arguments.iter().copied(), folders).unwrap_or_else(|error| panic!("{error:#}"));
         let session = Offscreen::open(prepared).unwrap_or_else(|error| panic!("{error}"));
@@ -331,6 +342,16 @@ impl App {
         self.step()
     }
 
+    /// How often a picture was shown.
+    pub(crate) fn shown(&self) -> u64 {
+        self.session.borrow().shown()
+    }
+
+    /// Sentences for the user, warnings and errors: everything that a terminal would show.
+    pub(crate) fn complaints(&self) -> Vec<String> {
+        complaints(&self.told())
+    }
+
     /// Ends the session as its user would. Returns what was told and logged.
     pub(crate) fn quit(self) -> String {
         let Self { session, log, _guard, .. } = self;
@@ -369,8 +390,18 @@ impl App {
         self.take_steps(2);
     }
 
+    /// Clicks twice at a place of the window, as fast as nobody can.
+    pub(crate) fn double_click_at(&self, x: u32, y: u32) {
+        self.point_at(x, y);
+        for pressed in [true, false, true, false] {
+            let input = Input::PointerButton { button: PointerButton::Primary, pressed };
+            self.session.borrow_mut().send(input);
+        }
+        self.take_steps(6);
+    }
+
     /// Goes on by some steps.
-    fn take_steps(&self, count: usize) {
+    pub(crate) fn take_steps(&self, count: usize) {
         for _ in 0..count {
             self.step();
         }
@@ -385,6 +416,15 @@ impl App {
         }
         self.quit()
     }
+}
+
+/// Sentences for the user, warnings and errors in what was told and logged.
+pub(crate) fn complaints(told: &str) -> Vec<String> {
+    let is_complaint = |line: &&str| {
+        let line = line.trim_start();
+        line.starts_with("DEBUG told: ") || line.starts_with("WARN") || line.starts_with("ERROR")
+    };
+    told.lines().filter(is_complaint).map(str::to_owned).collect()
 }
 
 fn key_of(name: &str, shift: bool) -> Key {

@@ -8,17 +8,11 @@ mod window;
 mod window_assisted;
 mod window_changes;
 mod window_grounds;
-mod window_live;
 mod window_outputs;
-mod window_panels;
 mod window_programs;
 mod window_quality;
-mod window_remote;
 mod window_scenes;
-mod window_sends;
 mod window_settings;
-mod window_shows;
-mod window_songs;
 mod window_views;
 
 #[path = "../support/mod.rs"]
