@@ -215,13 +215,11 @@ fn with_the_keys_alone_one_finds_a_scene_and_plays_a_folder() {
     for name in ["alpha.wav", "beta.wav"] {
         std::fs::copy(place.inner.path("music/one.wav"), album.join(name)).unwrap();
     }
+    std::fs::copy(place.inner.path("music/one.wav"), home().join("beside.wav")).unwrap();
     // Where nothing is remembered the list of files begins in the user's folder.
     let app = place.open(&[]);
-    let waits_for_list = |what: &str| {
-        app.wait_for(what, |picture| is_covered(picture, 320, 180));
-    };
     app.press(&["b"]);
-    waits_for_list("the list of scenes");
+    app.wait_for("the list of scenes", |picture| is_covered(picture, 320, 180));
     // Letters are searched for: Q is one of them.
     app.press(&["q", "u", "a", "d", "r", "Return"]);
     app.wait_for_title("the scene that was found", |title| title.contains("quadric"));
@@ -229,10 +227,8 @@ fn with_the_keys_alone_one_finds_a_scene_and_plays_a_folder() {
     app.press(&["d"]);
     app.wait_for_title("an input", |title| title.contains("no sound") || title.contains("live"));
     app.press(&["o"]);
-    app.take_steps(20);
-    app.press(&["a", "l", "b", "Return"]);
-    app.take_steps(20);
-    app.press(&["ctrl+Return"]);
+    app.wait_until_told(&format!("{} is listed", home().display()));
+    app.press(&["a", "l", "b", "Return", "ctrl+Return"]);
     app.wait_for_title("the folder", |title| title.starts_with("alpha.wav") && title.contains("1/2"));
     // A list that is open takes no other keys with it when it closes.
     app.press(&["u", "Escape", "Next"]);

@@ -3,11 +3,17 @@
 #![cfg(target_os = "linux")]
 
 use crate::support::apart::apart;
+use std::ffi::OsString;
+use std::fs::Permissions;
+use std::os::unix::fs::PermissionsExt;
+use std::path::PathBuf;
 use std::process::Command;
 
 use crate::hands::{wait_for_colour, write_wall};
 use crate::support::browser::Page;
+use crate::support::desktop::{PROGRAM, command_in};
 use crate::support::session::{App, Place};
+use mariana::thumbnails::{MOMENT, SIZE};
 use mariana_testing::process::{output_of, wait_until};
 
 /// A session with a wall, a song and a page for phones; and the page's address.
@@ -215,10 +221,35 @@ fn a_port_that_is_taken_costs_a_sentence_and_the_show_goes_on() {
     app.quit_by_key();
 }
 
+/// Draws the small pictures of the walls, and returns a program that has them ready for who asks as the session does. The
+/// session would have them drawn at the lowest priority: on a busy machine nobody knows when.
+fn prepare_pictures(place: &Place) -> PathBuf {
+    let (width, height) = SIZE;
+    let arguments = format!("still --at {MOMENT} --size {width}x{height} -o");
+    write_wall(place);
+    for name in ["wall", "wool"] {
+        let mut still = command_in(PROGRAM, place.folder(), None);
+        still.args(arguments.split(' ')).arg(place.path(&format!("{name}.png")));
+        let mut scene = OsString::from("--scene=");
+        scene.push(place.path(&format!("{name}.scene")));
+        output_of(still.arg(scene), "mariana").unwrap();
+    }
+    let program = place.save(
+        "draw",
+        &format!(
+            "#!/bin/sh\n[ \"$1 $2 $3 $4 $5 $6\" = '{arguments}' ] || exit 1\n\
+             scene=${{8#--scene=}}\nexec cp \"${{scene%.scene}}.png\" \"$7\"\n"
+        ),
+    );
+    std::fs::set_permissions(&program, Permissions::from_mode(0o755)).unwrap();
+    program
+}
+
 #[test]
 fn a_phone_sees_small_pictures_of_the_scenes_and_does_without_them() {
     apart!();
-    let place = Place::new();
+    let mut place = Place::new();
+    place.draw_by(prepare_pictures(&place));
     // A scene with a mistake has none.
     place.save("wrong.scene", "object");
     let (app, url) = open(&place, &["--size", "160x90"]);

@@ -26,6 +26,8 @@ const ALONE: [&str; 5] = ["--prepare-ahead", "off", "--clean", "--new", "--silen
 /// A folder in which sessions find their files and keep their own.
 pub(crate) struct Place {
     folder: TempDir,
+    /// What draws small pictures of scenes.
+    drawer: PathBuf,
 }
 
 impl Place {
@@ -33,7 +35,12 @@ impl Place {
     pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         std::fs::create_dir(folder.path().join("midi")).unwrap();
-        Self { folder }
+        Self { folder, drawer: env!("CARGO_BIN_EXE_mariana").into() }
+    }
+
+    /// Has small pictures of scenes drawn by another program.
+    pub(crate) fn draw_by(&mut self, program: PathBuf) {
+        self.drawer = program;
     }
 
     /// The folder.
@@ -83,7 +90,7 @@ impl Place {
         let guard = log.listen();
         let folders = Folders {
             midi_ports: Some(self.path("midi")),
-            program: Some(env!("CARGO_BIN_EXE_mariana").into()),
+            program: Some(self.drawer.clone()),
             ..Folders::within(self.folder())
         };
         let prepared =
