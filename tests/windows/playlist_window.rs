@@ -99,9 +99,12 @@ fn the_desktop_steers_the_player_over_d_bus_as_long_as_there_is_a_bus() {
     bus.call("Quit", &[]);
     let (status, told) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success() && !told.contains("mariana: "), "{status}: {told}");
+    end_with_the_bus(&desktop, bus, &folder);
+}
 
-    // A bus that dies, or is none, is nothing to speak of.
-    let mut app = desktop.open(&folder, SMALL);
+/// A bus that dies, or is none, is nothing to speak of.
+fn end_with_the_bus(desktop: &Desktop, bus: SessionBus, folder: &Path) {
+    let mut app = desktop.open(folder, SMALL);
     wait_until("the player on the bus", || bus.players().len() == 1);
     drop(bus);
     app.press(&["Next", "space"]);
@@ -110,7 +113,7 @@ fn the_desktop_steers_the_player_over_d_bus_as_long_as_there_is_a_bus() {
     let (status, told) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success() && told.is_empty(), "{status}: {told}");
     // Its socket is left behind, and nobody answers there.
-    let app = desktop.open(&folder, SMALL);
+    let app = desktop.open(folder, SMALL);
     app.press(&["q"]);
     let (status, told) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success() && told.is_empty(), "{status}: {told}");
