@@ -24,6 +24,16 @@ pub fn advance(by: Duration) {
     SIMULATED.set(Some(now() + by));
 }
 
+/// Lets no time pass on this thread while something is done, but by hand.
+pub fn stand_still<T>(act: impl FnOnce() -> T) -> T {
+    let before = SIMULATED.replace(Some(now()));
+    let done = act();
+    if before.is_none() {
+        SIMULATED.set(None);
+    }
+    done
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,5 +52,13 @@ mod tests {
         let start = now();
         std::thread::sleep(Duration::from_millis(2));
         assert!(now() > start, "this thread keeps the system's time");
+        stand_still(|| {
+            let start = now();
+            std::thread::sleep(Duration::from_millis(2));
+            assert_eq!(now(), start, "it stands still");
+        });
+        let start = now();
+        std::thread::sleep(Duration::from_millis(2));
+        assert!(now() > start, "it goes on");
     }
 }

@@ -12,6 +12,7 @@ use tracing_subscriber::filter::LevelFilter;
 
 use super::apart::is_apart;
 use mariana::cli::prepare_show;
+use mariana::clock;
 use mariana::commands::{Command, ShowState};
 use mariana::config::Folders;
 use mariana::input::{Input, Key, KeyPress, Modifiers, NamedKey, PointerButton, Wheel};
@@ -388,23 +389,23 @@ impl App {
         self.take_steps(3);
     }
 
-    /// Clicks at a place of the window.
+    /// Clicks at a place of the window. However long the pictures take, it is no long press.
     pub(crate) fn click_at(&self, x: u32, y: u32) {
         self.point_at(x, y);
-        self.hold_button(true);
-        self.take_steps(2);
-        self.hold_button(false);
+        clock::stand_still(|| {
+            self.hold_button(true);
+            self.take_steps(2);
+            self.hold_button(false);
+        });
         self.take_steps(2);
     }
 
-    /// Clicks twice at a place of the window, as fast as nobody can.
+    /// Clicks twice at a place of the window, in no time.
     pub(crate) fn double_click_at(&self, x: u32, y: u32) {
-        self.point_at(x, y);
-        for pressed in [true, false, true, false] {
-            let input = Input::PointerButton { button: PointerButton::Primary, pressed };
-            self.session.borrow_mut().send(input);
-        }
-        self.take_steps(6);
+        clock::stand_still(|| {
+            self.click_at(x, y);
+            self.click_at(x, y);
+        });
     }
 
     /// Goes on by some steps.
