@@ -24,6 +24,9 @@ use mariana_testing::wave::write_wav;
 /// a test did not ask for, no session begins where the one before ended, and nothing is heard.
 const ALONE: [&str; 5] = ["--prepare-ahead", "off", "--clean", "--new", "--silent"];
 
+/// The time of a picture, and a little more.
+const PICTURE: Duration = Duration::from_millis(20);
+
 /// A folder in which sessions find their files and keep their own.
 pub(crate) struct Place {
     folder: TempDir,
@@ -385,24 +388,33 @@ impl App {
 
     /// Moves the pointer to a place of the window, and lets the overlay see it there.
     pub(crate) fn point_at(&self, x: u32, y: u32) {
-        self.move_pointer(x.into(), y.into());
-        self.take_steps(3);
+        clock::by_hand(|| {
+            self.move_pointer(x.into(), y.into());
+            self.see();
+            self.see();
+        });
+    }
+
+    /// Lets the overlay see what the user did, in as much time as a picture has, however long it takes.
+    fn see(&self) {
+        clock::advance(PICTURE);
+        self.take_steps(2);
     }
 
     /// Clicks at a place of the window. However long the pictures take, it is no long press.
     pub(crate) fn click_at(&self, x: u32, y: u32) {
         self.point_at(x, y);
-        clock::stand_still(|| {
+        clock::by_hand(|| {
             self.hold_button(true);
-            self.take_steps(2);
+            self.see();
             self.hold_button(false);
+            self.see();
         });
-        self.take_steps(2);
     }
 
     /// Clicks twice at a place of the window, in no time.
     pub(crate) fn double_click_at(&self, x: u32, y: u32) {
-        clock::stand_still(|| {
+        clock::by_hand(|| {
             self.click_at(x, y);
             self.click_at(x, y);
         });
