@@ -150,6 +150,9 @@ impl Sound {
     /// The state of the song, if it is what is listened to. Notes its device.
     pub(crate) fn song_status(&mut self) -> Option<PlayerStatus> {
         let status = self.player()?.status();
+        if let Some(device) = status.device.as_ref().filter(|device| self.device.as_ref() != Some(device)) {
+            tracing::debug!("the song plays on {}", device.id);
+        }
         self.device.clone_from(&status.device);
         Some(status)
     }

@@ -4,13 +4,17 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+use std::ffi::OsStr;
 use std::fs::{File, Permissions};
-use std::os::unix::fs::PermissionsExt;
+use std::os::unix::ffi::OsStrExt;
+use std::os::unix::fs::{PermissionsExt, symlink};
 use std::os::unix::net::UnixListener;
+use std::process::Command;
 use std::time::Duration;
 
 use crate::support::program::{FORMATS, Outcome, RUN_LIMIT, Workplace};
 use crate::support::shader_folder::changed_shaders;
+use mariana_testing::process::output_of;
 use mariana_testing::wave::write_wav;
 use serde_json::Value;
 
@@ -158,11 +162,15 @@ fn an_old_opengl_is_told_from_none() {
 fn without_a_display_the_window_is_refused_and_stills_are_offered() {
     let place = Workplace::new();
     for arguments in [&[][..], &["--silent"], &["--once", "--fullscreen"]] {
-        place.run(arguments).refused(&["window", "mariana still"]);
+        place.run(arguments).refused(&["window", "graphical session", "mariana still"]);
     }
     for (name, display) in [("DISPLAY", ":4444"), ("WAYLAND_DISPLAY", "wayland-4444")] {
         let mut command = place.command(&[]);
-        Outcome::of(command.env(name, display), RUN_LIMIT).refused(&["window", "mariana still"]);
+        Outcome::of(command.env(name, display), RUN_LIMIT).refused(&[
+            "window",
+            "graphical session",
+            "mariana still",
+        ]);
     }
 }
 
@@ -252,7 +260,48 @@ fn absurd_arguments_are_refused_with_what_would_be_right() {
     ] {
         place.run(arguments).refused_arguments(option, &[]);
     }
+    for arguments in
+        [&["--mic", "--system"][..], &["song.wav", "--mic"], &["--system", "--silent"], &["--mic", "--once"]]
+    {
+        place.run(arguments).refused_arguments("--", &["cannot be used with"]);
+    }
     assert_eq!(place.names(), [""; 0], "a refused job left a file");
+}
+
+#[test]
+fn a_scene_that_is_a_pipe_was_waited_for_without_end() {
+    let place = Workplace::new();
+    output_of(Command::new("mkfifo").arg(place.path("pipe.scene")), "coreutils").unwrap();
+    place.run(&["check", "pipe.scene"]).refused(&["pipe.scene", "not a regular file"]);
+}
+
+#[test]
+fn a_scene_whose_name_is_no_utf8_was_refused() {
+    let place = Workplace::new();
+    let name = OsStr::from_bytes(b"caf\xe9.scene");
+    std::fs::write(place.path("").join(name), "length(p) - 1").unwrap();
+    let mut command = place.command(&["still", "--size", "16x9", "-o", "still.png", "--scene"]);
+    Outcome::of(command.arg(name), RUN_LIMIT).done();
+    let mut command = place.command(&["still", "--size", "16x9", "-o", "still.png", "--scene"]);
+    Outcome::of(command.arg(OsStr::from_bytes(b"gone\xe9.scene")), RUN_LIMIT).refused(&["cannot be read"]);
+}
+
+#[test]
+fn a_scale_factor_that_is_none_was_a_panic() {
+    let place = Workplace::new();
+    for factor in ["nonsense", "-5", "0", "NaN", "1e9"] {
+        let mut command = place.command(&["--silent"]);
+        Outcome::of(command.env("WINIT_X11_SCALE_FACTOR", factor), RUN_LIMIT)
+            .refused(&["WINIT_X11_SCALE_FACTOR", factor]);
+    }
+}
+
+#[test]
+fn what_the_system_said_of_a_song_was_told_twice() {
+    let place = Workplace::new();
+    symlink("loop.wav", place.path("loop.wav")).unwrap();
+    let told = place.run(&["analyze", "loop.wav"]).refused(&["loop.wav could not be read"]);
+    assert_eq!(told.matches("os error").count(), 1, "{told}");
 }
 
 #[test]

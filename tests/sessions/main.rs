@@ -5,6 +5,7 @@
 mod changes;
 mod editor;
 mod hands;
+mod live;
 mod panels;
 mod playlist;
 mod programs;
@@ -14,6 +15,9 @@ mod remote;
 mod scenes;
 mod sends;
 mod settings;
+mod shows;
+mod song;
+mod songs;
 mod stage;
 mod views;
 mod walls;

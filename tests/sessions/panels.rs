@@ -2,6 +2,8 @@
 //! the last session ended.
 
 use crate::support::apart::apart;
+#[cfg(target_os = "linux")]
+use crate::support::apart::{apart_at_home, home};
 use std::time::Duration;
 
 use crate::support::session::{self, App};
@@ -200,5 +202,51 @@ fn a_show_goes_on_where_the_last_one_ended() {
     let app = place.again(&[]);
     app.wait_for_title("the demo track", |title| title.contains("first_steps") && title.contains("90 %"));
     app.wait_until_told("the tracks of the last show cannot be played any more");
+    app.quit();
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn with_the_keys_alone_one_finds_a_scene_and_plays_a_folder() {
+    apart_at_home!();
+    let place = Place::new(&["one.wav"]);
+    let album = home().join("album");
+    std::fs::create_dir(&album).unwrap();
+    for name in ["alpha.wav", "beta.wav"] {
+        std::fs::copy(place.inner.path("music/one.wav"), album.join(name)).unwrap();
+    }
+    std::fs::copy(place.inner.path("music/one.wav"), home().join("beside.wav")).unwrap();
+    // Where nothing is remembered the list of files begins in the user's folder.
+    let app = place.open(&[]);
+    app.press(&["b"]);
+    app.wait_for("the list of scenes", |picture| is_covered(picture, 320, 180));
+    // Letters are searched for: Q is one of them.
+    app.press(&["q", "u", "a", "d", "r", "Return"]);
+    app.wait_for_title("the scene that was found", |title| title.contains("quadric"));
+    // Files that are opened are heard, whatever was listened to.
+    app.press(&["d"]);
+    app.wait_for_title("an input", |title| title.contains("no sound") || title.contains("live"));
+    app.press(&["o"]);
+    app.wait_until_told(&format!("{} is listed", home().display()));
+    app.press(&["a", "l", "b", "Return", "ctrl+Return"]);
+    app.wait_for_title("the folder", |title| title.starts_with("alpha.wav") && title.contains("1/2"));
+    // A list that is open takes no other keys with it when it closes.
+    app.press(&["u", "Escape", "Next"]);
+    app.wait_for_title("the next track", |title| title.starts_with("beta.wav"));
+    app.quit_by_key();
+}
+
+#[test]
+fn a_show_that_ended_before_its_first_picture_forgot_its_scene() {
+    // The driver is slow once, so that nothing is on the stage yet when the show ends.
+    apart!("MARIANA_FAULT" = "slow-compiler@0");
+    let place = Place::new(&["one.wav"]);
+    let song = place.inner.path("music/one.wav");
+    let options = [song.to_str().unwrap(), "--size", SIZE, "--scene", "first_steps", "--sdf", "compiled"];
+    let app = place.again(&options);
+    assert!(!app.title().contains("first_steps"), "{}", app.title());
+    app.quit();
+    let app = place.again(&[]);
+    app.wait_for_title("the scene that was asked for", |title| title.contains("first_steps"));
     app.quit();
 }

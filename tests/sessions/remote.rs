@@ -3,11 +3,17 @@
 #![cfg(target_os = "linux")]
 
 use crate::support::apart::apart;
+use std::ffi::OsString;
+use std::fs::Permissions;
+use std::os::unix::fs::PermissionsExt;
+use std::path::PathBuf;
 use std::process::Command;
 
 use crate::hands::{wait_for_colour, write_wall};
 use crate::support::browser::Page;
+use crate::support::desktop::{PROGRAM, command_in};
 use crate::support::session::{App, Place};
+use mariana::thumbnails::{MOMENT, SIZE};
 use mariana_testing::process::{output_of, wait_until};
 
 /// A session with a wall, a song and a page for phones; and the page's address.
@@ -212,5 +218,74 @@ fn a_port_that_is_taken_costs_a_sentence_and_the_show_goes_on() {
     wait_for_colour(&app, "green", [false, true, false]);
     drop(taken);
     app.wait_until_told(&format!("a phone can open http://{address}/"));
+    app.quit_by_key();
+}
+
+/// Draws the small pictures of the walls, and returns a program that has them ready for who asks as the session does. The
+/// session would have them drawn at the lowest priority: on a busy machine nobody knows when.
+fn prepare_pictures(place: &Place) -> PathBuf {
+    let (width, height) = SIZE;
+    let arguments = format!("still --at {MOMENT} --size {width}x{height} -o");
+    write_wall(place);
+    for name in ["wall", "wool"] {
+        let mut still = command_in(PROGRAM, place.folder(), None);
+        still.args(arguments.split(' ')).arg(place.path(&format!("{name}.png")));
+        let mut scene = OsString::from("--scene=");
+        scene.push(place.path(&format!("{name}.scene")));
+        output_of(still.arg(scene), "mariana").unwrap();
+    }
+    let program = place.save(
+        "draw",
+        &format!(
+            "#!/bin/sh\n[ \"$1 $2 $3 $4 $5 $6\" = '{arguments}' ] || exit 1\n\
+             scene=${{8#--scene=}}\nexec cp \"${{scene%.scene}}.png\" \"$7\"\n"
+        ),
+    );
+    std::fs::set_permissions(&program, Permissions::from_mode(0o755)).unwrap();
+    program
+}
+
+#[test]
+fn a_phone_sees_small_pictures_of_the_scenes_and_does_without_them() {
+    apart!();
+    let mut place = Place::new();
+    place.draw_by(prepare_pictures(&place));
+    // A scene with a mistake has none.
+    place.save("wrong.scene", "object");
+    let (app, url) = open(&place, &["--size", "160x90"]);
+    wait_for_colour(&app, "green", [false, true, false]);
+    app.press(&["n"]);
+    let mut page = phone(&app, &url);
+    app.meanwhile(|| {
+        page.wait_until("the scenes", "document.querySelectorAll('#scenes button').length > 3");
+        // What stands in the middle of a picture: red, green and blue.
+        page.value(
+            "window.colour = (name) => { \
+               const button = [...document.querySelectorAll('#scenes button')].find(b => b.textContent === name); \
+               const image = button.querySelector('img'); \
+               if (!image.complete || image.naturalWidth !== 320) return ''; \
+               const canvas = document.createElement('canvas').getContext('2d'); \
+               canvas.drawImage(image, 0, 0); \
+               return [...canvas.getImageData(160, 90, 1, 1).data].slice(0, 3).map(part => part > 100).join(); \
+             }; 1",
+        );
+        page.wait_until("the wall's picture", "colour('wall') === 'false,true,false'");
+        page.wait_until("the wool's picture", "colour('wool') === 'false,false,true'");
+        assert_eq!(page.value("colour('wrong')"), "");
+        // The scene without one is asked for like the others: nothing of the page waits for pictures.
+        page.value(
+            "[...document.querySelectorAll('#scenes button')].find(b => b.textContent === 'wall').id = 'wanted'",
+        );
+        page.tap("#wanted");
+        page.wait_for_text("#scene", "wall");
+    });
+    // Who comes later has them at once.
+    let mut other = phone(&app, &url);
+    app.meanwhile(|| {
+        other.wait_until(
+            "the pictures",
+            "[...document.querySelectorAll('#scenes img')].slice(0, 2).every(image => image.naturalWidth === 320)",
+        );
+    });
     app.quit_by_key();
 }

@@ -95,3 +95,30 @@ fn a_client_on_this_machine_gets_jpegs() {
     });
     app.quit_by_key();
 }
+
+#[test]
+fn standard_output_gets_pictures_until_it_is_closed() {
+    apart!();
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let fifo = place.path("out");
+    output_of(Command::new("mkfifo").arg(&fifo), "coreutils").unwrap();
+    // So that neither end waits for the other.
+    let both = OpenOptions::new().read(true).write(true).open(&fifo).unwrap();
+    let out = OpenOptions::new().write(true).open(&fifo).unwrap();
+    // What the test says itself goes where it went.
+    std::io::stdout().flush().unwrap();
+    let own = rustix::io::dup(rustix::stdio::stdout()).unwrap();
+    rustix::stdio::dup2_stdout(&out).unwrap();
+    drop(out);
+    let app = place.open("two.scene", &["--send", "y4m:-"]);
+    let [left, right] = app.meanwhile(|| {
+        let mut stream = BufReader::new(both);
+        assert!(header(&mut stream).starts_with("YUV4MPEG2 W320 H180 F30:1 "));
+        light_of_next(&mut stream, (320, 180))
+    });
+    assert!(left > right);
+    app.wait_until_told("whoever read standard output has gone");
+    app.wait_for("the show", |picture| is_red(at(picture, 0.2, 0.5)));
+    app.quit_by_key();
+    rustix::stdio::dup2_stdout(&own).unwrap();
+}

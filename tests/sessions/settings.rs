@@ -1,15 +1,137 @@
 //! What the panel of settings changes and what is remembered, and what is there in the next session.
 
 use crate::support::apart::apart;
+#[cfg(target_os = "linux")]
+use crate::support::apart::{apart_at_home, home};
 use std::time::Duration;
 
 use crate::support::session::{App, Place};
+#[cfg(target_os = "linux")]
+use mariana_player::device_list::DeviceWatch;
+#[cfg(target_os = "linux")]
+use mariana_testing::sound_server::SoundServer;
 
 /// A scene that costs little.
 const SCENE: &str = "length(p - vec3(0, 1, 0)) - 1";
 
 fn wait_for_setting(app: &App, place: &Place, line: &str) {
     app.wait_until(line, |_| place.saved_settings().lines().any(|found| found == line));
+}
+
+/// Waits until no line of the settings begins with `key`: it is as it is by default.
+fn wait_for_default(app: &App, place: &Place, key: &str) {
+    app.wait_until(key, |_| !place.saved_settings().lines().any(|line| line.starts_with(key)));
+}
+
+/// A session that is heard, with these options.
+#[cfg(target_os = "linux")]
+fn hear(place: &Place, options: &[&str]) -> App {
+    let app = place.begin(&[&["--prepare-ahead", "off", "--scene", SCENE], options].concat());
+    app.wait_until_told("first picture after");
+    app
+}
+
+/// Waits until a song plays on an output of the server, and the session knows that.
+#[cfg(target_os = "linux")]
+fn wait_for_output(app: &App, server: &SoundServer, name: &str) {
+    app.wait_until(name, |app| {
+        app.meanwhile(|| {
+            let sinks = server.ask(&["list", "short", "sinks"]);
+            let number =
+                sinks.lines().find(|line| line.contains(name)).and_then(|line| line.split('\t').next());
+            let playing = server.ask(&["list", "short", "sink-inputs"]);
+            playing.lines().any(|line| line.split('\t').nth(1) == number)
+        })
+    });
+    // The server knows of it before the session does.
+    app.wait_until("a session that knows its output", |app| {
+        app.told()
+            .lines()
+            .rfind(|line| line.contains("the song plays on "))
+            .is_some_and(|line| line.contains(name))
+    });
+}
+
+/// Waits until the panel lists both outputs.
+#[cfg(target_os = "linux")]
+fn wait_for_outputs(app: &App) {
+    let watch = DeviceWatch::shared().unwrap();
+    app.wait_until("both outputs", |_| watch.latest().1.outputs.len() == 2);
+    app.take_steps(10);
+}
+
+/// Waits until the dark ground of a panel is at this place of the window.
+#[cfg(target_os = "linux")]
+fn wait_for_ground(app: &App, what: &str, x: u32, y: u32) {
+    app.wait_for(what, |picture| {
+        picture.get_pixel(x, y).0.iter().take(3).map(|value| u32::from(*value)).sum::<u32>() < 120
+    });
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn settings_change_by_keys_and_by_pointer_and_are_there_in_the_next_run() {
+    apart_at_home!();
+    let server = SoundServer::start(&home());
+    server.plug("usb", &[]);
+    server.set_default("viz");
+    let place = Place::new();
+    // By keys alone: the default output, viz and usb, then latency, quality, the limiter.
+    let app = hear(&place, &["--size", "640x360"]);
+    wait_for_output(&app, &server, "viz");
+    app.press(&["g"]);
+    wait_for_outputs(&app);
+    app.press(&["Down", "Down", "Return"]);
+    wait_for_output(&app, &server, "usb");
+    app.wait_until("the output", |_| {
+        place.saved_settings().contains("output = \"") && place.saved_settings().contains("usb")
+    });
+    app.press(&["Down", "Right", "Right", "Down", "Right", "Down", "Return"]);
+    wait_for_setting(&app, &place, "quality = \"low\"");
+    wait_for_setting(&app, &place, "flash_limiter = \"off\"");
+    assert!(place.saved_settings().contains("usb\" = 10.0"), "{}", place.saved_settings());
+    // A panel that is closed takes no keys.
+    app.press(&["Escape", "Down", "Return", "Right"]);
+    app.quit();
+    assert!(place.saved_settings().contains("volume = 0.9"), "{}", place.saved_settings());
+
+    // A flag holds for its run, and is not remembered.
+    let app = hear(&place, &["--size", "760x540", "--quality", "best", "--device", "default"]);
+    wait_for_output(&app, &server, "viz");
+    let told = app.quit();
+    assert!(told.contains("quality: Best, flash_limiter: false"), "{told}");
+    assert!(place.saved_settings().lines().any(|line| line == "quality = \"low\""));
+
+    // What was chosen is there again; by pointer alone it goes.
+    let app = hear(&place, &["--size", "760x540"]);
+    wait_for_output(&app, &server, "usb");
+    assert!(app.told().contains("quality: Low, flash_limiter: false"), "{}", app.told());
+    app.point_at(200, 100);
+    app.point_at(230, 100);
+    wait_for_ground(&app, "the bar", 24, 518);
+    // The button of the bar, which is 14 from the window's edges, is the third from the right.
+    app.click_at(760 - 14 - 14 - 15 - 2 * 32, 540 - 14 - 11 - 15);
+    wait_for_ground(&app, "the panel", 66, 30);
+    wait_for_outputs(&app);
+    // Rows are 26 high, below a heading; names begin 170 to the right of the rows.
+    let row = |place: u32| 14 + 11 + 26 + 26 * place + 13;
+    let (left, names) = (60 + 14, 60 + 14 + 170);
+    app.click_at(left + 60, row(0));
+    wait_for_output(&app, &server, "viz");
+    wait_for_default(&app, &place, "output");
+    app.click_at(names + 18, row(4));
+    wait_for_default(&app, &place, "quality");
+    app.click_at(names + 14, row(5));
+    wait_for_default(&app, &place, "flash_limiter");
+    // The cross closes it, and the picture takes clicks again.
+    app.click_at(760 - 60 - 14 - 13, 14 + 11 + 10);
+    app.wait_for("the picture without the panel", |picture| {
+        picture.get_pixel(66, 30).0.iter().take(3).map(|value| u32::from(*value)).sum::<u32>() >= 120
+    });
+    app.click_at(left + 60, row(2));
+    // What was clicked is written before the end.
+    app.quit();
+    assert!(!place.saved_settings().contains("output ="), "a closed panel was clicked");
 }
 
 /// A session with these options, which goes on where the last one ended.

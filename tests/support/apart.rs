@@ -4,7 +4,11 @@
 //! one process can crash each other. A process also has variables, a log and an end of its own.
 
 use std::ffi::OsStr;
+use std::path::PathBuf;
 use std::process::{Command, ExitStatus, Stdio};
+
+#[cfg(unix)]
+use mariana_testing::process::{private_folder, session_environment};
 
 /// Set in the process of a test: its name.
 const TEST: &str = "MARIANA_TEST_APART";
@@ -21,6 +25,39 @@ macro_rules! apart {
 }
 pub(crate) use apart;
 
+/// The same in a user's session of its own, in a folder that [`home`] returns. No sound server runs there, unless the test
+/// starts one.
+#[cfg(unix)]
+macro_rules! apart_at_home {
+    () => {
+        fn here() {}
+        if $crate::support::apart::runs_at_another_home(std::any::type_name_of_val(&here)) {
+            return;
+        }
+    };
+}
+#[cfg(unix)]
+pub(crate) use apart_at_home;
+
+/// See [`apart_at_home`].
+#[cfg(unix)]
+pub(crate) fn runs_at_another_home(path: &str) -> bool {
+    if is_apart() {
+        return false;
+    }
+    let folder = private_folder();
+    let session = session_environment(folder.path());
+    let variables: Vec<(&str, &str)> = session.iter().map(|(name, value)| (*name, value.as_str())).collect();
+    // Drivers keep programs below the user's home: those of other tests serve this one, too.
+    let kept = [("MESA_SHADER_CACHE_DIR", env!("CARGO_TARGET_TMPDIR"))];
+    runs_elsewhere(path, &[&variables[..], &kept].concat())
+}
+
+/// The folder of the user, and of the user's session.
+pub(crate) fn home() -> PathBuf {
+    std::env::var_os("HOME").unwrap().into()
+}
+
 /// Runs the test that holds the function `path` in a process of its own, and returns whether that was done: false in
 /// that process itself.
 ///
@@ -36,6 +73,8 @@ pub(crate) fn runs_elsewhere(path: &str, variables: &[(&str, &str)]) -> bool {
     let (told, failed) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "{test}: {}\n{told}\n{failed}", output.status);
     assert!(told.contains("1 passed"), "{test} did not run: {told}");
+    // On a thread of which the test does not hear.
+    assert!(!failed.contains("panicked"), "{test}: {failed}");
     true
 }
 

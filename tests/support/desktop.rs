@@ -399,9 +399,7 @@ impl App<'_> {
 
     /// How much of a processor the program takes, watched for `time`.
     pub(crate) fn load(&self, time: Duration) -> f64 {
-        let (worked, since) = (self.processor_seconds(), Instant::now());
-        std::thread::sleep(time);
-        (self.processor_seconds() - worked) / since.elapsed().as_secs_f64()
+        load_of(self.process.id(), || std::thread::sleep(time))
     }
 
     /// Memory that the program holds, in MiB (the resident set).
@@ -409,16 +407,6 @@ impl App<'_> {
         let text = std::fs::read_to_string(format!("/proc/{}/status", self.process.id())).unwrap();
         let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
         line.trim().trim_end_matches(" kB").trim().parse::<f64>().unwrap() / 1024.0
-    }
-
-    /// Seconds that processors have worked for the program.
-    fn processor_seconds(&self) -> f64 {
-        let text = std::fs::read_to_string(format!("/proc/{}/stat", self.process.id())).unwrap();
-        // The name in brackets may hold anything; user and system time are the 14th and 15th field.
-        let (_, fields) = text.rsplit_once(')').unwrap();
-        let ticks: f64 =
-            fields.split_whitespace().skip(11).take(2).map(|field| field.parse::<f64>().unwrap()).sum();
-        ticks / TICKS_PER_SECOND
     }
 
     /// What it has printed on standard output.
@@ -473,6 +461,23 @@ impl App<'_> {
             std::thread::sleep(LOOK_PERIOD);
         }
     }
+}
+
+/// How much of a processor a process takes while something is done.
+pub(crate) fn load_of(process: u32, act: impl FnOnce()) -> f64 {
+    let (worked, since) = (processor_seconds(process), Instant::now());
+    act();
+    (processor_seconds(process) - worked) / since.elapsed().as_secs_f64()
+}
+
+/// Seconds that processors have worked for a process.
+fn processor_seconds(process: u32) -> f64 {
+    let text = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap();
+    // The name in brackets may hold anything; user and system time are the 14th and 15th field.
+    let (_, fields) = text.rsplit_once(')').unwrap();
+    let ticks: f64 =
+        fields.split_whitespace().skip(11).take(2).map(|field| field.parse::<f64>().unwrap()).sum();
+    ticks / TICKS_PER_SECOND
 }
 
 /// What a program has printed so far.

@@ -26,3 +26,4 @@ pub(crate) mod studio;
 pub(crate) mod video_stream;
 #[cfg(target_os = "linux")]
 pub(crate) mod wayland;
+pub(crate) mod wood;

@@ -12,6 +12,7 @@ use tracing_subscriber::filter::LevelFilter;
 
 use super::apart::is_apart;
 use mariana::cli::prepare_show;
+use mariana::clock;
 use mariana::commands::{Command, ShowState};
 use mariana::config::Folders;
 use mariana::input::{Input, Key, KeyPress, Modifiers, NamedKey, PointerButton, Wheel};
@@ -24,24 +25,35 @@ use mariana_testing::wave::write_wav;
 /// a test did not ask for, no session begins where the one before ended, and nothing is heard.
 const ALONE: [&str; 5] = ["--prepare-ahead", "off", "--clean", "--new", "--silent"];
 
+/// The time of a picture, and a little more.
+const PICTURE: Duration = Duration::from_millis(20);
+
 /// A folder in which sessions find their files and keep their own.
 pub(crate) struct Place {
     folder: PathBuf,
     /// Removes the folder; `None` if another process owns it.
     _own: Option<TempDir>,
+    /// What draws small pictures of scenes.
+    drawer: PathBuf,
 }
 
 impl Place {
     /// A new one. Nothing is in it but the folder `midi`, which stands for the ports of MIDI devices.
     pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
-        std::fs::create_dir(folder.path().join("midi")).unwrap();
-        Self { folder: folder.path().to_owned(), _own: Some(folder) }
+        let path = folder.path().to_owned();
+        std::fs::create_dir(path.join("midi")).unwrap();
+        Self { _own: Some(folder), ..Self::at(&path) }
     }
 
     /// An existing folder.
     pub(crate) fn at(folder: &Path) -> Self {
-        Self { folder: folder.to_owned(), _own: None }
+        Self { folder: folder.to_owned(), _own: None, drawer: env!("CARGO_BIN_EXE_mariana").into() }
+    }
+
+    /// Has small pictures of scenes drawn by another program.
+    pub(crate) fn draw_by(&mut self, program: PathBuf) {
+        self.drawer = program;
     }
 
     /// The folder.
@@ -90,6 +102,13 @@ impl Place {
         app
     }
 
+    /// A session with `song`, or without one, that is heard, and shows nothing but what is asked for.
+    pub(crate) fn hear(&self, song: Option<&Path>, options: &[&str]) -> App {
+        let song: Vec<&str> = song.iter().map(|song| song.to_str().unwrap()).collect();
+        let alone: Vec<&str> = ALONE.into_iter().filter(|option| *option != "--silent").collect();
+        self.begin(&[&song[..], &alone, options].concat())
+    }
+
     /// A session with exactly these arguments.
     pub(crate) fn begin(&self, arguments: &[&str]) -> App {
         self.start(arguments, Offscreen::open)
@@ -99,7 +118,11 @@ impl Place {
         assert!(is_apart(), "the test of a session begins with `apart!()`");
         let log = Log::default();
         log.listen();
-        let folders = Folders { midi_ports: Some(self.path("midi")), ..Folders::within(self.folder()) };
+        let folders = Folders {
+            midi_ports: Some(self.path("midi")),
+            program: Some(self.drawer.clone()),
+            ..Folders::within(self.folder())
+        };
         let prepared =
             prepare_show(arguments.iter().copied(), folders).unwrap_or_else(|error| panic!("{error:#}"));
         let session = open(prepared).unwrap_or_else(|error| panic!("{error}"));
@@ -361,6 +384,16 @@ impl App {
         self.step()
     }
 
+    /// How often a picture was shown.
+    pub(crate) fn shown(&self) -> u64 {
+        self.session.borrow().shown()
+    }
+
+    /// Sentences for the user, warnings and errors: everything that a terminal would show.
+    pub(crate) fn complaints(&self) -> Vec<String> {
+        complaints(&self.told())
+    }
+
     /// Ends the session as its user would. Returns what was told and logged.
     pub(crate) fn quit(self) -> String {
         let Self { session, log, .. } = self;
@@ -386,21 +419,40 @@ impl App {
 
     /// Moves the pointer to a place of the window, and lets the overlay see it there.
     pub(crate) fn point_at(&self, x: u32, y: u32) {
-        self.move_pointer(x.into(), y.into());
-        self.take_steps(3);
+        clock::by_hand(|| {
+            self.move_pointer(x.into(), y.into());
+            self.see();
+            self.see();
+        });
     }
 
-    /// Clicks at a place of the window.
+    /// Lets the overlay see what the user did, in as much time as a picture has, however long it takes.
+    fn see(&self) {
+        clock::advance(PICTURE);
+        self.take_steps(2);
+    }
+
+    /// Clicks at a place of the window. However long the pictures take, it is no long press.
     pub(crate) fn click_at(&self, x: u32, y: u32) {
         self.point_at(x, y);
-        self.hold_button(true);
-        self.take_steps(2);
-        self.hold_button(false);
-        self.take_steps(2);
+        clock::by_hand(|| {
+            self.hold_button(true);
+            self.see();
+            self.hold_button(false);
+            self.see();
+        });
+    }
+
+    /// Clicks twice at a place of the window, in no time.
+    pub(crate) fn double_click_at(&self, x: u32, y: u32) {
+        clock::by_hand(|| {
+            self.click_at(x, y);
+            self.click_at(x, y);
+        });
     }
 
     /// Goes on by some steps.
-    fn take_steps(&self, count: usize) {
+    pub(crate) fn take_steps(&self, count: usize) {
         for _ in 0..count {
             self.step();
         }
@@ -427,6 +479,15 @@ impl App {
 /// Returns `true` if the log holds a sentence that the program prints on standard error.
 fn complains(told: &str) -> bool {
     told.lines().any(|line| line.trim_start().starts_with("DEBUG told: "))
+}
+
+/// Sentences for the user, warnings and errors in what was told and logged.
+pub(crate) fn complaints(told: &str) -> Vec<String> {
+    let is_complaint = |line: &&str| {
+        let line = line.trim_start();
+        line.starts_with("DEBUG told: ") || line.starts_with("WARN") || line.starts_with("ERROR")
+    };
+    told.lines().filter(is_complaint).map(str::to_owned).collect()
 }
 
 fn key_of(name: &str, shift: bool) -> Key {

@@ -168,9 +168,14 @@ impl Compositor {
         self.process.kill();
     }
 
-    /// Lets it stand still until it ends.
+    /// Lets it stand still.
     pub(crate) fn stop(&self) {
         signal(&self.process, "-STOP");
+    }
+
+    /// Lets it go on again.
+    pub(crate) fn go_on(&self) {
+        signal(&self.process, "-CONT");
     }
 
     /// The program.

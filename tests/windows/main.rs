@@ -8,14 +8,8 @@ mod window;
 mod window_answers;
 mod window_assisted;
 mod window_grounds;
-mod window_live;
 mod window_outputs;
-mod window_panels;
-mod window_remote;
-mod window_sends;
 mod window_settings;
-mod window_shows;
-mod window_songs;
 
 #[path = "../support/mod.rs"]
 mod support;

@@ -33,12 +33,28 @@ fn wait_for_track(app: &mut App, name: &str, place: &str) {
 }
 
 #[test]
-fn the_desktop_steers_the_player_over_d_bus() {
+fn the_desktop_steers_the_player_over_d_bus_as_long_as_there_is_a_bus() {
     let desktop = Desktop::start();
     let bus = SessionBus::start(desktop.folder());
     let folder = folder_of(&desktop, &["1.wav", "2.wav"], 60.0);
-    let mut app = desktop.open(&folder, SMALL);
+    // The first picture is late: nothing plays before it.
+    let slow = [("MARIANA_FAULT", "slow-compiler@0")];
+    let mut app = desktop.open_with(&slow, &folder, &[SMALL, &["-v"]].concat());
     wait_until("the player on the bus", || bus.players().len() == 1);
+    let waits = |app: &App<'_>| !app.told().contains("first picture after");
+    let status = bus.property("Player.PlaybackStatus");
+    assert!(!waits(&app) || !status.contains("Playing"), "{status}");
+    let position = || -> i64 {
+        let reply = bus.property("Player.Position");
+        reply.split_whitespace().last().and_then(|number| number.parse().ok()).unwrap_or(-1)
+    };
+    let mut last = 0;
+    wait_until("half a second of the song", || {
+        let now = position();
+        assert!(now >= last, "back from {last} to {now} us");
+        last = now;
+        !waits(&app) && now > 500_000
+    });
     let wait_for = |property: &str, value: &str| {
         wait_until(&format!("{property} of {value}"), || bus.property(property).contains(value));
     };
@@ -50,12 +66,9 @@ fn the_desktop_steers_the_player_over_d_bus() {
     bus.call("Player.PlayPause", &[]);
     wait_for("Player.PlaybackStatus", "Paused");
     app.wait_for_title("paused", |title| title.contains("paused"));
+    let before = position();
     bus.call("Player.Seek", &["int64:20000000"]);
-    let position = || {
-        let reply = bus.property("Player.Position");
-        reply.split_whitespace().last().and_then(|number| number.parse::<i64>().ok()).unwrap_or(-1)
-    };
-    wait_until("the seek", || (20_000_000..30_000_000).contains(&position()));
+    wait_until("the seek", || (position() - before - 20_000_000).abs() < 1_000_000);
     // Of another track, and beyond the end: ignored.
     bus.call("Player.SetPosition", &["objpath:/org/mariana/track/1", "int64:50000000"]);
     bus.call("Player.SetPosition", &["objpath:/org/mariana/track/0", "int64:61000000"]);
@@ -85,40 +98,13 @@ fn the_desktop_steers_the_player_over_d_bus() {
     wait_until("the second one's end", || bus.players().len() == 1);
     bus.call("Quit", &[]);
     let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success() && told.is_empty(), "{status}: {told}");
+    assert!(status.success() && !told.contains("mariana: "), "{status}: {told}");
+    end_with_the_bus(&desktop, bus, &folder);
 }
 
-#[test]
-fn mpris_said_playing_before_the_first_picture_and_jumped_back_to_the_start() {
-    let desktop = Desktop::start();
-    let bus = SessionBus::start(desktop.folder());
-    let folder = folder_of(&desktop, &["1.wav"], 60.0);
-    let slow = [("MARIANA_FAULT", "slow-compiler@0")];
-    let app = desktop.open_with(&slow, &folder, &[SMALL, &["-v"]].concat());
-    wait_until("the player on the bus", || bus.players().len() == 1);
-    let waits = |app: &App<'_>| !app.told().contains("first picture after");
-    let status = bus.property("Player.PlaybackStatus");
-    assert!(!waits(&app) || !status.contains("Playing"), "{status}");
-    let position = || -> i64 {
-        let reply = bus.property("Player.Position");
-        reply.split_whitespace().last().and_then(|number| number.parse().ok()).unwrap_or(-1)
-    };
-    let mut last = 0;
-    wait_until("half a second of the song", || {
-        let now = position();
-        assert!(now >= last, "back from {last} to {now} us");
-        last = now;
-        !waits(&app) && now > 500_000
-    });
-    assert!(bus.property("Player.PlaybackStatus").contains("Playing"));
-}
-
-#[test]
-fn a_bus_that_dies_or_is_none_is_nothing_to_speak_of() {
-    let desktop = Desktop::start();
-    let bus = SessionBus::start(desktop.folder());
-    let folder = folder_of(&desktop, &["1.wav", "2.wav"], 60.0);
-    let mut app = desktop.open(&folder, SMALL);
+/// A bus that dies, or is none, is nothing to speak of.
+fn end_with_the_bus(desktop: &Desktop, bus: SessionBus, folder: &Path) {
+    let mut app = desktop.open(folder, SMALL);
     wait_until("the player on the bus", || bus.players().len() == 1);
     drop(bus);
     app.press(&["Next", "space"]);
@@ -127,7 +113,7 @@ fn a_bus_that_dies_or_is_none_is_nothing_to_speak_of() {
     let (status, told) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success() && told.is_empty(), "{status}: {told}");
     // Its socket is left behind, and nobody answers there.
-    let app = desktop.open(&folder, SMALL);
+    let app = desktop.open(folder, SMALL);
     app.press(&["q"]);
     let (status, told) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success() && told.is_empty(), "{status}: {told}");

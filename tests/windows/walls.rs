@@ -3,7 +3,7 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop};
@@ -44,10 +44,14 @@ impl Place {
 
     /// The window with a scene and no words, when its first picture shows.
     pub(crate) fn open(&self, scene: &str, options: &[&str]) -> App<'_> {
+        self.open_with(&[], scene, options)
+    }
+
+    /// The same with these variables in the program's environment.
+    pub(crate) fn open_with(&self, variables: &[(&str, &str)], scene: &str, options: &[&str]) -> App<'_> {
         let scene = self.path(scene);
-        let own =
-            ["--silent", "-v", "--size", "320x180", "--quality", "best", "--scene", scene.to_str().unwrap()];
-        let mut app = self.desktop.listen(&[&own[..], options].concat());
+        let own = ["-v", "--size", "320x180", "--quality", "best", "--scene", scene.to_str().unwrap()];
+        let mut app = self.desktop.open_with(variables, Path::new("--silent"), &[&own[..], options].concat());
         app.wait_until_told("first picture after");
         app
     }

@@ -54,9 +54,10 @@ fn on_wayland_a_wallpaper_fills_every_monitor_with_its_own_pixels() {
 }
 
 #[test]
-fn on_wayland_a_wallpaper_rests_while_nobody_sees_it() {
-    let compositor = Compositor::sway("output HEADLESS-1 resolution 320x180\n");
-    let mut show = wallpaper(&compositor, BREATHES, &[]);
+fn on_wayland_a_wallpaper_outlives_a_lost_context_rests_while_nobody_sees_it_and_ends_with_its_compositor() {
+    let mut compositor = Compositor::sway("output HEADLESS-1 resolution 320x180\n");
+    let mut show = wallpaper(&compositor, BREATHES, &[("MARIANA_FAULT", "context-lost@4")]);
+    show.wait_until_told("the driver has lost its context");
     let first =
         compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| at(screen, 0.5, 0.5)[0] > 60);
     compositor.wait_for_screen("HEADLESS-1", "another picture", |screen| *screen != first);
@@ -69,7 +70,13 @@ fn on_wayland_a_wallpaper_rests_while_nobody_sees_it() {
     show.wait_until_told("the wallpaper goes on");
     let first = compositor.screen("HEADLESS-1").unwrap();
     compositor.wait_for_screen("HEADLESS-1", "another picture", |screen| *screen != first);
-    show.end();
+    compositor.kill();
+    let (status, told) = show.wait_for_end();
+    assert_eq!(status.code(), Some(1), "{told}");
+    // The wall's thread may note that it hears no more before or after.
+    let is_own = |line: &&str| !line.contains("the compositor tells no more");
+    let told: String = told.split_inclusive('\n').filter(is_own).collect();
+    assert!(told.ends_with(DISPLAY_LOST), "{told}");
 }
 
 #[test]
@@ -100,40 +107,4 @@ fn on_wayland_a_wallpaper_takes_no_input_and_outlives_monitors_that_are_pulled_o
     });
     assert!(show.runs());
     show.end();
-}
-
-#[test]
-fn on_wayland_a_wallpaper_outlives_a_lost_context() {
-    let compositor = Compositor::sway("output HEADLESS-1 resolution 320x180\n");
-    let mut show = wallpaper(&compositor, BREATHES, &[("MARIANA_FAULT", "context-lost@4")]);
-    show.wait_until_told("the driver has lost its context");
-    let lit = |[red, ..]: [u8; 3]| red > 60;
-    let first = compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| lit(at(screen, 0.5, 0.5)));
-    compositor.wait_for_screen("HEADLESS-1", "another picture", |screen| *screen != first);
-    show.end();
-}
-
-#[test]
-fn a_wallpaper_says_that_its_compositor_has_gone() {
-    let mut compositor = Compositor::sway("output HEADLESS-1 resolution 320x180\n");
-    let show = wallpaper(&compositor, BREATHES, &[]);
-    compositor.kill();
-    let (status, told) = show.wait_for_end();
-    assert_eq!(status.code(), Some(1), "{told}");
-    // The wall's thread may note that it hears no more before or after.
-    let is_own = |line: &&str| !line.contains("the compositor tells no more");
-    let told: String = told.split_inclusive('\n').filter(is_own).collect();
-    assert!(told.ends_with(DISPLAY_LOST), "{told}");
-}
-
-#[test]
-fn a_compositor_without_layers_has_no_place_for_a_wallpaper() {
-    let compositor = Compositor::weston();
-    let show = compositor.open(&[], &["--wallpaper", "--scene", "length(p) - 1"]);
-    let (status, told) = show.wait_for_end();
-    assert_eq!(status.code(), Some(1), "{told}");
-    let last = told.lines().last().unwrap();
-    for part in ["this Wayland compositor", "zwlr_layer_shell_v1", "start Mariana in"] {
-        assert!(last.contains(part), "{told}");
-    }
 }

@@ -75,12 +75,14 @@ fn fills_cleanly(picture: &RgbaImage) -> bool {
 const EDGE: u32 = 8;
 
 #[test]
-fn an_output_fills_its_monitor_cleanly_and_comes_back_with_it() {
+fn an_output_fills_its_monitor_cleanly_outlives_a_lost_context_and_comes_back_with_its_monitor() {
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let half = SCREEN.0 as u16 / 2;
     place.desktop.plug_monitor("left", 0, half);
     place.desktop.plug_monitor("right", half as i16, half);
-    let mut app = place.open("two.scene", &["--output", "RIGHT"]);
+    let lost = [("MARIANA_FAULT", "context-lost@4")];
+    let mut app = place.open_with(&lost, "two.scene", &["--output", "RIGHT"]);
+    app.wait_until_told("the driver has lost its context");
     app.xdotool(&["windowmove", "--sync", app.window(), "20", "60"]);
     wait_for_half(&place, true, "the output, clean", fills_cleanly);
     // The desk shows the same picture small, in its own shape, and nothing beside it.
@@ -134,14 +136,22 @@ fn an_output_fills_its_monitor_cleanly_and_comes_back_with_it() {
 }
 
 #[test]
-fn what_is_aimed_at_the_small_picture_of_a_desk_is_aimed_right() {
+fn a_monitor_is_named_by_its_number_and_what_is_aimed_at_the_small_picture_of_a_desk_is_aimed_right() {
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let half = SCREEN.0 as u16 / 2;
     place.desktop.plug_monitor("left", 0, half);
+    let mut app = place.open("two.scene", &["--output", "2", "-vv"]);
+    app.wait_until_told(
+        "there is no monitor 2, but left (400x600): the picture comes onto it when it is there",
+    );
     place.desktop.plug_monitor("right", half as i16, half);
-    let mut app = place.open("two.scene", &["--output", "right", "-vv"]);
-    app.xdotool(&["windowmove", "--sync", app.window(), "0", "100"]);
+    let listed = output_of(place.desktop.command(PROGRAM).args(["--output", "list"]), "mariana").unwrap();
+    assert_eq!(String::from_utf8(listed).unwrap(), "1 left (400x600) at 0,0\n2 right (400x600) at 400,0\n");
     wait_for_half(&place, true, "the output", fills);
+    app.press(&["g"]);
+    wait_for(&app, "the settings", |picture| !is_red(at(picture, 0.45, 0.5)));
+    app.press(&["g"]);
+    app.xdotool(&["windowmove", "--sync", app.window(), "0", "100"]);
     let desk = wait_for(&app, "the desk", |picture| small_picture(picture).is_some());
     let [left, top, right, bottom] = small_picture(&desk).unwrap();
     let to = |app: &App<'_>, x: u32, y: u32| {
@@ -178,44 +188,9 @@ fn what_is_aimed_at_the_small_picture_of_a_desk_is_aimed_right() {
         // A quarter of the picture's width from its middle, on the wall at z = 5.
         assert!(wall[0].signum() == [-1.0, 1.0][number] && wall[1].abs() < 0.4, "{probed}");
     }
-    quit(app);
-}
-
-#[test]
-fn a_monitor_is_named_by_its_number_and_one_that_is_not_there_is_told() {
-    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
-    let half = SCREEN.0 as u16 / 2;
-    place.desktop.plug_monitor("left", 0, half);
-    let mut app = place.open("two.scene", &["--output", "2"]);
-    app.wait_until_told(
-        "there is no monitor 2, but left (400x600): the picture comes onto it when it is there",
-    );
-    place.desktop.plug_monitor("right", half as i16, half);
-    wait_for_half(&place, true, "the output", fills);
-    let listed = output_of(place.desktop.command(PROGRAM).args(["--output", "list"]), "mariana").unwrap();
-    assert_eq!(String::from_utf8(listed).unwrap(), "1 left (400x600) at 0,0\n2 right (400x600) at 400,0\n");
     // It goes with the other window, also when a panel is open there.
-    app.press(&["g"]);
-    wait_for(&app, "the settings", |picture| !is_red(at(picture, 0.45, 0.5)));
-    app.press(&["g"]);
     quit(app);
     wait_for_half(&place, true, "nothing after the end", is_dark);
-}
-
-#[test]
-fn an_output_outlives_a_lost_context() {
-    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
-    let half = SCREEN.0 as u16 / 2;
-    place.desktop.plug_monitor("left", 0, half);
-    place.desktop.plug_monitor("right", half as i16, half);
-    let scene = place.path("two.scene");
-    let options =
-        ["--silent", "-v", "--size", "320x180", "--output", "right", "--scene", scene.to_str().unwrap()];
-    let song = Path::new(&options[0]);
-    let mut app = place.desktop.open_with(&[("MARIANA_FAULT", "context-lost@4")], song, &options[1..]);
-    app.wait_until_told("the driver has lost its context");
-    wait_for_half(&place, true, "the output", fills);
-    quit(app);
 }
 
 /// The program for the eyes alone, with these variables.
@@ -230,12 +205,12 @@ fn ground<'d>(place: &'d Place, variables: &[(&str, &str)], options: &[&str]) ->
 }
 
 #[test]
-fn a_wallpaper_is_below_everything_on_every_monitor_and_takes_no_input() {
-    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+fn a_wallpaper_is_below_everything_on_every_monitor_takes_no_input_and_rests_while_it_is_covered() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS), ("breathes.scene", BREATHES)]);
     let half = SCREEN.0 as u16 / 2;
     place.desktop.plug_monitor("left", 0, half);
     place.desktop.plug_monitor("right", half as i16, half);
-    let wallpaper = ground(&place, &[], &["--wallpaper"]);
+    let mut wallpaper = ground(&place, &[], &["--wallpaper", "--fps-cap", "10"]);
     for right in [false, true] {
         wait_for_half(&place, right, "the wallpaper", fills);
     }
@@ -255,12 +230,7 @@ fn a_wallpaper_is_below_everything_on_every_monitor_and_takes_no_input() {
     place.desktop.pull_monitor("right");
     place.desktop.pull_monitor("left");
     wait_until("the wallpaper of one monitor", || fills(&place.desktop.screen()));
-}
-
-#[test]
-fn a_wallpaper_rests_while_it_is_covered() {
-    let place = Place::new(&[("two.scene", TWO_COLOURS), ("breathes.scene", BREATHES)]);
-    let mut wallpaper = ground(&place, &[], &["--wallpaper", "--fps-cap", "10"]);
+    // Covered, it rests.
     let app = place.open("breathes.scene", &[]);
     assert!(!wallpaper.told().contains("the wallpaper rests"), "{}", wallpaper.told());
     app.press(&["f"]);
@@ -288,7 +258,7 @@ fn a_screen_saver_s_window_is_drawn_into_and_its_end_is_the_end() {
 }
 
 #[test]
-fn on_wayland_an_output_is_a_full_screen_window_too() {
+fn on_wayland_an_output_is_a_full_screen_window_too_and_a_wallpaper_needs_layers() {
     let compositor = Compositor::weston();
     let mut show =
         compositor.open(&[], &["--size", "160x90", "--scene", "length(p) - 1", "--output", "headless"]);
@@ -297,4 +267,11 @@ fn on_wayland_an_output_is_a_full_screen_window_too() {
     }
     let told = show.end();
     assert!(!told.contains("no output on another monitor"), "{told}");
+    let show = compositor.open(&[], &["--wallpaper", "--scene", "length(p) - 1"]);
+    let (status, told) = show.wait_for_end();
+    assert_eq!(status.code(), Some(1), "{told}");
+    let last = told.lines().last().unwrap();
+    for part in ["this Wayland compositor", "zwlr_layer_shell_v1", "start Mariana in"] {
+        assert!(last.contains(part), "{told}");
+    }
 }

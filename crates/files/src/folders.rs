@@ -1,4 +1,4 @@
-//! The folders in which the program keeps things of its user.
+//! The folders in which the program keeps things of its user, and the program itself.
 
 use std::path::{Path, PathBuf};
 
@@ -17,6 +17,8 @@ pub struct Folders {
     pub state: Option<PathBuf>,
     /// In builds for tests, a folder that stands for the ports of MIDI devices; the system's ports otherwise.
     pub midi_ports: Option<PathBuf>,
+    /// The program that draws thumbnails; `None` for the one that runs.
+    pub program: Option<PathBuf>,
 }
 
 impl Folders {
@@ -29,6 +31,7 @@ impl Folders {
             data: Some(places.data_dir().to_owned()),
             state: Some(places.state_dir().unwrap_or(places.data_local_dir()).to_owned()),
             midi_ports: std::env::var_os("MARIANA_MIDI_FOLDER").map(PathBuf::from),
+            program: None,
         }
     }
 
@@ -41,6 +44,7 @@ impl Folders {
             data: part("data"),
             state: part("state"),
             midi_ports: None,
+            program: None,
         }
     }
 }

@@ -140,6 +140,7 @@ impl FileBrowser {
             if folder != self.folder {
                 continue;
             }
+            tracing::debug!("{} is listed", folder.display());
             (self.entries, self.trouble) = match listing {
                 Ok(entries) if entries.is_empty() => (entries, Some("this folder is empty".to_owned())),
                 Ok(entries) => (entries, None),

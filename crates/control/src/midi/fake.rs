@@ -4,6 +4,7 @@
 
 use std::any::Any;
 use std::io;
+use std::os::unix::fs::MetadataExt;
 use std::os::unix::net::UnixDatagram;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -48,6 +49,7 @@ impl Ports for FolderPorts {
             Ok(socket)
         };
         let socket = open(&path).map_err(|error| error.to_string())?;
+        let number = number_of(&path);
         let is_over = Arc::new(AtomicBool::new(false));
         let of_thread = is_over.clone();
         let heard = std::thread::Builder::new().name("fake MIDI".into()).spawn(move || {
@@ -57,17 +59,30 @@ impl Ports for FolderPorts {
                     hear(bytes.get(..length).unwrap_or_default());
                 }
             }
-            let _ = std::fs::remove_file(path);
         });
-        heard.map(|_| Box::new(Open(is_over)) as Box<dyn Any>).map_err(|error| error.to_string())
+        heard
+            .map(|_| Box::new(Open { is_over, path, number }) as Box<dyn Any>)
+            .map_err(|error| error.to_string())
     }
 }
 
-/// Ends the thread when dropped.
-struct Open(Arc<AtomicBool>);
+/// The number of a file in its file system; none if there is no such file.
+fn number_of(path: &Path) -> Option<u64> {
+    std::fs::metadata(path).ok().map(|file| file.ino())
+}
+
+/// Ends the thread when dropped, and removes the socket, unless another one took its place meanwhile.
+struct Open {
+    is_over: Arc<AtomicBool>,
+    path: PathBuf,
+    number: Option<u64>,
+}
 
 impl Drop for Open {
     fn drop(&mut self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.is_over.store(true, Ordering::Relaxed);
+        if self.number.is_some() && number_of(&self.path) == self.number {
+            let _ = std::fs::remove_file(&self.path);
+        }
     }
 }

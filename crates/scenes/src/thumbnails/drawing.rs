@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::io;
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -29,23 +30,27 @@ pub(super) enum NotDrawn {
     Stopped,
 }
 
-/// Draws the thumbnail of a scene in a separate process and returns the PNG's bytes. Stops when `is_stopped`, which is
+/// Draws the thumbnail of a scene in a separate process of `program` and returns the PNG's bytes. Stops when `is_stopped`, which is
 /// polled, returns `true`.
 ///
 /// # Errors
 /// [`NotDrawn`].
-pub(super) fn draw(source: &SceneSource, mut is_stopped: impl FnMut() -> bool) -> Result<Vec<u8>, NotDrawn> {
+pub(super) fn draw(
+    program: &Path,
+    source: &SceneSource,
+    mut is_stopped: impl FnMut() -> bool,
+) -> Result<Vec<u8>, NotDrawn> {
     let place = tempfile::tempdir()?;
     let file = place.path().join("picture.png");
     let scene = match source {
-        SceneSource::Blend(blend) => return draw(&blend.to.source, is_stopped),
+        SceneSource::Blend(blend) => return draw(program, &blend.to.source, is_stopped),
         SceneSource::Shipped(name) => name.into(),
         SceneSource::File(path) => path.clone().into_os_string(),
         SceneSource::Formula(text) => text.into(),
     };
     let mut option = std::ffi::OsString::from("--scene=");
     option.push(scene);
-    let mut command = Command::new(std::env::current_exe()?);
+    let mut command = Command::new(program);
     let size = format!("{}x{}", SIZE.0, SIZE.1);
     command.args(["still", "--at", &MOMENT.to_string(), "--size", &size, "-o"]).arg(&file);
     command.arg(option).env("LP_NUM_THREADS", "1");

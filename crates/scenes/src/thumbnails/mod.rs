@@ -137,16 +137,22 @@ impl Thumbnails {
     /// Starts the thread that answers requests; `wake` is called after each answer.
     ///
     /// # Errors
-    /// There is no thread.
+    /// There is no thread, or the system does not know which program runs.
     pub fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
-        Self::start_in(folders.cache.as_ref().map(|cache| cache.join("thumbnails")), wake)
+        let folder = folders.cache.as_ref().map(|cache| cache.join("thumbnails"));
+        let program = folders.program.clone().map_or_else(std::env::current_exe, Ok)?;
+        Self::start_in(folder, program, wake)
     }
 
-    /// The same with another folder for the cache.
-    fn start_in(folder: Option<PathBuf>, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+    /// The same with another folder for the cache, and another program that draws.
+    fn start_in(
+        folder: Option<PathBuf>,
+        program: PathBuf,
+        wake: impl Fn() + Send + 'static,
+    ) -> io::Result<Self> {
         let requests = Arc::new(Requests::default());
         let (answers, looked) = channel();
-        let worker = Worker { requests: requests.clone(), folder, answers, wake: Box::new(wake) };
+        let worker = Worker { requests: requests.clone(), folder, program, answers, wake: Box::new(wake) };
         std::thread::Builder::new().name("thumbnails".into()).spawn(move || worker.work())?;
         Ok(Self { requests, looked })
     }
@@ -195,6 +201,7 @@ struct Worker {
     requests: Arc<Requests>,
     /// The cache; `None` if the system has no folder for it.
     folder: Option<PathBuf>,
+    program: PathBuf,
     answers: Sender<Looked>,
     wake: Box<dyn Fn() + Send>,
 }
@@ -281,7 +288,7 @@ impl Worker {
 
     /// Has a scene drawn, and answers quick requests meanwhile.
     fn drawn(&self, source: &SceneSource, is_stopped: impl Fn() -> bool) -> Result<Vec<u8>, NotDrawn> {
-        draw(source, || {
+        draw(&self.program, source, || {
             self.answer_quick();
             is_stopped()
         })
@@ -411,7 +418,7 @@ mod tests {
     #[test]
     fn the_list_of_scenes_opened_with_grey_tiles() {
         let (woken, wakes) = channel();
-        let mut thumbnails = Thumbnails::start_in(None, move || {
+        let mut thumbnails = Thumbnails::start_in(None, PathBuf::new(), move || {
             let _ = woken.send(());
         })
         .unwrap();

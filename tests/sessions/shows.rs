@@ -1,41 +1,42 @@
 //! Scenes that follow the song: as the director says, as a file says, and as whoever watches says.
 
 #![cfg(target_os = "linux")]
-#![allow(clippy::unwrap_used)]
 
 use std::fs;
 use std::net::UdpSocket;
 use std::path::PathBuf;
-use std::time::Duration;
 
-use crate::support::desktop::{App, Desktop, PROGRAM, command_in};
+use crate::support::apart::apart;
+use crate::support::desktop::{PROGRAM, command_in};
 use crate::support::osc::{Sender, sent_number};
-use crate::walls::quit;
+use crate::support::session::{self, App};
 use image::RgbaImage;
 use mariana::scenes::shipped_names;
-use mariana_testing::process::{output_of, wait_until};
+use mariana_testing::process::output_of;
 use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
 /// Moments of the song that a key reaches, 5 s from each other.
 const MOMENTS: usize = 20;
+/// How long the song is that most tests play.
+const SECONDS: usize = 100;
 
 struct Place {
-    desktop: Desktop,
+    inner: session::Place,
     song: PathBuf,
 }
 
 impl Place {
     fn new() -> Self {
-        let desktop = Desktop::start();
-        let song = desktop.folder().join("song.wav");
+        let inner = session::Place::new();
+        let song = inner.path("song.wav");
         // Clicks, so that there is a tempo.
-        let samples = (0..100 * 48_000).flat_map(|frame| {
+        let samples = (0..SECONDS * 48_000).flat_map(|frame| {
             let since = frame % 24_000;
             [if since < 400 { 0.5 * (0.4 * since as f32).sin() } else { 0.0 }; 2]
         });
         write_wav(&song, 48_000, 2, samples);
-        let place = Self { desktop, song };
+        let place = Self { inner, song };
         for (name, colour) in [("red", "0.9, 0, 0"), ("green", "0, 0.9, 0"), ("blue", "0, 0, 0.9")] {
             place.write(
                 &format!("{name}.scene"),
@@ -53,24 +54,24 @@ impl Place {
     }
 
     fn path(&self, name: &str) -> String {
-        self.desktop.folder().join(name).to_str().unwrap().to_owned()
+        self.inner.path(name).to_str().unwrap().to_owned()
     }
 
     fn write(&self, name: &str, text: &str) {
         fs::write(self.path(name), text).unwrap();
     }
 
-    fn open(&self, options: &[&str]) -> App<'_> {
-        // As the program is started, so that it prepares what comes.
-        let mut command = self.desktop.command(PROGRAM);
-        command.arg(&self.song).args(["--silent", "--new", "--clean", "-v", "--size", SIZE]).args(options);
-        command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
-        self.desktop.show(command, &self.song)
+    /// A session that prepares what comes, and follows the show.
+    fn open(&self, options: &[&str]) -> App {
+        let own = [self.song.to_str().unwrap(), "--silent", "--new", "--clean", "--size", SIZE];
+        let app = self.inner.begin(&[&own[..], options].concat());
+        app.wait_until_told("the scenes follow the song");
+        app
     }
 
     fn still(&self, show: &str, time: &str) -> RgbaImage {
-        let output = self.desktop.folder().join("still.png");
-        let mut command = command_in(PROGRAM, self.desktop.folder(), None);
+        let output = self.inner.path("still.png");
+        let mut command = command_in(PROGRAM, self.inner.folder(), None);
         command
             .arg("still")
             .arg(&self.song)
@@ -82,11 +83,11 @@ impl Place {
 }
 
 /// Which channel shines in the middle.
-fn channel(app: &App<'_>) -> Option<usize> {
+fn channel(app: &App) -> Option<usize> {
     channel_at(app, (32, 18))
 }
 
-fn channel_at(app: &App<'_>, (x, y): (u32, u32)) -> Option<usize> {
+fn channel_at(app: &App, (x, y): (u32, u32)) -> Option<usize> {
     let pixel = app.picture().get_pixel(x, y).0;
     (0..3).find(|channel| {
         (0..3)
@@ -95,25 +96,45 @@ fn channel_at(app: &App<'_>, (x, y): (u32, u32)) -> Option<usize> {
 }
 
 /// How far two pictures are apart in the mean of all numbers, of 255.
-fn apart(a: &RgbaImage, b: &RgbaImage) -> f64 {
+fn distance(a: &RgbaImage, b: &RgbaImage) -> f64 {
     let numbers = a.as_raw().iter().zip(b.as_raw());
     numbers.map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / a.as_raw().len().max(1) as f64
 }
 
-fn wait_for_channel(app: &App<'_>, wanted: usize) {
-    wait_until("a colour", || channel(app) == Some(wanted));
+fn wait_for_channel(app: &App, wanted: usize) {
+    app.wait_until("a colour", |app| channel(app) == Some(wanted));
 }
 
-/// Goes to a time that is a multiple of 5 s.
-fn go_to(app: &mut App<'_>, seconds: usize) {
+/// Goes on for a while, in which the colour stays.
+fn assert_channel_stays(app: &App, wanted: usize) {
+    for _ in 0..50 {
+        assert_eq!(channel(app), Some(wanted), "another colour came: {}", app.told());
+    }
+}
+
+fn pause(app: &App) {
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+}
+
+/// Goes to a time that is a multiple of 5 s, in a song that is paused.
+fn go_to(app: &App, seconds: usize) {
     app.press(&["Left"; MOMENTS]);
     if seconds > 0 {
         app.press(&vec!["Right"; seconds / 5]);
     }
 }
 
+/// Waits until the song is at a time.
+fn wait_for_time(app: &App, seconds: f32) {
+    app.wait_until(&format!("{seconds} s"), |app| {
+        app.state().position.is_some_and(|at| (at * SECONDS as f32 - seconds).abs() < 0.01)
+    });
+}
+
 #[test]
 fn a_window_shows_of_a_show_what_a_still_does_and_each_save_of_its_file() {
+    apart!();
     let place = Place::new();
     let show = place.path("my.show");
     // At each moment that the keys reach something is under way.
@@ -129,22 +150,20 @@ fn a_window_shows_of_a_show_what_a_still_does_and_each_save_of_its_file() {
     }
     text.push_str(&format!("at {} s red.scene fade over 4 s\n set level = 0.3\n", 5 * (MOMENTS - 1) - 1));
     place.write("my.show", &text);
-    let mut app = place.open(&["--show", &show]);
-    app.wait_until_told("the scenes follow the song");
-    app.press(&["space"]);
-    app.wait_for_title("paused", |title| title.contains("paused"));
-    go_to(&mut app, 0);
+    let app = place.open(&["--show", &show]);
+    pause(&app);
+    go_to(&app, 0);
     let wanted: Vec<RgbaImage> =
         (0..MOMENTS).map(|number| place.still(&show, &(5 * number).to_string())).collect();
     for (number, wanted) in wanted.iter().enumerate() {
         if number > 0 {
             app.press(&["Right"]);
         }
-        wait_until(&format!("the still of {} s", 5 * number), || app.picture() == *wanted);
+        app.wait_until(&format!("the still of {} s", 5 * number), |app| app.picture() == *wanted);
     }
     app.press(&["Left"; 4]);
-    wait_until("the same after a jump", || app.picture() == wanted[MOMENTS - 5]);
-    go_to(&mut app, 10);
+    app.wait_until("the same after a jump", |app| app.picture() == wanted[MOMENTS - 5]);
+    go_to(&app, 10);
     wait_for_channel(&app, 2);
     // A save shows; one with mistakes costs nothing and is told.
     let still = "at start blue.scene\nat 30 s red.scene portal over 2 s\n";
@@ -153,14 +172,15 @@ fn a_window_shows_of_a_show_what_a_still_does_and_each_save_of_its_file() {
     place.write("my.show", &still.replace("portal", "portl"));
     app.wait_until_told("did you mean `portal`?");
     // The mistake lies over all but the edges of this window.
-    wait_until("the picture goes on", || channel_at(&app, (1, 1)) == Some(1));
+    app.wait_until("the picture goes on", |app| channel_at(app, (1, 1)) == Some(1));
     place.write("my.show", still);
     wait_for_channel(&app, 2);
-    quit(app);
+    app.quit_by_key();
 }
 
 #[test]
 fn the_first_track_of_a_list_was_taken_for_an_input() {
+    apart!();
     let place = Place::new();
     // Calm, then loud: two sections, and a scene for each.
     let samples = (0..60 * 48_000).flat_map(|frame: u32| {
@@ -176,7 +196,7 @@ fn the_first_track_of_a_list_was_taken_for_an_input() {
         place.write(&format!("{name}.scene"), &scene);
     }
     let show = place.path("auto.show");
-    let mut command = command_in(PROGRAM, place.desktop.folder(), None);
+    let mut command = command_in(PROGRAM, place.inner.folder(), None);
     command.arg("show").arg(&place.song).args(["-o", &show]);
     // Those that N goes through in the window.
     let own = ["red", "green", "blue"].map(|name| place.path(&format!("{name}.scene")));
@@ -184,26 +204,26 @@ fn the_first_track_of_a_list_was_taken_for_an_input() {
         command.args(["--scene", &scene]);
     }
     output_of(&mut command, "mariana").unwrap();
-    let mut app = place.open(&["--show", "auto", "--scene", &place.path("red.scene")]);
-    app.wait_until_told("the scenes follow the song");
-    app.press(&["space"]);
-    app.wait_for_title("paused", |title| title.contains("paused"));
+    let app = place.open(&["--show", "auto", "--scene", &place.path("red.scene")]);
+    pause(&app);
     for (seconds, time) in [(10, "10"), (50, "50")] {
-        go_to(&mut app, seconds);
+        go_to(&app, seconds);
         let wanted = place.still(&show, time);
         // A still has more samples at edges.
-        wait_until(&format!("the director's picture of {time} s"), || apart(&app.picture(), &wanted) < 4.0);
+        app.wait_until(&format!("the director's picture of {time} s"), |app| {
+            distance(&app.picture(), &wanted) < 4.0
+        });
     }
-    quit(app);
+    app.quit_by_key();
 }
 
 #[test]
 fn enter_brings_the_next_cue_of_a_show() {
+    apart!();
     let place = Place::new();
     place.write("my.show", "at start red.scene\nat cue green.scene cut\nat cue blue.scene fade over 1 s\n");
     let show = place.path("my.show");
-    let mut app = place.open(&["--show", &show, "--scene", &place.path("red.scene")]);
-    app.wait_until_told("the scenes follow the song");
+    let app = place.open(&["--show", &show, "--scene", &place.path("red.scene")]);
     app.wait_until_told("green is ready ahead");
     wait_for_channel(&app, 0);
     app.press(&["Return"]);
@@ -211,71 +231,71 @@ fn enter_brings_the_next_cue_of_a_show() {
     app.press(&["Return"]);
     wait_for_channel(&app, 2);
     // Before the first press there is what was there then; and there the first cue waits again.
-    app.press(&["space"]);
-    go_to(&mut app, 0);
+    pause(&app);
+    go_to(&app, 0);
     wait_for_channel(&app, 0);
     app.press(&["Return"]);
     wait_for_channel(&app, 1);
-    quit(app);
+    app.quit_by_key();
 }
 
 #[test]
 fn whoever_watches_overrules_the_show_until_its_next_scene_or_keeps_a_scene() {
+    apart!();
     let place = Place::new();
     place.write("my.show", "at start red.scene\nat 10 s green.scene cut\nat 20 s blue.scene cut\n");
     let show = place.path("my.show");
-    let mut app = place.open(&["--show", &show, "--scene", &place.path("red.scene"), "--fade", "0"]);
-    app.wait_until_told("the scenes follow the song");
-    app.press(&["space"]);
-    go_to(&mut app, 0);
+    let app = place.open(&["--show", &show, "--scene", &place.path("red.scene"), "--fade", "0"]);
+    pause(&app);
+    go_to(&app, 0);
     wait_for_channel(&app, 0);
     // The scenes of the folder by name: before red is green.
     app.press(&["p"]);
     wait_for_channel(&app, 1);
     app.press(&["Right"]);
-    std::thread::sleep(Duration::from_secs(1));
-    wait_for_channel(&app, 1);
-    go_to(&mut app, 20);
+    wait_for_time(&app, 5.0);
+    assert_channel_stays(&app, 1);
+    go_to(&app, 20);
     wait_for_channel(&app, 2);
     // Kept, and let go again.
     app.press(&["k"]);
-    go_to(&mut app, 0);
-    std::thread::sleep(Duration::from_secs(1));
-    wait_for_channel(&app, 2);
+    go_to(&app, 0);
+    wait_for_time(&app, 0.0);
+    assert_channel_stays(&app, 2);
     app.press(&["k"]);
     wait_for_channel(&app, 0);
     // Off: the scene stays wherever the song is.
     app.press(&["a"]);
-    go_to(&mut app, 10);
-    std::thread::sleep(Duration::from_secs(1));
-    wait_for_channel(&app, 0);
+    go_to(&app, 10);
+    wait_for_time(&app, 10.0);
+    assert_channel_stays(&app, 0);
     app.press(&["a"]);
     wait_for_channel(&app, 1);
-    quit(app);
+    app.quit_by_key();
 }
 
 #[test]
 fn a_show_went_on_to_other_scenes_while_the_text_of_one_was_written() {
+    apart!();
     let place = Place::new();
     let show = place.path("my.show");
     place.write("my.show", "at start red.scene\nat 20 s green.scene\nat 60 s blue.scene\n");
     let (sender, lights) = (Sender::new(), UdpSocket::bind("127.0.0.1:0").unwrap());
     let lights_port = lights.local_addr().unwrap().to_string();
-    let mut app =
-        place.open(&["--osc", &sender.port.to_string(), "--osc-send", &lights_port, "--show", &show]);
-    app.wait_until_told("the scenes follow the song");
-    app.press(&["space"]);
-    app.wait_for_title("paused", |title| title.contains("paused"));
-    go_to(&mut app, 0);
+    let app = place.open(&["--osc", &sender.port.to_string(), "--osc-send", &lights_port, "--show", &show]);
+    pause(&app);
+    go_to(&app, 0);
     wait_for_channel(&app, 0);
     app.press(&["e"]);
-    wait_until("the editor", || channel(&app) != Some(0));
+    app.wait_until("the editor", |app| channel(app) != Some(0));
     sender.send("/position", &[0.3]);
-    wait_until("the song's middle", || sent_number(&lights, "/sound/progress").is_some_and(|at| at > 0.25));
+    app.wait_until("the song's middle", |_| {
+        sent_number(&lights, "/sound/progress").is_some_and(|at| at > 0.25)
+    });
     app.press(&["Escape"]);
     wait_for_channel(&app, 0);
     sender.send("/position", &[0.7]);
     wait_for_channel(&app, 2);
     assert!(!app.told().contains("green is shown"), "{}", app.told());
-    quit(app);
+    app.quit_by_key();
 }

@@ -1,0 +1,135 @@
+//! Live input as a user meets it, on a sound server of the test's own.
+
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::time::Duration;
+
+use crate::support::apart::{apart_at_home, home};
+use crate::support::compare::{TIGHT, difference};
+use crate::support::desktop::load_of;
+use crate::support::session::{App, Place, complaints};
+use image::RgbaImage;
+use mariana_testing::sound_server::SoundServer;
+use mariana_testing::wave::write_wav;
+
+const SMALL: &str = "320x180";
+/// A scene that stands still without sound.
+const LEVEL: &str = "min(y, max(length(p - vec3(0, 1, 0)) - 0.2 - 2 * volume.x, -1 * y))";
+/// So many steps, of up to 20 ms, a session draws nothing that rests.
+const REST: usize = 60;
+
+/// Waits for a picture that is another one.
+fn wait_for_another(app: &App, before: &RgbaImage) {
+    app.wait_for("another picture", |picture| difference(before, picture, TIGHT.visible).share > 0.0);
+}
+
+/// Waits until no picture is drawn for a while.
+fn wait_for_rest(app: &App) {
+    let (mut shown, mut steps) = (app.shown(), 0);
+    app.wait_until("rest", |app| {
+        steps = if app.shown() == shown { steps + 1 } else { 0 };
+        shown = app.shown();
+        steps > REST
+    });
+}
+
+#[test]
+fn what_the_computer_plays_is_shown_and_silence_costs_little() {
+    apart_at_home!();
+    let server = SoundServer::start(&home());
+    let place = Place::new();
+    let app = place.hear(None, &["--system", "--size", SMALL, "--scene", LEVEL]);
+    app.wait_until_told("first picture after");
+    app.wait_for_title("the monitor", |title| title.starts_with("Monitor of ") && title.contains("live"));
+    // Silence is told after some seconds, and then everything rests.
+    wait_for_rest(&app);
+    let load = load_of(std::process::id(), || app.run_for(Duration::from_secs(2)));
+    assert!(load < 0.25, "silent input takes {load} of a processor");
+    let silent = app.picture();
+    let tone = server.play_tone("viz", 440.0);
+    app.wait_for("the sound in the picture", |picture| {
+        difference(&silent, picture, TIGHT.visible).share > 0.02
+    });
+    drop(tone);
+    // Paused it stands still, whatever is heard.
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    let _tone = server.play_tone("viz", 440.0);
+    wait_for_rest(&app);
+    app.quit_by_key();
+}
+
+#[test]
+fn an_input_has_a_show_when_it_is_asked_for() {
+    apart_at_home!();
+    let server = SoundServer::start(&home());
+    let place = Place::new();
+    let app = place.hear(None, &["--system", "--size", "64x36", "--scene", LEVEL]);
+    app.wait_for_title("the formula", |title| title.contains("(formula"));
+    let _tone = server.play_tone("viz", 440.0);
+    app.press(&["a"]);
+    app.wait_until_told("the scenes follow the song");
+    app.wait_for_title("a scene of the director's choice", |title| {
+        title.contains("live") && !title.contains("formula") && !title.contains("preparing")
+    });
+    app.press(&["a"]);
+    app.quit_by_key();
+}
+
+#[test]
+fn the_source_is_changed_by_a_key_and_remembered_by_name() {
+    apart_at_home!();
+    let server = SoundServer::start(&home());
+    server.plug("other", &["sink_properties=device.description=Other"]);
+    server.set_default("viz");
+    let place = Place::new();
+    let song = place.path("song.wav");
+    write_wav(&song, 48_000, 2, (0..48_000 * 120).map(|n| (f64::from(n) * 0.02).sin() as f32 * 0.3));
+    let app = place.hear(Some(&song), &["--size", SMALL]);
+    app.wait_for_title("the song", |title| title.starts_with("song.wav"));
+    // The computer's sound, the default input, then the inputs one by one.
+    app.press(&["d"]);
+    app.wait_for_title("live", |title| title.contains("live"));
+    app.press(&["d", "d", "d"]);
+    app.wait_for_title("the other monitor", |title| title.starts_with("Monitor of Other"));
+    let wait_for_setting = |what: &str| {
+        app.wait_until(what, |_| place.saved_settings().contains(what));
+    };
+    wait_for_setting("system = \"pulseaudio:other.monitor\"");
+    // Five milliseconds later twice, once sooner; of this device.
+    app.press(&["bracketright", "bracketright", "bracketleft"]);
+    wait_for_setting("\"pulseaudio:other.monitor\" = 5.0");
+    app.press(&["d"]);
+    app.wait_for_title("the song", |title| title.starts_with("song.wav") && !title.contains("live"));
+    app.press(&["bracketleft"]);
+    wait_for_setting("\"pulseaudio:viz\" = -5.0");
+    assert_eq!(complaints(&app.quit_by_key()), [""; 0]);
+
+    let app = place.hear(None, &["--system", "--size", SMALL]);
+    app.wait_for_title("the other monitor", |title| title.starts_with("Monitor of Other"));
+    assert_eq!(complaints(&app.quit_by_key()), [""; 0]);
+}
+
+#[test]
+fn devices_that_come_and_go_are_told_and_the_picture_goes_on() {
+    apart_at_home!();
+    let place = Place::new();
+    // No sound server at all, and a file of settings that holds none.
+    fs::create_dir_all(place.settings().parent().unwrap()).unwrap();
+    fs::write(place.settings(), "microphone = [").unwrap();
+    let app = place.hear(None, &["--system", "--size", SMALL]);
+    app.wait_for_title("no sound", |title| title.contains("no sound"));
+    wait_for_another(&app, &app.picture());
+    let server = app.meanwhile(|| SoundServer::start(&home()));
+    app.wait_for_title("the monitor", |title| title.starts_with("Monitor of ") && title.contains("live"));
+    server.kill();
+    app.wait_for_title("no sound", |title| title.contains("no sound"));
+    wait_for_another(&app, &app.picture());
+    let told = app.quit_by_key();
+    let complaints = complaints(&told).join("\n");
+    assert_eq!(complaints.matches("settings.toml cannot be understood").count(), 1, "{complaints}");
+    assert_eq!(complaints.matches("nothing is heard: ").count(), 2, "{complaints}");
+    assert!(complaints.contains("pipewire-pulse"), "{complaints}");
+    assert_eq!(place.saved_settings(), "microphone = [", "it was touched");
+}
