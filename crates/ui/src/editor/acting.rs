@@ -147,7 +147,8 @@ impl Editor {
             EditorEvent::LetGo => self.let_go(),
             EditorEvent::PickColor(at) => self.pick_color(at),
             EditorEvent::ClosePicker => {
-                self.close_picker();
+                self.hand.close_picker(&mut self.texts);
+                self.revision += 1;
             }
             EditorEvent::SetColor(color) => self.set_color(color),
             EditorEvent::MovePlace(way) => self.move_place(way),
@@ -163,7 +164,12 @@ impl Editor {
             }
             EditorEvent::Act(command) => self.act_with(command, false),
             EditorEvent::ShowText(number) => self.show_text(number),
-            EditorEvent::GoToProbed => self.go_to_probed(),
+            EditorEvent::GoToProbed => {
+                if let Some((number, range)) = self.picture.written() {
+                    self.go_to(number, range);
+                }
+                self.set_focus(true);
+            }
             EditorEvent::CloseProbed => {
                 self.close_probed();
             }
@@ -229,25 +235,24 @@ impl Editor {
                 let begun = self.texts.begin_scene();
                 self.tell_refusal(begun);
             }
-            EditAction::NextText => self.next_text(),
+            EditAction::NextText => match self.texts.next_number() {
+                Some(number) => self.show_text(number),
+                None => self.tell("this scene includes no other text"),
+            },
             EditAction::NextMistake => self.next_mistake(),
-            EditAction::Light => self.toggle_light(),
+            EditAction::Light => {
+                let words = self.picture.toggle_light();
+                self.tell(words);
+            }
             EditAction::Profile => self.picture.toggle_profile(),
             EditAction::Leave => self.leave(),
         }
         self.revision += 1;
     }
 
-    fn toggle_light(&mut self) {
-        let words = match self.picture.toggle_light() {
-            true => "what the line at the cursor makes is lit up",
-            false => "nothing is lit up",
-        };
-        self.tell(words);
-    }
-
     fn leave(&mut self) {
-        let small = self.close_picker() || self.close_probed() || self.finding.line().is_some();
+        let small =
+            self.hand.close_picker(&mut self.texts) || self.close_probed() || self.finding.line().is_some();
         self.close_small();
         self.notice.clear();
         if !small {
@@ -320,15 +325,6 @@ impl Editor {
             Err(Some(text)) => self.show_text(text),
             Err(None) => self.tell("there is no mistake"),
         }
-    }
-
-    fn next_text(&mut self) {
-        let tabs = self.texts.tabs();
-        let at = tabs.iter().position(|tab| tab.shows).unwrap_or(0);
-        if tabs.len() < 2 {
-            return self.tell("this scene includes no other text");
-        }
-        self.show_text((at + 1) % tabs.len());
     }
 
     /// Shows one of the scene's texts by its number.

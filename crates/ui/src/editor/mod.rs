@@ -273,7 +273,8 @@ impl Editor {
     pub fn set_view(&mut self, map: Map, camera: Option<Camera>) {
         let (is_new, moves) = self.picture.set_view(map, camera);
         // Only a cross in the picture goes with the camera.
-        if is_new || moves && self.place().is_some() {
+        let is_crossed = || self.document().is_some_and(|document| self.hand.place(document).is_some());
+        if is_new || moves && is_crossed() {
             self.revision += 1;
         }
     }
@@ -296,14 +297,6 @@ impl Editor {
             Answer::Point(_) | Answer::Survey(..) => return,
         }
         self.revision += 1;
-    }
-
-    /// Brings cursor and keys to what made the point that was clicked.
-    fn go_to_probed(&mut self) {
-        if let Some((number, range)) = self.picture.written() {
-            self.go_to(number, range);
-        }
-        self.set_focus(true);
     }
 
     /// Brings the cursor to a place of one of the scene's texts as it was loaded.
@@ -384,13 +377,6 @@ impl Editor {
         self.hand.pick(at);
     }
 
-    /// Closes it. Whether it was open.
-    fn close_picker(&mut self) -> bool {
-        let was = self.hand.close_picker(&mut self.texts);
-        self.revision += u64::from(was);
-        was
-    }
-
     /// Gives the colour that is picked other numbers.
     fn set_color(&mut self, color: [f64; 3]) {
         if self.hand.picked().is_some_and(|at| self.take_three(at)) {
@@ -463,19 +449,5 @@ impl Editor {
     /// What is lit up.
     pub(crate) fn light(&self) -> Option<Light> {
         self.picture.light(self.document()?, self.texts.number())
-    }
-
-    /// Where the colour stands that is picked, and its numbers.
-    pub(crate) fn picked_color(&self) -> Option<(usize, [f64; 3])> {
-        let at = self.hand.picked()?;
-        let (triple, _) = self.document()?.triple_at(at)?;
-        Some((at, triple.values()))
-    }
-
-    /// The position at the cursor, in the scene.
-    pub(crate) fn place(&self) -> Option<[f64; 3]> {
-        let document = self.document().filter(|_| self.hand.picked().is_none())?;
-        let (values, sign) = document.place_at_cursor()?;
-        Some(values.map(|value| sign * value))
     }
 }

@@ -60,11 +60,14 @@ impl Picture {
         self.probed.take().is_some()
     }
 
-    /// Lights up what the lines at the cursor make, or does not any more. Returns which.
-    pub(super) fn toggle_light(&mut self) -> bool {
+    /// Lights up what the lines at the cursor make, or does not any more. Returns which, in words.
+    pub(super) fn toggle_light(&mut self) -> &'static str {
         self.lights = !self.lights;
         self.forget_survey_if_unused();
-        self.lights
+        match self.lights {
+            true => "what the line at the cursor makes is lit up",
+            false => "nothing is lit up",
+        }
     }
 
     /// Shows what objects cost, or does not any more.

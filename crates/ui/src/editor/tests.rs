@@ -135,6 +135,14 @@ impl Desk {
         self.editor.obey(EditorEvent::Press { at, clicks: 1, select: false });
     }
 
+    fn picked_color(&self) -> Option<(usize, [f64; 3])> {
+        self.editor.hand.picked_color(self.editor.document()?)
+    }
+
+    fn place(&self) -> Option<[f64; 3]> {
+        self.editor.hand.place(self.editor.document()?)
+    }
+
     fn asked(&self) -> Option<&Question> {
         self.editor.document().unwrap().question.as_ref()
     }

@@ -80,6 +80,13 @@ impl Texts {
         file.and_then(|file| self.found.number_of(file)).unwrap_or(0)
     }
 
+    /// The number of the text behind the one that shows; `None` if there is but one.
+    pub(super) fn next_number(&self) -> Option<usize> {
+        let tabs = self.tabs();
+        let at = tabs.iter().position(|tab| tab.shows).unwrap_or(0);
+        (tabs.len() > 1).then(|| (at + 1) % tabs.len())
+    }
+
     /// One of the scene's texts by its number, if it is open.
     fn text(&self, number: usize) -> Option<&Document> {
         match self.file(number) {

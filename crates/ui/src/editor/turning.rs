@@ -88,6 +88,19 @@ impl Hand {
         self.picked
     }
 
+    /// Where the colour stands that is picked, and its numbers.
+    pub(crate) fn picked_color(&self, document: &Document) -> Option<(usize, [f64; 3])> {
+        let at = self.picked?;
+        let (triple, _) = document.triple_at(at)?;
+        Some((at, triple.values()))
+    }
+
+    /// The position at the cursor, in the scene, unless a colour is picked.
+    pub(crate) fn place(&self, document: &Document) -> Option<[f64; 3]> {
+        let (values, sign) = document.place_at_cursor().filter(|_| self.picked.is_none())?;
+        Some(values.map(|value| sign * value))
+    }
+
     /// Picks the colour at a place from now on.
     pub(super) fn pick(&mut self, at: usize) {
         self.picked = Some(at);

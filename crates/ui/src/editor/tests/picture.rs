@@ -188,7 +188,7 @@ fn a_colour_is_picked_without_a_reading_of_the_text_and_is_one_step() {
     let mut desk = Desk::new(SCENE.as_bytes());
     assert!(desk.load());
     desk.editor.obey(EditorEvent::PickColor(SCENE.find("vec3(0.9").unwrap()));
-    assert_eq!(desk.editor.picked_color().unwrap().1, [0.9, 0.3, 0.1]);
+    assert_eq!(desk.picked_color().unwrap().1, [0.9, 0.3, 0.1]);
     assert_eq!(turned(&mut desk), (0, vec![]));
     desk.editor.obey(EditorEvent::SetColor([0.8, 0.3, 0.1]));
     assert_eq!(turned(&mut desk), (1, vec![vec![0.8, 0.3, 0.1]]), "once, to make it three inputs");
@@ -207,7 +207,7 @@ fn a_colour_is_picked_without_a_reading_of_the_text_and_is_one_step() {
     desk.editor.obey(EditorEvent::PickColor(desk.text().find("vec3(2").unwrap()));
     desk.editor.obey(EditorEvent::SetColor([2.0, 1.5, 0.25]));
     desk.named(NamedKey::Escape);
-    assert!(desk.editor.picked_color().is_none());
+    assert!(desk.picked_color().is_none());
     assert!(desk.text().contains("emission = vec3(2, 1.5, 0.25)"), "{}", desk.text());
     desk.ctrl("z");
     desk.ctrl("z");
@@ -219,7 +219,7 @@ fn a_position_is_moved_through_nothing_without_a_reading_of_the_text() {
     let mut desk = Desk::new(SCENE.as_bytes());
     assert!(desk.load());
     desk.go_to("0, 0, 5), 1)");
-    assert_eq!(desk.editor.place(), Some([0.0, 0.0, 5.0]));
+    assert_eq!(desk.place(), Some([0.0, 0.0, 5.0]));
     desk.editor.obey(EditorEvent::MovePlace([0.25, 0.0, 0.0]));
     assert_eq!(turned(&mut desk).0, 1);
     assert!(desk.load());
@@ -228,7 +228,7 @@ fn a_position_is_moved_through_nothing_without_a_reading_of_the_text() {
     }
     let (reads, values) = turned(&mut desk);
     assert_eq!((reads, values.len()), (0, 10));
-    assert_eq!(desk.editor.place(), Some([-0.75, 0.5, 5.0]));
+    assert_eq!(desk.place(), Some([-0.75, 0.5, 5.0]));
     desk.editor.obey(EditorEvent::LetGo);
     assert_eq!(desk.text(), SCENE.replace("p - vec3(0, 0, 5)", "p - vec3(-0.75, 0.5, 5)"));
     assert!(desk.load());
@@ -238,12 +238,12 @@ fn a_position_is_moved_through_nothing_without_a_reading_of_the_text() {
     let text = SCENE.replace("p - vec3(0, 0, 5)", "p + vec3(1, 2, -5)");
     let mut desk = Desk::new(text.as_bytes());
     desk.go_to("vec3(1, 2");
-    assert_eq!(desk.editor.place(), Some([-1.0, -2.0, 5.0]));
+    assert_eq!(desk.place(), Some([-1.0, -2.0, 5.0]));
     desk.editor.obey(EditorEvent::MovePlace([1.0, 0.0, 0.0]));
     assert!(desk.text().contains("p + vec3(0, 2, -5)"), "{}", desk.text());
     // A colour is no place.
     desk.go_to("0.9, 0.3");
-    assert_eq!(desk.editor.place(), None);
+    assert_eq!(desk.place(), None);
 }
 
 #[test]
@@ -254,7 +254,7 @@ fn colours_of_a_shipped_scene_are_not_picked() {
     let text = desk.text();
     desk.editor.obey(EditorEvent::PickColor(text.find("vec3(0.9, 0.25").unwrap()));
     desk.editor.obey(EditorEvent::SetColor([0.0; 3]));
-    assert!(desk.editor.picked_color().is_none() && desk.text() == text);
+    assert!(desk.picked_color().is_none() && desk.text() == text);
     assert!(desk.said().contains("Ctrl+S"), "{}", desk.said());
 }
 

@@ -136,7 +136,7 @@ pub(super) fn show(
         let at = page.rect_of(buffer, &(proposing.from..cursor)).left_bottom();
         popup::show(ui, space, at, cell.y, (proposing, editor.proposals().portrait()), ask);
     }
-    let (at, _) = editor.picked_color()?;
+    let (at, _) = editor.hand().picked_color(document)?;
     picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, ask)
 }
 
