@@ -11,7 +11,7 @@ use super::desk::Desk;
 use super::drawing::paint_waiting;
 use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
-use super::{Interface, Playback, Session};
+use super::{Backstage, Interface, Playback, Session};
 use crate::clock;
 use crate::config::{Choices, DEFAULT_DEVICE, Folders, Memory, PerformanceFiles, PlaySettings};
 use crate::export::painter::SceneChoice;
@@ -20,14 +20,13 @@ use crate::gpu::background::Sources;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::scenes::Drafts;
 use crate::session::SessionError;
 use crate::session::announcer::Announcer;
 use crate::session::controllers::Hands;
 use crate::session::desktop::DesktopControls;
 use crate::session::direction::Direction;
 use crate::session::drawing_pace::DrawingPace;
-use crate::session::feeds::{Feeds, Sends};
+use crate::session::feeds::Feeds;
 use crate::session::listening::Listening;
 use crate::session::masters::Masters;
 use crate::session::recording::Recording;
@@ -71,14 +70,8 @@ pub(crate) struct Opening<'a> {
     pub(crate) scene: &'a SceneChoice,
     /// What is remembered.
     pub(crate) memory: Memory,
-    /// What loads scenes.
-    pub(crate) loaders: SceneLoaders,
-    /// The first of them.
-    pub(crate) first: LoadedScene,
-    /// Texts that are edited.
-    pub(crate) drafts: Drafts,
-    /// Where pictures are sent.
-    pub(crate) sends: Sends,
+    /// What works behind it already.
+    pub(crate) backstage: Backstage,
     /// Where pictures are shown.
     pub(crate) screen: Box<dyn Screen>,
     /// Makes the desktop's controls for players, which ask for the place in the song.
@@ -91,8 +84,8 @@ impl Opening<'_> {
     /// # Errors
     /// What the driver or the system refuses.
     pub(crate) fn session(self, waker: &Waker) -> Result<Session, SessionError> {
-        let Self { tracks, settings, scene, memory, loaders, first, drafts, sends, mut screen, desktop } =
-            self;
+        let Self { tracks, settings, scene, memory, backstage, mut screen, desktop } = self;
+        let Backstage { loaders, first, drafts, sends } = backstage;
         let choices = settings.choices.clone();
         tracing::info!("what holds in this run: {choices:?}");
         // First of all, so that the song is known before its first picture.
