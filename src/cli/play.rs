@@ -13,7 +13,9 @@ use super::setting_flags::SettingFlags;
 use super::show::ShowChoice;
 use super::staging::StagingArguments;
 use super::view::ViewArguments;
-use crate::config::{Folders, HandSettings, LastShow, ListenChoice, Memory, PlaySettings, SettingsFile};
+use crate::config::{
+    Choices, Folders, HandSettings, LastShow, ListenChoice, Memory, PlaySettings, SettingsFile,
+};
 use crate::demo_track::DEMO_TRACK;
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
@@ -147,26 +149,38 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
     shell::run(prepare(arguments, Folders::of_user())?)
 }
 
+impl PlayArguments {
+    /// What is listened to instead of a song.
+    fn listen(&self) -> Option<ListenChoice> {
+        match (self.mic, self.system) {
+            (true, _) => Some(ListenChoice::Microphone),
+            (false, true) => Some(ListenChoice::System),
+            (false, false) => None,
+        }
+    }
+
+    /// The settings of this run: those that were asked for, over those that are remembered.
+    fn choices(&self, remembered: &Choices) -> Choices {
+        let mut choices = self.chosen.over(remembered);
+        choices.tone_map = self.common.tone_map.unwrap_or(choices.tone_map);
+        choices.gain = self.common.gain.unwrap_or(choices.gain);
+        choices.follow_song = self.show.as_ref().map_or(choices.follow_song, ShowChoice::follow);
+        choices.hints &= !self.clean;
+        choices.stage.output = self.staging.output(choices.stage.output);
+        choices
+    }
+}
+
 /// What the arguments ask to be played and shown, with what is remembered in these folders.
 ///
 /// # Errors
 /// An argument that cannot be followed: each says what to do.
 pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Result<Prepared> {
-    let common = arguments.common;
-    let listen = match (arguments.mic, arguments.system) {
-        (true, _) => Some(ListenChoice::Microphone),
-        (false, true) => Some(ListenChoice::System),
-        (false, false) => None,
-    };
+    let listen = arguments.listen();
     // What is wrong with the file is told when the window opens.
     let (file, trouble) = SettingsFile::among(&folders);
-    let remembered = file.settings().choices.clone();
-    let mut choices = arguments.chosen.over(&remembered);
-    choices.tone_map = common.tone_map.unwrap_or(choices.tone_map);
-    choices.gain = common.gain.unwrap_or(choices.gain);
-    choices.follow_song = arguments.show.as_ref().map_or(choices.follow_song, ShowChoice::follow);
-    choices.hints &= !arguments.clean;
-    choices.stage.output = arguments.staging.output(choices.stage.output);
+    let choices = arguments.choices(&file.settings().choices);
+    let common = arguments.common;
     let last = match arguments.new {
         true => LastShow::default(),
         false => file.settings().last_show.clone().unwrap_or_default(),
@@ -228,23 +242,27 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
     let tracks = match (listen, last_tracks) {
         (Some(_), _) => None,
         (None, Some(list)) => {
-            let repeat = last.repeat.as_deref().and_then(Repeat::named).unwrap_or(repeat);
-            // Tracks that have gone meanwhile cost the list, never the start.
-            match Playlist::open_at(&[list], repeat, last.shuffled || arguments.shuffle, Some(last.track)) {
-                Ok(opened) if opened.playable => {
-                    let is_same = opened.first.info.entry == last.track && last.seconds.is_finite();
-                    settings.begin_at = if is_same { last.seconds.max(0.0) } else { 0.0 };
-                    Some(opened)
-                }
-                _ => {
-                    tell("the tracks of the last show cannot be played any more: the demo track plays");
-                    Some(open_songs(&songs, repeat, arguments.shuffle)?)
-                }
+            if let Some((opened, begin_at)) = go_on(list, &last, repeat, arguments.shuffle) {
+                settings.begin_at = begin_at;
+                Some(opened)
+            } else {
+                tell("the tracks of the last show cannot be played any more: the demo track plays");
+                Some(open_songs(&songs, repeat, arguments.shuffle)?)
             }
         }
         (None, None) => Some(open_songs(&songs, repeat, arguments.shuffle)?),
     };
     Ok(Prepared { tracks, settings, scene, memory: Memory { file, trouble, folders } })
+}
+
+/// The tracks of the last show, and the second at which the first of them begins. Tracks that have gone meanwhile cost
+/// the list, never the start.
+fn go_on(list: PathBuf, last: &LastShow, repeat: Repeat, shuffle: bool) -> Option<(Opened, f64)> {
+    let repeat = last.repeat.as_deref().and_then(Repeat::named).unwrap_or(repeat);
+    let opened = Playlist::open_at(&[list], repeat, last.shuffled || shuffle, Some(last.track)).ok()?;
+    let is_same = opened.first.info.entry == last.track && last.seconds.is_finite();
+    let begin_at = if is_same { last.seconds.max(0.0) } else { 0.0 };
+    opened.playable.then_some((opened, begin_at))
 }
 
 /// Prints the monitors, with the numbers and names that --output takes.

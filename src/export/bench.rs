@@ -20,6 +20,7 @@ use crate::config::SdfChoice;
 use crate::frame::Frame;
 use crate::gpu::cell_use::CellUse;
 use crate::gpu::edge_samples::EdgeSamples;
+use crate::gpu::gl::Gl;
 use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Evaluations, Renderer};
@@ -60,115 +61,34 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let mut song = SongFeatures::open_with(&request.song, request.at, request.gain)?;
     let mut sound = song.require(request.at)?;
     let start = Instant::now();
-    let ReadyScene { world, buffers, plan, .. } = request.scene.source.ready()?;
+    let ready = request.scene.source.ready()?;
     let scene_ms = milliseconds(start.elapsed());
-    if world.scene.graph.reads_song() {
+    if ready.world.scene.graph.reads_song() {
         song.know_song();
         sound.song = song.place_in_song(request.at);
     }
-    let frame = Frame::new(&world, request.at, sound.clone(), request.size);
-    let mut following = Vec::with_capacity(BUILDS);
-    for number in 1..=BUILDS {
-        let at = request.at + number as f64 * FRAME_SECONDS;
-        // The song may end before.
-        if let Some(next) = song.sound_at(at)? {
-            following.push(Frame::new(&world, at, Sound { song: sound.song, ..next }, request.size));
-        }
-    }
+    let frame = Frame::new(&ready.world, request.at, sound.clone(), request.size);
+    let following = following_frames(request, &ready, &mut song, &sound)?;
 
     let start = Instant::now();
     let context = Headless::new(request.scene.verbose)?;
     let gl = context.gl();
     let context_ms = milliseconds(start.elapsed());
-    let (mut modes, mut notes) = (Vec::new(), Vec::new());
-    if request.scene.sdf != SdfChoice::Compiled {
-        match Interpreter::fits(&buffers, &plan, gl.info()) {
-            Ok(()) => modes.push(Mode::Interpreted),
-            Err(error) => notes.push(error.to_string()),
-        }
-    }
-    if request.scene.sdf != SdfChoice::Interpreted || modes.is_empty() {
-        modes.push(Mode::Compiled);
-    }
-    let library = &request.scene.shaders;
-    let resources = SceneResources::upload(gl, world.clone(), buffers.clone(), plan.clone())?;
-    let mut renderer = Renderer::new(gl, library, Counting::Off)?;
+    let resources =
+        SceneResources::upload(gl, ready.world.clone(), ready.buffers.clone(), ready.plan.clone())?;
+    let bench = Bench { request, gl, ready, resources, frame, following };
+    let (modes, mut notes) = bench.modes();
+    let mut renderer = Renderer::new(gl, &request.scene.shaders, Counting::Off)?;
     let mut runs: Vec<Run> = Vec::new();
     for mode in modes {
-        // Interpreted, both ways have one program.
-        let mut made: Option<Made> = None;
-        let ways: &[bool] =
-            if request.both { &[true, false] } else { &[request.scene.cells != CellUse::Never] };
-        for &regions in ways {
-            let start = Instant::now();
-            let cells = if regions { CellUse::Always } else { CellUse::Never };
-            let variant = drawing_variant_of(&world, &buffers, &plan, (mode, cells), gl.info())?;
-            let Made { program, shader_ms, again, .. } = match made.take() {
-                Some(made) if made.variant == variant => made,
-                _ => {
-                    let program = Rc::new(link_scene(gl, library, &variant)?);
-                    let shader_ms = milliseconds(start.elapsed());
-                    Made { variant: variant.clone(), program, shader_ms, again: None }
-                }
-            };
-            let (built, build_ms, next_build_ms) = build(&resources, (&frame, &following), regions, mode);
-            resources.take_regions(built.clone());
-            let start = Instant::now();
-            renderer.draw(&frame, &resources, &program)?;
-            gl.finish();
-            let first_draw_ms = milliseconds(start.elapsed());
-            let again = match again {
-                Some(known) => known,
-                None => first_draw(&mut renderer, (&frame, &resources), library, &variant)?,
-            };
-            made = Some(Made { variant, program: program.clone(), shader_ms, again: Some(again) });
-            let (wall, cpu, gpu) = Default::default();
-            runs.push(Run {
-                mode,
-                regions,
-                built,
-                build_ms,
-                next_build_ms,
-                program,
-                shader_ms,
-                first_draw_ms,
-                again,
-                wall,
-                cpu,
-                gpu,
-            });
-        }
+        runs.extend(bench.start_runs(&mut renderer, mode)?);
     }
-
-    let timer = if gl.info().software { None } else { Some(GpuTimer::new(gl)?) };
-    for _ in 0..request.frames.max(1) {
-        for run in &mut runs {
-            if run.wall.len() >= FRAMES_MIN && run.wall.iter().sum::<f64>() > ROW_MS_MAX {
-                continue;
-            }
-            resources.set_cells(run.regions, run.mode);
-            resources.take_regions(run.built.clone());
-            gl.finish();
-            let (wall_start, cpu_start) = (Instant::now(), ProcessTime::now());
-            let drawn = match &timer {
-                Some(timer) => {
-                    let (drawn, duration) = timer.time(|| renderer.draw(&frame, &resources, &run.program));
-                    run.gpu.push(milliseconds(duration));
-                    drawn
-                }
-                None => renderer.draw(&frame, &resources, &run.program),
-            };
-            drawn?;
-            gl.finish();
-            run.wall.push(milliseconds(wall_start.elapsed()));
-            run.cpu.push(milliseconds(cpu_start.elapsed()));
-        }
-    }
+    bench.time(&mut renderer, &mut runs)?;
     let edges = match runs.first() {
-        Some(run) if request.edges => measure_edges(&mut renderer, &resources, run, &frame)?,
+        Some(run) if request.edges => measure_edges(&mut renderer, &bench.resources, run, &bench.frame)?,
         _ => Vec::new(),
     };
-    let edit = match edit::measure_edit(&mut renderer, request, &resources, sound, &runs) {
+    let edit = match edit::measure_edit(&mut renderer, request, &bench.resources, sound, &runs) {
         Ok(edit) => Some(edit),
         Err(error) => {
             notes.push(format!("no edit was measured: {error}"));
@@ -177,32 +97,181 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     };
     drop(renderer);
 
-    let mut counter = Renderer::new(gl, library, Counting::On)?;
-    let pixels = f64::from(request.size.0) * f64::from(request.size.1);
-    let mut reports = Vec::with_capacity(runs.len());
-    for mut run in runs {
-        let variant = variant_of(&world, &buffers, &plan, run.mode, gl.info(), Counting::On)?;
-        let program = link_scene(gl, library, &variant)?;
-        resources.set_cells(run.regions, run.mode);
-        resources.take_regions(run.built.clone());
-        counter.draw(&frame, &resources, &program)?;
-        let evaluations = counter.evaluations().per_pixel(pixels);
-        reports.push(run.report(evaluations));
-    }
     Ok(BenchReport {
         gl: gl.info().clone(),
-        scene: world.name.clone(),
-        clauses: buffers.cost,
+        scene: bench.ready.world.name.clone(),
+        clauses: bench.ready.buffers.cost,
         size: request.size,
         at: request.at,
         frames: request.frames.max(1),
         context_ms,
         scene_ms,
-        modes: reports,
+        modes: bench.count(runs)?,
         edges,
         edit,
         notes,
     })
+}
+
+/// Frames after the one that is measured, as far as the song goes.
+fn following_frames(
+    request: &BenchRequest,
+    ready: &ReadyScene,
+    song: &mut SongFeatures,
+    sound: &Sound,
+) -> Result<Vec<Frame>, ExportError> {
+    let mut following = Vec::with_capacity(BUILDS);
+    for number in 1..=BUILDS {
+        let at = request.at + number as f64 * FRAME_SECONDS;
+        // The song may end before.
+        if let Some(next) = song.sound_at(at)? {
+            let next = Sound { song: sound.song, ..next };
+            following.push(Frame::new(&ready.world, at, next, request.size));
+        }
+    }
+    Ok(following)
+}
+
+/// What is measured.
+struct Bench<'a> {
+    request: &'a BenchRequest,
+    gl: &'a Gl,
+    ready: ReadyScene,
+    resources: SceneResources,
+    frame: Frame,
+    following: Vec<Frame>,
+}
+
+impl Bench<'_> {
+    /// The modes that can draw the scene, and why others cannot.
+    fn modes(&self) -> (Vec<Mode>, Vec<String>) {
+        let (mut modes, mut notes) = (Vec::new(), Vec::new());
+        let sdf = self.request.scene.sdf;
+        if sdf != SdfChoice::Compiled {
+            match Interpreter::fits(&self.ready.buffers, &self.ready.plan, self.gl.info()) {
+                Ok(()) => modes.push(Mode::Interpreted),
+                Err(error) => notes.push(error.to_string()),
+            }
+        }
+        if sdf != SdfChoice::Interpreted || modes.is_empty() {
+            modes.push(Mode::Compiled);
+        }
+        (modes, notes)
+    }
+
+    /// Makes what draws in a mode, with and without regions, and draws once with each.
+    fn start_runs(&self, renderer: &mut Renderer, mode: Mode) -> Result<Vec<Run>, ExportError> {
+        let request = self.request;
+        let ways: &[bool] =
+            if request.both { &[true, false] } else { &[request.scene.cells != CellUse::Never] };
+        let mut runs = Vec::new();
+        // Interpreted, both ways have one program.
+        let mut made = None;
+        for &regions in ways {
+            let (run, program) = self.start_run(renderer, (mode, regions), made.take())?;
+            runs.push(run);
+            made = Some(program);
+        }
+        Ok(runs)
+    }
+
+    /// The same in one of these ways, with a program that was `made` before if it is the same.
+    fn start_run(
+        &self,
+        renderer: &mut Renderer,
+        (mode, regions): (Mode, bool),
+        made: Option<Made>,
+    ) -> Result<(Run, Made), ExportError> {
+        let (resources, frame, library) = (&self.resources, &self.frame, &self.request.scene.shaders);
+        let ReadyScene { world, buffers, plan, .. } = &self.ready;
+        let start = Instant::now();
+        let cells = if regions { CellUse::Always } else { CellUse::Never };
+        let variant = drawing_variant_of(world, buffers, plan, (mode, cells), self.gl.info())?;
+        let Made { program, shader_ms, again, .. } = match made {
+            Some(made) if made.variant == variant => made,
+            _ => {
+                let program = Rc::new(link_scene(self.gl, library, &variant)?);
+                let shader_ms = milliseconds(start.elapsed());
+                Made { variant: variant.clone(), program, shader_ms, again: None }
+            }
+        };
+        let (built, build_ms, next_build_ms) = build(resources, (frame, &self.following), regions, mode);
+        resources.take_regions(built.clone());
+        let start = Instant::now();
+        renderer.draw(frame, resources, &program)?;
+        self.gl.finish();
+        let first_draw_ms = milliseconds(start.elapsed());
+        let again = match again {
+            Some(known) => known,
+            None => first_draw(renderer, (frame, resources), library, &variant)?,
+        };
+        let made = Made { variant, program: program.clone(), shader_ms, again: Some(again) };
+        let (wall, cpu, gpu) = Default::default();
+        let run = Run {
+            mode,
+            regions,
+            built,
+            build_ms,
+            next_build_ms,
+            program,
+            shader_ms,
+            first_draw_ms,
+            again,
+            wall,
+            cpu,
+            gpu,
+        };
+        Ok((run, made))
+    }
+
+    /// Draws with each in turn, and notes how long each frame takes.
+    fn time(&self, renderer: &mut Renderer, runs: &mut [Run]) -> Result<(), ExportError> {
+        let (gl, resources, frame) = (self.gl, &self.resources, &self.frame);
+        let timer = if gl.info().software { None } else { Some(GpuTimer::new(gl)?) };
+        for _ in 0..self.request.frames.max(1) {
+            for run in &mut *runs {
+                if run.wall.len() >= FRAMES_MIN && run.wall.iter().sum::<f64>() > ROW_MS_MAX {
+                    continue;
+                }
+                resources.set_cells(run.regions, run.mode);
+                resources.take_regions(run.built.clone());
+                gl.finish();
+                let (wall_start, cpu_start) = (Instant::now(), ProcessTime::now());
+                let drawn = match &timer {
+                    Some(timer) => {
+                        let (drawn, duration) = timer.time(|| renderer.draw(frame, resources, &run.program));
+                        run.gpu.push(milliseconds(duration));
+                        drawn
+                    }
+                    None => renderer.draw(frame, resources, &run.program),
+                };
+                drawn?;
+                gl.finish();
+                run.wall.push(milliseconds(wall_start.elapsed()));
+                run.cpu.push(milliseconds(cpu_start.elapsed()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws with each once more, counts evaluations, and reports.
+    fn count(&self, runs: Vec<Run>) -> Result<Vec<ModeReport>, ExportError> {
+        let (gl, library, size) = (self.gl, &self.request.scene.shaders, self.request.size);
+        let ReadyScene { world, buffers, plan, .. } = &self.ready;
+        let mut counter = Renderer::new(gl, library, Counting::On)?;
+        let pixels = f64::from(size.0) * f64::from(size.1);
+        let mut reports = Vec::with_capacity(runs.len());
+        for mut run in runs {
+            let variant = variant_of(world, buffers, plan, run.mode, gl.info(), Counting::On)?;
+            let program = link_scene(gl, library, &variant)?;
+            self.resources.set_cells(run.regions, run.mode);
+            self.resources.take_regions(run.built.clone());
+            counter.draw(&self.frame, &self.resources, &program)?;
+            let evaluations = counter.evaluations().per_pixel(pixels);
+            reports.push(run.report(evaluations));
+        }
+        Ok(reports)
+    }
 }
 
 /// Makes a program and draws with it: the ms of both.

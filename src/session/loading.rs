@@ -1,19 +1,52 @@
-//! Starts what loads scenes.
+//! Starts what works behind a show before its window opens: above all, what loads scenes.
 
 use std::time::Duration;
 
 use super::SessionError;
+use super::feeds::Sends;
 use super::scene::{LoadedScene, SceneLoader, SceneLoaders};
 use super::waker::Waker;
+use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneSource, TextureCache};
+
+/// What works behind the show from before its window opens.
+pub(crate) struct Backstage {
+    /// What loads scenes.
+    pub(crate) loaders: SceneLoaders,
+    /// The first of them.
+    pub(crate) first: LoadedScene,
+    /// Texts that are edited.
+    pub(crate) drafts: Drafts,
+    /// Where pictures are sent.
+    pub(crate) sends: Sends,
+}
+
+impl Backstage {
+    /// Starts it, and waits for the scene at the start.
+    ///
+    /// # Errors
+    /// Nothing can be sent to a place, the scene cannot be shown, or the system has no thread left.
+    pub(crate) fn start(
+        settings: &PlaySettings,
+        scene: &SceneChoice,
+        waker: &Waker,
+    ) -> Result<Self, SessionError> {
+        // A place that nothing can be sent to ends it before anything shows.
+        let size = settings.send_size.unwrap_or(settings.size);
+        let sends = Sends::start(&settings.sends, size, settings.send_fps)?;
+        let drafts = Drafts::default();
+        let (loaders, first) = load_first(scene, settings.prepare_ahead, waker, &drafts)?;
+        Ok(Self { loaders, first, drafts, sends })
+    }
+}
 
 /// Starts the loaders, one for the scene that is shown and, if it `prepares_ahead`, two for its neighbours, and waits for
 /// the scene at the start: without it there is no show.
 ///
 /// # Errors
 /// The scene cannot be shown, or the system has no thread left.
-pub(crate) fn load_first(
+fn load_first(
     scene: &SceneChoice,
     prepares_ahead: bool,
     waker: &Waker,

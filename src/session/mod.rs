@@ -50,7 +50,7 @@ use std::time::{Duration, Instant};
 
 use cues::Cues;
 use desk::Desk;
-pub(crate) use loading::load_first;
+pub(crate) use loading::Backstage;
 pub(crate) use opening::Opening;
 pub use opening::Prepared;
 use preview::Preview;

@@ -12,11 +12,10 @@ use egui::{CursorIcon, Rect};
 use image::RgbaImage;
 
 use super::desktop::DesktopControls;
-use super::feeds::Sends;
 use super::lay::Lay;
 use super::screen::{Event, Paint, Screen};
 use super::waker::Waker;
-use super::{Opening, Prepared, Run, SessionError, load_first};
+use super::{Backstage, Opening, Prepared, Run, SessionError};
 use crate::clock;
 use crate::commands::{Command, Sender, ShowState};
 use crate::gpu::background::WorkerContext;
@@ -28,7 +27,6 @@ use crate::gpu::target::Target;
 use crate::input::Input;
 use crate::monitor::Monitor;
 use crate::placement::Area;
-use crate::scenes::Drafts;
 use mariana_player::PlayerStatus;
 
 /// Frames per second where nothing else is asked for.
@@ -86,20 +84,14 @@ impl Offscreen {
             // After the end there is nobody to wake.
             let _ = Channel::send(&wakes, ());
         });
-        let drafts = Drafts::default();
-        let (loaders, first) = load_first(&scene, settings.prepare_ahead, &waker, &drafts)?;
-        let sends =
-            Sends::start(&settings.sends, settings.send_size.unwrap_or(settings.size), settings.send_fps)?;
+        let backstage = Backstage::start(&settings, &scene, &waker)?;
         let (screen, shared) = OffscreenWindow::new(settings.size, woken, has_compiler)?;
         let opening = Opening {
             tracks,
             settings: &settings,
             scene: &scene,
             memory,
-            loaders,
-            first,
-            drafts,
-            sends,
+            backstage,
             screen: Box::new(screen),
             desktop: Box::new(|_| Box::new(NoDesktop)),
         };

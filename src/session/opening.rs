@@ -11,7 +11,7 @@ use super::desk::Desk;
 use super::drawing::paint_waiting;
 use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
-use super::{Interface, Playback, Session};
+use super::{Backstage, Interface, Playback, Session};
 use crate::clock;
 use crate::config::{Choices, DEFAULT_DEVICE, Folders, Memory, PerformanceFiles, PlaySettings};
 use crate::export::painter::SceneChoice;
@@ -20,14 +20,13 @@ use crate::gpu::background::Sources;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::scenes::Drafts;
 use crate::session::SessionError;
 use crate::session::announcer::Announcer;
 use crate::session::controllers::Hands;
 use crate::session::desktop::DesktopControls;
 use crate::session::direction::Direction;
 use crate::session::drawing_pace::DrawingPace;
-use crate::session::feeds::{Feeds, Sends};
+use crate::session::feeds::Feeds;
 use crate::session::listening::Listening;
 use crate::session::masters::Masters;
 use crate::session::recording::Recording;
@@ -71,14 +70,8 @@ pub(crate) struct Opening<'a> {
     pub(crate) scene: &'a SceneChoice,
     /// What is remembered.
     pub(crate) memory: Memory,
-    /// What loads scenes.
-    pub(crate) loaders: SceneLoaders,
-    /// The first of them.
-    pub(crate) first: LoadedScene,
-    /// Texts that are edited.
-    pub(crate) drafts: Drafts,
-    /// Where pictures are sent.
-    pub(crate) sends: Sends,
+    /// What works behind it already.
+    pub(crate) backstage: Backstage,
     /// Where pictures are shown.
     pub(crate) screen: Box<dyn Screen>,
     /// Makes the desktop's controls for players, which ask for the place in the song.
@@ -91,8 +84,8 @@ impl Opening<'_> {
     /// # Errors
     /// What the driver or the system refuses.
     pub(crate) fn session(self, waker: &Waker) -> Result<Session, SessionError> {
-        let Self { tracks, settings, scene, memory, loaders, first, drafts, sends, mut screen, desktop } =
-            self;
+        let Self { tracks, settings, scene, memory, backstage, mut screen, desktop } = self;
+        let Backstage { loaders, first, drafts, sends } = backstage;
         let choices = settings.choices.clone();
         tracing::info!("what holds in this run: {choices:?}");
         // First of all, so that the song is known before its first picture.
@@ -104,64 +97,22 @@ impl Opening<'_> {
         if settings.fullscreen {
             screen.set_fullscreen(true);
         }
-        // Requested first: the driver compiles it while everything else is made.
-        let of_scenes = waker.clone();
         let (choice, title) = (scene, first.source.title());
-        let mut scene = SceneSession::new(
-            screen.gl(),
-            screen.worker_contexts(COMPILERS),
-            sources(settings, choice),
-            DrawingWays { sdf: choice.sdf, cells: choice.cells, view: choice.view, fade: settings.fade },
-            loaders,
-            first,
-            move || of_scenes.wake(),
-        )?;
+        // Requested first: the driver compiles it while everything else is made.
+        let mut scene = start_scene(&*screen, (settings, choice), loaders, first, waker)?;
         scene.parameters_mut().remember(&title, &settings.sliders);
         let of_fonts = waker.clone();
         let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
         paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
         tracing::info!("the window says what it prepares");
         let renderer = renderer(screen.gl(), &choices, choice)?;
-        // The song starts with the first picture, so that none of it is missed.
-        let options = PlayerOptions {
-            target: output_of(settings),
-            volume: settings.volume,
-            paused: true,
-            output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
-            gain: choices.gain,
-            ..PlayerOptions::default()
-        };
         let mut announcer = Announcer::default();
-        let mut player = None;
-        if let Some(tracks) = tracks {
-            for trouble in tracks.troubles {
-                tell(&trouble);
-                announcer.say(trouble);
-            }
-            let (repeat, shuffled) = (tracks.repeat, tracks.shuffled);
-            let options = PlayerOptions { repeat, shuffled, ..options };
-            let started = Player::start(tracks.first, Box::new(tracks.list), options)?;
-            if settings.begin_at > 0.0 {
-                started.seek_to(settings.begin_at);
-            }
-            player = Some(started);
-        }
+        let player = tracks.map(|tracks| start_player(tracks, settings, &mut announcer)).transpose()?;
         let position = player.as_ref().map(Player::position);
-        let sound = Sound::start(Start {
-            player,
-            memory,
-            listen: settings.listen,
-            device: settings.device.clone(),
-            output: (!settings.silent).then(|| output_of(settings)),
-            latency: settings.latency,
-            gain: choices.gain,
-        })?;
+        let sound = start_sound(player, memory, settings)?;
         let fps = settings.fps_cap.or_else(|| screen.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = clock::now();
-        let of_shows = waker.clone();
-        let (file, follow) = (settings.show.clone(), choices.follow_song);
-        let direction = Direction::start(file, follow, settings.names_scene, move || of_shows.wake())
-            .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })?;
+        let direction = start_direction(settings, waker)?;
         let brightness = f32::from(choices.stage.brightness) / 100.0;
         let playback = Playback {
             listening: Listening::new(sound, songs),
@@ -206,6 +157,78 @@ impl Opening<'_> {
             screen,
         })
     }
+}
+
+/// The scenes of the show, with the first of them on its way.
+fn start_scene(
+    screen: &dyn Screen,
+    (settings, choice): (&PlaySettings, &SceneChoice),
+    loaders: SceneLoaders,
+    first: LoadedScene,
+    waker: &Waker,
+) -> Result<SceneSession, SessionError> {
+    let waker = waker.clone();
+    let scene = SceneSession::new(
+        screen.gl(),
+        screen.worker_contexts(COMPILERS),
+        sources(settings, choice),
+        DrawingWays { sdf: choice.sdf, cells: choice.cells, view: choice.view, fade: settings.fade },
+        loaders,
+        first,
+        move || waker.wake(),
+    )?;
+    Ok(scene)
+}
+
+/// What plays the tracks. It starts with the first picture, so that nothing of the song is missed.
+fn start_player(
+    tracks: Opened,
+    settings: &PlaySettings,
+    announcer: &mut Announcer,
+) -> Result<Player, SessionError> {
+    for trouble in tracks.troubles {
+        tell(&trouble);
+        announcer.say(trouble);
+    }
+    let options = PlayerOptions {
+        target: output_of(settings),
+        volume: settings.volume,
+        paused: true,
+        output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
+        gain: settings.choices.gain,
+        repeat: tracks.repeat,
+        shuffled: tracks.shuffled,
+    };
+    let player = Player::start(tracks.first, Box::new(tracks.list), options)?;
+    if settings.begin_at > 0.0 {
+        player.seek_to(settings.begin_at);
+    }
+    Ok(player)
+}
+
+/// What is listened to: the tracks, or an input.
+fn start_sound(
+    player: Option<Player>,
+    memory: Memory,
+    settings: &PlaySettings,
+) -> Result<Sound, SessionError> {
+    Sound::start(Start {
+        player,
+        memory,
+        listen: settings.listen,
+        device: settings.device.clone(),
+        output: (!settings.silent).then(|| output_of(settings)),
+        latency: settings.latency,
+        gain: settings.choices.gain,
+    })
+}
+
+/// What makes a plan of each track.
+fn start_direction(settings: &PlaySettings, waker: &Waker) -> Result<Direction, SessionError> {
+    let waker = waker.clone();
+    let (file, follow) = (settings.show.clone(), settings.choices.follow_song);
+    Direction::start(file, follow, settings.names_scene, move || waker.wake())
+        .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })
 }
 
 /// What listens to whole songs. Without it their numbers stay unknown.

@@ -46,14 +46,61 @@ pub(crate) struct Sound {
     list: Option<(Vec<(Source, String)>, Instant)>,
     /// A choice that is remembered only once the list is gone: on the way to it others were chosen for moments.
     unremembered: Option<Target>,
+    hints: Hints,
+    complaints: Complaints,
+}
+
+/// What the input tells: what is wrong with it, and which other one has a signal.
+#[derive(Default)]
+struct Hints {
     /// What stays over the picture for as long as it holds.
-    hint: Option<String>,
+    shown: Option<String>,
+    /// A device that has a signal.
     suggestion: Option<ListedDevice>,
+    /// What the terminal was told.
     told: Option<String>,
-    /// What was complained of. Each is said once, however often it is tried again.
-    complaints: BTreeSet<String>,
+}
+
+impl Hints {
+    /// Takes the state of the input. Prints what is new on the terminal.
+    fn take(&mut self, status: &LiveStatus) {
+        self.suggestion.clone_from(&status.suggestion);
+        self.shown = status.silent.clone().or_else(|| status.refused.clone()).or_else(|| status.flat.clone());
+        if self.told != status.silent {
+            if let Some(reason) = &status.silent {
+                tell(&format!("nothing is heard: {reason}"));
+            }
+            self.told.clone_from(&status.silent);
+        }
+    }
+
+    /// Another source is listened to.
+    fn forget(&mut self) {
+        (self.shown, self.told) = (None, None);
+    }
+}
+
+/// What is wrong with settings or devices. Each is said once, however often it is tried again.
+#[derive(Default)]
+struct Complaints {
+    all: BTreeSet<String>,
     /// Those that are not over the picture yet.
     unsaid: Vec<String>,
+}
+
+impl Complaints {
+    /// Reports one: on the terminal, and over the picture.
+    fn add(&mut self, text: &str) {
+        if self.all.insert(text.to_owned()) {
+            tell(text);
+            self.unsaid.push(text.to_owned());
+        }
+    }
+
+    /// Those since the last call.
+    fn take(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.unsaid)
+    }
 }
 
 /// What the show starts with.
@@ -92,14 +139,11 @@ impl Sound {
             watch: None,
             list: None,
             unremembered: None,
-            hint: None,
-            suggestion: None,
-            told: None,
-            complaints: BTreeSet::new(),
-            unsaid: Vec::new(),
+            hints: Hints::default(),
+            complaints: Complaints::default(),
         };
         if let Some(trouble) = start.memory.trouble {
-            sound.complain(&trouble.to_string());
+            sound.complaints.add(&trouble.to_string());
         }
         if let Some(choice) = start.listen {
             let target = wanted(choice, start.device, sound.kept.settings());
@@ -164,14 +208,7 @@ impl Sound {
         }
         let status = self.live.as_mut()?.status();
         self.device.clone_from(&status.device);
-        self.suggestion.clone_from(&status.suggestion);
-        self.hint = status.silent.clone().or_else(|| status.refused.clone()).or_else(|| status.flat.clone());
-        if self.told != status.silent {
-            if let Some(reason) = &status.silent {
-                tell(&format!("nothing is heard: {reason}"));
-            }
-            self.told.clone_from(&status.silent);
-        }
+        self.hints.take(&status);
         Some(status)
     }
 
@@ -257,7 +294,7 @@ impl Sound {
         match DeviceWatch::shared() {
             Ok(watch) => Some(self.watch.insert(watch).latest().1),
             Err(error) => {
-                self.complain(&error.to_string());
+                self.complaints.add(&error.to_string());
                 None
             }
         }
@@ -299,7 +336,7 @@ impl Sound {
         let Some(sources) = self.latest_sources() else { return };
         let present = self.present();
         let place = sources.iter().position(|(source, _)| *source == present);
-        let suggested = self.suggestion.take().map(|entry| Source::Live(Target::Named(entry.id)));
+        let suggested = self.hints.suggestion.take().map(|entry| Source::Live(Target::Named(entry.id)));
         let next = suggested.or_else(|| {
             let after = place.map_or(0, |place| (place + 1) % sources.len().max(1));
             sources.get(after).map(|(source, _)| source.clone())
@@ -339,7 +376,8 @@ impl Sound {
     }
 
     fn choose(&mut self, source: Source) {
-        (self.hint, self.device, self.told) = (None, None, None);
+        self.hints.forget();
+        self.device = None;
         // The shift that was asked for belonged to another device.
         self.asked_ms = None;
         match source {
@@ -368,7 +406,7 @@ impl Sound {
                             live.set_paused(self.paused);
                             self.live = Some(live);
                         }
-                        Err(error) => return self.complain(&error.to_string()),
+                        Err(error) => return self.complaints.add(&error.to_string()),
                     },
                 }
                 self.unremembered = Some(target);
@@ -378,7 +416,7 @@ impl Sound {
 
     /// What stays over the picture.
     pub(crate) fn hint(&self) -> Option<&str> {
-        self.hint.as_deref().filter(|_| self.live.is_some())
+        self.hints.shown.as_deref().filter(|_| self.live.is_some())
     }
 
     /// The list of sources, as long as it shows; `stays` while the user keeps it open.
@@ -412,20 +450,12 @@ impl Sound {
         self.kept.change(change);
     }
 
-    /// Reports what is wrong with settings or devices, once: on the terminal, and over the picture.
-    fn complain(&mut self, text: &str) {
-        if self.complaints.insert(text.to_owned()) {
-            tell(text);
-            self.unsaid.push(text.to_owned());
-        }
-    }
-
     /// What was complained of since the last call.
     pub(crate) fn take_complaints(&mut self) -> Vec<String> {
         while let Some(error) = self.kept.poll() {
-            self.complain(&error.to_string());
+            self.complaints.add(&error.to_string());
         }
-        std::mem::take(&mut self.unsaid)
+        self.complaints.take()
     }
 }
 
@@ -433,7 +463,7 @@ impl Drop for Sound {
     fn drop(&mut self) {
         self.remember_choice();
         for error in self.kept.finish() {
-            self.complain(&error.to_string());
+            self.complaints.add(&error.to_string());
         }
     }
 }

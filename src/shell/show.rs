@@ -10,10 +10,8 @@ use winit::event_loop::EventLoop;
 use crate::config::PlaySettings;
 use crate::export::print::print_line;
 use crate::gpu::headless::Headless;
-use crate::scenes::Drafts;
 use crate::session::SessionError;
-use crate::session::feeds::Sends;
-use crate::session::{Opening, Prepared, Run, load_first};
+use crate::session::{Backstage, Opening, Prepared, Run};
 use crate::shell::accessibility::ControlsTeller;
 use crate::shell::media_controls::MediaControls;
 use crate::shell::messages::{Typing, inbox};
@@ -37,12 +35,8 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
     if let (true, Some(trouble)) = (settings.once, unplayable.and_then(|tracks| tracks.troubles.last())) {
         return Err(SessionError::SongLost(trouble.clone()).into());
     }
-    // A place that nothing can be sent to ends it before anything shows.
-    let sends = Sends::start(&settings.sends, settings.send_size.unwrap_or(settings.size), settings.send_fps)
-        .map_err(SessionError::from)?;
     let (waker, messages, inbox) = inbox();
-    let drafts = Drafts::default();
-    let (loaders, first) = load_first(&scene, settings.prepare_ahead, &waker, &drafts)?;
+    let backstage = Backstage::start(&settings, &scene, &waker)?;
     let event_loop = match EventLoop::with_user_event().build() {
         Ok(event_loop) => event_loop,
         Err(_) if settings.gl_info => {
@@ -84,10 +78,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
             settings: &settings,
             scene: &scene,
             memory,
-            loaders,
-            first,
-            drafts,
-            sends,
+            backstage,
             screen,
             desktop: Box::new(move |position| {
                 Box::new(MediaControls::start(position, move || of_desktop.wake()))

@@ -24,11 +24,10 @@ const FUNCTION_MAX: usize = 80;
 
 /// Current violations, one line each: the kind, the type (for knots the end of the path of one of its files), the
 /// size. Lower a number when the thing shrinks, and delete the line when it is within the limit.
-const OVER: &[(Kind, &str, usize)] =
-    &[(Fields, "Editor", 23), (Fields, "Sound", 16), (Methods, "Editor", 102)];
+const OVER: &[(Kind, &str, usize)] = &[];
 
 /// Functions of more than [`FUNCTION_MAX`] lines in the whole repository. Lower it when one is taken apart.
-const LONG_FUNCTIONS: usize = 7;
+const LONG_FUNCTIONS: usize = 3;
 
 /// Types with more than [`FIELDS_MAX`] fields that are plain records, and what each records. Their fields are open, or
 /// they have no methods at all.

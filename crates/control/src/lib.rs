@@ -28,6 +28,6 @@ mod wishes;
 pub use glide::Glide;
 pub use hand::Hand;
 pub use model::{Directed, Model, Param, Reading, Turn};
-pub use present::{Board, Present, PresentParam};
+pub use present::{Board, Present};
 pub use slider::Slider;
 pub use wishes::{Amount, Heard, ParamWish, Refusals, Wishes};

@@ -4,24 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serde::Serialize;
 
-use super::Hand;
-
-/// A parameter of the scene on the stage.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PresentParam {
-    /// Its name.
-    pub name: String,
-    /// Its value now.
-    pub value: f32,
-    /// Least value.
-    pub min: f32,
-    /// Largest value.
-    pub max: f32,
-    /// Its value where nobody turns it.
-    pub default: f32,
-    /// Whose hand turned it last.
-    pub hand: Hand,
-}
+use super::Slider;
 
 /// The show at a moment.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -31,7 +14,7 @@ pub struct Present {
     /// The titles of all scenes, in the order of their numbers.
     pub scenes: Vec<String>,
     /// The parameters of the scene on the stage.
-    pub params: Vec<PresentParam>,
+    pub params: Vec<Slider>,
     /// Switches by the names of their actions, and whether they are on.
     pub switches: Vec<(&'static str, bool)>,
     /// Levels by the names of their actions, 0..1; one that there is not at present is left out.

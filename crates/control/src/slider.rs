@@ -1,9 +1,11 @@
 //! A parameter as a slider shows it.
 
+use serde::Serialize;
+
 use crate::Hand;
 
 /// A parameter that the user may move.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Slider {
     /// Its name in the scene.
     pub name: String,

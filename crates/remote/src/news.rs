@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use mariana_control::{Present, PresentParam};
+use mariana_control::{Present, Slider};
 use serde::Serialize;
 
 /// How finely phones see the place in the track, in seconds.
@@ -73,7 +73,7 @@ fn news<'a>(before: Option<&Present>, now: &'a Present) -> News<'a> {
     let was = |same: fn(&Present, &Present) -> bool| before.is_some_and(|before| same(before, now));
     let is_scene_known = was(|a, b| a.scene == b.scene);
     let is_shape_known = is_scene_known && was(|a, b| shape(a).eq(shape(b)));
-    let value = |param: &PresentParam| (param.value, param.hand.name());
+    let value = |param: &Slider| (param.value, param.hand.name());
     let known = |name: &str| before?.params.iter().find(|param| param.name == name).map(value);
     let values = now.params.iter().map(|param| (&*param.name, value(param)));
     let switches = now.switches.iter().filter(|one| !was_there(before, |before| &before.switches, *one));
@@ -131,14 +131,8 @@ mod tests {
     use mariana_control::Hand;
 
     fn present() -> Present {
-        let param = PresentParam {
-            name: "size".into(),
-            value: 1.5,
-            min: 0.0,
-            max: 4.0,
-            default: 1.0,
-            hand: Hand::Midi,
-        };
+        let param =
+            Slider { name: "size".into(), value: 1.5, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Midi };
         Present {
             scene: "orb".into(),
             scenes: vec!["city".into(), "orb".into()],

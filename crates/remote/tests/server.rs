@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use mariana_control::deed::{DeedRow, Given, Takes};
-use mariana_control::{Amount, Board, Hand, Present, PresentParam, Wishes};
+use mariana_control::{Amount, Board, Hand, Present, Slider, Wishes};
 use mariana_remote::limits::{LIMITS, Limits};
 use mariana_remote::{Album, Remote, RemoteState, TALK_PATH};
 use tungstenite::client::{IntoClientRequest, client};
@@ -34,8 +34,8 @@ struct Place {
     path: String,
 }
 
-fn size(value: f32) -> PresentParam {
-    PresentParam { name: "size".into(), value, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Text }
+fn size(value: f32) -> Slider {
+    Slider { name: "size".into(), value, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Text }
 }
 
 fn present(value: f32) -> Present {

@@ -23,7 +23,7 @@ use crate::session::scene::SceneSession;
 use crate::session::waker::Waker;
 use crate::thumbnails::Looked;
 use mariana_control::midi::{ClockReading, KnobMove, Outcome, Target};
-use mariana_control::{Board, Heard, Present, PresentParam, Slider, Wishes};
+use mariana_control::{Board, Heard, Present, Slider, Wishes};
 use mariana_music::{Features, SongMoment};
 
 /// How often wishes are taken at most: a flood must not keep the show from drawing.
@@ -126,17 +126,8 @@ impl Hands {
 
     /// Puts up how the show stands, with these sliders.
     pub(crate) fn put_up(&mut self, present: Present, sliders: &[Slider]) {
-        let param = |slider: &Slider| PresentParam {
-            name: slider.name.clone(),
-            value: slider.value,
-            min: slider.min,
-            max: slider.max,
-            default: slider.default,
-            hand: slider.hand,
-        };
-        let params = sliders.iter().map(param).collect();
         let scenes = self.scenes.1.iter().map(|(title, _)| title.clone()).collect();
-        self.board.put(Present { scenes, params, ..present });
+        self.board.put(Present { scenes, params: sliders.to_vec(), ..present });
     }
 
     /// What was wished for, if it is time to look.

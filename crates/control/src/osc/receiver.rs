@@ -16,7 +16,7 @@ use super::place::Place;
 use super::waiting::{Waiting, When, when};
 use crate::deed::DeedRow;
 use crate::limits::LIMITS;
-use crate::{Board, Present, PresentParam, Wishes};
+use crate::{Board, Present, Slider, Wishes};
 
 /// How often the thread looks whether it is still wanted.
 const LOOK: Duration = Duration::from_millis(200);
@@ -270,7 +270,7 @@ fn message(addr: String, args: Vec<OscType>) -> OscMessage {
 }
 
 fn answers_to(query: &Query, present: &Present, deeds: &[DeedRow]) -> Vec<OscMessage> {
-    let param = |param: &PresentParam| {
+    let param = |param: &Slider| {
         let numbers = [param.value, param.min, param.max, param.default].map(OscType::Float);
         let hand = OscType::String(param.hand.name().to_owned());
         message(format!("/param/{}", param.name), numbers.into_iter().chain([hand]).collect())

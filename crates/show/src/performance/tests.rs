@@ -149,24 +149,29 @@ fn what_a_show_moves_is_its_own_until_a_hand_takes_it() {
     assert_eq!(print(&performance.script(), &[]), wanted);
 }
 
+/// A picture of the orb, at 60 a second, with its relief turned to a value.
+fn note_relief(performance: &mut Performance, frame: u32, value: f32) {
+    performance.note(
+        f64::from(frame) / 60.0,
+        &OnStage {
+            scene: "orb",
+            camera: None,
+            entrance: Entrance::CUT,
+            start: 0.0,
+            params: vec![Turned { name: "relief", value, own: 0.5, is_shown: false }],
+            moves: &[],
+            turns: UNTURNED,
+            picture: Finish::NOTHING,
+        },
+    );
+}
+
 #[test]
 fn a_long_performance_goes_on_in_another_entry() {
     let mut performance = Performance::default();
     let frames = LIMITS.steps_max as u32 + 5;
     for frame in 0..frames {
-        performance.note(
-            f64::from(frame) / 60.0,
-            &OnStage {
-                scene: "orb",
-                camera: None,
-                entrance: Entrance::CUT,
-                start: 0.0,
-                params: vec![Turned { name: "relief", value: frame as f32, own: 0.5, is_shown: false }],
-                moves: &[],
-                turns: UNTURNED,
-                picture: Finish::NOTHING,
-            },
-        );
+        note_relief(&mut performance, frame, frame as f32);
     }
     let text = print(&performance.script(), &[]);
     let read = parse("long.show", &text);
@@ -180,20 +185,7 @@ fn a_smoothed_turn_was_recorded_as_one_line_of_seventy_steps() {
     // A controller that glides to its place, at 60 pictures a second.
     let value = |frame: u32| if frame < 30 { 0.5 } else { 1.0 - 0.5 * 0.93f32.powi(frame as i32 - 30) };
     for frame in 0..100 {
-        let params = vec![Turned { name: "relief", value: value(frame), own: 0.5, is_shown: false }];
-        performance.note(
-            f64::from(frame) / 60.0,
-            &OnStage {
-                scene: "orb",
-                camera: None,
-                entrance: Entrance::CUT,
-                start: 0.0,
-                params,
-                moves: &[],
-                turns: UNTURNED,
-                picture: Finish::NOTHING,
-            },
-        );
+        note_relief(&mut performance, frame, value(frame));
     }
     let text = print(&performance.script(), &[]);
     assert!(text.matches("->").count() >= 70, "{text}");

@@ -1,77 +1,39 @@
 //! What keys and the pointer do to the text.
 
-use mariana_commands::Command;
 use mariana_commands::input::{Key, KeyPress, Modifiers, NamedKey};
-use mariana_editing::{Move, Refused, find};
+use mariana_commands::{Command, Panel};
+use mariana_editing::{Editing, Move, Refused};
 
+use super::finding::QueryKey;
 use super::keys::{action_of, way_of};
-use super::{CLOSE, EditAction, Editor, EditorEvent, Find, Owner, Question};
+use super::params::NewParam;
+use super::proposing::Choice;
+use super::turning::KeyTurn;
+use super::{Document, EditAction, Editor, EditorEvent, Question};
 
-/// Most letters that are shown while they are put together.
-const PREEDIT_MAX: usize = 64;
+/// Closes the editor.
+pub(super) const CLOSE: Command = Command::TogglePanel(Panel::Editor);
 
-/// What a scene's text says that cannot be changed.
-const READ_ONLY: &str =
-    "this scene comes with Mariana: Ctrl+S copies it to your folder, and there it can be changed";
-
+/// Keys and letters.
 impl Editor {
     /// Takes a key that was pressed while these are held. Returns whether it was meant for the editor.
     pub fn take_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
-        if press.repeat && self.ignores_repeats {
-            return true;
-        }
-        self.ignores_repeats &= press.repeat;
-        if self.find.as_ref().is_some_and(|find| find.typing) && self.type_query(press, held) {
-            return true;
-        }
-        if self.choose_proposal(&press.key, held) {
+        if self.focus.leaves_out(press.repeat) || self.take_small_key(press, held) {
             return true;
         }
         if let Some(action) = action_of(&press.key, press.latin, held) {
             self.act_with(action, held.shift_key());
             return true;
         }
-        let select = held.shift_key();
-        let plain = !held.intersects(Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER);
-        if let Some(way) = way_of(&press.key, held, self.rows)
+        if let Some(way) = way_of(&press.key, held, self.texts.rows())
             && !held.alt_key()
         {
-            self.proposing = None;
-            return self.with_text(|document| document.editing.go(way, select));
+            self.proposals.close();
+            return self.with_text(|document| document.editing.go(way, held.shift_key()));
         }
-        let word = held.control_key();
-        match &press.key {
-            Key::Named(NamedKey::Enter) if plain => return self.edit(|editing| editing.insert_line()),
-            Key::Named(NamedKey::Backspace) => {
-                let way = if word { Move::WordLeft } else { Move::Left };
-                let was = self.proposing.is_some();
-                let taken = self.edit(|editing| {
-                    editing.delete(way);
-                    Ok(())
-                });
-                if was {
-                    self.propose(false);
-                }
-                return taken;
-            }
-            Key::Named(NamedKey::Delete) => {
-                let way = if word { Move::WordRight } else { Move::Right };
-                return self.edit(|editing| {
-                    editing.delete(way);
-                    Ok(())
-                });
-            }
-            Key::Named(NamedKey::Tab) if plain => {
-                return self.edit(|editing| {
-                    let several = editing.selected().contains(&b'\n');
-                    match (several, select) {
-                        (false, false) => editing.insert(b"  ")?,
-                        (_, shift) => editing.indent(!shift),
-                    }
-                    Ok(())
-                });
-            }
-            _ => {}
+        let plain = !held.intersects(Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER);
+        if self.take_editing_key(&press.key, held, plain) {
+            return true;
         }
         // With AltGr, some systems hold Ctrl and Alt.
         let types = plain || held.contains(Modifiers::CONTROL | Modifiers::ALT);
@@ -89,17 +51,64 @@ impl Editor {
         }
     }
 
+    /// Takes a key for the line of what is looked for, or for the proposals.
+    fn take_small_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
+        match self.finding.take_key(&press.key, held) {
+            QueryKey::Next { forward } => self.find_next(forward),
+            QueryKey::Changed => {}
+            QueryKey::Other => match self.proposals.choose(&press.key, held) {
+                Choice::Take(number) => self.take_proposal(number),
+                Choice::Changed => {}
+                Choice::Other => return false,
+            },
+        }
+        self.revision += 1;
+        true
+    }
+
+    /// Takes a key that changes the text and is no letter; `plain` without others that are held, but Shift.
+    fn take_editing_key(&mut self, key: &Key, held: Modifiers, plain: bool) -> bool {
+        let (select, word) = (held.shift_key(), held.control_key());
+        match key {
+            Key::Named(NamedKey::Enter) if plain => self.edit(|editing| editing.insert_line()),
+            Key::Named(NamedKey::Backspace) => {
+                let was = self.proposals.shown().is_some();
+                self.edit(|editing| {
+                    editing.delete(if word { Move::WordLeft } else { Move::Left });
+                    Ok(())
+                });
+                if was {
+                    self.propose(false);
+                }
+            }
+            Key::Named(NamedKey::Delete) => self.edit(|editing| {
+                editing.delete(if word { Move::WordRight } else { Move::Right });
+                Ok(())
+            }),
+            Key::Named(NamedKey::Tab) if plain => self.edit(|editing| {
+                let several = editing.selected().contains(&b'\n');
+                match (several, select) {
+                    (false, false) => editing.insert(b"  ")?,
+                    (_, shift) => editing.indent(!shift),
+                }
+                Ok(())
+            }),
+            _ => return false,
+        }
+        true
+    }
+
     /// Shows letters at the cursor that are being put together and are not typed yet.
     pub fn set_preedit(&mut self, letters: &str) {
-        self.preedit = letters.chars().filter(|letter| !letter.is_control()).take(PREEDIT_MAX).collect();
+        self.focus.compose(letters);
         self.revision += 1;
     }
 
     /// Puts in letters that were typed.
     pub fn type_text(&mut self, text: &str) {
-        self.preedit.clear();
-        if let Some(find) = self.find.as_mut().filter(|find| find.typing) {
-            find.query.push_str(text);
+        self.focus.end_composing();
+        if let Some(query) = self.finding.typed() {
+            query.push_str(text);
             self.revision += 1;
             return;
         }
@@ -109,8 +118,8 @@ impl Editor {
 
     /// Puts in a text that was copied.
     pub(super) fn put_in(&mut self, text: &[u8]) {
-        if let Some(find) = self.find.as_mut().filter(|find| find.typing) {
-            find.query.extend(String::from_utf8_lossy(text).lines().next());
+        if let Some(query) = self.finding.typed() {
+            query.extend(String::from_utf8_lossy(text).lines().next());
             self.revision += 1;
             return;
         }
@@ -120,67 +129,84 @@ impl Editor {
             Ok(())
         });
     }
+}
 
+/// What is asked for.
+impl Editor {
     /// Does what was asked for.
     pub fn obey(&mut self, request: EditorEvent) {
         match request {
-            EditorEvent::Press { at, clicks, select } => {
-                self.set_focus(true);
-                self.ignores_repeats = false;
-                self.close_small();
-                self.with_text(|document| match clicks {
-                    0 | 1 => document.editing.go_to(at, select),
-                    2 => document.editing.select_word(at),
-                    _ => {
-                        let line = document.editing.buffer().line_of(at);
-                        document.editing.select_line(line);
-                    }
-                });
-            }
+            EditorEvent::Press { at, clicks, select } => self.press(at, clicks, select),
             EditorEvent::DragTo(at) => {
                 self.with_text(|document| document.editing.go_to(at, true));
             }
             EditorEvent::Grab(at) => self.grab(at),
-            EditorEvent::Turn { points, speed } => self.turn(f64::from(points), speed),
+            EditorEvent::Turn { points, speed } => {
+                self.turn(|hand, texts| hand.turn(f64::from(points), speed, texts));
+            }
             EditorEvent::LetGo => self.let_go(),
             EditorEvent::PickColor(at) => self.pick_color(at),
             EditorEvent::ClosePicker => {
-                self.close_picker();
+                self.hand.close_picker(&mut self.texts);
+                self.revision += 1;
             }
             EditorEvent::SetColor(color) => self.set_color(color),
             EditorEvent::MovePlace(way) => self.move_place(way),
-            EditorEvent::Scroll { lines, columns } => self.scroll(lines, columns),
+            EditorEvent::Scroll { lines, columns } => {
+                self.texts.scroll(lines, columns);
+                self.revision += 1;
+            }
             EditorEvent::Drawn { rows, columns } => {
-                let is_first = self.rows != rows || self.columns != columns;
-                (self.rows, self.columns) = (rows, columns);
-                if is_first {
+                if self.texts.resize(rows, columns) {
                     self.revision += 1;
-                    self.reveal();
+                    self.texts.reveal();
                 }
             }
             EditorEvent::Act(command) => self.act_with(command, false),
             EditorEvent::ShowText(number) => self.show_text(number),
-            EditorEvent::GoToProbed => self.go_to_probed(),
+            EditorEvent::GoToProbed => {
+                if let Some((number, range)) = self.picture.written() {
+                    self.go_to(number, range);
+                }
+                self.set_focus(true);
+            }
             EditorEvent::CloseProbed => {
                 self.close_probed();
             }
             EditorEvent::GoTo { text, byte } => {
                 self.set_focus(true);
-                self.go_to_place(text, byte..byte);
+                self.go_to(text, byte..byte);
             }
             EditorEvent::Take(number) => self.take_proposal(number),
             EditorEvent::Answer { first } => self.take_answer(first),
         }
     }
 
+    fn press(&mut self, at: usize, clicks: u8, select: bool) {
+        self.set_focus(true);
+        self.focus.take_repeats();
+        self.close_small();
+        self.with_text(|document| match clicks {
+            0 | 1 => document.editing.go_to(at, select),
+            2 => document.editing.select_word(at),
+            _ => {
+                let line = document.editing.buffer().line_of(at);
+                document.editing.select_line(line);
+            }
+        });
+    }
+
     fn act_with(&mut self, action: EditAction, shift: bool) {
         if action != EditAction::Propose {
-            self.proposing = None;
+            self.proposals.close();
         }
         match action {
-            EditAction::Save => self.save(),
-            EditAction::Undo => self.step(|editing| editing.undo(), "there is nothing to take back"),
-            EditAction::Redo => self.step(|editing| editing.redo(), "there is nothing to do again"),
+            EditAction::Save => {
+                let saved = self.texts.save();
+                self.tell_refusal(saved);
+            }
+            EditAction::Undo => self.step(Editing::undo, "there is nothing to take back"),
+            EditAction::Redo => self.step(Editing::redo, "there is nothing to do again"),
             EditAction::Copy => self.copy(),
             EditAction::Cut => {
                 self.copy();
@@ -197,84 +223,69 @@ impl Editor {
             }
             EditAction::Find => self.begin_find(),
             EditAction::FindNext { forward } => self.find_next(forward),
-            EditAction::ToggleComment => {
-                self.edit(|editing| {
-                    editing.toggle_comment();
-                    Ok(())
-                });
-            }
+            EditAction::ToggleComment => self.edit(|editing| {
+                editing.toggle_comment();
+                Ok(())
+            }),
             EditAction::Propose => self.propose(true),
             EditAction::MakeParam => self.make_param(),
             EditAction::TurnNumber { up } => self.turn_by_key(up, shift),
             EditAction::Answer { first } => self.take_answer(first),
-            EditAction::New => self.begin_scene(),
-            EditAction::NextText => self.next_text(),
-            EditAction::NextMistake => self.next_mistake(),
-            EditAction::Light => self.toggle_light(),
-            EditAction::Profile => self.toggle_profile(),
-            EditAction::Leave => {
-                let small = self.close_picker() || self.close_probed() || self.find.is_some();
-                self.close_small();
-                self.answer = None;
-                if !small {
-                    self.commands.push(CLOSE);
-                }
+            EditAction::New => {
+                let begun = self.texts.begin_scene();
+                self.tell_refusal(begun);
             }
+            EditAction::NextText => match self.texts.next_number() {
+                Some(number) => self.show_text(number),
+                None => self.tell("this scene includes no other text"),
+            },
+            EditAction::NextMistake => self.next_mistake(),
+            EditAction::Light => {
+                let words = self.picture.toggle_light();
+                self.tell(words);
+            }
+            EditAction::Profile => self.picture.toggle_profile(),
+            EditAction::Leave => self.leave(),
         }
         self.revision += 1;
     }
 
-    /// Closes what belongs to the moment: the line for finding, and proposals.
-    pub(super) fn close_small(&mut self) {
-        self.find = None;
-        self.proposing = None;
-        self.close_picker();
-        self.revision += 1;
+    fn leave(&mut self) {
+        let small =
+            self.hand.close_picker(&mut self.texts) || self.close_probed() || self.finding.line().is_some();
+        self.close_small();
+        self.notice.clear();
+        if !small {
+            self.texts.send(CLOSE);
+        }
     }
 
     /// Does something to the text that shows, without changing it, and brings the cursor into sight.
-    pub(super) fn with_text(&mut self, act: impl FnOnce(&mut super::Document)) -> bool {
-        if let Some(document) = self.document_mut() {
+    pub(super) fn with_text(&mut self, act: impl FnOnce(&mut Document)) -> bool {
+        if let Some(document) = self.texts.document_mut() {
             act(document);
         }
-        self.reveal();
+        self.texts.reveal();
         self.revision += 1;
         true
     }
 
     /// Changes the text that shows, if it can be changed.
-    pub(super) fn edit(
-        &mut self,
-        change: impl FnOnce(&mut mariana_editing::Editing) -> Result<(), Refused>,
-    ) -> bool {
-        let Some(document) = self.documents.get_mut(self.shown) else { return true };
-        if !document.is_open() {
-            let words = match (&document.owner, &document.disk) {
-                (Owner::Shipped(_), _) => READ_ONLY,
-                (_, None) => "the file is still being read",
-                _ => "the file cannot be read, so it is not changed",
-            };
-            self.say(words);
-            return true;
-        }
-        let changed = change(&mut document.editing);
-        self.proposing = None;
-        self.note_change();
-        self.reveal();
-        if let Err(refused) = changed {
-            self.say(refused.to_string());
-        }
-        true
+    fn edit(&mut self, change: impl FnOnce(&mut Editing) -> Result<(), Refused>) {
+        let done = self.texts.edit(change);
+        self.proposals.close();
+        self.tell_refusal(done);
+        self.revision += 1;
     }
 
-    fn step(&mut self, step: impl FnOnce(&mut mariana_editing::Editing) -> bool, nothing: &str) {
+    fn step(&mut self, step: impl FnOnce(&mut Editing) -> bool, nothing: &str) {
         let mut done = false;
         self.edit(|editing| {
             done = step(editing);
             Ok(())
         });
-        if !done && self.answer.is_none() {
-            self.say(nothing);
+        if !done && self.notice.words().is_none() {
+            self.tell(nothing);
         }
     }
 
@@ -282,7 +293,7 @@ impl Editor {
         let Some(document) = self.document() else { return };
         let selected = document.editing.selected();
         if selected.is_empty() {
-            return self.say("select something to copy it");
+            return self.tell("select something to copy it");
         }
         // Programs exchange text.
         let text = String::from_utf8_lossy(selected).into_owned();
@@ -290,154 +301,98 @@ impl Editor {
     }
 
     fn begin_find(&mut self) {
-        let selected =
-            self.document().map(|document| document.editing.selected().to_vec()).unwrap_or_default();
-        let before = self.find.take().map(|find| find.query).unwrap_or_default();
-        let selected =
-            String::from_utf8(selected).ok().filter(|text| !text.is_empty() && !text.contains('\n'));
-        self.find = Some(Find { query: selected.unwrap_or(before), typing: true });
-    }
-
-    /// Types into the line for finding. Returns whether the key was meant for it.
-    fn type_query(&mut self, press: &KeyPress, held: Modifiers) -> bool {
-        let Some(find) = &mut self.find else { return false };
-        match &press.key {
-            Key::Named(NamedKey::Enter) => {
-                self.find_next(!held.shift_key());
-                return true;
-            }
-            Key::Named(NamedKey::Backspace) => {
-                find.query.pop();
-            }
-            Key::Named(NamedKey::ArrowUp | NamedKey::ArrowDown) => {
-                find.typing = false;
-                return false;
-            }
-            _ => return false,
-        }
-        self.revision += 1;
-        true
+        let selected = self.texts.document().map(|document| document.editing.selected());
+        self.finding.begin(selected.unwrap_or_default());
     }
 
     fn find_next(&mut self, forward: bool) {
-        let query = self.find.as_ref().map(|find| find.query.clone()).unwrap_or_default();
-        if query.is_empty() {
-            return self.begin_find();
-        }
-        let Some(document) = self.document() else { return };
-        let (text, selection) = (document.editing.buffer().bytes(), document.editing.selection());
-        let from = if forward { selection.end } else { selection.start };
-        match find(text, &query, from, forward) {
-            Some(range) => {
-                self.answer = None;
+        let Some(document) = self.texts.document() else { return };
+        match self.finding.next(&document.editing, forward) {
+            Some(Ok(range)) => {
+                self.notice.clear();
                 self.with_text(|document| document.editing.select(range));
             }
-            None => self.say(format!("\u{2018}{query}\u{2019} stands nowhere in this text")),
+            Some(Err(words)) => self.tell(words),
+            None => self.begin_find(),
         }
     }
 
     fn next_mistake(&mut self) {
-        let Some(document) = self.document() else { return };
-        let cursor = document.editing.cursor();
-        let all: Vec<_> = document.mistakes().collect();
-        let next = all.iter().find(|one| one.range.start > cursor).or(all.first()).cloned();
-        match next {
-            Some(one) => {
+        match self.texts.next_mistake() {
+            Ok(one) => {
                 self.with_text(|document| document.editing.go_to(one.range.start, false));
             }
-            None => {
-                let others = self.findings.as_ref().and_then(|found| found.mistakes.first());
-                match others.map(|one| one.text) {
-                    Some(text) => self.show_text(text),
-                    None => self.say("there is no mistake"),
-                }
-            }
+            Err(Some(text)) => self.show_text(text),
+            Err(None) => self.tell("there is no mistake"),
         }
-    }
-
-    fn next_text(&mut self) {
-        let tabs = self.tabs();
-        let at = tabs.iter().position(|tab| tab.shows).unwrap_or(0);
-        if tabs.len() < 2 {
-            return self.say("this scene includes no other text");
-        }
-        self.show_text((at + 1) % tabs.len());
     }
 
     /// Shows one of the scene's texts by its number.
     pub(super) fn show_text(&mut self, number: usize) {
-        let file = self.findings.as_ref().and_then(|found| found.texts.get(number)).cloned();
-        if let Some(file) = file {
+        if let Some(file) = self.texts.file(number).map(std::path::Path::to_owned) {
             self.close_small();
-            self.shown = self.open(&file);
-            if let Some(found) = self.findings.clone() {
-                self.take_findings(found);
-            }
+            self.texts.show(&file);
         }
     }
 
     /// Does what was answered to the question about the text.
     fn take_answer(&mut self, first: bool) {
-        let Some(question) = self.document_mut().and_then(|document| document.question.take()) else {
-            return;
-        };
+        let Some(question) = self.texts.take_question() else { return };
         match (question, first) {
-            (Question::Kept(kept), true) => {
-                self.edit(|editing| editing.replace_all(&kept.text));
-            }
-            (Question::Kept(_), false) => self.forget_kept(),
-            (Question::Conflict(_) | Question::Gone, true) => self.overwrite(),
-            (Question::Conflict(theirs), false) => self.take_theirs(theirs),
+            (Question::Kept(kept), true) => self.edit(|editing| editing.replace_all(&kept.text)),
+            (Question::Kept(_), false) => self.texts.forget_kept(),
+            (Question::Conflict(_) | Question::Gone, true) => self.texts.overwrite(),
+            (Question::Conflict(theirs), false) => match self.texts.take_theirs(theirs) {
+                Ok(()) => self.tell("this is their text; Ctrl+Z brings yours back"),
+                Err(refused) => self.tell(refused.to_string()),
+            },
             (Question::Gone, false) => {}
         }
         self.revision += 1;
     }
 
-    fn scroll(&mut self, lines: f32, columns: f32) {
-        let rows = self.rows as f32;
-        let Some(document) = self.document_mut() else { return };
-        let last = (document.editing.buffer().line_count() as f32 - 0.5 * rows).max(0.0);
-        let (top, left) = document.view;
-        document.view = ((top + lines).clamp(0.0, last), (left + columns).clamp(0.0, 1e6));
-        self.revision += 1;
+    /// Turns the number at the cursor by a key.
+    fn turn_by_key(&mut self, up: bool, fine: bool) {
+        let Some(document) = self.document() else { return };
+        if let Err(words) = document.check_open() {
+            return self.tell(words);
+        }
+        match KeyTurn::of(document, up, fine) {
+            Some(turn) => self.edit(|editing| turn.write(editing)),
+            None => self.tell("put the cursor into a number to turn it"),
+        }
     }
 
-    /// Brings the cursor into sight.
-    pub(super) fn reveal(&mut self) {
-        let (rows, columns) = (self.rows.max(3) as f32, self.columns.max(8) as f32);
-        let Some(document) = self.document_mut() else { return };
-        let buffer = document.editing.buffer();
-        let line = buffer.line_of(document.editing.cursor());
-        let inside = document.editing.cursor() - buffer.line_start(line);
-        let column = mariana_editing::column_of(buffer.line(line), inside) as f32;
-        let (mut top, mut left) = document.view;
-        let line = line as f32;
-        top = top.min(line - 1.0).max(line + 3.0 - rows).max(0.0);
-        let fits = column + 4.0 <= columns;
-        left = if fits { 0.0 } else { left.min(column - 4.0).max(column + 4.0 - columns) };
-        document.view = (top, left);
+    /// Makes a parameter with a slider of the number at the cursor.
+    fn make_param(&mut self) {
+        let Some(document) = self.document() else { return };
+        match NewParam::of(document) {
+            Ok(param) => {
+                let told = param.told();
+                self.edit(|editing| param.write(editing));
+                if self.notice.words().is_none() {
+                    self.tell(told);
+                }
+            }
+            Err(words) => self.tell(words),
+        }
     }
 
-    /// Passes a change of the text on: to the loader, and to be kept.
-    pub(super) fn note_change(&mut self) {
-        let drafts = self.drafts.clone();
-        let reads = !self.turn_is_live();
-        let Some(document) = self.documents.get_mut(self.shown) else { return };
-        if document.noted == document.editing.version() {
-            return;
-        }
-        document.noted = document.editing.version();
-        if let Some(line) = document.editing.take_changed_line() {
-            document.forget_colors(line);
-        }
+    /// Looks what may be written at the cursor; what is `asked` for is told even if nothing was typed.
+    fn propose(&mut self, asked: bool) {
+        self.proposals.close();
+        let Some(document) = self.texts.document().filter(|document| document.is_open()) else { return };
+        let found = self.proposals.propose(document, asked);
         self.revision += 1;
-        let Some(file) = document.file().map(std::path::Path::to_owned) else { return };
-        let dirty = document.is_dirty();
-        self.clerk.keep(&file, dirty.then(|| document.bytes()));
-        if reads {
-            let version = if dirty { drafts.set(&file, document.bytes()) } else { drafts.remove(&file) };
-            document.note_sent(version);
-            self.commands.push(Command::ReloadScene);
+        if asked && !found {
+            self.tell("no name of the language or of this text begins so");
+        }
+    }
+
+    /// Writes a proposal in the place of the name.
+    fn take_proposal(&mut self, number: usize) {
+        if let Some(write) = self.proposals.take(number) {
+            self.edit(write);
         }
     }
 }

@@ -21,6 +21,10 @@ pub(crate) enum Owner {
     Shipped(SceneSource),
 }
 
+/// Why the text of a shipped scene cannot be changed.
+const READ_ONLY: &str =
+    "this scene comes with Mariana: Ctrl+S copies it to your folder, and there it can be changed";
+
 /// What the user is asked about a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Question {
@@ -43,6 +47,19 @@ pub(crate) struct Marked {
     pub hint: String,
 }
 
+/// What another program's change of a file means for its text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Change {
+    /// Nothing, or a question.
+    None,
+    /// The text is theirs now.
+    Taken,
+    /// The file has gone.
+    Gone,
+    /// The file cannot be read, in words.
+    Unreadable(String),
+}
+
 /// See the module.
 pub(crate) struct Document {
     pub owner: Owner,
@@ -58,7 +75,7 @@ pub(crate) struct Document {
     /// Which version of this text stood in the drafts from which version of those on.
     sent: VecDeque<(u64, u64)>,
     /// The version of which the change was passed on last.
-    pub noted: u64,
+    noted: u64,
     /// First line and first column that show.
     pub view: (f32, f32),
 }
@@ -127,6 +144,83 @@ impl Document {
         self.file().is_some() && matches!(self.disk, Some(OnDisk::Bytes(_) | OnDisk::Missing))
     }
 
+    /// Looks whether it can be changed; otherwise says why not.
+    pub(super) fn check_open(&self) -> Result<(), &'static str> {
+        match (&self.owner, &self.disk) {
+            _ if self.is_open() => Ok(()),
+            (Owner::Shipped(_), _) => Err(READ_ONLY),
+            (_, None) => Err("the file is still being read"),
+            _ => Err("the file cannot be read, so it is not changed"),
+        }
+    }
+
+    /// Takes in what was read of its file. Returns whether what was kept of an earlier run is needed no more.
+    pub(super) fn take_read(
+        &mut self,
+        holds: OnDisk,
+        kept: Option<Kept>,
+        carried: Option<(usize, (f32, f32))>,
+    ) -> bool {
+        if let OnDisk::Bytes(bytes) = &holds {
+            self.editing = Editing::new(bytes.to_vec());
+            self.noted = 0;
+            self.forget_colors(0);
+            if let Some((cursor, view)) = carried {
+                self.editing.go_to(cursor, false);
+                self.view = view;
+            }
+        }
+        let is_other = |text: &[u8]| !matches!(&holds, OnDisk::Bytes(bytes) if **bytes == *text);
+        let mut is_needless = false;
+        match kept {
+            Some(kept) if is_other(&kept.text) => self.question = Some(Question::Kept(kept)),
+            Some(_) => is_needless = true,
+            None => {}
+        }
+        self.disk = Some(holds);
+        is_needless
+    }
+
+    /// Another program has changed its file.
+    pub(super) fn take_change(&mut self, holds: OnDisk) -> Change {
+        match holds {
+            OnDisk::Bytes(bytes) if *bytes == *self.editing.buffer().bytes() => {
+                self.question = None;
+                self.disk = Some(OnDisk::Bytes(bytes));
+            }
+            OnDisk::Bytes(bytes) if !self.is_dirty() => {
+                self.question = None;
+                // Longer than a text may be, it stays as it was.
+                if self.editing.replace_all(&bytes).is_ok() {
+                    self.disk = Some(OnDisk::Bytes(bytes));
+                    return Change::Taken;
+                }
+            }
+            OnDisk::Bytes(bytes) => self.question = Some(Question::Conflict(OnDisk::Bytes(bytes))),
+            OnDisk::Missing => {
+                self.question = Some(Question::Gone);
+                self.disk = Some(OnDisk::Missing);
+                return Change::Gone;
+            }
+            OnDisk::Unreadable(reason) => {
+                return Change::Unreadable(format!("{} cannot be read any more: {reason}", self.name()));
+            }
+        }
+        Change::None
+    }
+
+    /// Notes that the text's change is passed on. Returns whether it was not yet.
+    pub(super) fn note_change(&mut self) -> bool {
+        let is_new = self.noted != self.editing.version();
+        if is_new {
+            self.noted = self.editing.version();
+            if let Some(line) = self.editing.take_changed_line() {
+                self.forget_colors(line);
+            }
+        }
+        is_new
+    }
+
     /// Whether it differs from what its file holds.
     pub(crate) fn is_dirty(&self) -> bool {
         match &self.disk {
@@ -174,6 +268,21 @@ impl Document {
         })
     }
 
+    /// The mistake to tell: the one at the cursor, or else the first.
+    pub(crate) fn mistake(&self) -> Option<Marked> {
+        let cursor = self.editing.cursor();
+        let at_cursor = |one: &Marked| (one.range.start..=one.range.end).contains(&cursor);
+        let all: Vec<Marked> = self.mistakes().collect();
+        all.iter().find(|one| at_cursor(one)).or(all.first()).cloned()
+    }
+
+    /// The next mistake behind the cursor, around the end.
+    pub(super) fn next_mistake(&self) -> Option<Marked> {
+        let cursor = self.editing.cursor();
+        let all: Vec<Marked> = self.mistakes().collect();
+        all.iter().find(|one| one.range.start > cursor).or(all.first()).cloned()
+    }
+
     /// The words of a line.
     pub(crate) fn words(&self, line: usize) -> Vec<Word> {
         self.colors.borrow_mut().words(self.editing.buffer(), line)
@@ -182,6 +291,11 @@ impl Document {
     /// What is known of the name or the call at a place.
     pub(crate) fn about(&self, offset: usize) -> Option<(Range<usize>, About)> {
         about(self.editing.buffer(), &mut self.colors.borrow_mut(), offset)
+    }
+
+    /// What is known of the place at the cursor.
+    pub(crate) fn about_cursor(&self) -> Option<About> {
+        self.about(self.editing.cursor()).map(|(_, about)| about)
     }
 
     /// The number at a place, and where its line begins.
@@ -198,7 +312,7 @@ impl Document {
     }
 
     /// Notes that the text has changed from a line on.
-    pub(crate) fn forget_colors(&self, line: usize) {
+    fn forget_colors(&self, line: usize) {
         self.colors.borrow_mut().forget_behind(line);
     }
 }

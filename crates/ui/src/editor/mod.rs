@@ -2,44 +2,68 @@
 //!
 //! It is a plain value that keys and the pointer change, and the overlay draws it. Every change goes to the loader as a
 //! draft ([`Drafts`]), which stands in the place of the file: what is right shows in the next frame, what is not is marked
-//! here. Disks are the clerk's ([`Clerk`]), the clipboard is its own thread's.
+//! here. Disks are the clerk's ([`mariana_files::documents::Clerk`]), the clipboard is its own thread's.
+//!
+//! [`Editor`] owns the parts and hands what one finds to another; each of them has a state of its own:
+//!
+//! | part | what it is for |
+//! |---|---|
+//! | `Texts` | the texts of the scene; it owns the four below |
+//! | `documents` | the open texts: which of them shows, and which part of it |
+//! | `files` | what is read, saved, copied and kept |
+//! | `found` | what the loader found in the scene and in others |
+//! | `outbox` | what the loader and the show get: drafts, numbers, commands |
+//! | `Hand` | numbers that are turned, colours that are picked, positions that are dragged |
+//! | `Finding` | what is looked for |
+//! | `Proposals` | what may be written at the cursor, with small pictures |
+//! | `Picture` | what is known of the picture: a point, what is lit up, what objects cost |
+//! | `Focus` | whether keys are text, and letters that are being put together |
+//! | `Notice` | the answer to the last key |
 
 mod acting;
 mod document;
+mod documents;
 mod files;
+mod finding;
+mod focus;
+mod found;
 pub mod keys;
+mod notice;
+mod outbox;
+mod params;
 mod portraits;
 mod probed;
 mod proposing;
 #[cfg(test)]
 mod tests;
+mod texts;
 mod triples;
 mod turning;
 
 use std::io;
 use std::ops::Range;
-use std::path::Path;
-use std::time::{Duration, Instant};
 
-pub(crate) use document::{Document, Marked, Owner, Question};
+pub(crate) use document::{Document, Owner, Question};
+use finding::{Find, Finding};
+use focus::Focus;
 pub use keys::EditAction;
-use mariana_editing::{About, TurnSpeed};
+use mariana_editing::{Number, Refused, TurnSpeed};
+use notice::Notice;
 pub(crate) use portraits::{Portrait, SIDE as PORTRAIT_SIDE};
-pub(crate) use probed::Light;
+use probed::Picture;
+pub(crate) use probed::{Light, parts_of};
+use proposing::Proposals;
 pub(crate) use proposing::Proposing;
-use turning::Turn;
+use texts::Texts;
+use turning::Hand;
 
 use crate::clipboard::Clipboard;
-use crate::clock;
-use mariana_commands::{Command, Panel};
+use mariana_commands::Command;
 use mariana_files::Folders;
-use mariana_files::documents::Clerk;
-use mariana_scenes::{Drafts, Findings, SceneSource};
-
-/// How long an answer to a key stays.
-const ANSWER_STAYS: Duration = Duration::from_secs(6);
-/// How long the end of the program waits for texts to be kept.
-const KEEP_LIMIT: Duration = Duration::from_secs(3);
+use mariana_render::frame::camera::Camera;
+use mariana_render::placement::Map;
+use mariana_scenes::probing::Answer;
+use mariana_scenes::{Drafts, SceneSource};
 
 /// What the pointer asks of the editor. Places are bytes of the text that shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -112,58 +136,25 @@ pub enum EditorEvent {
     },
 }
 
-/// Closes the editor.
-const CLOSE: Command = Command::TogglePanel(Panel::Editor);
-
-/// What is looked for.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
-pub(crate) struct Find {
-    /// The words.
-    pub query: String,
-    /// Whether keys go there.
-    pub typing: bool,
-}
-
 /// See the module.
 pub struct Editor {
-    drafts: Drafts,
-    clerk: Clerk,
+    texts: Texts,
     clipboard: Clipboard,
-    documents: Vec<Document>,
-    shown: usize,
-    /// The scene whose text is shown.
-    source: Option<SceneSource>,
-    /// What the loader found last in it.
-    findings: Option<Findings>,
-    /// What it found in others.
-    others: Vec<Findings>,
-    focused: bool,
-    /// Whether a key is still held that was not meant for the text.
-    ignores_repeats: bool,
-    find: Option<Find>,
-    /// Letters that are being put together at the cursor.
-    preedit: String,
-    proposing: Option<Proposing>,
-    portraits: portraits::Portraits,
-    turn: Option<Turn>,
-    /// Where the colour stands that is picked.
-    picked: Option<usize>,
-    /// What it knows of the picture.
-    picture: probed::Picture,
-    /// Commands that wait to be sent.
-    commands: Vec<Command>,
-    answer: Option<(String, Instant)>,
-    /// Lines and columns that show.
-    rows: usize,
-    columns: usize,
-    /// Cursor and view that the next text begins with: of what it is a copy.
-    carried: Option<(usize, (f32, f32))>,
+    focus: Focus,
+    finding: Finding,
+    proposals: Proposals,
+    hand: Hand,
+    picture: Picture,
+    notice: Notice,
     revision: u64,
 }
 
 impl std::fmt::Debug for Editor {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Editor").field("source", &self.source).field("revision", &self.revision).finish()
+        f.debug_struct("Editor")
+            .field("source", &self.texts.source())
+            .field("revision", &self.revision)
+            .finish_non_exhaustive()
     }
 }
 
@@ -178,28 +169,14 @@ impl Editor {
         wake: impl Fn() + Send + Clone + 'static,
     ) -> io::Result<Self> {
         Ok(Self {
-            drafts,
-            clerk: Clerk::start(folders, wake.clone())?,
+            texts: Texts::start(drafts, folders, wake.clone())?,
             clipboard: Clipboard::new(wake.clone()),
-            documents: Vec::new(),
-            shown: 0,
-            source: None,
-            findings: None,
-            others: Vec::new(),
-            focused: false,
-            ignores_repeats: false,
-            find: None,
-            preedit: String::new(),
-            proposing: None,
-            portraits: portraits::Portraits::new(wake.clone()),
-            turn: None,
-            picked: None,
-            picture: probed::Picture::default(),
-            commands: Vec::new(),
-            answer: None,
-            rows: 20,
-            columns: 60,
-            carried: None,
+            focus: Focus::default(),
+            finding: Finding::default(),
+            proposals: Proposals::new(wake),
+            hand: Hand::default(),
+            picture: Picture::default(),
+            notice: Notice::default(),
             revision: 0,
         })
     }
@@ -210,131 +187,209 @@ impl Editor {
             SceneSource::Blend(blend) => &blend.to.source,
             other => other,
         };
-        if self.source.as_ref() == Some(source) {
+        if self.texts.source() == Some(source) {
             return;
         }
         self.let_go();
         self.close_small();
-        self.forget_picture();
-        self.source = Some(source.clone());
-        self.others.extend(self.findings.take());
-        let known = self.others.iter().position(|found| found.source == *source);
-        let found = known.map(|at| self.others.swap_remove(at));
-        self.shown = match self.documents.iter().position(|document| document.is_of(source)) {
-            Some(known) => known,
-            None => match source {
-                SceneSource::File(file) => self.open(&file.clone()),
-                other => {
-                    self.documents.push(Document::shipped(other));
-                    self.documents.len() - 1
-                }
-            },
-        };
-        if let Some(found) = found {
-            self.take_findings(found);
-        }
+        self.picture.forget();
+        self.texts.show_scene(source);
         self.revision += 1;
-    }
-
-    /// The place of a file's text among the documents, which is read if it is not there.
-    fn open(&mut self, file: &Path) -> usize {
-        if let Some(known) = self.documents.iter().position(|document| document.file() == Some(file)) {
-            return known;
-        }
-        self.clerk.open(file);
-        self.documents.push(Document::of_file(file));
-        self.documents.len() - 1
     }
 
     /// Takes in what other threads have for the editor.
     pub fn update(&mut self) {
-        while let Some(news) = self.clerk.news() {
-            self.take_news(news);
+        while let Some(news) = self.texts.news() {
+            self.revision += 1;
+            if let Some(words) = self.texts.take_news(news) {
+                self.tell(words);
+            }
         }
         while let Some(text) = self.clipboard.pasted() {
             self.put_in(text.as_bytes());
         }
-        for findings in self.drafts.take_findings() {
-            self.take_findings(findings);
-        }
-        self.want_portrait();
-        if self.answer.as_ref().is_some_and(|(_, since)| clock::since(*since) > ANSWER_STAYS) {
-            self.answer = None;
+        if self.texts.take_findings() {
+            self.hand.check(&mut self.texts);
             self.revision += 1;
         }
-    }
-
-    fn take_findings(&mut self, findings: Findings) {
-        if Some(&findings.source) != self.source.as_ref() {
-            self.others.retain(|other| other.source != findings.source);
-            return self.others.push(findings);
-        }
-        let of_text = |text: usize| {
-            findings.mistakes.iter().filter(move |one| one.text == text).cloned().collect::<Vec<_>>()
-        };
-        for (number, file) in findings.texts.iter().enumerate() {
-            if let Some(document) = self.documents.iter_mut().find(|one| one.file() == Some(file)) {
-                document.take_mistakes(findings.version, of_text(number));
-                if findings.mistakes.is_empty() {
-                    document.note_shown();
-                }
-            }
-        }
-        if findings.texts.is_empty()
-            && let Some(document) = self.documents.get_mut(self.shown)
-        {
-            document.take_mistakes(findings.version, of_text(0));
-        }
-        self.check_turn(&findings);
-        self.findings = Some(findings);
-        self.revision += 1;
+        let changes = [self.proposals.update(), self.notice.update()];
+        self.revision += u64::from(changes.contains(&true));
     }
 
     /// Whether keys are text.
     pub fn has_focus(&self) -> bool {
-        self.focused
+        self.focus.is_on()
     }
 
     /// Gives keys to the text or to the show.
     pub fn set_focus(&mut self, focused: bool) {
-        self.ignores_repeats |= focused && !self.focused;
-        self.revision += u64::from(self.focused != focused);
-        self.focused = focused;
+        self.revision += u64::from(self.focus.set(focused));
         if !focused {
-            self.preedit.clear();
             self.close_small();
         }
     }
 
     /// Returns the commands that the editor has sent since the last call.
     pub fn take_commands(&mut self) -> Vec<Command> {
-        std::mem::take(&mut self.commands)
+        self.texts.take_commands()
     }
 
     /// Keeps what is not saved: the program ends.
     pub fn finish(&mut self) {
         self.let_go();
-        for document in self.documents.iter().filter(|document| document.is_dirty()) {
-            if let Some(file) = document.file() {
-                self.clerk.keep(file, Some(document.bytes()));
-            }
-        }
-        self.clerk.finish(KEEP_LIMIT);
+        self.texts.finish();
     }
 
     /// Whether it tells what is wrong with the scene.
     pub fn tells_mistakes(&self) -> bool {
-        self.findings.as_ref().is_some_and(|found| !found.mistakes.is_empty())
+        self.texts.findings().is_some_and(|found| !found.mistakes.is_empty())
     }
 
-    /// Says something for a moment.
-    fn say(&mut self, words: impl Into<String>) {
-        self.answer = Some((words.into(), clock::now()));
+    /// Tells something for a moment.
+    pub fn tell(&mut self, words: impl Into<String>) {
+        self.notice.say(words.into());
         self.revision += 1;
     }
 
-    fn document_mut(&mut self) -> Option<&mut Document> {
-        self.documents.get_mut(self.shown)
+    /// Tells why something was not done.
+    fn tell_refusal<E: ToString>(&mut self, done: Result<(), E>) {
+        if let Err(words) = done {
+            self.tell(words.to_string());
+        }
+    }
+
+    /// Closes what belongs to the moment: the line for finding, and proposals.
+    fn close_small(&mut self) {
+        self.finding.close();
+        self.proposals.close();
+        self.hand.close_picker(&mut self.texts);
+        self.revision += 1;
+    }
+}
+
+/// The picture.
+impl Editor {
+    /// Notes how the picture lies in the window, and from where it is seen.
+    pub fn set_view(&mut self, map: Map, camera: Option<Camera>) {
+        let (is_new, moves) = self.picture.set_view(map, camera);
+        // Only a cross in the picture goes with the camera.
+        let is_crossed = || self.document().is_some_and(|document| self.hand.place(document).is_some());
+        if is_new || moves && is_crossed() {
+            self.revision += 1;
+        }
+    }
+
+    /// Takes in what was found in the picture.
+    pub fn take_answer_about_the_picture(&mut self, answer: Answer) {
+        match answer {
+            Answer::TooLong => self.tell("this scene is too large to be looked into while it plays"),
+            Answer::Survey(source, survey) if Some(&source) == self.texts.source() => {
+                self.picture.take_survey(survey);
+            }
+            Answer::Point(probed) if Some(&probed.source) == self.texts.source() => {
+                self.picture.take_probed(probed);
+                // The line that made it comes into sight. The cursor stays where one writes.
+                if let Some(line) = self.probed_line() {
+                    self.texts.reveal_line(line);
+                }
+            }
+            // Of a scene that has gone.
+            Answer::Point(_) | Answer::Survey(..) => return,
+        }
+        self.revision += 1;
+    }
+
+    /// Brings the cursor to a place of one of the scene's texts as it was loaded.
+    fn go_to(&mut self, number: usize, range: Range<usize>) {
+        let own = self.document().and_then(Document::file);
+        if self.texts.file(number).is_some_and(|file| own != Some(file)) {
+            self.close_small();
+        }
+        self.texts.go_to(number, range);
+        self.revision += 1;
+    }
+
+    /// Closes what is told of a point. Whether there was something.
+    pub fn close_probed(&mut self) -> bool {
+        let was = self.picture.close_probed();
+        self.revision += u64::from(was);
+        was
+    }
+
+    /// Whether it needs to know what the picture shows.
+    pub fn wants_survey(&self) -> bool {
+        self.picture.wants_survey()
+    }
+}
+
+/// Numbers, colours and positions that are turned.
+impl Editor {
+    /// Takes the number at a place.
+    fn grab(&mut self, at: usize) {
+        self.close_small();
+        match self.document().and_then(|document| document.number(at)) {
+            Some((number, line_start)) => self.take_numbers(vec![number], line_start),
+            None => self.let_go(),
+        }
+    }
+
+    /// Takes numbers of a line that begins at a byte.
+    fn take_numbers(&mut self, numbers: Vec<Number>, line_start: usize) {
+        self.set_focus(true);
+        let taken = self.hand.take(numbers, line_start, &mut self.texts);
+        self.tell_refusal(taken);
+        self.revision += 1;
+    }
+
+    /// Takes the three numbers at a place, unless three are held. Returns whether three are held then.
+    fn take_three(&mut self, at: usize) -> bool {
+        let found = self.document().and_then(|document| document.triple_at(at));
+        if let Some((triple, line_start)) = found.filter(|_| !self.hand.turns_three()) {
+            self.take_numbers(triple.numbers.into(), line_start);
+        }
+        self.hand.turns_three()
+    }
+
+    /// Turns what the hand holds.
+    fn turn(&mut self, turn: impl FnOnce(&mut Hand, &mut Texts) -> Result<(), Refused>) {
+        let done = turn(&mut self.hand, &mut self.texts);
+        self.tell_refusal(done);
+        self.revision += 1;
+    }
+
+    /// Lets go of it: the text holds from now on.
+    fn let_go(&mut self) {
+        self.revision += u64::from(self.hand.let_go(&mut self.texts));
+    }
+
+    /// Opens what picks the colour at a place.
+    fn pick_color(&mut self, at: usize) {
+        self.let_go();
+        self.set_focus(true);
+        self.close_small();
+        let Some(document) = self.document() else { return };
+        let Some((triple, start)) = document.color_at(at) else { return };
+        if let Err(words) = document.check_open() {
+            return self.tell(words);
+        }
+        let at = start + triple.range.start;
+        self.with_text(|document| document.editing.go_to(at, false));
+        self.hand.pick(at);
+    }
+
+    /// Gives the colour that is picked other numbers.
+    fn set_color(&mut self, color: [f64; 3]) {
+        if self.hand.picked().is_some_and(|at| self.take_three(at)) {
+            self.turn(|hand, texts| hand.turn_three(color.map(|part| part.max(0.0)), texts));
+        }
+    }
+
+    /// Moves the position at the cursor.
+    fn move_place(&mut self, way: [f64; 3]) {
+        let cursor = self.document().map(|document| document.editing.cursor());
+        if cursor.is_some_and(|cursor| self.take_three(cursor)) {
+            self.turn(|hand, texts| hand.move_three(way, texts));
+        }
     }
 }
 
@@ -345,103 +400,54 @@ impl Editor {
         self.revision
     }
 
-    /// The text that shows.
+    /// The texts of the scene.
+    pub(crate) fn texts(&self) -> &Texts {
+        &self.texts
+    }
+
+    /// The one that shows.
     pub(crate) fn document(&self) -> Option<&Document> {
-        self.documents.get(self.shown)
+        self.texts.document()
     }
 
     /// What is looked for.
     pub(crate) fn find_line(&self) -> Option<&Find> {
-        self.find.as_ref()
+        self.finding.line()
     }
 
     /// The letters that are being put together at the cursor.
     pub(crate) fn preedit(&self) -> &str {
-        &self.preedit
+        self.focus.preedit()
     }
 
     /// What may be written at the cursor.
-    pub(crate) fn proposing(&self) -> Option<&Proposing> {
-        self.proposing.as_ref()
+    pub(crate) fn proposals(&self) -> &Proposals {
+        &self.proposals
     }
 
-    /// Where the number stands that is being turned, or the three.
-    pub(crate) fn turned(&self) -> Option<Range<usize>> {
-        self.turn.as_ref().map(Turn::range)
-    }
-
-    /// Whether three numbers are turned together.
-    pub(crate) fn turns_three(&self) -> bool {
-        self.turn.as_ref().is_some_and(Turn::is_triple)
+    /// What the hand holds.
+    pub(crate) fn hand(&self) -> &Hand {
+        &self.hand
     }
 
     /// The answer to the last key.
-    pub(crate) fn answer(&self) -> Option<&str> {
-        self.answer.as_ref().map(|(words, _)| words.as_str())
+    pub(crate) fn notice(&self) -> &Notice {
+        &self.notice
     }
 
-    /// When the answer goes.
-    pub(crate) fn changes_at(&self) -> Option<Instant> {
-        self.answer.as_ref().map(|(_, since)| *since + ANSWER_STAYS)
+    /// What is known of the picture.
+    pub(crate) fn picture(&self) -> &Picture {
+        &self.picture
     }
 
-    /// The names of the scene's texts, whether each has mistakes, and whether it shows and is saved. Without includes
-    /// there is one.
-    pub(crate) fn tabs(&self) -> Vec<Tab> {
-        let of_document = |document: &Document, shows| Tab {
-            name: document.name(),
-            shows,
-            wrong: document.mistakes().next().is_some(),
-            dirty: document.is_dirty(),
-        };
-        let texts = self.findings.as_ref().map_or(&[][..], |found| &found.texts);
-        let mut tabs: Vec<Tab> = Vec::new();
-        for (number, file) in texts.iter().enumerate() {
-            let wrong = self.findings.iter().flat_map(|found| &found.mistakes).any(|one| one.text == number);
-            tabs.push(
-                match self.documents.iter().position(|one| one.file() == Some(file)) {
-                    Some(at) => self.documents.get(at).map(|one| of_document(one, at == self.shown)),
-                    None => None,
-                }
-                .unwrap_or_else(|| Tab {
-                    name: file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-                    shows: false,
-                    wrong,
-                    dirty: false,
-                }),
-            );
-        }
-        if tabs.is_empty() {
-            tabs.extend(self.document().map(|document| of_document(document, true)));
-        }
-        tabs
+    /// The line, from 0, of the text that shows which made the point that was clicked.
+    pub(crate) fn probed_line(&self) -> Option<usize> {
+        let (number, range) = self.picture.written()?;
+        self.texts.shown_line_at(number, range)
     }
 
-    /// The mistake to tell: the one at the cursor, or else the first.
-    pub(crate) fn mistake(&self) -> Option<Marked> {
-        let document = self.document()?;
-        let cursor = document.editing.cursor();
-        let at_cursor = |one: &Marked| (one.range.start..=one.range.end).contains(&cursor);
-        let all: Vec<Marked> = document.mistakes().collect();
-        all.iter().find(|one| at_cursor(one)).or(all.first()).cloned()
+    /// What is lit up.
+    pub(crate) fn light(&self) -> Option<Light> {
+        self.picture.light(self.document()?, self.texts.number())
     }
-
-    /// What is known of the place at the cursor.
-    pub(crate) fn about(&self) -> Option<About> {
-        let document = self.document()?;
-        document.about(document.editing.cursor()).map(|(_, about)| about)
-    }
-}
-
-/// A text of the scene, as its tab shows it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Tab {
-    /// The file's name.
-    pub name: String,
-    /// Whether it is the one that shows.
-    pub shows: bool,
-    /// Whether it has mistakes.
-    pub wrong: bool,
-    /// Whether it is not saved.
-    pub dirty: bool,
 }

@@ -1,9 +1,10 @@
 //! What may be written at the cursor, as it is proposed while one types.
 
 use mariana_commands::input::{Key, Modifiers, NamedKey};
-use mariana_editing::{Proposal, proposals};
+use mariana_editing::{Editing, Proposal, Refused, proposals};
 
-use super::{Editor, Portrait};
+use super::document::Document;
+use super::portraits::{Portrait, Portraits};
 
 /// Proposals for the name at the cursor.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -26,79 +27,95 @@ impl Proposing {
     }
 }
 
-impl Editor {
-    /// Looks after the picture of the proposal that is selected.
-    pub(super) fn want_portrait(&mut self) {
-        let selected = self.proposing.as_ref().and_then(Proposing::of_library);
-        if let Some(name) = selected.map(str::to_owned) {
-            self.portraits.want(&name);
-        }
-        self.revision += u64::from(self.portraits.update());
+/// What a key means for the proposals.
+pub(super) enum Choice {
+    /// Nothing.
+    Other,
+    /// Another one is selected, or they have gone.
+    Changed,
+    /// To take one.
+    Take(usize),
+}
+
+/// See the module.
+pub(crate) struct Proposals {
+    proposing: Option<Proposing>,
+    portraits: Portraits,
+}
+
+impl Proposals {
+    /// None. `wake` is called on another thread when there is a new small picture.
+    pub(super) fn new(wake: impl Fn() + Send + 'static) -> Self {
+        Self { proposing: None, portraits: Portraits::new(wake) }
     }
 
-    /// The picture of the proposal that is selected, if it is there.
+    /// Those that show.
+    pub(crate) fn shown(&self) -> Option<&Proposing> {
+        self.proposing.as_ref()
+    }
+
+    /// The picture of the one that is selected, if it is there.
     pub(crate) fn portrait(&self) -> Option<&Portrait> {
         self.portraits.of(self.proposing.as_ref()?.of_library()?)
     }
 
-    /// Looks what may be written at the cursor; what is `asked` for is told even if nothing was typed.
-    pub(super) fn propose(&mut self, asked: bool) {
+    pub(super) fn close(&mut self) {
         self.proposing = None;
-        let Some(document) = self.document().filter(|document| document.is_open()) else { return };
-        let (buffer, cursor) = (document.editing.buffer(), document.editing.cursor());
-        let (range, list) = document.with_colors(|colors| proposals(buffer, colors, cursor, asked));
-        self.revision += 1;
-        if list.is_empty() {
-            if asked {
-                self.say("no name of the language or of this text begins so");
-            }
-            return;
-        }
-        self.proposing = Some(Proposing { from: range.start, list, selected: 0, moved: asked });
     }
 
-    /// Goes through the proposals by keys. Returns whether the key was meant for them.
-    pub(super) fn choose_proposal(&mut self, key: &Key, held: Modifiers) -> bool {
-        let Some(proposing) = &mut self.proposing else { return false };
-        let (Key::Named(named), true) = (key, held.is_empty()) else { return false };
+    /// Looks after the picture of the one that is selected. Returns whether pictures came.
+    pub(super) fn update(&mut self) -> bool {
+        if let Some(name) = self.proposing.as_ref().and_then(Proposing::of_library) {
+            self.portraits.want(name);
+        }
+        self.portraits.update()
+    }
+
+    /// Looks what may be written at the cursor; what is `asked` for is told even if nothing was typed. Returns whether
+    /// there is something.
+    pub(super) fn propose(&mut self, document: &Document, asked: bool) -> bool {
+        let (buffer, cursor) = (document.editing.buffer(), document.editing.cursor());
+        let (range, list) = document.with_colors(|colors| proposals(buffer, colors, cursor, asked));
+        let proposing = Proposing { from: range.start, list, selected: 0, moved: asked };
+        self.proposing = Some(proposing).filter(|proposing| !proposing.list.is_empty());
+        self.proposing.is_some()
+    }
+
+    /// Goes through the proposals by keys.
+    pub(super) fn choose(&mut self, key: &Key, held: Modifiers) -> Choice {
+        let Some(proposing) = &mut self.proposing else { return Choice::Other };
+        let (Key::Named(named), true) = (key, held.is_empty()) else { return Choice::Other };
         let count = proposing.list.len();
         match named {
             NamedKey::ArrowDown => proposing.selected = (proposing.selected + 1) % count,
             NamedKey::ArrowUp => proposing.selected = (proposing.selected + count - 1) % count,
-            NamedKey::Tab => {
-                let selected = proposing.selected;
-                self.take_proposal(selected);
-                return true;
-            }
-            NamedKey::Enter if proposing.moved => {
-                let selected = proposing.selected;
-                self.take_proposal(selected);
-                return true;
-            }
+            NamedKey::Tab => return Choice::Take(proposing.selected),
+            NamedKey::Enter if proposing.moved => return Choice::Take(proposing.selected),
             NamedKey::Escape => {
                 self.proposing = None;
-                self.revision += 1;
-                return true;
+                return Choice::Changed;
             }
-            _ => return false,
+            _ => return Choice::Other,
         }
         proposing.moved = true;
-        self.revision += 1;
-        true
+        Choice::Changed
     }
 
-    /// Writes a proposal in the place of the name.
-    pub(super) fn take_proposal(&mut self, number: usize) {
-        let Some(proposing) = self.proposing.take() else { return };
-        let Some(proposal) = proposing.list.get(number) else { return };
-        let mut text = proposal.name.clone().into_bytes();
-        self.edit(|editing| {
+    /// Takes one: what writes it in the place of the name.
+    pub(super) fn take(
+        &mut self,
+        number: usize,
+    ) -> Option<impl FnOnce(&mut Editing) -> Result<(), Refused> + use<>> {
+        let Proposing { from, mut list, .. } = self.proposing.take()?;
+        let proposal = (number < list.len()).then(|| list.swap_remove(number))?;
+        Some(move |editing: &mut Editing| {
             let cursor = editing.cursor();
+            let mut text = proposal.name.into_bytes();
             let calls = editing.buffer().slice(cursor..cursor + 1) == b"(";
             if proposal.about.is_function && !calls {
                 text.push(b'(');
             }
-            editing.replace_part(proposing.from..cursor, &text)
-        });
+            editing.replace_part(from..cursor, &text)
+        })
     }
 }

@@ -10,10 +10,11 @@ use std::time::{Duration, Instant};
 use mariana_commands::input::{Key, KeyPress, Modifiers, NamedKey};
 use tempfile::TempDir;
 
+use super::acting::CLOSE;
 use super::*;
 use mariana_commands::TurnedNumbers;
 use mariana_files::documents::OnDisk;
-use mariana_scenes::{NumberEdits, TextureCache};
+use mariana_scenes::{Findings, NumberEdits, TextureCache};
 
 const WAIT_LIMIT: Duration = Duration::from_secs(10);
 const BALL: &str = "let r = 0.5\nobject ball { shape = length(p) - r }\n";
@@ -21,6 +22,8 @@ const BALL: &str = "let r = 0.5\nobject ball { shape = length(p) - r }\n";
 struct Desk {
     folder: TempDir,
     editor: Editor,
+    /// What the loader gets.
+    drafts: Drafts,
     woken: Receiver<()>,
     edits: NumberEdits,
     /// What the show was asked for since it was looked at.
@@ -37,13 +40,15 @@ impl Desk {
 
     fn in_folder(folder: TempDir) -> Self {
         let (wake, woken) = channel();
-        let editor = Editor::start(Drafts::default(), &Folders::within(folder.path()), move || {
+        let drafts = Drafts::default();
+        let editor = Editor::start(drafts.clone(), &Folders::within(folder.path()), move || {
             wake.send(()).unwrap_or_default()
         })
         .unwrap();
-        let mut desk = Self { folder, editor, woken, edits: NumberEdits::default(), commands: Vec::new() };
+        let mut desk =
+            Self { folder, editor, drafts, woken, edits: NumberEdits::default(), commands: Vec::new() };
         desk.editor.set_focus(true);
-        desk.editor.ignores_repeats = false;
+        desk.editor.focus.take_repeats();
         let source = desk.source();
         desk.editor.show_scene(&source);
         desk.wait("the text", |editor| editor.document().is_some_and(|document| document.disk.is_some()));
@@ -83,9 +88,9 @@ impl Desk {
 
     /// Does what the loader does; returns whether the scene can be drawn.
     fn load(&mut self) -> bool {
-        let (source, texts) = (self.source(), self.editor.drafts.texts());
+        let (source, texts) = (self.source(), self.drafts.texts());
         let (result, _) = source.ready_with(&mut TextureCache::default(), &mut self.edits, &texts);
-        self.editor.drafts.tell(Findings::of(&source, &texts, &result));
+        self.drafts.tell(Findings::of(&source, &texts, &result));
         self.editor.update();
         result.is_ok()
     }
@@ -120,7 +125,7 @@ impl Desk {
     }
 
     fn said(&self) -> &str {
-        self.editor.answer().unwrap_or_default()
+        self.editor.notice.words().unwrap_or_default()
     }
 
     /// Puts the cursor before a part of the text.
@@ -128,6 +133,14 @@ impl Desk {
         let bytes = self.editor.document().unwrap().editing.buffer().bytes();
         let at = bytes.windows(part.len()).position(|bytes| bytes == part.as_bytes()).unwrap();
         self.editor.obey(EditorEvent::Press { at, clicks: 1, select: false });
+    }
+
+    fn picked_color(&self) -> Option<(usize, [f64; 3])> {
+        self.editor.hand.picked_color(self.editor.document()?)
+    }
+
+    fn place(&self) -> Option<[f64; 3]> {
+        self.editor.hand.place(self.editor.document()?)
     }
 
     fn asked(&self) -> Option<&Question> {
@@ -142,12 +155,12 @@ fn every_key_goes_to_the_loader_and_what_is_undone_is_the_files_again() {
     desk.go_to("0.5");
     desk.type_text("1 + ");
     assert_eq!((desk.text(), desk.reloads()), (BALL.replace("0.5", "1 + 0.5"), 4));
-    assert!(desk.load() && desk.editor.tabs()[0].dirty);
+    assert!(desk.load() && desk.editor.texts.tabs()[0].dirty);
     while desk.editor.document().unwrap().is_dirty() {
         desk.ctrl("z");
     }
     assert_eq!(desk.text(), BALL);
-    assert!(desk.editor.drafts.texts().of(&desk.file()).is_none());
+    assert!(desk.drafts.texts().of(&desk.file()).is_none());
 }
 
 #[test]
@@ -157,7 +170,7 @@ fn a_mistake_stands_where_it_is_and_moves_with_the_text() {
     desk.type_text("- q ");
     assert!(!desk.load() && desk.editor.tells_mistakes());
     let marked = |desk: &Desk| {
-        let one = desk.editor.mistake().unwrap();
+        let one = desk.editor.document().unwrap().mistake().unwrap();
         desk.text()[one.range].to_owned()
     };
     assert_eq!(marked(&desk), "q");
@@ -173,7 +186,7 @@ fn a_mistake_stands_where_it_is_and_moves_with_the_text() {
     desk.named(NamedKey::Delete);
     desk.named(NamedKey::Delete);
     desk.named(NamedKey::Delete);
-    assert!(desk.load(), "{:?}", desk.editor.mistake());
+    assert!(desk.load(), "{:?}", desk.editor.document().unwrap().mistake());
     assert!(!desk.editor.tells_mistakes());
 }
 
@@ -264,7 +277,7 @@ fn while_a_number_is_turned_no_text_is_read() {
     desk.editor.obey(EditorEvent::LetGo);
     assert_eq!(desk.reloads(), 1, "the text holds again");
     assert!(desk.load());
-    assert_eq!(desk.editor.findings.as_ref().unwrap().numbers, [0_usize; 0]);
+    assert_eq!(desk.editor.texts.findings().unwrap().numbers, [0_usize; 0]);
     desk.ctrl("z");
     assert_eq!(desk.text(), BALL, "all of it is taken back at once");
 }
@@ -292,7 +305,7 @@ fn a_hand_that_leaves_the_room_of_a_number_goes_on_in_another() {
     desk.editor.obey(EditorEvent::Turn { points: -400.0, speed: TurnSpeed::Coarse });
     assert_eq!(desk.text(), BALL.replace("0.5", "-3.3"));
     assert!(desk.load());
-    assert_eq!(desk.editor.findings.as_ref().unwrap().numbers, [at + 1]);
+    assert_eq!(desk.editor.texts.findings().unwrap().numbers, [at + 1]);
     let _ = desk.commands();
     desk.editor.obey(EditorEvent::Turn { points: 50.0, speed: TurnSpeed::Usual });
     let commands = desk.commands();
@@ -329,11 +342,11 @@ fn keys_turn_numbers_and_make_parameters_of_them() {
         "# A ball.\nparam roughness_knob = 0.318 in 0 .. 0.636\nmaterial m { roughness = roughness_knob }\n\
          object o { shape = length(p) - 1  material = m }\n"
     );
-    assert!(desk.load(), "{:?}", desk.editor.mistake());
+    assert!(desk.load(), "{:?}", desk.editor.document().unwrap().mistake());
     desk.go_to("1  material");
     desk.ctrl("p");
     assert!(desk.text().contains("0.636\nparam knob = 1 in 0 .. 2\nmaterial"), "{}", desk.text());
-    assert!(desk.load(), "{:?}", desk.editor.mistake());
+    assert!(desk.load(), "{:?}", desk.editor.document().unwrap().mistake());
     desk.ctrl("z");
     assert!(!desk.text().contains("param knob"), "it is one step");
 }
@@ -343,7 +356,7 @@ fn proposals_come_while_one_types_and_tab_takes_them() {
     let mut desk = Desk::new(b"object o { shape =  }");
     desk.go_to(" }");
     desk.type_text("smooth_u");
-    let first = desk.editor.proposing().unwrap().list[0].clone();
+    let first = desk.editor.proposals.shown().unwrap().list[0].clone();
     assert_eq!(first.name, "smooth_union");
     assert!(!first.about.text.is_empty());
     assert!(desk.named(NamedKey::Tab));
@@ -353,11 +366,11 @@ fn proposals_come_while_one_types_and_tab_takes_them() {
     assert!(desk.text().contains("(sph\n"), "{}", desk.text());
     desk.type_text("bo");
     desk.named(NamedKey::ArrowDown);
-    let second = desk.editor.proposing().unwrap().list[1].name.clone();
+    let second = desk.editor.proposals.shown().unwrap().list[1].name.clone();
     desk.named(NamedKey::Enter);
     assert!(desk.text().contains(&format!("\n{second}")), "{}", desk.text());
     desk.type_text(" bo");
-    assert!(desk.named(NamedKey::Escape) && desk.editor.proposing().is_none());
+    assert!(desk.named(NamedKey::Escape) && desk.editor.proposals.shown().is_none());
     assert!(
         desk.commands().iter().all(|command| *command == Command::ReloadScene),
         "Esc has closed the list only"
@@ -391,7 +404,7 @@ fn ten_megabytes_bytes_that_are_no_text_and_mixed_line_ends_harm_nothing() {
     let bytes = b"# \xff\xfe\r\nlet r = 1\nlength(p) - r\r\n\0";
     let mut desk = Desk::new(bytes);
     assert!(!desk.load());
-    let mistake = desk.editor.mistake().unwrap();
+    let mistake = desk.editor.document().unwrap().mistake().unwrap();
     assert_eq!((mistake.range.clone(), mistake.message.contains("UTF-8")), (2..3, true));
     desk.editor.put_in(&vec![b'x'; 10 << 20]);
     assert!(desk.said().contains("1048576 bytes"), "{}", desk.said());

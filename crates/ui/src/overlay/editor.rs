@@ -91,7 +91,7 @@ fn header(
         _ => None,
     };
     let save = save.map(|words| (words, EditAction::Save, false));
-    let (lights, profiles) = editor.switches();
+    let (lights, profiles) = editor.picture().switches();
     let others = [
         ("new", EditAction::New, false),
         ("profile", EditAction::Profile, profiles),
@@ -106,7 +106,7 @@ fn header(
         }
     }
     let mut left = line.left();
-    for (number, tab) in editor.tabs().into_iter().enumerate() {
+    for (number, tab) in editor.texts().tabs().into_iter().enumerate() {
         let sign = if tab.dirty { " •" } else { "" };
         let color = match (tab.wrong, tab.shows) {
             (true, _) => style::ERROR,
@@ -199,11 +199,11 @@ fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
         let galley = style::line(painter, words, font, color, width);
         lines.push((galley, color));
     };
-    if let Some(mistake) = editor.mistake() {
+    if let Some(mistake) = document.mistake() {
         assisted::text(ui.ctx(), "mistake", &mistake.message, true);
         add(&mistake.message, small.clone(), style::ERROR);
         add(&mistake.hint, small.clone(), style::ACCENT);
-    } else if let Some(about) = editor.about() {
+    } else if let Some(about) = document.about_cursor() {
         let facts = if about.facts.is_empty() { String::new() } else { format!("  [{}]", about.facts) };
         add(&about.head, style::monospace(style::SMALL_SIZE), style::ACCENT);
         add(&format!("{}{facts}", about.text), small.clone(), style::DIM);
@@ -211,7 +211,7 @@ fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
         add("", small.clone(), style::DIM);
         add("", small.clone(), style::DIM);
     }
-    match (editor.find_line(), editor.answer()) {
+    match (editor.find_line(), editor.notice().words()) {
         (Some(find), answer) => {
             let cursor = if find.typing { "|" } else { "" };
             let answer = answer.map_or(String::new(), |answer| format!("   {answer}"));

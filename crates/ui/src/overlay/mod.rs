@@ -273,7 +273,7 @@ impl Overlay {
         self.pointer.panels = laid_out.panels.iter().map(|rect| *rect * pixels_per_point).collect();
         let own = now.checked_add(laid_out.repaint_after);
         let fades = content.notice.as_ref().and_then(|notice| notice.next_change(now));
-        let answer = content.editor.and_then(|editor| editor.changes_at());
+        let answer = content.editor.and_then(|editor| editor.notice().goes_at());
         let goes = content.welcome.as_ref().and_then(|welcome| welcome.next_change(now));
         self.shown = Some(Shown {
             primitives: self.panels.context().tessellate(output.shapes, pixels_per_point),

@@ -210,6 +210,27 @@ fn show(
         panels.push(problem::draw(&back, left, problem));
     }
     panels.extend(help);
+    panels.extend(show_lists(context, space, content, events, kept));
+    if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
+        welcome::draw(&back, left, words, now);
+    }
+    let below = show_sentences(context, &front, space, content, now);
+    if let Some(list) = &content.sources {
+        panels.push(sources::show(context, below, list, events));
+    }
+    assisted::ring(context, &front);
+    changed
+}
+
+/// Shows the lists in the middle that are open, and forgets what was chosen in the others; returns where they are.
+fn show_lists(
+    context: &Context,
+    space: Rect,
+    content: &OverlayContent<'_>,
+    events: &mut Vec<UiEvent>,
+    kept: &mut Kept,
+) -> Vec<Rect> {
+    let mut panels = Vec::new();
     match content.scenes {
         Some(scenes) => panels.push(browser::show(context, space, scenes, &mut kept.pictures, events)),
         None => kept.pictures.clear(),
@@ -228,9 +249,17 @@ fn show(
         Some(rows) => panels.push(controllers::show(context, space, rows, &mut kept.seen_hand, events)),
         None => kept.seen_hand = None,
     }
-    if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
-        welcome::draw(&back, left, words, now);
-    }
+    panels
+}
+
+/// Shows the sentences that go by themselves; returns what is left below them.
+fn show_sentences(
+    context: &Context,
+    front: &Painter,
+    space: Rect,
+    content: &OverlayContent<'_>,
+    now: Instant,
+) -> Rect {
     let mut below = space;
     let has_heading = content.scenes.is_some()
         || content.files.is_some()
@@ -243,17 +272,13 @@ fn show(
     }
     if let Some(text) = content.hint {
         assisted::text(context, "hint", text, true);
-        below.min.y = draw_sentence(&front, below, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
+        below.min.y = draw_sentence(front, below, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
     }
     if let Some(notice) = &content.notice {
         assisted::text(context, "notice", notice.text, true);
-        below.min.y = draw_notice(&front, below, notice, now).bottom() + 0.5 * style::MARGIN;
+        below.min.y = draw_notice(front, below, notice, now).bottom() + 0.5 * style::MARGIN;
     }
-    if let Some(list) = &content.sources {
-        panels.push(sources::show(context, below, list, events));
-    }
-    assisted::ring(context, &front);
-    changed
+    below
 }
 
 /// Room for a sentence below a panel's heading, in points.

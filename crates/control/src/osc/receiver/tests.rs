@@ -11,7 +11,7 @@ const DEEDS: &[DeedRow] = &[DeedRow { name: "pause", takes: Takes::Switch, meani
 fn hearing() -> Hearing {
     let board = Board::default();
     let param =
-        PresentParam { name: "size".into(), value: 2.0, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Midi };
+        Slider { name: "size".into(), value: 2.0, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Midi };
     board.put(Present {
         scene: "orb".into(),
         scenes: vec!["city".into(), "orb".into()],
@@ -63,7 +63,7 @@ fn a_pattern_stands_for_no_more_addresses_than_the_limit() {
     let hearing = hearing();
     let mut present = hearing.board.read(Present::clone);
     let param = present.params.remove(0);
-    let name = |number| PresentParam { name: format!("p{number}"), ..param.clone() };
+    let name = |number| Slider { name: format!("p{number}"), ..param.clone() };
     present.params = (0..LIMITS.osc_matches_max + 9).map(name).collect();
     hearing.board.put(present);
     assert_eq!(heard(&hearing, &packet("/param/*", Vec::new())).len(), LIMITS.osc_matches_max);

@@ -49,7 +49,7 @@ fn the_card_of_a_point_brings_the_cursor_to_what_made_it() {
     desk.editor.set_focus(false);
     desk.editor.obey(EditorEvent::GoToProbed);
     assert_eq!((line_of_cursor(&desk), desk.editor.has_focus()), (3, true));
-    let surface = desk.editor.probed().unwrap().surface.clone().unwrap();
+    let surface = desk.editor.picture.probed().unwrap().surface.clone().unwrap();
     assert_eq!((surface.object.as_str(), surface.material.as_str()), ("near", "red"));
     probe(&mut desk, [0.5, 0.9]);
     desk.editor.obey(EditorEvent::GoToProbed);
@@ -61,9 +61,9 @@ fn the_card_of_a_point_brings_the_cursor_to_what_made_it() {
     desk.editor.take_answer_about_the_picture(Answer::Point(probe_of(&scenery, [0.5, 0.5])));
     desk.editor.obey(EditorEvent::GoToProbed);
     assert_eq!(line_of_cursor(&desk), 4);
-    let surface = desk.editor.probed().unwrap().surface.clone().unwrap();
+    let surface = desk.editor.picture.probed().unwrap().surface.clone().unwrap();
     let (file, range) = surface.written.unwrap();
-    let (name, line, words) = desk.editor.line_at(file, range).unwrap();
+    let (name, line, words) = desk.editor.texts.line_at(file, range).unwrap();
     assert_eq!(
         (name.as_str(), line, words.as_str()),
         ("main.scene", 4, "shape = sphere(p - vec3(0, 0, 5), 1)")
@@ -71,10 +71,10 @@ fn the_card_of_a_point_brings_the_cursor_to_what_made_it() {
     // The sky has no line, and Esc closes what is told before it closes the editor.
     probe(&mut desk, [0.5, 0.1]);
     desk.editor.obey(EditorEvent::GoToProbed);
-    assert_eq!((line_of_cursor(&desk), desk.editor.probed().unwrap().surface.as_ref()), (4, None));
+    assert_eq!((line_of_cursor(&desk), desk.editor.picture.probed().unwrap().surface.as_ref()), (4, None));
     let _ = desk.commands();
     desk.named(NamedKey::Escape);
-    assert!(desk.editor.probed().is_none() && desk.commands().is_empty());
+    assert!(desk.editor.picture.probed().is_none() && desk.commands().is_empty());
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn the_dearest_object_is_told_first() {
     desk.ctrl("k");
     let survey = survey_of(&scenery_of(desk.source()), &|| true).unwrap();
     desk.editor.take_answer_about_the_picture(Answer::Survey(desk.source(), survey.into()));
-    let (survey, objects) = desk.editor.profile().unwrap();
+    let (survey, objects) = desk.editor.picture.profile().unwrap();
     assert!(objects[0].run >= objects[1].run, "{objects:?}");
     assert_eq!(survey.run(), survey.sky.1 + objects[0].run + objects[1].run);
     let (text, byte) = objects.iter().find(|object| object.name == "floor").unwrap().place.unwrap();
@@ -156,16 +156,16 @@ fn lines_that_make_parts_of_an_object_are_told_with_it() {
     desk.ctrl("k");
     let survey = survey_of(&scenery_of(desk.source()), &|| true).unwrap();
     desk.editor.take_answer_about_the_picture(Answer::Survey(desk.source(), survey.into()));
-    let (_, objects) = desk.editor.profile().unwrap();
+    let (_, objects) = desk.editor.picture.profile().unwrap();
     let named = |name: &str| objects.iter().find(|object| object.name == name).unwrap();
-    let parts = desk.editor.parts_of(named("two"));
+    let parts = parts_of(named("two"), &desk.editor.texts);
     let mut lines: Vec<usize> = parts.iter().map(|(line, ..)| *line).collect();
     assert!(parts[0].2.run >= parts[1].2.run, "{parts:?}");
     assert_eq!(named("two").run, parts.iter().map(|(_, _, part)| part.run).sum::<u64>());
     lines.sort_unstable();
     assert_eq!(lines, [1, 2], "{parts:?}");
     // Both balls of the other one stand on one line.
-    assert!(named("one").parts.len() == 2 && desk.editor.parts_of(named("one")).is_empty());
+    assert!(named("one").parts.len() == 2 && parts_of(named("one"), &desk.editor.texts).is_empty());
 }
 
 /// What the commands of a hand were: how often the text was read, and the values that went into the frame.
@@ -188,12 +188,12 @@ fn a_colour_is_picked_without_a_reading_of_the_text_and_is_one_step() {
     let mut desk = Desk::new(SCENE.as_bytes());
     assert!(desk.load());
     desk.editor.obey(EditorEvent::PickColor(SCENE.find("vec3(0.9").unwrap()));
-    assert_eq!(desk.editor.picked_color().unwrap().1, [0.9, 0.3, 0.1]);
+    assert_eq!(desk.picked_color().unwrap().1, [0.9, 0.3, 0.1]);
     assert_eq!(turned(&mut desk), (0, vec![]));
     desk.editor.obey(EditorEvent::SetColor([0.8, 0.3, 0.1]));
     assert_eq!(turned(&mut desk), (1, vec![vec![0.8, 0.3, 0.1]]), "once, to make it three inputs");
     assert!(desk.load());
-    assert_eq!(desk.editor.findings.as_ref().unwrap().numbers.len(), 3);
+    assert_eq!(desk.editor.texts.findings().unwrap().numbers.len(), 3);
     for step in 1..=20 {
         desk.editor.obey(EditorEvent::SetColor([0.8, 0.02 * f64::from(step), 0.0]));
     }
@@ -207,7 +207,7 @@ fn a_colour_is_picked_without_a_reading_of_the_text_and_is_one_step() {
     desk.editor.obey(EditorEvent::PickColor(desk.text().find("vec3(2").unwrap()));
     desk.editor.obey(EditorEvent::SetColor([2.0, 1.5, 0.25]));
     desk.named(NamedKey::Escape);
-    assert!(desk.editor.picked_color().is_none());
+    assert!(desk.picked_color().is_none());
     assert!(desk.text().contains("emission = vec3(2, 1.5, 0.25)"), "{}", desk.text());
     desk.ctrl("z");
     desk.ctrl("z");
@@ -219,7 +219,7 @@ fn a_position_is_moved_through_nothing_without_a_reading_of_the_text() {
     let mut desk = Desk::new(SCENE.as_bytes());
     assert!(desk.load());
     desk.go_to("0, 0, 5), 1)");
-    assert_eq!(desk.editor.place(), Some([0.0, 0.0, 5.0]));
+    assert_eq!(desk.place(), Some([0.0, 0.0, 5.0]));
     desk.editor.obey(EditorEvent::MovePlace([0.25, 0.0, 0.0]));
     assert_eq!(turned(&mut desk).0, 1);
     assert!(desk.load());
@@ -228,7 +228,7 @@ fn a_position_is_moved_through_nothing_without_a_reading_of_the_text() {
     }
     let (reads, values) = turned(&mut desk);
     assert_eq!((reads, values.len()), (0, 10));
-    assert_eq!(desk.editor.place(), Some([-0.75, 0.5, 5.0]));
+    assert_eq!(desk.place(), Some([-0.75, 0.5, 5.0]));
     desk.editor.obey(EditorEvent::LetGo);
     assert_eq!(desk.text(), SCENE.replace("p - vec3(0, 0, 5)", "p - vec3(-0.75, 0.5, 5)"));
     assert!(desk.load());
@@ -238,12 +238,12 @@ fn a_position_is_moved_through_nothing_without_a_reading_of_the_text() {
     let text = SCENE.replace("p - vec3(0, 0, 5)", "p + vec3(1, 2, -5)");
     let mut desk = Desk::new(text.as_bytes());
     desk.go_to("vec3(1, 2");
-    assert_eq!(desk.editor.place(), Some([-1.0, -2.0, 5.0]));
+    assert_eq!(desk.place(), Some([-1.0, -2.0, 5.0]));
     desk.editor.obey(EditorEvent::MovePlace([1.0, 0.0, 0.0]));
     assert!(desk.text().contains("p + vec3(0, 2, -5)"), "{}", desk.text());
     // A colour is no place.
     desk.go_to("0.9, 0.3");
-    assert_eq!(desk.editor.place(), None);
+    assert_eq!(desk.place(), None);
 }
 
 #[test]
@@ -254,7 +254,7 @@ fn colours_of_a_shipped_scene_are_not_picked() {
     let text = desk.text();
     desk.editor.obey(EditorEvent::PickColor(text.find("vec3(0.9, 0.25").unwrap()));
     desk.editor.obey(EditorEvent::SetColor([0.0; 3]));
-    assert!(desk.editor.picked_color().is_none() && desk.text() == text);
+    assert!(desk.picked_color().is_none() && desk.text() == text);
     assert!(desk.said().contains("Ctrl+S"), "{}", desk.said());
 }
 
@@ -280,9 +280,9 @@ fn a_shape_that_is_proposed_has_a_small_picture() {
     let mut desk = Desk::new(b"object o { shape =  }");
     desk.go_to(" }");
     desk.type_text("toru");
-    assert_eq!(desk.editor.proposing().unwrap().list[0].name, "torus");
-    desk.wait("its picture", |editor| editor.portrait().is_some());
-    let picture = desk.editor.portrait().unwrap();
+    assert_eq!(desk.editor.proposals.shown().unwrap().list[0].name, "torus");
+    desk.wait("its picture", |editor| editor.proposals.portrait().is_some());
+    let picture = desk.editor.proposals.portrait().unwrap();
     assert_eq!(picture.len(), super::super::PORTRAIT_SIDE * super::super::PORTRAIT_SIDE);
     let covered = picture.iter().filter(|pixel| pixel[3] == 255).count();
     assert!((200..2000).contains(&covered), "{covered}");
@@ -290,9 +290,9 @@ fn a_shape_that_is_proposed_has_a_small_picture() {
     let mut desk = Desk::new(b"fn torus_of_mine(p) = length(p) - 1\nobject o { shape =  }");
     desk.go_to(" }");
     desk.type_text("torus_of");
-    assert_eq!(desk.editor.proposing().unwrap().list[0].name, "torus_of_mine");
+    assert_eq!(desk.editor.proposals.shown().unwrap().list[0].name, "torus_of_mine");
     desk.editor.update();
-    assert!(desk.editor.portrait().is_none());
+    assert!(desk.editor.proposals.portrait().is_none());
 }
 
 #[test]

@@ -32,7 +32,7 @@ pub(super) fn on_screen(map: &Map, screen: Rect, at: [f64; 2]) -> Option<Pos2> {
 
 /// Draws it under the panels.
 pub(super) fn show(context: &Context, screen: Rect, editor: &Editor) {
-    let Some((light, map)) = editor.light().zip(editor.map()) else { return };
+    let Some((light, map)) = editor.light().zip(editor.picture().map()) else { return };
     if !light.cells.contains(&true) {
         return;
     }

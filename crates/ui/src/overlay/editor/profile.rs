@@ -2,7 +2,7 @@
 
 use egui::{Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use crate::editor::{Editor, EditorEvent};
+use crate::editor::{Editor, EditorEvent, parts_of};
 use crate::overlay::{assisted, style};
 
 /// Height of a row.
@@ -36,7 +36,7 @@ fn leave_out_parts(rows: &mut Vec<Row>, rows_max: usize) {
 
 /// Draws the table at the bottom of `space`; returns where it begins.
 pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(EditorEvent)) -> f32 {
-    if !editor.switches().1 {
+    if !editor.picture().switches().1 {
         return space.bottom();
     }
     let mut rows = rows(editor);
@@ -84,7 +84,7 @@ pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(E
 
 fn rows(editor: &Editor) -> Vec<Row> {
     let nothing = || std::array::from_fn(|_| String::new());
-    let Some((survey, objects)) = editor.profile() else {
+    let Some((survey, objects)) = editor.picture().profile() else {
         return vec![Row {
             name: "is being measured".to_owned(),
             cells: nothing(),
@@ -104,7 +104,7 @@ fn rows(editor: &Editor) -> Vec<Row> {
         let [shape, material] = [object.clauses.0, object.clauses.1].map(|clauses| clauses.to_string());
         let cells = [shape, material, seen, steps, work];
         rows.push(Row { name: object.name.clone(), cells, place: object.place, is_part: false });
-        for (number, words, part) in editor.parts_of(object).into_iter().take(PARTS_MAX) {
+        for (number, words, part) in parts_of(object, editor.texts()).into_iter().take(PARTS_MAX) {
             let [seen, steps, work] = counted(part.rays, part.evaluations, part.run);
             let cells = [String::new(), String::new(), seen, steps, work];
             let (file, bytes) = part.written;

@@ -132,11 +132,11 @@ pub(super) fn show(
     let line = buffer.line_of(cursor);
     let words = String::from_utf8_lossy(buffer.line(line)).into_owned();
     assisted::text(ui.ctx(), "editor", &format!("{}, line {}: {words}", document.name(), line + 1), false);
-    if let Some(proposing) = editor.proposing() {
+    if let Some(proposing) = editor.proposals().shown() {
         let at = page.rect_of(buffer, &(proposing.from..cursor)).left_bottom();
-        popup::show(ui, space, at, cell.y, (proposing, editor.portrait()), ask);
+        popup::show(ui, space, at, cell.y, (proposing, editor.proposals().portrait()), ask);
     }
-    let (at, _) = editor.picked_color()?;
+    let (at, _) = editor.hand().picked_color(document)?;
     picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, ask)
 }
 
@@ -365,14 +365,14 @@ fn point(
             input.smooth_scroll_delta(),
         )
     });
-    if editor.turns_three() {
+    if editor.hand().turns_three() {
         // What turns them lies elsewhere.
         if !down {
             ask(EditorEvent::LetGo);
         }
         return;
     }
-    if let Some(turned) = editor.turned() {
+    if let Some(turned) = editor.hand().turned() {
         let speed = match (modifiers.shift, modifiers.ctrl) {
             (true, _) => TurnSpeed::Fine,
             (false, true) => TurnSpeed::Coarse,

@@ -1,0 +1,205 @@
+//! The open texts: which of them shows, and which part of it.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use mariana_files::documents::{Kept, OnDisk};
+use mariana_scenes::{Findings, SceneSource};
+
+use super::document::Document;
+
+/// See the module.
+pub(super) struct Documents {
+    all: Vec<Document>,
+    /// The place of the one that shows.
+    shown: usize,
+    /// Lines and columns that show.
+    rows: usize,
+    columns: usize,
+    /// Cursor and view that the next text begins with: of what it is a copy.
+    carried: Option<(usize, (f32, f32))>,
+}
+
+/// A text of the scene, as its tab shows it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Tab {
+    /// The file's name.
+    pub name: String,
+    /// Whether it is the one that shows.
+    pub shows: bool,
+    /// Whether it has mistakes.
+    pub wrong: bool,
+    /// Whether it is not saved.
+    pub dirty: bool,
+}
+
+impl Documents {
+    pub(super) fn new() -> Self {
+        Self { all: Vec::new(), shown: 0, rows: 20, columns: 60, carried: None }
+    }
+
+    /// The text that shows.
+    pub(super) fn shown(&self) -> Option<&Document> {
+        self.all.get(self.shown)
+    }
+
+    pub(super) fn shown_mut(&mut self) -> Option<&mut Document> {
+        self.all.get_mut(self.shown)
+    }
+
+    /// A file's text, if it is open.
+    pub(super) fn of(&self, file: &Path) -> Option<&Document> {
+        self.all.iter().find(|document| document.file() == Some(file))
+    }
+
+    pub(super) fn of_mut(&mut self, file: &Path) -> Option<&mut Document> {
+        self.all.iter_mut().find(|document| document.file() == Some(file))
+    }
+
+    /// Those that are not saved.
+    pub(super) fn unsaved(&self) -> impl Iterator<Item = &Document> {
+        self.all.iter().filter(|document| document.is_dirty())
+    }
+
+    /// Shows the text of a scene. Returns its file if that must be read first.
+    pub(super) fn show_scene(&mut self, source: &SceneSource) -> Option<PathBuf> {
+        match (self.all.iter().position(|document| document.is_of(source)), source) {
+            (Some(known), _) => self.shown = known,
+            (None, SceneSource::File(file)) => return self.show_file(file).then(|| file.clone()),
+            (None, other) => self.push(Document::shipped(other)),
+        }
+        None
+    }
+
+    /// Shows the text of a file. Returns whether that must be read first.
+    pub(super) fn show_file(&mut self, file: &Path) -> bool {
+        let known = self.all.iter().position(|document| document.file() == Some(file));
+        match known {
+            Some(known) => self.shown = known,
+            None => self.push(Document::of_file(file)),
+        }
+        known.is_none()
+    }
+
+    fn push(&mut self, document: Document) {
+        self.all.push(document);
+        self.shown = self.all.len() - 1;
+    }
+
+    /// Lets the text that is read next begin with this cursor and view.
+    pub(super) fn carry(&mut self, cursor: usize, view: (f32, f32)) {
+        self.carried = Some((cursor, view));
+    }
+
+    /// Takes in what was read of a file. Returns whether what was kept of an earlier run is needed no more; `None` if
+    /// its text is not open.
+    pub(super) fn take_read(&mut self, file: &Path, holds: OnDisk, kept: Option<Kept>) -> Option<bool> {
+        let carried = self.carried.take();
+        Some(self.of_mut(file)?.take_read(holds, kept, carried))
+    }
+
+    /// Hands each text the mistakes that were found in it.
+    pub(super) fn take_mistakes(&mut self, findings: &Findings) {
+        let of_text = |text: usize| {
+            findings.mistakes.iter().filter(move |one| one.text == text).cloned().collect::<Vec<_>>()
+        };
+        for (number, file) in findings.texts.iter().enumerate() {
+            if let Some(document) = self.of_mut(file) {
+                document.take_mistakes(findings.version, of_text(number));
+                if findings.mistakes.is_empty() {
+                    document.note_shown();
+                }
+            }
+        }
+        if findings.texts.is_empty()
+            && let Some(document) = self.shown_mut()
+        {
+            document.take_mistakes(findings.version, of_text(0));
+        }
+    }
+
+    /// The names of the scene's texts, whether each has mistakes, and whether it shows and is saved. Without includes
+    /// there is one.
+    pub(super) fn tabs(&self, findings: Option<&Findings>) -> Vec<Tab> {
+        let of_document = |document: &Document, shows| Tab {
+            name: document.name(),
+            shows,
+            wrong: document.mistakes().next().is_some(),
+            dirty: document.is_dirty(),
+        };
+        let of_file = |number: usize, file: &PathBuf| Tab {
+            name: file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            shows: false,
+            wrong: findings.iter().flat_map(|found| &found.mistakes).any(|one| one.text == number),
+            dirty: false,
+        };
+        let texts = findings.map_or(&[][..], |found| &found.texts);
+        let mut tabs: Vec<Tab> = Vec::new();
+        for (number, file) in texts.iter().enumerate() {
+            let open = self.all.iter().enumerate().find(|(_, one)| one.file() == Some(file));
+            tabs.push(
+                open.map_or_else(|| of_file(number, file), |(at, one)| of_document(one, at == self.shown)),
+            );
+        }
+        if tabs.is_empty() {
+            tabs.extend(self.shown().map(|document| of_document(document, true)));
+        }
+        tabs
+    }
+}
+
+/// What is seen of the text.
+impl Documents {
+    /// Lines that show.
+    pub(super) fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Notes how many lines and columns show. Returns whether there were others before.
+    pub(super) fn resize(&mut self, rows: usize, columns: usize) -> bool {
+        let is_new = (self.rows, self.columns) != (rows, columns);
+        (self.rows, self.columns) = (rows, columns);
+        is_new
+    }
+
+    /// Moves what is seen by so many lines and columns.
+    pub(super) fn scroll(&mut self, lines: f32, columns: f32) {
+        let rows = self.rows as f32;
+        let Some(document) = self.shown_mut() else { return };
+        let last = (document.editing.buffer().line_count() as f32 - 0.5 * rows).max(0.0);
+        let (top, left) = document.view;
+        document.view = ((top + lines).clamp(0.0, last), (left + columns).clamp(0.0, 1e6));
+    }
+
+    /// Brings a line into sight.
+    pub(super) fn reveal_line(&mut self, line: usize) {
+        let rows = self.rows.max(3) as f32;
+        let Some(document) = self.shown_mut() else { return };
+        let (top, left) = document.view;
+        document.view = (top.min(line as f32 - 1.0).max(line as f32 + 3.0 - rows).max(0.0), left);
+    }
+
+    /// Brings the cursor into sight.
+    pub(super) fn reveal(&mut self) {
+        let columns = self.columns.max(8) as f32;
+        let Some(document) = self.shown_mut() else { return };
+        let buffer = document.editing.buffer();
+        let line = buffer.line_of(document.editing.cursor());
+        let inside = document.editing.cursor() - buffer.line_start(line);
+        let column = mariana_editing::column_of(buffer.line(line), inside) as f32;
+        let left = document.view.1;
+        let fits = column + 4.0 <= columns;
+        document.view.1 = if fits { 0.0 } else { left.min(column - 4.0).max(column + 4.0 - columns) };
+        self.reveal_line(line);
+    }
+
+    /// Brings the cursor of the text that shows to a place of it as it was loaded.
+    pub(super) fn go_to_loaded(&mut self, range: Range<usize>) {
+        if let Some(document) = self.shown_mut()
+            && let Some(now) = document.place_as_shown(range)
+        {
+            document.editing.go_to(now.start, false);
+        }
+        self.reveal();
+    }
+}

@@ -1,0 +1,91 @@
+//! Parameters that are made of numbers of the text.
+
+use std::ops::Range;
+
+use mariana_editing::{Buffer, Editing, Refused};
+
+use super::document::Document;
+
+/// A parameter with a slider, made of the number at the cursor.
+pub(super) struct NewParam {
+    /// Where the number stands.
+    number: Range<usize>,
+    /// Where the parameter is declared, and how.
+    at: usize,
+    line: String,
+    name: String,
+}
+
+impl NewParam {
+    /// Of the number at the cursor; otherwise says why there is none.
+    pub(super) fn of(document: &Document) -> Result<Self, &'static str> {
+        let found = document.number(document.editing.selection().start);
+        let (number, line_start) = found.ok_or("put the cursor into a number to make a parameter of it")?;
+        let buffer = document.editing.buffer();
+        let line = buffer.line(buffer.line_of(line_start));
+        let (name, at) = (name_for(buffer.bytes(), line, number.digits), param_place(buffer));
+        let written =
+            String::from_utf8_lossy(line.get(number.range.clone()).unwrap_or_default()).into_owned();
+        let value = number.value;
+        let (least, most) =
+            if value == 0.0 { (-1.0, 1.0) } else { (value.min(2.0 * value), value.max(2.0 * value)) };
+        let (least, most) = (if value > 0.0 { 0.0 } else { least }, if value < 0.0 { 0.0 } else { most });
+        let end = String::from_utf8_lossy(buffer.line_end()).into_owned();
+        let line = format!("param {name} = {written} in {least} .. {most}{end}");
+        let number = line_start + number.range.start..line_start + number.range.end;
+        if number.start < at {
+            return Err("numbers of parameters stay numbers");
+        }
+        Ok(Self { number, at, line, name })
+    }
+
+    /// What is told of it.
+    pub(super) fn told(&self) -> String {
+        format!("{} is a parameter now: Tab, without the editor, shows its slider", self.name)
+    }
+
+    /// Writes it.
+    pub(super) fn write(self, editing: &mut Editing) -> Result<(), Refused> {
+        let name = self.at + "param ".len()..self.at + "param ".len() + self.name.len();
+        let number = (self.number, self.name.into_bytes());
+        editing.replace_parts(&[number, (self.at..self.at, self.line.into_bytes())])?;
+        editing.select(name);
+        Ok(())
+    }
+}
+
+/// Where a parameter is declared: behind those that are there, or before the first line that is no comment, no blank and
+/// no include.
+fn param_place(buffer: &Buffer) -> usize {
+    let starts = |line: usize, word: &[u8]| buffer.line(line).trim_ascii_start().starts_with(word);
+    let last = (0..buffer.line_count()).rev().find(|line| starts(*line, b"param "));
+    if let Some(last) = last {
+        return buffer.line_start(last + 1);
+    }
+    let is_before = |line: &usize| {
+        starts(*line, b"#") || starts(*line, b"include") || buffer.line(*line).trim_ascii().is_empty()
+    };
+    let first = (0..buffer.line_count()).find(|line| !is_before(line)).unwrap_or(0);
+    buffer.line_start(first)
+}
+
+/// A name that the text does not have: that of the field to which the number belongs, or a plain one.
+fn name_for(text: &[u8], line: &[u8], digits: usize) -> String {
+    let before = String::from_utf8_lossy(line.get(..digits).unwrap_or_default()).into_owned();
+    let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let field = before.trim_end().strip_suffix('=').map(|rest| {
+        let rest = rest.trim_end();
+        rest.get(rest.rfind(|c| !is_letter(c)).map_or(0, |at| at + 1)..).unwrap_or_default().to_owned()
+    });
+    let stem = field.filter(|field| field.starts_with(|c: char| c.is_ascii_alphabetic()));
+    let stem = stem.unwrap_or_else(|| "knob".to_owned());
+    let text = String::from_utf8_lossy(text);
+    let is_there = |name: &str| text.split(|c| !is_letter(c)).any(|word| word == name);
+    let names = (0_usize..).map(|number| match number {
+        // A field's name alone would hide nothing, but reads like the field.
+        0 => format!("{stem}_knob"),
+        number => format!("{stem}_knob{}", number + 1),
+    });
+    let mut names = names.map(|name| if stem == "knob" { name.replacen("knob_", "", 1) } else { name });
+    names.find(|name| !is_there(name)).unwrap_or(stem)
+}

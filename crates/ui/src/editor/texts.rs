@@ -1,0 +1,384 @@
+//! The texts of the scene on the stage: it brings together those that are open, their files, and what the loader is given
+//! and finds.
+
+use std::io;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use mariana_commands::{Command, TurnedNumbers};
+use mariana_editing::{Editing, Refused};
+use mariana_field::lang::Turning;
+use mariana_files::Folders;
+use mariana_files::documents::{News, OnDisk};
+use mariana_scenes::{Drafts, Findings, SceneSource};
+
+use super::document::{Change, Document, Marked, Owner, Question};
+use super::documents::{Documents, Tab};
+use super::files::Files;
+use super::found::Found;
+use super::outbox::Outbox;
+
+/// See the module.
+pub(crate) struct Texts {
+    documents: Documents,
+    found: Found,
+    files: Files,
+    outbox: Outbox,
+}
+
+impl Texts {
+    pub(super) fn start(
+        drafts: Drafts,
+        folders: &Folders,
+        wake: impl Fn() + Send + 'static,
+    ) -> io::Result<Self> {
+        Ok(Self {
+            documents: Documents::new(),
+            found: Found::default(),
+            files: Files::start(folders, wake)?,
+            outbox: Outbox::new(drafts),
+        })
+    }
+
+    /// The text that shows.
+    pub(crate) fn document(&self) -> Option<&Document> {
+        self.documents.shown()
+    }
+
+    pub(super) fn document_mut(&mut self) -> Option<&mut Document> {
+        self.documents.shown_mut()
+    }
+
+    /// The scene whose text is shown.
+    pub(super) fn source(&self) -> Option<&SceneSource> {
+        self.found.source()
+    }
+
+    /// What the loader found last in it.
+    pub(super) fn findings(&self) -> Option<&Findings> {
+        self.found.findings()
+    }
+
+    /// The scene's texts for their tabs.
+    pub(crate) fn tabs(&self) -> Vec<Tab> {
+        self.documents.tabs(self.found.findings())
+    }
+
+    /// Whether the text that shows is the scene's own, and not one that it includes.
+    pub(super) fn is_main(&self) -> bool {
+        self.source().zip(self.document()).is_some_and(|(source, document)| document.is_of(source))
+    }
+
+    /// The file of one of the scene's texts, by its number.
+    pub(super) fn file(&self, number: usize) -> Option<&Path> {
+        self.found.file(number)
+    }
+
+    /// The number of the text that shows among the scene's.
+    pub(super) fn number(&self) -> usize {
+        let file = self.document().and_then(Document::file);
+        file.and_then(|file| self.found.number_of(file)).unwrap_or(0)
+    }
+
+    /// The number of the text behind the one that shows; `None` if there is but one.
+    pub(super) fn next_number(&self) -> Option<usize> {
+        let tabs = self.tabs();
+        let at = tabs.iter().position(|tab| tab.shows).unwrap_or(0);
+        (tabs.len() > 1).then(|| (at + 1) % tabs.len())
+    }
+
+    /// One of the scene's texts by its number, if it is open.
+    fn text(&self, number: usize) -> Option<&Document> {
+        match self.file(number) {
+            Some(file) => self.documents.of(file),
+            None => self.document().filter(|_| number == 0),
+        }
+    }
+
+    /// The line of a place of a text as it was loaded: its file's name, its number from 1, and its words.
+    pub(crate) fn line_at(&self, number: usize, range: Range<usize>) -> Option<(String, usize, String)> {
+        let document = self.text(number)?;
+        let now = document.place_as_shown(range)?;
+        let buffer = document.editing.buffer();
+        let line = buffer.line_of(now.start);
+        let words = String::from_utf8_lossy(buffer.line(line)).trim().to_owned();
+        Some((document.name(), line + 1, words))
+    }
+
+    /// The line, from 0, of such a place, if its text shows.
+    pub(super) fn shown_line_at(&self, number: usize, range: Range<usize>) -> Option<usize> {
+        let document = self.text(number)?;
+        let shows = self.document().is_some_and(|shown| std::ptr::eq(shown, document));
+        let now = document.place_as_shown(range).filter(|_| shows)?;
+        Some(document.editing.buffer().line_of(now.start))
+    }
+
+    /// The next mistake of the text that shows, or the text that has one.
+    pub(super) fn next_mistake(&self) -> Result<Marked, Option<usize>> {
+        let next = self.document().and_then(Document::next_mistake);
+        next.ok_or_else(|| self.found.first_wrong_text())
+    }
+}
+
+/// Which text shows.
+impl Texts {
+    /// Shows the text of a scene.
+    pub(super) fn show_scene(&mut self, source: &SceneSource) {
+        self.found.show_scene(source);
+        if let Some(file) = self.documents.show_scene(source) {
+            self.files.open(&file);
+        }
+        self.mark_mistakes();
+    }
+
+    /// Shows one of the scene's texts.
+    pub(super) fn show(&mut self, file: &Path) {
+        self.open(file);
+        self.mark_mistakes();
+    }
+
+    /// Shows a file's text, which is read if it is not open. Returns whether it is.
+    fn open(&mut self, file: &Path) -> bool {
+        let is_new = self.documents.show_file(file);
+        if is_new {
+            self.files.open(file);
+        }
+        is_new
+    }
+
+    /// Brings the cursor to a place of one of the scene's texts as it was loaded.
+    pub(super) fn go_to(&mut self, number: usize, range: Range<usize>) {
+        if let Some(file) = self.file(number).map(Path::to_owned) {
+            if self.open(&file) {
+                // It is read first.
+                return self.documents.carry(range.start, (0.0, 0.0));
+            }
+        } else if number > 0 {
+            return;
+        }
+        self.documents.go_to_loaded(range);
+    }
+}
+
+/// What is seen of it.
+impl Texts {
+    /// Lines that show.
+    pub(super) fn rows(&self) -> usize {
+        self.documents.rows()
+    }
+
+    /// Notes how many lines and columns show. Returns whether there were others before.
+    pub(super) fn resize(&mut self, rows: usize, columns: usize) -> bool {
+        self.documents.resize(rows, columns)
+    }
+
+    /// Moves what is seen by so many lines and columns.
+    pub(super) fn scroll(&mut self, lines: f32, columns: f32) {
+        self.documents.scroll(lines, columns);
+    }
+
+    /// Brings the cursor into sight.
+    pub(super) fn reveal(&mut self) {
+        self.documents.reveal();
+    }
+
+    /// Brings a line into sight.
+    pub(super) fn reveal_line(&mut self, line: usize) {
+        self.documents.reveal_line(line);
+    }
+}
+
+/// What changes texts.
+impl Texts {
+    /// Changes the text that shows, if it can be changed; otherwise says why not.
+    pub(super) fn edit(
+        &mut self,
+        change: impl FnOnce(&mut Editing) -> Result<(), Refused>,
+    ) -> Result<(), String> {
+        let Some(document) = self.documents.shown_mut() else { return Ok(()) };
+        document.check_open()?;
+        let changed = change(&mut document.editing);
+        self.note_change();
+        self.documents.reveal();
+        changed.map_err(|refused| refused.to_string())
+    }
+
+    /// Passes a change of the text that shows on: to the loader, and to be kept.
+    pub(super) fn note_change(&mut self) {
+        if let Some(document) = self.documents.shown_mut() {
+            pass_on(document, &self.files, &mut self.outbox);
+        }
+    }
+
+    /// Takes out what is asked about the text that shows.
+    pub(super) fn take_question(&mut self) -> Option<Question> {
+        self.document_mut()?.question.take()
+    }
+
+    /// Saves the text that shows, or copies one that has no file.
+    pub(super) fn save(&mut self) -> Result<(), &'static str> {
+        let Some(document) = self.documents.shown() else { return Ok(()) };
+        if let Owner::File(_) = document.owner {
+            return self.files.save(document);
+        }
+        self.files.copy(document)?;
+        let (cursor, view) = (document.editing.cursor(), document.view);
+        self.documents.carry(cursor, view);
+        Ok(())
+    }
+
+    /// Saves it whatever the file holds.
+    pub(super) fn overwrite(&self) {
+        if let Some(document) = self.document() {
+            self.files.overwrite(document);
+        }
+    }
+
+    /// Takes the text that another program has written. What was typed can be brought back by undoing.
+    pub(super) fn take_theirs(&mut self, theirs: OnDisk) -> Result<(), Refused> {
+        let Some(document) = self.documents.shown_mut() else { return Ok(()) };
+        if let OnDisk::Bytes(bytes) = &theirs {
+            document.editing.replace_all(bytes)?;
+        }
+        document.disk = Some(theirs);
+        self.note_change();
+        Ok(())
+    }
+
+    /// Keeps what was typed in an earlier run no longer.
+    pub(super) fn forget_kept(&self) {
+        if let Some(file) = self.document().and_then(Document::file) {
+            self.files.forget_kept(file);
+        }
+    }
+
+    /// Begins a new scene beside the one that shows, or in the user's folder.
+    pub(super) fn begin_scene(&self) -> Result<(), &'static str> {
+        self.files.begin(self.source().and_then(SceneSource::file).and_then(Path::parent))
+    }
+
+    /// Keeps what is not saved: the program ends.
+    pub(super) fn finish(&self) {
+        self.documents.unsaved().for_each(|document| self.files.keep(document));
+        self.files.finish();
+    }
+}
+
+/// What the loader and the show get.
+impl Texts {
+    pub(super) fn send(&mut self, command: Command) {
+        self.outbox.send(command);
+    }
+
+    pub(super) fn take_commands(&mut self) -> Vec<Command> {
+        self.outbox.take_commands()
+    }
+
+    /// Makes numbers of a file's text inputs of the frame. Returns the version of the drafts from which on they are.
+    pub(super) fn hold(&mut self, file: &Path, turning: &[Turning]) -> Option<u64> {
+        Some(self.outbox.hold(file, turning, self.documents.shown_mut()?))
+    }
+
+    /// Gives such numbers values.
+    pub(super) fn turn_numbers(&mut self, file: PathBuf, values: Vec<(usize, f32)>) {
+        self.outbox.send(Command::TurnNumbers(TurnedNumbers { file, values }));
+    }
+
+    /// Lets the text hold for its numbers again.
+    pub(super) fn release(&mut self) {
+        self.outbox.release();
+        if let Some(document) = self.documents.shown_mut() {
+            self.outbox.draft(document);
+        }
+    }
+}
+
+/// What comes from other threads.
+impl Texts {
+    /// Takes in what the loader found since the last call. Returns whether it found something in the scene that shows.
+    pub(super) fn take_findings(&mut self) -> bool {
+        let mut any = false;
+        for findings in self.outbox.take_findings() {
+            any |= self.found.take(findings);
+        }
+        if any {
+            self.mark_mistakes();
+        }
+        any
+    }
+
+    fn mark_mistakes(&mut self) {
+        if let Some(findings) = self.found.findings() {
+            self.documents.take_mistakes(findings);
+        }
+    }
+
+    /// What has happened to files.
+    pub(super) fn news(&self) -> Option<News> {
+        self.files.news()
+    }
+
+    /// Takes it in. Returns what is to be told of it.
+    pub(super) fn take_news(&mut self, news: News) -> Option<String> {
+        match news {
+            News::Opened { file, holds, kept } => {
+                if self.documents.take_read(&file, holds, kept)? {
+                    self.files.forget_kept(&file);
+                }
+                self.documents.reveal();
+                self.mark_mistakes();
+                None
+            }
+            News::Saved { file, text } => {
+                let document = self.documents.of_mut(&file)?;
+                document.disk = Some(OnDisk::Bytes(text));
+                document.question = None;
+                if document.is_dirty() {
+                    // More was typed meanwhile.
+                    self.files.keep(document);
+                } else {
+                    self.outbox.draft(document);
+                }
+                Some(format!("{} is saved", document.name()))
+            }
+            News::Refused { file, holds } => {
+                self.documents.of_mut(&file)?.question = Some(Question::Conflict(holds));
+                None
+            }
+            News::Failed { reason, .. } => Some(reason),
+            News::Changed { file, holds } => self.take_change(&file, holds),
+            News::Created { file } => {
+                let words = format!("this is your own scene now: {}", file.display());
+                self.outbox.send(Command::ShowScene(Box::new(SceneSource::File(file))));
+                Some(words)
+            }
+        }
+    }
+
+    /// Another program has changed a file.
+    fn take_change(&mut self, file: &Path, holds: OnDisk) -> Option<String> {
+        let document = self.documents.of_mut(file)?;
+        match document.take_change(holds) {
+            Change::None => None,
+            Change::Taken => {
+                pass_on(document, &self.files, &mut self.outbox);
+                Some("another program has changed the file: this is its new text".to_owned())
+            }
+            Change::Gone => {
+                // The scene stays on the stage by its draft.
+                self.files.keep_gone(document);
+                self.outbox.replace_file(document);
+                None
+            }
+            Change::Unreadable(words) => Some(words),
+        }
+    }
+}
+
+/// Passes a change of a text on: to the loader, and to be kept.
+fn pass_on(document: &mut Document, files: &Files, outbox: &mut Outbox) {
+    if document.note_change() {
+        files.keep(document);
+        outbox.draft_change(document);
+    }
+}
