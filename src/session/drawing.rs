@@ -57,7 +57,7 @@ impl Session {
         let held = self.playback.holds_picture();
         let wanted = self.playback.pace.shown().filter(|_| held).unwrap_or(wanted);
         let new = self.playback.draw_picture(wanted, level, whole, begun)?;
-        let dims = self.playback.finish_picture(new.as_ref(), begun)?;
+        let Some(dims) = self.playback.finish_picture(new.as_ref(), begun)? else { return Ok(false) };
         let lay = Lay { placement, screen, is_held: held };
         self.present(Picture { wanted, new, dims, level, begun }, &lay, size)
     }
@@ -206,7 +206,7 @@ impl Playback {
         let runs = self.scene.composer().fading().is_to_begin() && self.listening.runs();
         let picture = WantedPicture { moment, sound, size, aspect, quality, edges, runs };
         let drawn = self.scene.draw(&mut self.renderer, picture);
-        let new = self.without_room_smaller(drawn)?;
+        let new = self.without_room_smaller(drawn)?.flatten();
         if new.is_none() {
             self.weigh_picture(level, begun);
         }
@@ -214,11 +214,11 @@ impl Playback {
     }
 
     /// Dims the picture as the masters and the limiter of flashes say, and notes it. Returns whether its light changes
-    /// though it is no new one.
+    /// though it is no new one; `None` if the driver has no memory for that.
     ///
     /// # Errors
     /// What the driver refuses.
-    fn finish_picture(&mut self, new: Option<&Drawn>, begun: Instant) -> Result<bool, SessionError> {
+    fn finish_picture(&mut self, new: Option<&Drawn>, begun: Instant) -> Result<Option<bool>, SessionError> {
         let gain = self.masters.gain(begun);
         let dims = self.pace.shown().is_some() && gain != self.renderer.gain();
         if new.is_some() || dims {
@@ -226,7 +226,10 @@ impl Playback {
             let since_last = self.pace.note_picture(begun);
             if self.pace.shown().is_some() {
                 // What flashes too often is dimmed.
-                self.renderer.limit_flashes(since_last)?;
+                let limited = self.renderer.limit_flashes(since_last);
+                if self.without_room_smaller(limited)?.is_none() {
+                    return Ok(None);
+                }
             } else {
                 self.first_shown_after = Some(since_last);
             }
@@ -237,7 +240,7 @@ impl Playback {
             None if dims => self.record_again(begun),
             None => {}
         }
-        Ok(dims)
+        Ok(Some(dims))
     }
 
     /// Lets the driver make the programs that all scenes share while it makes that of the first one.
@@ -289,13 +292,10 @@ impl Playback {
         }
     }
 
-    /// What was drawn. If the driver has no memory for a picture, the next one is drawn smaller and this one is left
+    /// What was made. If the driver has no memory for a picture, the next one is drawn smaller and this one is left
     /// out.
-    fn without_room_smaller(
-        &mut self,
-        drawn: Result<Option<Drawn>, GpuError>,
-    ) -> Result<Option<Drawn>, GpuError> {
-        match drawn {
+    fn without_room_smaller<T>(&mut self, made: Result<T, GpuError>) -> Result<Option<T>, GpuError> {
+        match made {
             Err(GpuError::Object { what, reason }) if self.pace.make_smaller() => {
                 tracing::warn!("the driver could not make {what}: {reason}");
                 self.reports.answer(
@@ -304,7 +304,7 @@ impl Playback {
                 self.scene.composer_mut().give_picture_up();
                 Ok(None)
             }
-            drawn => drawn,
+            made => made.map(Some),
         }
     }
 

@@ -252,14 +252,15 @@ impl DynamicResolution {
         self.level != before
     }
 
-    /// Draws fewer pixels from now on, whatever they cost. False if the level is the lowest.
+    /// Draws fewer pixels from now on, whatever they cost. False if neither moving pictures nor stills can be smaller.
     pub(crate) fn make_smaller(&mut self) -> bool {
         let has_smaller = self.level + 1 < LEVELS.len();
+        // Stills had all pixels so far.
+        let shrinks_stills = !std::mem::replace(&mut self.lacks_room, true);
         if has_smaller {
-            self.lacks_room = true;
             self.change(self.level + 1);
         }
-        has_smaller
+        has_smaller || shrinks_stills
     }
 
     /// Seconds for a frame at a level.

@@ -227,3 +227,12 @@ fn an_edited_scene_saves_samples_gives_way_if_it_must_and_comes_back_when_it_res
     window.set_edited(true);
     assert_eq!(window.still_level().edges, EdgeSamples::Sixteen, "there is time for what stands still");
 }
+
+#[test]
+fn stills_shrink_before_a_lack_of_memory_ends_the_show() {
+    let mut controller = DynamicResolution::beginning_small(QualityChoice::Auto, FPS);
+    assert_eq!(controller.still_level().scale, 1.0);
+    assert!(controller.make_smaller(), "stills had all pixels");
+    assert_eq!(controller.still_level().scale, controller.level().scale);
+    assert!(!controller.make_smaller(), "nothing is smaller");
+}
