@@ -149,37 +149,15 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
     shell::run(prepare(arguments, Folders::of_user())?)
 }
 
-impl PlayArguments {
-    /// What is listened to instead of a song.
-    fn listen(&self) -> Option<ListenChoice> {
-        match (self.mic, self.system) {
-            (true, _) => Some(ListenChoice::Microphone),
-            (false, true) => Some(ListenChoice::System),
-            (false, false) => None,
-        }
-    }
-
-    /// The settings of this run: those that were asked for, over those that are remembered.
-    fn choices(&self, remembered: &Choices) -> Choices {
-        let mut choices = self.chosen.over(remembered);
-        choices.tone_map = self.common.tone_map.unwrap_or(choices.tone_map);
-        choices.gain = self.common.gain.unwrap_or(choices.gain);
-        choices.follow_song = self.show.as_ref().map_or(choices.follow_song, ShowChoice::follow);
-        choices.hints &= !self.clean;
-        choices.stage.output = self.staging.output(choices.stage.output);
-        choices
-    }
-}
-
 /// What the arguments ask to be played and shown, with what is remembered in these folders.
 ///
 /// # Errors
 /// An argument that cannot be followed: each says what to do.
 pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Result<Prepared> {
-    let listen = arguments.listen();
+    let listen = listen_of(&arguments);
     // What is wrong with the file is told when the window opens.
     let (file, trouble) = SettingsFile::among(&folders);
-    let choices = arguments.choices(&file.settings().choices);
+    let choices = choices_of(&arguments, &file.settings().choices);
     let common = arguments.common;
     let last = match arguments.new {
         true => LastShow::default(),
@@ -253,6 +231,26 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         (None, None) => Some(open_songs(&songs, repeat, arguments.shuffle)?),
     };
     Ok(Prepared { tracks, settings, scene, memory: Memory { file, trouble, folders } })
+}
+
+/// What is listened to instead of a song.
+fn listen_of(arguments: &PlayArguments) -> Option<ListenChoice> {
+    match (arguments.mic, arguments.system) {
+        (true, _) => Some(ListenChoice::Microphone),
+        (false, true) => Some(ListenChoice::System),
+        (false, false) => None,
+    }
+}
+
+/// The settings of this run: those that were asked for, over those that are remembered.
+fn choices_of(arguments: &PlayArguments, remembered: &Choices) -> Choices {
+    let mut choices = arguments.chosen.over(remembered);
+    choices.tone_map = arguments.common.tone_map.unwrap_or(choices.tone_map);
+    choices.gain = arguments.common.gain.unwrap_or(choices.gain);
+    choices.follow_song = arguments.show.as_ref().map_or(choices.follow_song, ShowChoice::follow);
+    choices.hints &= !arguments.clean;
+    choices.stage.output = arguments.staging.output(choices.stage.output);
+    choices
 }
 
 /// The tracks of the last show, and the second at which the first of them begins. Tracks that have gone meanwhile cost

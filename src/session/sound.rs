@@ -1,14 +1,16 @@
 //! What the show listens to: the song or a live input, and how much later the picture is shown.
 
-use std::collections::BTreeSet;
+mod told;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use told::{Complaints, Hints};
+
 use crate::clock;
 use crate::commands::SHIFT_STEP_MS;
 use crate::config::{DEFAULT_DEVICE, KeptSettings, ListenChoice, Memory, Settings};
-use crate::export::print::tell;
 use crate::session::SessionError;
 use crate::ui::overlay::SourceList;
 use crate::ui::settings_panel;
@@ -48,59 +50,6 @@ pub(crate) struct Sound {
     unremembered: Option<Target>,
     hints: Hints,
     complaints: Complaints,
-}
-
-/// What the input tells: what is wrong with it, and which other one has a signal.
-#[derive(Default)]
-struct Hints {
-    /// What stays over the picture for as long as it holds.
-    shown: Option<String>,
-    /// A device that has a signal.
-    suggestion: Option<ListedDevice>,
-    /// What the terminal was told.
-    told: Option<String>,
-}
-
-impl Hints {
-    /// Takes the state of the input. Prints what is new on the terminal.
-    fn take(&mut self, status: &LiveStatus) {
-        self.suggestion.clone_from(&status.suggestion);
-        self.shown = status.silent.clone().or_else(|| status.refused.clone()).or_else(|| status.flat.clone());
-        if self.told != status.silent {
-            if let Some(reason) = &status.silent {
-                tell(&format!("nothing is heard: {reason}"));
-            }
-            self.told.clone_from(&status.silent);
-        }
-    }
-
-    /// Another source is listened to.
-    fn forget(&mut self) {
-        (self.shown, self.told) = (None, None);
-    }
-}
-
-/// What is wrong with settings or devices. Each is said once, however often it is tried again.
-#[derive(Default)]
-struct Complaints {
-    all: BTreeSet<String>,
-    /// Those that are not over the picture yet.
-    unsaid: Vec<String>,
-}
-
-impl Complaints {
-    /// Reports one: on the terminal, and over the picture.
-    fn add(&mut self, text: &str) {
-        if self.all.insert(text.to_owned()) {
-            tell(text);
-            self.unsaid.push(text.to_owned());
-        }
-    }
-
-    /// Those since the last call.
-    fn take(&mut self) -> Vec<String> {
-        std::mem::take(&mut self.unsaid)
-    }
 }
 
 /// What the show starts with.

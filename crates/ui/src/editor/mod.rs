@@ -9,10 +9,10 @@
 //! | part | what it is for |
 //! |---|---|
 //! | `Texts` | the texts of the scene; it owns the four below |
-//! | `documents` | the open texts: which of them shows, and which part of it |
-//! | `files` | what is read, saved, copied and kept |
-//! | `found` | what the loader found in the scene and in others |
-//! | `outbox` | what the loader and the show get: drafts, numbers, commands |
+//! | `Documents` | the open texts: which of them shows, and which part of it |
+//! | `Files` | what is read, saved, copied and kept |
+//! | `Found` | what the loader found in the scene and in others |
+//! | `Outbox` | what the loader and the show get: drafts, numbers, commands |
 //! | `Hand` | numbers that are turned, colours that are picked, positions that are dragged |
 //! | `Finding` | what is looked for |
 //! | `Proposals` | what may be written at the cursor, with small pictures |
