@@ -211,8 +211,9 @@ fn what_is_pure_touches_nothing() {
     assert_none(&found, "these rooms do no I/O, read no clock and start no thread");
 }
 
-/// Files of the session that measure how long something takes, whatever time is simulated.
-const MEASURES: &[&str] = &["src/session/offscreen.rs", "src/session/scene/region_builder.rs"];
+/// The clock itself, and files of the session that measure how long something takes, whatever time is simulated.
+const MEASURES: &[&str] =
+    &["crates/ui/src/clock.rs", "src/session/offscreen.rs", "src/session/scene/region_builder.rs"];
 
 #[test]
 fn a_session_takes_its_time_from_its_clock() {
