@@ -27,7 +27,7 @@ const FUNCTION_MAX: usize = 80;
 const OVER: &[(Kind, &str, usize)] = &[];
 
 /// Functions of more than [`FUNCTION_MAX`] lines in the whole repository. Lower it when one is taken apart.
-const LONG_FUNCTIONS: usize = 3;
+const LONG_FUNCTIONS: usize = 2;
 
 /// Types with more than [`FIELDS_MAX`] fields that are plain records, and what each records. Their fields are open, or
 /// they have no methods at all.
