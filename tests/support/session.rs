@@ -271,8 +271,12 @@ impl App {
     }
 
     /// Presses the pointer's first button, or lets it go.
+    /// The overlay sees that before the pointer moves on: a press and a move in one picture hold what is under the second.
     pub(crate) fn hold_button(&self, pressed: bool) {
-        self.send(Input::PointerButton { button: PointerButton::Primary, pressed });
+        clock::by_hand(|| {
+            self.send(Input::PointerButton { button: PointerButton::Primary, pressed });
+            self.see();
+        });
     }
 
     /// Clicks where the pointer is.
@@ -437,9 +441,7 @@ impl App {
         self.point_at(x, y);
         clock::by_hand(|| {
             self.hold_button(true);
-            self.see();
             self.hold_button(false);
-            self.see();
         });
     }
 
