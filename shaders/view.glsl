@@ -1,5 +1,5 @@
-// The colours of the views, in the variant VIEWS: what the screen gets, 0..1, from what was recorded of a sample. Each view
-// has a function `view_NAME` of the ray's direction.
+// Colours of the views (variant VIEWS), 0..1 as on the screen, from the values recorded for a sample. Each view has a function
+// `view_NAME` of the ray's direction.
 
 // The most texels of a tape that are counted.
 const int TAPE_TEXELS_MAX = 4096;

@@ -1,4 +1,4 @@
-//! Starts what works behind a show before its window opens: above all, what loads scenes.
+//! Starts the scene loaders and the frame senders before the window opens.
 
 use std::time::Duration;
 
@@ -10,29 +10,29 @@ use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneSource, TextureCache};
 
-/// What works behind the show from before its window opens.
+/// Background work of a show, started before its window opens.
 pub(crate) struct Backstage {
-    /// What loads scenes.
+    /// The scene loaders.
     pub(crate) loaders: SceneLoaders,
-    /// The first of them.
+    /// The first scene.
     pub(crate) first: LoadedScene,
-    /// Texts that are edited.
+    /// Edited scene texts.
     pub(crate) drafts: Drafts,
-    /// Where pictures are sent.
+    /// The frame senders.
     pub(crate) sends: Sends,
 }
 
 impl Backstage {
-    /// Starts it, and waits for the scene at the start.
+    /// Starts it and waits for the first scene.
     ///
     /// # Errors
-    /// Nothing can be sent to a place, the scene cannot be shown, or the system has no thread left.
+    /// A sender or the scene fails, or the system has no thread left.
     pub(crate) fn start(
         settings: &PlaySettings,
         scene: &SceneChoice,
         waker: &Waker,
     ) -> Result<Self, SessionError> {
-        // A place that nothing can be sent to ends it before anything shows.
+        // First, so that a failing sender ends the program before a window opens.
         let size = settings.send_size.unwrap_or(settings.size);
         let sends = Sends::start(&settings.sends, size, settings.send_fps)?;
         let drafts = Drafts::default();

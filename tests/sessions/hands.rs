@@ -141,10 +141,7 @@ fn messages_turn_parameters_and_the_last_hand_wins() {
     let mut rows = (26..46).step_by(4).cycle();
     app.wait_until("what the slider is moved to", |app| {
         let row = rows.next().unwrap();
-        app.point_at(230, row);
-        app.hold_button(true);
-        app.point_at(318, row);
-        app.hold_button(false);
+        app.drag((230, row), (318, row));
         let answer = ask(app, &osc, "/param/red", |bytes| of_red(bytes).is_some());
         of_red(&answer) == Some(2.0) && answer.ends_with(&padded("slider"))
     });

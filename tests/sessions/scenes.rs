@@ -432,10 +432,7 @@ fn a_moved_slider_changes_the_picture_and_outlives_a_reload() {
     let mut rows = (26..46).step_by(4).cycle();
     app.wait_until("what the slider is moved to", |app| {
         let row = rows.next().unwrap();
-        app.point_at(230, row);
-        app.hold_button(true);
-        app.point_at(318, row);
-        app.hold_button(false);
+        app.drag((230, row), (318, row));
         let [red, green, ..] = app.picture().get_pixel(20, 150).0;
         red > 150 && green < 90
     });

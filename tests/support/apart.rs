@@ -1,7 +1,7 @@
-//! Tests that run in processes of their own.
+//! Runs each session test in a separate process.
 //!
-//! Mesa 22.3's llvmpipe looks into all contexts of a display while their threads change them, so two sessions that draw in
-//! one process can crash each other. A process also has variables, a log and an end of its own.
+//! In Mesa 22.3, llvmpipe reads all contexts of a display while other threads change them, so two sessions in one process can
+//! crash. A separate process also allows environment variables, and a log, for each test.
 
 use std::ffi::OsStr;
 use std::path::PathBuf;
@@ -13,8 +13,8 @@ use mariana_testing::process::{private_folder, session_environment};
 /// Set in the process of a test: its name.
 const TEST: &str = "MARIANA_TEST_APART";
 
-/// Runs the calling test in a process of its own, with these environment variables: `apart!("NAME" = "value");`. It stands
-/// at the beginning of the test.
+/// Runs the calling test in a separate process with environment variables: `apart!("NAME" = "value");`. Must be the first
+/// statement of the test.
 macro_rules! apart {
     ($($name:literal = $value:expr),*) => {
         fn here() {}

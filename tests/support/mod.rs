@@ -24,6 +24,7 @@ pub(crate) mod session;
 pub(crate) mod shader_folder;
 pub(crate) mod studio;
 pub(crate) mod video_stream;
+pub(crate) mod walls;
 #[cfg(target_os = "linux")]
 pub(crate) mod wayland;
 pub(crate) mod wood;

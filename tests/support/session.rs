@@ -21,8 +21,7 @@ use mariana::session::{Prepared, SessionError};
 use mariana_testing::process::WAIT_LIMIT;
 use mariana_testing::wave::write_wav;
 
-/// Scenes beside the one that is tested are prepared only where a test asks for it. Nothing stands over the picture that
-/// a test did not ask for, no session begins where the one before ended, and nothing is heard.
+/// Options of most tests: no scenes prepared ahead, no overlay, no state from an earlier session, no sound.
 const ALONE: [&str; 5] = ["--prepare-ahead", "off", "--clean", "--new", "--silent"];
 
 /// The time of a picture, and a little more.
@@ -443,6 +442,14 @@ impl App {
             self.hold_button(true);
             self.hold_button(false);
         });
+    }
+
+    /// Draws the pointer from one place of the window to another with its button held.
+    pub(crate) fn drag(&self, from: (u32, u32), to: (u32, u32)) {
+        self.point_at(from.0, from.1);
+        self.hold_button(true);
+        self.point_at(to.0, to.1);
+        self.hold_button(false);
     }
 
     /// Clicks twice at a place of the window, in no time.

@@ -1,4 +1,4 @@
-//! The folders in which the program keeps things of its user, and the program itself.
+//! Paths of the user's folders, and of the program.
 
 use std::path::{Path, PathBuf};
 

@@ -1,5 +1,5 @@
-//! Files of a user that no failure costs: written whole or not at all, removed where a signal ends the program in the middle,
-//! and texts that come back after a crash.
+//! Safe file access: output files are written completely or not at all, and a signal removes unfinished ones. Unsaved texts
+//! survive a crash.
 //!
 //! ```
 //! use mariana_files::atomic_file::AtomicFile;
@@ -14,8 +14,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`documents`] reads, watches and saves the texts of an editor on a thread of its own, and keeps what was not saved.
-//! [`Folders`] says where all that lies.
+//! [`documents`] reads, watches and saves an editor's texts on a background thread, with backups of unsaved ones. [`Folders`]
+//! has the paths of the user's folders.
 
 pub mod atomic_file;
 pub mod documents;

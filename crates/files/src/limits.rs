@@ -1,7 +1,6 @@
 //! Every limit on the files of a user.
 //!
-//! A limit is data: code that applies one reads it here, an error that reports one gives the number defined here, and
-//! a test reaches it.
+//! Code, error messages and tests all read the limits from here.
 
 /// Limits on what is read.
 #[derive(Debug, Clone, Copy, PartialEq)]

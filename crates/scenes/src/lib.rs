@@ -8,8 +8,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A [`Loader`] compiles scenes on a thread and again whenever their files or [`Drafts`] change. [`probing`] says what is at a
-//! point of a picture, [`thumbnails`] has small pictures drawn by processes of their own.
+//! A [`Loader`] compiles scenes on a thread, and again whenever their files or [`Drafts`] change. [`probing`] finds the object
+//! at a point of a picture. [`thumbnails`] draws small pictures in separate processes.
 //!
 //! **A scene reads its own folder.** Includes and pictures come from there; pictures that are missing there come from
 //! the shipped ones. The system is asked where a path really leads, so that links do not lead out of the folder.

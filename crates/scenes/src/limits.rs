@@ -1,7 +1,6 @@
 //! Every limit on scenes as files.
 //!
-//! A limit is data: code that applies one reads it here, an error that reports one gives the number defined here, and
-//! a test reaches it.
+//! Code, error messages and tests all read the limits from here.
 
 /// Limits on what comes from outside and on what is kept for it.
 #[derive(Debug, Clone, Copy, PartialEq)]

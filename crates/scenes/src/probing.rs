@@ -8,7 +8,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::SceneSource;
+use crate::{ReadyScene, SceneSource};
+use mariana_field::region::RegionOptions;
 use mariana_field::sight::{Deciding, Ray, Sight, Survey, SurveyOptions};
 use mariana_field::world::World;
 use mariana_render::frame::Frame;
@@ -27,6 +28,15 @@ pub struct Scenery {
     pub maker: RegionMaker,
     /// What the tree is built for.
     pub request: RegionRequest,
+}
+
+impl Scenery {
+    /// A picture of a scene for which nothing was built before.
+    pub fn new(source: SceneSource, scene: ReadyScene, frame: Frame) -> Self {
+        let maker = RegionMaker { plan: scene.plan, buffers: scene.buffers, last: None };
+        let request = RegionRequest::of(&maker.plan, &frame, RegionOptions::default());
+        Self { source, world: scene.world, frame, maker, request }
+    }
 }
 
 /// How long an answer may take: then the scene is too large for it.
@@ -221,7 +231,7 @@ fn look<T>(
     is_wanted().then(|| look(&Sight::new(world, &built.regions, &frame.inputs, &frame.values.planes)))
 }
 
-/// What is at a point of the picture, given as shares of it to the right and down; none as soon as it is not wanted any more.
+/// Looks at a point of the picture, 0..1 to the right and down. Returns `None` once `is_wanted` is false.
 pub fn probe(scenery: &Scenery, at: [f64; 2], is_wanted: &(dyn Fn() -> bool + Sync)) -> Option<Probed> {
     let ray = ray_at(&scenery.frame, at, PROBE_WIDTH);
     let scene = &scenery.world.scene;
@@ -247,7 +257,7 @@ pub fn probe(scenery: &Scenery, at: [f64; 2], is_wanted: &(dyn Fn() -> bool + Sy
     Some(Probed { source: scenery.source.clone(), at, surface })
 }
 
-/// What a grid over the picture shows; none as soon as it is not wanted any more.
+/// Looks at a grid of points over the picture. Returns `None` once `is_wanted` is false.
 pub fn survey_of(scenery: &Scenery, is_wanted: &(dyn Fn() -> bool + Sync)) -> Option<Survey> {
     let (width, height) = scenery.frame.camera.tan_half;
     let rows = (COLUMNS as f64 * height / width).round().clamp(8.0, COLUMNS as f64 * 2.0) as usize;
@@ -260,7 +270,6 @@ pub fn survey_of(scenery: &Scenery, is_wanted: &(dyn Fn() -> bool + Sync)) -> Op
 mod tests {
     use std::sync::mpsc::channel;
 
-    use mariana_field::region::RegionOptions;
     use mariana_music::Features;
 
     use super::*;
@@ -277,9 +286,7 @@ camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 90 }";
         let source = SceneSource::Formula(text.to_owned());
         let ready = source.ready().unwrap();
         let frame = Frame::new(&ready.world, 1.0, Features::SILENCE, (200, 100));
-        let maker = RegionMaker { plan: ready.plan, buffers: ready.buffers, last: None };
-        let request = RegionRequest::of(&maker.plan, &frame, RegionOptions::default());
-        Scenery { source, world: ready.world, frame, maker, request }
+        Scenery::new(source, ready, frame)
     }
 
     fn asked(scenery: &Scenery, ask: impl Fn(&Prober, Scenery)) -> Answer {

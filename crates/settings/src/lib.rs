@@ -1,8 +1,8 @@
-//! What a user chooses for good, and what is remembered from run to run.
+//! The user's settings, stored from run to run.
 //!
-//! The table of settings (`setting_table`) makes the record [`Choices`], the enum [`Setting`] whose values commands carry,
-//! the rows of the panel and the flags of the command line. Settings that are not as they are by default are written to
-//! a file that people may edit ([`SettingsFile`]), which never loses what it does not understand:
+//! One table (`setting_table`) defines the record [`Choices`], the enum [`Setting`] for commands, the rows of the settings
+//! panel and the command-line flags. [`SettingsFile`] stores the values that differ from the defaults and keeps unknown
+//! entries. Users may edit the file.
 //!
 //! ```
 //! use mariana_settings::{Choices, Setting};
@@ -14,8 +14,8 @@
 //! assert_eq!(changed[0].name, "Hints");
 //! ```
 //!
-//! Beside it lie the mappings of controllers ([`KnobMemory`]), recorded performances ([`PerformanceFiles`]) and where the last
-//! show was ([`LastShow`]).
+//! The crate also stores controller mappings ([`KnobMemory`]), recorded performances ([`PerformanceFiles`]) and the state of the
+//! last show ([`LastShow`]).
 
 mod aside;
 mod choices;

@@ -1,7 +1,7 @@
 //! A show as it is written down: what comes at which moment of a song, in the words of musicians.
 
 use mariana_field::lang::{Span, Way};
-use mariana_field::world::BlendKind;
+use mariana_field::world::{BlendKind, PortalShape};
 
 /// A show. Its entries stand in the order in which they were written.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -153,10 +153,11 @@ impl TransitionKind {
 /// A portal is a ball.
 impl From<Way> for TransitionKind {
     fn from(way: Way) -> Self {
-        match way.blend() {
-            Some(kind) => Self::Blend(kind),
-            None if way == Way::Cut => Self::Cut,
-            None => Self::Fade,
+        match way {
+            Way::Cut => Self::Cut,
+            Way::Fade => Self::Fade,
+            Way::Melt => Self::Blend(BlendKind::Melt),
+            Way::Portal => Self::Blend(BlendKind::Portal(PortalShape::default())),
         }
     }
 }

@@ -1,7 +1,7 @@
-//! The words and panels over the picture: they take plain state and the input of users, and give shapes and commands.
+//! The text and panels over the picture. They take plain state and user input, and return shapes and commands.
 //!
-//! [`overlay::Overlay`] draws what an [`overlay::OverlayContent`] holds with egui. The panels are plain values, which keys and
-//! the pointer change and which send [`mariana_commands::Command`]s:
+//! [`overlay::Overlay`] draws an [`overlay::OverlayContent`] with egui. Keys and the pointer change the panels, which are plain
+//! values and return [`mariana_commands::Command`]s:
 //!
 //! ```
 //! use mariana_commands::input::{Key, NamedKey};
@@ -24,7 +24,7 @@
 //! assert_eq!(panel.selected(), 1);
 //! ```
 //!
-//! Their time is [`clock`]'s, which tests let pass by hand.
+//! Panels read the time from [`clock`], so tests can simulate it.
 
 pub mod clipboard;
 pub mod clock;

@@ -1,4 +1,4 @@
-//! What is told of what the show listens to.
+//! Messages about the input and the audio devices.
 
 use std::collections::BTreeSet;
 
@@ -6,19 +6,19 @@ use crate::export::print::tell;
 use mariana_player::device_list::ListedDevice;
 use mariana_player::input::LiveStatus;
 
-/// What the input tells: what is wrong with it, and which other one has a signal.
+/// Hints about the live input.
 #[derive(Default)]
 pub(super) struct Hints {
-    /// What stays over the picture for as long as it holds.
+    /// The hint over the picture.
     pub(super) shown: Option<String>,
     /// A device that has a signal.
     pub(super) suggestion: Option<ListedDevice>,
-    /// What the terminal was told.
+    /// The last reason for silence on the terminal.
     told: Option<String>,
 }
 
 impl Hints {
-    /// Takes the state of the input. Prints what is new on the terminal.
+    /// Updates the hints from the input's state. Prints a new reason for silence.
     pub(super) fn take(&mut self, status: &LiveStatus) {
         self.suggestion.clone_from(&status.suggestion);
         self.shown = status.silent.clone().or_else(|| status.refused.clone()).or_else(|| status.flat.clone());
@@ -30,22 +30,22 @@ impl Hints {
         }
     }
 
-    /// Another source is listened to.
+    /// Clears the hints after a change of the source.
     pub(super) fn forget(&mut self) {
         (self.shown, self.told) = (None, None);
     }
 }
 
-/// What is wrong with settings or devices. Each is said once, however often it is tried again.
+/// Problems with settings or devices, each reported once.
 #[derive(Default)]
 pub(super) struct Complaints {
     all: BTreeSet<String>,
-    /// Those that are not over the picture yet.
+    /// Not shown over the picture yet.
     unsaid: Vec<String>,
 }
 
 impl Complaints {
-    /// Reports one: on the terminal, and over the picture.
+    /// Prints a problem on the terminal and queues it for the picture.
     pub(super) fn add(&mut self, text: &str) {
         if self.all.insert(text.to_owned()) {
             tell(text);
@@ -53,7 +53,7 @@ impl Complaints {
         }
     }
 
-    /// Those since the last call.
+    /// Returns the problems since the last call.
     pub(super) fn take(&mut self) -> Vec<String> {
         std::mem::take(&mut self.unsaid)
     }

@@ -23,8 +23,8 @@ macro_rules! define_ways {
     };
 }
 
-// A new way in which worlds are mixed takes three places: its row here, its kind in `world::blend` ([`Way::blend`] and what
-// it is called), and the mixing itself (`World::blend`).
+// A new way of mixing worlds takes four places: its row here, its kind and names in `world::blend`, the mixing itself
+// (`World::blend`), and its kind of transition in shows (`mariana_show::TransitionKind`).
 define_ways! {
     /// From one picture to the next.
     Cut, "cut";

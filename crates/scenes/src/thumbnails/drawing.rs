@@ -30,13 +30,13 @@ pub(super) enum NotDrawn {
     Stopped,
 }
 
-/// Draws the thumbnail of a scene in a separate process of `program` and returns the PNG's bytes. Stops when `is_stopped`, which is
-/// polled, returns `true`.
+/// Draws the thumbnail of a scene in a separate process and returns the PNG's bytes. The process runs `program`, or the
+/// program that is running. Polls `is_stopped`, and stops when it returns `true`.
 ///
 /// # Errors
 /// [`NotDrawn`].
 pub(super) fn draw(
-    program: &Path,
+    program: Option<&Path>,
     source: &SceneSource,
     mut is_stopped: impl FnMut() -> bool,
 ) -> Result<Vec<u8>, NotDrawn> {
@@ -50,6 +50,7 @@ pub(super) fn draw(
     };
     let mut option = std::ffi::OsString::from("--scene=");
     option.push(scene);
+    let program = program.map_or_else(std::env::current_exe, |program| Ok(program.to_owned()))?;
     let mut command = Command::new(program);
     let size = format!("{}x{}", SIZE.0, SIZE.1);
     command.args(["still", "--at", &MOMENT.to_string(), "--size", &size, "-o"]).arg(&file);

@@ -137,17 +137,16 @@ impl Thumbnails {
     /// Starts the thread that answers requests; `wake` is called after each answer.
     ///
     /// # Errors
-    /// There is no thread, or the system does not know which program runs.
+    /// There is no thread.
     pub fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let folder = folders.cache.as_ref().map(|cache| cache.join("thumbnails"));
-        let program = folders.program.clone().map_or_else(std::env::current_exe, Ok)?;
-        Self::start_in(folder, program, wake)
+        Self::start_in(folder, folders.program.clone(), wake)
     }
 
-    /// The same with another folder for the cache, and another program that draws.
+    /// The same with another folder for the cache; `program` as in [`Folders::program`].
     fn start_in(
         folder: Option<PathBuf>,
-        program: PathBuf,
+        program: Option<PathBuf>,
         wake: impl Fn() + Send + 'static,
     ) -> io::Result<Self> {
         let requests = Arc::new(Requests::default());
@@ -201,7 +200,7 @@ struct Worker {
     requests: Arc<Requests>,
     /// The cache; `None` if the system has no folder for it.
     folder: Option<PathBuf>,
-    program: PathBuf,
+    program: Option<PathBuf>,
     answers: Sender<Looked>,
     wake: Box<dyn Fn() + Send>,
 }
@@ -288,7 +287,7 @@ impl Worker {
 
     /// Has a scene drawn, and answers quick requests meanwhile.
     fn drawn(&self, source: &SceneSource, is_stopped: impl Fn() -> bool) -> Result<Vec<u8>, NotDrawn> {
-        draw(&self.program, source, || {
+        draw(self.program.as_deref(), source, || {
             self.answer_quick();
             is_stopped()
         })
@@ -418,7 +417,7 @@ mod tests {
     #[test]
     fn the_list_of_scenes_opened_with_grey_tiles() {
         let (woken, wakes) = channel();
-        let mut thumbnails = Thumbnails::start_in(None, PathBuf::new(), move || {
+        let mut thumbnails = Thumbnails::start_in(None, None, move || {
             let _ = woken.send(());
         })
         .unwrap();

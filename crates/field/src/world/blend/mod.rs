@@ -79,17 +79,6 @@ impl BlendKind {
     }
 }
 
-impl Way {
-    /// How it mixes the worlds, if it does; a portal is a ball.
-    pub fn blend(self) -> Option<BlendKind> {
-        match self {
-            Self::Cut | Self::Fade => None,
-            Self::Melt => Some(BlendKind::Melt),
-            Self::Portal => Some(BlendKind::Portal(PortalShape::default())),
-        }
-    }
-}
-
 /// Why two worlds cannot be blended. Each alone can be drawn, so a fade is always possible.
 #[derive(Debug, thiserror::Error)]
 pub enum BlendError {

@@ -1,10 +1,8 @@
 //! What the editor knows of the picture, and what is turned there: probes, lit lines, colours, positions.
 
 use super::*;
-use mariana_field::region::RegionOptions;
 use mariana_music::Features;
 use mariana_render::frame::Frame;
-use mariana_render::gpu::scene_resources::{RegionMaker, RegionRequest};
 use mariana_render::placement::Placement;
 use mariana_scenes::probing::{Answer, Probed, Scenery, survey_of};
 
@@ -26,9 +24,7 @@ fn line_of_cursor(desk: &Desk) -> usize {
 fn scenery_of(source: SceneSource) -> Scenery {
     let ready = source.ready().unwrap();
     let frame = Frame::new(&ready.world, 1.0, Features::SILENCE, (200, 100));
-    let maker = RegionMaker { plan: ready.plan, buffers: ready.buffers, last: None };
-    let request = RegionRequest::of(&maker.plan, &frame, RegionOptions::default());
-    Scenery { source, world: ready.world, frame, maker, request }
+    Scenery::new(source, ready, frame)
 }
 
 fn probe_of(scenery: &Scenery, at: [f64; 2]) -> Probed {
