@@ -27,7 +27,7 @@ fn main() {
     let resources = SceneResources::upload(gl, world.clone(), buffers.clone(), plan.clone()).unwrap();
     let mut renderer = Renderer::new(gl, &library, Counting::Off).unwrap();
     let compiled = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off).unwrap();
-    let by_hand = compiled_variant(BY_HAND, world.pictures.len(), world.traits, Counting::Off);
+    let by_hand = compiled_variant(BY_HAND, world.pictures.len(), world.features, Counting::Off);
     let programs = [compiled, by_hand].map(|variant| link_scene(gl, &library, &variant).unwrap());
     for at in [0.0, 30.0, 62.0] {
         let features = SongFeatures::open(&DEMO_TRACK, at).unwrap().require(at).unwrap();

@@ -13,7 +13,7 @@ use cpu_time::ProcessTime;
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::song_features::SongFeatures;
 use mariana::frame::held_inputs::HeldInputs;
-use mariana::frame::{Frame, Staging};
+use mariana::frame::{Frame, FrameOptions};
 use mariana::gpu::gl::Gl;
 use mariana::gpu::headless::Headless;
 use mariana::gpu::program::Program;
@@ -51,8 +51,8 @@ impl Model {
     /// Draws a moment; returns the CPU time in ms.
     fn draw(&self, renderer: &mut Renderer, (time, sound): (f64, &Sound), params: &[f32]) -> f64 {
         let held = HeldInputs::default();
-        let staging = Staging { params, held: &held, camera: None };
-        let frame = Frame::staged(self.resources.world(), time, sound.clone(), SIZE, &staging);
+        let frame_options = FrameOptions { params, held: &held, camera: None };
+        let frame = Frame::staged(self.resources.world(), time, sound.clone(), SIZE, &frame_options);
         let start = ProcessTime::now();
         let built = self.resources.region_maker().build(&frame, self.resources.region_request(&frame));
         self.resources.take_regions(Arc::new(built));
@@ -88,9 +88,9 @@ fn main() {
     let mut song = SongFeatures::open(&DEMO_TRACK, START).unwrap();
     let moments: Vec<(f64, f32, Sound)> = (1..=FRAMES)
         .map(|frame| {
-            let share = frame as f64 / (FRAMES + 1) as f64;
-            let time = START + SECONDS * share;
-            (time, share as f32, song.require(time).unwrap())
+            let fraction = frame as f64 / (FRAMES + 1) as f64;
+            let time = START + SECONDS * fraction;
+            (time, fraction as f32, song.require(time).unwrap())
         })
         .collect();
     println!("{:30} {:>6} {:>9} {:>11} {:>11}", "pair", "kind", "sum, ms", "median/sum", "longest/sum");
@@ -100,8 +100,8 @@ fn main() {
         let pure = [&a, &b].map(|ready| Model::of(gl, &library, ready.clone()));
         for (kind, name, _) in BlendKind::ALL {
             let camera = |ready: &ReadyScene| {
-                let staging = Staging { params: &[], held: &HeldInputs::default(), camera: None };
-                Frame::staged(&ready.world, START, moments[0].2.clone(), SIZE, &staging).values.camera
+                let frame_options = FrameOptions { params: &[], held: &HeldInputs::default(), camera: None };
+                Frame::staged(&ready.world, START, moments[0].2.clone(), SIZE, &frame_options).values.camera
             };
             let blended = match a.blended(&b, kind, &Alignment::of(&camera(&a), &camera(&b)), 0.5) {
                 Ok(blended) => Model::of(gl, &library, blended),
@@ -111,8 +111,8 @@ fn main() {
                 }
             };
             let mut times = [const { Vec::new() }; 3];
-            for (number, (time, share, sound)) in moments.iter().enumerate() {
-                let params = blended_params((&a.world.scene, &[]), (&b.world.scene, &[]), *share);
+            for (number, (time, fraction, sound)) in moments.iter().enumerate() {
+                let params = blended_params((&a.world.scene, &[]), (&b.world.scene, &[]), *fraction);
                 let models = [(&pure[0], &[][..]), (&pure[1], &[]), (&blended, &params)];
                 for ((model, params), times) in models.into_iter().zip(&mut times) {
                     // What a driver does once it does while transitions are prepared.

@@ -13,12 +13,12 @@ vec3 tap(vec2 place, vec2 texel, float x, float y) {
 }
 
 // The mean of four taps, weighted; alpha is the weight.
-vec4 weighed(vec3 sum, float share) {
+vec4 weighed(vec3 sum, float fraction) {
     vec3 mean = 0.25 * sum;
 #ifdef FIRST
-    share *= sample_weight(mean);
+    fraction *= sample_weight(mean);
 #endif
-    return vec4(mean * share, share);
+    return vec4(mean * fraction, fraction);
 }
 
 void main() {

@@ -13,10 +13,10 @@ vec2 ceiling_of(ivec2 cell) {
 // The same at a place, in cells: interpolated between the centres of four.
 vec2 ceiling_at(vec2 place) {
     ivec2 first = ivec2(floor(place - 0.5));
-    vec2 share = fract(place - 0.5);
-    vec2 low = mix(ceiling_of(first), ceiling_of(first + ivec2(1, 0)), share.x);
-    vec2 high = mix(ceiling_of(first + ivec2(0, 1)), ceiling_of(first + 1), share.x);
-    return mix(low, high, share.y);
+    vec2 fraction = fract(place - 0.5);
+    vec2 low = mix(ceiling_of(first), ceiling_of(first + ivec2(1, 0)), fraction.x);
+    vec2 high = mix(ceiling_of(first + ivec2(0, 1)), ceiling_of(first + 1), fraction.x);
+    return mix(low, high, fraction.y);
 }
 
 // Whether light may change below such a ceiling. Rounding of what is interpolated changes nothing.

@@ -52,27 +52,27 @@ vec2 chromaticity(vec3 color) {
     return vec2(4.0 * x, 9.0 * y) / (x + 15.0 * y + 3.0 * z);
 }
 
-float saturated_red(vec3 color, float share) {
-    return color.r > 0.0 && color.r >= share * (color.r + color.g + color.b) ? 1.0 : 0.0;
+float saturated_red(vec3 color, float fraction) {
+    return color.r > 0.0 && color.r >= fraction * (color.r + color.g + color.b) ? 1.0 : 0.0;
 }
 
 float red_change(inout vec3 swing, vec3 color) {
     vec2 now = chromaticity(color);
-    float red = saturated_red(color, RED_SHARE);
+    float red = saturated_red(color, RED_FRACTION);
     float last = floor(swing.x + 0.5);
     bool first = last < 0.0;
     float size = distance(now, swing.yz);
     bool changes = !first && red != last && size > RED_CHANGE;
     float further = distance(now, RED) > distance(swing.yz, RED) ? 1.0 : 0.0;
     bool extreme = first || changes || further != last;
-    bool sure = first || size > SURE_RED_CHANGE && saturated_red(color, SURE_RED_SHARE) == red;
+    bool sure = first || size > SURE_RED_CHANGE && saturated_red(color, SURE_RED_FRACTION) == red;
     swing = vec3(first || changes ? red + (sure ? 0.0 : UNSURE) : swing.x, extreme ? now : swing.yz);
     return changes ? (red > 0.5 ? 1.0 : -1.0) : 0.0;
 }
 
 // Whether the last change was so small that it may be this colour that makes it count.
 bool may_count_only_as_red(vec3 swing, vec3 color) {
-    return swing.x == saturated_red(color, RED_SHARE) + UNSURE;
+    return swing.x == saturated_red(color, RED_FRACTION) + UNSURE;
 }
 
 // How long ago the last six changes were, in seconds, the newest first.

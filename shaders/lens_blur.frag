@@ -13,7 +13,7 @@ const float GOLDEN_ANGLE = 2.39996323;
 const int TAPS_MAX = 80;
 
 // Share of a disc with a radius in pixels that falls on an area in pixels.
-float share_of(float area, float radius) {
+float fraction_of(float area, float radius) {
     return min(1.0, area / (PI * radius * radius + 1e-6));
 }
 
@@ -22,7 +22,7 @@ void main() {
     float reach = post_target.z;    // the largest radius
     int taps = int(post_target.w);
     vec4 own = texture(picture, place);
-    float weight = share_of(1.0, own.a);
+    float weight = fraction_of(1.0, own.a);
     vec4 sum = vec4(own.rgb * weight, weight);
     float front = 0.0;
     for (int i = 0; i < TAPS_MAX; i++) {
@@ -35,7 +35,7 @@ void main() {
         vec4 other = texture(picture, place + post_target.xy * radius * vec2(cos(angle), sin(angle)));
         bool behind = other.a > own.a;
         float spread = behind ? min(abs(other.a), abs(own.a)) : abs(other.a);
-        float reached = clamp(0.7 * (spread - radius) + 0.5, 0.0, 1.0) * share_of(area, spread);
+        float reached = clamp(0.7 * (spread - radius) + 0.5, 0.0, 1.0) * fraction_of(area, spread);
         sum += vec4(other.rgb, 1.0) * reached;
         if (other.a < min(own.a, 0.0) - 0.5) front += reached;
     }

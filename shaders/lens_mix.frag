@@ -16,6 +16,6 @@ void main() {
     vec4 soft = vec4(0.0);
     for (int i = 0; i < 4; i++) soft += 0.25 * texture(blurred, place + step * vec2(2 * (i & 1) - 1, 2 * (i >> 1) - 1));
     float spread = abs(texelFetch(spreads, texel, 0).r);
-    float share = max(smoothstep(0.5, 3.0, spread), soft.a);
-    light = vec4(mix(texelFetch(picture, texel, 0).rgb, soft.rgb, share), 1.0);
+    float fraction = max(smoothstep(0.5, 3.0, spread), soft.a);
+    light = vec4(mix(texelFetch(picture, texel, 0).rgb, soft.rgb, fraction), 1.0);
 }

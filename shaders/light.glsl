@@ -18,8 +18,8 @@ struct Incoming {
 
 // Light ends smoothly at its range (Karis, "Real shading in Unreal Engine 4", 2013).
 float faded(float t, float range) {
-    float share = range > 0.0 ? t / range : 0.0;
-    float left = clamp(1.0 - share * share * share * share, 0.0, 1.0);
+    float fraction = range > 0.0 ? t / range : 0.0;
+    float left = clamp(1.0 - fraction * fraction * fraction * fraction, 0.0, 1.0);
     return left * left;
 }
 
@@ -49,9 +49,9 @@ Incoming light_of_panel(vec4 place, vec4 color, vec4 right, vec4 up, vec3 p, vec
     float arriving = before > 0.0 ? max(-0.5 * dot(flux, normal), 0.0) : 0.0;
     float t = length(middle);
     // Where the mirrored line of sight meets the panel's plane, clamped to the panel.
-    vec3 sight = reflect(direction, normal);
-    float slope = -dot(sight, facing);
-    vec3 met = slope > 1e-4 ? sight * (before / slope) - middle : sight * t - middle;
+    vec3 ray_probe = reflect(direction, normal);
+    float slope = -dot(ray_probe, facing);
+    vec3 met = slope > 1e-4 ? ray_probe * (before / slope) - middle : ray_probe * t - middle;
     vec2 inside = vec2(dot(met, right.xyz) / max(dot(right.xyz, right.xyz), 1e-9),
                        dot(met, up.xyz) / max(dot(up.xyz, up.xyz), 1e-9));
     inside = clamp(inside, -1.0, 1.0);
@@ -88,8 +88,8 @@ Incoming light_at(int number, vec3 p, vec3 normal, vec3 direction) {
     float falloff = sun ? 1.0 : faded(incoming.t, range) / max(distance2, max(color.w * color.w, 1e-4));
     incoming.light = color.rgb * (falloff * max(dot(normal, incoming.direction), 0.0));
     // The part of the ball that is nearest to the mirrored line of sight (Karis 2013).
-    vec3 sight = reflect(direction, normal);
-    vec3 off = dot(incoming.direction, sight) * sight - incoming.direction;
+    vec3 ray_probe = reflect(direction, normal);
+    vec3 off = dot(incoming.direction, ray_probe) * ray_probe - incoming.direction;
     float reach = clamp(incoming.widening * inversesqrt(max(dot(off, off), 1e-12)), 0.0, 1.0);
     incoming.mirrored = normalize(incoming.direction + off * reach);
     incoming.shadow = shadow;
@@ -101,10 +101,10 @@ Incoming light_at(int number, vec3 p, vec3 normal, vec3 direction) {
 // source is spread by its width (Karis 2013).
 vec3 highlight(float alpha, float widening, vec3 f0, float facing, float seen, float nh, float grazing) {
     float wide = clamp(alpha + 0.5 * widening, alpha, 1.0);
-    float share = alpha / wide;
+    float fraction = alpha / wide;
     float a2 = alpha * alpha;
     float k = nh * nh * (a2 - 1.0) + 1.0;
-    float spread = share * share * a2 / (PI * k * k);
+    float spread = fraction * fraction * a2 / (PI * k * k);
     float masking = 0.5 / max(mix(2.0 * facing * seen, facing + seen, alpha), 1e-4);
     return (f0 + (1.0 - f0) * grazing) * (spread * masking);
 }
@@ -125,8 +125,8 @@ vec3 thrown_back(Material m, vec3 normal, Incoming incoming, vec3 direction) {
     vec3 diffuse = m.color * ((1.0 - m.metalness) * (0.96 - 0.96 * grazing) / PI);
     vec3 light = diffuse + highlight(alpha, incoming.widening, f0, facing, seen, nh, grazing);
     if (m.coat > 0.0) {
-        float share = m.coat * (0.04 + 0.96 * grazing);
-        light = light * (1.0 - share)
+        float fraction = m.coat * (0.04 + 0.96 * grazing);
+        light = light * (1.0 - fraction)
               + m.coat * highlight(ALPHA_MIN, incoming.widening, vec3(0.04), facing, seen, nh, grazing);
     }
     return light;

@@ -21,7 +21,7 @@ vec3 sum_of_taps(vec4 d) {
 
 // Converts a value to a distance at the surface that is shaded. Where the value is not a distance, it is divided by
 // the slope there; on a plane, whose surroundings were not evaluated, only the sign counts.
-#ifdef STEEP
+#ifdef NON_LIPSCHITZ
 float slope_here = 1e-9;
 #define NOTE_SLOPE(sum, h) slope_here = max(length(sum) / (4.0 * (h)), 1e-9)
 #define NOTE_PLANE slope_here = 1e-9

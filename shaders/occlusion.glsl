@@ -2,10 +2,10 @@
 // section 3.5). Four probes. It acts on ambient light only; what shines nearby gives its light instead.
 
 // Heights of the probes, as shares of the distance at which things take light (`frame_reach`).
-const vec4 PROBE_SHARES = vec4(0.0625, 0.25, 0.5625, 1.0);
+const vec4 PROBE_FRACTIONS = vec4(0.0625, 0.25, 0.5625, 1.0);
 const vec4 PROBE_WEIGHTS = vec4(1.0, 0.8, 0.64, 0.512) / (1.0 + 0.8 + 0.64 + 0.512);
 // Their heights.
-#define probes (frame_reach.x * PROBE_SHARES)
+#define probes (frame_reach.x * PROBE_FRACTIONS)
 
 // Whether the scene without planes can reach a probe: one of height h is unaffected by a distance above h.
 bool occluder_near(vec3 p) {

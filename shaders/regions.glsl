@@ -15,8 +15,8 @@ struct Cell {
     int tape;       // first texel of the tape that gives bound and estimate inside
     int object;     // the nearest one, or SEVERAL
     float side;     // in root cells; 0 outside of the tree
-#ifdef STEEP
-    uvec2 slopes;   // bounds of the gradient (steep.glsl)
+#ifdef NON_LIPSCHITZ
+    uvec2 slopes;   // bounds of the gradient (non_lipschitz.glsl)
 #endif
 };
 
@@ -43,7 +43,7 @@ Cell cell_at(vec3 q) {
     cell.tape = inside ? int(texel.y & 0xFFFFFFu) : int(region_scale.w);
     cell.object = inside ? int(texel.y >> 24) : SEVERAL;
     cell.side = inside ? 1.0 / per_root : 0.0;
-#ifdef STEEP
+#ifdef NON_LIPSCHITZ
     cell.slopes = texel.zw;
 #endif
     return cell;

@@ -62,13 +62,13 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     do {
         // frame_reach.z is 0. Without it compilers compute what is the same for all lights before the loop, which then
         // holds registers during the shadow rays.
-        vec3 sight = direction + frame_reach.z * float(i);
-        Incoming incoming = light_at(i, p, s.normal, sight);
+        vec3 ray_probe = direction + frame_reach.z * float(i);
+        Incoming incoming = light_at(i, p, s.normal, ray_probe);
         if (max(incoming.light.r, max(incoming.light.g, incoming.light.b)) > 1e-5) {
             float sharpness = clamp(1.0 / max(incoming.widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
             // Without shadows the way to the light is not traced.
             float t = incoming.shadow > 0.0 ? incoming.t : 0.0;
-            vec3 thrown = incoming.light * thrown_back(m, s.normal, incoming, sight);
+            vec3 thrown = incoming.light * thrown_back(m, s.normal, incoming, ray_probe);
             float visible = light_visibility(p, s.normal, incoming.direction, t, sharpness, cone);
             visible = mix(1.0, visible, incoming.shadow);
             NOTE_LIGHT(incoming.light, visible);
@@ -101,8 +101,8 @@ const int SURFACES_MAX = 5;
 const int SURFACES_MAX = 1;
 #endif
 // A path ends where less than this share of its light would reach the eye; at the lowest quality the share is larger.
-const float SHARE_MIN = 0.004;
-const float SHARE_MIN_LEAST = 0.06;
+const float FRACTION_MIN = 0.004;
+const float FRACTION_MIN_LEAST = 0.06;
 // Between two scenes, what mirrors less than this, looked at straight on, mirrors less at all angles.
 const float FAINT = 0.02;
 
@@ -134,7 +134,7 @@ vec3 facet(vec3 normal, float alpha, vec2 random) {
 // shading only once.
 vec3 scene_color(vec3 origin, vec3 direction) {
     float spread = camera_position.w;
-    float share_min = mix(SHARE_MIN_LEAST, SHARE_MIN, frame_quality);
+    float fraction_min = mix(FRACTION_MIN_LEAST, FRACTION_MIN, frame_quality);
     float travelled = 0.0;
     // How much wider the ray gets for each unit of the way after a rough mirror.
     float blurred = 0.0;
@@ -148,7 +148,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         float wide = reached * (1.0 + blurred / spread);
         vec3 dx = camera_right.xyz * (2.0 * viewport.z * wide);
         vec3 dy = camera_up.xyz * (2.0 * viewport.w * wide);
-        vec3 sky_share = throughput;
+        vec3 sky_fraction = throughput;
         vec3 mirrored = direction;
         if (hit.met) {
             travelled = reached;
@@ -163,7 +163,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             NOTE_SURFACE(s, hit.t, p);
             Material m = s.material;
             add_to_key(s.object, hit.plane != NOTHING, s.normal);
-            sky_share = throughput * m.haze;
+            sky_fraction = throughput * m.haze;
 #ifdef COVERAGE
             color = vec3(1.0 - m.haze);
 #else
@@ -176,7 +176,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             grazing *= min(m.reflect * (1.0 / FAINT), 1.0);
 #endif
             float reflectance = m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
-            if (max(kept.r, max(kept.g, kept.b)) > share_min) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
+            if (max(kept.r, max(kept.g, kept.b)) > fraction_min) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
             // Metals tint what they mirror.
             throughput = kept * reflectance * mix(vec3(1.0), m.color, m.metalness);
             origin = p + s.normal * (hit.plane != NOTHING ? 0.0 : max(0.002, cone));
@@ -196,14 +196,14 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         }
 #ifdef NO_SKY
         // Mirrors show it all the same.
-        if (surface == 0) sky_share = vec3(0.0);
+        if (surface == 0) sky_fraction = vec3(0.0);
 #endif
-        if (max(sky_share.r, max(sky_share.g, sky_share.b)) > 0.0) {
+        if (max(sky_fraction.r, max(sky_fraction.g, sky_fraction.b)) > 0.0) {
             // For a camera inside an object `reached` is 0.
             float scale = 1.0 / max(reached, 1e-6);
-            color += sky_share * light_of(sky_color(direction, dx * scale, dy * scale));
+            color += sky_fraction * light_of(sky_color(direction, dx * scale, dy * scale));
         }
-        if (!hit.met || max(throughput.r, max(throughput.g, throughput.b)) < share_min) break;
+        if (!hit.met || max(throughput.r, max(throughput.g, throughput.b)) < fraction_min) break;
         direction = mirrored;
     }
     return color;

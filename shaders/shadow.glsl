@@ -23,8 +23,8 @@ vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
 #define SHADOW_GROWTH SHADOW_STEP_GROWTH
 #endif
 
-#ifdef STEEP
-#include "steep_shadow.glsl"
+#ifdef NON_LIPSCHITZ
+#include "non_lipschitz_shadow.glsl"
 #else
 const int SHADOW_STEPS_MAX = 96;
 const float SHADOW_STEP_GROWTH = 0.0;

@@ -5,7 +5,7 @@
 // The last step is at most this many times as long as the distance.
 const float SLANT_MAX = 4.0;
 // The share of the cone that counts as a hit when a ray has used up its steps.
-const float CAPPED_SHARE = 8.0;
+const float CAPPED_FRACTION = 8.0;
 
 struct Hit {
     float t;        // along the ray
@@ -75,8 +75,8 @@ float free_after(float free, float nearest, float t) {
 }
 #endif
 
-#ifdef STEEP
-#include "steep.glsl"
+#ifdef NON_LIPSCHITZ
+#include "non_lipschitz.glsl"
 #else
 // First surface along the ray. `cone` is the radius of the pixel's cone at t = 0 and `spread` its growth.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
@@ -101,7 +101,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     float before = 0.0;     // the distance at the previous step; 0 if cells were skipped since
     for (int i = first; i < STEPS_MAX; i++) {
         if (steps_left(1, trace_rounds(reflected)) <= 0) break;
-        float reach = HIT_SHARE + HIT_SHARE_GROWTH * float(max(i - STEPS_MANY, 0));
+        float reach = HIT_FRACTION + HIT_FRACTION_GROWTH * float(max(i - STEPS_MANY, 0));
 #ifdef NO_CELLS
         Cell cell = NO_CELL;
 #else
@@ -144,7 +144,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     if (!reflected) beam_free = abs(free);
 #endif
     // A ray that used up its steps far from any surface has met none. (One way out of the loop needs fewer registers.)
-    if (t >= end || d > CAPPED_SHARE * (cone + spread * t)) return behind;
+    if (t >= end || d > CAPPED_FRACTION * (cone + spread * t)) return behind;
     // The last step goes onto the surface, so that the hit point hardly depends on the steps before: as far as the
     // distance, or farther where the last two distances show that the ray meets the surface at an angle.
     float slant = before > d ? min(before / (before - d), SLANT_MAX) : 1.0;

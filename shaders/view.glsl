@@ -6,8 +6,8 @@ const int TAPE_TEXELS_MAX = 4096;
 // Half the width of the lines on a slice and at the faces of cells, in pixels.
 const float LINE_WIDTH = 0.8;
 
-vec3 heat_color(float share) {
-    float along = clamp(share, 0.0, 1.0) * float(HEAT_COLORS - 1);
+vec3 heat_color(float fraction) {
+    float along = clamp(fraction, 0.0, 1.0) * float(HEAT_COLORS - 1);
     int left = min(int(along), HEAT_COLORS - 2);
     return mix(HEAT_COLOR[left], HEAT_COLOR[left + 1], along - float(left));
 }

@@ -6,6 +6,7 @@ mod check;
 mod choices;
 mod common;
 mod files;
+mod frame_options;
 mod parse;
 mod play;
 mod presets;
@@ -14,7 +15,6 @@ mod scene;
 mod scenes;
 mod setting_flags;
 mod show;
-mod staging;
 mod still;
 mod video;
 mod view;
@@ -135,7 +135,7 @@ pub fn run() -> anyhow::Result<()> {
     quiet_contained_panics();
     ending::outlive_file_limits();
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    crate::gpu::heaps::share();
+    crate::gpu::heaps::fraction();
     if let Some((typed, meant)) = misspelt(std::env::args_os().nth(1)) {
         let message =
             format!("there is no command '{typed}', and no file of that name: did you mean '{meant}'?");
@@ -229,8 +229,9 @@ mod tests {
     /// Without a display it draws instead of what needs one.
     #[test]
     fn the_script_that_runs_the_program_knows_every_command_as_one_without_a_window() {
-        let script = include_str!("../scripts/run");
-        let listed = script.lines().find(|line| line.trim_start().starts_with("still |")).unwrap_or_default();
+        let cue_list = include_str!("../scripts/run");
+        let listed =
+            cue_list.lines().find(|line| line.trim_start().starts_with("still |")).unwrap_or_default();
         let listed: Vec<&str> = listed.split([' ', '|', ')']).filter(|word| !word.is_empty()).collect();
         let command = Arguments::command();
         for name in command.get_subcommands().map(clap::Command::get_name).chain(["help"]) {

@@ -3,15 +3,15 @@
 pub use mariana_files::Folders;
 pub use mariana_settings::limits::LIMITS as SETTING_LIMITS;
 pub use mariana_settings::{
-    Choice, Choices, FollowChoice, Kept, KeptSettings, KnobEdit, KnobMemory, KnobsError, LastShow,
-    PerformanceFiles, QualityChoice, Setting, SettingRow, Settings, SettingsError, SettingsFile,
-    StageChoices, Values, with_settings,
+    Choice, Choices, DisplayChoices, FollowChoice, Kept, KeptSettings, KnobEdit, KnobMemory, KnobsError,
+    LastShow, PerformanceFiles, QualityChoice, Setting, SettingRow, Settings, SettingsError, SettingsFile,
+    Values, with_settings,
 };
 
 use std::collections::BTreeMap;
 
 use crate::program_cache::ProgramCache;
-use crate::sending::SendWish;
+use crate::sending::SenderTarget;
 use crate::show::ShowSource;
 use mariana_control::osc::Place;
 use mariana_remote::RemotePlace;
@@ -53,7 +53,7 @@ pub struct Memory {
 
 /// Which hands from outside there are.
 #[derive(Debug, Clone, PartialEq)]
-pub struct HandSettings {
+pub struct ControllerSettings {
     /// Where OSC is heard; none hears none.
     pub osc: Option<Place>,
     /// Where what is heard goes by OSC.
@@ -112,9 +112,9 @@ pub struct PlaySettings {
     /// The picture is the desktop's ground.
     pub wallpaper: bool,
     /// Hands from outside.
-    pub hands: HandSettings,
+    pub controllers: ControllerSettings,
     /// Where pictures are sent.
-    pub sends: Vec<SendWish>,
+    pub sends: Vec<SenderTarget>,
     /// Width and height of those pictures, in pixels; none is the window's size at the start.
     pub send_size: Option<(u32, u32)>,
     /// How many of them there are in a second.

@@ -78,7 +78,7 @@ pub fn quarter_planes(rgba: &[u8], (width, _): (u32, u32)) -> Vec<u8> {
 
 /// A plane: what each colour of 0..255 adds to it, in units of 2^-16, and what black has.
 struct Plane {
-    shares: [i32; 3],
+    fractions: [i32; 3],
     black: i32,
 }
 
@@ -86,9 +86,9 @@ const UNIT: f64 = 65_536.0;
 /// How much red, green and blue add to the light, by BT.709.
 const LIGHT: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
-const LUMA: Plane = Plane { shares: shares(LIGHT, 219.0), black: 16 };
-const BLUE: Plane = Plane { shares: shares(difference(2), 224.0), black: 128 };
-const RED: Plane = Plane { shares: shares(difference(0), 224.0), black: 128 };
+const LUMA: Plane = Plane { fractions: fractions(LIGHT, 219.0), black: 16 };
+const BLUE: Plane = Plane { fractions: fractions(difference(2), 224.0), black: 128 };
+const RED: Plane = Plane { fractions: fractions(difference(0), 224.0), black: 128 };
 
 /// A colour less the light, from -1/2 to 1/2.
 const fn difference(color: usize) -> [f64; 3] {
@@ -98,7 +98,7 @@ const fn difference(color: usize) -> [f64; 3] {
     difference
 }
 
-const fn shares(of: [f64; 3], range: f64) -> [i32; 3] {
+const fn fractions(of: [f64; 3], range: f64) -> [i32; 3] {
     let unit = UNIT * range / 255.0;
     [rounded(of[0] * unit), rounded(of[1] * unit), rounded(of[2] * unit)]
 }
@@ -109,7 +109,7 @@ const fn rounded(value: f64) -> i32 {
 
 impl Plane {
     fn of(&self, [red, green, blue, _]: [u8; 4]) -> u8 {
-        let [r, g, b] = self.shares;
+        let [r, g, b] = self.fractions;
         let sum = r * i32::from(red) + g * i32::from(green) + b * i32::from(blue);
         let value = self.black + ((sum + (1 << 15)) >> 16);
         value.clamp(0, 255) as u8
@@ -147,11 +147,11 @@ mod tests {
 
     #[test]
     fn rates_are_fractions() {
-        for (fps, told) in
+        for (fps, reported) in
             [(30.0, "F30:1"), (29.97, "F30000:1001"), (23.976, "F24000:1001"), (12.5, "F12500:1000")]
         {
             let header = String::from_utf8(header((4, 2), fps, Chroma::Whole)).unwrap();
-            assert!(header.starts_with("YUV4MPEG2 W4 H2 ") && header.contains(told), "{header}");
+            assert!(header.starts_with("YUV4MPEG2 W4 H2 ") && header.contains(reported), "{header}");
         }
     }
 }

@@ -1,18 +1,18 @@
 //! What comes from outside while a show runs: packets of OSC, and the bytes of MIDI devices.
 
-use mariana_control::deed::{Deed, DeedRow, Given, Takes};
+use mariana_control::action::{Action, ActionRow, ActionValue, ValueType};
 use mariana_control::limits::LIMITS;
 use mariana_control::midi::{Clock, Device, Said};
 use mariana_control::osc::{Asked, Pattern, messages, understand};
-use mariana_control::{Amount, ParamWish, midi::Message};
+use mariana_control::{Amount, ParamChange, midi::Message};
 
 /// An action of each kind.
-pub(crate) const DEEDS: &[DeedRow] = &[
-    DeedRow { name: "next", takes: Takes::Press, meaning: "" },
-    DeedRow { name: "pause", takes: Takes::Switch, meaning: "" },
-    DeedRow { name: "volume", takes: Takes::Level, meaning: "" },
-    DeedRow { name: "tempo", takes: Takes::Number, meaning: "" },
-    DeedRow { name: "scene", takes: Takes::Choice, meaning: "" },
+pub(crate) const ACTIONS: &[ActionRow] = &[
+    ActionRow { name: "next", takes: ValueType::Press, meaning: "" },
+    ActionRow { name: "pause", takes: ValueType::Switch, meaning: "" },
+    ActionRow { name: "volume", takes: ValueType::Level, meaning: "" },
+    ActionRow { name: "tempo", takes: ValueType::Number, meaning: "" },
+    ActionRow { name: "scene", takes: ValueType::Choice, meaning: "" },
 ];
 
 /// A packet of OSC: taken apart, understood, and its patterns compared with addresses.
@@ -25,28 +25,28 @@ pub(crate) fn osc(data: &[u8]) {
             // What matches nothing shorter may match itself, and never takes long.
             let _ = (pattern.matches("/param/size"), pattern.matches(&message.addr), pattern.matches(""));
         }
-        match understand(message, DEEDS) {
-            Ok(Asked::Turn(wish)) => check_turn(&wish),
-            Ok(Asked::Act(deed)) => check_act(&deed),
+        match understand(message, ACTIONS) {
+            Ok(Asked::Turn(change)) => check_turn(&change),
+            Ok(Asked::Act(action)) => check_act(&action),
             Ok(Asked::Tell(_) | Asked::Nothing) | Err(_) => {}
         }
     }
 }
 
 /// A turn has numbers and a name within limits.
-pub(crate) fn check_turn(wish: &ParamWish) {
-    let (Amount::Value(to) | Amount::Share(to)) = wish.to;
-    assert!(to.is_finite() && wish.seconds.is_finite(), "{wish:?}");
-    assert!(wish.name.len() <= LIMITS.name_bytes_max, "{wish:?}");
+pub(crate) fn check_turn(change: &ParamChange) {
+    let (Amount::Value(to) | Amount::Fraction(to)) = change.to;
+    assert!(to.is_finite() && change.seconds.is_finite(), "{change:?}");
+    assert!(change.name.len() <= LIMITS.name_bytes_max, "{change:?}");
 }
 
 /// An action stands in the table, with a number or a name within limits.
-pub(crate) fn check_act(deed: &Deed) {
-    assert!(DEEDS.iter().any(|row| row.name == deed.name), "{deed:?}");
-    match &deed.given {
-        Given::Number(number) => assert!(number.is_finite(), "{deed:?}"),
-        Given::Text(text) => assert!(text.len() <= LIMITS.name_bytes_max, "{deed:?}"),
-        Given::Nothing => {}
+pub(crate) fn check_act(action: &Action) {
+    assert!(ACTIONS.iter().any(|row| row.name == action.name), "{action:?}");
+    match &action.given {
+        ActionValue::Number(number) => assert!(number.is_finite(), "{action:?}"),
+        ActionValue::Text(text) => assert!(text.len() <= LIMITS.name_bytes_max, "{action:?}"),
+        ActionValue::Nothing => {}
     }
 }
 

@@ -143,7 +143,8 @@ pub(crate) fn lists(data: &[u8]) {
             play(&mut *track.source, FRAMES_AFTER_SEEK);
         }
         let wanted = Wanted::Following { after: track.info.id, anew: true };
-        let Found::Track(next) = opened.list.find(&wanted, &mut |told| assert!(!told.is_empty())) else {
+        let Found::Track(next) = opened.list.find(&wanted, &mut |reported| assert!(!reported.is_empty()))
+        else {
             return;
         };
         track = next;
@@ -159,7 +160,7 @@ fn stays_within(path: &Path) -> bool {
 /// A file of settings: read, changed, read again.
 pub(crate) fn settings(data: &[u8]) {
     let path = file("settings", "settings.toml", data);
-    let (mut file, told) = SettingsFile::open(Some(path.clone()));
+    let (mut file, reported) = SettingsFile::open(Some(path.clone()));
     let in_range = |file: &SettingsFile| {
         file.settings()
             .latency_ms
@@ -167,12 +168,12 @@ pub(crate) fn settings(data: &[u8]) {
             .all(|shift| shift.abs() <= mariana_player::limits::LIMITS.latency_ms_max)
     };
     assert!(in_range(&file));
-    assert!(told.is_none_or(|error| error.to_string().contains("settings.toml")));
+    assert!(reported.is_none_or(|error| error.to_string().contains("settings.toml")));
     file.change(|settings| settings.microphone = Some("fuzz".into())).unwrap();
-    let (again, told) = SettingsFile::open(Some(path));
+    let (again, reported) = SettingsFile::open(Some(path));
     // What a newer program wrote stays in the file, and is told again.
-    let readable = told.as_ref().is_none_or(|error| matches!(error, SettingsError::Newer { .. }));
-    assert!(readable, "what was written cannot be read: {told:?}");
+    let readable = reported.as_ref().is_none_or(|error| matches!(error, SettingsError::Newer { .. }));
+    assert!(readable, "what was written cannot be read: {reported:?}");
     assert_eq!(again.settings(), file.settings());
     assert!(in_range(&again));
 }

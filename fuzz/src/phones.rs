@@ -5,7 +5,7 @@ use mariana_remote::limits::LIMITS;
 use mariana_remote::message::{Asked, understand};
 
 use super::bytes::Bytes;
-use super::control::{DEEDS, check_act, check_turn};
+use super::control::{ACTIONS, check_act, check_turn};
 
 /// The head of a request, or a message.
 pub(crate) fn phones(data: &[u8]) {
@@ -35,9 +35,9 @@ fn head(bytes: &[u8]) {
 }
 
 fn message(text: &str) {
-    match understand(text, DEEDS) {
-        Ok(Asked::Turn(wish)) => check_turn(&wish),
-        Ok(Asked::Act(deed)) => check_act(&deed),
+    match understand(text, ACTIONS) {
+        Ok(Asked::Turn(change)) => check_turn(&change),
+        Ok(Asked::Act(action)) => check_act(&action),
         Ok(Asked::Nothing) | Err(_) => {}
     }
 }

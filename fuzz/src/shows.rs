@@ -5,9 +5,9 @@ use std::sync::LazyLock;
 
 use mariana::frame::held_inputs::HeldInputs;
 use mariana::frame::orbit_controls::OrbitControls;
-use mariana::frame::{Frame, Staging};
+use mariana::frame::{Frame, FrameOptions};
 use mariana::scenes::{ReadyScene, SceneSource, camera_number};
-use mariana::show::{Moment, Plan, Programme, Stay};
+use mariana::show::{Clip, Moment, PreparedShow, Timeline};
 use mariana_music::{Section, SongBeat, SongStructure, Sound, Stretch};
 
 use super::bytes::Bytes;
@@ -62,69 +62,69 @@ pub(crate) fn shows(data: &[u8]) {
     let song = song(bytes.below(2));
     let text = String::from_utf8_lossy(bytes.0);
     let (folder, _) = &*SCENES;
-    let programme = match Programme::of_text("fuzz.show", &text, folder.path(), &song) {
-        Ok((programme, told)) => {
-            assert!(told.is_none_or(|told| told.contains("fuzz.show:")));
-            programme
+    let prepared_show = match PreparedShow::of_text("fuzz.show", &text, folder.path(), &song) {
+        Ok((prepared_show, reported)) => {
+            assert!(reported.is_none_or(|reported| reported.contains("fuzz.show:")));
+            prepared_show
         }
         Err(error) => return assert!(error.to_string().len() > 20, "{error}"),
     };
-    let cues = programme.cues().len();
-    match programme.plan() {
-        Some(plan) => check(&programme, plan),
+    let cues = prepared_show.cues().len();
+    match prepared_show.timeline() {
+        Some(timeline) => check(&prepared_show, timeline),
         None => assert!(cues > 0, "an empty plan without cues"),
     }
     let pressed: Vec<f64> = (0..cues).map(|number| 5.0 * number as f64).collect();
-    let with_cues = programme.with_cues(&song, &pressed);
-    check(&with_cues, with_cues.plan().unwrap());
+    let with_cues = prepared_show.with_cues(&song, &pressed);
+    check(&with_cues, with_cues.timeline().unwrap());
     // The printed show can be read again.
-    let again = Programme::of_text("again.show", &programme.text(&[]), folder.path(), &song);
+    let again = PreparedShow::of_text("again.show", &prepared_show.text(&[]), folder.path(), &song);
     assert!(again.is_ok(), "{:?}", again.err());
 }
 
 /// Most stays of which each is looked at.
-const STAYS_MAX: usize = 50;
+const CLIPS_MAX: usize = 50;
 
-fn check(programme: &Programme, plan: &Plan) {
-    let starts = plan.stays().iter().take(STAYS_MAX).map(|stay| stay.start);
+fn check(prepared_show: &PreparedShow, timeline: &Timeline) {
+    let starts = timeline.clips().iter().take(CLIPS_MAX).map(|clip| clip.start);
     let around = starts.flat_map(|start| [start - 0.01, start, start + 0.01, start + 1.7]);
     for time in around.chain([f64::NEG_INFINITY, 0.0, 64.5, 1e12, f64::NAN]) {
-        let Moment { index, stay, leaving } = plan.at(time);
-        assert_eq!(plan.stays().get(index), Some(stay));
+        let Moment { index, clip, leaving } = timeline.at(time);
+        assert_eq!(timeline.clips().get(index), Some(clip));
         if time.is_nan() {
             continue;
         }
-        draw(programme, stay, time);
-        if let Some((from, share)) = leaving {
-            assert!(share > 0.0 && share < 1.0, "{share}");
-            draw(programme, from, time);
-            let blend = stay.entrance.kind.blend().map(|kind| programme.blend(from, stay, kind));
+        draw(prepared_show, clip, time);
+        if let Some((from, fraction)) = leaving {
+            assert!(fraction > 0.0 && fraction < 1.0, "{fraction}");
+            draw(prepared_show, from, time);
+            let blend = clip.transition.kind.blend().map(|kind| prepared_show.blend(from, clip, kind));
             assert!(blend.is_none_or(|blend| blend.is_some()));
         }
-        let picture = plan.picture_at(time);
+        let picture = timeline.picture_at(time);
         assert!((0.0..=1.0).contains(&picture.brightness), "{picture:?}");
-        assert!(plan.held_at(time).iter().all(|held| held.share > 0.0 && held.share <= 1.0));
+        assert!(timeline.held_at(time).iter().all(|held| held.fraction > 0.0 && held.fraction <= 1.0));
     }
 }
 
 /// Computes a picture as far as no driver is needed.
-fn draw(programme: &Programme, stay: &Stay, time: f64) {
+fn draw(prepared_show: &PreparedShow, clip: &Clip, time: f64) {
     let (folder, ready) = &*SCENES;
-    let source = programme.source(&stay.scene).unwrap();
-    let turns = stay.turns_at(time);
+    let source = prepared_show.source(&clip.scene).unwrap();
+    let turns = clip.turns_at(time);
     assert!(turns.iter().all(|turn| turn.is_finite()), "{turns:?}");
     if *source != SceneSource::File(PathBuf::from(folder.path()).join(SCENE)) {
         return;
     }
     let world = &ready.world;
-    let params = stay.numbers_at(&world.scene, time, |param| param.default);
+    let params = clip.numbers_at(&world.scene, time, |param| param.default);
     assert!(params.iter().all(|value| value.is_finite()), "{params:?}");
-    let camera = camera_number(world, stay.camera.as_deref());
-    assert_eq!(camera.is_some(), stay.camera.is_some());
+    let camera = camera_number(world, clip.camera.as_deref());
+    assert_eq!(camera.is_some(), clip.camera.is_some());
     let held = HeldInputs::default();
-    let staging = Staging { params: &params, held: &held, camera };
+    let frame_options = FrameOptions { params: &params, held: &held, camera };
     let time = if time.is_finite() { time } else { 0.0 };
-    let frame = Frame::staged(world, time, Sound::default(), (32, 18), &staging);
+    let frame = Frame::staged(world, time, Sound::default(), (32, 18), &frame_options);
     let frame = frame.by_hand(world, OrbitControls::of_turns(turns));
     assert!(frame.camera.position.is_finite(), "{turns:?}: {:?}", frame.camera);
 }

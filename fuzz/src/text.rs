@@ -33,8 +33,8 @@ fn check(diagnostics: &[Diagnostic], sources: &Sources) {
         assert!(sources.place(diagnostic.span.start).is_some(), "{diagnostic:?}");
         assert!(diagnostic.span.start <= diagnostic.span.end, "{diagnostic:?}");
     }
-    let told = lang::render_all(diagnostics, sources, true);
-    assert_eq!(told.is_empty(), diagnostics.is_empty());
+    let reported = lang::render_all(diagnostics, sources, true);
+    assert_eq!(reported.is_empty(), diagnostics.is_empty());
 }
 
 /// The world of a text, if it is a scene. What it includes is a function, itself, or not there.

@@ -49,7 +49,7 @@ pub(super) fn run(arguments: AnalyzeArguments) -> anyhow::Result<()> {
         end_by_signals();
         let request = StructureRequest {
             song: song_or_demo(arguments.file)?,
-            told: arguments.structure,
+            reported: arguments.structure,
             json: arguments.json,
             plot: arguments.plot,
         };

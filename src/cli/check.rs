@@ -211,7 +211,7 @@ fn cost(scene: &Scene) -> anyhow::Result<String> {
 
 /// What to do about a shape that is no distance; empty for a distance.
 fn advice(world: &World) -> String {
-    match (world.steep, world.slopes.distance_factor) {
+    match (world.non_lipschitz, world.slopes.distance_factor) {
         (false, _) => String::new(),
         (true, Some(factor)) => format!("\n  {NO_DISTANCE}: multiply it by {factor:.2} to make it one"),
         (true, None) => format!("\n  {NO_DISTANCE}, and no single factor makes it one"),

@@ -61,12 +61,12 @@ pub(super) fn parse_percent(text: &str) -> Result<u8, String> {
 
 /// A kind of blend and the share of the second scene: `melt:0.5`.
 pub(super) fn parse_blend(text: &str) -> Result<(BlendKind, f32), String> {
-    let (name, share) = text.split_once(':').ok_or("write it as KIND:SHARE, such as melt:0.5")?;
+    let (name, fraction) = text.split_once(':').ok_or("write it as KIND:SHARE, such as melt:0.5")?;
     let kind = BlendKind::named(name.trim()).ok_or_else(|| {
         let names: Vec<&str> = BlendKind::ALL.iter().map(|(_, name, _)| *name).collect();
         format!("'{}' is no kind of blend; there are {}", name.trim(), names.join(", "))
     })?;
-    Ok((kind, parse_within(share, 0.0, 1.0, "of the second scene")? as f32))
+    Ok((kind, parse_within(fraction, 0.0, 1.0, "of the second scene")? as f32))
 }
 
 /// The help of a flag that [`parse_blend`] reads.
@@ -134,8 +134,8 @@ pub(super) fn parse_corners(text: &str) -> Result<Corners, String> {
     }
     let percent = parse_numbers::<8>(text, "0,0,100,5,100,95,0,100")?;
     let mut corners = [[0.0; 2]; 4];
-    for (share, percent) in corners.as_flattened_mut().iter_mut().zip(percent) {
-        *share = percent / 100.0;
+    for (fraction, percent) in corners.as_flattened_mut().iter_mut().zip(percent) {
+        *fraction = percent / 100.0;
     }
     Ok(Corners::try_from(corners)?)
 }

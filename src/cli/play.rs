@@ -8,13 +8,13 @@ use clap::{ArgAction, Args};
 use super::choices::{RepeatChoice, choice};
 use super::common::{CommonArguments, DEFAULT_SCENE, OneScene};
 use super::files::{Files, is_standard, song_or_demo};
+use super::frame_options::StagingArguments;
 use super::parse::{parse_fade, parse_fps, parse_latency, parse_osc_rate, parse_percent, parse_size};
 use super::setting_flags::SettingFlags;
 use super::show::ShowChoice;
-use super::staging::StagingArguments;
 use super::view::ViewArguments;
 use crate::config::{
-    Choices, Folders, HandSettings, LastShow, ListenChoice, Memory, PlaySettings, SettingsFile,
+    Choices, ControllerSettings, Folders, LastShow, ListenChoice, Memory, PlaySettings, SettingsFile,
 };
 use crate::demo_track::DEMO_TRACK;
 use crate::export::painter::SceneChoice;
@@ -114,7 +114,7 @@ pub(super) struct PlayArguments {
     #[command(flatten)]
     chosen: SettingFlags,
     #[command(flatten)]
-    staging: StagingArguments,
+    frame_options: StagingArguments,
     #[command(flatten)]
     scene: OneScene,
     #[command(flatten)]
@@ -143,7 +143,7 @@ fn check_scale_factor() -> anyhow::Result<()> {
 pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
     arguments.common.start_log();
     check_scale_factor()?;
-    if arguments.staging.lists_monitors() {
+    if arguments.frame_options.lists_monitors() {
         return list_monitors();
     }
     shell::run(prepare(arguments, Folders::of_user())?)
@@ -180,7 +180,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         program_cache: if arguments.program_cache { kept } else { ProgramCache::off() },
         fullscreen: arguments.fullscreen || (arguments.size.is_none() && last.fullscreen),
         begin_at: 0.0,
-        hands: HandSettings {
+        controllers: ControllerSettings {
             osc: arguments.osc,
             osc_send: arguments.osc_send,
             osc_rate: arguments.osc_rate,
@@ -198,7 +198,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         send_fps: 0.0,
         gl_info: arguments.gl_info,
     };
-    arguments.staging.tell(&mut settings)?;
+    arguments.frame_options.tell(&mut settings)?;
     let repeat = match arguments.repeat {
         _ if arguments.once => Repeat::Off,
         RepeatChoice::All => Repeat::All,
@@ -249,7 +249,7 @@ fn choices_of(arguments: &PlayArguments, remembered: &Choices) -> Choices {
     choices.gain = arguments.common.gain.unwrap_or(choices.gain);
     choices.follow_song = arguments.show.as_ref().map_or(choices.follow_song, ShowChoice::follow);
     choices.hints &= !arguments.clean;
-    choices.stage.output = arguments.staging.output(choices.stage.output);
+    choices.stage.output = arguments.frame_options.output(choices.stage.output);
     choices
 }
 

@@ -31,7 +31,7 @@ pub(super) struct Since {
     /// How many were done then.
     done: u64,
     /// When the last line was told.
-    told: Instant,
+    reported: Instant,
 }
 
 impl Progress {
@@ -63,9 +63,9 @@ impl Progress {
             Self::Lines { since } => {
                 // Before the first frame shaders are compiled, which says nothing about the others.
                 let now = Instant::now();
-                let since = since.get_or_insert(Since { begun: now, done, told: now });
-                if since.told.elapsed() >= LINE_PERIOD {
-                    since.told = now;
+                let since = since.get_or_insert(Since { begun: now, done, reported: now });
+                if since.reported.elapsed() >= LINE_PERIOD {
+                    since.reported = now;
                     let rate = (done - since.done) as f64 / since.begun.elapsed().as_secs_f64();
                     tell(&line(done, of, rate));
                 }

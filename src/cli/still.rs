@@ -57,7 +57,7 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
     end_by_signals();
     let output = Output::from(arguments.output);
     refuse_a_terminal(&output, "mariana still -o - > frame.png")?;
-    let (kind, share) = arguments.blend;
+    let (kind, fraction) = arguments.blend;
     let into = arguments.into.as_deref().map(scene_of).transpose()?;
     let (song, scene) = Files::of(arguments.files)?.song_and_scene()?;
     Ok(write_still(&StillRequest {
@@ -72,7 +72,7 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
             ..arguments.scene.choose(scene, &common)?
         },
         show: arguments.show.and_then(|show| show.showing(Vec::new())),
-        blend: into.map(|into| Blend { into, kind, share }),
+        blend: into.map(|into| Blend { into, kind, fraction }),
         set: arguments.set.set,
     })?)
 }

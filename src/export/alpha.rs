@@ -30,7 +30,7 @@ pub(super) fn require_no_sky(ready: &ReadyScene, scene: &str) -> Result<(), Expo
 #[derive(Default)]
 pub(super) struct Coverage {
     /// Of the frame that was drawn last, 0..1.
-    shares: Vec<f32>,
+    fractions: Vec<f32>,
 }
 
 impl Coverage {
@@ -50,14 +50,14 @@ impl Coverage {
         covering.picture = Picture { exposure: EXPOSURE, bloom: 0.0, vignette: 0.0, ..frame.picture };
         renderer.draw(&covering, resources, program)?;
         let light = renderer.read_light()?;
-        self.shares = light.as_chunks::<4>().0.iter().map(|[share, ..]| share / EXPOSURE).collect();
+        self.fractions = light.as_chunks::<4>().0.iter().map(|[fraction, ..]| fraction / EXPOSURE).collect();
         Ok(())
     }
 
     /// Gives the picture of that frame its alpha.
     pub(super) fn put_into(&self, rgba: &mut [u8]) {
-        for ([r, g, b, alpha], share) in rgba.as_chunks_mut::<4>().0.iter_mut().zip(&self.shares) {
-            let covered = (255.0 * share.clamp(0.0, 1.0)).round() as u8;
+        for ([r, g, b, alpha], fraction) in rgba.as_chunks_mut::<4>().0.iter_mut().zip(&self.fractions) {
+            let covered = (255.0 * fraction.clamp(0.0, 1.0)).round() as u8;
             *alpha = covered.max(*r).max(*g).max(*b);
         }
     }

@@ -309,7 +309,7 @@ fn measure_edges(
         renderer.set_edge_samples(samples);
         renderer.draw(&frame, resources, &run.program)?;
         let decibels = peak_signal_over_noise(&renderer.read(), &reference);
-        Ok(EdgeReport { samples: samples.count(), share: renderer.edge_pixels() / pixels, decibels })
+        Ok(EdgeReport { samples: samples.count(), fraction: renderer.edge_pixels() / pixels, decibels })
     };
     EdgeSamples::ALL.into_iter().map(report).collect()
 }
@@ -410,9 +410,9 @@ fn milliseconds(duration: Duration) -> f64 {
 }
 
 /// Nearest-rank percentile; 0 for no values.
-fn percentile(values: &mut [f64], share: f64) -> f64 {
+fn percentile(values: &mut [f64], fraction: f64) -> f64 {
     values.sort_by(f64::total_cmp);
-    let rank = (share * values.len() as f64).ceil() as usize;
+    let rank = (fraction * values.len() as f64).ceil() as usize;
     values.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)
 }
 

@@ -4,7 +4,7 @@ use super::alpha::{Coverage, require_no_sky};
 use super::error::ExportError;
 use crate::config::SdfChoice;
 use crate::frame::held_inputs::{HeldInputs, InputNames, Setting};
-use crate::frame::{Frame, Staging};
+use crate::frame::{Frame, FrameOptions};
 use crate::gpu::cell_use::CellUse;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::gl::{Gl, GlInfo};
@@ -64,7 +64,7 @@ impl From<SceneSource> for SceneChoice {
 }
 
 /// What scenes are drawn on, one after the other: a context without a window, and its renderer.
-pub(super) struct Easel {
+pub(super) struct HeadlessRenderer {
     renderer: Renderer,
     view: Option<(ViewChoice, LegendPainter)>,
     /// How much of each pixel of the last picture is covered, if that is asked for.
@@ -73,7 +73,7 @@ pub(super) struct Easel {
     context: Headless,
 }
 
-/// A scene with what draws it on an [`Easel`].
+/// A scene with what draws it on an [`HeadlessRenderer`].
 pub(super) struct Model {
     program: Program,
     coverage: Option<Program>,
@@ -81,7 +81,7 @@ pub(super) struct Model {
     mode: Mode,
 }
 
-impl Easel {
+impl HeadlessRenderer {
     /// Opens a context for scenes that are drawn as `choice` says.
     ///
     /// # Errors
@@ -122,11 +122,11 @@ impl Easel {
         let program = link_scene(gl, &choice.shaders, &variant)?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;
         // Views show them.
-        let wish = match choice.cells {
+        let change = match choice.cells {
             CellUse::WhereTheyPay if choice.view.is_some() => CellUse::Always,
-            wish => wish,
+            change => change,
         };
-        resources.set_cells(resources.uses_cells(wish, mode), mode);
+        resources.set_cells(resources.uses_cells(change, mode), mode);
         Ok(Model { program, coverage, resources, mode })
     }
 
@@ -155,29 +155,34 @@ impl Easel {
         &mut self,
         under: (&Model, Frame),
         over: (&Model, Frame),
-        share: f32,
+        fraction: f32,
     ) -> Result<(), ExportError> {
         if self.view.is_none() {
             self.draw(under.0, under.1)?;
         }
-        self.draw_over(over.0, over.1, share)
+        self.draw_over(over.0, over.1, fraction)
     }
 
     /// Draws a scene with the share, 0..1, of the last picture in its light. Views stand for numbers and are not mixed.
     ///
     /// # Errors
     /// What the driver refuses.
-    pub(super) fn draw_over(&mut self, model: &Model, frame: Frame, share: f32) -> Result<(), ExportError> {
+    pub(super) fn draw_over(
+        &mut self,
+        model: &Model,
+        frame: Frame,
+        fraction: f32,
+    ) -> Result<(), ExportError> {
         if self.view.is_none() {
             self.renderer.keep_light()?;
-            self.renderer.set_fade(Some(share));
+            self.renderer.set_fade(Some(fraction));
         }
         let drawn = self.draw(model, frame);
         self.renderer.set_fade(None);
         drawn
     }
 
-    /// From now on [`Easel::dim`] takes effect.
+    /// From now on [`HeadlessRenderer::dim`] takes effect.
     ///
     /// # Errors
     /// What the driver refuses.
@@ -193,7 +198,7 @@ impl Easel {
         Ok(self.renderer.dim(brightness)?)
     }
 
-    /// From now on [`Easel::limit_flashes`] takes effect.
+    /// From now on [`HeadlessRenderer::limit_flashes`] takes effect.
     ///
     /// # Errors
     /// What the driver refuses.
@@ -230,7 +235,7 @@ impl Model {
 pub struct Painter {
     model: Model,
     held: HeldInputs,
-    easel: Easel,
+    headless_renderer: HeadlessRenderer,
 }
 
 impl Painter {
@@ -250,9 +255,9 @@ impl Painter {
         if choice.alpha {
             require_no_sky(&ready, &choice.source.name())?;
         }
-        let easel = Easel::open(choice)?;
-        let model = easel.load(choice, ready)?;
-        Ok(Self { model, held: HeldInputs::default(), easel })
+        let headless_renderer = HeadlessRenderer::open(choice)?;
+        let model = headless_renderer.load(choice, ready)?;
+        Ok(Self { model, held: HeldInputs::default(), headless_renderer })
     }
 
     /// Holds inputs of the scene from now on; those that it does not have are passed over.
@@ -269,14 +274,14 @@ impl Painter {
     /// # Errors
     /// What the driver refuses.
     pub fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
-        let staging = Staging { params: &[], held: &self.held, camera: None };
-        let frame = Frame::staged(self.model.world(), time, sound, size, &staging);
-        self.easel.draw(&self.model, frame)
+        let frame_options = FrameOptions { params: &[], held: &self.held, camera: None };
+        let frame = Frame::staged(self.model.world(), time, sound, size, &frame_options);
+        self.headless_renderer.draw(&self.model, frame)
     }
 
     /// The last picture, four bytes per pixel, the top row first; premultiplied where it is transparent.
     pub fn read(&self) -> Vec<u8> {
-        self.easel.read()
+        self.headless_renderer.read()
     }
 
     /// How the scene is drawn.
@@ -291,7 +296,7 @@ impl Painter {
 
     /// The context.
     pub fn gl(&self) -> &Gl {
-        self.easel.context.gl()
+        self.headless_renderer.context.gl()
     }
 }
 

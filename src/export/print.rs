@@ -18,7 +18,7 @@ pub fn print_line(text: &str) -> Result<(), ExportError> {
 /// Prints a sentence for the user on standard error, after the program's name. If standard error is closed, nothing
 /// happens.
 pub fn tell(sentence: &str) {
-    tracing::debug!(target: "told", "{sentence}");
+    tracing::debug!(target: "report", "{sentence}");
     // There is no other place to report that.
     let _ = writeln!(std::io::stderr(), "mariana: {sentence}");
 }

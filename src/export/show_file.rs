@@ -6,7 +6,7 @@ use super::still::refuse_the_song;
 use super::structure::{structure_of, summary};
 use crate::atomic_file::AtomicFile;
 use crate::scenes::SceneSource;
-use crate::show::{Programme, ShowSource};
+use crate::show::{PreparedShow, ShowSource};
 use mariana_player::song::Song;
 
 /// Which show to write down.
@@ -33,15 +33,15 @@ pub fn write_show_file(request: &ShowFileRequest) -> Result<usize, ExportError> 
         Output::Standard => None,
     };
     let (name, structure) = structure_of(&request.song)?;
-    let (programme, _) = Programme::of_song(&ShowSource::Auto, &structure, &request.scenes)?;
+    let (prepared_show, _) = PreparedShow::of_song(&ShowSource::Auto, &structure, &request.scenes)?;
     let comments = [
         format!("A show for {name}: {}", summary(&structure)),
         "at WHEN SCENE [camera NAME] [cut | fade, melt or portal over LENGTH]; set PARAMETER = A -> B over LENGTH".to_owned(),
     ];
-    let text = programme.text(&comments);
+    let text = prepared_show.text(&comments);
     match file {
         Some(file) => file.write(text.as_bytes())?,
         None => write_standard(text.as_bytes()).map(|_| ())?,
     }
-    Ok(programme.stays().len())
+    Ok(prepared_show.clips().len())
 }

@@ -5,12 +5,12 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::error::ExportError;
-use super::painter::{Easel, Model, SceneChoice, held_of, require_inputs};
+use super::painter::{HeadlessRenderer, Model, SceneChoice, held_of, require_inputs};
 use crate::frame::held_inputs::{HeldInputs, Setting};
 use crate::frame::orbit_controls::OrbitControls;
-use crate::frame::{Frame, Staging};
+use crate::frame::{Frame, FrameOptions};
 use crate::scenes::{ReadyScene, SceneBlend, SceneError, SceneSource, camera_number};
-use crate::show::{Held, Plan, Programme, ShowError, Stay};
+use crate::show::{Clip, Held, PreparedShow, ShowError, Timeline};
 use mariana_field::world::{BlendKind, World, blended_params};
 use mariana_music::Sound;
 
@@ -33,11 +33,11 @@ struct Read {
 
 /// See the module.
 pub(super) struct ShowPainter {
-    easel: Easel,
+    headless_renderer: HeadlessRenderer,
     choice: SceneChoice,
-    programme: Arc<Programme>,
+    prepared_show: Arc<PreparedShow>,
     /// The programme's plan.
-    plan: Arc<Plan>,
+    timeline: Arc<Timeline>,
     scenes: Vec<Read>,
     /// What is on the GPU, the last drawn at the end.
     models: VecDeque<(Drawn, Rc<Model>)>,
@@ -57,25 +57,25 @@ impl ShowPainter {
     /// A scene, a setting or the driver is refused, or every entry of the show is a cue.
     pub(super) fn open(
         choice: &SceneChoice,
-        programme: Arc<Programme>,
+        prepared_show: Arc<PreparedShow>,
         set: &[Setting],
     ) -> Result<Self, ExportError> {
-        let plan = Arc::new(programme.plan().ok_or(ShowError::WaitsForKeys)?.clone());
+        let timeline = Arc::new(prepared_show.timeline().ok_or(ShowError::WaitsForKeys)?.clone());
         let mut scenes = Vec::new();
         let mut names: Vec<&str> = Vec::new();
-        for stay in plan.stays() {
-            if names.contains(&stay.scene.as_str()) {
+        for clip in timeline.clips() {
+            if names.contains(&clip.scene.as_str()) {
                 continue;
             }
-            names.push(&stay.scene);
-            let Some(source) = programme.source(&stay.scene) else { continue };
-            scenes.push((stay.scene.clone(), source.clone(), source.ready()?));
+            names.push(&clip.scene);
+            let Some(source) = prepared_show.source(&clip.scene) else { continue };
+            scenes.push((clip.scene.clone(), source.clone(), source.ready()?));
         }
         let known: Vec<_> = scenes.iter().map(|(_, _, ready)| &ready.world.scene).collect();
         require_inputs(&known, set)?;
-        let mut easel = Easel::open(choice)?;
-        if plan.dims() {
-            easel.add_dimming(&choice.shaders)?;
+        let mut headless_renderer = HeadlessRenderer::open(choice)?;
+        if timeline.dims() {
+            headless_renderer.add_dimming(&choice.shaders)?;
         }
         let read = |(name, source, ready): (String, SceneSource, ReadyScene)| {
             if choice.alpha {
@@ -86,7 +86,16 @@ impl ShowPainter {
         };
         let scenes = scenes.into_iter().map(read).collect::<Result<_, ExportError>>()?;
         let (models, refused) = (VecDeque::new(), Vec::new());
-        Ok(Self { easel, choice: choice.clone(), programme, plan, scenes, models, refused, held: None })
+        Ok(Self {
+            headless_renderer,
+            choice: choice.clone(),
+            prepared_show,
+            timeline,
+            scenes,
+            models,
+            refused,
+            held: None,
+        })
     }
 
     /// Whether one of the scenes reads numbers of the whole song.
@@ -95,13 +104,13 @@ impl ShowPainter {
     }
 
     /// What scenes are drawn on.
-    pub(super) fn easel(&mut self) -> &mut Easel {
-        &mut self.easel
+    pub(super) fn headless_renderer(&mut self) -> &mut HeadlessRenderer {
+        &mut self.headless_renderer
     }
 
-    /// The pictures that the show holds at `time` seconds: [`Plan::held_at`].
+    /// The pictures that the show holds at `time` seconds: [`Timeline::held_at`].
     pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
-        self.plan.held_at(time)
+        self.timeline.held_at(time)
     }
 
     /// Draws what is on at a moment, `size` pixels large, with what is held of the moment of [`ShowPainter::held_at`].
@@ -115,12 +124,12 @@ impl ShowPainter {
         size: (u32, u32),
     ) -> Result<(), ExportError> {
         // What is held alone is drawn once.
-        let alone = held.first().filter(|(held, _)| held.share >= 1.0).map(|(held, _)| (held.since, size));
+        let alone = held.first().filter(|(held, _)| held.fraction >= 1.0).map(|(held, _)| (held.since, size));
         if alone.is_none() || self.held != alone {
             self.draw_anew((time, sound), held, size)?;
         }
         self.held = alone;
-        self.easel.dim(self.plan.picture_at(time).brightness)
+        self.headless_renderer.dim(self.timeline.picture_at(time).brightness)
     }
 
     /// The oldest picture that is held, over which those come that came after it.
@@ -130,73 +139,78 @@ impl ShowPainter {
         mut held: Vec<(Held, Sound)>,
         size: (u32, u32),
     ) -> Result<(), ExportError> {
-        let Some((Held { since, mut share }, then)) = held.pop() else {
+        let Some((Held { since, mut fraction }, then)) = held.pop() else {
             return self.draw_live(time, sound, size);
         };
         self.draw_live(since, then, size)?;
         while let Some((later, then)) = held.pop() {
-            self.draw_over((later.since, then), share, size)?;
-            share = later.share;
+            self.draw_over((later.since, then), fraction, size)?;
+            fraction = later.fraction;
         }
-        if share < 1.0 { self.draw_over((time, sound), share, size) } else { Ok(()) }
+        if fraction < 1.0 { self.draw_over((time, sound), fraction, size) } else { Ok(()) }
     }
 
     /// Draws a moment, mixed with the last picture. As in the window, what fades away under it is not seen meanwhile.
-    fn draw_over(&mut self, (time, sound): Heard, share: f32, size: (u32, u32)) -> Result<(), ExportError> {
-        let plan = self.plan.clone();
-        let moment = plan.at(time);
-        let (over, frame) = self.frame(moment.stay, time, sound, size)?;
-        self.easel.draw_over(&over, frame, share)
+    fn draw_over(
+        &mut self,
+        (time, sound): Heard,
+        fraction: f32,
+        size: (u32, u32),
+    ) -> Result<(), ExportError> {
+        let timeline = self.timeline.clone();
+        let moment = timeline.at(time);
+        let (over, frame) = self.frame(moment.clip, time, sound, size)?;
+        self.headless_renderer.draw_over(&over, frame, fraction)
     }
 
     fn draw_live(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
-        let plan = self.plan.clone();
-        let moment = plan.at(time);
-        let Some((leaving, share)) = moment.leaving else {
-            let (model, frame) = self.frame(moment.stay, time, sound, size)?;
-            return self.easel.draw(&model, frame);
+        let timeline = self.timeline.clone();
+        let moment = timeline.at(time);
+        let Some((leaving, fraction)) = moment.leaving else {
+            let (model, frame) = self.frame(moment.clip, time, sound, size)?;
+            return self.headless_renderer.draw(&model, frame);
         };
-        if let Some(kind) = moment.stay.entrance.kind.blend()
-            && let Some(model) = self.blend(leaving, moment.stay, kind)?
+        if let Some(kind) = moment.clip.transition.kind.blend()
+            && let Some(model) = self.blend(leaving, moment.clip, kind)?
         {
             let of =
-                |stay: &Stay| self.read(stay).map(|read| (read, params_of(&read.ready.world, stay, time)));
-            let (from, to) = (of(leaving)?, of(moment.stay)?);
+                |clip: &Clip| self.read(clip).map(|read| (read, params_of(&read.ready.world, clip, time)));
+            let (from, to) = (of(leaving)?, of(moment.clip)?);
             let scenes = (&from.0.ready.world.scene, &to.0.ready.world.scene);
-            let params = blended_params((scenes.0, &from.1), (scenes.1, &to.1), share);
+            let params = blended_params((scenes.0, &from.1), (scenes.1, &to.1), fraction);
             let held = from.0.held.followed_by(&to.0.held, scenes.0.params.len());
-            let staging = Staging { params: &params, held: &held, camera: None };
-            let frame = Frame::staged(model.world(), time, sound, size, &staging);
-            let frame = frame.by_hand(model.world(), OrbitControls::of_turns(moment.stay.turns_at(time)));
-            return self.easel.draw(&model, frame);
+            let frame_options = FrameOptions { params: &params, held: &held, camera: None };
+            let frame = Frame::staged(model.world(), time, sound, size, &frame_options);
+            let frame = frame.by_hand(model.world(), OrbitControls::of_turns(moment.clip.turns_at(time)));
+            return self.headless_renderer.draw(&model, frame);
         }
         let (under, under_frame) = self.frame(leaving, time, sound.clone(), size)?;
-        let (over, over_frame) = self.frame(moment.stay, time, sound, size)?;
-        self.easel.draw_faded((&under, under_frame), (&over, over_frame), 1.0 - share)
+        let (over, over_frame) = self.frame(moment.clip, time, sound, size)?;
+        self.headless_renderer.draw_faded((&under, under_frame), (&over, over_frame), 1.0 - fraction)
     }
 
     /// A stay's scene at a moment, alone.
     fn frame(
         &mut self,
-        stay: &Stay,
+        clip: &Clip,
         time: f64,
         sound: Sound,
         size: (u32, u32),
     ) -> Result<(Rc<Model>, Frame), ExportError> {
-        let read = self.read(stay)?;
+        let read = self.read(clip)?;
         let (ready, held) = (read.ready.clone(), read.held.clone());
-        let params = params_of(&ready.world, stay, time);
-        let camera = camera_of(&ready.world, stay);
-        let model = self.model(Drawn::Scene(stay.scene.clone()), |_| Ok(ready))?;
-        let staging = Staging { params: &params, held: &held, camera };
-        let frame = Frame::staged(model.world(), time, sound, size, &staging);
-        let frame = frame.by_hand(model.world(), OrbitControls::of_turns(stay.turns_at(time)));
+        let params = params_of(&ready.world, clip, time);
+        let camera = camera_of(&ready.world, clip);
+        let model = self.model(Drawn::Scene(clip.scene.clone()), |_| Ok(ready))?;
+        let frame_options = FrameOptions { params: &params, held: &held, camera };
+        let frame = Frame::staged(model.world(), time, sound, size, &frame_options);
+        let frame = frame.by_hand(model.world(), OrbitControls::of_turns(clip.turns_at(time)));
         Ok((model, frame))
     }
 
     /// The blend of two stays; none if they cannot be blended.
-    fn blend(&mut self, from: &Stay, to: &Stay, kind: BlendKind) -> Result<Option<Rc<Model>>, ExportError> {
-        let Some(blend) = self.programme.blend(from, to, kind) else {
+    fn blend(&mut self, from: &Clip, to: &Clip, kind: BlendKind) -> Result<Option<Rc<Model>>, ExportError> {
+        let Some(blend) = self.prepared_show.blend(from, to, kind) else {
             return Err(ExportError::NotInShow { scene: to.scene.clone() });
         };
         let drawn = Drawn::Blend(blend.clone());
@@ -204,7 +218,7 @@ impl ShowPainter {
             return Ok(None);
         }
         let made = self.model(drawn.clone(), |this| {
-            let ready = |stay: &Stay| this.read(stay).map(|read| read.ready.clone());
+            let ready = |clip: &Clip| this.read(clip).map(|read| read.ready.clone());
             Ok(blend.of(ready(from)?, ready(to)?)?)
         });
         match made {
@@ -227,7 +241,7 @@ impl ShowPainter {
         let known = self.models.iter().position(|(known, _)| *known == drawn);
         let model = match known.and_then(|at| self.models.remove(at)) {
             Some((_, model)) => model,
-            None => Rc::new(self.easel.load(&self.choice, make(self)?)?),
+            None => Rc::new(self.headless_renderer.load(&self.choice, make(self)?)?),
         };
         if self.models.len() >= MODELS_MAX {
             self.models.pop_front();
@@ -236,18 +250,18 @@ impl ShowPainter {
         Ok(model)
     }
 
-    fn read(&self, stay: &Stay) -> Result<&Read, ExportError> {
-        let read = self.scenes.iter().find(|read| read.name == stay.scene);
-        read.ok_or_else(|| ExportError::NotInShow { scene: stay.scene.clone() })
+    fn read(&self, clip: &Clip) -> Result<&Read, ExportError> {
+        let read = self.scenes.iter().find(|read| read.name == clip.scene);
+        read.ok_or_else(|| ExportError::NotInShow { scene: clip.scene.clone() })
     }
 }
 
 /// The number of a stay's camera in its world.
-fn camera_of(world: &World, stay: &Stay) -> Option<usize> {
-    camera_number(world, stay.camera.as_deref())
+fn camera_of(world: &World, clip: &Clip) -> Option<usize> {
+    camera_number(world, clip.camera.as_deref())
 }
 
 /// The parameters of a world as a stay moves them.
-fn params_of(world: &World, stay: &Stay, time: f64) -> Vec<f32> {
-    stay.numbers_at(&world.scene, time, |param| param.default)
+fn params_of(world: &World, clip: &Clip, time: f64) -> Vec<f32> {
+    clip.numbers_at(&world.scene, time, |param| param.default)
 }

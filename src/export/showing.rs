@@ -6,7 +6,7 @@ use super::error::ExportError;
 use super::show_painter::ShowPainter;
 use super::song_features::SongFeatures;
 use crate::scenes::SceneSource;
-use crate::show::{Held, Programme, ShowSource};
+use crate::show::{Held, PreparedShow, ShowSource};
 use mariana_music::{Gain, Sound};
 
 /// See the module.
@@ -24,33 +24,33 @@ impl Showing {
     ///
     /// # Errors
     /// The song or the show is refused, or no scene is on at the start.
-    pub(super) fn programme(
+    pub(super) fn prepared_show(
         &self,
         song: &mut SongFeatures,
         start: f64,
-    ) -> Result<Arc<Programme>, ExportError> {
-        let programme = match self {
+    ) -> Result<Arc<PreparedShow>, ExportError> {
+        let prepared_show = match self {
             Self::Scenes(scenes) => {
                 let first = scenes.iter().map(|(from, _)| *from).fold(f64::INFINITY, f64::min);
                 if first > start {
                     return Err(ExportError::NothingAtFirst { from: first, start });
                 }
-                Programme::of_cuts(scenes.iter().cloned())
+                PreparedShow::of_cuts(scenes.iter().cloned())
             }
             Self::Show(source, scenes) => {
-                let (programme, left_out) = Programme::of_song(source, song.structure(), scenes)?;
+                let (prepared_show, left_out) = PreparedShow::of_song(source, song.structure(), scenes)?;
                 if let Some(left_out) = left_out {
                     tracing::warn!("parts of the show do not fit the song:\n{left_out}");
                 }
-                if let cues @ 1.. = programme.cues().len() {
+                if let cues @ 1.. = prepared_show.cues().len() {
                     tracing::warn!(
                         "{cues} entries of the show wait for a key (`at cue`) and do not come: only a window has keys"
                     );
                 }
-                programme
+                prepared_show
             }
         };
-        Ok(Arc::new(programme))
+        Ok(Arc::new(prepared_show))
     }
 }
 

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use super::structure::{clock, summary};
-use crate::show::Stay;
+use crate::show::Clip;
 use mariana_music::{PITCH_CLASSES, SongStructure};
 
 /// Width of the time axis and of the space for names on its left, in pixels.
@@ -31,7 +31,7 @@ const FILLS: [&str; 8] =
     ["#7fb3d5", "#f0b27a", "#82e0aa", "#d7bde2", "#f7dc6f", "#f1948a", "#76d7c4", "#ccd1d1"];
 
 /// The page of a song and its show.
-pub(super) fn page(name: &str, structure: &SongStructure, show: &[Stay]) -> String {
+pub(super) fn page(name: &str, structure: &SongStructure, show: &[Clip]) -> String {
     let mut svg = String::new();
     let total = WIDTH + LEFT + 20.0;
     let _ = write!(
@@ -218,9 +218,9 @@ fn pitches(svg: &mut String, structure: &SongStructure, x: &dyn Fn(f64) -> f64) 
     let ends =
         structure.chroma.iter().skip(every).step_by(every).map(|unit| unit.start).chain([structure.seconds]);
     for (unit, end) in structure.chroma.iter().step_by(every).zip(ends) {
-        let largest = unit.shares.iter().copied().fold(0.0, f32::max);
-        for (class, share) in unit.shares.iter().enumerate() {
-            let strength = if largest > 0.0 { share / largest } else { 0.0 };
+        let largest = unit.fractions.iter().copied().fold(0.0, f32::max);
+        for (class, fraction) in unit.fractions.iter().enumerate() {
+            let strength = if largest > 0.0 { fraction / largest } else { 0.0 };
             if strength < 0.15 {
                 continue;
             }
@@ -238,20 +238,21 @@ fn pitches(svg: &mut String, structure: &SongStructure, x: &dyn Fn(f64) -> f64) 
 }
 
 /// Each scene as a box, its transition as a slope, and cuts between its cameras as lines.
-fn scenes(svg: &mut String, stays: &[Stay], seconds: f64, x: &dyn Fn(f64) -> f64) {
+fn scenes(svg: &mut String, clips: &[Clip], seconds: f64, x: &dyn Fn(f64) -> f64) {
     let (top, height) = SHOW;
     let mut names: Vec<&str> = Vec::new();
     let mut from = 0;
-    while let Some(stay) = stays.get(from) {
-        let cuts = stays[from..].iter().take_while(|other| other.scene == stay.scene).count();
+    while let Some(clip) = clips.get(from) {
+        let cuts = clips[from..].iter().take_while(|other| other.scene == clip.scene).count();
         let behind = from + cuts;
-        let end = stays.get(behind).map_or(seconds, |next| next.start);
-        let number = names.iter().position(|name| *name == stay.scene).unwrap_or(names.len());
+        let end = clips.get(behind).map_or(seconds, |next| next.start);
+        let number = names.iter().position(|name| *name == clip.scene).unwrap_or(names.len());
         if number == names.len() {
-            names.push(&stay.scene);
+            names.push(&clip.scene);
         }
-        let (left, right, whole) = (x(stay.start), x(end), x((stay.start + stay.entrance.seconds).min(end)));
-        let name = escaped(stay.scene.rsplit('/').next().unwrap_or(&stay.scene));
+        let (left, right, whole) =
+            (x(clip.start), x(end), x((clip.start + clip.transition.seconds).min(end)));
+        let name = escaped(clip.scene.rsplit('/').next().unwrap_or(&clip.scene));
         let _ = write!(
             svg,
             "<polygon points=\"{left:.1},{bottom} {whole:.1},{top} {right:.1},{top} {right:.1},{bottom}\" fill=\"{}\" \
@@ -259,7 +260,7 @@ fn scenes(svg: &mut String, stays: &[Stay], seconds: f64, x: &dyn Fn(f64) -> f64
             FILLS[number % FILLS.len()],
             bottom = top + height,
         );
-        for cut in &stays[from + 1..behind] {
+        for cut in &clips[from + 1..behind] {
             let _ = write!(svg, "<path d=\"M{:.1} {top}v{height}\" stroke=\"white\"/>", x(cut.start));
         }
         if right - left > 6.5 * name.chars().count() as f64 {

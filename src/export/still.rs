@@ -53,7 +53,7 @@ pub struct Blend {
     /// How one becomes the other.
     pub kind: BlendKind,
     /// Its share, 0..1; at 0 and 1 one scene is alone.
-    pub share: f32,
+    pub fraction: f32,
 }
 
 impl Blend {
@@ -62,16 +62,16 @@ impl Blend {
     /// # Errors
     /// Either scene is refused, or both together.
     fn of(&self, from: ReadyScene, at: f64, sound: &Sound) -> Result<ReadyScene, ExportError> {
-        if self.share <= 0.0 {
+        if self.fraction <= 0.0 {
             return Ok(from);
         }
         let to = self.into.ready()?;
-        if self.share >= 1.0 {
+        if self.fraction >= 1.0 {
             return Ok(to);
         }
         let camera = |scene: &ReadyScene| Frame::new(&scene.world, at, sound.clone(), (1, 1)).values.camera;
         let alignment = Alignment::of(&camera(&from), &camera(&to));
-        Ok(from.blended(&to, self.kind, &alignment, self.share)?)
+        Ok(from.blended(&to, self.kind, &alignment, self.fraction)?)
     }
 }
 
@@ -97,15 +97,15 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     let sound = song.require(request.at)?;
     let rgba = match &request.show {
         Some(show) => {
-            let programme = show.programme(&mut song, request.at)?;
-            let mut painter = ShowPainter::open(&request.scene, programme, &request.set)?;
+            let prepared_show = show.prepared_show(&mut song, request.at)?;
+            let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
             if painter.reads_song() {
                 song.know_song();
             }
             let sound = Sound { song: song.place_in_song(request.at), ..sound };
             let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
             painter.draw((request.at, sound), held, request.size)?;
-            painter.easel().read()
+            painter.headless_renderer().read()
         }
         None => drawn(request, &mut song, sound)?,
     };

@@ -8,7 +8,7 @@ use super::error::ExportError;
 use super::song_page::page;
 use crate::atomic_file::AtomicFile;
 use crate::scenes::{SceneSource, shipped_names};
-use crate::show::{Programme, ShowSource};
+use crate::show::{PreparedShow, ShowSource};
 use mariana_music::{SongListener, SongStructure, StereoFrame, Tonality};
 use mariana_player::decode::DecodeError;
 use mariana_player::song::{Song, display_name};
@@ -20,7 +20,7 @@ pub struct StructureRequest {
     /// The song.
     pub song: Song,
     /// Whether it is told on standard output.
-    pub told: bool,
+    pub reported: bool,
     /// One JSON object instead of text.
     pub json: bool,
     /// Where it is drawn, if anywhere.
@@ -63,10 +63,10 @@ pub fn tell_structure(request: &StructureRequest, out: &mut dyn Write) -> Result
     let (name, structure) = structure_of(&request.song)?;
     if let Some(plot) = plot {
         let shipped: Vec<SceneSource> = shipped_names().into_iter().map(SceneSource::Shipped).collect();
-        let (show, _) = Programme::of_song(&ShowSource::Auto, &structure, &shipped)?;
-        plot.write(page(&name, &structure, show.stays()).as_bytes())?;
+        let (show, _) = PreparedShow::of_song(&ShowSource::Auto, &structure, &shipped)?;
+        plot.write(page(&name, &structure, show.clips()).as_bytes())?;
     }
-    if !request.told {
+    if !request.reported {
         return Ok(());
     }
     let text = if request.json {

@@ -101,10 +101,10 @@ pub fn write_video(
         return Err(too_long(expected.unwrap_or(0)));
     }
     let card = request.title_card.then(|| TitleCard::of(&request.song, request.size)).transpose()?;
-    let programme = request.showing.programme(&mut song, request.start)?;
-    let mut painter = ShowPainter::open(&request.scene, programme, &request.set)?;
+    let prepared_show = request.showing.prepared_show(&mut song, request.start)?;
+    let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
     if request.limit_flashes {
-        painter.easel().add_flash_limiter(&request.scene.shaders)?;
+        painter.headless_renderer().add_flash_limiter(&request.scene.shaders)?;
     }
     if painter.reads_song() {
         song.know_song();
@@ -117,9 +117,9 @@ pub fn write_video(
         let Some(sound) = song.sound_at(time)? else { break };
         let held = holding.at(&painter, &mut song, time)?;
         painter.draw((time, sound), held, request.size)?;
-        painter.easel().limit_flashes(1.0 / request.fps)?;
+        painter.headless_renderer().limit_flashes(1.0 / request.fps)?;
         drawn += 1;
-        let picture = painter.easel().read();
+        let picture = painter.headless_renderer().read();
         let next = match &mut seam {
             Some(seam) => seam.pass(picture)?,
             None => Some(picture),

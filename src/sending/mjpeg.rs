@@ -13,8 +13,8 @@ use std::time::Duration;
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
-use super::newest::{Newest, Picture};
-use super::{SendError, SendWish};
+use super::latest_frame::{LatestFrame, OutgoingFrame};
+use super::{SendError, SenderTarget};
 use crate::limits::LIMITS;
 use mariana_remote::http::{Head, HeadBounds, answer_in_words, read_head};
 
@@ -33,12 +33,12 @@ const ANSWER_TIME: Duration = Duration::from_secs(30);
 ///
 /// # Errors
 /// Another program has it, or the system gives no thread.
-pub(super) fn start(port: u16, newest: Arc<Newest>) -> Result<(), SendError> {
+pub(super) fn start(port: u16, latest_frame: Arc<LatestFrame>) -> Result<(), SendError> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|error| SendError::Refused {
-        to: SendWish::Mjpeg(port).to_string(),
+        to: SenderTarget::Mjpeg(port).to_string(),
         reason: format!("{error}: choose another port"),
     })?;
-    let accept = move || accept(&listener, &newest);
+    let accept = move || accept(&listener, &latest_frame);
     std::thread::Builder::new().name("sending".into()).spawn(accept).map(drop).map_err(SendError::Thread)
 }
 
@@ -50,15 +50,15 @@ struct Readers {
     jpeg: Mutex<(u64, Arc<Vec<u8>>)>,
 }
 
-fn accept(listener: &TcpListener, newest: &Arc<Newest>) {
+fn accept(listener: &TcpListener, latest_frame: &Arc<LatestFrame>) {
     let readers = Arc::new(Readers::default());
     for stream in listener.incoming() {
-        if newest.is_over() {
+        if latest_frame.is_over() {
             return;
         }
         let Ok(stream) = stream else {
             // Such as too many open files: asked again at once, the system would say it again at once.
-            newest.rest(AGAIN);
+            latest_frame.rest(AGAIN);
             continue;
         };
         // Counted here, so that no more threads are started than there may be readers.
@@ -69,8 +69,8 @@ fn accept(listener: &TcpListener, newest: &Arc<Newest>) {
             continue;
         }
         let place = Place(readers.clone());
-        let newest = newest.clone();
-        let serve = move || serve(stream, &newest, &place.0);
+        let latest_frame = latest_frame.clone();
+        let serve = move || serve(stream, &latest_frame, &place.0);
         if let Err(error) = std::thread::Builder::new().name("sending".into()).spawn(serve) {
             tracing::warn!("a reader of pictures gets none: {error}");
         }
@@ -87,7 +87,7 @@ impl Drop for Place {
 }
 
 /// Answers one reader until it goes.
-fn serve(stream: TcpStream, newest: &Newest, readers: &Readers) {
+fn serve(stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) {
     let bounds = HeadBounds {
         bytes_max: LIMITS.send_request_bytes_max,
         fields_max: LIMITS.send_request_fields_max,
@@ -107,12 +107,12 @@ fn serve(stream: TcpStream, newest: &Newest, readers: &Readers) {
             return;
         }
     }
-    newest.has_receiver();
-    tracing::info!("{} has a reader", newest.to());
+    latest_frame.has_receiver();
+    tracing::info!("{} has a reader", latest_frame.to());
     let _ = stream.set_write_timeout(Some(ANSWER_TIME));
-    let gone = answer(stream, newest, readers).err();
-    newest.has_lost_receiver();
-    tracing::info!("a reader of {} has gone ({gone:?})", newest.to());
+    let gone = answer(stream, latest_frame, readers).err();
+    latest_frame.has_lost_receiver();
+    tracing::info!("a reader of {} has gone ({gone:?})", latest_frame.to());
 }
 
 /// What is wrong with a question that could be read, as an HTTP status and a sentence.
@@ -131,7 +131,7 @@ fn judge(head: &Head) -> Result<(), (&'static str, &'static str)> {
 }
 
 /// Writes one picture after the other, always the newest.
-fn answer(mut stream: TcpStream, newest: &Newest, readers: &Readers) -> std::io::Result<()> {
+fn answer(mut stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) -> std::io::Result<()> {
     stream.write_all(
         format!(
             "HTTP/1.1 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary={BOUNDARY}\r\nCache-Control: \
@@ -140,7 +140,7 @@ fn answer(mut stream: TcpStream, newest: &Newest, readers: &Readers) -> std::io:
         .as_bytes(),
     )?;
     let mut number = 0;
-    while let Some((next, picture)) = newest.after(number) {
+    while let Some((next, picture)) = latest_frame.after(number) {
         number = next;
         let jpeg = readers.jpeg_of(next, &picture)?;
         let head = format!("Content-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", jpeg.len());
@@ -155,7 +155,7 @@ fn answer(mut stream: TcpStream, newest: &Newest, readers: &Readers) -> std::io:
 
 impl Readers {
     /// A picture as a JPEG. The reader that needs it first makes it, and the others wait for that.
-    fn jpeg_of(&self, number: u64, picture: &Picture) -> std::io::Result<Arc<Vec<u8>>> {
+    fn jpeg_of(&self, number: u64, picture: &OutgoingFrame) -> std::io::Result<Arc<Vec<u8>>> {
         let mut known = self.jpeg.lock().unwrap_or_else(PoisonError::into_inner);
         if known.0 != number {
             let mut jpeg = Vec::new();
@@ -177,11 +177,11 @@ mod tests {
     use super::*;
 
     /// A send on a port that is free, and its port.
-    fn sending() -> (Arc<Newest>, u16) {
+    fn sending() -> (Arc<LatestFrame>, u16) {
         for port in 20_000..60_000 {
-            let newest = Arc::new(Newest::new("a place".into()));
-            if start(port, newest.clone()).is_ok() {
-                return (newest, port);
+            let latest_frame = Arc::new(LatestFrame::new("a place".into()));
+            if start(port, latest_frame.clone()).is_ok() {
+                return (latest_frame, port);
             }
         }
         panic!("no port is free");
@@ -211,25 +211,25 @@ mod tests {
         image::load_from_memory(&jpeg).unwrap().to_rgb8()
     }
 
-    fn picture(value: u8) -> Picture {
-        Picture { size: (16, 8), rgba: Arc::new(vec![value; 16 * 8 * 4]) }
+    fn picture(value: u8) -> OutgoingFrame {
+        OutgoingFrame { size: (16, 8), rgba: Arc::new(vec![value; 16 * 8 * 4]) }
     }
 
     #[test]
     fn readers_get_pictures_and_one_that_does_not_read_holds_nobody() {
-        let (newest, port) = sending();
+        let (latest_frame, port) = sending();
         let question = "GET / HTTP/1.1\r\nHost: localhost:1\r\n\r\n";
         // It asks and never reads.
         let _blocks = ask(port, question);
         let mut lines = BufReader::new(ask(port, question));
         assert_eq!(line(&mut lines), "HTTP/1.1 200 OK");
         for value in [10, 200, 90] {
-            newest.put(picture(value));
+            latest_frame.put(picture(value));
             let seen = next_picture(&mut lines);
             assert_eq!(seen.dimensions(), (16, 8));
             assert!(seen.pixels().all(|pixel| pixel.0.iter().all(|byte| byte.abs_diff(value) <= 2)));
         }
-        newest.end();
+        latest_frame.end();
         let mut rest = String::new();
         lines.read_to_string(&mut rest).unwrap();
         assert_eq!(rest.trim(), format!("--{BOUNDARY}"));
@@ -237,8 +237,8 @@ mod tests {
 
     #[test]
     fn other_questions_are_answered_with_what_is_wrong() {
-        let (newest, port) = sending();
-        newest.put(picture(1));
+        let (latest_frame, port) = sending();
+        latest_frame.put(picture(1));
         let long = format!("GET / HTTP/1.1\r\nX: {}\r\n\r\n", "x".repeat(LIMITS.send_request_bytes_max));
         let fields =
             format!("GET / HTTP/1.1\r\n{}\r\n", "X: y\r\n".repeat(LIMITS.send_request_fields_max + 1));
@@ -254,15 +254,15 @@ mod tests {
             let mut stream = ask(port, question);
             let mut status_line = [0; 12];
             stream.read_exact(&mut status_line).unwrap();
-            let told = String::from_utf8_lossy(&status_line).into_owned();
-            assert_eq!(told, format!("HTTP/1.1 {status}"), "{question:.40}");
+            let reported = String::from_utf8_lossy(&status_line).into_owned();
+            assert_eq!(reported, format!("HTTP/1.1 {status}"), "{question:.40}");
         }
     }
 
     #[test]
     fn there_are_no_more_readers_than_there_may_be() {
-        let (newest, port) = sending();
-        newest.put(picture(1));
+        let (latest_frame, port) = sending();
+        latest_frame.put(picture(1));
         let question = "GET / HTTP/1.1\r\n\r\n";
         let readers = (0..LIMITS.send_readers_max).map(|_| BufReader::new(ask(port, question)));
         let mut readers: Vec<_> = readers.collect();
@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn a_port_that_is_taken_is_told() {
         let (_newest, port) = sending();
-        let refused = start(port, Arc::new(Newest::new("a place".into()))).unwrap_err().to_string();
+        let refused = start(port, Arc::new(LatestFrame::new("a place".into()))).unwrap_err().to_string();
         assert!(refused.contains("choose another port") && refused.contains(&port.to_string()), "{refused}");
     }
 }

@@ -1,21 +1,21 @@
 //! The picture of the window for other programs: each send has a thread of its own, which always has the newest picture
 //! and leaves out what its receiver is too slow for.
 //!
-//! **A receiver never holds the show.** The show leaves a picture in a mailbox ([`Newest`]) and goes on. A receiver that
+//! **A receiver never holds the show.** The show leaves a picture in a mailbox ([`LatestFrame`]) and goes on. A receiver that
 //! blocks, goes away or comes back costs one sentence each time ([`Sending::news`]).
 
+mod latest_frame;
 mod mjpeg;
-mod newest;
 mod stream;
+mod target;
 #[cfg(target_os = "linux")]
 mod v4l2;
-mod wish;
 
 use std::sync::Arc;
 
-use newest::Newest;
-pub use newest::Picture;
-pub use wish::SendWish;
+use latest_frame::LatestFrame;
+pub use latest_frame::OutgoingFrame;
+pub use target::SenderTarget;
 
 /// Why pictures cannot be sent.
 #[derive(Debug, thiserror::Error)]
@@ -37,8 +37,8 @@ pub enum SendError {
 
 /// A send that goes on until this is dropped.
 pub struct Sending {
-    newest: Arc<Newest>,
-    wish: SendWish,
+    latest_frame: Arc<LatestFrame>,
+    target: SenderTarget,
 }
 
 impl Sending {
@@ -47,44 +47,46 @@ impl Sending {
     ///
     /// # Errors
     /// [`SendError`], each with what to do.
-    pub fn start(wish: &SendWish, size: (u32, u32), fps: f64) -> Result<Self, SendError> {
-        let newest = Arc::new(Newest::new(wish.to_string()));
-        match wish {
-            SendWish::Y4m(None) => stream::start(stream::Standard::new(size, fps), fps, newest.clone())?,
-            SendWish::Y4m(Some(path)) => {
-                stream::start(stream::Fifo::new(path, size, fps)?, fps, newest.clone())?;
+    pub fn start(target: &SenderTarget, size: (u32, u32), fps: f64) -> Result<Self, SendError> {
+        let latest_frame = Arc::new(LatestFrame::new(target.to_string()));
+        match target {
+            SenderTarget::Y4m(None) => {
+                stream::start(stream::Standard::new(size, fps), fps, latest_frame.clone())?
             }
-            SendWish::V4l2(path) => start_v4l2(path, size, fps, newest.clone())?,
-            SendWish::Mjpeg(port) => mjpeg::start(*port, newest.clone())?,
+            SenderTarget::Y4m(Some(path)) => {
+                stream::start(stream::Fifo::new(path, size, fps)?, fps, latest_frame.clone())?;
+            }
+            SenderTarget::V4l2(path) => start_v4l2(path, size, fps, latest_frame.clone())?,
+            SenderTarget::Mjpeg(port) => mjpeg::start(*port, latest_frame.clone())?,
         }
-        Ok(Self { newest, wish: wish.clone() })
+        Ok(Self { latest_frame, target: target.clone() })
     }
 
     /// Where it sends to.
-    pub fn wish(&self) -> &SendWish {
-        &self.wish
+    pub fn target(&self) -> &SenderTarget {
+        &self.target
     }
 
     /// Sends this picture from now on.
-    pub fn offer(&self, picture: Picture) {
-        self.newest.put(picture);
+    pub fn offer(&self, picture: OutgoingFrame) {
+        self.latest_frame.put(picture);
     }
 
     /// Whether somebody takes pictures, or waits for the first.
     pub fn is_wanted(&self) -> bool {
-        self.newest.is_wanted()
+        self.latest_frame.is_wanted()
     }
 
     /// What there is to say of the receiver since the last call.
     pub fn news(&self) -> Vec<String> {
-        self.newest.news()
+        self.latest_frame.news()
     }
 }
 
 impl Drop for Sending {
     fn drop(&mut self) {
         // A thread that a receiver blocks is left behind: the program's end does not wait for it.
-        self.newest.end();
+        self.latest_frame.end();
     }
 }
 
@@ -93,9 +95,9 @@ fn start_v4l2(
     path: &std::path::Path,
     size: (u32, u32),
     fps: f64,
-    newest: Arc<Newest>,
+    latest_frame: Arc<LatestFrame>,
 ) -> Result<(), SendError> {
-    stream::start(v4l2::Camera::open(path, size)?, fps, newest)
+    stream::start(v4l2::Camera::open(path, size)?, fps, latest_frame)
 }
 
 #[cfg(not(target_os = "linux"))]
@@ -103,7 +105,7 @@ fn start_v4l2(
     path: &std::path::Path,
     _size: (u32, u32),
     _fps: f64,
-    _newest: Arc<Newest>,
+    _newest: Arc<LatestFrame>,
 ) -> Result<(), SendError> {
     let reason = "only Linux has such devices; send MJPEG instead".to_owned();
     Err(SendError::Refused { to: path.display().to_string(), reason })

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::newest::{Newest, Picture};
-use super::{SendError, SendWish};
+use super::latest_frame::{LatestFrame, OutgoingFrame};
+use super::{SendError, SenderTarget};
 use crate::y4m::{self, Chroma};
 
 /// What takes pictures at an even rate, on the thread of a send. Each call may block for as long as the receiver likes.
@@ -24,7 +24,7 @@ pub(super) trait Receiver: Send + 'static {
     ///
     /// # Errors
     /// The receiver has gone, or nothing can be written.
-    fn write(&mut self, picture: &Picture) -> std::io::Result<()>;
+    fn write(&mut self, picture: &OutgoingFrame) -> std::io::Result<()>;
 
     /// Whether another receiver may come when one has gone.
     fn can_come_again(&self) -> bool;
@@ -37,56 +37,67 @@ const PAUSE: Duration = Duration::from_millis(500);
 ///
 /// # Errors
 /// The system gives no thread.
-pub(super) fn start(receiver: impl Receiver, fps: f64, newest: Arc<Newest>) -> Result<(), SendError> {
-    let send = move || send(receiver, fps, &newest);
+pub(super) fn start(
+    receiver: impl Receiver,
+    fps: f64,
+    latest_frame: Arc<LatestFrame>,
+) -> Result<(), SendError> {
+    let send = move || send(receiver, fps, &latest_frame);
     std::thread::Builder::new().name("sending".into()).spawn(send).map(drop).map_err(SendError::Thread)
 }
 
-fn send(mut receiver: impl Receiver, fps: f64, newest: &Newest) {
+fn send(mut receiver: impl Receiver, fps: f64, latest_frame: &LatestFrame) {
     let period = Duration::try_from_secs_f64(1.0 / fps).unwrap_or(Duration::from_millis(33));
     // Without a picture there is nothing to send, and no size.
-    while newest.first().is_some() {
+    while latest_frame.first().is_some() {
         match receiver.open() {
-            Ok(()) => newest.has_receiver(),
+            Ok(()) => latest_frame.has_receiver(),
             Err(error) => {
-                newest.tell(format!("{} can no longer be sent to: {error}", newest.to()));
+                latest_frame.tell(format!("{} can no longer be sent to: {error}", latest_frame.to()));
                 return;
             }
         }
-        tracing::info!("{} has a receiver", newest.to());
-        let ended = feed(&mut receiver, period, newest);
-        newest.has_lost_receiver();
+        tracing::info!("{} has a receiver", latest_frame.to());
+        let ended = feed(&mut receiver, period, latest_frame);
+        latest_frame.has_lost_receiver();
         let Some(error) = ended else { return };
         if !receiver.can_come_again() {
-            newest.tell(format!("whoever read {} has gone: no more pictures are sent there", newest.to()));
+            latest_frame.tell(format!(
+                "whoever read {} has gone: no more pictures are sent there",
+                latest_frame.to()
+            ));
             return;
         }
-        newest.tell(format!("whoever read {} has gone: the next one gets pictures", newest.to()));
+        latest_frame.tell(format!("whoever read {} has gone: the next one gets pictures", latest_frame.to()));
         tracing::debug!("{error}");
-        if newest.rest(PAUSE) {
+        if latest_frame.rest(PAUSE) {
             return;
         }
     }
 }
 
 /// Writes pictures until the receiver goes, with what it says, or until the end.
-fn feed(receiver: &mut impl Receiver, period: Duration, newest: &Newest) -> Option<std::io::Error> {
+fn feed(
+    receiver: &mut impl Receiver,
+    period: Duration,
+    latest_frame: &LatestFrame,
+) -> Option<std::io::Error> {
     let mut due = Instant::now();
     loop {
-        let picture = newest.first()?;
-        newest.note_writing(true);
+        let picture = latest_frame.first()?;
+        latest_frame.note_writing(true);
         let written = receiver.write(&picture);
-        newest.note_writing(false);
+        latest_frame.note_writing(false);
         if let Err(error) = written {
             return Some(error);
         }
         due += period;
         let now = Instant::now();
         if now > due + period {
-            newest.note_slow();
+            latest_frame.note_slow();
             due = now;
         }
-        if newest.rest(due.saturating_duration_since(now)) {
+        if latest_frame.rest(due.saturating_duration_since(now)) {
             return None;
         }
     }
@@ -106,7 +117,7 @@ impl Fifo {
     /// There is none.
     pub(super) fn new(path: &Path, size: (u32, u32), fps: f64) -> Result<Self, SendError> {
         let refused = |reason: &str| SendError::Refused {
-            to: SendWish::Y4m(Some(path.to_owned())).to_string(),
+            to: SenderTarget::Y4m(Some(path.to_owned())).to_string(),
             reason: reason.to_owned(),
         };
         match std::fs::metadata(path) {
@@ -149,7 +160,7 @@ impl Receiver for Fifo {
         Ok(())
     }
 
-    fn write(&mut self, picture: &Picture) -> std::io::Result<()> {
+    fn write(&mut self, picture: &OutgoingFrame) -> std::io::Result<()> {
         let Some(file) = &mut self.file else { return Err(ErrorKind::NotConnected.into()) };
         let written = file.write_all(&y4m::frame_of_quarter(&picture.rgba, picture.size));
         if written.is_err() {
@@ -181,7 +192,7 @@ impl Receiver for Standard {
         Ok(())
     }
 
-    fn write(&mut self, picture: &Picture) -> std::io::Result<()> {
+    fn write(&mut self, picture: &OutgoingFrame) -> std::io::Result<()> {
         let mut out = std::io::stdout().lock();
         out.write_all(&y4m::frame_of_quarter(&picture.rgba, picture.size))?;
         out.flush()
@@ -213,7 +224,7 @@ mod tests {
             Ok(())
         }
 
-        fn write(&mut self, picture: &Picture) -> std::io::Result<()> {
+        fn write(&mut self, picture: &OutgoingFrame) -> std::io::Result<()> {
             self.left = self.left.checked_sub(1).ok_or(ErrorKind::BrokenPipe)?;
             self.taken.send(picture.rgba[0]).map_err(|_| ErrorKind::BrokenPipe.into())
         }
@@ -226,23 +237,26 @@ mod tests {
     #[test]
     fn a_picture_that_stands_is_sent_again_and_receivers_come_and_go() {
         let (taken, pictures) = channel();
-        let newest = Arc::new(Newest::new("a place".into()));
-        start(Short { taken, pictures: 3, left: 0, times: 2 }, 500.0, newest.clone()).unwrap();
-        let feeder = newest.clone();
+        let latest_frame = Arc::new(LatestFrame::new("a place".into()));
+        start(Short { taken, pictures: 3, left: 0, times: 2 }, 500.0, latest_frame.clone()).unwrap();
+        let feeder = latest_frame.clone();
         let feeds = std::thread::spawn(move || {
             while !feeder.rest(Duration::from_millis(1)) {
                 if feeder.is_wanted() {
-                    feeder.put(Picture { size: (2, 2), rgba: Arc::new(vec![7; 16]) });
+                    feeder.put(OutgoingFrame { size: (2, 2), rgba: Arc::new(vec![7; 16]) });
                 }
             }
         });
         assert_eq!(pictures.iter().collect::<Vec<_>>(), [7; 6]);
-        newest.end();
+        latest_frame.end();
         feeds.join().unwrap();
-        let told = newest.news();
+        let reported = latest_frame.news();
         let gone = |sentence: &String| sentence.contains("has gone: the next one");
-        assert_eq!(told.iter().filter(|sentence| gone(sentence)).count(), 2, "{told:?}");
-        assert!(told.last().is_some_and(|last| last.contains("can no longer be sent to")), "{told:?}");
+        assert_eq!(reported.iter().filter(|sentence| gone(sentence)).count(), 2, "{reported:?}");
+        assert!(
+            reported.last().is_some_and(|last| last.contains("can no longer be sent to")),
+            "{reported:?}"
+        );
     }
 
     #[cfg(unix)]

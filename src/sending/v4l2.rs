@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use rustix::ioctl::{Updater, ioctl, opcode};
 
 use super::SendError;
-use super::newest::Picture;
+use super::latest_frame::OutgoingFrame;
 use super::stream::Receiver;
 use crate::y4m::quarter_planes;
 
@@ -129,7 +129,7 @@ impl Receiver for Camera {
         Ok(())
     }
 
-    fn write(&mut self, picture: &Picture) -> std::io::Result<()> {
+    fn write(&mut self, picture: &OutgoingFrame) -> std::io::Result<()> {
         let Some(file) = &mut self.file else { return Err(ErrorKind::NotConnected.into()) };
         let written = file.write_all(&quarter_planes(&picture.rgba, picture.size));
         if written.is_err() {
@@ -163,7 +163,7 @@ mod tests {
             ("/dev/null", "give a device of v4l2loopback"),
         ] {
             let refused = Camera::open(Path::new(path), (2, 2)).err().map(|error| error.to_string());
-            assert!(refused.as_ref().is_some_and(|told| told.contains(part)), "{path}: {refused:?}");
+            assert!(refused.as_ref().is_some_and(|reported| reported.contains(part)), "{path}: {refused:?}");
         }
     }
 }

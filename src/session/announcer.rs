@@ -7,7 +7,7 @@ use crate::clock;
 use crate::export::print::tell;
 use crate::ui::overlay::{Notice, NowPlaying};
 use mariana_player::track::{Repeat, TrackInfo};
-use mariana_player::{PlayerStatus, Troubles, Unheard};
+use mariana_player::{MissedAudio, PlayerStatus, TrackErrors};
 
 /// Most sentences that wait; if there are more, the oldest are dropped.
 const WAITING_MAX: usize = 3;
@@ -17,8 +17,8 @@ const WAITING_MAX: usize = 3;
 pub(crate) struct Announcer {
     waiting: VecDeque<String>,
     shown: Option<Sentence>,
-    troubles: u64,
-    unheard: u64,
+    track_errors: u64,
+    missed_audio: u64,
     /// The id and the name of the track that was looked at last.
     track: Option<(u64, String)>,
 }
@@ -27,15 +27,15 @@ pub(crate) struct Announcer {
 struct Sentence {
     text: String,
     /// Drawn below the text, 0..1.
-    share: Option<f32>,
+    fraction: Option<f32>,
     since: Instant,
     /// Whether it tells where in the track we are, and goes on doing so.
     is_position: bool,
 }
 
 impl Sentence {
-    fn new(text: String, share: Option<f32>, since: Instant) -> Self {
-        Self { text, share, since, is_position: false }
+    fn new(text: String, fraction: Option<f32>, since: Instant) -> Self {
+        Self { text, fraction, since, is_position: false }
     }
 }
 
@@ -50,12 +50,12 @@ impl Announcer {
 
     /// Shows `text` at once, in place of what shows.
     pub(crate) fn answer(&mut self, text: String) {
-        self.answer_share(text, None);
+        self.answer_fraction(text, None);
     }
 
     /// The same, with a share below the text, 0..1.
-    pub(crate) fn answer_share(&mut self, text: String, share: Option<f32>) {
-        self.shown = Some(Sentence::new(text, share, clock::now()));
+    pub(crate) fn answer_fraction(&mut self, text: String, fraction: Option<f32>) {
+        self.shown = Some(Sentence::new(text, fraction, clock::now()));
     }
 
     /// Shows at once where in the track we are, and follows it for as long as it shows.
@@ -73,8 +73,8 @@ impl Announcer {
 
     /// Reports what is new: problems and what was not heard (on the terminal too), and a change of track.
     pub(crate) fn look(&mut self, status: &PlayerStatus) {
-        self.look_at_troubles(&status.troubles);
-        self.look_at_unheard(status.unheard);
+        self.look_at_track_errors(&status.track_errors);
+        self.look_at_missed_audio(status.missed_audio);
         let track = (status.track.id, status.track.name.clone());
         if self.track.as_ref() != Some(&track) {
             // The first words tell which track plays at the start.
@@ -85,10 +85,10 @@ impl Announcer {
         }
     }
 
-    fn look_at_troubles(&mut self, troubles: &Troubles) {
-        let new = troubles.count - self.troubles.min(troubles.count);
-        let Some(last) = troubles.last.as_ref().filter(|_| new > 0) else { return };
-        self.troubles = troubles.count;
+    fn look_at_track_errors(&mut self, track_errors: &TrackErrors) {
+        let new = track_errors.count - self.track_errors.min(track_errors.count);
+        let Some(last) = track_errors.last.as_ref().filter(|_| new > 0) else { return };
+        self.track_errors = track_errors.count;
         let text = match new {
             1 => last.clone(),
             _ => format!("{new} problems with tracks, the last one: {last}"),
@@ -97,10 +97,10 @@ impl Announcer {
         self.say(text);
     }
 
-    fn look_at_unheard(&mut self, unheard: Unheard) {
-        if unheard.count != self.unheard {
-            self.unheard = unheard.count;
-            let text = unheard.to_string();
+    fn look_at_missed_audio(&mut self, missed_audio: MissedAudio) {
+        if missed_audio.count != self.missed_audio {
+            self.missed_audio = missed_audio.count;
+            let text = missed_audio.to_string();
             tell(&text);
             self.say(text);
         }
@@ -116,7 +116,7 @@ impl Announcer {
     /// What shows.
     pub(crate) fn notice(&self) -> Option<Notice<'_>> {
         let shown = self.shown.as_ref()?;
-        Some(Notice { text: &shown.text, share: shown.share, since: shown.since })
+        Some(Notice { text: &shown.text, fraction: shown.fraction, since: shown.since })
     }
 }
 
@@ -128,7 +128,7 @@ fn position(playing: &NowPlaying, since: Instant) -> Sentence {
         (true, false) => "listening".to_owned(),
         (true, true) => "paused".to_owned(),
     };
-    Sentence::new(words, playing.share().filter(|_| !playing.live), since)
+    Sentence::new(words, playing.fraction().filter(|_| !playing.live), since)
 }
 
 /// A track in words: its name, and its place among several.
@@ -182,11 +182,11 @@ mod tests {
     #[test]
     fn what_was_not_heard_is_told_once() {
         let mut announcer = Announcer::default();
-        let unheard = |count, seconds| Unheard { count, seconds, ..Unheard::default() };
-        announcer.look_at_unheard(unheard(0, 0.0));
+        let missed_audio = |count, seconds| MissedAudio { count, seconds, ..MissedAudio::default() };
+        announcer.look_at_missed_audio(missed_audio(0, 0.0));
         assert_eq!(announcer.waiting, [""; 0]);
-        announcer.look_at_unheard(unheard(1, 0.42));
-        announcer.look_at_unheard(unheard(1, 0.42));
+        announcer.look_at_missed_audio(missed_audio(1, 0.42));
+        announcer.look_at_missed_audio(missed_audio(1, 0.42));
         assert_eq!(announcer.waiting, ["0.42 s of the song were not heard: the sound device changed"]);
     }
 
@@ -201,21 +201,21 @@ mod tests {
         playing.paused = true;
         announcer.follow(&playing);
         assert_eq!(text(&announcer), Some("paused · 1:30 / 3:45"));
-        announcer.answer_share("volume 65 %".into(), Some(0.65));
+        announcer.answer_fraction("volume 65 %".into(), Some(0.65));
         announcer.follow(&playing);
-        assert_eq!(announcer.notice().map(|notice| notice.share), Some(Some(0.65)));
+        assert_eq!(announcer.notice().map(|notice| notice.fraction), Some(Some(0.65)));
         playing.live = true;
         announcer.answer_position(&playing);
-        assert_eq!(announcer.notice().map(|notice| (notice.text, notice.share)), Some(("paused", None)));
+        assert_eq!(announcer.notice().map(|notice| (notice.text, notice.fraction)), Some(("paused", None)));
     }
 
     #[test]
     fn sentences_wait_for_each_other_and_floods_are_counted() {
         let mut announcer = Announcer::default();
-        let troubles = |count| Troubles { count, last: Some("x is gone".into()) };
-        announcer.look_at_troubles(&troubles(1));
-        announcer.look_at_troubles(&troubles(1));
-        announcer.look_at_troubles(&troubles(400));
+        let track_errors = |count| TrackErrors { count, last: Some("x is gone".into()) };
+        announcer.look_at_track_errors(&track_errors(1));
+        announcer.look_at_track_errors(&track_errors(1));
+        announcer.look_at_track_errors(&track_errors(400));
         let mut now = Instant::now();
         announcer.update(now);
         assert_eq!(text(&announcer), Some("x is gone"));

@@ -24,7 +24,7 @@ impl Session {
                 self.playback.answer_position(&mut *self.screen);
             }
             Command::SeekTo(seconds) => self.playback.with_song(|player| player.seek_to(seconds)),
-            Command::Position(share) => self.playback.seek_to_share(&mut *self.screen, share),
+            Command::Position(fraction) => self.playback.seek_to_fraction(&mut *self.screen, fraction),
             Command::VolumeBy(delta) => self.playback.change_volume(|player| player.change_volume(delta)),
             // The rail of the bar shows the volume by itself.
             Command::Volume(volume) if sender == Sender::Window => self.playback.with_song(|player| {
@@ -105,12 +105,12 @@ impl Session {
             Command::NextView => self.playback.go_view(true),
             Command::PreviousView => self.playback.go_view(false),
             Command::StepView(larger) => self.playback.scene.step_view(larger),
-            Command::ToggleSliders => self.interface.desk.panels.toggle_sliders(),
-            Command::ToggleSceneLine => self.interface.desk.panels.toggle_corner(),
+            Command::ToggleSliders => self.interface.ui_state.panels.toggle_sliders(),
+            Command::ToggleSceneLine => self.interface.ui_state.panels.toggle_corner(),
             Command::Blackout(_) => self.playback.toggle_blackout(),
             Command::Freeze(_) => self.playback.toggle_freeze(),
-            Command::Brightness(share) => {
-                let percent = (100.0 * share).round().clamp(0.0, 100.0) as u8;
+            Command::Brightness(fraction) => {
+                let percent = (100.0 * fraction).round().clamp(0.0, 100.0) as u8;
                 self.change_setting(SetSetting { setting: Setting::Brightness(percent), settled: false });
             }
             Command::Clean(_) => self.toggle_clean(),
@@ -125,11 +125,11 @@ impl Session {
                 self.interface.learn(&mut self.playback, Target::Param { scene, name });
             }
             Command::EditMappings(edit) => {
-                self.playback.hands.edit(&edit);
-                self.interface.update_hands(&mut self.playback);
+                self.playback.controllers.edit(&edit);
+                self.interface.update_controllers(&mut self.playback);
             }
             Command::Leave => self.leave(),
-            Command::ToggleHelp => self.interface.desk.panels.toggle_help(),
+            Command::ToggleHelp => self.interface.ui_state.panels.toggle_help(),
             // The loop ends before it comes here.
             Command::Quit => {}
         }
@@ -155,12 +155,12 @@ impl Session {
             kept: self.playback.scene.show().is_locked(),
             recording: self.playback.is_recording(),
             cuts: self.playback.scene.composer().fading().cuts(),
-            black: self.playback.masters.is_black(),
-            frozen: self.playback.masters.is_frozen(),
-            clean: self.interface.desk.bare,
+            black: self.playback.master_output.is_black(),
+            frozen: self.playback.master_output.is_frozen(),
+            clean: self.interface.ui_state.bare,
             fullscreen: self.screen.is_fullscreen(),
             brightness: f32::from(self.choices.stage.brightness) / 100.0,
-            position: playing.share(),
+            position: playing.fraction(),
             volume: (!playing.live).then_some(playing.volume),
         }
     }
@@ -188,21 +188,21 @@ impl Interface {
             return;
         }
         let height = f64::from(screen.size().map_or(1, |(_, height)| height));
-        let height = height * self.desk.picture.map_or(1.0, |[_, top, _, bottom]| bottom - top);
-        playback.scene.move_camera(|hand, own| hand.drag((way[0] / height, way[1] / height), own));
+        let height = height * self.ui_state.picture.map_or(1.0, |[_, top, _, bottom]| bottom - top);
+        playback.scene.move_camera(|orbit, own| orbit.drag((way[0] / height, way[1] / height), own));
     }
 
     /// Moves the camera nearer by notches of the wheel.
     fn zoom_camera(&mut self, playback: &mut Playback, screen: &mut dyn Screen, notches: f64) {
         if self.is_for_picture(screen, self.input.began()) {
-            playback.scene.move_camera(|hand, _| hand.zoom(notches));
+            playback.scene.move_camera(|orbit, _| orbit.zoom(notches));
         }
     }
 
     /// Shows the present scene in an editor that is open.
     fn show_scene_in_editor(&mut self, playback: &mut Playback) {
         if let Some(editor) =
-            self.desk.editor.as_mut().filter(|_| self.desk.panels.open() == Some(Panel::Editor))
+            self.ui_state.editor.as_mut().filter(|_| self.ui_state.panels.open() == Some(Panel::Editor))
         {
             editor.show_scene(playback.scene.library().wanted());
         }

@@ -9,65 +9,65 @@ use crate::config::SETTING_LIMITS;
 use crate::export::print::tell;
 use crate::session::frame_times::FrameTimes;
 use crate::session::screen::Screen;
-use mariana_control::deed::Deed;
+use mariana_control::action::Action;
 use mariana_control::midi::{Outcome, Target};
-use mariana_control::{Heard, Present};
+use mariana_control::{InputBatch, Present};
 
 impl Session {
     /// Turns what hands wish to turn, and returns what they wish to be done.
-    pub(super) fn take_wishes(&mut self) -> Vec<Deed> {
-        if let Some((sentence, is_bad)) = self.playback.hands.news() {
+    pub(super) fn take_input(&mut self) -> Vec<Action> {
+        if let Some((sentence, is_bad)) = self.playback.controllers.news() {
             tell(&sentence);
             if is_bad {
                 self.playback.reports.say(sentence);
             }
         }
         let now = clock::now();
-        let heard = self.playback.hands.take(now);
-        let is_turned = heard.is_some();
-        let Heard { params, mut deeds, knobs, since } = heard.unwrap_or_default();
+        let batch = self.playback.controllers.take(now);
+        let is_turned = batch.is_some();
+        let InputBatch { params, mut actions, knobs, since } = batch.unwrap_or_default();
         let before = self.playback.scene.revision();
-        for wish in &params {
-            if !self.playback.scene.shown_parameters_mut().turn(wish) {
-                self.playback.hands.note_unknown();
+        for change in &params {
+            if !self.playback.scene.shown_parameters_mut().turn(change) {
+                self.playback.controllers.note_unknown();
             }
         }
-        let (outcomes, learned) = self.playback.hands.take_knobs(&knobs, &self.playback.scene);
+        let (outcomes, learned) = self.playback.controllers.take_knobs(&knobs, &self.playback.scene);
         for outcome in outcomes {
             match outcome {
-                Outcome::Turn(wish) => drop(self.playback.scene.shown_parameters_mut().turn(&wish)),
-                Outcome::Act(deed) => deeds.push(deed),
+                Outcome::Turn(change) => drop(self.playback.scene.shown_parameters_mut().turn(&change)),
+                Outcome::Act(action) => actions.push(action),
                 Outcome::Waits { name, leads_to, stands } => {
                     let way = if leads_to < stands { "up" } else { "down" };
                     let words = format!("{name}: turn {way} to {:.0} %", 100.0 * stands);
-                    self.playback.reports.answer_share(words, Some(leads_to));
+                    self.playback.reports.answer_fraction(words, Some(leads_to));
                 }
             }
         }
         if self.playback.scene.revision() != before {
-            self.playback.hands.note_turned(since, self.playback.scene.revision());
+            self.playback.controllers.note_turned(since, self.playback.scene.revision());
         } else if self.playback.scene.shown_parameters().are_turning() {
             // It begins where it was, and the next picture shows it a little further.
-            self.playback.hands.note_turned(since, before + 1);
+            self.playback.controllers.note_turned(since, before + 1);
         }
         self.playback.answer(learned);
-        self.playback.listening.set_clock(self.playback.hands.clock());
+        self.playback.listening.set_clock(self.playback.controllers.clock());
         self.put_up_board(is_turned, now);
-        deeds
+        actions
     }
 
     /// Puts up how the show stands for those who ask, if it is time.
     fn put_up_board(&mut self, turned: bool, now: Instant) {
-        if !self.playback.hands.board_is_due(turned, now) {
+        if !self.playback.controllers.board_is_due(turned, now) {
             return;
         }
         let state = self.state();
         let (switches, levels) = (commands::switches(&state), commands::levels(&state));
         let tempo = self.playback.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo);
         let scene = self.playback.scene.scenes().name().unwrap_or_default();
-        if self.playback.hands.wants_scenes(&scene) {
+        if self.playback.controllers.wants_scenes(&scene) {
             let scenes = self.playback.numbered_scenes();
-            self.playback.hands.note_scenes(scene.clone(), scenes);
+            self.playback.controllers.note_scenes(scene.clone(), scenes);
         }
         let playing = self.playback.reports.playing();
         let track = match &playing.artist {
@@ -76,19 +76,19 @@ impl Session {
         };
         let length = playing.duration.unwrap_or_default();
         let present = Present { scene, switches, levels, tempo, track, length, ..Present::default() };
-        self.playback.hands.put_up(present, self.playback.scene.scenes().sliders());
+        self.playback.controllers.put_up(present, self.playback.scene.scenes().sliders());
     }
 }
 
 impl Playback {
     /// How long it took from messages to the frames that show them, for the log.
     pub(super) fn message_times(&self) -> &FrameTimes {
-        self.hands.times()
+        self.controllers.times()
     }
 
     /// When there is something to do for hands.
-    pub(super) fn hands_due(&self) -> Option<Instant> {
-        self.hands.due()
+    pub(super) fn controllers_due(&self) -> Option<Instant> {
+        self.controllers.due()
     }
 
     /// Whether scenes follow the song.
@@ -104,10 +104,10 @@ impl Playback {
     }
 
     /// Goes to a share of the track, 0..1.
-    pub(super) fn seek_to_share(&mut self, screen: &mut dyn Screen, share: f32) {
+    pub(super) fn seek_to_fraction(&mut self, screen: &mut dyn Screen, fraction: f32) {
         self.with_song(|player| {
             if let Some(duration) = player.status().track.duration {
-                player.seek_to(f64::from(share) * duration);
+                player.seek_to(f64::from(fraction) * duration);
             }
         });
         self.answer_position(screen);
@@ -116,37 +116,37 @@ impl Playback {
 
 impl Interface {
     /// Opens the panel of knobs from outside, or closes it; then nothing is learned any more.
-    pub(super) fn show_hands(&mut self, playback: &mut Playback, open: bool) {
+    pub(super) fn show_controllers(&mut self, playback: &mut Playback, open: bool) {
         if open {
-            self.desk.hands.get_or_insert_default();
-            self.put_up_hands(playback);
-        } else if self.desk.hands.take().is_some() {
-            playback.hands.stop_learning();
+            self.ui_state.controllers.get_or_insert_default();
+            self.put_up_controllers(playback);
+        } else if self.ui_state.controllers.take().is_some() {
+            playback.controllers.stop_learning();
         }
     }
 
     /// Brings the panel up to date, if it is open.
-    pub(super) fn update_hands(&mut self, playback: &mut Playback) {
-        if self.desk.hands.is_some() && playback.hands.panel_is_due(clock::now()) {
-            self.put_up_hands(playback);
+    pub(super) fn update_controllers(&mut self, playback: &mut Playback) {
+        if self.ui_state.controllers.is_some() && playback.controllers.panel_is_due(clock::now()) {
+            self.put_up_controllers(playback);
         }
     }
 
-    fn put_up_hands(&mut self, playback: &mut Playback) {
-        if let Some(panel) = &mut self.desk.hands {
+    fn put_up_controllers(&mut self, playback: &mut Playback) {
+        if let Some(panel) = &mut self.ui_state.controllers {
             let scene = playback.scene.scenes().name().unwrap_or_default();
-            panel.update(&playback.hands.facts(scene, playback.scene.scenes().sliders()));
+            panel.update(&playback.controllers.facts(scene, playback.scene.scenes().sliders()));
         }
     }
 
     /// Learns which knob turns something, or stops learning it.
     pub(super) fn learn(&mut self, playback: &mut Playback, target: Target) {
-        if let Some(why) = playback.hands.midi_trouble() {
+        if let Some(why) = playback.controllers.midi_trouble() {
             return playback
                 .reports
                 .answer(format!("no knob can be learned, because there is no MIDI: {why}"));
         }
-        playback.hands.learn(target);
-        self.update_hands(playback);
+        playback.controllers.learn(target);
+        self.update_controllers(playback);
     }
 }

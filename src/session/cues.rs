@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::scenes::SceneSource;
 use crate::session::direction::OfTrack;
-use crate::show::Programme;
+use crate::show::PreparedShow;
 use mariana_music::SongStructure;
 
 /// See the module.
@@ -13,7 +13,7 @@ pub(super) struct Cues {
     /// The track that they were pressed in.
     track: OfTrack,
     /// The show before any was pressed, and the song it is for.
-    show: Option<(Arc<Programme>, Arc<SongStructure>)>,
+    show: Option<(Arc<PreparedShow>, Arc<SongStructure>)>,
     /// When the key was pressed, in seconds of the song, rising.
     pressed: Vec<f64>,
 }
@@ -28,7 +28,7 @@ pub(super) enum Pressed {
     /// Another scene comes.
     Cue {
         /// The show with it.
-        programme: Arc<Programme>,
+        prepared_show: Arc<PreparedShow>,
         /// Which cue it is, from 1.
         number: usize,
         /// How many there are.
@@ -43,7 +43,7 @@ impl Cues {
     pub(super) fn take(
         &mut self,
         track: OfTrack,
-        show: Option<Arc<Programme>>,
+        show: Option<Arc<PreparedShow>>,
         song: Option<Arc<SongStructure>>,
     ) {
         if self.track != track || show.is_none() {
@@ -54,7 +54,7 @@ impl Cues {
     }
 
     /// The show with what was pressed; none if nothing was.
-    pub(super) fn programme(&self) -> Option<Arc<Programme>> {
+    pub(super) fn prepared_show(&self) -> Option<Arc<PreparedShow>> {
         let (show, song) = self.show.as_ref().filter(|_| !self.pressed.is_empty())?;
         Some(Arc::new(show.with_cues(song, &self.pressed)))
     }
@@ -70,7 +70,7 @@ impl Cues {
         let Some(scene) = cues.get(self.pressed.len()) else { return Pressed::NoneLeft };
         self.pressed.push(time);
         Pressed::Cue {
-            programme: Arc::new(show.with_cues(song, &self.pressed)),
+            prepared_show: Arc::new(show.with_cues(song, &self.pressed)),
             number: self.pressed.len(),
             of: cues.len(),
             scene: (*scene).to_owned(),
@@ -95,14 +95,14 @@ mod tests {
         let path = folder.path().join("my.show");
         std::fs::write(&path, "at start orb\nat cue city cut\nat 30 s gyroid\nat cue letters cut\n").unwrap();
         let song = SongStructure::default();
-        let (show, _) = Programme::of_song(&ShowSource::File(path), &song, &[]).unwrap();
+        let (show, _) = PreparedShow::of_song(&ShowSource::File(path), &song, &[]).unwrap();
         let mut cues = Cues::default();
         assert!(matches!(cues.press(1.0), Pressed::NoCues));
         cues.take(Some(7), Some(Arc::new(show.clone())), None);
         assert_eq!(cues.next(), Some(SceneSource::Shipped("city".to_owned())));
         let on = |pressed: Pressed, time: f64| match pressed {
-            Pressed::Cue { programme, number, of: 2, .. } => {
-                (number, programme.at(time).unwrap().stay.scene.clone())
+            Pressed::Cue { prepared_show, number, of: 2, .. } => {
+                (number, prepared_show.at(time).unwrap().clip.scene.clone())
             }
             other => panic!("{other:?}"),
         };
@@ -110,13 +110,13 @@ mod tests {
         assert_eq!(on(cues.press(40.0), 40.0), (2, "letters".to_owned()));
         assert!(matches!(cues.press(50.0), Pressed::NoneLeft));
         // The show's own entries stay where they are.
-        assert_eq!(cues.programme().unwrap().at(35.0).unwrap().stay.scene, "gyroid");
+        assert_eq!(cues.prepared_show().unwrap().at(35.0).unwrap().clip.scene, "gyroid");
         assert_eq!(on(cues.press(20.0), 25.0), (2, "letters".to_owned()));
         assert_eq!(on(cues.press(5.0), 8.0), (1, "city".to_owned()));
         // A save of the file keeps what was pressed, another track does not.
         cues.take(Some(7), Some(Arc::new(show.clone())), None);
-        assert!(cues.programme().is_some());
+        assert!(cues.prepared_show().is_some());
         cues.take(Some(8), Some(Arc::new(show)), None);
-        assert!(cues.programme().is_none());
+        assert!(cues.prepared_show().is_none());
     }
 }

@@ -5,7 +5,7 @@ use super::{Playback, Session};
 use crate::clock;
 use crate::commands::SetSetting;
 use crate::config::{FollowChoice, Setting};
-use crate::session::direction::{News, Playing};
+use crate::session::direction::{Playing, ShowNotice};
 use crate::show::{Hearing, LiveDirector};
 use mariana_player::Moment;
 use std::sync::Arc;
@@ -32,51 +32,53 @@ impl Playback {
     /// Brings the scene on that the show has at a moment.
     pub(super) fn direct(&mut self, moment: Option<Moment>) {
         let Some(moment) = moment else { return };
-        self.hands.note_sound(&moment.features, &moment.song, clock::now());
+        self.controllers.note_sound(&moment.features, &moment.song, clock::now());
         let (track, playing) = (self.listening.track_of(moment), self.listening.playing());
         // Of an input nothing is known before it is heard.
         let song = track.map_or_else(|| Some(Arc::default()), |track| self.listening.structure(track));
         let scene = &self.scene;
         match self.direction.update(track, playing, song.clone(), || scene.library().all_sources()) {
-            Some(News::Programme(programme)) => {
-                if programme.is_some() {
+            Some(ShowNotice::PreparedShow(prepared_show)) => {
+                if prepared_show.is_some() {
                     tracing::info!("the scenes follow the song");
                 }
                 self.live = None;
-                self.cues.take(track, programme.clone(), song);
-                match programme {
-                    Some(programme) if track.is_none() && programme.is_directed() => {
-                        self.live = Some(LiveDirector::new((*programme).clone()));
+                self.cues.take(track, prepared_show.clone(), song);
+                match prepared_show {
+                    Some(prepared_show) if track.is_none() && prepared_show.is_directed() => {
+                        self.live = Some(LiveDirector::new((*prepared_show).clone()));
                     }
                     other => {
-                        let cued = self.cues.programme().or(other);
-                        self.scene.show_mut().set_programme(cued, self.cues.next());
+                        let cued = self.cues.prepared_show().or(other);
+                        self.scene.show_mut().set_prepared_show(cued, self.cues.next());
                     }
                 }
             }
-            Some(News::Problem { heading, text }) => self.scene.messages_mut().set_problem(heading, text),
+            Some(ShowNotice::Problem { heading, text }) => {
+                self.scene.messages_mut().set_problem(heading, text)
+            }
             None => {}
         }
         if let Some(live) = &mut self.live {
             let (features, time) = (&moment.features, moment.song_time);
             let (tempo, phase) = (features.tempo, features.phase);
             let heard = Hearing { time, energy: moment.song.energy, tempo, phase };
-            if let Some(programme) = live.hear(heard).map(Arc::new) {
-                match self.scene.show().has_programme() {
-                    true => self.scene.show_mut().extend_programme(programme, None),
-                    false => self.scene.show_mut().set_programme(Some(programme), None),
+            if let Some(prepared_show) = live.hear(heard).map(Arc::new) {
+                match self.scene.show().has_prepared_show() {
+                    true => self.scene.show_mut().extend_prepared_show(prepared_show, None),
+                    false => self.scene.show_mut().set_prepared_show(Some(prepared_show), None),
                 }
             }
         }
         self.scene.follow(moment.song_time);
-        self.scene.follow_hands(moment.song_time);
-        self.follow_masters(moment.song_time);
+        self.scene.follow_controllers(moment.song_time);
+        self.follow_master_output(moment.song_time);
     }
 
     /// Brings what a show file holds for a key.
     pub(super) fn next_cue(&mut self) {
         let words = match self.listening.now() {
-            _ if !self.scene.show().has_programme() => {
+            _ if !self.scene.show().has_prepared_show() => {
                 "no show is on: A lets the scenes follow the song".to_owned()
             }
             None => return,
@@ -85,8 +87,8 @@ impl Playback {
                     "this show has no cues: `at cue SCENE` in a show file waits for Enter".to_owned()
                 }
                 Pressed::NoneLeft => "that was the last cue of the show".to_owned(),
-                Pressed::Cue { programme, number, of, scene } => {
-                    self.scene.show_mut().extend_programme(programme, self.cues.next());
+                Pressed::Cue { prepared_show, number, of, scene } => {
+                    self.scene.show_mut().extend_prepared_show(prepared_show, self.cues.next());
                     format!("cue {number} of {of}: {scene}")
                 }
             },
@@ -96,7 +98,7 @@ impl Playback {
 
     /// Keeps the scene that is on until this is called again.
     pub(super) fn toggle_keep(&mut self) {
-        let words = match self.scene.show().has_programme() {
+        let words = match self.scene.show().has_prepared_show() {
             false => "the scenes do not follow the song: A lets them",
             true if self.scene.show_mut().toggle_lock() => "this scene stays until K is pressed again",
             true => "the scenes follow the song again",

@@ -5,16 +5,16 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::config::FollowChoice;
 use crate::scenes::{Loader, SceneSource};
-use crate::show::{Programme, ShowError, ShowSource};
+use crate::show::{PreparedShow, ShowError, ShowSource};
 use mariana_music::SongStructure;
 
 /// The number of the track that plays; none for an input.
 pub(crate) type OfTrack = Option<u64>;
 
 /// What there is to say of a show.
-pub(crate) enum News {
+pub(crate) enum ShowNotice {
     /// This is the show now, or there is none.
-    Programme(Option<Arc<Programme>>),
+    PreparedShow(Option<Arc<PreparedShow>>),
     /// Parts of a show file do not fit the song, or the file has mistakes: what was on goes on.
     Problem {
         /// What is wrong, in a line.
@@ -35,7 +35,7 @@ struct Asked {
 /// A show that was made for a track; and what of it does not fit the song.
 struct Made {
     track: OfTrack,
-    show: Result<(Programme, Option<String>), ShowError>,
+    show: Result<(PreparedShow, Option<String>), ShowError>,
 }
 
 /// The source of the sound.
@@ -86,7 +86,7 @@ impl Direction {
                 SceneSource::Shipped(_) => (ShowSource::Demo, Vec::new()),
                 _ => (ShowSource::Auto, Vec::new()),
             };
-            (Made { track, show: Programme::of_song(&show, &song, &scenes) }, files)
+            (Made { track, show: PreparedShow::of_song(&show, &song, &scenes) }, files)
         };
         let loader = Loader::start(load, wake)?;
         Ok(Self { loader, asked, named, follow, names_scene, of: None })
@@ -125,14 +125,14 @@ impl Direction {
         playing: Playing,
         song: Option<Arc<SongStructure>>,
         scenes: impl FnOnce() -> Vec<SceneSource>,
-    ) -> Option<News> {
+    ) -> Option<ShowNotice> {
         let wanted = self.source(playing).map(|source| (source, track));
         let is_the_same = self.of == wanted;
         match wanted {
             None if is_the_same => return None,
             None => {
                 self.of = None;
-                return Some(News::Programme(None));
+                return Some(ShowNotice::PreparedShow(None));
             }
             Some((source, track)) if !is_the_same => {
                 let key = match &source {
@@ -147,7 +147,7 @@ impl Direction {
                     self.loader.request(key);
                 } else if self.of.take().is_some() {
                     // The show of the last track is over; what is on stays until this one is known.
-                    return Some(News::Programme(None));
+                    return Some(ShowNotice::PreparedShow(None));
                 }
             }
             Some(_) => {}
@@ -157,21 +157,21 @@ impl Direction {
             return None;
         }
         match made.show {
-            Ok((programme, None)) => {
+            Ok((prepared_show, None)) => {
                 // In a song without sections the director has no reason to change the scene.
                 let is_live = made.track.is_none();
-                let says_something = is_live || self.named.is_some() || programme.stays().len() > 1;
-                says_something.then(|| News::Programme(Some(Arc::new(programme))))
+                let says_something = is_live || self.named.is_some() || prepared_show.clips().len() > 1;
+                says_something.then(|| ShowNotice::PreparedShow(Some(Arc::new(prepared_show))))
             }
-            Ok((programme, Some(text))) => {
+            Ok((prepared_show, Some(text))) => {
                 tracing::warn!("parts of the show do not fit the song:\n{text}");
-                Some(News::Programme(Some(Arc::new(programme))))
+                Some(ShowNotice::PreparedShow(Some(Arc::new(prepared_show))))
             }
             // Each broken scene is reported where it is loaded.
-            Err(ShowError::NoScenes) => Some(News::Programme(None)),
+            Err(ShowError::NoScenes) => Some(ShowNotice::PreparedShow(None)),
             Err(error) => {
                 tracing::warn!("{error}");
-                Some(News::Problem {
+                Some(ShowNotice::Problem {
                     heading: "the show has mistakes; what was on goes on".to_owned(),
                     text: error.to_string(),
                 })

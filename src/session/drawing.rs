@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::desk::{Seen, content_of};
+use super::ui_state::{Seen, content_of};
 use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::commands::Panel;
@@ -33,7 +33,7 @@ impl Session {
         let begun = clock::now();
         // A picture whose regions have come was due before.
         if !self.playback.scene.composer().has_regions() && !self.playback.scene.composer().is_drawing() {
-            self.playback.pace.begun(begun, self.playback.hands.are_unseen());
+            self.playback.pace.begun(begun, self.playback.controllers.are_unseen());
         }
         let size = self.screen.size();
         let placement = self.placement();
@@ -81,21 +81,22 @@ impl Session {
         let area = self.interface.note_area(&mut *self.screen, lay, size);
         let map = lay.map(&self.playback.renderer, area);
         self.interface.note_map(&mut self.playback, map);
-        if let Some(hands) = &mut self.interface.desk.corners {
-            hands.set_area(area);
+        if let Some(controllers) = &mut self.interface.ui_state.corners {
+            controllers.set_area(area);
         }
         self.interface.note_scene(&mut self.playback);
-        let seen = self.interface.look_around_desk(&mut self.playback, &mut *self.screen, begun);
-        let mut content = content_of(&mut self.playback.scene, corner.as_deref(), self.interface.desk.panels);
-        self.interface.desk.add_to(
+        let seen = self.interface.look_around_ui_state(&mut self.playback, &mut *self.screen, begun);
+        let mut content =
+            content_of(&mut self.playback.scene, corner.as_deref(), self.interface.ui_state.panels);
+        self.interface.ui_state.add_to(
             &mut content,
             &seen,
-            &self.playback.hands,
+            &self.playback.controllers,
             &self.playback.listening,
             &self.playback.reports,
             begun,
         );
-        content.next = self.playback.preview.next().filter(|_| !self.interface.desk.bare);
+        content.next = self.playback.preview.next().filter(|_| !self.interface.ui_state.bare);
         let Some(shown) = new.as_ref().map(|new| new.shown).or(self.playback.pace.shown()) else {
             return self.show_waiting(size).map(|()| false);
         };
@@ -109,7 +110,7 @@ impl Session {
         }
         let (scale, is_new) = (self.screen.scale(), new.is_some() || dims);
         let (mut painted, mut laid_out, mut content) = (Painted::default(), Duration::ZERO, Some(content));
-        let (overlay, small) = (&mut self.interface.overlay, self.interface.desk.picture);
+        let (overlay, small) = (&mut self.interface.overlay, self.interface.ui_state.picture);
         let painting =
             self.screen.show(&mut self.playback.renderer, lay, small, is_new || has_words, &mut |size| {
                 let laying_out = clock::now();
@@ -132,15 +133,15 @@ impl Session {
             let cost = self.playback.cost(&mut *self.screen, spent + painting, showing);
             self.playback.pace.note_times(level, showing, cost);
             self.playback.scene.note_frame_time(showing);
-            self.playback.hands.note_shown(shown.revision);
+            self.playback.controllers.note_shown(shown.revision);
         }
         if painted.params_changed {
             self.playback.scene.shown_parameters_mut().note_moved();
         }
         self.interface.take_painted(&mut *self.screen, painted);
         if first {
-            self.interface.desk.welcomed.get_or_insert_with(Instant::now);
-            self.playback.listening.follow_wish();
+            self.interface.ui_state.welcomed.get_or_insert_with(Instant::now);
+            self.playback.listening.follow_request();
         }
         Ok(first)
     }
@@ -219,7 +220,7 @@ impl Playback {
     /// # Errors
     /// What the driver refuses.
     fn finish_picture(&mut self, new: Option<&Drawn>, begun: Instant) -> Result<Option<bool>, SessionError> {
-        let gain = self.masters.gain(begun);
+        let gain = self.master_output.gain(begun);
         let dims = self.pace.shown().is_some() && gain != self.renderer.gain();
         if new.is_some() || dims {
             self.renderer.dim(gain)?;
@@ -233,7 +234,7 @@ impl Playback {
             } else {
                 self.first_shown_after = Some(since_last);
             }
-            self.feeds.note_picture();
+            self.frame_senders.note_picture();
         }
         match new {
             Some(Drawn { shown, .. }) => self.record(shown.moment, begun),
@@ -341,10 +342,17 @@ impl Interface {
         now: Instant,
     ) -> Option<Instant> {
         let corner = self.corner_line(playback, now);
-        let seen = self.look_around_desk(playback, screen, now);
-        let mut content = content_of(&mut playback.scene, corner.as_deref(), self.desk.panels);
-        self.desk.add_to(&mut content, &seen, &playback.hands, &playback.listening, &playback.reports, now);
-        content.next = playback.preview.next().filter(|_| !self.desk.bare);
+        let seen = self.look_around_ui_state(playback, screen, now);
+        let mut content = content_of(&mut playback.scene, corner.as_deref(), self.ui_state.panels);
+        self.ui_state.add_to(
+            &mut content,
+            &seen,
+            &playback.controllers,
+            &playback.listening,
+            &playback.reports,
+            now,
+        );
+        content.next = playback.preview.next().filter(|_| !self.ui_state.bare);
         let due = self.overlay.due(&content, now);
         // The bar goes when the pointer has rested.
         let goes = self.pointer_rest.falls_asleep().filter(|_| seen.awake);
@@ -352,11 +360,16 @@ impl Interface {
     }
 
     /// What the overlay needs to know of the pointer and the track.
-    fn look_around_desk(&mut self, playback: &mut Playback, screen: &mut dyn Screen, now: Instant) -> Seen {
+    fn look_around_ui_state(
+        &mut self,
+        playback: &mut Playback,
+        screen: &mut dyn Screen,
+        now: Instant,
+    ) -> Seen {
         let busy = self.overlay.has_pointer() || self.overlay.has_key_focus();
         let awake = self.pointer_rest.is_awake(busy, now);
         let (lists, shows_bar) =
-            (self.desk.panels.open() == Some(Panel::Tracks), awake && !self.desk.is_quiet());
+            (self.ui_state.panels.open() == Some(Panel::Tracks), awake && !self.ui_state.is_quiet());
         let song = playback.listening.with_song(|player| {
             // How loud the track is is not measured before the bar shows it.
             let shape = if shows_bar { player.shape() } else { None };
@@ -372,14 +385,14 @@ impl Interface {
     /// Notes which scene is on the stage, and its place among the others.
     fn note_scene(&mut self, playback: &mut Playback) {
         let Some(source) = playback.scene.scenes().shown_source() else { return };
-        if self.desk.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
-            self.desk.placed_scene = Some((source.clone(), playback.scene.library().placed_name(source)));
+        if self.ui_state.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
+            self.ui_state.placed_scene = Some((source.clone(), playback.scene.library().placed_name(source)));
         }
     }
 
     /// The line about the scene and how it is drawn, if it is wanted.
     fn corner_line(&self, playback: &Playback, now: Instant) -> Option<String> {
-        let wanted = self.desk.panels.corner();
+        let wanted = self.ui_state.panels.corner();
         wanted
             .then(|| {
                 playback.scene.report().line(&playback.pace.about_pictures(now), &playback.pace.quality())

@@ -304,8 +304,8 @@ impl DynamicResolution {
 
     /// Takes the best level that has room for what a picture of the present one costs.
     fn begin(&mut self, cost: f64) {
-        let share = cost / self.level().cost();
-        let fits = |level: &usize| share * level_at(*level).cost() <= FREE * self.time_at(*level);
+        let fraction = cost / self.level().cost();
+        let fits = |level: &usize| fraction * level_at(*level).cost() <= FREE * self.time_at(*level);
         match (0..self.level).find(fits) {
             Some(better) => self.change(better),
             None => self.tell_level(),
@@ -317,8 +317,8 @@ impl DynamicResolution {
         if self.level >= last || self.helpless_until.is_some_and(|until| now < until) {
             return;
         }
-        let share = cost / self.level().cost();
-        let fits = |level: &usize| share * level_at(*level).cost() <= AIM * self.time_at(*level);
+        let fraction = cost / self.level().cost();
+        let fits = |level: &usize| fraction * level_at(*level).cost() <= AIM * self.time_at(*level);
         let next = (self.level + 1..=last).find(fits).unwrap_or(last);
         if self.tried.take().is_some_and(|tried| now.saturating_duration_since(tried) < TOO_EARLY) {
             self.patience = (2 * self.patience).min(PATIENCE.1);

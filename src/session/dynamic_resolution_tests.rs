@@ -88,11 +88,11 @@ fn a_software_renderer_begins_with_the_fewest_pixels_and_takes_the_level_that_su
         // The first picture also compiles and makes targets, so it tells nothing.
         let load = scene(best, 0.0);
         window.show(1.0, |frame, level| if frame == 0 { 0.5 } else { load(frame, level) });
-        let (found, told) = (&window.dynamic_resolution, format!("{best} s: {:?}", window.changes));
+        let (found, reported) = (&window.dynamic_resolution, format!("{best} s: {:?}", window.changes));
         let room = |level: usize| found.time_at(level) - load(0, level_at(level));
-        assert!(room(found.level) > 0.0 || found.level == LEVELS.len() - 1, "{told}");
-        assert!(found.level < 2 || room(found.level - 2) < 0.3 * found.interval, "{told}");
-        assert!(window.changes.len() <= 1, "{told}");
+        assert!(room(found.level) > 0.0 || found.level == LEVELS.len() - 1, "{reported}");
+        assert!(found.level < 2 || room(found.level - 2) < 0.3 * found.interval, "{reported}");
+        assert!(window.changes.len() <= 1, "{reported}");
     }
     let chosen = DynamicResolution::beginning_small(QualityChoice::High, FPS);
     assert_eq!(chosen.level, HIGH);
@@ -106,18 +106,21 @@ fn every_constant_load_settles_within_its_time_and_stays_there() {
                 let load = scene(best, fixed);
                 let mut window = Window::new();
                 window.show(240.0, |frame, level| load(frame, level) * (1.0 + noisy * noise(frame)));
-                let told = format!("{best} s, {fixed} s fixed, noise {noisy}: {:?}", window.changes);
+                let reported = format!("{best} s, {fixed} s fixed, noise {noisy}: {:?}", window.changes);
                 let level = window.dynamic_resolution.level;
                 let cost = load(0, window.dynamic_resolution.level());
                 assert!(
                     cost <= window.dynamic_resolution.time_at(level) || level == LEVELS.len() - 1,
-                    "{told}"
+                    "{reported}"
                 );
-                assert!(window.changes_after(60.0) <= 2, "{told}");
-                assert!(window.changes.len() <= 8, "{told}");
+                assert!(window.changes_after(60.0) <= 2, "{reported}");
+                assert!(window.changes.len() <= 8, "{reported}");
                 // And not much worse than it has to be.
                 let better = level_at(level.saturating_sub(3));
-                assert!(level == 0 || load(0, better) > 0.72 * window.dynamic_resolution.interval, "{told}");
+                assert!(
+                    level == 0 || load(0, better) > 0.72 * window.dynamic_resolution.interval,
+                    "{reported}"
+                );
             }
         }
     }

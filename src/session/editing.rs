@@ -18,17 +18,17 @@ impl Session {
 
     /// Opens the editor on the scene's text, or notes that it is closed.
     pub(super) fn write_text(&mut self, open: bool) {
-        if open && self.interface.desk.editor.is_none() {
+        if open && self.interface.ui_state.editor.is_none() {
             let waker = self.interface.waker.clone();
             match Editor::start(self.interface.drafts.clone(), &self.interface.folders, move || waker.wake())
             {
-                Ok(editor) => self.interface.desk.editor = Some(editor),
+                Ok(editor) => self.interface.ui_state.editor = Some(editor),
                 Err(error) => self.playback.reports.answer(format!("there is no editor: {error}")),
             }
         }
         self.playback.scene.library_mut().set_written(open);
         self.screen.allow_composing(open);
-        let Some(editor) = &mut self.interface.desk.editor else { return };
+        let Some(editor) = &mut self.interface.ui_state.editor else { return };
         editor.set_focus(open);
         if !open {
             editor.close_probed();
@@ -45,7 +45,7 @@ impl Session {
             return false;
         }
         let (held, begun) = (self.interface.input.held(), clock::now());
-        let Some(editor) = &mut self.interface.desk.editor else { return false };
+        let Some(editor) = &mut self.interface.ui_state.editor else { return false };
         let taken = match input {
             // The overlay takes those on the editor.
             Input::PointerButton { pressed: true, .. } => {
@@ -70,7 +70,7 @@ impl Session {
 
     /// Takes what was done in the editor.
     pub(super) fn take_editor_event(&mut self, event: EditorEvent) {
-        if let Some(editor) = &mut self.interface.desk.editor {
+        if let Some(editor) = &mut self.interface.ui_state.editor {
             editor.obey(event);
         }
         self.follow_editor();
@@ -79,7 +79,7 @@ impl Session {
     /// Takes in what other threads have for the editor, and shows it the scene on the stage.
     pub(super) fn update_editor(&mut self) {
         let open = self.interface.is_edited();
-        let Some(editor) = &mut self.interface.desk.editor else { return };
+        let Some(editor) = &mut self.interface.ui_state.editor else { return };
         editor.update();
         if editor.tells_mistakes() {
             self.interface.typing_times.note_mistake();
@@ -92,7 +92,7 @@ impl Session {
 
     /// Carries out the commands of the editor.
     pub(super) fn follow_editor(&mut self) {
-        let Some(editor) = &mut self.interface.desk.editor else { return };
+        let Some(editor) = &mut self.interface.ui_state.editor else { return };
         let commands = editor.take_commands();
         // However many keys have come, the text is loaded once.
         let (reloads, others): (Vec<_>, Vec<_>) =
@@ -111,10 +111,10 @@ impl Session {
 impl Interface {
     /// Whether keys are text of the scene.
     pub(super) fn editor_has_focus(&self) -> bool {
-        self.is_edited() && self.desk.editor.as_ref().is_some_and(Editor::has_focus)
+        self.is_edited() && self.ui_state.editor.as_ref().is_some_and(Editor::has_focus)
     }
 
     pub(super) fn is_edited(&self) -> bool {
-        self.desk.panels.open() == Some(Panel::Editor)
+        self.ui_state.panels.open() == Some(Panel::Editor)
     }
 }

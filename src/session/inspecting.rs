@@ -21,7 +21,7 @@ impl Interface {
     /// Notes how the picture lies in the window.
     pub(super) fn note_map(&mut self, playback: &mut Playback, map: Map) {
         self.probing.map = Some(map);
-        if let Some(editor) = &mut self.desk.editor {
+        if let Some(editor) = &mut self.ui_state.editor {
             editor.set_view(map, playback.scene.composer().pictures().camera());
         }
     }
@@ -32,9 +32,9 @@ impl Interface {
             return;
         }
         let Some((width, height)) = screen.size() else { return };
-        let share = [place[0] / f64::from(width), place[1] / f64::from(height)];
-        let at = self.probing.map.and_then(|map| led(&map, share));
-        let at = at.filter(|at| at.iter().all(|share| (0.0..=1.0).contains(share)));
+        let fraction = [place[0] / f64::from(width), place[1] / f64::from(height)];
+        let at = self.probing.map.and_then(|map| led(&map, fraction));
+        let at = at.filter(|at| at.iter().all(|fraction| (0.0..=1.0).contains(fraction)));
         let Some(at) = at else { return };
         match playback.scene.composer().pictures().scenery() {
             Ok(scenery) => self.with_prober(|prober| prober.ask_point(scenery, at)),
@@ -45,14 +45,14 @@ impl Interface {
     /// Takes in what was found, and asks for what the editor needs next.
     pub(super) fn update_probing(&mut self, playback: &mut Playback) {
         for answer in self.probing.prober.iter().flat_map(Prober::answers).collect::<Vec<_>>() {
-            if let Some(editor) = &mut self.desk.editor {
+            if let Some(editor) = &mut self.ui_state.editor {
                 editor.take_answer_about_the_picture(answer);
             }
         }
         if !self.is_edited() {
             return;
         }
-        let wants = self.desk.editor.as_ref().is_some_and(Editor::wants_survey);
+        let wants = self.ui_state.editor.as_ref().is_some_and(Editor::wants_ray_statistics);
         if !wants {
             self.probing.surveyed = None;
             return;
@@ -65,7 +65,7 @@ impl Interface {
         self.probing.surveyed = Some(picture);
         let scenery: Option<Scenery> = playback.scene.composer().pictures().scenery().ok();
         if let Some(scenery) = scenery {
-            self.with_prober(|prober| prober.ask_survey(scenery));
+            self.with_prober(|prober| prober.ask_ray_statistics(scenery));
         }
     }
 
@@ -85,7 +85,7 @@ impl Interface {
     }
 
     fn tell_in_editor(&mut self, words: &str) {
-        if let Some(editor) = &mut self.desk.editor {
+        if let Some(editor) = &mut self.ui_state.editor {
             editor.tell(words);
         }
     }

@@ -77,7 +77,7 @@ impl Legacy {
 impl Session {
     /// Finishes what is written while the show runs.
     pub(super) fn leave_to_the_next(&mut self, settings: &PlaySettings) {
-        if let Some(editor) = &mut self.interface.desk.editor {
+        if let Some(editor) = &mut self.interface.ui_state.editor {
             editor.finish();
         }
         self.playback.recording.finish(clock::now());

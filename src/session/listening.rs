@@ -87,7 +87,7 @@ impl Listening {
     }
 
     /// Pauses the sound or lets it run, as the user wants.
-    pub(crate) fn follow_wish(&mut self) {
+    pub(crate) fn follow_request(&mut self) {
         self.started = true;
         self.sound.set_paused(self.paused);
     }
@@ -211,8 +211,8 @@ impl Listening {
     }
 
     /// What is wrong with settings and devices since the last call.
-    pub(crate) fn take_complaints(&mut self) -> Vec<String> {
-        self.sound.take_complaints()
+    pub(crate) fn take_reported_problems(&mut self) -> Vec<String> {
+        self.sound.take_reported_problems()
     }
 
     /// What is heard now, with its place in the song, and with the tapped tempo. Of an input the energy is known, and the
@@ -324,9 +324,9 @@ impl Listening {
         self.sound.live_status()
     }
 
-    /// Adds what there is to show of the sources; `stays` while the user keeps their list open.
-    pub(crate) fn show_in<'a>(&'a self, content: &mut OverlayContent<'a>, stays: bool, now: Instant) {
+    /// Adds what there is to show of the sources; `clips` while the user keeps their list open.
+    pub(crate) fn show_in<'a>(&'a self, content: &mut OverlayContent<'a>, clips: bool, now: Instant) {
         content.hint = self.sound.hint().or(content.hint);
-        content.sources = self.sound.list(stays, now);
+        content.sources = self.sound.list(clips, now);
     }
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::SessionError;
-use super::feeds::Sends;
+use super::frame_senders::Sends;
 use super::scene::{LoadedScene, SceneLoader, SceneLoaders};
 use super::waker::Waker;
 use crate::config::PlaySettings;
@@ -11,7 +11,7 @@ use crate::export::painter::SceneChoice;
 use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneSource, TextureCache};
 
 /// Background work of a show, started before its window opens.
-pub(crate) struct Backstage {
+pub(crate) struct BackgroundWork {
     /// The scene loaders.
     pub(crate) loaders: SceneLoaders,
     /// The first scene.
@@ -22,7 +22,7 @@ pub(crate) struct Backstage {
     pub(crate) sends: Sends,
 }
 
-impl Backstage {
+impl BackgroundWork {
     /// Starts it and waits for the first scene.
     ///
     /// # Errors

@@ -12,17 +12,17 @@ use crate::scenes::SceneSource;
 use crate::session::lay::Lay;
 use crate::session::screen::Screen;
 use crate::show::Picture;
-use crate::ui::corner_hands::CornerHands;
+use crate::ui::corner_handles::CornerHandles;
 use crate::ui::desk_picture::{is_within, small_in};
 use crate::ui::overlay::PanelSwitches;
 
 impl Session {
     /// Hides every word and panel until this is called again.
     pub(super) fn toggle_clean(&mut self) {
-        self.interface.desk.bare = !self.interface.desk.bare;
+        self.interface.ui_state.bare = !self.interface.ui_state.bare;
         self.screen.request_redraw();
-        if self.interface.desk.bare {
-            self.interface.desk.panels = PanelSwitches::default();
+        if self.interface.ui_state.bare {
+            self.interface.ui_state.panels = PanelSwitches::default();
             self.leave_panels();
         } else {
             self.playback.reports.answer("words and panels show again".to_owned());
@@ -36,12 +36,12 @@ impl Session {
 
     /// Lets the corners be moved, or no longer.
     pub(super) fn show_corners(&mut self, open: bool) {
-        if !open && self.interface.desk.corners.is_some() {
+        if !open && self.interface.ui_state.corners.is_some() {
             // One may still be held.
             let setting = Setting::Corners(self.choices.stage.corners);
             self.change_setting(SetSetting { setting, settled: true });
         }
-        self.interface.desk.corners = open.then(|| CornerHands::new(self.choices.stage.corners));
+        self.interface.ui_state.corners = open.then(|| CornerHandles::new(self.choices.stage.corners));
         self.screen.request_redraw();
     }
 
@@ -49,15 +49,15 @@ impl Session {
     /// nothing could be drawn is left out.
     pub(super) fn move_corner(&mut self, MovedCorner { corner, place, settled }: MovedCorner) {
         // Finer than a pixel is no use to anybody.
-        let place = place.map(|share| (share * 1e4).round() / 1e4);
+        let place = place.map(|fraction| (fraction * 1e4).round() / 1e4);
         let before = self.choices.stage.corners;
         self.set_corners(before.with(corner, place).unwrap_or(before), corner, settled);
     }
 
     /// Sets all corners, of which one is selected, and remembers them once they are settled.
     pub(super) fn set_corners(&mut self, corners: Corners, selected: usize, settled: bool) {
-        if let Some(hands) = &mut self.interface.desk.corners {
-            hands.take(selected, corners);
+        if let Some(controllers) = &mut self.interface.ui_state.corners {
+            controllers.take(selected, corners);
         }
         self.change_setting(SetSetting { setting: Setting::Corners(corners), settled });
     }
@@ -66,7 +66,7 @@ impl Session {
 impl Playback {
     /// Lets the picture fade to black, or come back.
     pub(crate) fn toggle_blackout(&mut self) {
-        let words = match self.masters.toggle_blackout(clock::now()) {
+        let words = match self.master_output.toggle_blackout(clock::now()) {
             true => "blackout: X brings the picture back",
             false => "the picture comes back",
         };
@@ -75,13 +75,13 @@ impl Playback {
 
     /// Holds the picture that shows while the song goes on, or lets it go.
     pub(crate) fn toggle_freeze(&mut self) {
-        let words = match self.masters.toggle_freeze() {
+        let words = match self.master_output.toggle_freeze() {
             true => {
                 self.scene.composer_mut().give_picture_up();
                 "the picture is held: Z lets it go"
             }
             false => {
-                self.scene.fade_from_held(self.masters.fade_seconds());
+                self.scene.fade_from_held(self.master_output.fade_seconds());
                 "the picture goes on"
             }
         };
@@ -90,16 +90,16 @@ impl Playback {
 
     /// Whether the picture that shows is held.
     pub(super) fn holds_picture(&self) -> bool {
-        self.masters.hold() && self.pace.shown().is_some()
+        self.master_output.hold() && self.pace.shown().is_some()
     }
 
     /// Does to whole pictures what the show does to them at `time` seconds of the song.
-    pub(super) fn follow_masters(&mut self, time: f64) {
+    pub(super) fn follow_master_output(&mut self, time: f64) {
         let shown = self.scene.show().picture_at(time);
-        let before = self.masters.follow_show(shown);
-        let share = |picture: Picture| picture.held.map(|held| held.share);
-        let (was, is) = (share(before), share(shown));
-        if was == is || self.masters.is_frozen() {
+        let before = self.master_output.follow_show(shown);
+        let fraction = |picture: Picture| picture.held.map(|held| held.fraction);
+        let (was, is) = (fraction(before), fraction(shown));
+        if was == is || self.master_output.is_frozen() {
             return;
         }
         let since = |picture: Picture| picture.held.map(|held| held.since);
@@ -109,13 +109,13 @@ impl Playback {
         match is {
             // It is held as it is.
             Some(1.0..) => self.scene.composer_mut().give_picture_up(),
-            share => self.scene.composer_mut().mix_held(share),
+            fraction => self.scene.composer_mut().mix_held(fraction),
         }
     }
 
     /// Whether the picture that shows is brighter or darker than it is to be.
     pub(super) fn is_dimming(&self, now: Instant) -> bool {
-        self.pace.shown().is_some() && self.masters.gain(now) != self.renderer.gain()
+        self.pace.shown().is_some() && self.master_output.gain(now) != self.renderer.gain()
     }
 
     /// All scenes in the order of their numbers: marked ones first.
@@ -144,14 +144,14 @@ impl Interface {
     /// Where in the window of `size` pixels the picture lies: as large as it can, or small beside the panels while an output
     /// shows it. It is large there, too, while its corners are moved, and where nothing else is to be seen.
     pub(super) fn note_area(&mut self, screen: &mut dyn Screen, lay: &Lay, size: (u32, u32)) -> Area {
-        let is_small = screen.has_output() && !self.desk.bare && self.desk.corners.is_none();
-        self.desk.picture = is_small.then(|| small_in(size, lay.screen));
-        self.desk.picture.unwrap_or_else(|| lay.area_in(size))
+        let is_small = screen.has_output() && !self.ui_state.bare && self.ui_state.corners.is_none();
+        self.ui_state.picture = is_small.then(|| small_in(size, lay.screen));
+        self.ui_state.picture.unwrap_or_else(|| lay.area_in(size))
     }
 
     /// Whether what the pointer does at a place of the window, in pixels, is meant for the picture.
     pub(super) fn is_for_picture(&self, screen: &dyn Screen, place: [f64; 2]) -> bool {
         let size = screen.size().unwrap_or_default();
-        self.desk.picture.is_none_or(|area| is_within(area, size, place))
+        self.ui_state.picture.is_none_or(|area| is_within(area, size, place))
     }
 }

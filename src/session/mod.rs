@@ -7,7 +7,6 @@ mod carrying_out;
 pub mod controllers;
 mod controlling;
 mod cues;
-mod desk;
 pub(crate) mod desktop;
 mod directing;
 mod direction;
@@ -16,15 +15,15 @@ mod drawing_pace;
 mod dynamic_resolution;
 mod editing;
 mod error;
-pub(crate) mod feeds;
+pub(crate) mod frame_senders;
 mod frame_times;
 mod inspecting;
 pub(crate) mod lay;
 mod leaving;
 mod listening;
 mod loading;
+mod master_output;
 mod mastering;
-mod masters;
 mod noting;
 pub mod offscreen;
 mod opening;
@@ -41,6 +40,7 @@ mod settings;
 pub(crate) mod sound;
 mod title;
 mod typing_times;
+mod ui_state;
 pub mod waker;
 
 pub use error::SessionError;
@@ -49,12 +49,12 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use cues::Cues;
-use desk::Desk;
-pub(crate) use loading::Backstage;
+pub(crate) use loading::BackgroundWork;
 pub(crate) use opening::Opening;
 pub use opening::Prepared;
 use preview::Preview;
 pub(crate) use running::Run;
+use ui_state::UiState;
 
 use crate::clock;
 use crate::commands::{Command, Files, Panel};
@@ -64,13 +64,13 @@ use crate::gpu::shader_source::ShaderLibrary;
 use crate::input::{Input, Key, Modifiers, NamedKey};
 use crate::scenes::Drafts;
 use crate::session::announcer::TrackOrder;
-use crate::session::controllers::Hands;
+use crate::session::controllers::Controllers;
 use crate::session::direction::Direction;
 use crate::session::drawing_pace::DrawingPace;
-use crate::session::feeds::Feeds;
+use crate::session::frame_senders::FrameSenders;
 use crate::session::frame_times::FrameTimes;
 use crate::session::listening::Listening;
-use crate::session::masters::Masters;
+use crate::session::master_output::MasterOutput;
 use crate::session::recording::Recording;
 use crate::session::reports::Reports;
 use crate::session::scene::SceneSession;
@@ -118,18 +118,18 @@ pub(crate) struct Playback {
     live: Option<LiveDirector>,
     cues: Cues,
     /// Controllers: MIDI, OSC and phones.
-    hands: Hands,
+    controllers: Controllers,
     renderer: Renderer,
     shaders: ShaderLibrary,
     pace: DrawingPace,
     /// Brightness, blackout, and whether the picture is held.
-    masters: Masters,
+    master_output: MasterOutput,
     /// How long after nothing the first picture is shown, until the limiter of flashes has taken it.
     first_shown_after: Option<f64>,
     /// The scene that comes next, as a small picture.
     preview: Preview,
     /// Where pictures are sent.
-    feeds: Feeds,
+    frame_senders: FrameSenders,
     /// What is recorded of the show.
     recording: Recording,
     reports: Reports,
@@ -138,7 +138,7 @@ pub(crate) struct Playback {
 /// What a user has in front of him: panels, the pointer, the editor.
 pub(crate) struct Interface {
     overlay: Overlay,
-    desk: Desk,
+    ui_state: UiState,
     input: UserInput,
     pointer_rest: PointerRest,
     /// What was done in panels during the last picture.
@@ -177,12 +177,12 @@ impl Session {
     fn take_for_panels(&mut self, input: &Input) -> bool {
         let Some((key, held)) = self.interface.input.typed(input) else { return false };
         let command_key = held.control_key() || held.super_key();
-        if let Some(browser) = &mut self.interface.desk.browser {
+        if let Some(browser) = &mut self.interface.ui_state.browser {
             let commands = browser.take_key(key, command_key);
             self.carry_out_all(commands);
             return true;
         }
-        if let Some(files) = &mut self.interface.desk.files {
+        if let Some(files) = &mut self.interface.ui_state.files {
             let commands = files.take_key(key, held.shift_key(), command_key);
             self.carry_out_all(commands);
             return true;
@@ -190,15 +190,21 @@ impl Session {
         if self.interface.go_through_controls(&mut *self.screen, key, held) {
             return true;
         }
-        let of_settings = self.interface.desk.settings.as_mut().map(|settings| settings.take_key(key));
+        let of_settings = self.interface.ui_state.settings.as_mut().map(|settings| settings.take_key(key));
         let taken = of_settings.filter(|(taken, _)| *taken);
-        let taken = taken.or_else(|| self.interface.desk.hands.as_mut().map(|hands| hands.take_key(key)));
+        let taken = taken.or_else(|| {
+            self.interface.ui_state.controllers.as_mut().map(|controllers| controllers.take_key(key))
+        });
         if let Some((true, command)) = taken {
             self.carry_out_all(command);
             return true;
         }
-        let of_corners =
-            self.interface.desk.corners.as_mut().and_then(|hands| hands.take_key(key, held.shift_key()));
+        let of_corners = self
+            .interface
+            .ui_state
+            .corners
+            .as_mut()
+            .and_then(|controllers| controllers.take_key(key, held.shift_key()));
         let taken = of_corners.is_some();
         self.carry_out_all(of_corners.flatten());
         taken
@@ -212,7 +218,7 @@ impl Session {
         if !self.playback.reports.is_due(clock::now()) {
             return Ok(false);
         }
-        for complaint in self.playback.listening.take_complaints() {
+        for complaint in self.playback.listening.take_reported_problems() {
             self.playback.reports.say(complaint);
         }
         if let Some(live) = self.playback.listening.live_status() {
@@ -228,7 +234,7 @@ impl Session {
         let silence_asked = settings.silent && !self.chose_output;
         self.playback.reports.tell_silence(&status, silence_asked);
         if let (true, true, 1, Some(error)) =
-            (status.ended, settings.once, status.track.count, &status.troubles.last)
+            (status.ended, settings.once, status.track.count, &status.track_errors.last)
         {
             return Err(SessionError::SongLost(error.clone()));
         }
@@ -252,19 +258,19 @@ impl Session {
     pub(super) fn look_around(&mut self) -> Result<Instant, SessionError> {
         let dropped = self.interface.input.take_dropped();
         if !dropped.is_empty() {
-            let append =
-                self.interface.input.shift_held() || self.interface.desk.panels.open() == Some(Panel::Tracks);
+            let append = self.interface.input.shift_held()
+                || self.interface.ui_state.panels.open() == Some(Panel::Tracks);
             self.interface.open_files(&mut self.playback, Files { files: dropped, append });
         }
         self.playback.scene.update()?;
         self.update_editor();
         self.interface.update_probing(&mut self.playback);
         self.interface.update_thumbnails(&mut self.playback);
-        if let Some(files) = &mut self.interface.desk.files {
+        if let Some(files) = &mut self.interface.ui_state.files {
             files.update();
         }
         self.update_settings();
-        self.interface.update_hands(&mut self.playback);
+        self.interface.update_controllers(&mut self.playback);
         self.playback.tell_recording();
         let now = clock::now();
         self.playback.reports.update(now);
@@ -307,8 +313,9 @@ impl Session {
             || self.screen.is_stale()
             || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
-        let seen =
-            self.screen.is_seen() || self.playback.pace.shown().is_none() || self.playback.feeds.are_any();
+        let seen = self.screen.is_seen()
+            || self.playback.pace.shown().is_none()
+            || self.playback.frame_senders.are_any();
         if !moving || !seen {
             // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
             // any time.
@@ -317,14 +324,14 @@ impl Session {
             }
             let idle = now + self.playback.idle_interval(seen);
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
-        } else if now >= self.playback.pace.due(self.playback.hands.are_unseen())
+        } else if now >= self.playback.pace.due(self.playback.controllers.are_unseen())
             || self.playback.scene.composer().has_regions()
         {
             self.update_preview(now, Some(Duration::ZERO))?;
             self.screen.request_redraw();
             Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
         } else {
-            let due = self.playback.pace.due(self.playback.hands.are_unseen());
+            let due = self.playback.pace.due(self.playback.controllers.are_unseen());
             self.update_preview(now, Some(due.saturating_duration_since(now)))?;
             Ok(to_send.map_or(due, |sends| sends.min(due)))
         }
@@ -336,7 +343,7 @@ impl Playback {
     pub(crate) fn set_paused(&mut self, paused: bool) {
         self.listening.want_paused(paused);
         if self.pace.shown().is_some() {
-            self.listening.follow_wish();
+            self.listening.follow_request();
         }
     }
 
@@ -353,9 +360,9 @@ impl Playback {
             (status.volume, status.muted)
         });
         match after {
-            Some((_, true)) => self.reports.answer_share("muted".to_owned(), Some(0.0)),
+            Some((_, true)) => self.reports.answer_fraction("muted".to_owned(), Some(0.0)),
             Some((volume, false)) => {
-                self.reports.answer_share(format!("volume {:.0} %", 100.0 * volume), Some(volume));
+                self.reports.answer_fraction(format!("volume {:.0} %", 100.0 * volume), Some(volume));
             }
             None => {
                 self.reports.answer("the volume is that of the song, and an input is listened to".to_owned())
@@ -440,7 +447,7 @@ impl Interface {
     fn go_through_controls(&mut self, screen: &mut dyn Screen, key: &Key, held: Modifiers) -> bool {
         let begins = *key == Key::Named(NamedKey::Tab)
             && (held.shift_key() || self.overlay.is_assisted())
-            && self.desk.corners.is_none();
+            && self.ui_state.corners.is_none();
         let others = Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER;
         if !(begins || self.overlay.has_key_focus()) || held.intersects(others) {
             return false;

@@ -61,9 +61,11 @@ impl Playback {
 
     /// What is done to the whole picture that was begun at `begun`.
     pub(super) fn finish(&self, begun: Instant) -> Finish {
-        let share = if self.holds_picture() { 1.0 } else { self.scene.composer().fading().share_held() };
-        let is_shown = self.masters.are_idle(begun) && (share == 0.0 || self.masters.is_held_by_show());
-        Finish { numbers: [self.masters.gain(begun), share], is_shown }
+        let fraction =
+            if self.holds_picture() { 1.0 } else { self.scene.composer().fading().fraction_held() };
+        let is_shown =
+            self.master_output.are_idle(begun) && (fraction == 0.0 || self.master_output.is_held_by_show());
+        Finish { numbers: [self.master_output.gain(begun), fraction], is_shown }
     }
 
     /// Says what became of a recording.

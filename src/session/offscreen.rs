@@ -15,7 +15,7 @@ use super::desktop::DesktopControls;
 use super::lay::Lay;
 use super::screen::{Event, Paint, Screen};
 use super::waker::Waker;
-use super::{Backstage, Opening, Prepared, Run, SessionError};
+use super::{BackgroundWork, Opening, Prepared, Run, SessionError};
 use crate::clock;
 use crate::commands::{Command, Sender, ShowState};
 use crate::gpu::background::WorkerContext;
@@ -84,7 +84,7 @@ impl Offscreen {
             // After the end there is nobody to wake.
             let _ = Channel::send(&wakes, ());
         });
-        let backstage = Backstage::start(&settings, &scene, &waker)?;
+        let backstage = BackgroundWork::start(&settings, &scene, &waker)?;
         let (screen, shared) = OffscreenWindow::new(settings.size, woken, has_compiler)?;
         let opening = Opening {
             tracks,

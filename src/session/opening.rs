@@ -7,11 +7,11 @@
 
 use std::sync::Arc;
 
-use super::desk::Desk;
 use super::drawing::paint_waiting;
 use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
-use super::{Backstage, Interface, Playback, Session};
+use super::ui_state::UiState;
+use super::{BackgroundWork, Interface, Playback, Session};
 use crate::clock;
 use crate::config::{Choices, DEFAULT_DEVICE, Folders, Memory, PerformanceFiles, PlaySettings};
 use crate::export::painter::SceneChoice;
@@ -22,13 +22,13 @@ use crate::gpu::gl::Gl;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::session::SessionError;
 use crate::session::announcer::Announcer;
-use crate::session::controllers::Hands;
+use crate::session::controllers::Controllers;
 use crate::session::desktop::DesktopControls;
 use crate::session::direction::Direction;
 use crate::session::drawing_pace::DrawingPace;
-use crate::session::feeds::Feeds;
+use crate::session::frame_senders::FrameSenders;
 use crate::session::listening::Listening;
-use crate::session::masters::Masters;
+use crate::session::master_output::MasterOutput;
 use crate::session::recording::Recording;
 use crate::session::reports::Reports;
 use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneSession};
@@ -71,7 +71,7 @@ pub(crate) struct Opening<'a> {
     /// What is remembered.
     pub(crate) memory: Memory,
     /// What works behind it already.
-    pub(crate) backstage: Backstage,
+    pub(crate) backstage: BackgroundWork,
     /// Where pictures are shown.
     pub(crate) screen: Box<dyn Screen>,
     /// Makes the desktop's controls for players, which ask for the place in the song.
@@ -85,7 +85,7 @@ impl Opening<'_> {
     /// What the driver or the system refuses.
     pub(crate) fn session(self, waker: &Waker) -> Result<Session, SessionError> {
         let Self { tracks, settings, scene, memory, backstage, mut screen, desktop } = self;
-        let Backstage { loaders, first, drafts, sends } = backstage;
+        let BackgroundWork { loaders, first, drafts, sends } = backstage;
         let choices = settings.choices.clone();
         tracing::info!("what holds in this run: {choices:?}");
         // First of all, so that the song is known before its first picture.
@@ -120,20 +120,20 @@ impl Opening<'_> {
             direction,
             live: None,
             cues: Default::default(),
-            hands: Hands::start(&settings.hands, &folders, waker),
+            controllers: Controllers::start(&settings.controllers, &folders, waker),
             renderer,
             shaders: choice.shaders.clone(),
             pace: DrawingPace::new(choices.quality, fps, screen.gl().info().software, now),
-            masters: Masters::new(brightness, choices.stage.blackout_fade),
+            master_output: MasterOutput::new(brightness, choices.stage.blackout_fade),
             first_shown_after: None,
             preview: Preview::new(),
-            feeds: Feeds::of(sends),
+            frame_senders: FrameSenders::of(sends),
             recording: Recording::new(PerformanceFiles::among(&folders)),
             reports: Reports::new(announcer, desktop(position), now),
         };
         let interface = Interface {
             overlay,
-            desk: Desk::new(!choices.hints),
+            ui_state: UiState::new(!choices.hints),
             input: UserInput::default(),
             pointer_rest: PointerRest::default(),
             ui_events: Vec::new(),
@@ -186,7 +186,7 @@ fn start_player(
     settings: &PlaySettings,
     announcer: &mut Announcer,
 ) -> Result<Player, SessionError> {
-    for trouble in tracks.troubles {
+    for trouble in tracks.track_errors {
         tell(&trouble);
         announcer.say(trouble);
     }
@@ -277,13 +277,13 @@ pub(super) fn renewed(
     waker: &Waker,
 ) -> Result<Session, SessionError> {
     let Session { playback, interface, screen, .. } = session;
-    let Playback { renderer: old_renderer, scene: old_scene, mut feeds, mut reports, .. } = playback;
+    let Playback { renderer: old_renderer, scene: old_scene, mut frame_senders, mut reports, .. } = playback;
     let Interface { overlay, .. } = interface;
     // What was made in the context is dropped while it is current: in the next one its names mean something else.
     let assisted = overlay.is_assisted();
     drop(overlay);
     drop(old_renderer);
-    feeds.let_go();
+    frame_senders.let_go();
     drop(playback.preview);
     let kept = old_scene.let_go();
     let Some(shown) = kept.shown else {
@@ -305,14 +305,14 @@ pub(super) fn renewed(
     if assisted {
         overlay.assist(Assistance::Begins);
     }
-    scenes.take_over(kept.hands, kept.wanted);
+    scenes.take_over(kept.controllers, kept.wanted);
     reports.answer("the driver had lost the picture: it is drawn anew".to_owned());
     let playback = Playback {
         renderer: renderer(screen.gl(), &session.choices, scene)?,
         scene: scenes,
         pace: playback.pace.renewed(clock::now()),
         preview: Preview::new(),
-        feeds,
+        frame_senders,
         reports,
         ..playback
     };

@@ -25,28 +25,32 @@ impl Session {
         if panel == Panel::Editor && self.gives_focus_to_editor() {
             return;
         }
-        self.interface.desk.panels.toggle(panel);
+        self.interface.ui_state.panels.toggle(panel);
         // Keys act on the panel.
         self.interface.overlay.drop_key_focus();
-        self.write_text(self.interface.desk.panels.open() == Some(Panel::Editor));
-        if self.interface.desk.panels.open() == Some(Panel::Sources) {
+        self.write_text(self.interface.ui_state.panels.open() == Some(Panel::Editor));
+        if self.interface.ui_state.panels.open() == Some(Panel::Sources) {
             self.playback.listening.show_sources();
         }
         self.interface.look_through_scenes(
             &mut self.playback,
-            self.interface.desk.panels.open() == Some(Panel::Scenes),
+            self.interface.ui_state.panels.open() == Some(Panel::Scenes),
         );
-        self.interface
-            .look_through_files(&mut self.playback, self.interface.desk.panels.open() == Some(Panel::Files));
-        self.show_settings(self.interface.desk.panels.open() == Some(Panel::Settings));
-        self.interface
-            .show_hands(&mut self.playback, self.interface.desk.panels.open() == Some(Panel::Controllers));
-        self.show_corners(self.interface.desk.panels.open() == Some(Panel::Corners));
+        self.interface.look_through_files(
+            &mut self.playback,
+            self.interface.ui_state.panels.open() == Some(Panel::Files),
+        );
+        self.show_settings(self.interface.ui_state.panels.open() == Some(Panel::Settings));
+        self.interface.show_controllers(
+            &mut self.playback,
+            self.interface.ui_state.panels.open() == Some(Panel::Controllers),
+        );
+        self.show_corners(self.interface.ui_state.panels.open() == Some(Panel::Corners));
     }
 
     /// Takes what was done in the list of files, and carries out what it asks for.
     fn take_file_event(&mut self, event: FileListEvent) {
-        let Some(files) = &mut self.interface.desk.files else { return };
+        let Some(files) = &mut self.interface.ui_state.files else { return };
         let commands = match event {
             FileListEvent::Open { place, append } => files.open(place, append),
             FileListEvent::OpenFolder { append } => files.open_folder(append),
@@ -65,7 +69,7 @@ impl Session {
 
     /// Takes what was done in the list of scenes, and carries out what it asks for.
     fn take_scene_event(&mut self, event: SceneListEvent) {
-        let Some(browser) = &mut self.interface.desk.browser else { return };
+        let Some(browser) = &mut self.interface.ui_state.browser else { return };
         let commands = match event {
             SceneListEvent::Show { place, close } => browser.show(place, close),
             SceneListEvent::Mark(place) => browser.mark(place),
@@ -81,10 +85,10 @@ impl Session {
 
     /// Closes what is open, or leaves full screen.
     pub(super) fn leave(&mut self) {
-        if self.playback.hands.stop_learning() {
-            return self.interface.update_hands(&mut self.playback);
+        if self.playback.controllers.stop_learning() {
+            return self.interface.update_controllers(&mut self.playback);
         }
-        if !self.interface.desk.panels.close() {
+        if !self.interface.ui_state.panels.close() {
             self.screen.set_fullscreen(false);
         }
         self.leave_panels();
@@ -96,7 +100,7 @@ impl Session {
         self.interface.look_through_files(&mut self.playback, false);
         self.show_settings(false);
         self.write_text(false);
-        self.interface.show_hands(&mut self.playback, false);
+        self.interface.show_controllers(&mut self.playback, false);
         self.show_corners(false);
     }
 
@@ -129,19 +133,19 @@ impl Playback {
 impl Interface {
     /// Whether keys are text at present.
     pub(super) fn takes_text(&self) -> bool {
-        self.desk.browser.is_some() || self.desk.files.is_some() || self.editor_has_focus()
+        self.ui_state.browser.is_some() || self.ui_state.files.is_some() || self.editor_has_focus()
     }
 
     /// Opens the list of files, or closes it.
     fn look_through_files(&mut self, playback: &mut Playback, open: bool) {
-        self.desk.files = None;
+        self.ui_state.files = None;
         if !open {
             return;
         }
         let waker = self.waker.clone();
         let folder = self.last_folder.clone().or_else(|| playback.folder_of_track());
         match FileBrowser::start(folder, move || waker.wake()) {
-            Ok(files) => self.desk.files = Some(files),
+            Ok(files) => self.ui_state.files = Some(files),
             Err(error) => playback.reports.answer(format!("folders cannot be read: {error}")),
         }
     }
@@ -163,7 +167,7 @@ impl Interface {
 
     /// Opens the list of scenes, or closes it.
     fn look_through_scenes(&mut self, playback: &mut Playback, open: bool) {
-        self.desk.browser = None;
+        self.ui_state.browser = None;
         if !open {
             return;
         }
@@ -174,7 +178,7 @@ impl Interface {
         if let Some(thumbnails) = &mut self.thumbnails {
             browser.ask_for_comments(thumbnails);
         }
-        self.desk.browser = Some(browser);
+        self.ui_state.browser = Some(browser);
     }
 
     /// Has something that finds pictures of scenes.
@@ -208,7 +212,7 @@ impl Interface {
     /// Gives what was found out about scenes to whoever looks at them, and asks for what phones want to see.
     pub(super) fn update_thumbnails(&mut self, playback: &mut Playback) {
         self.draw_thumbnails_ahead(playback);
-        let wanted = playback.hands.wanted_pictures();
+        let wanted = playback.controllers.wanted_pictures();
         if !wanted.is_empty() {
             self.look_for_thumbnails();
         }
@@ -217,8 +221,8 @@ impl Interface {
             thumbnails.ask_for_pictures_later(wanted);
         }
         let found: Vec<_> = std::iter::from_fn(|| thumbnails.poll()).collect();
-        found.iter().for_each(|looked| playback.hands.note_picture(looked));
-        if let Some(browser) = &mut self.desk.browser {
+        found.iter().for_each(|looked| playback.controllers.note_picture(looked));
+        if let Some(browser) = &mut self.ui_state.browser {
             browser.set_present(playback.scene.scenes().shown_source());
             browser.take(found);
         }

@@ -65,9 +65,10 @@ impl Session {
     /// # Errors
     /// What the driver refuses.
     pub(super) fn update_preview(&mut self, now: Instant, rest: Option<Duration>) -> Result<(), GpuError> {
-        let is_wanted = self.choices.next_scene || (self.screen.has_output() && !self.interface.desk.clean);
+        let is_wanted =
+            self.choices.next_scene || (self.screen.has_output() && !self.interface.ui_state.clean);
         let title =
-            self.playback.scene.scenes().next_title().filter(|_| is_wanted && !self.interface.desk.bare);
+            self.playback.scene.scenes().next_title().filter(|_| is_wanted && !self.interface.ui_state.bare);
         let Some(title) = title else {
             if self.playback.preview.next.take().is_some() {
                 self.screen.request_redraw();

@@ -9,7 +9,7 @@ use crate::config::PerformanceFiles;
 use crate::scenes::SceneSource;
 use crate::session::direction::OfTrack;
 use crate::session::scene::Performed;
-use crate::show::{Entrance, Finish, OnStage, Performance, TransitionKind, name_of, print};
+use crate::show::{Finish, OnStage, Performance, TimedTransition, TransitionKind, name_of, print};
 use mariana_field::lang::Way;
 
 /// How often a performance is written while it changes.
@@ -27,7 +27,7 @@ struct Take {
     /// What was on in the last picture.
     shown: Option<Showing>,
     /// Whether it was told that there is no more room.
-    told_full: bool,
+    reported_full: bool,
     /// Whether the picture that was noted last is held.
     is_held: bool,
 }
@@ -39,7 +39,7 @@ struct Showing {
     scene: String,
     /// One of its cameras.
     camera: Option<String>,
-    entrance: Entrance,
+    transition: TimedTransition,
     /// Since when, in seconds of the song.
     start: f64,
 }
@@ -108,13 +108,13 @@ impl Recording {
                 kept: now,
                 has_changed: true,
                 shown: None,
-                told_full: false,
+                reported_full: false,
                 is_held: false,
             }
         });
         take.note(time, seen);
         take.has_changed = true;
-        let is_news = take.performance.is_full() && !std::mem::replace(&mut take.told_full, true);
+        let is_news = take.performance.is_full() && !std::mem::replace(&mut take.reported_full, true);
         is_news.then_some("the performance is longer than a show may be: what comes now is not recorded")
     }
 
@@ -161,28 +161,28 @@ impl Take {
     fn note(&mut self, time: f64, seen: Performed<'_>) {
         self.is_held = false;
         let changes = match seen.faded {
-            Some((seconds, start)) => (Entrance::new(Way::Fade, seconds), start),
-            None => (Entrance::CUT, time),
+            Some((seconds, start)) => (TimedTransition::new(Way::Fade, seconds), start),
+            None => (TimedTransition::CUT, time),
         };
-        let (entrance, start) = match (&self.shown, seen.directed) {
+        let (transition, start) = match (&self.shown, seen.directed) {
             (None, Some(directed)) => directed,
             (Some(shown), Some(directed)) if directed.1 >= shown.start => directed,
-            (None, None) => (Entrance::CUT, time),
+            (None, None) => (TimedTransition::CUT, time),
             // What nobody directs any more stays as it is; so does what the show takes over in the middle of a scene.
-            (Some(shown), _) if shown.goes_on_in(&seen, time) => (shown.entrance, shown.start),
-            (Some(shown), _) if shown.source == *seen.source => (Entrance::CUT, time),
+            (Some(shown), _) if shown.goes_on_in(&seen, time) => (shown.transition, shown.start),
+            (Some(shown), _) if shown.source == *seen.source => (TimedTransition::CUT, time),
             (Some(_), _) => changes,
         };
         let scene = match self.shown.take().filter(|shown| shown.source == *seen.source) {
             Some(shown) => shown.scene,
             None => named(seen.source),
         };
-        let Performed { source, camera, params, moves, hand, picture, .. } = seen;
-        let turns = hand.turns();
-        let on_stage = OnStage { scene: &scene, camera, entrance, start, params, moves, turns, picture };
+        let Performed { source, camera, params, moves, orbit, picture, .. } = seen;
+        let turns = orbit.turns();
+        let on_stage = OnStage { scene: &scene, camera, transition, start, params, moves, turns, picture };
         self.performance.note(time, &on_stage);
         let camera = camera.map(str::to_owned);
-        self.shown = Some(Showing { source: source.clone(), scene, camera, entrance, start });
+        self.shown = Some(Showing { source: source.clone(), scene, camera, transition, start });
     }
 }
 
@@ -191,7 +191,8 @@ impl Showing {
     fn goes_on_in(&self, seen: &Performed<'_>, time: f64) -> bool {
         let is_same = self.source == *seen.source && self.camera.as_deref() == seen.camera;
         // A picture that is held ends a fade by hand: behind it the scene is alone.
-        let fades = self.entrance.kind == TransitionKind::Fade && time < self.start + self.entrance.seconds;
+        let fades =
+            self.transition.kind == TransitionKind::Fade && time < self.start + self.transition.seconds;
         is_same && self.start <= time && (seen.directed.is_some() || seen.fades || !fades)
     }
 }
@@ -218,7 +219,7 @@ fn keep(files: &PerformanceFiles, take: &mut Take, now: Instant) {
     ];
     // A long performance is a long text: it is written out where no picture waits.
     let performance = take.performance.clone();
-    if !files.keep(take.number, &take.title, move || print(&performance.script(), &comments)) {
+    if !files.keep(take.number, &take.title, move || print(&performance.cue_list(), &comments)) {
         tracing::warn!("there is no folder for performances");
     }
 }
@@ -230,7 +231,7 @@ mod tests {
     use super::*;
     use crate::frame::orbit_controls::OrbitControls;
 
-    fn seen(source: &SceneSource, directed: Option<(Entrance, f64)>) -> Performed<'_> {
+    fn seen(source: &SceneSource, directed: Option<(TimedTransition, f64)>) -> Performed<'_> {
         Performed {
             source,
             camera: None,
@@ -239,7 +240,7 @@ mod tests {
             fades: false,
             params: Vec::new(),
             moves: &[],
-            hand: OrbitControls::OFF,
+            orbit: OrbitControls::OFF,
             picture: Finish::NOTHING,
         }
     }
@@ -266,7 +267,7 @@ mod tests {
         let held = Finish { numbers: [0.5, 1.0], is_shown: false };
         recording.note_picture(Some(0), 6.0, &held, true);
         recording.note_picture(Some(2), 7.0, &Finish::NOTHING, false);
-        let melt = (Entrance::new(Way::Melt, 2.0), 0.5);
+        let melt = (TimedTransition::new(Way::Melt, 2.0), 0.5);
         recording.note((Some(1), "two"), 1.5, seen(&heart, Some(melt)), now);
         recording.note((None, "an input"), 9.0, seen(&city, None), now);
         assert!(!recording.toggle(now));
@@ -314,19 +315,19 @@ mod tests {
         let orb = SceneSource::Shipped("orb".to_owned());
         let city = SceneSource::Shipped("city".to_owned());
         type Seen<'a> = (f64, &'a SceneSource, Option<(f64, f64)>, bool, Option<&'static str>);
-        let told = |pictures: &[Seen<'_>]| {
+        let reported = |pictures: &[Seen<'_>]| {
             let mut recording = Recording::new(PerformanceFiles::in_folder(None));
             recording.toggle(now);
             for (time, scene, faded, fades, camera) in pictures.iter().copied() {
                 let seen = Performed { faded, fades, camera, ..seen(scene, None) };
                 recording.note((Some(0), "one"), time, seen, now);
             }
-            let script = recording.take.map(|take| take.performance.script()).unwrap_or_default();
-            print(&script, &[]).lines().map(str::to_owned).collect::<Vec<_>>()
+            let cue_list = recording.take.map(|take| take.performance.cue_list()).unwrap_or_default();
+            print(&cue_list, &[]).lines().map(str::to_owned).collect::<Vec<_>>()
         };
         let fade = Some((4.0, 2.0));
         let begins = [(1.0, &orb, None, false, None), (2.0, &city, fade, true, None)];
-        let with = |more: &[_]| told(&[&begins[..], more].concat());
+        let with = |more: &[_]| reported(&[&begins[..], more].concat());
         let usual = ["at 0:01  orb  cut", "at 0:02  city  fade over 4 s"];
         assert_eq!(with(&[(3.0, &city, fade, true, None), (7.0, &city, None, false, None)]), usual);
         // A show's fade goes on though nobody directs any more.

@@ -21,9 +21,9 @@ pub(crate) struct Reports {
     /// When the state of the sound is to be looked at.
     due: Instant,
     /// Whether it was told that there is no sound.
-    told_silent: bool,
+    reported_silent: bool,
     /// Why the last choice of an output was refused, if it was.
-    told_refused: Option<String>,
+    reported_refused: Option<String>,
     /// The window's title.
     title: String,
     playing: NowPlaying,
@@ -36,8 +36,8 @@ impl Reports {
             announcer,
             desktop,
             due: now,
-            told_silent: false,
-            told_refused: None,
+            reported_silent: false,
+            reported_refused: None,
             title: String::new(),
             playing: NowPlaying::default(),
         }
@@ -68,8 +68,8 @@ impl Reports {
     }
 
     /// The same with a share below the text, 0..1.
-    pub(crate) fn answer_share(&mut self, text: String, share: Option<f32>) {
-        self.announcer.answer_share(text, share);
+    pub(crate) fn answer_fraction(&mut self, text: String, fraction: Option<f32>) {
+        self.announcer.answer_fraction(text, fraction);
     }
 
     /// Shows where in the track we are.
@@ -100,12 +100,12 @@ impl Reports {
     /// Tells once why an output that was chosen does not play, and why there is no sound, unless `silence_asked`. That the reason changes meanwhile (a server that has
     /// died has no devices either) is no news.
     pub(crate) fn tell_silence(&mut self, status: &PlayerStatus, silence_asked: bool) {
-        if let Some(reason) = status.silent.as_ref().filter(|_| !silence_asked && !self.told_silent) {
+        if let Some(reason) = status.silent.as_ref().filter(|_| !silence_asked && !self.reported_silent) {
             tell(&format!("the song plays without sound: {reason}"));
         }
-        self.told_silent = status.silent.is_some();
-        if self.told_refused != status.refused {
-            self.told_refused.clone_from(&status.refused);
+        self.reported_silent = status.silent.is_some();
+        if self.reported_refused != status.refused {
+            self.reported_refused.clone_from(&status.refused);
             if let Some(reason) = &status.refused {
                 tell(reason);
                 self.announcer.answer(reason.clone());

@@ -141,7 +141,7 @@ impl Run {
         self.over |= self.session.look_at_status(&self.settings)?;
         self.session.remember_show(&self.settings, clock::now());
         let until = self.session.look_around()?;
-        Ok(self.session.playback.hands_due().map_or(until, |due| until.min(due)))
+        Ok(self.session.playback.controllers_due().map_or(until, |due| until.min(due)))
     }
 
     fn draw(&mut self) -> Result<(), SessionError> {
@@ -162,7 +162,7 @@ impl Run {
 
     /// Carries out the commands of controllers.
     fn obey_controllers(&mut self) {
-        for action in self.session.take_wishes() {
+        for action in self.session.take_input() {
             match Command::of_controller(&action) {
                 Some(command) => self.carry_out(command, Sender::Controller),
                 None => self.session.playback.hurry_reports(),

@@ -17,13 +17,13 @@ impl Playback {
         screen: &mut dyn Screen,
         now: Instant,
     ) -> Result<Option<Instant>, SessionError> {
-        for sentence in self.feeds.news() {
+        for sentence in self.frame_senders.news() {
             tell(&sentence);
             self.reports.say(sentence);
         }
         if self.pace.shown().is_none() {
             return Ok(None);
         }
-        Ok(self.feeds.go_on(screen.gl(), &mut self.renderer, now)?)
+        Ok(self.frame_senders.go_on(screen.gl(), &mut self.renderer, now)?)
     }
 }

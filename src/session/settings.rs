@@ -13,13 +13,13 @@ impl Session {
         if open {
             self.screen.look_at_monitors();
         }
-        self.interface.desk.settings = open.then(SettingsPanel::default);
+        self.interface.ui_state.settings = open.then(SettingsPanel::default);
         self.update_settings();
     }
 
     /// Brings the panel up to date, if it is open.
     pub(super) fn update_settings(&mut self) {
-        if let Some(panel) = &mut self.interface.desk.settings {
+        if let Some(panel) = &mut self.interface.ui_state.settings {
             let facts = self.playback.listening.facts(&self.choices, self.names_output);
             panel.update(&Facts { monitors: self.screen.monitors(), ..facts });
         }
@@ -27,7 +27,7 @@ impl Session {
 
     /// Takes what was done in the panel, and carries out what it asks for.
     pub(super) fn take_setting_event(&mut self, event: SettingEvent) {
-        let Some(panel) = &mut self.interface.desk.settings else { return };
+        let Some(panel) = &mut self.interface.ui_state.settings else { return };
         let command = match event {
             SettingEvent::Pick { row, value } => panel.pick(row, value),
             SettingEvent::Change { row, number, settled } => panel.change_number(row, number, settled),
@@ -61,13 +61,15 @@ impl Session {
                 }
             }
             Setting::Screen(name) => self.screen.want_output(name.clone()),
-            Setting::Brightness(percent) => self.playback.masters.set_brightness(f32::from(*percent) / 100.0),
-            Setting::BlackoutFade(seconds) => self.playback.masters.set_fade(*seconds),
+            Setting::Brightness(percent) => {
+                self.playback.master_output.set_brightness(f32::from(*percent) / 100.0)
+            }
+            Setting::BlackoutFade(seconds) => self.playback.master_output.set_fade(*seconds),
             Setting::Flip(_) | Setting::Crop(_) | Setting::Corners(_) => {
                 self.screen.lie_differently();
             }
             Setting::NextScene(_) => self.screen.request_redraw(),
-            Setting::Hints(on) => self.interface.desk.clean = !on,
+            Setting::Hints(on) => self.interface.ui_state.clean = !on,
         }
         self.choices.set(&setting);
         if settled {

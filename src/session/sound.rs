@@ -1,12 +1,12 @@
 //! What the show listens to: the song or a live input, and how much later the picture is shown.
 
-mod told;
+mod reported_problems;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use told::{Complaints, Hints};
+use reported_problems::{Hints, ReportedProblems};
 
 use crate::clock;
 use crate::commands::SHIFT_STEP_MS;
@@ -49,7 +49,7 @@ pub(crate) struct Sound {
     /// A choice that is remembered only once the list is gone: on the way to it others were chosen for moments.
     unremembered: Option<Target>,
     hints: Hints,
-    complaints: Complaints,
+    reported_problems: ReportedProblems,
 }
 
 /// What the show starts with.
@@ -89,10 +89,10 @@ impl Sound {
             list: None,
             unremembered: None,
             hints: Hints::default(),
-            complaints: Complaints::default(),
+            reported_problems: ReportedProblems::default(),
         };
         if let Some(trouble) = start.memory.trouble {
-            sound.complaints.add(&trouble.to_string());
+            sound.reported_problems.add(&trouble.to_string());
         }
         if let Some(choice) = start.listen {
             let target = wanted(choice, start.device, sound.kept.settings());
@@ -243,7 +243,7 @@ impl Sound {
         match DeviceWatch::shared() {
             Ok(watch) => Some(self.watch.insert(watch).latest().1),
             Err(error) => {
-                self.complaints.add(&error.to_string());
+                self.reported_problems.add(&error.to_string());
                 None
             }
         }
@@ -355,7 +355,7 @@ impl Sound {
                             live.set_paused(self.paused);
                             self.live = Some(live);
                         }
-                        Err(error) => return self.complaints.add(&error.to_string()),
+                        Err(error) => return self.reported_problems.add(&error.to_string()),
                     },
                 }
                 self.unremembered = Some(target);
@@ -368,11 +368,11 @@ impl Sound {
         self.hints.shown.as_deref().filter(|_| self.live.is_some())
     }
 
-    /// The list of sources, as long as it shows; `stays` while the user keeps it open.
-    pub(crate) fn list(&self, stays: bool, now: Instant) -> Option<SourceList> {
+    /// The list of sources, as long as it shows; `clips` while the user keeps it open.
+    pub(crate) fn list(&self, clips: bool, now: Instant) -> Option<SourceList> {
         let (sources, since) = self.list.as_ref()?;
         let present = self.present();
-        (stays || now.saturating_duration_since(*since) < LIST_STANDS).then(|| SourceList {
+        (clips || now.saturating_duration_since(*since) < LIST_STANDS).then(|| SourceList {
             names: sources.iter().map(|(_, name)| name.clone()).collect(),
             present: sources.iter().position(|(source, _)| *source == present),
         })
@@ -400,11 +400,11 @@ impl Sound {
     }
 
     /// What was complained of since the last call.
-    pub(crate) fn take_complaints(&mut self) -> Vec<String> {
+    pub(crate) fn take_reported_problems(&mut self) -> Vec<String> {
         while let Some(error) = self.kept.poll() {
-            self.complaints.add(&error.to_string());
+            self.reported_problems.add(&error.to_string());
         }
-        self.complaints.take()
+        self.reported_problems.take()
     }
 }
 
@@ -412,7 +412,7 @@ impl Drop for Sound {
     fn drop(&mut self) {
         self.remember_choice();
         for error in self.kept.finish() {
-            self.complaints.add(&error.to_string());
+            self.reported_problems.add(&error.to_string());
         }
     }
 }

@@ -61,7 +61,7 @@ impl std::fmt::Display for TypingTimes {
         let summary = |list: &[f32]| {
             let mut sorted = list.to_vec();
             sorted.sort_by(f32::total_cmp);
-            let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).copied();
+            let at = |fraction: f64| sorted.get((fraction * sorted.len() as f64) as usize).copied();
             match at(0.5).zip(at(0.99)) {
                 Some((median, most)) => {
                     format!("{} times, median {median:.1} ms, 99 of 100 within {most:.1} ms", sorted.len())

@@ -7,7 +7,7 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, EventLoop, EventLoopProxy};
 use winit::window::Window;
 
-use crate::shell::messages::Told;
+use crate::shell::messages::WindowMessage;
 use crate::ui::overlay::Assistance;
 
 /// What the window asks in the words of the panels.
@@ -21,18 +21,18 @@ fn assistance(asked: Asked) -> Assistance {
 
 /// Where the show tells its controls.
 #[derive(Clone)]
-pub(crate) struct ControlsTeller(EventLoopProxy<Told>);
+pub(crate) struct AccessibilityPublisher(EventLoopProxy<WindowMessage>);
 
-impl ControlsTeller {
+impl AccessibilityPublisher {
     /// Tells them by way of `event_loop`.
-    pub(crate) fn new(event_loop: &EventLoop<Told>) -> Self {
+    pub(crate) fn new(event_loop: &EventLoop<WindowMessage>) -> Self {
         Self(event_loop.create_proxy())
     }
 
     /// Tells what there is now.
     pub(crate) fn tell(&self, controls: TreeUpdate) {
         // A window that has gone shows no controls.
-        let _ = self.0.send_event(Told::Controls(Box::new(controls)));
+        let _ = self.0.send_event(WindowMessage::Controls(Box::new(controls)));
     }
 }
 
@@ -41,7 +41,11 @@ pub(crate) struct Accessibility(Adapter);
 
 impl Accessibility {
     /// Offers `window`, which must not be visible yet. Asks for nothing and costs nothing before somebody listens.
-    pub(crate) fn new(event_loop: &ActiveEventLoop, window: &Window, proxy: EventLoopProxy<Told>) -> Self {
+    pub(crate) fn new(
+        event_loop: &ActiveEventLoop,
+        window: &Window,
+        proxy: EventLoopProxy<WindowMessage>,
+    ) -> Self {
         Self(Adapter::with_event_loop_proxy(event_loop, window, proxy))
     }
 
@@ -56,7 +60,7 @@ impl Accessibility {
     }
 }
 
-impl From<Event> for Told {
+impl From<Event> for WindowMessage {
     fn from(event: Event) -> Self {
         Self::Assistance(assistance(event.window_event))
     }

@@ -10,7 +10,7 @@ pub const APP_ID: &str = "org.mariana.Mariana";
 const ICON: &[u8] = include_bytes!("../../assets/desktop/icons/128x128/apps/org.mariana.Mariana.png");
 
 /// The attributes of a window that tells whose it is.
-pub(crate) fn told_by(attributes: WindowAttributes) -> WindowAttributes {
+pub(crate) fn reported_by(attributes: WindowAttributes) -> WindowAttributes {
     #[cfg(all(unix, not(target_os = "macos")))]
     let attributes = {
         // Of X11 by its name, but Wayland reads the same field.

@@ -56,7 +56,7 @@ pub(crate) fn inbox() -> (Waker, Sender<Message>, Receiver<Message>) {
 
 /// What the window's thread receives.
 #[derive(Debug)]
-pub(crate) enum Told {
+pub(crate) enum WindowMessage {
     /// The show has ended.
     Ended,
     /// A signal asks for the end.

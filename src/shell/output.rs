@@ -9,14 +9,14 @@ use winit::event_loop::EventLoopProxy;
 
 use crate::session::SessionError;
 use crate::session::waker::Waker;
-use crate::shell::messages::Told;
+use crate::shell::messages::WindowMessage;
 use crate::shell::monitors::{Monitor, MonitorWatch, named, names};
 use crate::shell::shared_window::SharedWindow;
 use crate::shell::window::{GlWindowContext, SecondSurface};
 
 /// See the module.
 pub(crate) struct Output {
-    proxy: EventLoopProxy<Told>,
+    proxy: EventLoopProxy<WindowMessage>,
     waker: Waker,
     monitors: MonitorWatch,
     /// The monitor that it is to be on, by name or number.
@@ -25,7 +25,7 @@ pub(crate) struct Output {
     /// Whether it shows something else than it should.
     is_stale: bool,
     /// Whether it was told that the monitor is not there.
-    told_missing: bool,
+    reported_missing: bool,
 }
 
 enum State {
@@ -38,7 +38,7 @@ enum State {
 impl Output {
     /// On the monitor with this name or number, once it is there; none is on no monitor. Windows are asked for through
     /// `proxy`.
-    pub(crate) fn new(wanted: Option<String>, proxy: EventLoopProxy<Told>, waker: &Waker) -> Self {
+    pub(crate) fn new(wanted: Option<String>, proxy: EventLoopProxy<WindowMessage>, waker: &Waker) -> Self {
         let mut output = Self {
             proxy,
             waker: waker.clone(),
@@ -46,7 +46,7 @@ impl Output {
             wanted: None,
             state: State::Off,
             is_stale: false,
-            told_missing: false,
+            reported_missing: false,
         };
         output.want(wanted);
         output
@@ -57,7 +57,7 @@ impl Output {
         if wanted.is_some() {
             self.look_at_monitors();
         }
-        (self.wanted, self.told_missing) = (wanted, false);
+        (self.wanted, self.reported_missing) = (wanted, false);
     }
 
     /// Looks at the monitors from now on.
@@ -78,7 +78,7 @@ impl Output {
     }
 
     /// Opens and closes its window as monitors come and go. Returns what there is to say.
-    pub(crate) fn update(&mut self, desk: &GlWindowContext) -> Option<String> {
+    pub(crate) fn update(&mut self, ui_state: &GlWindowContext) -> Option<String> {
         let monitors = match &self.wanted {
             Some(_) => self.monitors.known()?,
             None => Vec::new(),
@@ -86,15 +86,15 @@ impl Output {
         let aim = self.wanted.as_deref().and_then(|wanted| named(&monitors, wanted)).cloned();
         match (&self.state, aim) {
             (State::Off, Some(monitor)) => {
-                self.told_missing = false;
-                self.ask(Told::OpenOutput(monitor.clone()));
+                self.reported_missing = false;
+                self.ask(WindowMessage::OpenOutput(monitor.clone()));
                 self.state = State::Asked(monitor);
                 None
             }
             (State::Asked(present) | State::On(present, _), Some(monitor)) => {
                 // Elsewhere, or of another size: a new window.
                 if *present != monitor {
-                    self.close(desk);
+                    self.close(ui_state);
                     self.waker.wake();
                 }
                 None
@@ -102,10 +102,10 @@ impl Output {
             (state, None) => {
                 let was_on = !matches!(state, State::Off);
                 if was_on {
-                    self.close(desk);
+                    self.close(ui_state);
                 }
                 let wanted = self.wanted.as_ref()?;
-                if std::mem::replace(&mut self.told_missing, true) {
+                if std::mem::replace(&mut self.reported_missing, true) {
                     return None;
                 }
                 Some(match was_on {
@@ -123,9 +123,13 @@ impl Output {
     ///
     /// # Errors
     /// The driver refuses a second surface.
-    pub(crate) fn take(&mut self, window: SharedWindow, desk: &GlWindowContext) -> Result<(), SessionError> {
+    pub(crate) fn take(
+        &mut self,
+        window: SharedWindow,
+        ui_state: &GlWindowContext,
+    ) -> Result<(), SessionError> {
         if let State::Asked(monitor) = &self.state {
-            let (monitor, surface) = (monitor.clone(), desk.second_surface(window)?);
+            let (monitor, surface) = (monitor.clone(), ui_state.second_surface(window)?);
             tracing::info!("the output is on {monitor}");
             (self.state, self.is_stale) = (State::On(monitor, surface), true);
         }
@@ -133,14 +137,14 @@ impl Output {
     }
 
     /// Takes an event of its window. Returns whether something is to be shown anew.
-    pub(crate) fn take_event(&mut self, event: &WindowEvent, desk: &GlWindowContext) -> bool {
+    pub(crate) fn take_event(&mut self, event: &WindowEvent, ui_state: &GlWindowContext) -> bool {
         let State::On(_, surface) = &mut self.state else { return false };
         match event {
-            WindowEvent::Resized(size) => surface.resize(desk, (*size).into()),
+            WindowEvent::Resized(size) => surface.resize(ui_state, (*size).into()),
             WindowEvent::RedrawRequested => {}
             WindowEvent::CloseRequested | WindowEvent::Destroyed => {
                 self.wanted = None;
-                self.close(desk);
+                self.close(ui_state);
                 return true;
             }
             _ => return false,
@@ -150,11 +154,11 @@ impl Output {
     }
 
     /// Closes its window; the next update opens one anew, if one is wanted.
-    pub(crate) fn close(&mut self, desk: &GlWindowContext) {
+    pub(crate) fn close(&mut self, ui_state: &GlWindowContext) {
         if let State::On(..) = std::mem::replace(&mut self.state, State::Off) {
-            desk.wait_for_monitor(true);
+            ui_state.wait_for_monitor(true);
         }
-        self.ask(Told::CloseOutput);
+        self.ask(WindowMessage::CloseOutput);
     }
 
     /// Width and height of its window, in pixels, while it shows the picture.
@@ -184,8 +188,8 @@ impl Output {
         self.is_stale && self.size().is_some()
     }
 
-    fn ask(&self, told: Told) {
+    fn ask(&self, reported: WindowMessage) {
         // After the end there is nobody to ask.
-        let _ = self.proxy.send_event(told);
+        let _ = self.proxy.send_event(reported);
     }
 }

@@ -11,14 +11,14 @@ use crate::config::PlaySettings;
 use crate::export::print::print_line;
 use crate::gpu::headless::Headless;
 use crate::session::SessionError;
-use crate::session::{Backstage, Opening, Prepared, Run};
-use crate::shell::accessibility::ControlsTeller;
+use crate::session::{BackgroundWork, Opening, Prepared, Run};
+use crate::shell::accessibility::AccessibilityPublisher;
 use crate::shell::media_controls::MediaControls;
 use crate::shell::messages::{Typing, inbox};
 use crate::shell::monitors::{self, around};
 use crate::shell::output::Output;
 use crate::shell::wallpaper::{FPS, Layers, Wallpaper, is_wayland, of_screen_saver};
-use crate::shell::window::{Ground, OpenWindow, WindowWishes};
+use crate::shell::window::{Ground, OpenWindow, WindowOptions};
 use crate::shell::window_screen::{Lines, WindowScreen};
 use crate::shell::window_thread;
 
@@ -32,11 +32,11 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
     let started = Instant::now();
     let (settings, ground) = on_ground(settings)?;
     let unplayable = tracks.as_ref().filter(|tracks| !tracks.playable);
-    if let (true, Some(trouble)) = (settings.once, unplayable.and_then(|tracks| tracks.troubles.last())) {
+    if let (true, Some(trouble)) = (settings.once, unplayable.and_then(|tracks| tracks.track_errors.last())) {
         return Err(SessionError::SongLost(trouble.clone()).into());
     }
     let (waker, messages, inbox) = inbox();
-    let backstage = Backstage::start(&settings, &scene, &waker)?;
+    let backstage = BackgroundWork::start(&settings, &scene, &waker)?;
     let event_loop = match EventLoop::with_user_event().build() {
         Ok(event_loop) => event_loop,
         Err(_) if settings.gl_info => {
@@ -50,9 +50,9 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
         Some(Ground::Layers) => Some(Layers::start(&event_loop, &waker)?),
         _ => None,
     };
-    let sheets = layers.as_ref().map(Layers::sheets);
+    let output_surfaces = layers.as_ref().map(Layers::output_surfaces);
     let name = tracks.as_ref().map_or("live", |tracks| tracks.first.info.name.as_str());
-    let wishes = WindowWishes {
+    let input_queue = WindowOptions {
         title: format!("{name} - Mariana"),
         size: settings.size,
         place: settings.place,
@@ -61,7 +61,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
         ground,
     };
     let of_show = waker.clone();
-    let (controls, proxy) = (ControlsTeller::new(&event_loop), event_loop.create_proxy());
+    let (controls, proxy) = (AccessibilityPublisher::new(&event_loop), event_loop.create_proxy());
     let typing = Typing::default();
     let of_window = typing.clone();
     let play = move |window: OpenWindow| {
@@ -69,7 +69,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
             return Ok(print_line(&window.bind()?.gl().info().to_string())?);
         }
         let output = Output::new(settings.choices.stage.output.clone(), proxy, &of_show);
-        let wallpaper = settings.wallpaper.then(|| Wallpaper::start(sheets, &of_show));
+        let wallpaper = settings.wallpaper.then(|| Wallpaper::start(output_surfaces, &of_show));
         let lines = Lines { inbox, controls, typing: of_window };
         let screen = Box::new(WindowScreen::new(window, lines, output, wallpaper)?);
         let of_desktop = of_show.clone();
@@ -87,7 +87,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
         let stage = opening.session(&of_show)?;
         Run::new(stage, settings, scene, of_show.clone(), started).go_on()
     };
-    Ok(window_thread::run(event_loop, wishes, messages, typing, layers, Box::new(play))?)
+    Ok(window_thread::run(event_loop, input_queue, messages, typing, layers, Box::new(play))?)
 }
 
 /// The settings of a run whose window is the desktop's ground, or in a screen saver's window; others as they are.

@@ -31,16 +31,16 @@ use crate::gpu::gl::Gl;
 use crate::session::SessionError;
 use crate::session::waker::Waker;
 use crate::shell::identity;
-use crate::shell::messages::Told;
+use crate::shell::messages::WindowMessage;
 use crate::shell::monitors::Rect;
 use crate::shell::shared_window::{SharedWindow, WindowCalls};
 use second::grounded;
-pub(crate) use second::{Bearer, Ground, SecondSurface, open_output};
+pub(crate) use second::{DrawTarget, Ground, SecondSurface, open_output};
 #[cfg(all(unix, not(target_os = "macos")))]
 pub(crate) use wayland::wayland_connection;
 
 /// Which window to open.
-pub(crate) struct WindowWishes {
+pub(crate) struct WindowOptions {
     /// Its title.
     pub title: String,
     /// Width and height in pixels.
@@ -88,30 +88,30 @@ impl OpenWindow {
     /// No window, or no OpenGL.
     pub(crate) fn open(
         event_loop: &ActiveEventLoop,
-        events: &EventLoopProxy<Told>,
-        wishes: &WindowWishes,
+        events: &EventLoopProxy<WindowMessage>,
+        input_queue: &WindowOptions,
     ) -> Result<(Self, Arc<Window>), SessionError> {
         let no_context = |error: &dyn std::fmt::Display| SessionError::NoContext(error.to_string());
         let attributes = WindowAttributes::default()
-            .with_title(&wishes.title)
-            .with_inner_size(PhysicalSize::new(wishes.size.0, wishes.size.1))
+            .with_title(&input_queue.title)
+            .with_inner_size(PhysicalSize::new(input_queue.size.0, input_queue.size.1))
             // Assistive technology must know it before it is seen.
             .with_visible(false);
         let monitors = event_loop.available_monitors();
         let monitors = monitors.map(|monitor| (monitor.position().into(), monitor.size().into()));
-        let place = wishes.place.filter(|place| can_be_grasped(*place, wishes.size, monitors));
+        let place = input_queue.place.filter(|place| can_be_grasped(*place, input_queue.size, monitors));
         let attributes = match place {
             Some((x, y)) => attributes.with_position(PhysicalPosition::new(x, y)),
             None => attributes,
         };
-        let attributes = grounded(identity::told_by(attributes), wishes.ground);
+        let attributes = grounded(identity::reported_by(attributes), input_queue.ground);
         let template =
             ConfigTemplateBuilder::new().with_alpha_size(0).with_depth_size(0).with_stencil_size(0);
         let opened =
             gl_display::open(event_loop, attributes, template).map_err(|error| no_context(&error))?;
         let (window, config) =
             opened.ok_or_else(|| no_context(&"none of the driver's pixel formats fits a window"))?;
-        if wishes.ground.is_some()
+        if input_queue.ground.is_some()
             && let Err(error) = window.set_cursor_hittest(false)
         {
             tracing::warn!("clicks do not go through the wallpaper: {error}");
@@ -122,7 +122,7 @@ impl OpenWindow {
         let refresh_rate = millihertz.filter(|rate| *rate > 0).map(|rate| f64::from(rate) / 1000.0);
         let own = Arc::new(window);
         let window = shared(event_loop, events, own.clone());
-        Ok((Self { config, window, size, place, refresh_rate, log_debug: wishes.log_debug }, own))
+        Ok((Self { config, window, size, place, refresh_rate, log_debug: input_queue.log_debug }, own))
     }
 
     /// What other windows must be like for its context to draw into them.
@@ -279,14 +279,14 @@ impl GlWindowContext {
 /// A window for the show's thread.
 pub(crate) fn shared(
     event_loop: &ActiveEventLoop,
-    events: &EventLoopProxy<Told>,
+    events: &EventLoopProxy<WindowMessage>,
     window: Arc<Window>,
 ) -> SharedWindow {
     #[cfg(all(unix, not(target_os = "macos")))]
     let events = winit::platform::x11::ActiveEventLoopExtX11::is_x11(event_loop).then(|| {
         let events = events.clone();
         // After the end nobody waits for events.
-        Waker::new(move || drop(events.send_event(Told::CallsMade)))
+        Waker::new(move || drop(events.send_event(WindowMessage::CallsMade)))
     });
     #[cfg(not(all(unix, not(target_os = "macos"))))]
     let events = (event_loop, events, None).2;

@@ -17,7 +17,7 @@ use crate::placement::{Area, WHOLE};
 use crate::session::SessionError;
 use crate::session::lay::Lay;
 use crate::session::screen::{Event, Paint, Screen};
-use crate::shell::accessibility::ControlsTeller;
+use crate::shell::accessibility::AccessibilityPublisher;
 use crate::shell::messages::{Message, Typing};
 use crate::shell::monitors::Rect as PlaceOnDesktop;
 use crate::shell::output::Output;
@@ -37,7 +37,7 @@ pub(crate) struct WindowScreen {
     /// Whether nothing of the window can be seen.
     occluded: bool,
     inbox: Receiver<Message>,
-    controls: ControlsTeller,
+    controls: AccessibilityPublisher,
     typing: Typing,
     /// Sentences that nobody has taken yet.
     news: Vec<String>,
@@ -50,7 +50,7 @@ pub(crate) struct Lines {
     /// What happens to the window, and what other threads have for the session.
     pub(crate) inbox: Receiver<Message>,
     /// Where screen readers are told what there is.
-    pub(crate) controls: ControlsTeller,
+    pub(crate) controls: AccessibilityPublisher,
     /// Whether keys are text.
     pub(crate) typing: Typing,
 }

@@ -19,11 +19,11 @@ use crate::export::print::tell;
 use crate::input::Modifiers;
 use crate::session::SessionError;
 use crate::shell::accessibility::Accessibility;
-use crate::shell::messages::{Message, Told, Typing};
+use crate::shell::messages::{Message, Typing, WindowMessage};
 use crate::shell::monitors::Monitor;
 use crate::shell::translate::{key_press, modifiers};
 use crate::shell::wallpaper::Layers;
-use crate::shell::window::{OpenWindow, WindowWishes, open_output, shared};
+use crate::shell::window::{OpenWindow, WindowOptions, open_output, shared};
 
 /// How long the end waits for a show that a driver blocks: a little longer than the show waits for its compilers.
 const END_WAIT: Duration = Duration::from_secs(6);
@@ -37,8 +37,8 @@ pub(crate) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), SessionError> + 
 /// # Errors
 /// What the show ended with, no window, or no thread.
 pub(crate) fn run(
-    event_loop: EventLoop<Told>,
-    wishes: WindowWishes,
+    event_loop: EventLoop<WindowMessage>,
+    input_queue: WindowOptions,
     messages: Sender<Message>,
     typing: Typing,
     layers: Option<Layers>,
@@ -46,7 +46,7 @@ pub(crate) fn run(
 ) -> Result<(), SessionError> {
     let on_signal = event_loop.create_proxy();
     let watched = ending::watch(move |_| {
-        let _ = on_signal.send_event(Told::End);
+        let _ = on_signal.send_event(WindowMessage::End);
     });
     if let Err(error) = watched {
         tracing::info!("signals cannot be caught and end the show at once ({error})");
@@ -54,7 +54,7 @@ pub(crate) fn run(
     let mut front = Front {
         proxy: event_loop.create_proxy(),
         messages,
-        begins_with: Some((wishes, play)),
+        begins_with: Some((input_queue, play)),
         running: None,
         ends_by: None,
         show_ended: false,
@@ -73,10 +73,10 @@ pub(crate) fn run(
 }
 
 struct Front {
-    proxy: EventLoopProxy<Told>,
+    proxy: EventLoopProxy<WindowMessage>,
     messages: Sender<Message>,
     /// Taken when the window opens.
-    begins_with: Option<(WindowWishes, Play)>,
+    begins_with: Option<(WindowOptions, Play)>,
     running: Option<Running>,
     /// Since the show is over: until when it is waited for.
     ends_by: Option<Instant>,
@@ -102,15 +102,15 @@ struct Running {
 
 impl Front {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), SessionError> {
-        let Some((wishes, play)) = self.begins_with.take() else { return Ok(()) };
-        let (opened, window) = OpenWindow::open(event_loop, &self.proxy, &wishes)?;
-        let (visible, config) = (wishes.visible, opened.config());
+        let Some((input_queue, play)) = self.begins_with.take() else { return Ok(()) };
+        let (opened, window) = OpenWindow::open(event_loop, &self.proxy, &input_queue)?;
+        let (visible, config) = (input_queue.visible, opened.config());
         let accessibility = Accessibility::new(event_loop, &window, self.proxy.clone());
         window.set_visible(visible);
         let proxy = self.proxy.clone();
         let show = move || {
             // However the show ends, also by a panic.
-            let _tells = TellsEnd(proxy);
+            let _tells = EndNotifier(proxy);
             play(opened)
         };
         let thread = std::thread::Builder::new().name("show".into());
@@ -168,7 +168,7 @@ fn asks_for_the_end(event: &WindowEvent, held: Modifiers, typing: bool) -> bool 
     }
 }
 
-impl ApplicationHandler<Told> for Front {
+impl ApplicationHandler<WindowMessage> for Front {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if let Err(error) = self.open(event_loop) {
             self.result = Err(error);
@@ -204,17 +204,17 @@ impl ApplicationHandler<Told> for Front {
         }
     }
 
-    fn user_event(&mut self, event_loop: &ActiveEventLoop, told: Told) {
-        match told {
-            Told::Ended => {
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, reported: WindowMessage) {
+        match reported {
+            WindowMessage::Ended => {
                 self.show_ended = true;
                 event_loop.exit();
             }
-            Told::End => self.end(event_loop),
-            Told::Assistance(assistance) => {
+            WindowMessage::End => self.end(event_loop),
+            WindowMessage::Assistance(assistance) => {
                 let _ = self.messages.send(Message::Assistance(assistance));
             }
-            Told::OpenOutput(monitor) => {
+            WindowMessage::OpenOutput(monitor) => {
                 let Some(running) = self.running.as_mut().filter(|_| self.ends_by.is_none()) else { return };
                 match open_output(event_loop, &running.config, &monitor) {
                     Ok(window) => {
@@ -226,13 +226,13 @@ impl ApplicationHandler<Told> for Front {
                 }
             }
             // winit has read the queued events before it called this.
-            Told::CallsMade => {}
-            Told::CloseOutput => {
+            WindowMessage::CallsMade => {}
+            WindowMessage::CloseOutput => {
                 if let Some(running) = &mut self.running {
                     running.output = None;
                 }
             }
-            Told::Controls(controls) => {
+            WindowMessage::Controls(controls) => {
                 if let Some(running) = &mut self.running {
                     running.accessibility.show(*controls);
                 }
@@ -308,11 +308,11 @@ pub(crate) fn end_without_display() -> ! {
 }
 
 /// Reports to the event loop, when it is dropped, that the show has ended.
-struct TellsEnd(EventLoopProxy<Told>);
+struct EndNotifier(EventLoopProxy<WindowMessage>);
 
-impl Drop for TellsEnd {
+impl Drop for EndNotifier {
     fn drop(&mut self) {
         // An event loop that has gone knows already.
-        let _ = self.0.send_event(Told::Ended);
+        let _ = self.0.send_event(WindowMessage::Ended);
     }
 }

@@ -1,12 +1,12 @@
 //! Shows with the sources of their scenes. [`mariana_show`], which knows scenes by name only, makes the plans.
 
 mod live;
-mod programme;
+mod prepared_show;
 mod scene_facts;
 
 pub use live::LiveDirector;
 pub use mariana_show::{
-    Entrance, Finish, Hearing, Held, Moment, Move, Moved, OnStage, Performance, Picture, Plan, Stay,
-    TransitionKind, Turned, print,
+    Clip, Finish, Hearing, Held, Moment, Move, Moved, OnStage, Performance, Picture, TimedTransition,
+    Timeline, TransitionKind, Turned, print,
 };
-pub use programme::{Programme, ShowError, ShowSource, name_of};
+pub use prepared_show::{PreparedShow, ShowError, ShowSource, name_of};

@@ -42,12 +42,12 @@ fn a_structure_that_was_kept_is_the_same_bit_for_bit() {
     let files = kept_files(&kept);
     assert_eq!(files.len(), 1);
     // Only the file can have said this.
-    let told = fs::read_to_string(&files[0]).unwrap();
+    let reported = fs::read_to_string(&files[0]).unwrap();
     let changed = SongStructure { tuning_hz: 432.1, ..first.clone() };
     let key = cache.key(&Content { song: song.clone(), cut: None }, &|| true).unwrap();
     cache.save(key, &changed);
     assert_eq!(structure_of(&song, &cache), changed);
-    fs::write(&files[0], told).unwrap();
+    fs::write(&files[0], reported).unwrap();
     assert_eq!(structure_of(&song, &cache), first);
 }
 

@@ -300,8 +300,8 @@ fn a_scale_factor_that_is_none_was_a_panic() {
 fn what_the_system_said_of_a_song_was_told_twice() {
     let place = Workplace::new();
     symlink("loop.wav", place.path("loop.wav")).unwrap();
-    let told = place.run(&["analyze", "loop.wav"]).refused(&["loop.wav could not be read"]);
-    assert_eq!(told.matches("os error").count(), 1, "{told}");
+    let reported = place.run(&["analyze", "loop.wav"]).refused(&["loop.wav could not be read"]);
+    assert_eq!(reported.matches("os error").count(), 1, "{reported}");
 }
 
 #[test]

@@ -19,9 +19,9 @@ fn install(arguments: &[&str], variables: &[(&str, &Path)]) -> String {
     let mut command = Command::new("bash");
     command.arg(script()).args(arguments).env_remove("DESTDIR").envs(variables.iter().copied());
     let output = command.output().unwrap();
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{arguments:?}: {told}");
-    told
+    let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{arguments:?}: {reported}");
+    reported
 }
 
 fn script() -> PathBuf {
@@ -65,8 +65,8 @@ fn what_is_installed_is_where_desktop_and_shell_look() {
     let place = tempfile::tempdir().unwrap();
     // A blank, because home folders may have one.
     let prefix = place.path().join("a prefix");
-    let told = install_into(&prefix);
-    assert!(told.contains("Installed ") && told.contains("is not in your PATH"), "{told}");
+    let reported = install_into(&prefix);
+    assert!(reported.contains("Installed ") && reported.contains("is not in your PATH"), "{reported}");
     let first = contents(&prefix);
     let mut wanted = vec!["bin/mariana".to_owned(), "share/man/man1/mariana.1".to_owned()];
     wanted.extend(subcommands().iter().map(|name| format!("share/man/man1/mariana-{name}.1")));
@@ -159,10 +159,10 @@ fn makers_of_packages_and_users_without_options_are_served() {
 
     for wrong in [&["--prefix"][..], &["--binary", "/nowhere/mariana"], &["--everywhere"]] {
         let output = Command::new("bash").arg(script()).args(wrong).env("HOME", &home).output().unwrap();
-        let told = String::from_utf8_lossy(&output.stderr);
+        let reported = String::from_utf8_lossy(&output.stderr);
         assert!(
-            output.status.code() == Some(1) && told.contains(wrong[wrong.len() - 1]),
-            "{wrong:?}: {told}"
+            output.status.code() == Some(1) && reported.contains(wrong[wrong.len() - 1]),
+            "{wrong:?}: {reported}"
         );
     }
     assert_eq!(contents(&home).into_keys().collect::<Vec<_>>(), [".local/"]);

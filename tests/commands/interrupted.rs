@@ -99,8 +99,11 @@ fn assert_ends_cleanly(place: &Workplace, mut process: Process, signal: &str, co
     send(signal, process.id());
     wait_until("its end", || process.ended().is_some());
     assert_eq!(process.ended().unwrap().code(), Some(code), "{signal}");
-    let told = std::io::read_to_string(process.child().stderr.take().unwrap()).unwrap();
-    assert!(told.starts_with("mariana: ") && told.contains(signal) && told.lines().count() == 1, "{told}");
+    let reported = std::io::read_to_string(process.child().stderr.take().unwrap()).unwrap();
+    assert!(
+        reported.starts_with("mariana: ") && reported.contains(signal) && reported.lines().count() == 1,
+        "{reported}"
+    );
     assert_eq!(place.names().iter().collect::<Vec<_>>(), kept, "{signal}");
     assert_eq!(names_in(&place.path("tmp")), [""; 0], "{signal}");
 }
@@ -246,8 +249,8 @@ fn a_full_disk_ended_a_video_without_a_word() {
     let of_the_song = [&video[..], &["good.mp4", "song.wav"]].concat();
     on_a_full_disk(&place, &of_the_song).refused(&["good.mp4", "enough space"]);
     // The demo track for ffmpeg has no room elsewhere.
-    let told = on_a_full_disk(&place, &[&video[..], &["good.mp4"]].concat()).refused(&["TMPDIR"]);
-    assert!(!told.contains("good.mp4"), "{told}");
+    let reported = on_a_full_disk(&place, &[&video[..], &["good.mp4"]].concat()).refused(&["TMPDIR"]);
+    assert!(!reported.contains("good.mp4"), "{reported}");
     on_a_full_disk(&place, &[&video[..], &["stills/", "song.wav"]].concat()).refused(&["frame-00000.png"]);
     assert_eq!(names_in(&place.path("stills")), [""; 0]);
     assert_eq!(place.names(), ["good.mp4", "song.wav", "stills"]);

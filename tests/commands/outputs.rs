@@ -46,9 +46,12 @@ fn numbers_that_no_picture_can_have_are_refused() {
         ("--send-fps", "0", "1 to 1000"),
         ("--send-size", "0x9", "1 to 16384"),
     ] {
-        let told = place.run(&["--send", "mjpeg:9", flag, value]);
-        assert_eq!(told.code, 2, "{told:?}");
-        assert!(told.stderr.contains(flag) && told.stderr.contains(part), "'{part}' is not told: {told:?}");
+        let reported = place.run(&["--send", "mjpeg:9", flag, value]);
+        assert_eq!(reported.code, 2, "{reported:?}");
+        assert!(
+            reported.stderr.contains(flag) && reported.stderr.contains(part),
+            "'{part}' is not told: {reported:?}"
+        );
     }
 }
 

@@ -142,7 +142,7 @@ fn damaged_files_of_every_format_are_passed_by() {
         assert!(heard.contains(&index), "{} was not heard", path.display());
     }
     // The empty ones and the missing one at least.
-    assert!(player.status().troubles.count > good.len() as u64, "{:?}", player.status().troubles);
+    assert!(player.status().track_errors.count > good.len() as u64, "{:?}", player.status().track_errors);
 }
 
 #[test]
@@ -193,10 +193,11 @@ fn what_never_ends_can_be_skipped() {
     let made = std::process::Command::new("mkfifo").arg(place.path("pipe.wav")).status().unwrap();
     assert!(made.success());
     let files = ["zero.wav", "pipe.wav", "endless.wav", "end.wav"].map(|name| place.path(name));
-    let troubles = Playlist::open(&files, Repeat::All, false).unwrap().troubles;
+    let track_errors = Playlist::open(&files, Repeat::All, false).unwrap().track_errors;
     assert!(
-        troubles.len() == 2 && troubles.iter().all(|told| told.contains("not a regular file")),
-        "{troubles:?}"
+        track_errors.len() == 2
+            && track_errors.iter().all(|reported| reported.contains("not a regular file")),
+        "{track_errors:?}"
     );
     let mut player = play(&files, Repeat::All);
     wait_until("the endless one", || player.status().track.entry == 2 && player.status().position > 1.2);

@@ -58,8 +58,11 @@ fn the_shipped_scene_is_checked_and_its_cost_told() {
 fn a_shape_that_is_no_distance_passed_without_a_word() {
     let place = Workplace::new();
     let advice = |formula: &str| place.run(&["check", formula]).done();
-    let steep = advice("3 * (length(p) - 1)");
-    assert!(steep.contains("not a distance") && steep.contains("multiply it by 0.3"), "{steep}");
+    let non_lipschitz = advice("3 * (length(p) - 1)");
+    assert!(
+        non_lipschitz.contains("not a distance") && non_lipschitz.contains("multiply it by 0.3"),
+        "{non_lipschitz}"
+    );
     let polynomial = advice("x^2 + y^2 - z^2 - 1");
     assert!(polynomial.contains("not a distance"), "{polynomial}");
     let ball = advice("length(p) - 1");
@@ -134,8 +137,8 @@ fn rubbish_is_refused_with_a_sentence_and_in_time() {
     place.run(&["eval", "y", "--at", "0,0,0", "--set", "foo=1"]).refused(&["foo", "volume.x"]);
     place.run(&["eval", "y", "--at", "0,0"]).refused_arguments("--at", &["x,y,z"]);
     place.write("points.csv", "0,0,0\n1,2\n");
-    let told = place.run(&["eval", "y", "--points", "points.csv"]);
-    assert!(told.code == 1 && told.stderr.contains("points.csv:2"), "{told:?}");
+    let reported = place.run(&["eval", "y", "--points", "points.csv"]);
+    assert!(reported.code == 1 && reported.stderr.contains("points.csv:2"), "{reported:?}");
 }
 
 #[test]

@@ -174,7 +174,7 @@ fn every_refusal_has_its_own_sentence() {
     let file = fs::File::create(place.path("bytes.png")).unwrap();
     file.set_len(LIMITS.texture_bytes_max as u64 + 1).unwrap();
 
-    let told = |name: &str| place.refused(name);
+    let reported = |name: &str| place.refused(name);
     let none = |name: &str| {
         (
             Fault::Malformed,
@@ -182,21 +182,21 @@ fn every_refusal_has_its_own_sentence() {
             "name a PNG or JPEG file".to_owned(),
         )
     };
-    assert_eq!(told("text.png"), none("text.png"));
-    assert_eq!(told("empty.png"), none("empty.png"));
-    let (fault, message, hint) = told("gif.png");
+    assert_eq!(reported("text.png"), none("text.png"));
+    assert_eq!(reported("empty.png"), none("empty.png"));
+    let (fault, message, hint) = reported("gif.png");
     assert_eq!(fault, Fault::Unsupported);
     assert!(message.contains("Gif") && hint == "save it as PNG or JPEG", "{message}; {hint}");
     for name in ["half.png", "half.jpg"] {
-        let (fault, message, hint) = told(name);
+        let (fault, message, hint) = reported(name);
         assert_eq!(fault, Fault::Malformed);
         assert!(message.starts_with(&format!("the picture `{name}` is damaged: ")), "{message}");
         assert_eq!(hint, "save it again");
     }
-    let (fault, message, _) = told("bytes.png");
+    let (fault, message, _) = reported("bytes.png");
     assert_eq!(fault, Fault::OverLimit);
     assert_eq!(message, "the picture `bytes.png` cannot be read: it is larger than 33554432 bytes");
-    assert_eq!(told("sub").1, "the picture `sub` cannot be read: it is not a file");
+    assert_eq!(reported("sub").1, "the picture `sub` cannot be read: it is not a file");
 }
 
 #[test]

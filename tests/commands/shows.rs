@@ -99,8 +99,8 @@ fn a_show_dims_and_holds_pictures_whatever_scene_is_on() {
             |pixel: &image::Rgb<u8>| pixel.0.iter().map(|byte| linear(f32::from(*byte) / 255.0)).sum::<f32>();
         picture.pixels().map(sum).sum::<f32>()
     };
-    let share = light(frame(12.0)) / light(alone("blue.scene", "12"));
-    assert!((share - 0.5).abs() < 0.02, "{share} of the light is left");
+    let fraction = light(frame(12.0)) / light(alone("blue.scene", "12"));
+    assert!((fraction - 0.5).abs() < 0.02, "{fraction} of the light is left");
     assert_eq!(light(frame(13.5)), 0.0);
     assert!(frame(14.0) == alone("green.scene", "14"));
 }
@@ -130,10 +130,11 @@ fn a_show_of_which_the_song_has_nothing_drew_nothing() {
     let place = place_with_balls();
     place.write_tone("one.wav", 440.0, 2.0, [0.5, 0.5]);
     place.write("foreign.show", "at section Q 2 red.scene\nat drop 7 green.scene\n");
-    let told = ["nothing of the show is in this song", "`at start`", "foreign.show:1:1", "foreign.show:2:1"];
+    let reported =
+        ["nothing of the show is in this song", "`at start`", "foreign.show:1:1", "foreign.show:2:1"];
     let show = ["one.wav", "--show", "foreign.show"];
     for (job, output) in [("still", "a.png"), ("video", "a.mp4"), ("video", "out/")] {
-        place.run(&[&[job], &show[..], &["-o", output]].concat()).refused_with_details(&told);
+        place.run(&[&[job], &show[..], &["-o", output]].concat()).refused_with_details(&reported);
         assert!(!place.path(output).exists(), "{output}");
     }
     // Of cues alone, which wait for keys.
@@ -157,7 +158,7 @@ fn mistakes_of_a_show_were_told_one_at_a_time_and_some_without_a_line() {
         "at start gren.scene\nat 1 s red.scene camera far\n  set siz = 3\nat 2 s red.scene mlet\n  set its_own = 1\n  -> 2 over 1 s\n\
          at 3 s bad.scene\n",
     );
-    let told = place.run(&["still", "--show", "bad.show", "-o", "a.png"]).refused_with_details(&[
+    let reported = place.run(&["still", "--show", "bad.show", "-o", "a.png"]).refused_with_details(&[
         "bad.show:1:10",
         "gren.scene",
         "bad.show:2:25",
@@ -169,7 +170,7 @@ fn mistakes_of_a_show_were_told_one_at_a_time_and_some_without_a_line() {
         "bad.show:7:8",
         "bad.scene:1:1",
     ]);
-    assert_eq!(told.matches("error: ").count(), 6, "{told}");
+    assert_eq!(reported.matches("error: ").count(), 6, "{reported}");
 }
 
 #[test]

@@ -47,8 +47,9 @@ fn stills_videos_and_text_know_the_same_of_a_song() {
     assert_ne!(colour(&place, "out/frame-00000.png"), kept, "the song goes on");
     let moment = ["--start", "20.5", "--duration", "0.01", "--json"];
     let text = place.run(&[&["analyze", "--song"], &moment[..]].concat()).done();
-    let told: Value = serde_json::from_str(text.lines().next().unwrap()).unwrap();
-    let numbers = [&told["progress"], &told["build"], &told["chroma"][7]].map(|it| it.as_f64().unwrap());
+    let reported: Value = serde_json::from_str(text.lines().next().unwrap()).unwrap();
+    let numbers =
+        [&reported["progress"], &reported["build"], &reported["chroma"][7]].map(|it| it.as_f64().unwrap());
     assert!(numbers.iter().all(|number| (0.05..=1.0).contains(number)), "a moment of a build: {numbers:?}");
     for (shown, number) in kept.iter().zip(numbers) {
         assert!((f64::from(*shown) - srgb(number)).abs() <= 1.0, "{kept:?} shows {numbers:?}");

@@ -46,8 +46,8 @@ fn points_come_by_standard_input() {
     place.write("points.csv", "0,2,0\n3,0,4\n");
     assert_eq!(fed(&place, "points.csv", &["eval", "length(p)", "--points", "-"]).done(), "2\n5\n");
     place.write("points.csv", "0,2,0\n3\n");
-    let told = fed(&place, "points.csv", &["eval", "length(p)", "--points", "-"]);
-    assert!(told.code == 1 && told.stderr.contains("standard input:2"), "{told:?}");
+    let reported = fed(&place, "points.csv", &["eval", "length(p)", "--points", "-"]);
+    assert!(reported.code == 1 && reported.stderr.contains("standard input:2"), "{reported:?}");
 }
 
 #[test]
@@ -55,9 +55,13 @@ fn scenes_come_by_standard_input() {
     let place = Workplace::new();
     place.write("ball.scene", "fn ball(p) { length(p) - 1 }");
     place.write("text", "include \"ball.scene\"\nobject o { shape = ball(p) + tiem }\n");
-    let told = fed(&place, "text", &["check", "--json", "-"]);
-    let mistake: Value = serde_json::from_str(told.stdout.trim()).unwrap();
-    assert_eq!((told.code, &mistake["file"], &mistake["line"]), (1, &"-".into(), &2.into()), "{told:?}");
+    let reported = fed(&place, "text", &["check", "--json", "-"]);
+    let mistake: Value = serde_json::from_str(reported.stdout.trim()).unwrap();
+    assert_eq!(
+        (reported.code, &mistake["file"], &mistake["line"]),
+        (1, &"-".into(), &2.into()),
+        "{reported:?}"
+    );
     place.write("text", "include \"ball.scene\"\nobject o { shape = ball(p) + t }\n");
     assert_eq!(fed(&place, "text", &["check", "--json", "-"]).done(), "");
     assert!(fed(&place, "text", &["check", "-"]).done().contains("listens to t"));

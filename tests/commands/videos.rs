@@ -222,14 +222,14 @@ fn codecs_are_what_was_asked_for() {
         let codec = ["--codec", codec, "--size", "64x64", "--fps", "10", "-o", output];
         place.run(&[&["video", "one.wav", "red.scene", "--quality", "low"], &codec[..]].concat())
     };
-    for (codec, output, told) in [
+    for (codec, output, reported) in [
         ("h264", "a.mp4", "h264"),
         ("h265", "a.mp4", "hevc"),
         ("vp9", "a.webm", "vp9"),
         ("av1", "a.mkv", "av1"),
     ] {
         run(codec, output).done();
-        assert_eq!(streams(&probe(&place, output), "video")[0]["codec_name"], told);
+        assert_eq!(streams(&probe(&place, output), "video")[0]["codec_name"], reported);
     }
     run("h264", "b.webm").refused(&["b.webm", "h264", "vp9 and av1"]);
     run("h264x", "b.mp4").refused_arguments("--codec", &["h264x"]);
@@ -361,18 +361,18 @@ fn write_ball(place: &Workplace, name: &str, bloom: f64, sky: &str) {
 }
 
 /// Of which pixels alpha is 0, between and 255, in this order. Laid over black, the picture must be `opaque`.
-fn shares_of(picture: &RgbaImage, opaque: &RgbImage) -> [usize; 3] {
-    let mut shares = [0; 3];
+fn fractions_of(picture: &RgbaImage, opaque: &RgbImage) -> [usize; 3] {
+    let mut fractions = [0; 3];
     for (pixel, wanted) in picture.pixels().zip(opaque.pixels()) {
         let alpha = pixel[3];
-        shares[usize::from(alpha > 0) + usize::from(alpha == 255)] += 1;
+        fractions[usize::from(alpha > 0) + usize::from(alpha == 255)] += 1;
         for channel in 0..3 {
             let over_black = f64::from(pixel[channel]) * f64::from(alpha) / 255.0;
             let off = (over_black - f64::from(wanted[channel])).abs();
             assert!(off <= 1.5, "{pixel:?} should be {wanted:?} over black");
         }
     }
-    shares
+    fractions
 }
 
 #[test]
@@ -390,7 +390,7 @@ fn what_has_no_sky_is_transparent_there() {
             ["ball.png", "ball.webp"].map(|file| image::load_from_memory(&place.read(file)).unwrap());
         assert_eq!(png, webp);
         assert_eq!(png.as_rgba8().unwrap().get_pixel(32, 18)[3], 255);
-        shares_of(png.as_rgba8().unwrap(), &still(&place, "black.png"))
+        fractions_of(png.as_rgba8().unwrap(), &still(&place, "black.png"))
     };
     let [outside, edge, inside] = draw(0.0);
     assert!(outside > 1200 && (20..120).contains(&edge) && inside > 300, "{outside} {edge} {inside}");

@@ -27,7 +27,7 @@ uniform usamplerBuffer regions;
 const REGION_REGISTERS: usize = 128;
 
 /// Texts, points and what is asked of them.
-struct Studio {
+struct PointReader {
     context: Context,
 }
 
@@ -84,7 +84,7 @@ impl Programs {
     }
 }
 
-impl Studio {
+impl PointReader {
     /// A picture with a column for every point and a row for every normal, the first row first.
     fn draw(
         &self,
@@ -236,7 +236,7 @@ impl Interpreted {
 }
 
 fn run(
-    studio: &Studio,
+    point_reader: &PointReader,
     graph: &Graph,
     roots: &[NodeId],
     options: &TapeOptions,
@@ -246,7 +246,7 @@ fn run(
 ) -> Interpreted {
     let tapes: Vec<Tape> = roots.iter().map(|root| Tape::build(graph, &[*root], options).unwrap()).collect();
     let programs = Programs::new(&tapes, &frame(), every_case);
-    let values = studio.draw(&programs.text(RUN), points, normals, Some(&programs));
+    let values = point_reader.draw(&programs.text(RUN), points, normals, Some(&programs));
     Interpreted { values, regional: programs.regional, columns: points.len() }
 }
 
@@ -278,7 +278,7 @@ fn operands() -> Vec<f32> {
 
 #[test]
 fn every_operator_agrees_on_ordinary_and_extreme_operands() {
-    let studio = Studio { context: Context::new() };
+    let point_reader = PointReader { context: Context::new() };
     let numbers = operands();
     let points: Vec<[f32; 3]> = numbers.iter().flat_map(|a| numbers.iter().map(|b| [*a, *b, 0.0])).collect();
     let mut graph = Graph::new();
@@ -287,9 +287,9 @@ fn every_operator_agrees_on_ordinary_and_extreme_operands() {
     let roots: Vec<NodeId> = Op::ALL.iter().map(|op| graph.raw(node_of(*op))).collect();
     let normals = vec![[0.0; 3]; roots.len()];
     let options = TapeOptions::default();
-    let selected = run(&studio, &graph, &roots, &options, true, &points, &normals);
-    let switched = run(&studio, &graph, &roots, &options, false, &points, &normals);
-    let compiled = studio.draw(&compiled_text(&graph, &roots), &points, &normals, None);
+    let selected = run(&point_reader, &graph, &roots, &options, true, &points, &normals);
+    let switched = run(&point_reader, &graph, &roots, &options, false, &points, &normals);
+    let compiled = point_reader.draw(&compiled_text(&graph, &roots), &points, &normals, None);
 
     let (frame, mut wrong, mut trusted) = (frame(), Vec::new(), vec![0; roots.len()]);
     for (row, &op) in Op::ALL.iter().enumerate() {
@@ -318,7 +318,7 @@ fn every_operator_agrees_on_ordinary_and_extreme_operands() {
 
 #[test]
 fn every_compound_agrees() {
-    let studio = Studio { context: Context::new() };
+    let point_reader = PointReader { context: Context::new() };
     let numbers: Vec<f32> = operands().into_iter().filter(|number| number.abs() <= 100.0).collect();
     let points: Vec<[f32; 3]> = numbers.iter().flat_map(|a| numbers.iter().map(|b| [*a, *b, 0.0])).collect();
     const C: f32 = 0.7;
@@ -328,7 +328,8 @@ fn every_compound_agrees() {
         Compound::ALL.iter().map(|compound| compound.nodes(&mut graph, x, y, C)).collect();
     let normals = vec![[0.0; 3]; roots.len()];
     for every_case in [true, false] {
-        let found = run(&studio, &graph, &roots, &TapeOptions::default(), every_case, &points, &normals);
+        let found =
+            run(&point_reader, &graph, &roots, &TapeOptions::default(), every_case, &points, &normals);
         for (row, compound) in Compound::ALL.iter().enumerate() {
             for (column, &[a, b, _]) in points.iter().enumerate() {
                 let right = flushed(compound.value(a, b, C, &frame()));
@@ -374,7 +375,7 @@ fn random_expressions_agree() {
     const EXPRESSIONS: usize = 2_000;
     const POINTS: usize = 256;
     const PER_SHADER: usize = 50;
-    let studio = Studio { context: Context::new() };
+    let point_reader = PointReader { context: Context::new() };
     let mut random = Random(1);
     let mut graph = Graph::new();
     let roots: Vec<NodeId> = (0..EXPRESSIONS)
@@ -387,10 +388,10 @@ fn random_expressions_agree() {
         (0..POINTS).map(|_| std::array::from_fn(|_| random.between(-4.0, 4.0))).collect();
     let normals: Vec<[f32; 3]> =
         roots.iter().map(|_| std::array::from_fn(|_| random.between(-1.0, 1.0))).collect();
-    let interpreted = run(&studio, &graph, &roots, &TapeOptions::default(), true, &points, &normals);
+    let interpreted = run(&point_reader, &graph, &roots, &TapeOptions::default(), true, &points, &normals);
     let mut compiled = Vec::new();
     for (roots, normals) in roots.chunks(PER_SHADER).zip(normals.chunks(PER_SHADER)) {
-        compiled.extend(studio.draw(&compiled_text(&graph, roots), &points, normals, None));
+        compiled.extend(point_reader.draw(&compiled_text(&graph, roots), &points, normals, None));
     }
 
     let frame = frame();
@@ -423,9 +424,9 @@ fn random_expressions_agree() {
             check("compiled", compiled[row * POINTS + column][0]);
         }
     }
-    let share = counted as f64 / (EXPRESSIONS * POINTS) as f64;
+    let fraction = counted as f64 / (EXPRESSIONS * POINTS) as f64;
     assert!(wrong.is_empty(), "{} values, such as\n{}", wrong.len(), wrong[..wrong.len().min(20)].join("\n"));
-    assert!(share >= 0.9, "only {share} of the points count");
+    assert!(fraction >= 0.9, "only {fraction} of the points count");
     assert!(occurrences.values().all(|count| *count >= 100), "{occurrences:?}");
 }
 
@@ -447,7 +448,7 @@ fn wide_expression(graph: &mut Graph, terms: usize) -> NodeId {
 
 #[test]
 fn spills_and_pages_change_nothing() {
-    let studio = Studio { context: Context::new() };
+    let point_reader = PointReader { context: Context::new() };
     let mut random = Random(3);
     let points: Vec<[f32; 3]> = (0..32).map(|_| std::array::from_fn(|_| random.between(-2.0, 2.0))).collect();
     let normals = [[0.25, 0.5, -0.75]];
@@ -462,7 +463,7 @@ fn spills_and_pages_change_nothing() {
         let frame = frame();
         let mut evaluator = PointEvaluator::new(&tape, &frame);
         for every_case in [true, false] {
-            let values = run(&studio, &graph, &[root], &options, every_case, &points, &normals);
+            let values = run(&point_reader, &graph, &[root], &options, every_case, &points, &normals);
             for (column, &position) in points.iter().enumerate() {
                 let right = evaluator.at(&Point { position, normal: normals[0] })[0];
                 for (name, got) in values.at(0, column) {
@@ -478,7 +479,7 @@ fn spills_and_pages_change_nothing() {
 
 #[test]
 fn textures_give_what_was_sampled_and_all_outputs_are_in_their_registers() {
-    let studio = Studio { context: Context::new() };
+    let point_reader = PointReader { context: Context::new() };
     let mut graph = Graph::new();
     let x = graph.input(Input::X);
     let zero = graph.constant(0.0);
@@ -503,7 +504,7 @@ fn textures_give_what_was_sampled_and_all_outputs_are_in_their_registers() {
     for every_case in [true, false] {
         let programs = Programs::new(std::slice::from_ref(&tape), &frame(), every_case);
         assert_eq!(programs.variant.samples, 7);
-        let values = studio.draw(&programs.text(&main), &[[0.0; 3]; 12], &[[0.0; 3]], Some(&programs));
+        let values = point_reader.draw(&programs.text(&main), &[[0.0; 3]; 12], &[[0.0; 3]], Some(&programs));
         let mut expected: Vec<f32> = (0..4).map(|channel| (4 * (channel + 3) + channel) as f32).collect();
         expected.extend((0..8).map(|i| 1.0 + i as f32));
         assert_eq!(values, expected.iter().map(|value| [*value; 4]).collect::<Vec<_>>());

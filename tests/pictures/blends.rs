@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 
 use crate::support::compare::{LOOSE, difference};
-use crate::support::studio::{Studio, loud_sound, ready};
+use crate::support::test_renderer::{TestRenderer, loud_sound, ready};
 use cpu_time::ProcessTime;
 use image::RgbaImage;
 use mariana::frame::Frame;
@@ -51,16 +51,16 @@ struct Drawn {
     cpu_ms: f64,
 }
 
-fn draw(studio: &mut Studio, program: &Program, params: &[f32]) -> Drawn {
-    let frame = Frame::with_params(studio.world(), TIME, loud_sound(), SIZE, params);
+fn draw(test_renderer: &mut TestRenderer, program: &Program, params: &[f32]) -> Drawn {
+    let frame = Frame::with_params(test_renderer.world(), TIME, loud_sound(), SIZE, params);
     let start = ProcessTime::now();
-    studio.renderer.draw(&frame, &studio.resources, program).unwrap();
-    let picture = RgbaImage::from_raw(SIZE.0, SIZE.1, studio.renderer.read()).unwrap();
+    test_renderer.renderer.draw(&frame, &test_renderer.resources, program).unwrap();
+    let picture = RgbaImage::from_raw(SIZE.0, SIZE.1, test_renderer.renderer.read()).unwrap();
     let cpu_ms = start.elapsed().as_secs_f64() * 1e3;
-    let light = studio.renderer.read_light().unwrap();
+    let light = test_renderer.renderer.read_light().unwrap();
     Drawn {
         picture,
-        evaluations: studio.renderer.evaluations(),
+        evaluations: test_renderer.renderer.evaluations(),
         not_finite: light.iter().filter(|part| !part.is_finite()).count(),
         cpu_ms,
     }
@@ -81,8 +81,8 @@ fn faults(kind: BlendKind, compiled: &Drawn, interpreted: &Drawn) -> Vec<String>
         }
     }
     let found = difference(&compiled.picture, &interpreted.picture, LOOSE.visible);
-    if found.mean > LOOSE.mean_max || found.share > LOOSE.share_max {
-        faults.push(format!("modes differ in {:.2} %", 100.0 * found.share));
+    if found.mean > LOOSE.mean_max || found.fraction > LOOSE.fraction_max {
+        faults.push(format!("modes differ in {:.2} %", 100.0 * found.fraction));
     }
     faults
 }
@@ -92,33 +92,38 @@ fn shipped(name: &str) -> ReadyScene {
 }
 
 /// A blend, ready to be drawn in both modes.
-fn studio_of(from: &ReadyScene, to: &ReadyScene, kind: BlendKind) -> (Studio, [Program; 2], [f64; 2]) {
+fn test_renderer_of(
+    from: &ReadyScene,
+    to: &ReadyScene,
+    kind: BlendKind,
+) -> (TestRenderer, [Program; 2], [f64; 2]) {
     let camera = |scene: &ReadyScene| Frame::new(&scene.world, TIME, loud_sound(), SIZE).values.camera;
     let blended = from.blended(to, kind, &Alignment::of(&camera(from), &camera(to)), 0.5).unwrap();
     let start = ProcessTime::now();
-    let studio = Studio::of_ready(blended, Mode::Compiled, Counting::On);
+    let test_renderer = TestRenderer::of_ready(blended, Mode::Compiled, Counting::On);
     let compiled_ms = start.elapsed().as_secs_f64() * 1e3;
-    studio.resources.set_cells(true, Mode::Interpreted);
-    let programs = [Mode::Compiled, Mode::Interpreted].map(|mode| studio.program_of(mode, Counting::On));
-    let clauses = studio.resources.buffers().cost.total as f64;
-    (studio, programs, [compiled_ms, clauses])
+    test_renderer.resources.set_cells(true, Mode::Interpreted);
+    let programs =
+        [Mode::Compiled, Mode::Interpreted].map(|mode| test_renderer.program_of(mode, Counting::On));
+    let clauses = test_renderer.resources.buffers().cost.total as f64;
+    (test_renderer, programs, [compiled_ms, clauses])
 }
 
-fn params(from: &World, to: &World, share: f32) -> Vec<f32> {
-    blended_params((&from.scene, &[]), (&to.scene, &[]), share)
+fn params(from: &World, to: &World, fraction: f32) -> Vec<f32> {
+    blended_params((&from.scene, &[]), (&to.scene, &[]), fraction)
 }
 
 #[test]
 fn between_two_scenes_nothing_is_missing_and_both_modes_show_the_same() {
     let mut wrong = Vec::new();
-    for (from, to, kind, share) in SLICE {
+    for (from, to, kind, fraction) in SLICE {
         let [a, b] = [from, to].map(shipped);
-        let (mut studio, programs, _) = studio_of(&a, &b, kind);
-        let params = params(&a.world, &b.world, share);
-        let [compiled, interpreted] = [0, 1].map(|mode| draw(&mut studio, &programs[mode], &params));
+        let (mut test_renderer, programs, _) = test_renderer_of(&a, &b, kind);
+        let params = params(&a.world, &b.world, fraction);
+        let [compiled, interpreted] = [0, 1].map(|mode| draw(&mut test_renderer, &programs[mode], &params));
         let faults = faults(kind, &compiled, &interpreted);
         if !faults.is_empty() {
-            wrong.push(format!("{from} into {to} at {share}: {}", faults.join(", ")));
+            wrong.push(format!("{from} into {to} at {fraction}: {}", faults.join(", ")));
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
@@ -138,12 +143,12 @@ fn all_pairs() {
     let alone: BTreeMap<&str, [Drawn; 2]> = scenes
         .iter()
         .map(|(name, scene)| {
-            let mut studio = Studio::of_ready(scene.clone(), Mode::Compiled, Counting::On);
-            studio.resources.set_cells(true, Mode::Interpreted);
+            let mut test_renderer = TestRenderer::of_ready(scene.clone(), Mode::Compiled, Counting::On);
+            test_renderer.resources.set_cells(true, Mode::Interpreted);
             let both = [Mode::Compiled, Mode::Interpreted].map(|mode| {
-                let program = studio.program_of(mode, Counting::On);
-                draw(&mut studio, &program, &[]);
-                draw(&mut studio, &program, &[])
+                let program = test_renderer.program_of(mode, Counting::On);
+                draw(&mut test_renderer, &program, &[]);
+                draw(&mut test_renderer, &program, &[])
             });
             (*name, both)
         })
@@ -156,16 +161,16 @@ fn all_pairs() {
             if from == to || !wanted(from, to) {
                 continue;
             }
-            let (mut studio, programs, [compiling, clauses]) = studio_of(a, b, kind);
-            for share in [0.25, 0.5, 0.75] {
-                let params = params(&a.world, &b.world, share);
+            let (mut test_renderer, programs, [compiling, clauses]) = test_renderer_of(a, b, kind);
+            for fraction in [0.25, 0.5, 0.75] {
+                let params = params(&a.world, &b.world, fraction);
                 let [compiled, interpreted] = [0, 1].map(|mode| {
                     // The first one builds the tree.
-                    draw(&mut studio, &programs[mode], &params);
-                    draw(&mut studio, &programs[mode], &params)
+                    draw(&mut test_renderer, &programs[mode], &params);
+                    draw(&mut test_renderer, &programs[mode], &params)
                 });
                 if let Some(folder) = std::env::var_os("MARIANA_PICTURES") {
-                    let name = format!("{from}-{to}-{share}.png");
+                    let name = format!("{from}-{to}-{fraction}.png");
                     compiled.picture.save(std::path::Path::new(&folder).join(name)).unwrap();
                 }
                 let pixels = f64::from(SIZE.0 * SIZE.1);
@@ -179,10 +184,10 @@ fn all_pairs() {
                 let capped = [&compiled, &interpreted].map(|d| 100.0 * d.evaluations.capped_rays / pixels);
                 let modes = difference(&compiled.picture, &interpreted.picture, LOOSE.visible);
                 println!(
-                    "{from}:{to} {share} | {:.3} {:.3} | {:.2} | {:.1} {evaluations:.2} {run:.2} {:.0} {:.2} {:.0} {:.2} | {compiling:.0} {clauses} | {}",
+                    "{from}:{to} {fraction} | {:.3} {:.3} | {:.2} | {:.1} {evaluations:.2} {run:.2} {:.0} {:.2} {:.0} {:.2} | {compiling:.0} {clauses} | {}",
                     capped[0],
                     capped[1],
-                    100.0 * modes.share,
+                    100.0 * modes.fraction,
                     compiled.evaluations.total() / pixels,
                     cpu[0],
                     cpu_ratio[0],

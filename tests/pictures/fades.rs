@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use crate::support::studio::{Studio, ready, silence};
+use crate::support::test_renderer::{TestRenderer, ready, silence};
 use mariana::frame::Frame;
 use mariana::gpu::program::Program;
 use mariana::gpu::renderer::Counting;
@@ -31,9 +31,9 @@ struct Other {
 }
 
 impl Other {
-    fn of(scene: &SceneSource, studio: &Studio) -> Self {
+    fn of(scene: &SceneSource, test_renderer: &TestRenderer) -> Self {
         let ReadyScene { world, buffers, plan, .. } = ready(scene);
-        let gl = studio.context.gl();
+        let gl = test_renderer.context.gl();
         let variant = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off).unwrap();
         let program = link_scene(gl, &ShaderLibrary::embedded(), &variant).unwrap();
         Self { resources: SceneResources::upload(gl, world, buffers, plan).unwrap(), program }
@@ -43,9 +43,9 @@ impl Other {
         Frame::new(self.resources.world(), 0.0, silence(), SIZE)
     }
 
-    fn picture(&self, studio: &mut Studio) -> Vec<u8> {
-        studio.renderer.draw(&self.frame(), &self.resources, &self.program).unwrap();
-        studio.renderer.read()
+    fn picture(&self, test_renderer: &mut TestRenderer) -> Vec<u8> {
+        test_renderer.renderer.draw(&self.frame(), &self.resources, &self.program).unwrap();
+        test_renderer.renderer.read()
     }
 }
 
@@ -57,15 +57,16 @@ fn steps(a: &[u8], b: &[u8]) -> u8 {
 
 #[test]
 fn a_fade_begins_with_one_scene_and_ends_with_the_other() {
-    let mut studio = Studio::of(&SceneSource::Shipped("first_steps".into()), Mode::Compiled, Counting::Off);
-    let other = Other::of(&SceneSource::Shipped("moonrise".into()), &studio);
-    let pure = other.picture(&mut studio);
-    let before = studio.picture(0.0, silence(), SIZE).into_raw();
+    let mut test_renderer =
+        TestRenderer::of(&SceneSource::Shipped("first_steps".into()), Mode::Compiled, Counting::Off);
+    let other = Other::of(&SceneSource::Shipped("moonrise".into()), &test_renderer);
+    let pure = other.picture(&mut test_renderer);
+    let before = test_renderer.picture(0.0, silence(), SIZE).into_raw();
     assert!(steps(&pure, &before) > 60, "two pictures that hardly differ prove nothing");
-    assert!(studio.renderer.keep_light().unwrap());
-    let mut with = |share| {
-        studio.renderer.set_fade(share);
-        other.picture(&mut studio)
+    assert!(test_renderer.renderer.keep_light().unwrap());
+    let mut with = |fraction| {
+        test_renderer.renderer.set_fade(fraction);
+        other.picture(&mut test_renderer)
     };
     // Kept light is rounded to 16 bits.
     assert!(steps(&with(Some(1.0)), &before) <= 1);
@@ -77,31 +78,31 @@ fn a_fade_begins_with_one_scene_and_ends_with_the_other() {
 
 #[test]
 fn between_two_scenes_is_the_mean_of_their_light() {
-    let mut studio = Studio::of(&wall(0.8), Mode::Compiled, Counting::Off);
-    let [other, mean] = [0.1, 0.45].map(|light| Other::of(&wall(light), &studio));
-    let mean = mean.picture(&mut studio);
-    studio.picture(0.0, silence(), SIZE);
-    assert!(studio.renderer.keep_light().unwrap());
-    studio.renderer.set_fade(Some(0.5));
-    let faded = other.picture(&mut studio);
+    let mut test_renderer = TestRenderer::of(&wall(0.8), Mode::Compiled, Counting::Off);
+    let [other, mean] = [0.1, 0.45].map(|light| Other::of(&wall(light), &test_renderer));
+    let mean = mean.picture(&mut test_renderer);
+    test_renderer.picture(0.0, silence(), SIZE);
+    assert!(test_renderer.renderer.keep_light().unwrap());
+    test_renderer.renderer.set_fade(Some(0.5));
+    let faded = other.picture(&mut test_renderer);
     assert!(steps(&faded, &mean) <= 1, "{:?} and {:?}", &faded[..4], &mean[..4]);
 }
 
 #[test]
 fn what_was_not_drawn_cannot_fade() {
-    let mut studio = Studio::of(&wall(0.8), Mode::Compiled, Counting::Off);
-    assert!(!studio.renderer.keep_light().unwrap());
+    let mut test_renderer = TestRenderer::of(&wall(0.8), Mode::Compiled, Counting::Off);
+    assert!(!test_renderer.renderer.keep_light().unwrap());
 }
 
 #[test]
 fn a_rehearsal_leaves_the_picture_and_its_light_alone() {
-    let mut studio = Studio::of(&wall(0.8), Mode::Compiled, Counting::Off);
-    let other = Other::of(&wall(0.1), &studio);
-    let before = studio.picture(0.0, silence(), SIZE).into_raw();
+    let mut test_renderer = TestRenderer::of(&wall(0.8), Mode::Compiled, Counting::Off);
+    let other = Other::of(&wall(0.1), &test_renderer);
+    let before = test_renderer.picture(0.0, silence(), SIZE).into_raw();
     let small = Frame::new(other.resources.world(), 0.0, silence(), (18, 14));
-    studio.renderer.rehearse(&small, &other.resources, &other.program).unwrap();
-    assert_eq!(studio.renderer.read(), before);
-    assert!(studio.renderer.keep_light().unwrap());
-    studio.renderer.set_fade(Some(1.0));
-    assert!(steps(&other.picture(&mut studio), &before) <= 1);
+    test_renderer.renderer.rehearse(&small, &other.resources, &other.program).unwrap();
+    assert_eq!(test_renderer.renderer.read(), before);
+    assert!(test_renderer.renderer.keep_light().unwrap());
+    test_renderer.renderer.set_fade(Some(1.0));
+    assert!(steps(&other.picture(&mut test_renderer), &before) <= 1);
 }

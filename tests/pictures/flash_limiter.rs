@@ -96,9 +96,9 @@ impl Bench {
     fn judge(&self, what: &str) {
         let Flashes { general, red } = self.analyser.worst();
         assert!(general <= 3 && red <= 3, "{what}: {general} flashes, {red} red ones");
-        let share = self.differing as f64 / self.cells.max(1) as f64;
+        let fraction = self.differing as f64 / self.cells.max(1) as f64;
         // A sum rounded otherwise may decide otherwise.
-        assert!(share < 0.01, "{what}: the limiters differ in {share:.4} of the cells");
+        assert!(fraction < 0.01, "{what}: the limiters differ in {fraction:.4} of the cells");
     }
 }
 
@@ -116,7 +116,7 @@ impl Random {
     }
 
     /// 0..1
-    fn share(&mut self) -> f64 {
+    fn fraction(&mut self) -> f64 {
         f64::from(self.next()) / f64::from(1_u32 << 31)
     }
 
@@ -148,8 +148,8 @@ impl Lamp {
             columns: left..left + width,
             rows: top..top + height,
             colors: [random.color(), random.color()],
-            hz: 1.0 + 25.0 * random.share().powi(2),
-            phase: random.share(),
+            hz: 1.0 + 25.0 * random.fraction().powi(2),
+            phase: random.fraction(),
         }
     }
 
@@ -185,9 +185,9 @@ fn lamps_of_any_size_at_uneven_times_keep_three_flashes_a_second() {
         bench.begin();
         let ground = random.color();
         let lamps: Vec<Lamp> = (0..1 + random.below(6)).map(|_| Lamp::random(&mut random)).collect();
-        let (slowest, jitter) = (1.0 / 100.0 + random.share() / 30.0, random.share());
+        let (slowest, jitter) = (1.0 / 100.0 + random.fraction() / 30.0, random.fraction());
         while bench.time < 3.0 {
-            let seconds = slowest * (1.0 - 0.5 * jitter * random.share());
+            let seconds = slowest * (1.0 - 0.5 * jitter * random.fraction());
             let time = bench.time + seconds;
             bench.show(seconds, |cell| {
                 lamps.iter().rev().find_map(|lamp| lamp.color(cell, time)).unwrap_or(ground)
@@ -210,11 +210,11 @@ fn arbitrary_levels_held_for_arbitrary_times_keep_three_flashes_a_second() {
         while bench.time < 4.0 {
             for level in &mut levels {
                 // Bursts and pauses.
-                if random.share() < if bench.time % 2.0 < 1.2 { 0.6 } else { 0.02 } {
+                if random.fraction() < if bench.time % 2.0 < 1.2 { 0.6 } else { 0.02 } {
                     *level = random.color();
                 }
             }
-            let seconds = 0.004 + 0.036 * random.share();
+            let seconds = 0.004 + 0.036 * random.fraction();
             bench.show(seconds, |cell| levels[cell % COLUMNS / 12 + 4 * (cell / COLUMNS / 12)]);
         }
         bench.judge(&format!("levels {seed}"));

@@ -5,7 +5,7 @@
 
 use crate::support::compare::pixel_difference;
 use crate::support::program::Workplace;
-use crate::support::studio::Studio;
+use crate::support::test_renderer::TestRenderer;
 use image::RgbaImage;
 use mariana::flash::{Analyser, COLUMNS, Flashes, Grid};
 use mariana::gpu::renderer::Counting;
@@ -35,7 +35,7 @@ const BLINKS: &str = "step(0.5, fract(t))";
 /// A scene with the limiter on it.
 struct Strobe {
     _place: Workplace,
-    studio: Studio,
+    test_renderer: TestRenderer,
     size: (u32, u32),
 }
 
@@ -44,9 +44,9 @@ impl Strobe {
         let place = Workplace::new();
         place.write("strobe.scene", wall(emission));
         let scene = SceneSource::File(place.path("strobe.scene"));
-        let mut studio = Studio::of(&scene, Mode::Compiled, Counting::Off);
-        studio.renderer.add_flash_limiter(&ShaderLibrary::embedded()).unwrap();
-        Self { _place: place, studio, size: SIZE }
+        let mut test_renderer = TestRenderer::of(&scene, Mode::Compiled, Counting::Off);
+        test_renderer.renderer.add_flash_limiter(&ShaderLibrary::embedded()).unwrap();
+        Self { _place: place, test_renderer, size: SIZE }
     }
 
     /// Shows it for some seconds, `sound` at each, the scene's time as many times as fast. Gives each picture as it is
@@ -61,9 +61,10 @@ impl Strobe {
         for frame in 0..(seconds * FPS) as usize {
             let time = frame as f64 / FPS;
             // Not at the moment of a change.
-            let drawn = self.studio.picture((time + 1e-4) * speed, sound(time), self.size);
-            self.studio.renderer.limit_flashes(1.0 / FPS).unwrap();
-            let shown = RgbaImage::from_raw(self.size.0, self.size.1, self.studio.renderer.read()).unwrap();
+            let drawn = self.test_renderer.picture((time + 1e-4) * speed, sound(time), self.size);
+            self.test_renderer.renderer.limit_flashes(1.0 / FPS).unwrap();
+            let shown =
+                RgbaImage::from_raw(self.size.0, self.size.1, self.test_renderer.renderer.read()).unwrap();
             see(time, drawn, shown);
         }
     }

@@ -5,7 +5,7 @@
 use crate::support::compare::{TIGHT, assert_alike, check_golden, difference, pixel_difference};
 use crate::support::oracle::{constant, vector_constant};
 use crate::support::shader_folder::changed_shaders;
-use crate::support::studio::{Studio, loud_music, silence, soft_music, speakers};
+use crate::support::test_renderer::{TestRenderer, loud_music, silence, soft_music, speakers};
 use glam::DVec3;
 use image::RgbaImage;
 use mariana::frame::Frame;
@@ -22,45 +22,49 @@ const VISIBLE: u8 = 8;
 
 #[test]
 fn a_frame_has_the_same_bytes_every_time() {
-    let mut studio = Studio::new();
+    let mut test_renderer = TestRenderer::new();
     let size = (192, 108);
-    let first = studio.picture(3.0, loud_music(), size);
-    let other = studio.picture(9.0, silence(), size);
-    assert!(difference(&first, &other, VISIBLE).share > 0.05, "two moments look the same");
-    assert!(first == studio.picture(3.0, loud_music(), size), "the second drawing differs");
+    let first = test_renderer.picture(3.0, loud_music(), size);
+    let other = test_renderer.picture(9.0, silence(), size);
+    assert!(difference(&first, &other, VISIBLE).fraction > 0.05, "two moments look the same");
+    assert!(first == test_renderer.picture(3.0, loud_music(), size), "the second drawing differs");
 
-    let mut second = Renderer::new(studio.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
-    second.draw(&studio.frame(3.0, loud_music(), size), &studio.resources, &studio.program).unwrap();
+    let mut second =
+        Renderer::new(test_renderer.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
+    second
+        .draw(&test_renderer.frame(3.0, loud_music(), size), &test_renderer.resources, &test_renderer.program)
+        .unwrap();
     assert!(first.as_raw() == &second.read(), "another renderer draws it differently");
 }
 
 /// Gives the studio a program that shows `body`, statements that set `vec3 color`.
-fn show(studio: &mut Studio, body: &str) {
+fn show(test_renderer: &mut TestRenderer, body: &str) {
     let scene = format!(
         "#include \"frame_block.glsl\"\n#include \"sample_place.glsl\"\n#include \"sample_light.glsl\"\nlayout(location = 0) out vec4 sample_color;\n\
          void main() {{\n    vec3 color;\n    {body}\n    sample_color = stored_sample(color, 0.0, pass_sample.z > 0.5);\n}}\n"
     );
     let (_folder, library) = changed_shaders(&[("scene.frag", &scene)]);
-    studio.program = studio.link(&library, &compiled_variant("", 0, SceneFeatures::default(), Counting::Off));
+    test_renderer.program =
+        test_renderer.link(&library, &compiled_variant("", 0, SceneFeatures::default(), Counting::Off));
 }
 
 /// What the studio's program shows in silence.
-fn drawn(studio: &mut Studio, size: (u32, u32)) -> RgbaImage {
-    studio.picture(0.0, silence(), size)
+fn drawn(test_renderer: &mut TestRenderer, size: (u32, u32)) -> RgbaImage {
+    test_renderer.picture(0.0, silence(), size)
 }
 
 #[test]
 fn light_is_encoded_once_and_kept_from_infinity() {
-    let mut studio = Studio::new();
-    studio.adjust = |picture| (picture.tone_map, picture.grain) = (ToneMap::None, 0.0);
-    linear_light_becomes_srgb_once(&mut studio);
+    let mut test_renderer = TestRenderer::new();
+    test_renderer.adjust = |picture| (picture.tone_map, picture.grain) = (ToneMap::None, 0.0);
+    linear_light_becomes_srgb_once(&mut test_renderer);
     for adjust in [
         |picture: &mut Picture| *picture = plain(picture, ToneMap::Agx),
         |picture: &mut Picture| *picture = plain(picture, ToneMap::Aces),
         |picture: &mut Picture| *picture = plain(picture, ToneMap::Reinhard),
     ] {
-        studio.adjust = adjust;
-        tone_mapping_is_monotonic_and_kills_what_is_no_light(&mut studio);
+        test_renderer.adjust = adjust;
+        tone_mapping_is_monotonic_and_kills_what_is_no_light(&mut test_renderer);
     }
 }
 
@@ -75,11 +79,11 @@ fn srgb_steps(linear: f64) -> f64 {
     255.0 * encoded
 }
 
-fn linear_light_becomes_srgb_once(studio: &mut Studio) {
+fn linear_light_becomes_srgb_once(test_renderer: &mut TestRenderer) {
     // Binary fractions: the half floats between the passes hold them exactly.
     for linear in [0.0, 1.0 / 512.0, 1.0 / 16.0, 0.25, 0.5, 1.0] {
-        show(studio, &format!("color = vec3({linear:?});"));
-        let picture = drawn(studio, (64, 64));
+        show(test_renderer, &format!("color = vec3({linear:?});"));
+        let picture = drawn(test_renderer, (64, 64));
         let expected = srgb_steps(linear);
         for pixel in picture.pixels() {
             let off =
@@ -93,13 +97,13 @@ fn linear_light_becomes_srgb_once(studio: &mut Studio) {
             assert!((mean - expected).abs() < 0.1, "{linear} is {mean:.2} on average, not {expected:.2}");
         }
     }
-    show(studio, "color = vec3(0.5);");
-    let middle = drawn(studio, (64, 64));
+    show(test_renderer, "color = vec3(0.5);");
+    let middle = drawn(test_renderer, (64, 64));
     let steps: std::collections::BTreeSet<u8> = middle.pixels().map(|pixel| pixel.0[0]).collect();
     assert_eq!(steps, [187, 188].into(), "0.5 lies between two steps: dithering shows both");
 }
 
-fn tone_mapping_is_monotonic_and_kills_what_is_no_light(studio: &mut Studio) {
+fn tone_mapping_is_monotonic_and_kills_what_is_no_light(test_renderer: &mut TestRenderer) {
     const NAN: &str = "uintBitsToFloat(0x7fc00000u)";
     const INFINITY: &str = "uintBitsToFloat(0x7f800000u)";
     let grey = |value: &str| format!("vec3({value})");
@@ -126,8 +130,8 @@ fn tone_mapping_is_monotonic_and_kills_what_is_no_light(studio: &mut Studio) {
         lights = all.join(", ")
     );
     let width = all.len() as u32;
-    show(studio, &body);
-    let picture = drawn(studio, (width, 8));
+    show(test_renderer, &body);
+    let picture = drawn(test_renderer, (width, 8));
     // The brightest of a column, which the dithering moves by half a step.
     let steps = |column: u32| {
         (0..8).map(|y| picture.get_pixel(column, y).0[..3].iter().max().copied()).max().flatten()
@@ -142,14 +146,14 @@ fn tone_mapping_is_monotonic_and_kills_what_is_no_light(studio: &mut Studio) {
 }
 
 /// Share of the pixels whose colour channels all fulfil `test`.
-fn share_of(picture: &RgbaImage, test: impl Fn(u8) -> bool) -> f64 {
+fn fraction_of(picture: &RgbaImage, test: impl Fn(u8) -> bool) -> f64 {
     let hits = picture.pixels().filter(|pixel| pixel.0[..3].iter().all(|&value| test(value))).count();
     hits as f64 / (f64::from(picture.width()) * f64::from(picture.height()))
 }
 
 #[test]
 fn no_picture_is_a_void_or_burnt_out() {
-    let mut studio = Studio::new();
+    let mut test_renderer = TestRenderer::new();
     let features = [silence(), soft_music(), loud_music()];
     for (time, size) in [
         (0.0, (160, 90)),
@@ -161,10 +165,10 @@ fn no_picture_is_a_void_or_burnt_out() {
         (1234.5, (120, 120)),
     ] {
         for features in features {
-            let picture = studio.picture(time, features, size);
+            let picture = test_renderer.picture(time, features, size);
             let seen = format!("{size:?} at {time} s, volume {:?}", features.volume);
             let (black, white) =
-                (share_of(&picture, |value| value == 0), share_of(&picture, |value| value == 255));
+                (fraction_of(&picture, |value| value == 0), fraction_of(&picture, |value| value == 255));
             assert!(black <= 0.30, "{black:.3} of the pixels are black: {seen}");
             assert!(white <= 0.02, "{white:.3} of the pixels are white: {seen}");
         }
@@ -192,15 +196,15 @@ fn changed_around(a: &RgbaImage, b: &RgbaImage, (x, y): (f64, f64), radius: f64)
 
 #[test]
 fn music_shows_and_each_channel_moves_its_own_woofer() {
-    let mut studio = Studio::new();
+    let mut test_renderer = TestRenderer::new();
     let size = (256, 144);
     for time in [0.0, 12.0, 40.0] {
-        let silent = studio.picture(time, silence(), size);
-        let loud = studio.picture(time, loud_music(), size);
-        let share = difference(&silent, &loud, VISIBLE).share;
-        assert!(share >= 0.05, "loud music changes only {share:.3} of the pixels at {time} s");
+        let silent = test_renderer.picture(time, silence(), size);
+        let loud = test_renderer.picture(time, loud_music(), size);
+        let fraction = difference(&silent, &loud, VISIBLE).fraction;
+        assert!(fraction >= 0.05, "loud music changes only {fraction:.3} of the pixels at {time} s");
 
-        let frame = studio.frame(time, silence(), size);
+        let frame = test_renderer.frame(time, silence(), size);
         let centre = vector_constant("SPEAKER_CENTRE");
         let half_size = vector_constant("CABINET_HALF");
         let front = centre.z - half_size.z - constant("CABINET_ROUNDING");
@@ -208,7 +212,7 @@ fn music_shows_and_each_channel_moves_its_own_woofer() {
         for (channel, name) in ["left", "right"].into_iter().enumerate() {
             let mut features = silence();
             features.volume[channel] = 0.3;
-            let picture = studio.picture(time, features, size);
+            let picture = test_renderer.picture(time, features, size);
             let changed = |side: f64| {
                 let woofer = pixel_of(&frame, DVec3::new(side * centre.x, woofer_y, front));
                 // As far as the loudest woofer reaches, 1.7 units.
@@ -225,10 +229,10 @@ fn music_shows_and_each_channel_moves_its_own_woofer() {
 
 #[test]
 fn each_band_moves_its_own_bar() {
-    let mut studio = Studio::new();
+    let mut test_renderer = TestRenderer::new();
     let size = (432, 288);
-    let silent = studio.picture(0.0, silence(), size);
-    let frame = studio.frame(0.0, silence(), size);
+    let silent = test_renderer.picture(0.0, silence(), size);
+    let frame = test_renderer.frame(0.0, silence(), size);
     let spacing = constant("BAR_SPACING");
     let front = constant("BAR_Z") - constant("BAR_HALF_DEPTH");
     let level = 0.6;
@@ -237,7 +241,7 @@ fn each_band_moves_its_own_bar() {
     for band in 0..BAND_COUNT {
         let mut features = silence();
         features.bands[band] = level as f32;
-        let picture = studio.picture(0.0, features, size);
+        let picture = test_renderer.picture(0.0, features, size);
         // How much the places change where each bar would stand, from a third of the height to nine tenths.
         let change = |bar: usize| {
             let probes = (0..12).map(|i| {
@@ -260,7 +264,7 @@ fn each_band_moves_its_own_bar() {
 
 #[test]
 fn tracing_stays_within_its_budget_and_counting_changes_nothing() {
-    let mut counting = Studio::of(&speakers(), Mode::Compiled, Counting::On);
+    let mut counting = TestRenderer::of(&speakers(), Mode::Compiled, Counting::On);
     let mut plain = Renderer::new(counting.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
     let plain_program = counting.program_of(Mode::Compiled, Counting::Off);
     for (time, size) in [(0.0, (320, 180)), (7.0, (320, 180)), (31.0, (320, 180)), (12.0, (640, 360))] {
@@ -284,37 +288,37 @@ fn tracing_stays_within_its_budget_and_counting_changes_nothing() {
 
 #[test]
 fn every_size_that_the_driver_has_is_drawn_and_a_larger_one_refused() {
-    let mut studio = Studio::new();
+    let mut test_renderer = TestRenderer::new();
     for size in [(1, 1), (1, 64), (3000, 1), (64, 64), (65, 33)] {
-        let picture = studio.picture(5.0, soft_music(), size);
-        assert!(share_of(&picture, |value| value == 0) <= 0.30, "{size:?} is black");
+        let picture = test_renderer.picture(5.0, soft_music(), size);
+        assert!(fraction_of(&picture, |value| value == 0) <= 0.30, "{size:?} is black");
         assert!(picture.pixels().all(|pixel| pixel.0[3] == 255), "{size:?} is not opaque");
     }
-    let before = studio.picture(5.0, soft_music(), (64, 64));
-    let limit = studio.context.gl().info().texture_side_max;
+    let before = test_renderer.picture(5.0, soft_music(), (64, 64));
+    let limit = test_renderer.context.gl().info().texture_side_max;
     for size in [(limit + 1, 1), (1, limit + 1), (u32::MAX, u32::MAX)] {
-        match studio.try_picture(5.0, soft_music(), size) {
-            Err(GpuError::TooLarge { width, height, limit: told }) => {
-                assert_eq!((width, height, told), (size.0, size.1, limit));
+        match test_renderer.try_picture(5.0, soft_music(), size) {
+            Err(GpuError::TooLarge { width, height, limit: reported }) => {
+                assert_eq!((width, height, reported), (size.0, size.1, limit));
             }
             Err(other) => panic!("{size:?}: {other}"),
             Ok(_) => panic!("{size:?} was drawn"),
         }
-        let after = studio.picture(5.0, soft_music(), (64, 64));
+        let after = test_renderer.picture(5.0, soft_music(), (64, 64));
         assert!(before == after, "after {size:?} was refused the picture is another one");
     }
 }
 
 #[test]
 fn pictures_look_like_the_golden_ones() {
-    let mut studio = Studio::new();
+    let mut test_renderer = TestRenderer::new();
     let scenes: [(&str, f64, Features, (u32, u32)); 3] = [
         ("silent", 0.0, silence(), (256, 144)),
         ("loud", 12.0, loud_music(), (256, 144)),
         ("tall", 12.0, loud_music(), (144, 256)),
     ];
-    let results =
-        scenes.map(|(name, time, features, size)| check_golden(name, &studio.picture(time, features, size)));
+    let results = scenes
+        .map(|(name, time, features, size)| check_golden(name, &test_renderer.picture(time, features, size)));
     let failures: Vec<String> = results.into_iter().filter_map(Result::err).collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use crate::support::compare::{LOOSE, TIGHT, assert_alike};
 use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
-use crate::support::studio::{Studio, driver, loud_sound, ready};
+use crate::support::test_renderer::{TestRenderer, driver, loud_sound, ready};
 use mariana::gpu::renderer::Counting;
 use mariana::gpu::scene_program::{Interpreter, Mode};
 use mariana::gpu::shader_source::ShaderLibrary;
@@ -168,9 +168,9 @@ fn draws(log: &str) -> Vec<(u64, u64)> {
 fn the_universal_interpreter_covers_every_shipped_scene() {
     for name in shipped_names() {
         let scene = ready(&SceneSource::Shipped(name.clone()));
-        let own = Interpreter::for_scene(scene.world.traits, &scene.buffers, &scene.plan, &driver(false));
-        assert!(Interpreter::universal(own.is_steep()).covers(&own), "{name}: {own:?}");
-        assert!(!Interpreter::universal(!own.is_steep()).covers(&own), "{name}");
+        let own = Interpreter::for_scene(scene.world.features, &scene.buffers, &scene.plan, &driver(false));
+        assert!(Interpreter::universal(own.is_non_lipschitz()).covers(&own), "{name}: {own:?}");
+        assert!(!Interpreter::universal(!own.is_non_lipschitz()).covers(&own), "{name}");
     }
 }
 
@@ -179,12 +179,12 @@ fn the_universal_interpreter_draws_what_a_scene_s_own_draws() {
     // With pictures and panels; with a lens; a formula that is no distance.
     for name in ["speakers", "orb", "quadric"] {
         let scene = SceneSource::Shipped(name.to_owned());
-        let mut studio = Studio::of(&scene, Mode::Interpreted, Counting::Off);
-        let expected = studio.picture(12.0, loud_sound(), (64, 36));
-        let steep = studio.world().steep;
-        let variant = Interpreter::universal(steep).variant(Counting::Off);
-        studio.program = studio.link(&ShaderLibrary::embedded(), &variant);
-        let actual = studio.picture(12.0, loud_sound(), (64, 36));
+        let mut test_renderer = TestRenderer::of(&scene, Mode::Interpreted, Counting::Off);
+        let expected = test_renderer.picture(12.0, loud_sound(), (64, 36));
+        let non_lipschitz = test_renderer.world().non_lipschitz;
+        let variant = Interpreter::universal(non_lipschitz).variant(Counting::Off);
+        test_renderer.program = test_renderer.link(&ShaderLibrary::embedded(), &variant);
+        let actual = test_renderer.picture(12.0, loud_sound(), (64, 36));
         assert_alike(&format!("universal-{name}"), &actual, &expected, TIGHT);
     }
 }

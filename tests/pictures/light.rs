@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use crate::support::studio::{Studio, loud_music, silence};
+use crate::support::test_renderer::{TestRenderer, loud_music, silence};
 use image::RgbaImage;
 use mariana::gpu::renderer::Counting;
 use mariana::gpu::scene_program::Mode;
@@ -18,12 +18,12 @@ sky { color = 0  ambient = 0 }
 camera { position = vec3(0, 7, 0)  target = vec3(0, 0, 0.001)  fov = 35 }
 ";
 
-fn studio_of(text: &str) -> Studio {
-    Studio::of(&SceneSource::Formula(text.into()), Mode::Compiled, Counting::Off)
+fn test_renderer_of(text: &str) -> TestRenderer {
+    TestRenderer::of(&SceneSource::Formula(text.into()), Mode::Compiled, Counting::Off)
 }
 
 fn picture(text: &str) -> RgbaImage {
-    studio_of(text).picture(0.0, silence(), SIZE)
+    test_renderer_of(text).picture(0.0, silence(), SIZE)
 }
 
 fn on_floor(lights: &str) -> RgbaImage {
@@ -36,7 +36,7 @@ fn brightness(picture: &RgbaImage, x: f64, y: f64) -> i32 {
 }
 
 fn colour(picture: &RgbaImage, x: f64, y: f64) -> [i32; 3] {
-    let at = |share: f64, side: u32| (share * f64::from(side)) as u32;
+    let at = |fraction: f64, side: u32| (fraction * f64::from(side)) as u32;
     let [r, g, b, _] = picture.get_pixel(at(x, SIZE.0), at(y, SIZE.1)).0.map(i32::from);
     [r, g, b]
 }
@@ -196,11 +196,14 @@ const RUBBISH: [&str; 8] = [
 #[test]
 fn rubbish_gives_a_picture_without_holes() {
     for text in RUBBISH {
-        let mut studio = studio_of(text);
+        let mut test_renderer = test_renderer_of(text);
         for size in [SIZE, (1, 1), (300, 1)] {
-            let rubbish = studio.picture(0.0, loud_music(), size);
+            let rubbish = test_renderer.picture(0.0, loud_music(), size);
             assert!(rubbish.pixels().all(|pixel| pixel.0[3] == 255), "{text} at {size:?}");
-            assert!(rubbish == studio.picture(0.0, loud_music(), size), "{text} looks different each time");
+            assert!(
+                rubbish == test_renderer.picture(0.0, loud_music(), size),
+                "{text} looks different each time"
+            );
         }
     }
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use crate::support::shader_folder::changed_shaders;
-use crate::support::studio::{Studio, loud_music, silence};
+use crate::support::test_renderer::{TestRenderer, loud_music, silence};
 use image::RgbaImage;
 use mariana::export::bench::peak_signal_over_noise;
 use mariana::frame::picture::{BLUR_MAX, Picture};
@@ -14,14 +14,15 @@ use mariana::scenes::SceneSource;
 use mariana_field::world::{SceneFeatures, ToneMap};
 
 /// Gives the studio a program that shows `body`, statements that set `vec3 color`.
-fn show(studio: &mut Studio, body: &str) {
+fn show(test_renderer: &mut TestRenderer, body: &str) {
     let scene = format!(
         "#include \"frame_block.glsl\"\n#include \"sample_place.glsl\"\n#include \"sample_light.glsl\"\n\
          layout(location = 0) out vec4 sample_color;\nvoid main() {{\n    vec3 color;\n    {body}\n    \
          sample_color = stored_sample(color, 0.0, pass_sample.z > 0.5);\n}}\n"
     );
     let (_folder, library) = changed_shaders(&[("scene.frag", &scene)]);
-    studio.program = studio.link(&library, &compiled_variant("", 0, SceneFeatures::default(), Counting::Off));
+    test_renderer.program =
+        test_renderer.link(&library, &compiled_variant("", 0, SceneFeatures::default(), Counting::Off));
 }
 
 /// Light as it is: no bloom, no grain, no tone map.
@@ -29,8 +30,8 @@ fn plain(picture: &mut Picture) {
     (picture.bloom, picture.grain, picture.tone_map) = (0.0, 0.0, ToneMap::None);
 }
 
-fn scene(text: &str) -> Studio {
-    Studio::of(&SceneSource::Formula(text.into()), Mode::Compiled, Counting::Off)
+fn scene(text: &str) -> TestRenderer {
+    TestRenderer::of(&SceneSource::Formula(text.into()), Mode::Compiled, Counting::Off)
 }
 
 /// Linear light of a byte, by IEC 61966-2-1.
@@ -105,7 +106,7 @@ fn agx_sigmoid(x: f64) -> f64 {
 
 #[test]
 fn tone_maps_are_what_they_are_called_and_keep_hues() {
-    let mut studio = Studio::new();
+    let mut test_renderer = TestRenderer::new();
     let hues: [Rgb; 6] = [
         [1.0, 1.0, 1.0],
         [1.0, 0.1, 0.05],
@@ -118,7 +119,7 @@ fn tone_maps_are_what_they_are_called_and_keep_hues() {
         (-8..=6).flat_map(|stop| hues.map(|hue| hue.map(|part| part * 2f64.powi(stop)))).collect();
     let listed: Vec<String> = lights.iter().map(|[r, g, b]| format!("vec3({r:?}, {g:?}, {b:?})")).collect();
     show(
-        &mut studio,
+        &mut test_renderer,
         &format!(
             "vec3 lights[{0}] = vec3[{0}]({1});\n    color = lights[int(sample_place().x) % {0}];",
             lights.len(),
@@ -126,7 +127,7 @@ fn tone_maps_are_what_they_are_called_and_keep_hues() {
         ),
     );
     for map in ToneMap::ALL {
-        studio.adjust = match map {
+        test_renderer.adjust = match map {
             ToneMap::Agx => |picture| {
                 plain(picture);
                 picture.tone_map = ToneMap::Agx;
@@ -141,7 +142,7 @@ fn tone_maps_are_what_they_are_called_and_keep_hues() {
             },
             ToneMap::None => plain,
         };
-        let picture = studio.picture(0.0, silence(), (lights.len() as u32, 1));
+        let picture = test_renderer.picture(0.0, silence(), (lights.len() as u32, 1));
         let mut greys = Vec::new();
         for ((pixel, light), number) in picture.pixels().zip(&lights).zip(0..) {
             let expected = witness(map, *light).map(steps);
@@ -173,39 +174,39 @@ fn tone_maps_are_what_they_are_called_and_keep_hues() {
 
 #[test]
 fn bloom_scatters_light_and_adds_none() {
-    let mut studio = Studio::new();
+    let mut test_renderer = TestRenderer::new();
     // Dim, so that no pixel is weighed down much for its brightness.
     show(
-        &mut studio,
+        &mut test_renderer,
         "vec2 off = abs(sample_place() - vec2(96.0, 54.0));\n    \
          color = max(off.x, off.y) < 20.0 ? vec3(0.10, 0.06, 0.02) : vec3(0.005);",
     );
     let size = (192, 108);
-    studio.adjust = plain;
-    let sharp = studio.picture(0.0, silence(), size);
-    studio.adjust = |picture| {
+    test_renderer.adjust = plain;
+    let sharp = test_renderer.picture(0.0, silence(), size);
+    test_renderer.adjust = |picture| {
         plain(picture);
         picture.bloom = 1.0;
     };
-    let scattered = studio.picture(0.0, silence(), size);
+    let scattered = test_renderer.picture(0.0, silence(), size);
     let (before, after) = (energy(&sharp), energy(&scattered));
     assert!((after / before - 1.0).abs() < 0.04, "{before:.2} became {after:.2}");
     let beside = |picture: &RgbaImage| linear(picture.get_pixel(120, 54).0[0]);
     assert!(beside(&scattered) > 1.5 * beside(&sharp), "no light falls beside the square");
 
-    studio.adjust = |picture| {
+    test_renderer.adjust = |picture| {
         plain(picture);
         picture.bloom = 0.04;
     };
     // One pixel as bright as light can be, and what is no light: neither makes a sun.
     for one in ["1e30", "uintBitsToFloat(0x7f800000u)", "uintBitsToFloat(0x7fc00000u)"] {
         show(
-            &mut studio,
+            &mut test_renderer,
             &format!(
                 "color = vec3(0.01);\n    if (ivec2(sample_place()) == ivec2(96, 54)) color = vec3({one});"
             ),
         );
-        let picture = studio.picture(0.0, silence(), size);
+        let picture = test_renderer.picture(0.0, silence(), size);
         let around = picture.enumerate_pixels().filter(|(x, y, _)| x.abs_diff(96).max(y.abs_diff(53)) > 3);
         let most = around.map(|(_, _, pixel)| pixel.0[0]).max().unwrap();
         assert!(f64::from(most) < steps(0.02), "{one} glows: {most}");
@@ -214,27 +215,30 @@ fn bloom_scatters_light_and_adds_none() {
 
 #[test]
 fn every_size_has_its_bloom_and_its_lens() {
-    let mut studio = scene(
+    let mut test_renderer = scene(
         "camera { aperture = 0.2 focus = 3 }\npicture { bloom = 0.3 vignette = 1 }\nmin(y + 1, length(p) - 1)",
     );
     for size in [(1, 1), (2, 1), (1, 3), (7, 5), (640, 2), (2048, 1), (1, 2048)] {
-        let picture = studio.picture(0.5, loud_music(), size);
+        let picture = test_renderer.picture(0.5, loud_music(), size);
         assert_eq!(picture.dimensions(), size);
-        assert!(picture == studio.picture(0.5, loud_music(), size), "{size:?} differs from itself");
+        assert!(picture == test_renderer.picture(0.5, loud_music(), size), "{size:?} differs from itself");
         assert!(picture.pixels().any(|pixel| pixel.0[..3].iter().any(|&byte| byte > 8)), "{size:?} is black");
     }
 }
 
 #[test]
 fn grain_is_slight_unbiased_and_still() {
-    let mut studio = Studio::new();
-    show(&mut studio, "color = vec3(0.2);");
-    studio.adjust = |picture| {
+    let mut test_renderer = TestRenderer::new();
+    show(&mut test_renderer, "color = vec3(0.2);");
+    test_renderer.adjust = |picture| {
         plain(picture);
         picture.grain = 1.0;
     };
-    let picture = studio.picture(0.0, silence(), (128, 128));
-    assert!(picture == studio.picture(7.0, silence(), (128, 128)), "grain moves over what stands still");
+    let picture = test_renderer.picture(0.0, silence(), (128, 128));
+    assert!(
+        picture == test_renderer.picture(7.0, silence(), (128, 128)),
+        "grain moves over what stands still"
+    );
     let mean = picture.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>() / (128.0 * 128.0);
     assert!((mean - steps(0.2)).abs() < 0.1, "{mean} instead of {}", steps(0.2));
     let far = picture.pixels().map(|pixel| (f64::from(pixel.0[0]) - steps(0.2)).abs()).fold(0.0, f64::max);
@@ -242,15 +246,15 @@ fn grain_is_slight_unbiased_and_still() {
 }
 
 /// A wall at z = 6, lit by itself where x > 0, seen from the origin.
-fn wall(camera: &str) -> Studio {
-    let mut studio = scene(&format!(
+fn wall(camera: &str) -> TestRenderer {
+    let mut test_renderer = scene(&format!(
         "material halves {{ color = 0 emission = if p.x > 0 then 0.5 else 0 }}\n\
          object wall {{ shape = 6 - z material = halves }}\n\
          light none {{ position = vec3(0) color = 0 }}\nsky {{ color = 0 ambient = 0 }}\n\
          camera {{ position = vec3(0) target = vec3(0, 0, 1) fov = 45 {camera} }}"
     ));
-    studio.adjust = plain;
-    studio
+    test_renderer.adjust = plain;
+    test_renderer
 }
 
 /// Pixels from a tenth to nine tenths of the brighter side, along the middle row.
@@ -258,10 +262,12 @@ fn edge_width(picture: &RgbaImage) -> f64 {
     let row: Vec<f64> =
         (0..picture.width()).map(|x| linear(picture.get_pixel(x, picture.height() / 2).0[0])).collect();
     let high = row.iter().copied().fold(0.0, f64::max);
-    let crossing = |share: f64| {
-        let at =
-            row.windows(2).position(|pair| (pair[0] < share * high) != (pair[1] < share * high)).unwrap();
-        at as f64 + (share * high - row[at]) / (row[at + 1] - row[at])
+    let crossing = |fraction: f64| {
+        let at = row
+            .windows(2)
+            .position(|pair| (pair[0] < fraction * high) != (pair[1] < fraction * high))
+            .unwrap();
+        at as f64 + (fraction * high - row[at]) / (row[at + 1] - row[at])
     };
     (crossing(0.9) - crossing(0.1)).abs()
 }
@@ -301,9 +307,9 @@ fn what_is_sharp_in_front_is_not_blurred_over() {
     };
     let size = (320, 200);
     let draw = |lens: &str| {
-        let mut studio = scene(&text(lens));
-        studio.adjust = plain;
-        studio.picture(0.0, silence(), size)
+        let mut test_renderer = scene(&text(lens));
+        test_renderer.adjust = plain;
+        test_renderer.picture(0.0, silence(), size)
     };
     let (pinhole, lens) = (draw(""), draw("aperture = 0.2 focus = 4.9"));
     // The box's front is 98.5 pixels wide.
@@ -315,20 +321,20 @@ fn what_is_sharp_in_front_is_not_blurred_over() {
 
 #[test]
 fn edges_of_stills_are_near_those_of_sixty_four_samples() {
-    let mut studio = Studio::new();
-    studio.adjust = |picture| picture.grain = 0.0;
-    let frame = studio.frame(0.0, silence(), (320, 180));
-    studio.renderer.draw_reference(&frame, &studio.resources, &studio.program).unwrap();
-    let reference = studio.renderer.read();
+    let mut test_renderer = TestRenderer::new();
+    test_renderer.adjust = |picture| picture.grain = 0.0;
+    let frame = test_renderer.frame(0.0, silence(), (320, 180));
+    test_renderer.renderer.draw_reference(&frame, &test_renderer.resources, &test_renderer.program).unwrap();
+    let reference = test_renderer.renderer.read();
     for (samples, least) in [
         (EdgeSamples::Two, 34.0),
         (EdgeSamples::Four, 36.0),
         (EdgeSamples::Eight, 39.0),
         (EdgeSamples::Sixteen, 42.0),
     ] {
-        studio.renderer.set_edge_samples(samples);
-        studio.renderer.draw(&frame, &studio.resources, &studio.program).unwrap();
-        let found = peak_signal_over_noise(&studio.renderer.read(), &reference);
+        test_renderer.renderer.set_edge_samples(samples);
+        test_renderer.renderer.draw(&frame, &test_renderer.resources, &test_renderer.program).unwrap();
+        let found = peak_signal_over_noise(&test_renderer.renderer.read(), &reference);
         assert!((least..80.0).contains(&found), "{samples:?}: {found:.2} dB");
     }
 }

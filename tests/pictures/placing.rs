@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use crate::support::studio::{Studio, silence};
+use crate::support::test_renderer::{TestRenderer, silence};
 use image::RgbaImage;
 use mariana::gpu::picture_reader::PictureReader;
 use mariana::gpu::renderer::Counting;
@@ -16,7 +16,7 @@ use mariana::srgb::linear;
 const SIZE: (u32, u32) = (64, 36);
 
 /// A studio as a window has it, with a picture in it.
-struct Hall(Studio);
+struct Hall(TestRenderer);
 
 impl Hall {
     fn new() -> Self {
@@ -24,11 +24,11 @@ impl Hall {
     }
 
     fn of(scene: SceneSource) -> Self {
-        let mut studio = Studio::of(&scene, Mode::Compiled, Counting::Off);
-        studio.renderer.prepare_for_window(&ShaderLibrary::embedded()).unwrap();
-        studio.renderer.add_flash_limiter(&ShaderLibrary::embedded()).unwrap();
-        studio.picture(0.0, silence(), SIZE);
-        Self(studio)
+        let mut test_renderer = TestRenderer::of(&scene, Mode::Compiled, Counting::Off);
+        test_renderer.renderer.prepare_for_window(&ShaderLibrary::embedded()).unwrap();
+        test_renderer.renderer.add_flash_limiter(&ShaderLibrary::embedded()).unwrap();
+        test_renderer.picture(0.0, silence(), SIZE);
+        Self(test_renderer)
     }
 
     /// The picture as it is shown and sent, in a window of `size` pixels.
@@ -79,8 +79,8 @@ fn light_is_taken_away_evenly_and_at_last_wholly() {
     assert!(full > 0.05, "{full} is too dark to prove anything");
     for gain in [0.75, 0.5, 0.25, 0.1] {
         hall.dim(gain);
-        let share = light(&hall.sent(&Placement::default(), SIZE)) / full;
-        assert!((share - gain).abs() < 0.02, "{share} of the light is left, not {gain}");
+        let fraction = light(&hall.sent(&Placement::default(), SIZE)) / full;
+        assert!((fraction - gain).abs() < 0.02, "{fraction} of the light is left, not {gain}");
     }
     hall.dim(0.0);
     assert!(hall.finished().pixels().all(|pixel| pixel.0[..3] == [0; 3]));

@@ -285,12 +285,12 @@ impl Ray {
 /// Whether the ray meets a surface; none if its steps are used up.
 fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, span: Span) -> Option<bool> {
     let (mut t, end) = (span.0 as f32, span.1 as f32);
-    let steps = if world.steep { rays::STEEP_STEPS_MAX } else { rays::STEPS_MAX };
+    let steps = if world.non_lipschitz { rays::NON_LIPSCHITZ_STEPS_MAX } else { rays::STEPS_MAX };
     for step in 0..steps {
         let radius = SPREAD as f32 * t;
-        let reach = if world.steep { 0.0 } else { rays::hit_share(step) * radius };
+        let reach = if world.non_lipschitz { 0.0 } else { rays::hit_fraction(step) * radius };
         while let Some(cell) = regions.cell_at(ray.at(t)).filter(|cell| cell.bound > reach) {
-            let bound = if world.steep { 0.0 } else { cell.bound };
+            let bound = if world.non_lipschitz { 0.0 } else { cell.bound };
             t = (t + bound).max(ray.exit_of(&cell)).max(t + 1e-6);
             if t >= end {
                 return Some(false);
@@ -305,10 +305,11 @@ fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, spa
             return Some(true);
         }
         t += match regions.cell_at(ray.at(t)) {
-            Some(cell) if world.steep => {
+            Some(cell) if world.non_lipschitz => {
                 let slope = gradient::slope_towards(cell.slopes, ray.direction);
-                let radius = SPREAD as f32 * t.max(rays::STEEP_NEAR);
-                rays::steep_step(step, (value, slope), ray.exit_of(&cell) - t, (t, end), radius).max(1e-5)
+                let radius = SPREAD as f32 * t.max(rays::NON_LIPSCHITZ_NEAR);
+                rays::non_lipschitz_step(step, (value, slope), ray.exit_of(&cell) - t, (t, end), radius)
+                    .max(1e-5)
             }
             _ => value,
         };
@@ -396,11 +397,11 @@ fn check_rays(name: &str, world: &World, rays: usize) -> (usize, usize) {
                 continue;
             };
             // A distance counts as a hit within a pixel's cone. Of what is none only the sign does.
-            let pixels = if world.steep { 0.0 } else { 4.0 * SPREAD };
+            let pixels = if world.non_lipschitz { 0.0 } else { 4.0 * SPREAD };
             let wrong = if found {
                 oracle.decides(&ray, span, pixels) == Some(false)
             } else {
-                oracle.decides(&ray, span, if world.steep { 0.0 } else { -SPREAD }) == Some(true)
+                oracle.decides(&ray, span, if world.non_lipschitz { 0.0 } else { -SPREAD }) == Some(true)
             };
             assert!(
                 !wrong,
@@ -457,9 +458,9 @@ fn hits_and_misses_between_two_scenes_are_those_of_the_oracle() {
             }
             let camera = |world: &World| world.frame_tape.values(&inputs_of(world, 3.0)).camera;
             let alignment = Alignment::of(&camera(from), &camera(to));
-            for share in if all { [0.25, 0.5, 0.75].as_slice() } else { &[0.4] } {
-                let world = World::blend(from, to, BlendKind::Melt, &alignment, *share).unwrap();
-                let name = format!("{} at {share}", world.name);
+            for fraction in if all { [0.25, 0.5, 0.75].as_slice() } else { &[0.4] } {
+                let world = World::blend(from, to, BlendKind::Melt, &alignment, *fraction).unwrap();
+                let name = format!("{} at {fraction}", world.name);
                 let check = || check_rays(&name, &world, if all { rays_wanted() } else { 12 });
                 if std::panic::catch_unwind(check).is_err() {
                     wrong.push(name);

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::support::compare::{LOOSE, check_golden, compare, difference};
-use crate::support::studio::{Studio, loud_sound, silence};
+use crate::support::test_renderer::{TestRenderer, loud_sound, silence};
 use image::RgbaImage;
 use mariana::gpu::renderer::Counting;
 use mariana::gpu::scene_program::Mode;
@@ -25,7 +25,7 @@ const BLACK_MAX: f64 = 0.30;
 const WHITE_MAX: f64 = 0.02;
 
 /// The share of pixels whose colours are all within the range.
-fn share(picture: &RgbaImage, range: std::ops::RangeInclusive<u8>) -> f64 {
+fn fraction(picture: &RgbaImage, range: std::ops::RangeInclusive<u8>) -> f64 {
     let within =
         picture.pixels().filter(|pixel| pixel.0[..3].iter().all(|value| range.contains(value))).count();
     within as f64 / picture.pixels().len() as f64
@@ -68,16 +68,16 @@ fn every_scene_looks_as_it_did_and_shows_the_music() {
     let mut failures = Vec::new();
     for name in shipped_names() {
         let scene = SceneSource::Shipped(name.clone());
-        let mut studio = Studio::of(&scene, Mode::Compiled, Counting::Off);
-        let loud = studio.picture(TIME, loud_sound(), SIZE);
-        let silent = studio.picture(TIME, silence(), SIZE);
+        let mut test_renderer = TestRenderer::of(&scene, Mode::Compiled, Counting::Off);
+        let loud = test_renderer.picture(TIME, loud_sound(), SIZE);
+        let silent = test_renderer.picture(TIME, silence(), SIZE);
         failures.extend(check_golden(&format!("scene-{name}"), &loud).err());
-        let moved = difference(&loud, &silent, VISIBLE).share;
+        let moved = difference(&loud, &silent, VISIBLE).fraction;
         if moved < MOVED_MIN {
             failures.push(format!("{name}: music changes {:.1} % of the pixels", 100.0 * moved));
         }
         for (sound, picture) in [("music", &loud), ("silence", &silent)] {
-            let (black, white) = (share(picture, 0..=1), share(picture, 254..=255));
+            let (black, white) = (fraction(picture, 0..=1), fraction(picture, 254..=255));
             if black > BLACK_MAX || white > WHITE_MAX {
                 let (black, white) = (100.0 * black, 100.0 * white);
                 failures.push(format!("{name} in {sound}: {black:.1} % are black, {white:.1} % white"));

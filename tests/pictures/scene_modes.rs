@@ -5,7 +5,9 @@
 use crate::support::compare::{LOOSE, TIGHT, Tolerance, assert_alike, difference};
 use crate::support::drawing::DrawsAlone;
 use crate::support::oracle::BY_HAND;
-use crate::support::studio::{Studio, driver, loud_music, loud_sound, ready, silence, soft_music, speakers};
+use crate::support::test_renderer::{
+    TestRenderer, driver, loud_music, loud_sound, ready, silence, soft_music, speakers,
+};
 use image::RgbaImage;
 use mariana::config::SdfChoice;
 use mariana::export::painter::{Painter, SceneChoice, mode_on};
@@ -108,16 +110,16 @@ camera { position = vec3(8, 2.5, -6)  target = vec3(10, 1, 4) }
 
 /// What a program shows and counts.
 fn drawn(
-    studio: &mut Studio,
+    test_renderer: &mut TestRenderer,
     program: &Program,
     time: f64,
     sound: impl Into<Sound>,
     size: (u32, u32),
 ) -> (RgbaImage, Evaluations) {
-    let frame = studio.frame(time, sound, size);
-    studio.renderer.draw(&frame, &studio.resources, program).unwrap();
-    let picture = RgbaImage::from_raw(size.0, size.1, studio.renderer.read()).unwrap();
-    (picture, studio.renderer.evaluations())
+    let frame = test_renderer.frame(time, sound, size);
+    test_renderer.renderer.draw(&frame, &test_renderer.resources, program).unwrap();
+    let picture = RgbaImage::from_raw(size.0, size.1, test_renderer.renderer.read()).unwrap();
+    (picture, test_renderer.renderer.evaluations())
 }
 
 /// Evaluations by kind of ray.
@@ -138,21 +140,22 @@ fn assert_modes_agree_at(
     times: &[f64],
     (size, tolerance): ((u32, u32), Tolerance),
 ) {
-    let mut studio = Studio::of(scene, Mode::Compiled, Counting::On);
-    let programs = [Mode::Compiled, Mode::Interpreted].map(|mode| studio.program_of(mode, Counting::On));
-    let steep = studio.resources.world().steep;
-    let without_code = (!steep).then(|| {
-        let variant = compiled_variant_of(studio.world(), Counting::On).unwrap();
-        studio.link(&ShaderLibrary::embedded(), &without_cells(variant))
+    let mut test_renderer = TestRenderer::of(scene, Mode::Compiled, Counting::On);
+    let programs =
+        [Mode::Compiled, Mode::Interpreted].map(|mode| test_renderer.program_of(mode, Counting::On));
+    let non_lipschitz = test_renderer.resources.world().non_lipschitz;
+    let without_code = (!non_lipschitz).then(|| {
+        let variant = compiled_variant_of(test_renderer.world(), Counting::On).unwrap();
+        test_renderer.link(&ShaderLibrary::embedded(), &without_cells(variant))
     });
     let mut first: Option<RgbaImage> = None;
     for &time in times {
-        studio.resources.set_cells(true, Mode::Interpreted);
+        test_renderer.resources.set_cells(true, Mode::Interpreted);
         let [skipping, short] =
-            [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_sound(), size));
-        studio.resources.set_cells(false, Mode::Interpreted);
+            [0, 1].map(|mode| drawn(&mut test_renderer, &programs[mode], time, loud_sound(), size));
+        test_renderer.resources.set_cells(false, Mode::Interpreted);
         let [compiled, interpreted] =
-            [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_sound(), size));
+            [0, 1].map(|mode| drawn(&mut test_renderer, &programs[mode], time, loud_sound(), size));
         assert_alike(&format!("{name}-at-{time}-skipping"), &skipping.0, &compiled.0, tolerance);
         assert_alike(&format!("{name}-at-{time}-short"), &short.0, &compiled.0, tolerance);
         if matches!(scene, SceneSource::Shipped(_)) {
@@ -161,12 +164,12 @@ fn assert_modes_agree_at(
         let (fewer, all) = (short.1, interpreted.1);
         // Where the distance is none, there are cells whatever is asked for.
         assert!(
-            steep || (fewer.total() <= all.total() && fewer.clauses < all.clauses),
+            non_lipschitz || (fewer.total() <= all.total() && fewer.clauses < all.clauses),
             "{name}: {fewer:?}, but {all:?}"
         );
         assert_alike(&format!("{name}-at-{time}"), &interpreted.0, &compiled.0, tolerance);
         if let Some(program) = &without_code {
-            let bare = drawn(&mut studio, program, time, loud_sound(), size);
+            let bare = drawn(&mut test_renderer, program, time, loud_sound(), size);
             assert_alike(&format!("{name}-at-{time}-without-code"), &bare.0, &compiled.0, TIGHT);
             assert_eq!(
                 kinds(&bare.1),
@@ -179,7 +182,7 @@ fn assert_modes_agree_at(
         assert!(b.primary > 0.0 && b.normal > 0.0, "{name}: nothing was counted: {b:?}");
         for (a_kind, b_kind) in kinds(&a).into_iter().zip(kinds(&b)) {
             // Cells that are there in any case save the interpreter probes of occlusion.
-            let fewer = steep && a_kind < b_kind;
+            let fewer = non_lipschitz && a_kind < b_kind;
             assert!(
                 fewer || (a_kind - b_kind).abs() <= 0.02 * b_kind,
                 "{name} at {time} s: {a:?}, but {b:?}"
@@ -189,8 +192,8 @@ fn assert_modes_agree_at(
         assert!(a.clauses > a.total(), "{name}: an evaluation is more than a clause: {a:?}");
         // Two black pictures are alike, too.
         let seen = first.get_or_insert_with(|| RgbaImage::new(size.0, size.1));
-        let share = difference(seen, &compiled.0, TIGHT.visible).share;
-        assert!(share > 0.05, "{name}: nothing is seen, or nothing has moved at {time} s: {share}");
+        let fraction = difference(seen, &compiled.0, TIGHT.visible).fraction;
+        assert!(fraction > 0.05, "{name}: nothing is seen, or nothing has moved at {time} s: {fraction}");
         first = Some(compiled.0);
     }
 }
@@ -223,15 +226,15 @@ fn both_modes_show_the_same_scene_that_hears_everything() {
     assert_modes_agree("hears-all", &scene, &[3.0]);
 
     // Each of the tables is seen.
-    let mut studio = Studio::of(&scene, Mode::Compiled, Counting::Off);
-    let whole = studio.picture(3.0, loud_sound(), SIZE);
+    let mut test_renderer = TestRenderer::of(&scene, Mode::Compiled, Counting::Off);
+    let whole = test_renderer.picture(3.0, loud_sound(), SIZE);
     let sounds: [fn(&mut Tables); 3] = [|t| t.spectrum = None, |t| t.waveform = None, |t| t.history = None];
     for (number, take) in sounds.iter().enumerate() {
         let mut sound = loud_sound();
         take(&mut sound.tables);
-        let without = studio.picture(3.0, sound, SIZE);
-        let share = difference(&whole, &without, TIGHT.visible).share;
-        assert!(share > 0.01, "table {number} is not seen: {share}");
+        let without = test_renderer.picture(3.0, sound, SIZE);
+        let fraction = difference(&whole, &without, TIGHT.visible).fraction;
+        assert!(fraction > 0.01, "table {number} is not seen: {fraction}");
     }
 }
 
@@ -245,39 +248,42 @@ fn both_modes_show_the_same_surface_without_bounds() {
 /// The loops of the interpreter ran out of rounds on llvmpipe, and what came after them read stale registers.
 #[test]
 fn an_interpreted_forest_was_garbage() {
-    let mut studio = Studio::of(&SceneSource::Formula(FOREST.into()), Mode::Compiled, Counting::Off);
-    let programs = [Mode::Compiled, Mode::Interpreted].map(|mode| studio.program_of(mode, Counting::Off));
+    let mut test_renderer =
+        TestRenderer::of(&SceneSource::Formula(FOREST.into()), Mode::Compiled, Counting::Off);
+    let programs =
+        [Mode::Compiled, Mode::Interpreted].map(|mode| test_renderer.program_of(mode, Counting::Off));
     let [compiled, interpreted] =
-        programs.map(|program| drawn(&mut studio, &program, 3.0, loud_sound(), (160, 90)).0);
+        programs.map(|program| drawn(&mut test_renderer, &program, 3.0, loud_sound(), (160, 90)).0);
     assert_alike("forest", &interpreted, &compiled, LOOSE);
 }
 
 /// Rays used up their steps in front of the trees: the more pixels, the shorter the steps.
 #[test]
 fn the_trees_of_a_forest_vanished_in_larger_pictures() {
-    let mut studio = Studio::of(&SceneSource::Formula(FOREST.into()), Mode::Compiled, Counting::On);
-    let program = studio.program_of(Mode::Compiled, Counting::On);
+    let mut test_renderer =
+        TestRenderer::of(&SceneSource::Formula(FOREST.into()), Mode::Compiled, Counting::On);
+    let program = test_renderer.program_of(Mode::Compiled, Counting::On);
     let [(small, _), (large, counts)] =
-        [(240, 135), (480, 270)].map(|size| drawn(&mut studio, &program, 3.0, loud_sound(), size));
+        [(240, 135), (480, 270)].map(|size| drawn(&mut test_renderer, &program, 3.0, loud_sound(), size));
     let half = image::imageops::resize(&large, 240, 135, image::imageops::FilterType::Triangle);
     let apart = difference(&half, &small, 48);
-    assert!(apart.mean < 3.0 && apart.share < 0.01, "the larger picture shows something else: {apart:?}");
+    assert!(apart.mean < 3.0 && apart.fraction < 0.01, "the larger picture shows something else: {apart:?}");
     assert!(counts.capped_rays < 0.001, "{counts:?}");
 }
 
 #[test]
 fn the_compiled_speakers_are_those_written_by_hand() {
-    let mut studio = Studio::new();
-    let textures = studio.world().pictures.len();
-    let variant = compiled_variant(BY_HAND, textures, studio.world().traits, Counting::Off);
-    let by_hand = studio.link(&ShaderLibrary::embedded(), &variant);
-    let compiled = studio.program_of(Mode::Compiled, Counting::Off);
+    let mut test_renderer = TestRenderer::new();
+    let textures = test_renderer.world().pictures.len();
+    let variant = compiled_variant(BY_HAND, textures, test_renderer.world().features, Counting::Off);
+    let by_hand = test_renderer.link(&ShaderLibrary::embedded(), &variant);
+    let compiled = test_renderer.program_of(Mode::Compiled, Counting::Off);
     for (name, time, features) in
         [("loud", 12.0, loud_music()), ("soft", 33.3, soft_music()), ("silent", 61.7, silence())]
     {
         let size = (320, 180);
-        let (expected, _) = drawn(&mut studio, &by_hand, time, features, size);
-        let (actual, _) = drawn(&mut studio, &compiled, time, features, size);
+        let (expected, _) = drawn(&mut test_renderer, &by_hand, time, features, size);
+        let (actual, _) = drawn(&mut test_renderer, &compiled, time, features, size);
         assert_alike(&format!("by-hand-{name}"), &actual, &expected, TIGHT);
     }
 }
@@ -299,9 +305,9 @@ fn a_tape_that_a_driver_has_no_room_for_is_compiled() {
     let error = Interpreter::fits(&scene.buffers, &scene.plan, &with(available)).unwrap_err();
     assert_eq!(error, DoesNotFit::Texels { needed, available });
     let message = error.to_string();
-    let told: Vec<usize> =
+    let reported: Vec<usize> =
         message.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok()).collect();
-    assert_eq!(told, [needed, available], "{message}");
+    assert_eq!(reported, [needed, available], "{message}");
     assert_eq!(
         mode_on(SdfChoice::Interpreted, &scene.buffers, &scene.plan, &with(available)),
         Mode::Compiled
@@ -341,14 +347,14 @@ fn a_compiled_scene_has_cells_only_where_they_pay_or_are_wanted() {
             "sphere(p - vec3(3 * sin(i * 12.9898), 2 + 2 * sin(i * 78.233), 3 * sin(i * 37.719)), 0.3)";
         SceneSource::Formula(format!("object foam {{ shape = union(for i in 0..{count}: {ball}) }}"))
     };
-    let cells = |scene: &SceneSource, wish| {
-        let studio = Studio::of(scene, Mode::Interpreted, Counting::Off);
-        [Mode::Interpreted, Mode::Compiled].map(|mode| studio.resources.uses_cells(wish, mode))
+    let cells = |scene: &SceneSource, change| {
+        let test_renderer = TestRenderer::of(scene, Mode::Interpreted, Counting::Off);
+        [Mode::Interpreted, Mode::Compiled].map(|mode| test_renderer.resources.uses_cells(change, mode))
     };
     assert_eq!(cells(&foam(9), CellUse::WhereTheyPay), [true, false]);
     assert_eq!(cells(&foam(300), CellUse::WhereTheyPay), [true, true]);
     assert_eq!(cells(&foam(9), CellUse::Always), [true, true]);
     assert_eq!(cells(&foam(300), CellUse::Never), [false, false]);
-    let steep = SceneSource::Formula("sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)".into());
-    assert_eq!(cells(&steep, CellUse::Never), [true, true], "without them rays would miss it");
+    let non_lipschitz = SceneSource::Formula("sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)".into());
+    assert_eq!(cells(&non_lipschitz, CellUse::Never), [true, true], "without them rays would miss it");
 }

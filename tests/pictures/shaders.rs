@@ -8,7 +8,7 @@
 use crate::support::drawing::Context;
 use crate::support::glsl::{Stage, check_with_glslang, check_with_naga};
 use crate::support::shader_folder::{changed_shaders, shader_folder, shader_names, shader_text};
-use crate::support::studio::{driver, ready, speakers};
+use crate::support::test_renderer::{driver, ready, speakers};
 use mariana::gpu::error::GpuError;
 use mariana::gpu::flash_pass::{FLASH_SHADERS, FLASH_VERTEX_SHADER};
 use mariana::gpu::post::POST_SHADERS;
@@ -25,7 +25,7 @@ use mariana::scenes::{ReadyScene, SceneSource};
 const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
 
 /// No distance at all: rays go by bounds of its gradient.
-const STEEP: &str = "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)";
+const NON_LIPSCHITZ: &str = "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)";
 
 /// Rough mirrors, what shines, a panel and a lens.
 const EVERYTHING: &str = "material m { color = 0.5  reflect = 0.5  blur = 0.3  emission = vec3(0.1) }\n\
@@ -35,7 +35,7 @@ const EVERYTHING: &str = "material m { color = 0.5  reflect = 0.5  blur = 0.3  e
 
 /// What a variant of the scene's shader may have, and some case has.
 const DEFINES: [&str; 10] = [
-    "STEEP",
+    "NON_LIPSCHITZ",
     "BLUR",
     "LENS",
     "GLOW",
@@ -104,12 +104,12 @@ fn cases() -> Vec<Case> {
     }
     for mode in [Mode::Compiled, Mode::Interpreted] {
         cases.push(changed_case(scene_case(&speakers(), mode, true, Counting::On), as_views));
-        for text in [STEEP, EVERYTHING] {
+        for text in [NON_LIPSCHITZ, EVERYTHING] {
             let scene = SceneSource::Formula(text.into());
             cases.push(scene_case(&scene, mode, false, Counting::Off));
             cases.push(scene_case(&scene, mode, true, Counting::On));
             cases.push(changed_case(scene_case(&scene, mode, true, Counting::On), as_views));
-            if mode == Mode::Compiled && text != STEEP {
+            if mode == Mode::Compiled && text != NON_LIPSCHITZ {
                 cases.push(changed_case(scene_case(&scene, mode, false, Counting::Off), without_cells));
                 cases.push(changed_case(scene_case(&scene, mode, true, Counting::On), without_cells));
             }

@@ -1,7 +1,7 @@
 //! What went wrong: a surface that faced the lamp straight on was taken for shadowed in single pixels, because the
 //! closest pass of its shadow ray was put behind the ray's start.
 
-use crate::support::studio::Studio;
+use crate::support::test_renderer::TestRenderer;
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::song_features::SongFeatures;
 
@@ -15,9 +15,9 @@ const RADIUS: f64 = 1.25;
 #[test]
 fn no_single_pixel_of_a_lit_woofer_is_dark() {
     let features = SongFeatures::open(&DEMO_TRACK, TIME).unwrap().require(TIME).unwrap().features;
-    let mut studio = Studio::new();
-    let frame = studio.frame(TIME, features, SIZE);
-    let picture = studio.picture(TIME, features, SIZE);
+    let mut test_renderer = TestRenderer::new();
+    let frame = test_renderer.frame(TIME, features, SIZE);
+    let picture = test_renderer.picture(TIME, features, SIZE);
 
     let pixel_of = |point| {
         let (x, y) = frame.camera.project(point).unwrap();

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use crate::support::compare::{TIGHT, assert_alike, check_golden};
-use crate::support::studio::{Studio, loud_music, silence, speakers};
+use crate::support::test_renderer::{TestRenderer, loud_music, silence, speakers};
 use glam::DVec3;
 use image::RgbaImage;
 use mariana::frame::Frame;
@@ -34,7 +34,7 @@ const FLOOR: &str = "object floor { shape = p.y }
 
 /// A scene in a mode, and its views.
 struct Viewer {
-    studio: Studio,
+    test_renderer: TestRenderer,
     program: Program,
     mode: Mode,
 }
@@ -45,30 +45,33 @@ fn written(text: &str) -> SceneSource {
 
 impl Viewer {
     fn of(scene: &SceneSource, mode: Mode) -> Self {
-        let studio = Studio::of(scene, mode, Counting::Off);
-        let resources = &studio.resources;
-        let info = studio.context.gl().info();
+        let test_renderer = TestRenderer::of(scene, mode, Counting::Off);
+        let resources = &test_renderer.resources;
+        let info = test_renderer.context.gl().info();
         let (buffers, plan) = (resources.buffers(), resources.plan());
-        let variant = variant_of(studio.world(), buffers, plan, mode, info, Counting::On).unwrap();
-        let program = studio.link(&ShaderLibrary::embedded(), &as_views(variant));
-        Self { studio, program, mode }
+        let variant = variant_of(test_renderer.world(), buffers, plan, mode, info, Counting::On).unwrap();
+        let program = test_renderer.link(&ShaderLibrary::embedded(), &as_views(variant));
+        Self { test_renderer, program, mode }
     }
 
     fn setup(&self, choice: impl Into<ViewChoice>, frame: &Frame) -> ViewSetup {
-        let drawn = self.studio.resources.drawn(self.mode);
-        ViewSetup::of(choice.into(), frame, self.studio.world(), drawn)
+        let drawn = self.test_renderer.resources.drawn(self.mode);
+        ViewSetup::of(choice.into(), frame, self.test_renderer.world(), drawn)
     }
 
     fn draw(&mut self, choice: impl Into<ViewChoice>, frame: &Frame, with_legend: bool) -> RgbaImage {
         let setup = self.setup(choice, frame);
         let legend = LegendPainter::default().picture(setup.legend, frame.size).filter(|_| with_legend);
         let view = (&setup.block, legend.as_deref());
-        self.studio.renderer.draw_view(frame, &self.studio.resources, &self.program, view).unwrap();
-        RgbaImage::from_raw(frame.size.0, frame.size.1, self.studio.renderer.read()).unwrap()
+        self.test_renderer
+            .renderer
+            .draw_view(frame, &self.test_renderer.resources, &self.program, view)
+            .unwrap();
+        RgbaImage::from_raw(frame.size.0, frame.size.1, self.test_renderer.renderer.read()).unwrap()
     }
 
     fn frame(&self, size: (u32, u32)) -> Frame {
-        self.studio.frame(3.0, silence(), size)
+        self.test_renderer.frame(3.0, silence(), size)
     }
 
     fn view(&mut self, choice: impl Into<ViewChoice>) -> RgbaImage {
@@ -141,8 +144,13 @@ fn normals_are_those_of_the_ball() {
     let (fine, coarse) =
         (viewer.view(View::Normals), viewer.view(ViewChoice { view: View::Normals, number: Some(1.0) }));
     let front = [0.5, 0.5, 0.0];
-    let share = |picture: &RgbaImage| picture.pixels().filter(|pixel| near(pixel, front, 3)).count();
-    assert!(share(&fine) > 900 && share(&coarse) < share(&fine) / 2, "{} {}", share(&fine), share(&coarse));
+    let fraction = |picture: &RgbaImage| picture.pixels().filter(|pixel| near(pixel, front, 3)).count();
+    assert!(
+        fraction(&fine) > 900 && fraction(&coarse) < fraction(&fine) / 2,
+        "{} {}",
+        fraction(&fine),
+        fraction(&coarse)
+    );
 }
 
 #[test]
@@ -232,9 +240,9 @@ fn occlusion_darkens_the_foot_of_the_ball_alone() {
 fn the_slice_has_the_sign_of_the_distance_and_a_white_line_where_it_is_0() {
     for mode in [Mode::Compiled, Mode::Interpreted] {
         let mut viewer = Viewer::of(&speakers(), mode);
-        let frame = viewer.studio.frame(3.0, loud_music(), SIZE);
+        let frame = viewer.test_renderer.frame(3.0, loud_music(), SIZE);
         let picture = viewer.draw(View::Slice, &frame, false);
-        let world = viewer.studio.world();
+        let world = viewer.test_renderer.world();
         let normal = frame.camera.forward;
         let pixel_width = 2.0 * frame.camera.tan_half.1 / f64::from(SIZE.1);
         let (mut sides, mut zeros) = ([0, 0], 0);
@@ -266,7 +274,7 @@ fn the_slice_has_the_sign_of_the_distance_and_a_white_line_where_it_is_0() {
 fn both_modes_show_the_same() {
     let mut pictures = [Mode::Compiled, Mode::Interpreted].map(|mode| {
         let mut viewer = Viewer::of(&speakers(), mode);
-        let frame = viewer.studio.frame(12.0, loud_music(), SIZE);
+        let frame = viewer.test_renderer.frame(12.0, loud_music(), SIZE);
         let same = VIEWS.iter().filter(|row| row.view != View::Clauses);
         same.map(|row| (row.name, viewer.draw(row.view, &frame, false))).collect::<Vec<_>>()
     });
@@ -283,20 +291,21 @@ fn both_modes_show_the_same() {
 fn more_is_run_where_more_is_seen() {
     for mode in [Mode::Compiled, Mode::Interpreted] {
         let mut viewer = Viewer::of(&speakers(), mode);
-        let frame = viewer.studio.frame(12.0, loud_music(), SIZE);
+        let frame = viewer.test_renderer.frame(12.0, loud_music(), SIZE);
         let picture = viewer.draw(View::Clauses, &frame, false);
         // How red a pixel is: the place of the nearest colour of the scale.
-        let share = |x: u32, y: u32| {
+        let fraction = |x: u32, y: u32| {
             let pixel = picture.get_pixel(x, y);
-            let off = |share: f32| -> i32 {
-                let color = scale::heat(share).map(byte);
+            let off = |fraction: f32| -> i32 {
+                let color = scale::heat(fraction).map(byte);
                 (0..3).map(|channel| i32::from(pixel.0[channel].abs_diff(color[channel]))).sum()
             };
-            (0..=200_u8).map(|step| f32::from(step) / 200.0).min_by_key(|share| off(*share)).unwrap()
+            (0..=200_u8).map(|step| f32::from(step) / 200.0).min_by_key(|fraction| off(*fraction)).unwrap()
         };
         let mean = |rows: std::ops::Range<u32>| {
             let count = rows.len() as f32 * SIZE.0 as f32;
-            rows.flat_map(|y| (0..SIZE.0).map(move |x| (x, y))).map(|(x, y)| share(x, y)).sum::<f32>() / count
+            rows.flat_map(|y| (0..SIZE.0).map(move |x| (x, y))).map(|(x, y)| fraction(x, y)).sum::<f32>()
+                / count
         };
         let (sky, speakers) = (mean(0..5), mean(25..55));
         assert!(sky < speakers && speakers > 0.01, "{mode}: {sky} in the sky, {speakers} at the speakers");
@@ -348,16 +357,16 @@ fn the_legend_stands_over_the_view_as_it_was_drawn_and_is_left_out_where_it_has_
 #[test]
 fn a_view_leaves_the_next_picture_as_it_is() {
     let mut viewer = Viewer::of(&written(BALL), Mode::Compiled);
-    let before = viewer.studio.picture(3.0, silence(), SIZE);
+    let before = viewer.test_renderer.picture(3.0, silence(), SIZE);
     viewer.view(View::Cells);
     viewer.view(View::Normals);
-    assert_eq!(viewer.studio.picture(3.0, silence(), SIZE), before);
+    assert_eq!(viewer.test_renderer.picture(3.0, silence(), SIZE), before);
 }
 
 #[test]
 fn every_view_looks_as_it_did() {
     let mut viewer = Viewer::of(&speakers(), Mode::Interpreted);
-    let frame = viewer.studio.frame(12.0, loud_music(), SIZE);
+    let frame = viewer.test_renderer.frame(12.0, loud_music(), SIZE);
     let results = VIEWS.iter().map(|row| {
         let picture = viewer.draw(row.view, &frame, false);
         check_golden(&format!("view-{}", row.name), &picture)

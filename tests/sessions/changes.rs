@@ -55,8 +55,8 @@ fn count(text: &str, what: &str) -> usize {
 }
 
 /// Pictures that were drawn between two lines of the log.
-fn pictures_between(told: &str, from: &str, to: &str) -> usize {
-    let (_, after) = told.split_once(from).unwrap();
+fn pictures_between(reported: &str, from: &str, to: &str) -> usize {
+    let (_, after) = reported.split_once(from).unwrap();
     let (between, _) = after.split_once(to).unwrap();
     count(between, "a picture in ")
 }
@@ -68,19 +68,19 @@ fn a_change_to_a_prepared_scene_waits_for_nothing_and_the_way_back_neither() {
     place.save_wall("a.scene", 0);
     place.save_wall("b.scene", 1);
     let app = place.open("a.scene", &AHEAD);
-    app.wait_until_told("b is ready ahead");
+    app.wait_until_reported("b is ready ahead");
     app.press(&["n"]);
     wait_for_channel(&app, 1);
     app.press(&["p"]);
     wait_for_channel(&app, 0);
-    app.wait_until("the way back", |app| count(&app.told(), "a is shown, compiled") == 2);
-    let told = app.quit_content();
+    app.wait_until("the way back", |app| count(&app.reported(), "a is shown, compiled") == 2);
+    let reported = app.quit_content();
     // Each was compiled once, and the first picture after a change is the new scene's.
     for name in ["a", "b"] {
-        assert_eq!(count(&told, &format!(" {name} is requested, compiled")), 1, "{told}");
+        assert_eq!(count(&reported, &format!(" {name} is requested, compiled")), 1, "{reported}");
     }
-    assert_eq!(pictures_between(&told, " b is shown, compiled", "a fade begins"), 0, "{told}");
-    assert!(!told.contains("is coming"), "{told}");
+    assert_eq!(pictures_between(&reported, " b is shown, compiled", "a fade begins"), 0, "{reported}");
+    assert!(!reported.contains("is coming"), "{reported}");
 }
 
 #[test]
@@ -90,11 +90,11 @@ fn a_scene_that_was_prepared_without_code_for_cells_gets_it_when_it_comes_on() {
     place.save_wall("a.scene", 0);
     place.save_wall("b.scene", 1);
     let app = place.open("a.scene", &[&AHEAD[..], &["--sdf", "compiled", "--regions", "off"]].concat());
-    app.wait_until_told("b is ready ahead");
+    app.wait_until_reported("b is ready ahead");
     app.press(&["r"]);
-    app.wait_until_told("a is requested, compiled, with cells");
+    app.wait_until_reported("a is requested, compiled, with cells");
     app.press(&["n"]);
-    app.wait_until_told("b is requested, compiled, with cells");
+    app.wait_until_reported("b is requested, compiled, with cells");
     app.quit_content();
 }
 
@@ -105,9 +105,9 @@ fn a_neighbour_that_is_saved_is_prepared_anew_and_one_that_comes_between_is_foun
     place.save_wall("a.scene", 0);
     place.save_wall("c.scene", 1);
     let app = place.open("a.scene", &AHEAD);
-    app.wait_until_told("c is ready ahead");
+    app.wait_until_reported("c is ready ahead");
     place.save_wall("c.scene", 2);
-    app.wait_until("the saved scene, prepared", |app| count(&app.told(), "c is ready ahead") == 2);
+    app.wait_until("the saved scene, prepared", |app| count(&app.reported(), "c is ready ahead") == 2);
     app.press(&["n"]);
     wait_for_channel(&app, 2);
     app.press(&["p"]);
@@ -126,14 +126,14 @@ fn scenes_fade_and_a_fade_of_nothing_is_a_cut() {
     place.save_wall("b.scene", 1);
     for (options, fades) in [(&[][..], 1), (&["--fade", "0"], 0), (&["--view", "steps"], 0)] {
         let app = place.open("a.scene", options);
-        app.wait_until("a picture", |app| app.told().contains("a picture in "));
+        app.wait_until("a picture", |app| app.reported().contains("a picture in "));
         app.press(&["n"]);
-        app.wait_until_told("b is shown");
+        app.wait_until_reported("b is shown");
         // Some pictures later.
-        let pictures = count(&app.told(), "a picture in ");
-        app.wait_until("pictures", |app| count(&app.told(), "a picture in ") > pictures + 3);
-        let told = app.quit_content();
-        assert_eq!(count(&told, "a fade begins"), fades, "{options:?}: {told}");
+        let pictures = count(&app.reported(), "a picture in ");
+        app.wait_until("pictures", |app| count(&app.reported(), "a picture in ") > pictures + 3);
+        let reported = app.quit_content();
+        assert_eq!(count(&reported, "a fade begins"), fades, "{options:?}: {reported}");
     }
 }
 
@@ -158,8 +158,8 @@ fn files_in(folder: &Path) -> usize {
 
 /// Waits for this many more pictures.
 fn wait_for_pictures(app: &App, more: usize) {
-    let before = count(&app.told(), "a picture in ");
-    app.wait_until("pictures", |app| count(&app.told(), "a picture in ") >= before + more);
+    let before = count(&app.reported(), "a picture in ");
+    app.wait_until("pictures", |app| count(&app.reported(), "a picture in ") >= before + more);
 }
 
 /// Mesa's software renderers keep a file of each program and of each form of it that they compile.
@@ -180,7 +180,7 @@ fn a_driver_compiled_prepared_scenes_once_more_when_they_were_shown() {
     // In one size, which is no power of two.
     let app = place
         .open_with_compiler("a.scene", &[&["--size", "90x54", "--quality", "best"], &AHEAD[..]].concat());
-    app.wait_until("both neighbours", |app| count(&app.told(), " is ready ahead") == 2);
+    app.wait_until("both neighbours", |app| count(&app.reported(), " is ready ahead") == 2);
     // They are written by a thread of the driver.
     let mut files = 0;
     app.wait_until("the driver's files", |app| {
@@ -191,7 +191,7 @@ fn a_driver_compiled_prepared_scenes_once_more_when_they_were_shown() {
     for (key, channel, fades) in [("n", 1, 1), ("p", 0, 2), ("n", 1, 3)] {
         app.press(&[key]);
         wait_for_channel(&app, channel);
-        app.wait_until("the fade's end", |app| count(&app.told(), "a fade ends") == fades);
+        app.wait_until("the fade's end", |app| count(&app.reported(), "a fade ends") == fades);
         wait_for_pictures(&app, 20);
         assert_eq!(files_in(&cache), files, "the driver compiled something after {key}");
     }
@@ -212,7 +212,7 @@ fn a_window_whose_scene_is_not_there_yet_says_so() {
                 .filter(|pixel| is(pixel.0[..3].iter().map(|&byte| u32::from(byte)).sum()))
                 .count()
         });
-        assert!(!app.told().contains("first picture"), "there were no words before the picture");
+        assert!(!app.reported().contains("first picture"), "there were no words before the picture");
         light > 50 && dark > picture.pixels().count() / 2
     });
     wait_for_channel(&app, 0);

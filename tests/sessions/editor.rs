@@ -212,7 +212,7 @@ fn a_number_is_dragged_and_no_text_is_read_meanwhile() {
     write(&app);
     // The first number from the top.
     let (left, _, right, bottom) = wait_for_group(&app, "the number", NUMBER);
-    let loads = |app: &App| app.told().matches("is loaded again for its draft").count();
+    let loads = |app: &App| app.reported().matches("is loaded again for its draft").count();
     let before = loads(&app);
     // The grip is shown where the pointer is.
     let (grip_x, grip_y) = ((left + right) / 2, bottom + 7);
@@ -275,9 +275,9 @@ fn a_click_in_the_picture_tells_what_is_there_and_leads_to_its_line() {
     write(&app);
     app.wait_until("the ball", |_| is_ball(&app, RED));
     app.click_at(BALL_AT.0, BALL_AT.1);
-    app.wait_until_told("probed:");
-    let told = app.told();
-    let probed = told.lines().find(|line| line.contains("probed:")).unwrap_or_default();
+    app.wait_until_reported("probed:");
+    let reported = app.reported();
+    let probed = reported.lines().find(|line| line.contains("probed:")).unwrap_or_default();
     assert!(probed.contains("object: \"ball\", material: \"m\""), "{probed}");
     // The card shows, and a click on its line brings keys and cursor to where the ball is written.
     app.wait_until("the card", |_| {
@@ -290,7 +290,7 @@ fn a_click_in_the_picture_tells_what_is_there_and_leads_to_its_line() {
     app.wait_until("the letters in the file", |_| place.saved() == BALL.replace("sphere(", "1 * sphere("));
     // The sky is an answer, too.
     app.click_at(740, 20);
-    app.wait_until_told("surface: None");
+    app.wait_until_reported("surface: None");
     assert!(app.runs());
     // Esc closes what is told, then the editor.
     app.press(&["e", "Escape"]);
@@ -409,7 +409,7 @@ fn a_changed_text_whose_tree_takes_too_long_gives_the_last_picture_back() {
     wait_for_color(&app, "a red ball", RED);
     write(&app);
     app.press(&["ctrl+End", "Home", "Delete"]);
-    app.wait_until_told("main is too much for this machine");
+    app.wait_until_reported("main is too much for this machine");
     assert_eq!(color(&app), RED);
     quit(app);
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 use crate::support::apart::{apart_at_home, home};
 use crate::support::compare::{TIGHT, difference};
 use crate::support::desktop::load_of;
-use crate::support::session::{App, Place, complaints};
+use crate::support::session::{App, Place, reported_problems};
 use image::RgbaImage;
 use mariana_testing::sound_server::SoundServer;
 use mariana_testing::wave::write_wav;
@@ -21,7 +21,7 @@ const REST: usize = 60;
 
 /// Waits for a picture that is another one.
 fn wait_for_another(app: &App, before: &RgbaImage) {
-    app.wait_for("another picture", |picture| difference(before, picture, TIGHT.visible).share > 0.0);
+    app.wait_for("another picture", |picture| difference(before, picture, TIGHT.visible).fraction > 0.0);
 }
 
 /// Waits until no picture is drawn for a while.
@@ -40,7 +40,7 @@ fn what_the_computer_plays_is_shown_and_silence_costs_little() {
     let server = SoundServer::start(&home());
     let place = Place::new();
     let app = place.hear(None, &["--system", "--size", SMALL, "--scene", LEVEL]);
-    app.wait_until_told("first picture after");
+    app.wait_until_reported("first picture after");
     app.wait_for_title("the monitor", |title| title.starts_with("Monitor of ") && title.contains("live"));
     // Silence is told after some seconds, and then everything rests.
     wait_for_rest(&app);
@@ -49,7 +49,7 @@ fn what_the_computer_plays_is_shown_and_silence_costs_little() {
     let silent = app.picture();
     let tone = server.play_tone("viz", 440.0);
     app.wait_for("the sound in the picture", |picture| {
-        difference(&silent, picture, TIGHT.visible).share > 0.02
+        difference(&silent, picture, TIGHT.visible).fraction > 0.02
     });
     drop(tone);
     // Paused it stands still, whatever is heard.
@@ -69,7 +69,7 @@ fn an_input_has_a_show_when_it_is_asked_for() {
     app.wait_for_title("the formula", |title| title.contains("(formula"));
     let _tone = server.play_tone("viz", 440.0);
     app.press(&["a"]);
-    app.wait_until_told("the scenes follow the song");
+    app.wait_until_reported("the scenes follow the song");
     app.wait_for_title("a scene of the director's choice", |title| {
         title.contains("live") && !title.contains("formula") && !title.contains("preparing")
     });
@@ -104,11 +104,11 @@ fn the_source_is_changed_by_a_key_and_remembered_by_name() {
     app.wait_for_title("the song", |title| title.starts_with("song.wav") && !title.contains("live"));
     app.press(&["bracketleft"]);
     wait_for_setting("\"pulseaudio:viz\" = -5.0");
-    assert_eq!(complaints(&app.quit_by_key()), [""; 0]);
+    assert_eq!(reported_problems(&app.quit_by_key()), [""; 0]);
 
     let app = place.hear(None, &["--system", "--size", SMALL]);
     app.wait_for_title("the other monitor", |title| title.starts_with("Monitor of Other"));
-    assert_eq!(complaints(&app.quit_by_key()), [""; 0]);
+    assert_eq!(reported_problems(&app.quit_by_key()), [""; 0]);
 }
 
 #[test]
@@ -126,10 +126,14 @@ fn devices_that_come_and_go_are_told_and_the_picture_goes_on() {
     server.kill();
     app.wait_for_title("no sound", |title| title.contains("no sound"));
     wait_for_another(&app, &app.picture());
-    let told = app.quit_by_key();
-    let complaints = complaints(&told).join("\n");
-    assert_eq!(complaints.matches("settings.toml cannot be understood").count(), 1, "{complaints}");
-    assert_eq!(complaints.matches("nothing is heard: ").count(), 2, "{complaints}");
-    assert!(complaints.contains("pipewire-pulse"), "{complaints}");
+    let reported = app.quit_by_key();
+    let reported_problems = reported_problems(&reported).join("\n");
+    assert_eq!(
+        reported_problems.matches("settings.toml cannot be understood").count(),
+        1,
+        "{reported_problems}"
+    );
+    assert_eq!(reported_problems.matches("nothing is heard: ").count(), 2, "{reported_problems}");
+    assert!(reported_problems.contains("pipewire-pulse"), "{reported_problems}");
     assert_eq!(place.saved_settings(), "microphone = [", "it was touched");
 }

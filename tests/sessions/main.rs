@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
 mod changes;
+mod controllers;
 mod editor;
-mod hands;
 mod live;
 mod panels;
 mod playlist;

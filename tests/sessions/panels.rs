@@ -201,7 +201,7 @@ fn a_show_goes_on_where_the_last_one_ended() {
     std::fs::remove_dir_all(place.inner.path("music")).unwrap();
     let app = place.again(&[]);
     app.wait_for_title("the demo track", |title| title.contains("first_steps") && title.contains("90 %"));
-    app.wait_until_told("the tracks of the last show cannot be played any more");
+    app.wait_until_reported("the tracks of the last show cannot be played any more");
     app.quit();
 }
 
@@ -227,7 +227,7 @@ fn with_the_keys_alone_one_finds_a_scene_and_plays_a_folder() {
     app.press(&["d"]);
     app.wait_for_title("an input", |title| title.contains("no sound") || title.contains("live"));
     app.press(&["o"]);
-    app.wait_until_told(&format!("{} is listed", home().display()));
+    app.wait_until_reported(&format!("{} is listed", home().display()));
     app.press(&["a", "l", "b", "Return", "ctrl+Return"]);
     app.wait_for_title("the folder", |title| title.starts_with("alpha.wav") && title.contains("1/2"));
     // A list that is open takes no other keys with it when it closes.

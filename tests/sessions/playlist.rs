@@ -40,7 +40,7 @@ fn a_folder_plays_in_order_and_the_keys_lead_through_it() {
     // What cannot be played is skipped, with a sentence.
     app.press(&["Next"]);
     wait_for_track(&app, "10.wav - Mariana", "4/4");
-    app.wait_until_told("9.mp3 is not an audio file");
+    app.wait_until_reported("9.mp3 is not an audio file");
     app.press(&["Next"]);
     wait_for_track(&app, "1.wav - Mariana", "1/4");
     app.press(&["Prior", "Prior"]);
@@ -49,7 +49,7 @@ fn a_folder_plays_in_order_and_the_keys_lead_through_it() {
     app.press(&["l", "l", "Next"]);
     wait_for_track(&app, "10.wav - Mariana", "4/4");
     app.press(&["Next"]);
-    app.wait_until_told("the list ends here");
+    app.wait_until_reported("the list ends here");
     assert!(app.runs() && app.title().starts_with("10.wav"));
     app.quit_by_key();
 }
@@ -64,9 +64,9 @@ fn files_that_go_away_leave_a_show_that_goes_on() {
     wait_for_track(&app, "2.wav", "2/2");
     std::fs::remove_dir_all(&folder).unwrap();
     // What is open plays on; nothing else can be opened.
-    app.wait_until_told("does not exist");
+    app.wait_until_reported("does not exist");
     app.press(&["Next"]);
-    app.wait_until_told("none of the 2 tracks can be played");
+    app.wait_until_reported("none of the 2 tracks can be played");
     assert!(app.runs());
     app.quit_by_key();
 }
@@ -82,7 +82,7 @@ fn a_list_of_nothing_says_so_and_the_show_goes_on() {
     for sentence in
         ["gone.mp3 does not exist", "http://radio.example/live", "contains itself", "none of the 2 tracks"]
     {
-        app.wait_until_told(sentence);
+        app.wait_until_reported(sentence);
     }
     // The scene moves on over silence.
     let before = app.picture();
@@ -103,8 +103,8 @@ fn a_list_that_plays_once_ends_the_program() {
     let app = place.open(&folder, &[SMALL, &["--once"]].concat());
     let begun = Instant::now();
     while app.step() {
-        assert!(begun.elapsed() < WAIT_LIMIT, "it does not end: {}", app.told());
+        assert!(begun.elapsed() < WAIT_LIMIT, "it does not end: {}", app.reported());
     }
-    let told = app.quit();
-    assert!(told.contains("3.flac"), "{told}");
+    let reported = app.quit();
+    assert!(reported.contains("3.flac"), "{reported}");
 }

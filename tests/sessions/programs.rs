@@ -15,7 +15,7 @@ use mariana_testing::process::WAIT_LIMIT;
 
 /// What the log says once the interpreter for nearly every scene is there; the other kind's line goes on.
 const READY: &str = "the universal interpreter is ready\n";
-const READY_STEEP: &str = "the universal interpreter is ready, for formulas";
+const READY_NON_LIPSCHITZ: &str = "the universal interpreter is ready, for formulas";
 
 const SONG: &str = "quiet.wav";
 
@@ -84,16 +84,16 @@ fn edits_find_the_interpreter_and_the_next_start_finds_it_kept_unless_it_is_dama
     let options = ["--sdf", "interpreted"];
     let app = place.open(&options);
     wait_for_channel(&app, 0);
-    app.wait_until_told(READY);
-    app.wait_until_told(READY_STEEP);
-    let before = app.told();
+    app.wait_until_reported(READY);
+    app.wait_until_reported(READY_NON_LIPSCHITZ);
+    let before = app.reported();
     // Operators that the first scene had not, then a formula that is no distance.
     for (channel, wall) in [(1, "p.z - 5 - 0.1 * sin(3 * p.x) * cos(t)"), (2, "p.z * p.z * p.z - 99")] {
         place.save(channel, wall);
         wait_for_channel(&app, channel);
     }
-    let told = app.quit_content();
-    let after = told.strip_prefix(&before).unwrap();
+    let reported = app.quit_content();
+    let after = reported.strip_prefix(&before).unwrap();
     assert!(!after.contains("is requested"), "an edit waited for a compiler: {after}");
     // The first scene's own, which was there sooner, too.
     assert_eq!((place.files("program").len(), place.files("attempt").len()), (3, 0));
@@ -101,9 +101,13 @@ fn edits_find_the_interpreter_and_the_next_start_finds_it_kept_unless_it_is_dama
     place.save(0, "p.z - 5");
     let app = place.open(&options);
     wait_for_channel(&app, 0);
-    app.wait_until_told(READY_STEEP);
-    let told = app.quit_content();
-    assert_eq!((count(&told, "a kept program is there"), count(&told, "is compiled")), (3, 0), "{told}");
+    app.wait_until_reported(READY_NON_LIPSCHITZ);
+    let reported = app.quit_content();
+    assert_eq!(
+        (count(&reported, "a kept program is there"), count(&reported, "is compiled")),
+        (3, 0),
+        "{reported}"
+    );
 
     // One that is cut off.
     let files = place.files("program");
@@ -111,8 +115,8 @@ fn edits_find_the_interpreter_and_the_next_start_finds_it_kept_unless_it_is_dama
     fs::write(&files[0], &whole[0][..whole[0].len() / 2]).unwrap();
     let app = place.open(&options);
     wait_for_channel(&app, 0);
-    app.wait_until_told("is damaged and removed");
-    app.wait_until_told(READY_STEEP);
+    app.wait_until_reported("is damaged and removed");
+    app.wait_until_reported(READY_NON_LIPSCHITZ);
     app.wait_until("the program, kept again", |_| place.files("program").len() == 3);
     assert!(files[0].metadata().unwrap().len() > whole[0].len() as u64 / 2);
 }
@@ -125,7 +129,7 @@ fn without_a_folder_or_without_being_allowed_nothing_is_kept_and_the_show_goes_o
     fs::write(&folder, "in the way").unwrap();
     let app = place.open(&[]);
     wait_for_channel(&app, 0);
-    app.wait_until_told("no programs are kept in ");
+    app.wait_until_reported("no programs are kept in ");
     assert_eq!(count(&app.quit_content(), "no programs are kept in "), 1);
     fs::remove_file(&folder).unwrap();
     let app = place.open(&["--program-cache", "off"]);
@@ -147,8 +151,8 @@ fn an_interpreter_that_the_driver_refuses_is_not_tried_again_and_a_smaller_one_d
     let sentence = "this driver has no interpreter for all scenes: each scene gets its own";
     // A fault strikes once: the first session only.
     let app = place.open(&[]);
-    app.wait_until_told(sentence);
-    app.wait_until_told("an interpreter is ready");
+    app.wait_until_reported(sentence);
+    app.wait_until_reported("an interpreter is ready");
     app.press(&["c"]);
     app.wait_for_title("interpreted", |title| title.contains("interpreted"));
     wait_for_channel(&app, 0);
@@ -156,14 +160,14 @@ fn an_interpreter_that_the_driver_refuses_is_not_tried_again_and_a_smaller_one_d
     let [mark] = &place.files("given-up")[..] else { panic!("{:?}", place.files("given-up")) };
 
     let app = place.open(&[]);
-    app.wait_until_told(&format!("delete {} to have it tried", mark.display()));
+    app.wait_until_reported(&format!("delete {} to have it tried", mark.display()));
     wait_for_channel(&app, 0);
-    let told = app.quit_content();
-    assert!(told.contains(sentence) && !told.contains(READY), "{told}");
+    let reported = app.quit_content();
+    assert!(reported.contains(sentence) && !reported.contains(READY), "{reported}");
 
     fs::remove_file(mark).unwrap();
     let app = place.open(&[]);
-    app.wait_until_told(READY);
+    app.wait_until_reported(READY);
     app.quit_content();
 }
 
@@ -199,9 +203,9 @@ fn a_driver_that_takes_the_process_along_is_not_asked_for_that_again() {
     die(&place, &[]);
     assert!(!place.files("attempt").is_empty());
     let app = place.open(&[]);
-    app.wait_until_told("Mariana ended while the driver compiled it before");
+    app.wait_until_reported("Mariana ended while the driver compiled it before");
     wait_for_channel(&app, 0);
-    app.wait_until_told("an interpreter is ready");
+    app.wait_until_reported("an interpreter is ready");
     app.quit_content();
     assert_eq!((place.files("attempt").len(), place.files("given-up").len()), (0, 1));
     // A later start tries it once more, and dies again. Then it is the scene's own that kills it: it is compiled.
@@ -213,7 +217,7 @@ fn a_driver_that_takes_the_process_along_is_not_asked_for_that_again() {
     let options = ["--sdf", "interpreted"];
     die(&place, &options);
     let app = place.open(&options);
-    app.wait_until_told("Mariana ended twice while the driver compiled it");
+    app.wait_until_reported("Mariana ended twice while the driver compiled it");
     wait_for_channel(&app, 1);
     assert!(app.title().contains("compiled"), "{}", app.title());
     app.quit_content();
@@ -225,11 +229,11 @@ fn a_driver_that_compiles_for_long_is_told_once_and_the_show_goes_on() {
     let place = Place::new();
     let app = place.open(&["--sdf", "compiled"]);
     wait_for_channel(&app, 0);
-    let told = app.quit_content();
+    let reported = app.quit_content();
     let [words, rest] = ["the driver is still compiling", " own: nothing can be shown before"];
-    let told: Vec<&str> =
-        told.lines().filter(|line| line.contains(" WARN ") && line.contains(words)).collect();
-    assert!(matches!(told[..], [only] if only.ends_with(&format!("{words}{rest}"))), "{told:?}");
+    let reported: Vec<&str> =
+        reported.lines().filter(|line| line.contains(" WARN ") && line.contains(words)).collect();
+    assert!(matches!(reported[..], [only] if only.ends_with(&format!("{words}{rest}"))), "{reported:?}");
 }
 
 #[test]
@@ -239,7 +243,7 @@ fn a_scene_goes_on_while_another_program_takes_long() {
     let app = place.open(&["--sdf", "compiled"]);
     wait_for_channel(&app, 0);
     app.press(&["c"]);
-    app.wait_until_told("the driver is still compiling an interpreter: the show goes on without it");
+    app.wait_until_reported("the driver is still compiling an interpreter: the show goes on without it");
     app.wait_for_title("interpreted", |title| title.contains("interpreted"));
     wait_for_channel(&app, 0);
     app.quit_content();

@@ -11,12 +11,12 @@ use image::RgbaImage;
 use mariana_testing::process::output_of;
 
 /// Whether the log says that fewer pixels are drawn.
-fn tells_fewer(told: &str) -> bool {
-    let mut shares = told.lines().filter_map(|line| {
+fn tells_fewer(reported: &str) -> bool {
+    let mut fractions = reported.lines().filter_map(|line| {
         let (before, _) = line.split_once(" of the window's width and height are drawn")?;
         before.rsplit(' ').next()?.parse::<f64>().ok()
     });
-    shares.any(|share| share < 1.0)
+    fractions.any(|fraction| fraction < 1.0)
 }
 
 /// Takes a processor long for each pixel, and moves.
@@ -75,15 +75,15 @@ fn a_scene_that_is_too_much_is_drawn_with_fewer_pixels_and_best_is_not() {
     apart!();
     let place = Place::new(HEAVY, 60);
     let app = place.open("640x480", &["--sdf", "compiled"]);
-    app.wait_until("fewer pixels", |app| tells_fewer(&app.told()));
+    app.wait_until("fewer pixels", |app| tells_fewer(&app.reported()));
     drop(app);
     let app = place.open("640x480", &["--sdf", "compiled", "--quality", "best"]);
     for _ in 0..PICTURES {
         let picture = app.picture();
         app.wait_until("another picture", |app| app.picture() != picture);
     }
-    let told = app.told();
-    assert!(!tells_fewer(&told), "{told}");
+    let reported = app.reported();
+    assert!(!tells_fewer(&reported), "{reported}");
 }
 
 #[test]
@@ -100,23 +100,23 @@ fn an_edit_is_interpreted_with_fewer_samples_until_the_text_rests_and_compiled_w
     for (mode, saves) in [("interpreted", true), ("compiled", false)] {
         let place = Place::new(&ball(1.0), 60);
         let app = place.open("160x90", &["--sdf", mode]);
-        let opened = app.told();
+        let opened = app.reported();
         assert!(!opened.contains(fewer), "opening is no edit: {opened}");
         std::fs::write(&place.scene, ball(1.5)).unwrap();
         let shown = format!("is shown, {mode}");
-        app.wait_until("the edit", |app| app.told().matches(&shown).count() == 2);
+        app.wait_until("the edit", |app| app.reported().matches(&shown).count() == 2);
         if saves {
-            app.wait_until_told(fewer);
-            app.wait_until_told(all);
-            let told = app.told();
-            let (fewer, all) = (told.find(fewer), told.rfind(all));
-            assert!(fewer < all, "{told}");
+            app.wait_until_reported(fewer);
+            app.wait_until_reported(all);
+            let reported = app.reported();
+            let (fewer, all) = (reported.find(fewer), reported.rfind(all));
+            assert!(fewer < all, "{reported}");
         } else {
             for _ in 0..PICTURES {
                 let picture = app.picture();
                 app.wait_until("another picture", |app| app.picture() != picture);
             }
-            assert!(!app.told().contains(fewer), "{}", app.told());
+            assert!(!app.reported().contains(fewer), "{}", app.reported());
         }
     }
 }
@@ -138,7 +138,7 @@ fn fewer_pixels_show_the_same_picture() {
 
 fn alike(seen: &RgbaImage, wanted: &RgbaImage) -> bool {
     let found = difference(seen, wanted, LOOSE.visible);
-    found.mean <= LOOSE.mean_max && found.share <= LOOSE.share_max
+    found.mean <= LOOSE.mean_max && found.fraction <= LOOSE.fraction_max
 }
 
 /// Spheres that flow together, so many that no tree of them is built in any time worth waiting for.
@@ -157,15 +157,15 @@ fn a_scene_that_took_minutes_for_a_picture_kept_the_last_good_scene() {
     let app = place.open("160x90", &[]);
     app.press(&["n"]);
     let begun = Instant::now();
-    while !app.told().contains("p_foam is too much for this machine; the last good scene stays") {
-        assert!(begun.elapsed() < Duration::from_secs(150), "it was not refused: {}", app.told());
-        assert!(app.runs(), "{}", app.told());
+    while !app.reported().contains("p_foam is too much for this machine; the last good scene stays") {
+        assert!(begun.elapsed() < Duration::from_secs(150), "it was not refused: {}", app.reported());
+        assert!(app.runs(), "{}", app.reported());
         // All the while what was shown moves.
         let picture = app.picture();
         app.wait_until("another picture", |app| app.picture() != picture);
     }
-    let told = app.told();
-    assert!(told.contains("clauses") && told.contains("use fewer or simpler parts"), "{told}");
+    let reported = app.reported();
+    assert!(reported.contains("clauses") && reported.contains("use fewer or simpler parts"), "{reported}");
     app.press(&["space"]);
     app.wait_for_title("the scene before, paused", |title| title.contains("own") && title.contains("paused"));
 }
@@ -181,12 +181,12 @@ fn a_context_that_was_lost_ended_the_show() {
     // A show that stands still asks the driver for nothing.
     app.wait_until("the loss", |app| {
         app.press(&["i", "i"]);
-        app.told().contains("the driver has lost its context")
+        app.reported().contains("the driver has lost its context")
     });
     app.wait_for_title("the same scene, still paused", |title| title.contains("own, compiled, paused"));
     // Its notice fades.
     app.wait_for("the same picture", |picture| {
-        difference(picture, &before, LOOSE.visible).share <= LOOSE.share_max
+        difference(picture, &before, LOOSE.visible).fraction <= LOOSE.fraction_max
     });
     app.quit_by_key();
 }
@@ -199,7 +199,7 @@ fn a_driver_without_room_for_a_picture_ended_the_show() {
     // Targets are made when the size changes.
     app.wait_until("the refusal", |app| {
         [(170, 100), (160, 90)].into_iter().for_each(|size| app.resize(size));
-        app.told().contains("could not make a render target")
+        app.reported().contains("could not make a render target")
     });
     app.wait_for("a picture", |picture| picture.pixels().any(|pixel| pixel.0[..3] != [0; 3]));
     app.quit_by_key();

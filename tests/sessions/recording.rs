@@ -69,24 +69,24 @@ impl Place {
         let usual = ["--size", SIZE, "--quality", "best", "--scene", scene.to_str().unwrap()];
         let network = ["--osc", &port, "--osc-send", &to];
         let app = self.inner.open(&self.song, &[&usual[..], &network, options].concat());
-        app.wait_until_told("first picture");
-        app.wait_until_told("OSC is heard");
+        app.wait_until_reported("first picture");
+        app.wait_until_reported("OSC is heard");
         app
     }
 
     /// Plays until a second of the song is over.
     fn hear_a_second(&self, app: &App) {
         app.wait_until("a second of the song", |_| {
-            sent_number(&self.hearer, PROGRESS).is_some_and(|share| f64::from(share) * SECONDS > 1.0)
+            sent_number(&self.hearer, PROGRESS).is_some_and(|fraction| f64::from(fraction) * SECONDS > 1.0)
         });
     }
 
     /// Goes to a moment of the song.
     fn go_to(&self, app: &App, time: f64) {
-        let share = (time / SECONDS) as f32;
-        self.sender.send("/position", &[share]);
+        let fraction = (time / SECONDS) as f32;
+        self.sender.send("/position", &[fraction]);
         app.wait_until(&format!("the place at {time} s"), |_| {
-            sent_number(&self.hearer, PROGRESS).is_some_and(|at| (at - share).abs() < 1e-4)
+            sent_number(&self.hearer, PROGRESS).is_some_and(|at| (at - fraction).abs() < 1e-4)
         });
     }
 
@@ -106,7 +106,7 @@ impl Place {
         self.sender.send("/pause", &[0.0]);
         app.wait_for_title("runs", |title| !title.contains("paused"));
         act(app);
-        app.wait_until_told_times("a fade begins", number);
+        app.wait_until_reported_times("a fade begins", number);
         self.rest(app);
     }
 
@@ -120,9 +120,10 @@ impl Place {
     /// show's text.
     fn compare(&self, app: App, pictures: &[(f64, RgbaImage)]) -> String {
         app.press(&["F9"]);
-        app.wait_until_told("recorded: ");
-        let told = app.told();
-        let path = told.lines().find_map(|line| line.split_once("recorded: ")?.1.split_once(';')).unwrap().0;
+        app.wait_until_reported("recorded: ");
+        let reported = app.reported();
+        let path =
+            reported.lines().find_map(|line| line.split_once("recorded: ")?.1.split_once(';')).unwrap().0;
         app.quit_by_key();
         let show = fs::read_to_string(path).unwrap();
         for (time, picture) in pictures {
@@ -183,7 +184,7 @@ fn fades_blackouts_and_held_pictures_are_rendered_again_bit_for_bit() {
     app.press(&["F9"]);
     // A fade of the user's own begins while the song plays; both scenes go on in it.
     app.press(&["n"]);
-    app.wait_until_told("a fade begins");
+    app.wait_until_reported("a fade begins");
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     let mut pictures: Vec<(f64, RgbaImage)> = Vec::new();
@@ -223,7 +224,7 @@ fn fades_blackouts_and_held_pictures_are_rendered_again_bit_for_bit() {
     place.freeze(&app);
     place.sender.send("/pause", &[0.0]);
     place.sender.send("/freeze", &[0.0]);
-    app.wait_until_told_times("a fade begins", 3);
+    app.wait_until_reported_times("a fade begins", 3);
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     place.go_to(&app, 47.8125);
@@ -251,7 +252,7 @@ fn a_fade_that_another_change_cut_short_is_rendered_again_bit_for_bit() {
     place.hear_a_second(&app);
     app.press(&["F9"]);
     app.press(&["n"]);
-    app.wait_until_told("a fade begins");
+    app.wait_until_reported("a fade begins");
     place.rest(&app);
     place.go_to(&app, 7.5);
     let first = app.picture();
@@ -363,7 +364,7 @@ fn what_a_show_does_to_a_scene_that_somebody_came_back_to_is_rendered_again_bit_
                 at 80 s wall.scene cut\n set width = 4 -> 1 over 30 s\n";
     fs::write(&show, text).unwrap();
     let app = place.open(&["--fade", "0", "--show", show.to_str().unwrap()]);
-    app.wait_until_told("the scenes follow the song");
+    app.wait_until_reported("the scenes follow the song");
     app.press(&["F9"]);
     place.rest(&app);
     let mut last = app.picture();

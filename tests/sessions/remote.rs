@@ -9,7 +9,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::hands::{wait_for_colour, write_wall};
+use crate::controllers::{wait_for_colour, write_wall};
 use crate::support::browser::Page;
 use crate::support::desktop::{PROGRAM, command_in};
 use crate::support::session::{App, Place};
@@ -28,14 +28,14 @@ fn open_at(place: &Place, address: &str, options: &[&str]) -> (App, String) {
     let own = ["--midi", "off", "--blackout-fade", "0", "--fade", "0", "--scene"];
     let all = [&own[..], &[scene.to_str().unwrap(), "--remote", address], options].concat();
     let app = place.open(&song, &all);
-    app.wait_until_told("a phone can open http://127.0.0.1:");
-    let url = url_in(&app.told());
+    app.wait_until_reported("a phone can open http://127.0.0.1:");
+    let url = url_in(&app.reported());
     (app, url)
 }
 
-fn url_in(told: &str) -> String {
-    let from = told.find("http://").unwrap();
-    told[from..].split(' ').next().unwrap().to_owned()
+fn url_in(reported: &str) -> String {
+    let from = reported.find("http://").unwrap();
+    reported[from..].split(' ').next().unwrap().to_owned()
 }
 
 /// A phone that is connected.
@@ -214,10 +214,10 @@ fn a_port_that_is_taken_costs_a_sentence_and_the_show_goes_on() {
     let (song, scene) = (place.quiet_song("quiet.wav", 60), write_wall(&place));
     let options = ["--size", "160x90", "--scene", scene.to_str().unwrap(), "--remote", &address];
     let app = place.open(&song, &options);
-    app.wait_until_told(&format!("phones are not listened to: another program has {address}"));
+    app.wait_until_reported(&format!("phones are not listened to: another program has {address}"));
     wait_for_colour(&app, "green", [false, true, false]);
     drop(taken);
-    app.wait_until_told(&format!("a phone can open http://{address}/"));
+    app.wait_until_reported(&format!("a phone can open http://{address}/"));
     app.quit_by_key();
 }
 

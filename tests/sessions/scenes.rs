@@ -201,7 +201,7 @@ fn a_broken_save_keeps_the_picture_and_says_what_is_wrong_until_it_is_mended() {
     };
 
     place.save("own.scene", &wall("vec3(1, 0 0)"));
-    app.wait_until_told("own.scene has mistakes");
+    app.wait_until_reported("own.scene has mistakes");
     app.wait_until("what is wrong", |app| panel_shows(app));
     kept(&app);
     place.save("own.scene", &wall(GREEN));
@@ -218,20 +218,20 @@ fn a_broken_save_keeps_the_picture_and_says_what_is_wrong_until_it_is_mended() {
     place.save("own.scene", &format!("include \"part.scene\"\n{}", wall("shine()")));
     app.wait_until("what is wrong with the include", |app| panel_shows(app));
     kept(&app);
-    app.wait_until_told("part.scene:1");
+    app.wait_until_reported("part.scene:1");
     place.save("part.scene", "fn shine() = vec3(1, 0, 0)");
     app.wait_until("the mended include", |app| app.picture() == clear);
     place.save("own.scene", &wall("texture(\"none.png\", p.xy).rgb"));
     app.wait_until("what is wrong with the picture", |app| panel_shows(app));
     kept(&app);
-    app.wait_until_told("none.png");
+    app.wait_until_reported("none.png");
     back(&app);
 
     // The file itself is gone, then there again.
     fs::remove_file(place.path("own.scene")).unwrap();
     app.wait_until("that the file is gone", |app| panel_shows(app));
     kept(&app);
-    app.wait_until_told("cannot be read");
+    app.wait_until_reported("cannot be read");
     back(&app);
     app.wait_for_title("the scene", |title| title == "quiet.wav - Mariana (own, compiled, paused)");
     app.quit_content();
@@ -290,10 +290,10 @@ fn r_changes_whether_regions_are_used_but_not_the_picture() {
         app.press(&["Left"]);
         let before = app.wait_until_still();
         app.press(&["r"]);
-        app.wait_until_told(if first == "on" { "told: no regions" } else { "told: regions" });
+        app.wait_until_reported(if first == "on" { "told: no regions" } else { "told: regions" });
         if first == "off" {
             // The compiled program was made without code for cells.
-            app.wait_until_told("own is requested, compiled, with cells");
+            app.wait_until_reported("own is requested, compiled, with cells");
         }
         let after = app.wait_until_still();
         assert_alike(&format!("window-{mode}-regions-not-{first}"), &after, &before, TIGHT);
@@ -301,7 +301,7 @@ fn r_changes_whether_regions_are_used_but_not_the_picture() {
         app.wait_until(back, |app| {
             // If trees came too late to be used, the key means regions once more.
             app.press(&["r"]);
-            app.told().contains(back)
+            app.reported().contains(back)
         });
         app.wait_until("the picture of before", |app| app.picture() == before);
         app.quit_content();
@@ -323,7 +323,8 @@ fn what_is_shown_in_the_end_is_what_is_asked_for_however_fast_that_changes() {
     let wanted = place.still("own.scene", (200, 100));
     app.wait_until("the picture of the start", |app| {
         let seen = app.picture();
-        seen.dimensions() == (200, 100) && difference(&seen, &wanted, TIGHT.visible).share <= TIGHT.share_max
+        seen.dimensions() == (200, 100)
+            && difference(&seen, &wanted, TIGHT.visible).fraction <= TIGHT.fraction_max
     });
     app.quit_content();
 }
@@ -338,10 +339,10 @@ fn a_number_that_is_changed_again_waits_for_no_compiler() {
     let save = |green: &str| place.save("own.scene", &wall(&format!("vec3({green}, 0, 0.9 - {green})")));
     save("0");
     let app = place.open("own.scene", &["-v"]);
-    let requests = |app: &App| app.told().matches("own is requested, compiled").count();
+    let requests = |app: &App| app.reported().matches("own is requested, compiled").count();
     let is_compiled = |app: &App, times: usize| {
         app.wait_until("a compiled scene", |app| {
-            app.told().matches("own is shown, compiled").count() >= times
+            app.reported().matches("own is shown, compiled").count() >= times
         });
     };
     is_compiled(&app, 1);
@@ -353,7 +354,7 @@ fn a_number_that_is_changed_again_waits_for_no_compiler() {
         save(number);
         wait_for_color(&app, number, color);
         is_compiled(&app, 2 + shown);
-        assert_eq!(requests(&app), 2, "{}", app.told());
+        assert_eq!(requests(&app), 2, "{}", app.reported());
     }
     // At rest they become constants again.
     app.wait_until("another program", |app| {
@@ -362,7 +363,7 @@ fn a_number_that_is_changed_again_waits_for_no_compiler() {
     });
     app.wait_until("a compiled scene", |app| {
         clock::advance(STEP);
-        app.told().matches("own is shown, compiled").count() >= 5
+        app.reported().matches("own is shown, compiled").count() >= 5
     });
     assert_eq!(color(&app), SEEN_RED);
     app.quit_content();
@@ -385,7 +386,7 @@ fn n_and_p_go_through_the_folder_and_the_shipped_scenes_and_back() {
     wait_for_color(&app, "b", SEEN_GREEN);
     // One that cannot be shown is no dead end.
     app.press(&["n"]);
-    app.wait_until_told("broken.scene has mistakes");
+    app.wait_until_reported("broken.scene has mistakes");
     app.press(&["n"]);
     shows(&app, &shipped_names()[0]);
     app.press(&["p", "p"]);
@@ -490,23 +491,23 @@ fn a_scene_is_shown_interpreted_until_it_is_compiled_without_being_asked() {
     }
     // What an earlier run compiled would be there before the interpreter's turn comes.
     let app = place.open_with_compiler("own.scene", &[]);
-    app.wait_until_told("an interpreter is ready");
+    app.wait_until_reported("an interpreter is ready");
     // A driver may be quicker than that with a short scene; not with all of them.
     let mut was_interpreted = false;
     for number in others {
         app.press(&["n"]);
-        app.wait_until_told(&format!("own{number} is shown, compiled"));
+        app.wait_until_reported(&format!("own{number} is shown, compiled"));
         app.wait_for_title("the new scene, compiled", |title| {
             title.contains(&format!("(own{number}, compiled)"))
         });
         wait_for_color(&app, "the new scene", SEEN_GREEN);
-        let told = app.told();
+        let reported = app.reported();
         let [first, second] =
-            ["interpreted", "compiled"].map(|mode| told.find(&format!("own{number} is shown, {mode}")));
-        assert!(first.is_none_or(|first| Some(first) < second), "{told}");
+            ["interpreted", "compiled"].map(|mode| reported.find(&format!("own{number} is shown, {mode}")));
+        assert!(first.is_none_or(|first| Some(first) < second), "{reported}");
         was_interpreted |= first.is_some();
     }
-    assert!(was_interpreted, "{}", app.told());
+    assert!(was_interpreted, "{}", app.reported());
     app.quit_content();
 }
 
@@ -516,14 +517,16 @@ fn c_pressed_while_a_scene_is_coming_does_not_keep_it_away() {
     let place = Place::new();
     place.save("own.scene", &wall(RED));
     place.save("own2.scene", &heavy(60, GREEN));
-    for (sdf, wish) in [("interpreted", "compiled"), ("compiled", "interpreted")] {
+    for (sdf, change) in [("interpreted", "compiled"), ("compiled", "interpreted")] {
         let app = place.open_with_compiler("own.scene", &["--sdf", sdf]);
         wait_for_color(&app, "the first scene", SEEN_RED);
         // The second needs a program of its own in either mode, and while that is made the wish changes.
         app.press(&["n"]);
-        app.wait_until_told(&format!("own2 is requested, {sdf}"));
+        app.wait_until_reported(&format!("own2 is requested, {sdf}"));
         app.press(&["c"]);
-        app.wait_for_title("the second scene as wished", |title| title.contains(&format!("(own2, {wish})")));
+        app.wait_for_title("the second scene as wished", |title| {
+            title.contains(&format!("(own2, {change})"))
+        });
         wait_for_color(&app, "the second scene", SEEN_GREEN);
         app.quit_content();
     }

@@ -25,14 +25,17 @@ fn a_fifo_gets_pictures_whoever_reads_it_and_however_slowly() {
     let mut read = |app: &App, count: usize| {
         let pictures = app.meanwhile(|| {
             let mut stream = BufReader::new(File::open(&fifo).unwrap());
-            let told = header(&mut stream);
-            assert!(told.starts_with("YUV4MPEG2 W160 H90 F25:1 ") && told.contains("C420"), "{told}");
+            let reported = header(&mut stream);
+            assert!(
+                reported.starts_with("YUV4MPEG2 W160 H90 F25:1 ") && reported.contains("C420"),
+                "{reported}"
+            );
             (0..count).map(|_| light_of_next(&mut stream, (160, 90))).collect::<Vec<_>>()
         });
         // Whoever opens it sooner is taken for the same reader, in the middle of the stream.
         gone += 1;
         app.wait_until("the reader's going", |app| {
-            app.told().matches("has gone: the next one gets").count() == gone
+            app.reported().matches("has gone: the next one gets").count() == gone
         });
         pictures
     };
@@ -47,7 +50,7 @@ fn a_fifo_gets_pictures_whoever_reads_it_and_however_slowly() {
     app.wait_until("light", |app| wanted(read(app, 2)));
     // One that opens it and reads nothing holds nobody up.
     let blocks = OpenOptions::new().read(true).open(&fifo).unwrap();
-    app.wait_until_told("takes no pictures: the show goes on without it");
+    app.wait_until_reported("takes no pictures: the show goes on without it");
     app.press(&["x"]);
     app.wait_for("black", |picture| is_black(at(picture, 0.5, 0.5)));
     drop(blocks);
@@ -55,13 +58,13 @@ fn a_fifo_gets_pictures_whoever_reads_it_and_however_slowly() {
     let mut probe = Command::new("ffprobe");
     probe.args(["-v", "error", "-f", "yuv4mpegpipe", "-read_intervals", "%+#2", "-show_entries"]);
     probe.args(["stream=width,height,r_frame_rate,pix_fmt", "-of", "csv=p=0"]).arg(&fifo);
-    let told = String::from_utf8(app.meanwhile(|| output_of(&mut probe, "ffmpeg")).unwrap()).unwrap();
-    assert_eq!(told.trim(), "160,90,yuv420p,25/1");
+    let reported = String::from_utf8(app.meanwhile(|| output_of(&mut probe, "ffmpeg")).unwrap()).unwrap();
+    assert_eq!(reported.trim(), "160,90,yuv420p,25/1");
     let blocks = OpenOptions::new().read(true).open(&fifo).unwrap();
     // A receiver that blocks does not hold the end up either.
-    let told = app.quit_by_key();
+    let reported = app.quit_by_key();
     drop(blocks);
-    assert_eq!(told.matches("takes no pictures").count(), 1, "{told}");
+    assert_eq!(reported.matches("takes no pictures").count(), 1, "{reported}");
 }
 
 #[test]
@@ -117,7 +120,7 @@ fn standard_output_gets_pictures_until_it_is_closed() {
         light_of_next(&mut stream, (320, 180))
     });
     assert!(left > right);
-    app.wait_until_told("whoever read standard output has gone");
+    app.wait_until_reported("whoever read standard output has gone");
     app.wait_for("the show", |picture| is_red(at(picture, 0.2, 0.5)));
     app.quit_by_key();
     rustix::stdio::dup2_stdout(&own).unwrap();

@@ -27,7 +27,7 @@ fn wait_for_default(app: &App, place: &Place, key: &str) {
 #[cfg(target_os = "linux")]
 fn hear(place: &Place, options: &[&str]) -> App {
     let app = place.begin(&[&["--prepare-ahead", "off", "--scene", SCENE], options].concat());
-    app.wait_until_told("first picture after");
+    app.wait_until_reported("first picture after");
     app
 }
 
@@ -45,7 +45,7 @@ fn wait_for_output(app: &App, server: &SoundServer, name: &str) {
     });
     // The server knows of it before the session does.
     app.wait_until("a session that knows its output", |app| {
-        app.told()
+        app.reported()
             .lines()
             .rfind(|line| line.contains("the song plays on "))
             .is_some_and(|line| line.contains(name))
@@ -98,14 +98,14 @@ fn settings_change_by_keys_and_by_pointer_and_are_there_in_the_next_run() {
     // A flag holds for its run, and is not remembered.
     let app = hear(&place, &["--size", "760x540", "--quality", "best", "--device", "default"]);
     wait_for_output(&app, &server, "viz");
-    let told = app.quit();
-    assert!(told.contains("quality: Best, flash_limiter: false"), "{told}");
+    let reported = app.quit();
+    assert!(reported.contains("quality: Best, flash_limiter: false"), "{reported}");
     assert!(place.saved_settings().lines().any(|line| line == "quality = \"low\""));
 
     // What was chosen is there again; by pointer alone it goes.
     let app = hear(&place, &["--size", "760x540"]);
     wait_for_output(&app, &server, "usb");
-    assert!(app.told().contains("quality: Low, flash_limiter: false"), "{}", app.told());
+    assert!(app.reported().contains("quality: Low, flash_limiter: false"), "{}", app.reported());
     app.point_at(200, 100);
     app.point_at(230, 100);
     wait_for_ground(&app, "the bar", 24, 518);
@@ -137,7 +137,7 @@ fn settings_change_by_keys_and_by_pointer_and_are_there_in_the_next_run() {
 /// A session with these options, which goes on where the last one ended.
 fn open(place: &Place, options: &[&str]) -> App {
     let app = place.begin(&[&["--silent", "--prepare-ahead", "off", "--scene", SCENE], options].concat());
-    app.wait_until_told("first picture after");
+    app.wait_until_reported("first picture after");
     app
 }
 
@@ -217,9 +217,13 @@ fn a_settings_file_of_another_kind_costs_a_sentence() {
     std::fs::create_dir_all(file.parent().unwrap()).unwrap();
     std::fs::write(&file, "mood = \"blue\"\n[choices]\nquality = \"low\"\ntone_map = \"filmic\"\n").unwrap();
     let options = ["--size", "320x180"];
-    let told = open(&place, &options).quit();
-    assert_eq!(told.matches("this version does not know (choices.tone_map, mood)").count(), 1, "{told}");
-    assert!(told.contains("quality: Low"), "{told}");
+    let reported = open(&place, &options).quit();
+    assert_eq!(
+        reported.matches("this version does not know (choices.tone_map, mood)").count(),
+        1,
+        "{reported}"
+    );
+    assert!(reported.contains("quality: Low"), "{reported}");
     let kept = place.saved_settings();
     assert!(kept.contains("mood = \"blue\"") && kept.contains("tone_map = \"filmic\""), "{kept}");
     assert!(kept.contains("[last_show]"), "{kept}");
@@ -228,6 +232,6 @@ fn a_settings_file_of_another_kind_costs_a_sentence() {
     std::fs::create_dir(&file).unwrap();
     let app = open(&place, &options);
     app.press(&["g", "Down", "Right", "Right", "Left"]);
-    let told = app.quit();
-    assert_eq!(told.matches("settings.toml cannot be").count(), 1, "{told}");
+    let reported = app.quit();
+    assert_eq!(reported.matches("settings.toml cannot be").count(), 1, "{reported}");
 }

@@ -65,7 +65,7 @@ impl Place {
     fn open(&self, options: &[&str]) -> App {
         let own = [self.song.to_str().unwrap(), "--silent", "--new", "--clean", "--size", SIZE];
         let app = self.inner.begin(&[&own[..], options].concat());
-        app.wait_until_told("the scenes follow the song");
+        app.wait_until_reported("the scenes follow the song");
         app
     }
 
@@ -108,7 +108,7 @@ fn wait_for_channel(app: &App, wanted: usize) {
 /// Goes on for a while, in which the colour stays.
 fn assert_channel_stays(app: &App, wanted: usize) {
     for _ in 0..50 {
-        assert_eq!(channel(app), Some(wanted), "another colour came: {}", app.told());
+        assert_eq!(channel(app), Some(wanted), "another colour came: {}", app.reported());
     }
 }
 
@@ -170,7 +170,7 @@ fn a_window_shows_of_a_show_what_a_still_does_and_each_save_of_its_file() {
     place.write("my.show", &still.replace("blue", "green"));
     wait_for_channel(&app, 1);
     place.write("my.show", &still.replace("portal", "portl"));
-    app.wait_until_told("did you mean `portal`?");
+    app.wait_until_reported("did you mean `portal`?");
     // The mistake lies over all but the edges of this window.
     app.wait_until("the picture goes on", |app| channel_at(app, (1, 1)) == Some(1));
     place.write("my.show", still);
@@ -224,7 +224,7 @@ fn enter_brings_the_next_cue_of_a_show() {
     place.write("my.show", "at start red.scene\nat cue green.scene cut\nat cue blue.scene fade over 1 s\n");
     let show = place.path("my.show");
     let app = place.open(&["--show", &show, "--scene", &place.path("red.scene")]);
-    app.wait_until_told("green is ready ahead");
+    app.wait_until_reported("green is ready ahead");
     wait_for_channel(&app, 0);
     app.press(&["Return"]);
     wait_for_channel(&app, 1);
@@ -296,6 +296,6 @@ fn a_show_went_on_to_other_scenes_while_the_text_of_one_was_written() {
     wait_for_channel(&app, 0);
     sender.send("/position", &[0.7]);
     wait_for_channel(&app, 2);
-    assert!(!app.told().contains("green is shown"), "{}", app.told());
+    assert!(!app.reported().contains("green is shown"), "{}", app.reported());
     app.quit_by_key();
 }

@@ -8,7 +8,7 @@ use std::time::Instant;
 use crate::support::apart::{apart, apart_at_home, home};
 use crate::support::compare::{TIGHT, difference};
 use crate::support::desktop::{PROGRAM, Size, command_in, load_of};
-use crate::support::session::{App, Place, complaints};
+use crate::support::session::{App, Place, reported_problems};
 use crate::support::wood::assert_shows_the_speakers;
 use image::RgbaImage;
 use mariana_testing::process::{WAIT_LIMIT, output_of};
@@ -45,7 +45,7 @@ fn wait_for_start(app: &App, place: &Place, song: &Path, size: Size) -> RgbaImag
         // While it is being resized or redrawn, the session may show something else.
         picture.dimensions() == size && {
             let found = difference(picture, &wanted, TIGHT.visible);
-            found.mean <= TIGHT.mean_max && found.share <= TIGHT.share_max
+            found.mean <= TIGHT.mean_max && found.fraction <= TIGHT.fraction_max
         }
     })
 }
@@ -115,7 +115,7 @@ fn the_keys_show_over_the_picture_and_leave_no_trace() {
     app.wait_for("the first picture, drawn again", |picture| *picture == before);
     app.double_click_at(320, 180);
     assert!(app.state().fullscreen);
-    assert_eq!(complaints(&app.quit_by_key()), [""; 0]);
+    assert_eq!(reported_problems(&app.quit_by_key()), [""; 0]);
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn every_size_shows_both_speakers_in_proportion() {
         app.resize((400 - 15 * step, 80 + 15 * step));
     }
     wait_for_start(&app, &place, &song, (115, 365));
-    assert_eq!(complaints(&app.quit_by_key()), [""; 0]);
+    assert_eq!(reported_problems(&app.quit_by_key()), [""; 0]);
 }
 
 #[test]
@@ -147,19 +147,19 @@ fn a_song_loops_or_ends_as_asked_and_without_a_sound_server_keeps_real_time() {
     let song = tone(place.folder(), seconds);
     // No sound server runs: the program says so, and the song takes its time all the same.
     let app = place.hear(Some(&song), &["--once", "--size", SMALL]);
-    app.wait_until_told("first picture after");
+    app.wait_until_reported("first picture after");
     let begin = Instant::now();
     let mut titles = String::new();
     while app.step() {
         titles.push_str(&app.title());
-        assert!(begin.elapsed() < WAIT_LIMIT, "it does not end: {}", app.told());
+        assert!(begin.elapsed() < WAIT_LIMIT, "it does not end: {}", app.reported());
     }
     let took = begin.elapsed().as_secs_f64();
     assert!(titles.contains("no sound device"), "{titles}");
     // A machine that is busy takes longer to find the end, but not several times as long.
     assert!(took > 0.9 * seconds && took < 4.0 * seconds, "{seconds} s of song took {took} s");
-    let complaints = app.complaints().join("\n");
-    assert_eq!(complaints.matches("the song plays without sound: ").count(), 1, "{complaints}");
+    let reported_problems = app.reported_problems().join("\n");
+    assert_eq!(reported_problems.matches("the song plays without sound: ").count(), 1, "{reported_problems}");
     drop(app);
 
     let app = place.hear(Some(&song), &["--size", SMALL]);
@@ -169,9 +169,9 @@ fn a_song_loops_or_ends_as_asked_and_without_a_sound_server_keeps_real_time() {
         app.wait_until("another start", |app| position(app) < 0.3);
     }
     let before = app.picture();
-    app.wait_for("another picture", |picture| difference(&before, picture, TIGHT.visible).share > 0.0);
+    app.wait_for("another picture", |picture| difference(&before, picture, TIGHT.visible).fraction > 0.0);
     assert!(!app.title().contains("paused"), "{}", app.title());
-    assert_eq!(app.complaints().len(), 1, "{}", app.told());
+    assert_eq!(app.reported_problems().len(), 1, "{}", app.reported());
     app.quit_by_key();
 }
 
@@ -186,16 +186,16 @@ fn a_sound_server_that_dies_does_not_take_the_picture_along() {
     app.wait_until("sound", |app| {
         app.meanwhile(|| recorder.next(0.1)).iter().flatten().any(|sample| *sample > 0.1)
     });
-    assert_eq!(app.complaints(), [""; 0]);
+    assert_eq!(app.reported_problems(), [""; 0]);
     server.kill();
-    app.wait_until_told("the song plays without sound: ");
+    app.wait_until_reported("the song plays without sound: ");
     app.wait_for_title("no sound device", |title| title.contains("no sound device"));
     // The song goes on, for two seconds at least.
     let seconds = |app: &App| 60.0 * app.state().position.unwrap_or(0.0);
     let since = seconds(&app);
     app.wait_until("two seconds of the song", |app| seconds(app) > since + 2.0);
     let before = app.picture();
-    app.wait_for("another picture", |picture| difference(&before, picture, TIGHT.visible).share > 0.0);
-    assert_eq!(app.complaints().len(), 1, "one message, not: {}", app.told());
+    app.wait_for("another picture", |picture| difference(&before, picture, TIGHT.visible).fraction > 0.0);
+    assert_eq!(app.reported_problems().len(), 1, "one message, not: {}", app.reported());
     app.quit_by_key();
 }

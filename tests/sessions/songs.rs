@@ -61,8 +61,8 @@ fn a_window_knows_of_a_song_what_a_still_does_and_the_next_song_before_it_plays(
         let seen = picture.get_pixel(32, 18).0;
         seen.iter().zip(wanted).all(|(seen, wanted)| seen.abs_diff(wanted) <= 1)
     });
-    let told = app.quit_by_key();
-    assert!(!told.contains("panicked"), "{told}");
+    let reported = app.quit_by_key();
+    assert!(!reported.contains("panicked"), "{reported}");
 }
 
 /// The files below a folder with this ending.

@@ -71,7 +71,7 @@ fn one_key_hides_every_word_and_panel() {
     // Nor does a mistake show, until the key is pressed again.
     let good = std::fs::read_to_string(place.path("two.scene")).unwrap();
     std::fs::write(place.path("two.scene"), "object o { shape = nonsense }").unwrap();
-    app.wait_until_told("has mistakes");
+    app.wait_until_reported("has mistakes");
     assert!(app.picture() == plain, "the mistake shows");
     app.press(&["w"]);
     app.wait_for("the mistake", |picture| *picture != plain);
@@ -152,7 +152,7 @@ fn the_scene_that_comes_next_moves_on_the_desk_though_it_is_interpreted() {
     std::fs::create_dir_all(settings.parent().unwrap()).unwrap();
     std::fs::write(settings, "[choices]\nnext_scene = \"on\"\n").unwrap();
     let app = place.open("a.scene", &["--prepare-ahead", "on", "--sdf", "interpreted", "--fade", "0"]);
-    app.wait_until_told("b is ready ahead");
+    app.wait_until_reported("b is ready ahead");
     let corner = |picture: &RgbaImage| at(picture, 0.87, 0.15);
     let mut last = corner(&app.wait_for("the next scene in the corner", |picture| is_blue(corner(picture))));
     app.press(&["space"]);
@@ -177,7 +177,7 @@ fn the_desk_shows_the_scene_that_comes_next_where_it_costs_no_picture() {
     std::fs::create_dir_all(settings.parent().unwrap()).unwrap();
     std::fs::write(settings, "[choices]\nnext_scene = \"on\"\n").unwrap();
     let app = place.open("a.scene", &["--prepare-ahead", "on", "--sdf", "compiled", "-vv", "--fade", "0"]);
-    app.wait_until_told("b is ready ahead");
+    app.wait_until_reported("b is ready ahead");
     let corner = |picture: &RgbaImage| at(picture, 0.87, 0.15);
     let first = app.wait_for("the next scene in the corner", |picture| is_blue(corner(picture)));
     assert!(is_red(at(&first, 0.3, 0.5)), "the picture itself is another one");
@@ -196,6 +196,6 @@ fn the_desk_shows_the_scene_that_comes_next_where_it_costs_no_picture() {
     });
     app.press(&["w"]);
     app.wait_for("a clean picture", |picture| is_blue(corner(picture)));
-    let told = app.quit();
-    assert!(told.contains("the next scene in "), "{told}");
+    let reported = app.quit();
+    assert!(reported.contains("the next scene in "), "{reported}");
 }

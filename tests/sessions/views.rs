@@ -32,15 +32,15 @@ fn paused(place: &Place, options: &[&str]) -> (App, RgbaImage) {
         let wanted = still(place, &[]);
         app.wait_for("the song's start", |picture| {
             let found = difference(picture, &wanted, TIGHT.visible);
-            found.mean <= TIGHT.mean_max && found.share <= TIGHT.share_max
+            found.mean <= TIGHT.mean_max && found.fraction <= TIGHT.fraction_max
         });
     }
     let picture = app.wait_until_still();
     (app, picture)
 }
 
-fn share(a: &RgbaImage, b: &RgbaImage) -> f64 {
-    difference(a, b, TIGHT.visible).share
+fn fraction(a: &RgbaImage, b: &RgbaImage) -> f64 {
+    difference(a, b, TIGHT.visible).fraction
 }
 
 /// Whether this is the picture, but darker.
@@ -72,7 +72,7 @@ fn the_key_goes_through_the_views_and_the_title_tells_which() {
     for row in &VIEWS {
         app.press(&["v"]);
         app.wait_for_title(row.name, |title| title.contains(&format!("view {}", row.name)));
-        app.wait_until("the view", |app| share(&app.picture(), &picture) > 0.3);
+        app.wait_until("the view", |app| fraction(&app.picture(), &picture) > 0.3);
     }
     app.press(&["shift+v"]);
     app.wait_for_title("the view before", |title| title.contains("view materials"));
@@ -82,7 +82,7 @@ fn the_key_goes_through_the_views_and_the_title_tells_which() {
     // Numbers go up and down.
     app.press(&["v", "v", "v"]);
     app.wait_for_title("normals", |title| title.contains("view normals"));
-    app.wait_until("normals", |app| share(&app.picture(), &picture) > 0.3);
+    app.wait_until("normals", |app| fraction(&app.picture(), &picture) > 0.3);
     app.press(&["period"]);
     app.wait_for_title("a number", |title| title.contains("view normals:0.001"));
     app.press(&["comma"]);
@@ -95,7 +95,7 @@ fn views_that_follow_each_other_quickly_were_dimmed_as_flashes() {
     let place = Place::new();
     let (app, picture) = paused(&place, &["--regions", "off"]);
     app.press(&["v"]);
-    app.wait_until("the first view", |app| share(&app.picture(), &picture) > 0.3);
+    app.wait_until("the first view", |app| fraction(&app.picture(), &picture) > 0.3);
     for _ in 0..VIEWS.len() {
         app.press(&["v"]);
         app.run_for(Duration::from_millis(60));
@@ -103,7 +103,7 @@ fn views_that_follow_each_other_quickly_were_dimmed_as_flashes() {
     app.wait_until("the picture again", |app| {
         let now = app.picture();
         assert!(!is_dimmed(&now, &picture), "the picture is dimmed");
-        share(&now, &picture) < 0.1
+        fraction(&now, &picture) < 0.1
     });
 }
 
@@ -113,19 +113,19 @@ fn the_camera_is_turned_by_hand_and_given_back() {
     let place = Place::new();
     let (app, picture) = paused(&place, &["--regions", "off"]);
     drag(&app, (60, 10));
-    app.wait_until("the turned picture", |app| share(&app.picture(), &picture) > 0.2);
+    app.wait_until("the turned picture", |app| fraction(&app.picture(), &picture) > 0.2);
     app.press(&["Home"]);
     app.wait_until("the scene's own picture", |app| app.picture() == picture);
     app.move_pointer(160.0, 90.0);
     (0..4).for_each(|_| app.turn_wheel(1.0));
-    app.wait_until("a nearer picture", |app| share(&app.picture(), &picture) > 0.2);
+    app.wait_until("a nearer picture", |app| fraction(&app.picture(), &picture) > 0.2);
     app.press(&["Home"]);
     app.wait_until("the scene's own picture again", |app| app.picture() == picture);
     // A click that does not move turns nothing, and two are a wish for full screen.
     app.click();
     assert!(app.wait_until_still() == picture, "a click moves the camera");
     drag(&app, (-40, 0));
-    app.wait_until("the picture turned once more", |app| share(&app.picture(), &picture) > 0.1);
+    app.wait_until("the picture turned once more", |app| fraction(&app.picture(), &picture) > 0.1);
     // Another scene has its own camera again.
     app.press(&["n"]);
     app.wait_for_title("another scene", |title| !title.contains("speakers"));
@@ -141,5 +141,5 @@ fn a_view_is_there_from_the_start() {
     let (app, _) = paused(&place, &["--view", "materials"]);
     app.wait_for_title("the view", |title| title.contains("view materials"));
     let still = still(&place, &["--view", "materials", "--sdf", "compiled"]);
-    app.wait_until("the still's picture in the window", |app| share(&app.picture(), &still) < 0.001);
+    app.wait_until("the still's picture in the window", |app| fraction(&app.picture(), &still) < 0.001);
 }

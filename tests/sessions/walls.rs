@@ -24,7 +24,7 @@ impl Place {
         let scene = self.path(scene);
         let own = ["--size", "320x180", "--quality", "best", "--scene", scene.to_str().unwrap()];
         let app = self.inner.listen(&[&own[..], options].concat());
-        app.wait_until_told("first picture after");
+        app.wait_until_reported("first picture after");
         app
     }
 

@@ -70,9 +70,10 @@ pub(crate) fn runs_elsewhere(path: &str, variables: &[(&str, &str)]) -> bool {
     let test = path.split("::").skip(1).collect::<Vec<_>>();
     let test = test[..test.len() - 1].join("::");
     let output = process_of(&test).envs(variables.iter().copied()).output().unwrap();
-    let (told, failed) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    assert!(output.status.success(), "{test}: {}\n{told}\n{failed}", output.status);
-    assert!(told.contains("1 passed"), "{test} did not run: {told}");
+    let (reported, failed) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{test}: {}\n{reported}\n{failed}", output.status);
+    assert!(reported.contains("1 passed"), "{test} did not run: {reported}");
     // On a thread of which the test does not hear.
     assert!(!failed.contains("panicked"), "{test}: {failed}");
     true

@@ -51,14 +51,14 @@ impl Browser {
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut process = Process::start(&mut command, program);
         let mut lines = BufReader::new(process.child().stderr.take().unwrap()).lines();
-        let mut told = String::new();
+        let mut reported = String::new();
         let (address, whole) = loop {
-            let line = lines.next().unwrap_or_else(|| panic!("{program} has ended: {told}")).unwrap();
+            let line = lines.next().unwrap_or_else(|| panic!("{program} has ended: {reported}")).unwrap();
             if let Some(address) = line.strip_prefix("DevTools listening on ws://") {
                 let (address, path) = address.trim().split_once('/').unwrap();
                 break (address.to_owned(), format!("/{path}"));
             }
-            told.push_str(&line);
+            reported.push_str(&line);
         };
         // What it tells later must go somewhere.
         std::thread::spawn(move || lines.count());
@@ -140,7 +140,7 @@ impl Page {
     /// Touches the element at one share of its width, goes to another, and lets go; all of it in its middle line.
     pub(crate) fn drag(&mut self, selector: &str, from: f64, to: f64) {
         let (place, width) = self.bring_into_view(selector);
-        let at = |share: f64| (place.0 + share * width, place.1);
+        let at = |fraction: f64| (place.0 + fraction * width, place.1);
         self.touch("touchStart", Some(at(from)));
         for step in 1..=4 {
             self.touch("touchMove", Some(at(from + (to - from) * f64::from(step) / 4.0)));
@@ -151,7 +151,7 @@ impl Page {
     /// Touches the middle of an element, goes up or down so far, and lets go.
     pub(crate) fn push(&mut self, selector: &str, far: f64) {
         let (place, width) = self.bring_into_view(selector);
-        let at = |share: f64| (place.0 + 0.5 * width, place.1 + share * far);
+        let at = |fraction: f64| (place.0 + 0.5 * width, place.1 + fraction * far);
         self.touch("touchStart", Some(at(0.0)));
         (1..=8).for_each(|step| self.touch("touchMove", Some(at(f64::from(step) / 8.0))));
         self.touch("touchMove", Some(at(1.0)));

@@ -12,14 +12,14 @@ pub(crate) struct Tolerance {
     /// A pixel differs visibly when one of its channels is further apart than this, in steps.
     pub visible: u8,
     /// Largest share of pixels that differ visibly, 0..1.
-    pub share_max: f64,
+    pub fraction_max: f64,
 }
 
 /// For pictures of one machine that should be the same but were computed another way.
-pub(crate) const TIGHT: Tolerance = Tolerance { mean_max: 0.5, visible: 8, share_max: 0.001 };
+pub(crate) const TIGHT: Tolerance = Tolerance { mean_max: 0.5, visible: 8, fraction_max: 0.001 };
 
 /// For pictures of different drivers: roundings move edges and penumbras, texture filters differ.
-pub(crate) const LOOSE: Tolerance = Tolerance { mean_max: 1.0, visible: 16, share_max: 0.005 };
+pub(crate) const LOOSE: Tolerance = Tolerance { mean_max: 1.0, visible: 16, fraction_max: 0.005 };
 
 /// How far two pictures are apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +27,7 @@ pub(crate) struct Difference {
     /// Mean over all colour channels, in steps of 0..255.
     pub mean: f64,
     /// Share of the pixels that differ visibly, 0..1.
-    pub share: f64,
+    pub fraction: f64,
     /// The largest difference of a channel, in steps.
     pub largest: u8,
 }
@@ -48,7 +48,7 @@ pub(crate) fn difference(a: &RgbaImage, b: &RgbaImage, visible: u8) -> Differenc
         largest = largest.max(pixel);
     }
     let pixels = f64::from(a.width()) * f64::from(a.height());
-    Difference { mean: sum as f64 / (3.0 * pixels), share: seen as f64 / pixels, largest }
+    Difference { mean: sum as f64 / (3.0 * pixels), fraction: seen as f64 / pixels, largest }
 }
 
 /// Fails if `actual` is further from `expected` than `tolerance`, and then leaves the pictures for the eye.
@@ -82,7 +82,7 @@ pub(crate) fn compare(
     tolerance: Tolerance,
 ) -> Result<(), String> {
     let found = difference(actual, expected, tolerance.visible);
-    if found.mean <= tolerance.mean_max && found.share <= tolerance.share_max {
+    if found.mean <= tolerance.mean_max && found.fraction <= tolerance.fraction_max {
         return Ok(());
     }
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));

@@ -221,9 +221,9 @@ impl Desktop {
     pub(crate) fn show_without_focus(&self, mut command: Command, song: &Path) -> App<'_> {
         let mut process = Process::start(&mut command, "mariana");
         let printed = process.child().stdout.take().map(collect).unwrap_or_default();
-        let told = collect(process.child().stderr.take().unwrap());
+        let reported = collect(process.child().stderr.take().unwrap());
         let mut app =
-            App { desktop: self, process, song: song.to_owned(), printed, told, window: String::new() };
+            App { desktop: self, process, song: song.to_owned(), printed, reported, window: String::new() };
         app.wait("its window", |app| {
             let mut search = app.desktop.command("xdotool");
             let own = app.process.id().to_string();
@@ -285,7 +285,7 @@ pub(crate) struct App<'d> {
     process: Process,
     song: PathBuf,
     printed: Text,
-    told: Text,
+    reported: Text,
     window: String,
 }
 
@@ -298,7 +298,7 @@ impl App<'_> {
     /// Runs xdotool and gives what it prints.
     pub(crate) fn xdotool(&self, arguments: &[&str]) -> String {
         let printed = output_of(self.desktop.command("xdotool").args(arguments), "xdotool");
-        String::from_utf8_lossy(&printed.unwrap_or_else(|error| panic!("{error}; {}", self.told())))
+        String::from_utf8_lossy(&printed.unwrap_or_else(|error| panic!("{error}; {}", self.reported())))
             .into_owned()
     }
 
@@ -382,7 +382,7 @@ impl App<'_> {
         // While it is being resized or redrawn, the window may show something else.
         let alike = |seen: &RgbaImage| {
             let found = difference(seen, &wanted, TIGHT.visible);
-            found.mean <= TIGHT.mean_max && found.share <= TIGHT.share_max
+            found.mean <= TIGHT.mean_max && found.fraction <= TIGHT.fraction_max
         };
         loop {
             let seen = self.try_picture();
@@ -392,7 +392,7 @@ impl App<'_> {
                 Ok(seen) => {
                     assert_alike(&format!("window-{}x{}-at-{at}", size.0, size.1), seen, &wanted, TIGHT)
                 }
-                Err(error) => panic!("{error}; {}", self.told()),
+                Err(error) => panic!("{error}; {}", self.reported()),
             }
         }
     }
@@ -415,19 +415,19 @@ impl App<'_> {
     }
 
     /// What it has printed on standard error.
-    pub(crate) fn told(&self) -> String {
-        lock(&self.told).clone()
+    pub(crate) fn reported(&self) -> String {
+        lock(&self.reported).clone()
     }
 
     /// Waits until the program has told something.
-    pub(crate) fn wait_until_told(&mut self, what: &str) {
-        self.wait(&format!("'{what}'"), |app| app.told().contains(what).then_some(()));
+    pub(crate) fn wait_until_reported(&mut self, what: &str) {
+        self.wait(&format!("'{what}'"), |app| app.reported().contains(what).then_some(()));
     }
 
     /// Waits until the program has told something so many times.
-    pub(crate) fn wait_until_told_times(&mut self, what: &str, times: usize) {
-        let told = |app: &mut Self| (app.told().matches(what).count() >= times).then_some(());
-        self.wait(&format!("'{what}', {times} times"), told);
+    pub(crate) fn wait_until_reported_times(&mut self, what: &str, times: usize) {
+        let reported = |app: &mut Self| (app.reported().matches(what).count() >= times).then_some(());
+        self.wait(&format!("'{what}', {times} times"), reported);
     }
 
     /// Whether it runs.
@@ -440,9 +440,9 @@ impl App<'_> {
         let start = Instant::now();
         loop {
             if let Some(status) = self.process.ended() {
-                return (status, self.told());
+                return (status, self.reported());
             }
-            assert!(start.elapsed() < limit, "it has not ended after {limit:?}; {}", self.told());
+            assert!(start.elapsed() < limit, "it has not ended after {limit:?}; {}", self.reported());
             std::thread::sleep(LOOK_PERIOD);
         }
     }
@@ -452,12 +452,12 @@ impl App<'_> {
         let start = Instant::now();
         loop {
             if let Some(ended) = self.process.ended() {
-                panic!("the program ended ({ended}) before {what}: {}", self.told());
+                panic!("the program ended ({ended}) before {what}: {}", self.reported());
             }
             if let Some(found) = look(self) {
                 return found;
             }
-            assert!(start.elapsed() < WAIT_LIMIT, "{what} did not come; it told: {}", self.told());
+            assert!(start.elapsed() < WAIT_LIMIT, "{what} did not come; it told: {}", self.reported());
             std::thread::sleep(LOOK_PERIOD);
         }
     }

@@ -60,8 +60,8 @@ fn run_glslang(stage: Stage, text: &str, options: &[&str]) -> Result<String, Str
     if output.status.success() {
         return Ok(printed);
     }
-    let complaints = printed + &String::from_utf8_lossy(&output.stderr);
-    Err(with_quoted_lines(text, complaints.trim()))
+    let reported_problems = printed + &String::from_utf8_lossy(&output.stderr);
+    Err(with_quoted_lines(text, reported_problems.trim()))
 }
 
 /// Checks a whole shader with glslang. The error quotes the offending lines.
@@ -70,9 +70,9 @@ pub(crate) fn check_with_glslang(stage: Stage, text: &str) -> Result<(), String>
 }
 
 /// glslang's complaints, each `ERROR: FILE:LINE: ...` followed by that line of the text.
-fn with_quoted_lines(text: &str, complaints: &str) -> String {
+fn with_quoted_lines(text: &str, reported_problems: &str) -> String {
     let mut quoted = String::new();
-    for complaint in complaints.lines() {
+    for complaint in reported_problems.lines() {
         quoted.push_str(complaint);
         quoted.push('\n');
         let number = complaint.strip_prefix("ERROR: ").and_then(|rest| rest.split(':').nth(1)?.parse().ok());

@@ -22,7 +22,7 @@ pub(crate) mod pings;
 pub(crate) mod program;
 pub(crate) mod session;
 pub(crate) mod shader_folder;
-pub(crate) mod studio;
+pub(crate) mod test_renderer;
 pub(crate) mod video_stream;
 pub(crate) mod walls;
 #[cfg(target_os = "linux")]

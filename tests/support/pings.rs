@@ -61,7 +61,7 @@ impl Pings {
         let mut times = self.answers.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let Some((_, first)) = times.first().copied() else { return Answers::default() };
         times.sort();
-        let at = |share: f64| times[((times.len() as f64 * share) as usize).min(times.len() - 1)];
+        let at = |fraction: f64| times[((times.len() as f64 * fraction) as usize).min(times.len() - 1)];
         Answers {
             count: times.len(),
             median: at(0.5).0,

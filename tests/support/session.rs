@@ -97,7 +97,7 @@ impl Place {
         );
         let all = [&[song.to_str().unwrap()], &ALONE[..], options].concat();
         let app = self.start(&all, Offscreen::open_with_compiler);
-        assert!(!app.told().contains("no context on the default display"), "{}", app.told());
+        assert!(!app.reported().contains("no context on the default display"), "{}", app.reported());
         app
     }
 
@@ -309,7 +309,7 @@ impl App {
 
     /// Goes on by a step. Returns whether the session does.
     pub(crate) fn step(&self) -> bool {
-        self.session.borrow_mut().step().unwrap_or_else(|error| panic!("{error}; {}", self.told()))
+        self.session.borrow_mut().step().unwrap_or_else(|error| panic!("{error}; {}", self.reported()))
     }
 
     /// Goes on for a while.
@@ -326,8 +326,8 @@ impl App {
             if is_so(self) {
                 return;
             }
-            assert!(goes_on, "the session ended before {what}: {}", self.told());
-            assert!(start.elapsed() < WAIT_LIMIT, "{what} did not come: {}", self.told());
+            assert!(goes_on, "the session ended before {what}: {}", self.reported());
+            assert!(start.elapsed() < WAIT_LIMIT, "{what} did not come: {}", self.reported());
         }
     }
 
@@ -343,8 +343,8 @@ impl App {
     }
 
     /// Goes on until something was told or logged.
-    pub(crate) fn wait_until_told(&self, what: &str) {
-        self.wait_until(what, |app| app.told().contains(what));
+    pub(crate) fn wait_until_reported(&self, what: &str) {
+        self.wait_until(what, |app| app.reported().contains(what));
     }
 
     /// Goes on until the picture stays the same for a while and is as good as it can be, and returns it.
@@ -377,8 +377,8 @@ impl App {
         self.session.borrow_mut().state()
     }
 
-    /// What was told and logged; a sentence for the user stands behind `told: `.
-    pub(crate) fn told(&self) -> String {
+    /// What was told and logged; a sentence for the user stands behind `reported: `.
+    pub(crate) fn reported(&self) -> String {
         self.log.text()
     }
 
@@ -393,8 +393,8 @@ impl App {
     }
 
     /// Sentences for the user, warnings and errors: everything that a terminal would show.
-    pub(crate) fn complaints(&self) -> Vec<String> {
-        complaints(&self.told())
+    pub(crate) fn reported_problems(&self) -> Vec<String> {
+        reported_problems(&self.reported())
     }
 
     /// Ends the session as its user would. Returns what was told and logged.
@@ -405,8 +405,8 @@ impl App {
     }
 
     /// Goes on until something was told or logged so many times.
-    pub(crate) fn wait_until_told_times(&self, what: &str, times: usize) {
-        self.wait_until(what, |app| app.told().matches(what).count() >= times);
+    pub(crate) fn wait_until_reported_times(&self, what: &str, times: usize) {
+        self.wait_until(what, |app| app.reported().matches(what).count() >= times);
     }
 
     /// Goes on while something is done on another thread, and returns its result.
@@ -472,31 +472,31 @@ impl App {
         self.press(&["q"]);
         let begun = Instant::now();
         while self.step() {
-            assert!(begun.elapsed() < WAIT_LIMIT, "Q does not end the session: {}", self.told());
+            assert!(begun.elapsed() < WAIT_LIMIT, "Q does not end the session: {}", self.reported());
         }
         self.quit()
     }
 
     /// The same, after a show without complaints.
     pub(crate) fn quit_content(self) -> String {
-        let told = self.quit_by_key();
-        assert!(!complains(&told), "it complains: {told}");
-        told
+        let reported = self.quit_by_key();
+        assert!(!complains(&reported), "it complains: {reported}");
+        reported
     }
 }
 
 /// Returns `true` if the log holds a sentence that the program prints on standard error.
-fn complains(told: &str) -> bool {
-    told.lines().any(|line| line.trim_start().starts_with("DEBUG told: "))
+fn complains(reported: &str) -> bool {
+    reported.lines().any(|line| line.trim_start().starts_with("DEBUG told: "))
 }
 
 /// Sentences for the user, warnings and errors in what was told and logged.
-pub(crate) fn complaints(told: &str) -> Vec<String> {
+pub(crate) fn reported_problems(reported: &str) -> Vec<String> {
     let is_complaint = |line: &&str| {
         let line = line.trim_start();
         line.starts_with("DEBUG told: ") || line.starts_with("WARN") || line.starts_with("ERROR")
     };
-    told.lines().filter(is_complaint).map(str::to_owned).collect()
+    reported.lines().filter(is_complaint).map(str::to_owned).collect()
 }
 
 fn key_of(name: &str, shift: bool) -> Key {

@@ -20,7 +20,7 @@ pub(crate) const BREATHES: &str = "vec3(0.3 + 0.2 * sin(2 * t))";
 
 /// The colour of the window at a place, in shares of it.
 pub(crate) fn at(picture: &RgbaImage, x: f32, y: f32) -> [u8; 3] {
-    let place = |share: f32, side: u32| ((share * side as f32) as u32).min(side - 1);
+    let place = |fraction: f32, side: u32| ((fraction * side as f32) as u32).min(side - 1);
     let [red, green, blue, _] = picture.get_pixel(place(x, picture.width()), place(y, picture.height())).0;
     [red, green, blue]
 }

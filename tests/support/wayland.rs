@@ -148,8 +148,8 @@ impl Compositor {
         let [name, text, protocols, closes] =
             X11_NAMES.map(|name| server.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom);
         let title = |window: u32| {
-            let told = server.get_property(false, window, name, text, 0, 64).unwrap().reply().unwrap();
-            String::from_utf8_lossy(&told.value).into_owned()
+            let reported = server.get_property(false, window, name, text, 0, 64).unwrap().reply().unwrap();
+            String::from_utf8_lossy(&reported.value).into_owned()
         };
         let mut window = None;
         wait_until(&format!("the window of {output}"), || {
@@ -184,28 +184,28 @@ impl Compositor {
         command.envs(variables.iter().copied()).args(["--silent", "-v", "--new", "--prepare-ahead", "off"]);
         command.args(options).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut process = Process::start(&mut command, "mariana");
-        let told = collect(process.child().stderr.take().unwrap());
-        Show { process, told }
+        let reported = collect(process.child().stderr.take().unwrap());
+        Show { process, reported }
     }
 }
 
 /// The program on Wayland. It ends when dropped.
 pub(crate) struct Show {
     process: Process,
-    told: Text,
+    reported: Text,
 }
 
 impl Show {
     /// What it has printed on standard error.
-    pub(crate) fn told(&self) -> String {
-        lock(&self.told).clone()
+    pub(crate) fn reported(&self) -> String {
+        lock(&self.reported).clone()
     }
 
     /// Waits until it has told something.
-    pub(crate) fn wait_until_told(&mut self, what: &str) {
+    pub(crate) fn wait_until_reported(&mut self, what: &str) {
         wait_until(what, || {
-            assert!(self.runs(), "it has ended before '{what}': {}", self.told());
-            self.told().contains(what)
+            assert!(self.runs(), "it has ended before '{what}': {}", self.reported());
+            self.reported().contains(what)
         });
     }
 
@@ -222,9 +222,9 @@ impl Show {
     /// Asks it to end, and waits until it has: what it has told.
     pub(crate) fn end(self) -> String {
         self.ask_to_end();
-        let (_, told) = self.wait_for_end();
-        assert!(!told.contains("panicked"), "{told}");
-        told
+        let (_, reported) = self.wait_for_end();
+        assert!(!reported.contains("panicked"), "{reported}");
+        reported
     }
 
     /// Waits for its end.
@@ -232,8 +232,8 @@ impl Show {
         wait_until("its end", || !self.runs());
         // All that was written before is in the pipe, and its last words are a line.
         let status = self.process.ended().unwrap();
-        wait_until("its last words", || self.told().is_empty() || self.told().ends_with('\n'));
-        (status, self.told())
+        wait_until("its last words", || self.reported().is_empty() || self.reported().ends_with('\n'));
+        (status, self.reported())
     }
 }
 

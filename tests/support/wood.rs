@@ -3,7 +3,7 @@
 use image::RgbaImage;
 
 /// Share of the pixels of a part of the picture that have the colour of wood, lit or not.
-fn wood_share(picture: &RgbaImage, columns: std::ops::Range<u32>) -> f64 {
+fn wood_fraction(picture: &RgbaImage, columns: std::ops::Range<u32>) -> f64 {
     let (mut wood, mut all) = (0_u32, 0_u32);
     for (x, _, pixel) in picture.enumerate_pixels() {
         if columns.contains(&x) {
@@ -18,7 +18,7 @@ fn wood_share(picture: &RgbaImage, columns: std::ops::Range<u32>) -> f64 {
 /// Fails unless both speakers are in the picture.
 pub(crate) fn assert_shows_the_speakers(picture: &RgbaImage) {
     let middle = picture.width() / 2;
-    let [left, right] = [0..middle, middle..picture.width()].map(|columns| wood_share(picture, columns));
+    let [left, right] = [0..middle, middle..picture.width()].map(|columns| wood_fraction(picture, columns));
     assert!(left > 0.03 && right > 0.03, "wood fills {left} of the left half and {right} of the right one");
     let brightness = picture.pixels().map(|pixel| f64::from(pixel.0[1])).sum::<f64>()
         / f64::from(picture.width() * picture.height());

@@ -27,14 +27,14 @@ fn an_x_server_that_was_killed_ended_the_show_by_xlibs_words_and_exit() {
     write_wav(&song, 48_000, 2, (0..48_000 * 40).map(|_| 0.0));
     let mut app = desktop.open(&song, &SMALL);
     app.wait_for_title("that the scene is shown", |title| title.contains('('));
-    assert_threads_share_heaps(app.process_id());
+    assert_threads_fraction_heaps(app.process_id());
     desktop.kill_server();
-    let (status, told) = app.wait_for_end(END_LIMIT);
-    assert_eq!((status.code(), told.as_str()), (Some(1), DISPLAY_LOST));
+    let (status, reported) = app.wait_for_end(END_LIMIT);
+    assert_eq!((status.code(), reported.as_str()), (Some(1), DISPLAY_LOST));
 }
 
 /// Each thread kept a heap of its own.
-fn assert_threads_share_heaps(process: u32) {
+fn assert_threads_fraction_heaps(process: u32) {
     /// glibc's heaps, but for the first one, begin at multiples of this, and have this size at most.
     const HEAP: u64 = 64 << 20;
     /// The second heap goes over into another of that size when it is full. Before, there were fifteen.
@@ -62,20 +62,20 @@ fn a_wayland_compositor_that_stood_still_or_was_killed_left_a_show_that_never_en
     let mut compositor = Compositor::weston();
     // The demo track; what it logs tells when it shows.
     let mut show = compositor.open(&[], &SMALL[1..]);
-    show.wait_until_told("first picture");
+    show.wait_until_reported("first picture");
     compositor.stop();
     show.ask_to_end();
-    let (status, told) = show.wait_for_end();
-    assert_eq!(status.code(), Some(128 + 15), "{told}");
-    assert!(!told.contains("panicked"), "{told}");
+    let (status, reported) = show.wait_for_end();
+    assert_eq!(status.code(), Some(128 + 15), "{reported}");
+    assert!(!reported.contains("panicked"), "{reported}");
 
     compositor.go_on();
     let mut show = compositor.open(&[], &SMALL[1..]);
-    show.wait_until_told("first picture");
+    show.wait_until_reported("first picture");
     compositor.kill();
-    let (status, told) = show.wait_for_end();
-    assert_eq!(status.code(), Some(1), "{told}");
-    assert!(told.ends_with(DISPLAY_LOST), "{told}");
+    let (status, reported) = show.wait_for_end();
+    assert_eq!(status.code(), Some(1), "{reported}");
+    assert!(reported.ends_with(DISPLAY_LOST), "{reported}");
 }
 
 #[test]
@@ -93,6 +93,6 @@ fn a_gibibyte_of_address_space_killed_the_program_within_a_driver() {
         std::thread::sleep(Duration::from_millis(300));
     }
     app.press(&["q"]);
-    let (status, told) = app.wait_for_end(END_LIMIT);
-    assert!(status.success(), "{status}: {told}");
+    let (status, reported) = app.wait_for_end(END_LIMIT);
+    assert!(status.success(), "{status}: {reported}");
 }

@@ -17,7 +17,7 @@ use mariana_testing::wave::write_wav;
 const LETTERS: &str = "n p c v n v r Tab i h space Left Right";
 
 /// A number or text of the environment, or what stands in for it.
-fn wish<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
+fn change<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
     std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(otherwise)
 }
 
@@ -36,12 +36,12 @@ impl Dice {
 
 #[test]
 fn keys_pressed_at_random_killed_the_program() {
-    let (runs, keys) = (wish("STORM_RUNS", 2_u64), wish("STORM_KEYS", 40_u64));
-    let (pause, seed) = (wish("STORM_PAUSE_MS", 600_u64), wish("STORM_SEED", 1_u64));
+    let (runs, keys) = (change("STORM_RUNS", 2_u64), change("STORM_KEYS", 40_u64));
+    let (pause, seed) = (change("STORM_PAUSE_MS", 600_u64), change("STORM_SEED", 1_u64));
     let (letters, size) =
-        (wish("STORM_LETTERS", LETTERS.to_owned()), wish("STORM_SIZE", "160x90".to_owned()));
+        (change("STORM_LETTERS", LETTERS.to_owned()), change("STORM_SIZE", "160x90".to_owned()));
     let letters: Vec<&str> = letters.split_whitespace().collect();
-    let warm = wish("STORM_CACHE", "fresh".to_owned()) == "warm";
+    let warm = change("STORM_CACHE", "fresh".to_owned()) == "warm";
     let mut worst = Answers::default();
     let mut cache = tempfile::tempdir().unwrap();
     for run in 0..runs {
@@ -59,17 +59,17 @@ fn keys_pressed_at_random_killed_the_program() {
         for _ in 0..keys {
             let key = letters[dice.below(letters.len() as u64) as usize];
             pressed.push(key);
-            assert!(app.runs(), "run {run}: it died after {pressed:?}; it told: {}", app.told());
+            assert!(app.runs(), "run {run}: it died after {pressed:?}; it told: {}", app.reported());
             app.press(&[key]);
             std::thread::sleep(Duration::from_millis(50 + dice.below(pause.max(51) - 50)));
         }
-        assert!(app.runs(), "run {run}: it died after {pressed:?}; it told: {}", app.told());
+        assert!(app.runs(), "run {run}: it died after {pressed:?}; it told: {}", app.reported());
         let answers = pings.stop();
         let memory = app.memory_mib();
         let begun = Instant::now();
         app.press(&["q"]);
-        let (status, told) = app.wait_for_end(Duration::from_secs(60));
-        assert!(status.success(), "run {run}: it ended by {status} after {pressed:?}: {told}");
+        let (status, reported) = app.wait_for_end(Duration::from_secs(60));
+        assert!(status.success(), "run {run}: it ended by {status} after {pressed:?}: {reported}");
         println!(
             "run {run}: {keys} keys, {memory:.0} MiB, {} pings: median {:?}, 99.9 % {:?}, worst {:?} at {:.1?}; gone after {:?}",
             answers.count,

@@ -41,7 +41,7 @@ fn the_desktop_steers_the_player_over_d_bus_as_long_as_there_is_a_bus() {
     let slow = [("MARIANA_FAULT", "slow-compiler@0")];
     let mut app = desktop.open_with(&slow, &folder, &[SMALL, &["-v"]].concat());
     wait_until("the player on the bus", || bus.players().len() == 1);
-    let waits = |app: &App<'_>| !app.told().contains("first picture after");
+    let waits = |app: &App<'_>| !app.reported().contains("first picture after");
     let status = bus.property("Player.PlaybackStatus");
     assert!(!waits(&app) || !status.contains("Playing"), "{status}");
     let position = || -> i64 {
@@ -97,8 +97,8 @@ fn the_desktop_steers_the_player_over_d_bus_as_long_as_there_is_a_bus() {
     drop(second);
     wait_until("the second one's end", || bus.players().len() == 1);
     bus.call("Quit", &[]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success() && !told.contains("mariana: "), "{status}: {told}");
+    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success() && !reported.contains("mariana: "), "{status}: {reported}");
     end_with_the_bus(&desktop, bus, &folder);
 }
 
@@ -110,11 +110,11 @@ fn end_with_the_bus(desktop: &Desktop, bus: SessionBus, folder: &Path) {
     app.press(&["Next", "space"]);
     wait_for_track(&mut app, "2.wav", "paused");
     app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success() && told.is_empty(), "{status}: {told}");
+    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success() && reported.is_empty(), "{status}: {reported}");
     // Its socket is left behind, and nobody answers there.
     let app = desktop.open(folder, SMALL);
     app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success() && told.is_empty(), "{status}: {told}");
+    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success() && reported.is_empty(), "{status}: {reported}");
 }

@@ -37,7 +37,7 @@ impl Place {
         let scene = self.path(scene);
         let own = ["-v", "--size", "320x180", "--quality", "best", "--scene", scene.to_str().unwrap()];
         let mut app = self.desktop.open_with(variables, Path::new("--silent"), &[&own[..], options].concat());
-        app.wait_until_told("first picture after");
+        app.wait_until_reported("first picture after");
         app
     }
 
@@ -68,8 +68,8 @@ pub(crate) fn wait_for(app: &App, what: &str, wanted: impl Fn(&RgbaImage) -> boo
 
 pub(crate) fn quit(app: App<'_>) -> String {
     app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-    assert!(!told.contains("panicked"), "{told}");
-    told
+    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success(), "{status}: {reported}");
+    assert!(!reported.contains("panicked"), "{reported}");
+    reported
 }

@@ -55,7 +55,7 @@ fn pause_at_start(app: &mut App) -> RgbaImage {
 /// Fails unless the picture moves.
 fn assert_moves(app: &App) {
     let before = app.picture();
-    wait_until("another picture", || difference(&before, &app.picture(), TIGHT.visible).share > 0.0);
+    wait_until("another picture", || difference(&before, &app.picture(), TIGHT.visible).fraction > 0.0);
 }
 
 /// Level of both channels, as root of the mean square.
@@ -83,7 +83,7 @@ fn a_song_is_seen_and_heard_and_obeys_the_keys() {
     let recorder = Recorder::start(desktop.folder());
     let song = song(desktop.folder(), "lantern.wav", 60.0, 10.0);
     let mut app = desktop.open(&song, &["-v", "--size", SMALL]);
-    app.wait_until_told("first picture after");
+    app.wait_until_reported("first picture after");
     app.wait_for_title("the song and the scene alone", |title| {
         title.starts_with("lantern.wav - Mariana (speakers, ") && title.matches(", ").count() == 1
     });
@@ -94,7 +94,7 @@ fn a_song_is_seen_and_heard_and_obeys_the_keys() {
     // Paused: the start of the song, and it stands still and costs nothing, once the whole song was read.
     let start = pause_at_start(&mut app);
     assert_shows_the_speakers(&start);
-    app.wait_until_told("is known after");
+    app.wait_until_reported("is known after");
     wait_until("rest while it is paused", || app.load(Duration::from_secs(1)) < 0.1);
     assert!(app.picture() == start, "paused it moves");
     assert!(is_silent(level(&recorder.next(0.2))), "paused it sounds");
@@ -102,7 +102,7 @@ fn a_song_is_seen_and_heard_and_obeys_the_keys() {
     // Seeking, while it stands: the picture is that of the moment, with the bars of its sound.
     app.press(&["Right", "Right", "Right"]);
     let loud = app.wait_for_moment(15.0);
-    assert!(difference(&start, &loud, TIGHT.visible).share > 0.05, "sound does not show");
+    assert!(difference(&start, &loud, TIGHT.visible).fraction > 0.05, "sound does not show");
     assert_shows_the_speakers(&loud);
 
     // Playing.
@@ -141,9 +141,9 @@ fn a_song_is_seen_and_heard_and_obeys_the_keys() {
     app.press(&["ctrl+q"]);
     assert_moves(&app);
     app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-    assert!(!told.contains("mariana: "), "it complains: {told}");
+    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success(), "{status}: {reported}");
+    assert!(!reported.contains("mariana: "), "it complains: {reported}");
 }
 
 /// Checks what the window says to whom it belongs.
@@ -191,9 +191,9 @@ fn full_screen_comes_and_goes_in_a_window_that_the_desktop_knows() {
     });
     // The window manager's way to close a window.
     output_of(desktop.command("wmctrl").args(["-i", "-c", app.window()]), "wmctrl").unwrap();
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-    assert_eq!(told, "");
+    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success(), "{status}: {reported}");
+    assert_eq!(reported, "");
 }
 
 #[test]
@@ -230,7 +230,7 @@ fn a_window_takes_any_size_prints_nothing_and_is_closed_without_asking() {
     app.wait_for_size((115, 365));
     assert_shows_the_speakers(&app.wait_for_moment(0.0));
     app.xdotool(&["windowclose", app.window()]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-    assert_eq!(told, "");
+    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success(), "{status}: {reported}");
+    assert_eq!(reported, "");
 }

@@ -59,9 +59,9 @@ fn pings_are_answered_while_the_picture_stands_still_and_while_a_scene_takes_min
     let pings = Pings::start(desktop.display(), app.window().parse().unwrap());
     app.press(&["n"]);
     let begun = Instant::now();
-    while !app.told().contains("p_foam is too much for this machine; the last good scene stays") {
-        assert!(begun.elapsed() < Duration::from_secs(150), "it was not refused: {}", app.told());
-        assert!(app.runs(), "{}", app.told());
+    while !app.reported().contains("p_foam is too much for this machine; the last good scene stays") {
+        assert!(begun.elapsed() < Duration::from_secs(150), "it was not refused: {}", app.reported());
+        assert!(app.runs(), "{}", app.reported());
         // All the while what was shown moves.
         let picture = app.picture();
         wait_until("another picture", || app.picture() != picture);
@@ -96,7 +96,7 @@ fn the_window_closes_while_a_driver_is_still_compiling() {
     };
     wait_for(&app, "the first scene", is_red);
     app.press(&["n"]);
-    app.wait_until_told("own2 is requested, compiled");
+    app.wait_until_reported("own2 is requested, compiled");
     // Meanwhile it draws in another size, as before, beside the words that say what is being prepared.
     app.xdotool(&["windowsize", app.window(), "160", "240"]);
     app.wait_for_size((160, 240));
@@ -104,7 +104,7 @@ fn the_window_closes_while_a_driver_is_still_compiling() {
         picture.dimensions() == (160, 240) && is_red(picture)
     });
     app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success(), "{status}: {told}");
-    assert!(told.contains("still compiling") && !told.contains("own2 is shown"), "{told}");
+    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success(), "{status}: {reported}");
+    assert!(reported.contains("still compiling") && !reported.contains("own2 is shown"), "{reported}");
 }

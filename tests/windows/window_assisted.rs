@@ -65,6 +65,6 @@ fn a_screen_reader_finds_the_buttons_and_steers_the_song() {
     reader.listen(false);
     wait_until("silence", || find(&reader, TOGGLE, "pause").is_none());
     app.press(&["q"]);
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success() && told.is_empty(), "{status}: {told}");
+    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success() && reported.is_empty(), "{status}: {reported}");
 }

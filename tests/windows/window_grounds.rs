@@ -13,7 +13,7 @@ fn wallpaper(compositor: &Compositor, emission: &str, variables: &[(&str, &str)]
     std::fs::write(&scene, wall(emission)).unwrap();
     let options = ["--wallpaper", "--quality", "best", "--fps-cap", "10", "--scene", scene.to_str().unwrap()];
     let mut show = compositor.open(variables, &options);
-    show.wait_until_told("first picture after");
+    show.wait_until_reported("first picture after");
     show
 }
 
@@ -32,13 +32,13 @@ fn on_wayland_a_wallpaper_fills_every_monitor_with_its_own_pixels() {
     compositor.wait_for_screen("HEADLESS-2", "the wallpaper", |screen| {
         screen.dimensions() == (300, 240) && fills(screen)
     });
-    show.wait_until_told("the wallpaper is on HEADLESS-2 (300x240)");
+    show.wait_until_reported("the wallpaper is on HEADLESS-2 (300x240)");
     // One that is turned.
     compositor.order("output HEADLESS-1 transform 90");
     compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| {
         screen.dimensions() == (180, 320) && fills(screen)
     });
-    show.wait_until_told("the wallpaper is on HEADLESS-1 (180x320)");
+    show.wait_until_reported("the wallpaper is on HEADLESS-1 (180x320)");
     // A window is above it.
     compositor.order("workspace 1");
     let scene = compositor.folder().join("other.scene");
@@ -57,26 +57,26 @@ fn on_wayland_a_wallpaper_fills_every_monitor_with_its_own_pixels() {
 fn on_wayland_a_wallpaper_outlives_a_lost_context_rests_while_nobody_sees_it_and_ends_with_its_compositor() {
     let mut compositor = Compositor::sway("output HEADLESS-1 resolution 320x180\n");
     let mut show = wallpaper(&compositor, BREATHES, &[("MARIANA_FAULT", "context-lost@4")]);
-    show.wait_until_told("the driver has lost its context");
+    show.wait_until_reported("the driver has lost its context");
     let first =
         compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| at(screen, 0.5, 0.5)[0] > 60);
     compositor.wait_for_screen("HEADLESS-1", "another picture", |screen| *screen != first);
-    assert!(!show.told().contains("the wallpaper rests"), "{}", show.told());
+    assert!(!show.reported().contains("the wallpaper rests"), "{}", show.reported());
     let options = ["--clean", "--fullscreen", "--scene", "length(p) - 1"];
     let window = compositor.open(&[], &options);
     // It says so when no picture was shown for a second.
-    show.wait_until_told("the wallpaper rests");
+    show.wait_until_reported("the wallpaper rests");
     window.end();
-    show.wait_until_told("the wallpaper goes on");
+    show.wait_until_reported("the wallpaper goes on");
     let first = compositor.screen("HEADLESS-1").unwrap();
     compositor.wait_for_screen("HEADLESS-1", "another picture", |screen| *screen != first);
     compositor.kill();
-    let (status, told) = show.wait_for_end();
-    assert_eq!(status.code(), Some(1), "{told}");
+    let (status, reported) = show.wait_for_end();
+    assert_eq!(status.code(), Some(1), "{reported}");
     // The wall's thread may note that it hears no more before or after.
     let is_own = |line: &&str| !line.contains("the compositor tells no more");
-    let told: String = told.split_inclusive('\n').filter(is_own).collect();
-    assert!(told.ends_with(DISPLAY_LOST), "{told}");
+    let reported: String = reported.split_inclusive('\n').filter(is_own).collect();
+    assert!(reported.ends_with(DISPLAY_LOST), "{reported}");
 }
 
 #[test]
@@ -86,20 +86,23 @@ fn on_wayland_a_wallpaper_takes_no_input_and_outlives_monitors_that_are_pulled_o
     );
     // It tells all that the compositor says to it.
     let mut show = wallpaper(&compositor, TWO_COLOURS, &[("WAYLAND_DEBUG", "client")]);
-    assert!(show.told().contains(".get_pointer("), "there is no pointer: {}", show.told());
+    assert!(show.reported().contains(".get_pointer("), "there is no pointer: {}", show.reported());
     compositor.order("seat * cursor set 40 40");
     compositor.order("seat * cursor set 60 90");
     compositor.order("create_output");
     for output in ["X11-1", "X11-2"] {
         compositor.wait_for_screen(output, "the wallpaper", fills);
     }
-    let told = show.told();
-    assert!(!told.lines().any(|line| line.contains("wl_pointer") && line.contains(".enter(")), "{told}");
+    let reported = show.reported();
+    assert!(
+        !reported.lines().any(|line| line.contains("wl_pointer") && line.contains(".enter(")),
+        "{reported}"
+    );
     compositor.pull("X11-2");
-    show.wait_until_told("the wallpaper leaves X11-2");
+    show.wait_until_reported("the wallpaper leaves X11-2");
     compositor.wait_for_screen("X11-1", "the wallpaper that is left", fills);
     compositor.pull("X11-1");
-    show.wait_until_told("the wallpaper leaves X11-1");
+    show.wait_until_reported("the wallpaper leaves X11-1");
     // None is left; the next one has it.
     compositor.order("create_output");
     compositor.wait_for_screen("X11-3", "the wallpaper", |screen| {

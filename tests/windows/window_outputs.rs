@@ -82,7 +82,7 @@ fn an_output_fills_its_monitor_cleanly_outlives_a_lost_context_and_comes_back_wi
     place.desktop.plug_monitor("right", half as i16, half);
     let lost = [("MARIANA_FAULT", "context-lost@4")];
     let mut app = place.open_with(&lost, "two.scene", &["--output", "RIGHT"]);
-    app.wait_until_told("the driver has lost its context");
+    app.wait_until_reported("the driver has lost its context");
     app.xdotool(&["windowmove", "--sync", app.window(), "20", "60"]);
     wait_for_half(&place, true, "the output, clean", fills_cleanly);
     // The desk shows the same picture small, in its own shape, and nothing beside it.
@@ -124,15 +124,15 @@ fn an_output_fills_its_monitor_cleanly_outlives_a_lost_context_and_comes_back_wi
     }
     for _ in 0..2 {
         place.desktop.pull_monitor("right");
-        app.wait_until_told("the monitor RIGHT is gone: its picture comes back with it");
+        app.wait_until_reported("the monitor RIGHT is gone: its picture comes back with it");
         wait_for_half(&place, true, "nothing on a monitor that is gone", is_dark);
         wait_for(&app, "the picture in the window alone", |picture| is_red(at(picture, 0.02, 0.5)));
         // It comes back at another place, too.
         place.desktop.plug_monitor("right", half as i16, half);
         wait_for_half(&place, true, "the output", fills);
     }
-    let told = quit(app);
-    assert_eq!(told.matches("the monitor RIGHT is gone").count(), 2, "{told}");
+    let reported = quit(app);
+    assert_eq!(reported.matches("the monitor RIGHT is gone").count(), 2, "{reported}");
 }
 
 #[test]
@@ -141,7 +141,7 @@ fn a_monitor_is_named_by_its_number_and_what_is_aimed_at_the_small_picture_of_a_
     let half = SCREEN.0 as u16 / 2;
     place.desktop.plug_monitor("left", 0, half);
     let mut app = place.open("two.scene", &["--output", "2", "-vv"]);
-    app.wait_until_told(
+    app.wait_until_reported(
         "there is no monitor 2, but left (400x600): the picture comes onto it when it is there",
     );
     place.desktop.plug_monitor("right", half as i16, half);
@@ -180,9 +180,9 @@ fn a_monitor_is_named_by_its_number_and_what_is_aimed_at_the_small_picture_of_a_
     for (number, x) in [middle - quarter, middle + quarter].into_iter().enumerate() {
         to(&app, x, (top + bottom) / 2);
         app.xdotool(&["click", "1"]);
-        app.wait_until_told_times("probed: Probed", number + 1);
-        let told = app.told();
-        let probed = told.lines().filter(|line| line.contains("probed: Probed")).nth(number).unwrap();
+        app.wait_until_reported_times("probed: Probed", number + 1);
+        let reported = app.reported();
+        let probed = reported.lines().filter(|line| line.contains("probed: Probed")).nth(number).unwrap();
         let (_, position) = probed.split_once("position: [").unwrap();
         let wall: Vec<f64> = position.split([',', ']']).map_while(|part| part.trim().parse().ok()).collect();
         // A quarter of the picture's width from its middle, on the wall at z = 5.
@@ -200,7 +200,7 @@ fn ground<'d>(place: &'d Place, variables: &[(&str, &str)], options: &[&str]) ->
     command.envs(variables.iter().copied()).args(["--silent", "-v", "--prepare-ahead", "off", "--scene"]);
     command.arg(scene).args(options).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut app = place.desktop.show_without_focus(command, Path::new(""));
-    app.wait_until_told("first picture after");
+    app.wait_until_reported("first picture after");
     app
 }
 
@@ -232,11 +232,11 @@ fn a_wallpaper_is_below_everything_on_every_monitor_takes_no_input_and_rests_whi
     wait_until("the wallpaper of one monitor", || fills(&place.desktop.screen()));
     // Covered, it rests.
     let app = place.open("breathes.scene", &[]);
-    assert!(!wallpaper.told().contains("the wallpaper rests"), "{}", wallpaper.told());
+    assert!(!wallpaper.reported().contains("the wallpaper rests"), "{}", wallpaper.reported());
     app.press(&["f"]);
-    wallpaper.wait_until_told("the wallpaper rests");
+    wallpaper.wait_until_reported("the wallpaper rests");
     app.press(&["f"]);
-    wallpaper.wait_until_told("the wallpaper goes on");
+    wallpaper.wait_until_reported("the wallpaper goes on");
     quit(app);
     assert!(wallpaper.runs());
 }
@@ -253,8 +253,8 @@ fn a_screen_saver_s_window_is_drawn_into_and_its_end_is_the_end() {
     let app = ground(&place, &[("XSCREENSAVER_WINDOW", &format!("{saver:#x}"))], &[]);
     wait_for_half(&place, true, "the picture in the screen saver's window", fills);
     server.destroy_window(saver).unwrap().check().unwrap();
-    let (status, told) = app.wait_for_end(QUIT_LIMIT);
-    assert!(status.success() && !told.contains("panicked"), "{status}: {told}");
+    let (status, reported) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success() && !reported.contains("panicked"), "{status}: {reported}");
 }
 
 #[test]
@@ -263,15 +263,15 @@ fn on_wayland_an_output_is_a_full_screen_window_too_and_a_wallpaper_needs_layers
     let mut show =
         compositor.open(&[], &["--size", "160x90", "--scene", "length(p) - 1", "--output", "headless"]);
     for what in ["the output is on headless (640x360)", "first picture after"] {
-        show.wait_until_told(what);
+        show.wait_until_reported(what);
     }
-    let told = show.end();
-    assert!(!told.contains("no output on another monitor"), "{told}");
+    let reported = show.end();
+    assert!(!reported.contains("no output on another monitor"), "{reported}");
     let show = compositor.open(&[], &["--wallpaper", "--scene", "length(p) - 1"]);
-    let (status, told) = show.wait_for_end();
-    assert_eq!(status.code(), Some(1), "{told}");
-    let last = told.lines().last().unwrap();
+    let (status, reported) = show.wait_for_end();
+    assert_eq!(status.code(), Some(1), "{reported}");
+    let last = reported.lines().last().unwrap();
     for part in ["this Wayland compositor", "zwlr_layer_shell_v1", "start Mariana in"] {
-        assert!(last.contains(part), "{told}");
+        assert!(last.contains(part), "{reported}");
     }
 }

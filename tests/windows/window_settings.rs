@@ -27,7 +27,7 @@ fn open<'d>(desktop: &'d Desktop, options: &[&str]) -> App<'d> {
     command.args(["--prepare-ahead", "off", "--scene", SCENE, "-v"]).args(options);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut app = desktop.show(command, Path::new(""));
-    app.wait_until_told("first picture after");
+    app.wait_until_reported("first picture after");
     app
 }
 

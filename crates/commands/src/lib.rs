@@ -30,7 +30,7 @@ pub use table::{
 };
 
 use crate::input::{Key, Modifiers};
-use mariana_control::deed::{Deed, DeedRow, Given, Takes};
+use mariana_control::action::{Action, ActionRow, ActionValue, ValueType};
 
 /// On, off, or the other of the two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -149,16 +149,16 @@ impl Row {
     };
 
     /// Returns the row as controllers see it, if it has a name.
-    fn for_controllers(&self) -> Option<DeedRow> {
+    fn for_controllers(&self) -> Option<ActionRow> {
         let name = self.name?;
         let takes = match self.control? {
-            Control::Press(_) => Takes::Press,
-            Control::Switch(_) => Takes::Switch,
-            Control::Level(_) => Takes::Level,
-            Control::Number(..) => Takes::Number,
-            Control::Scene(_) => Takes::Choice,
+            Control::Press(_) => ValueType::Press,
+            Control::Switch(_) => ValueType::Switch,
+            Control::Level(_) => ValueType::Level,
+            Control::Number(..) => ValueType::Number,
+            Control::Scene(_) => ValueType::Choice,
         };
-        Some(DeedRow { name, takes, meaning: self.words() })
+        Some(ActionRow { name, takes, meaning: self.words() })
     }
 
     /// Returns the effect in words.
@@ -170,11 +170,11 @@ impl Row {
 impl Command {
     /// Returns the command that a controller's action asks for; `None` if the table has no such name or the value
     /// does not fit.
-    pub fn of_controller(action: &Deed) -> Option<Self> {
+    pub fn of_controller(action: &Action) -> Option<Self> {
         let row = ROWS.iter().find(|row| row.name == Some(action.name))?;
         let number = match action.given {
-            Given::Number(number) => Some(number),
-            Given::Nothing | Given::Text(_) => None,
+            ActionValue::Number(number) => Some(number),
+            ActionValue::Nothing | ActionValue::Text(_) => None,
         };
         Some(match row.control? {
             Control::Press(command) => command(),
@@ -184,9 +184,9 @@ impl Command {
             Control::Level(command) => command(number?),
             Control::Number(command, default) => command(number.or(default)?),
             Control::Scene(command) => command(match &action.given {
-                Given::Text(title) => SceneName::Title(title.clone()),
-                Given::Number(number) => SceneName::Number(number.round().max(0.0) as usize),
-                Given::Nothing => return None,
+                ActionValue::Text(title) => SceneName::Title(title.clone()),
+                ActionValue::Number(number) => SceneName::Number(number.round().max(0.0) as usize),
+                ActionValue::Nothing => return None,
             }),
         })
     }
@@ -230,14 +230,14 @@ impl Command {
 }
 
 /// The commands with a name, as devices and networks see them.
-pub fn for_controllers() -> &'static [DeedRow] {
-    static TABLE: OnceLock<Vec<DeedRow>> = OnceLock::new();
+pub fn for_controllers() -> &'static [ActionRow] {
+    static TABLE: OnceLock<Vec<ActionRow>> = OnceLock::new();
     TABLE.get_or_init(|| ROWS.iter().filter_map(Row::for_controllers).collect())
 }
 
 /// The commands with a name that phones may send.
-pub fn for_phones() -> &'static [DeedRow] {
-    static TABLE: OnceLock<Vec<DeedRow>> = OnceLock::new();
+pub fn for_phones() -> &'static [ActionRow] {
+    static TABLE: OnceLock<Vec<ActionRow>> = OnceLock::new();
     TABLE.get_or_init(|| ROWS.iter().filter(|row| row.for_phones).filter_map(Row::for_controllers).collect())
 }
 
@@ -350,26 +350,26 @@ mod tests {
 
     #[test]
     fn a_switch_that_is_on_already_is_left_alone() {
-        let action = |given| Deed { name: "pause", given };
+        let action = |given| Action { name: "pause", given };
         let pause = |given| Command::of_controller(&action(given)).unwrap();
         let (playing, paused) = (ShowState::default(), ShowState { paused: true, ..ShowState::default() });
-        assert!(pause(Given::Number(1.0)).is_done_already(&paused));
-        assert!(!pause(Given::Number(1.0)).is_done_already(&playing));
-        assert!(pause(Given::Number(0.0)).is_done_already(&playing));
-        assert!(!pause(Given::Nothing).is_done_already(&playing));
-        assert!(!pause(Given::Nothing).is_done_already(&paused));
+        assert!(pause(ActionValue::Number(1.0)).is_done_already(&paused));
+        assert!(!pause(ActionValue::Number(1.0)).is_done_already(&playing));
+        assert!(pause(ActionValue::Number(0.0)).is_done_already(&playing));
+        assert!(!pause(ActionValue::Nothing).is_done_already(&playing));
+        assert!(!pause(ActionValue::Nothing).is_done_already(&paused));
     }
 
     #[test]
     fn values_become_commands_or_are_left() {
-        let of = |name, given| Command::of_controller(&Deed { name, given });
-        assert_eq!(of("next", Given::Nothing), Some(Command::NextScene));
-        assert_eq!(of("volume", Given::Number(0.5)), Some(Command::Volume(0.5)));
-        assert_eq!(of("tempo", Given::Nothing), Some(Command::Tempo(0.0)));
+        let of = |name, given| Command::of_controller(&Action { name, given });
+        assert_eq!(of("next", ActionValue::Nothing), Some(Command::NextScene));
+        assert_eq!(of("volume", ActionValue::Number(0.5)), Some(Command::Volume(0.5)));
+        assert_eq!(of("tempo", ActionValue::Nothing), Some(Command::Tempo(0.0)));
         let orb = Command::Scene(SceneName::Title("orb".to_owned()));
-        assert_eq!(of("scene", Given::Text("orb".to_owned())), Some(orb));
-        assert_eq!(of("scene", Given::Number(3.0)), Some(Command::Scene(SceneName::Number(3))));
-        assert_eq!(of("scene", Given::Nothing), None);
-        assert_eq!(of("no_such_name", Given::Nothing), None);
+        assert_eq!(of("scene", ActionValue::Text("orb".to_owned())), Some(orb));
+        assert_eq!(of("scene", ActionValue::Number(3.0)), Some(Command::Scene(SceneName::Number(3))));
+        assert_eq!(of("scene", ActionValue::Nothing), None);
+        assert_eq!(of("no_such_name", ActionValue::Nothing), None);
     }
 }

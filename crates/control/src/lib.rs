@@ -6,28 +6,28 @@
 //! slider, text, show, recording, phone ─────────────┘
 //! ```
 //!
-//! **Newest wins.** Between two frames a flood of messages costs one value for each parameter: [`Wishes`] keeps the newest,
+//! **Newest wins.** Between two frames a flood of messages costs one value for each parameter: [`InputQueue`] keeps the newest,
 //! and says how many came.
 //!
-//! **The last hand wins.** [`Model`] knows of each parameter which [`Hand`] holds it, where it is going and how long that
+//! **The last hand wins.** [`Model`] knows of each parameter which [`ChangedBy`] holds it, where it is going and how long that
 //! takes. It reads no clock: the same turns at the same seconds give the same values, however many frames are drawn.
 //!
 //! Devices and sockets live on threads of their own and hand over values; nothing here waits for them.
 
-pub mod deed;
+pub mod action;
+mod changed_by;
 mod glide;
-mod hand;
+mod input_queue;
 pub mod limits;
 pub mod midi;
 mod model;
 pub mod osc;
 mod present;
 mod slider;
-mod wishes;
 
+pub use changed_by::ChangedBy;
 pub use glide::Glide;
-pub use hand::Hand;
+pub use input_queue::{Amount, InputBatch, InputQueue, ParamChange, Refusals};
 pub use model::{Directed, Model, Param, Reading, Turn};
 pub use present::{Board, Present};
 pub use slider::Slider;
-pub use wishes::{Amount, Heard, ParamWish, Refusals, Wishes};

@@ -11,9 +11,9 @@ pub struct Limits {
     /// Most bytes of a name that comes from outside: of a parameter, a scene, an action.
     pub name_bytes_max: usize,
     /// Most different parameters that are wished for between two frames; further ones are refused.
-    pub wished_params_max: usize,
+    pub pending_params_max: usize,
     /// Most actions that are wished for between two frames; further ones are refused.
-    pub wished_deeds_max: usize,
+    pub pending_actions_max: usize,
     /// Most bundles and messages of one packet of OSC; what comes behind them is left out.
     pub osc_elements_max: usize,
     /// Deepest nesting of bundles.
@@ -51,8 +51,8 @@ pub struct Limits {
 /// The limits in force.
 pub const LIMITS: Limits = Limits {
     name_bytes_max: 256,
-    wished_params_max: 512,
-    wished_deeds_max: 64,
+    pending_params_max: 512,
+    pending_actions_max: 64,
     osc_elements_max: 1_024,
     osc_depth_max: 8,
     osc_arguments_max: 64,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Glide, Hand};
+use super::{ChangedBy, Glide};
 use crate::limits::LIMITS;
 
 /// A parameter as a scene's text declares it; `min <= default <= max`, all finite.
@@ -26,14 +26,14 @@ impl Param<'_> {
     }
 
     /// Where a value stands in the range, 0..1.
-    pub fn share_of(&self, value: f32) -> f32 {
-        let share = (value - self.min) / (self.max - self.min);
-        if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
+    pub fn fraction_of(&self, value: f32) -> f32 {
+        let fraction = (value - self.min) / (self.max - self.min);
+        if fraction.is_finite() { fraction.clamp(0.0, 1.0) } else { 0.0 }
     }
 
     /// The value at a share of the range, 0..1.
-    pub fn value_at(&self, share: f32) -> f32 {
-        self.clamped(self.min + share.clamp(0.0, 1.0) * (self.max - self.min))
+    pub fn value_at(&self, fraction: f32) -> f32 {
+        self.clamped(self.min + fraction.clamp(0.0, 1.0) * (self.max - self.min))
     }
 }
 
@@ -45,7 +45,7 @@ pub struct Turn {
     /// In which smoothing time, in seconds; 0 is at once.
     pub seconds: f32,
     /// Whose hand it is.
-    pub hand: Hand,
+    pub changed_by: ChangedBy,
 }
 
 /// What a show does with a parameter at a moment.
@@ -63,13 +63,13 @@ pub struct Reading {
     /// The value, in the range.
     pub value: f32,
     /// Whose hand turned it last.
-    pub hand: Hand,
+    pub changed_by: ChangedBy,
 }
 
 /// What is held of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Held {
-    hand: Hand,
+    changed_by: ChangedBy,
     glide: Glide,
     during: Option<u64>,
 }
@@ -97,14 +97,19 @@ impl Model {
         };
         let to = param.clamped(turn.to);
         let seen = self.read(scene, param, directed, now);
-        let glide = match self.held(scene, param.name).filter(|held| held.hand == seen.hand) {
+        let glide = match self.held(scene, param.name).filter(|held| held.changed_by == seen.changed_by) {
             // Again to where it goes already: its way is not begun anew.
-            Some(held) if held.hand == turn.hand && held.glide.target() == to && held.glide.moves(now) => {
+            Some(held)
+                if held.changed_by == turn.changed_by
+                    && held.glide.target() == to
+                    && held.glide.moves(now) =>
+            {
                 held.glide
             }
             _ => Glide::at(seen.value).towards(to, seconds, now),
         };
-        let held = Held { hand: turn.hand, glide, during: directed.map(|directed| directed.part) };
+        let held =
+            Held { changed_by: turn.changed_by, glide, during: directed.map(|directed| directed.part) };
         match self.scenes.get_mut(scene) {
             Some(params) => drop(params.insert(param.name.to_owned(), held)),
             None => {
@@ -125,11 +130,13 @@ impl Model {
     pub fn read(&self, scene: &str, param: &Param<'_>, directed: Option<Directed>, now: f64) -> Reading {
         match (self.held(scene, param.name), directed) {
             (Some(held), Some(directed)) if held.during != Some(directed.part) => {
-                Reading { value: directed.value, hand: Hand::Show }
+                Reading { value: directed.value, changed_by: ChangedBy::Show }
             }
-            (Some(held), _) => Reading { value: param.clamped(held.glide.value(now)), hand: held.hand },
-            (None, Some(directed)) => Reading { value: directed.value, hand: Hand::Show },
-            (None, None) => Reading { value: param.clamped(param.default), hand: Hand::Text },
+            (Some(held), _) => {
+                Reading { value: param.clamped(held.glide.value(now)), changed_by: held.changed_by }
+            }
+            (None, Some(directed)) => Reading { value: directed.value, changed_by: ChangedBy::Show },
+            (None, None) => Reading { value: param.clamped(param.default), changed_by: ChangedBy::Text },
         }
     }
 
@@ -144,15 +151,15 @@ impl Model {
     }
 
     /// What hands have turned in a scene, by name: where it goes, and whose hand it was.
-    pub fn turned(&self, scene: &str) -> impl Iterator<Item = (&str, f32, Hand)> {
+    pub fn turned(&self, scene: &str) -> impl Iterator<Item = (&str, f32, ChangedBy)> {
         let params = self.scenes.get(scene).into_iter().flatten();
-        params.map(|(name, held)| (&**name, held.glide.target(), held.hand))
+        params.map(|(name, held)| (&**name, held.glide.target(), held.changed_by))
     }
 
     /// Puts a parameter where it was in an earlier run, of which the text may have changed meanwhile.
     pub fn remember(&mut self, scene: &str, name: &str, value: f32) {
         if value.is_finite() {
-            let held = Held { hand: Hand::Slider, glide: Glide::at(value), during: None };
+            let held = Held { changed_by: ChangedBy::Slider, glide: Glide::at(value), during: None };
             self.scenes.entry(scene.to_owned()).or_default().insert(name.to_owned(), held);
         }
     }
@@ -168,44 +175,44 @@ mod tests {
 
     const SIZE: Param<'static> = Param { name: "size", min: 0.0, max: 4.0, default: 1.0 };
 
-    fn turn(hand: Hand, to: f32) -> Turn {
-        Turn { to, seconds: 0.0, hand }
+    fn turn(changed_by: ChangedBy, to: f32) -> Turn {
+        Turn { to, seconds: 0.0, changed_by }
     }
 
-    fn read(model: &Model, directed: Option<Directed>, now: f64) -> (f32, Hand) {
-        let Reading { value, hand } = model.read("orb", &SIZE, directed, now);
-        (value, hand)
+    fn read(model: &Model, directed: Option<Directed>, now: f64) -> (f32, ChangedBy) {
+        let Reading { value, changed_by } = model.read("orb", &SIZE, directed, now);
+        (value, changed_by)
     }
 
     #[test]
     fn the_last_hand_wins_whichever_it_is() {
         let mut model = Model::default();
-        assert_eq!(read(&model, None, 0.0), (1.0, Hand::Text));
-        for hand in Hand::ALL {
-            model.turn("orb", &SIZE, turn(hand, 2.5), None, 1.0);
-            assert_eq!(read(&model, None, 1.0), (2.5, hand));
+        assert_eq!(read(&model, None, 0.0), (1.0, ChangedBy::Text));
+        for changed_by in ChangedBy::ALL {
+            model.turn("orb", &SIZE, turn(changed_by, 2.5), None, 1.0);
+            assert_eq!(read(&model, None, 1.0), (2.5, changed_by));
         }
         model.release("orb", "size");
-        assert_eq!(read(&model, None, 1.0), (1.0, Hand::Text));
+        assert_eq!(read(&model, None, 1.0), (1.0, ChangedBy::Text));
     }
 
     #[test]
     fn each_scene_has_its_own_and_finds_it_again() {
         let mut model = Model::default();
-        model.turn("orb", &SIZE, turn(Hand::Midi, 3.0), None, 0.0);
+        model.turn("orb", &SIZE, turn(ChangedBy::Midi, 3.0), None, 0.0);
         assert_eq!(model.read("city", &SIZE, None, 0.0).value, 1.0);
-        assert_eq!(read(&model, None, 0.0), (3.0, Hand::Midi));
-        assert_eq!(model.turned("orb").collect::<Vec<_>>(), [("size", 3.0, Hand::Midi)]);
+        assert_eq!(read(&model, None, 0.0), (3.0, ChangedBy::Midi));
+        assert_eq!(model.turned("orb").collect::<Vec<_>>(), [("size", 3.0, ChangedBy::Midi)]);
     }
 
     #[test]
     fn values_stay_in_the_range_and_what_is_no_number_changes_nothing() {
         let mut model = Model::default();
-        model.turn("orb", &SIZE, turn(Hand::Osc, 99.0), None, 0.0);
+        model.turn("orb", &SIZE, turn(ChangedBy::Osc, 99.0), None, 0.0);
         assert_eq!(read(&model, None, 0.0).0, 4.0);
         for rubbish in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            model.turn("orb", &SIZE, turn(Hand::Osc, rubbish), None, 0.0);
-            let rubbish = Turn { seconds: rubbish, ..turn(Hand::Osc, 4.0) };
+            model.turn("orb", &SIZE, turn(ChangedBy::Osc, rubbish), None, 0.0);
+            let rubbish = Turn { seconds: rubbish, ..turn(ChangedBy::Osc, 4.0) };
             model.turn("orb", &SIZE, rubbish, None, 0.0);
             assert_eq!(read(&model, None, 0.0).0, 4.0);
         }
@@ -218,17 +225,17 @@ mod tests {
     fn a_show_takes_a_parameter_back_with_its_next_movement() {
         let mut model = Model::default();
         let directed = |part| Some(Directed { value: 2.0, part });
-        assert_eq!(read(&model, directed(1), 0.0), (2.0, Hand::Show));
-        model.turn("orb", &SIZE, turn(Hand::Slider, 3.0), directed(1), 0.0);
-        assert_eq!(read(&model, directed(1), 1.0), (3.0, Hand::Slider));
-        assert_eq!(read(&model, directed(2), 2.0), (2.0, Hand::Show));
-        assert_eq!(read(&model, None, 3.0), (3.0, Hand::Slider), "the show is over");
+        assert_eq!(read(&model, directed(1), 0.0), (2.0, ChangedBy::Show));
+        model.turn("orb", &SIZE, turn(ChangedBy::Slider, 3.0), directed(1), 0.0);
+        assert_eq!(read(&model, directed(1), 1.0), (3.0, ChangedBy::Slider));
+        assert_eq!(read(&model, directed(2), 2.0), (2.0, ChangedBy::Show));
+        assert_eq!(read(&model, None, 3.0), (3.0, ChangedBy::Slider), "the show is over");
     }
 
     #[test]
     fn a_turn_begins_where_the_parameter_is_and_takes_its_time() {
         let mut model = Model::default();
-        let slow = |to| Turn { seconds: 1.0, ..turn(Hand::Midi, to) };
+        let slow = |to| Turn { seconds: 1.0, ..turn(ChangedBy::Midi, to) };
         model.turn("orb", &SIZE, slow(3.0), None, 0.0);
         assert_eq!(read(&model, None, 0.0).0, 1.0);
         let half = read(&model, None, 0.5).0;
@@ -246,20 +253,20 @@ mod tests {
     #[test]
     fn a_hand_takes_over_from_a_show_without_a_jump() {
         let mut model = Model::default();
-        let slow = Turn { seconds: 1.0, ..turn(Hand::Midi, 4.0) };
+        let slow = Turn { seconds: 1.0, ..turn(ChangedBy::Midi, 4.0) };
         let directed = |part| Some(Directed { value: 2.0, part });
         model.turn("orb", &SIZE, slow, directed(1), 0.0);
-        assert_eq!(read(&model, directed(1), 0.0), (2.0, Hand::Midi));
+        assert_eq!(read(&model, directed(1), 0.0), (2.0, ChangedBy::Midi));
         // Also where it held the parameter before the show did.
         assert!(read(&model, directed(1), 9.0).0 > 3.9);
         model.turn("orb", &SIZE, slow, directed(2), 9.0);
-        assert_eq!(read(&model, directed(2), 9.0), (2.0, Hand::Midi));
+        assert_eq!(read(&model, directed(2), 9.0), (2.0, ChangedBy::Midi));
     }
 
     #[test]
     fn a_smoothing_beyond_the_limit_is_the_longest_one() {
         let mut model = Model::default();
-        model.turn("orb", &SIZE, Turn { seconds: 1e9, ..turn(Hand::Osc, 4.0) }, None, 0.0);
+        model.turn("orb", &SIZE, Turn { seconds: 1e9, ..turn(ChangedBy::Osc, 4.0) }, None, 0.0);
         let gone = f64::from(LIMITS.smoothing_seconds_max) * 7.0;
         assert!(model.moves("orb", gone - 1.0) && !model.moves("orb", gone));
     }
@@ -269,15 +276,15 @@ mod tests {
         let mut model = Model::default();
         model.remember("orb", "size", 0.5);
         model.remember("orb", "gone", f32::NAN);
-        assert_eq!(read(&model, None, 0.0), (0.5, Hand::Slider));
+        assert_eq!(read(&model, None, 0.0), (0.5, ChangedBy::Slider));
         assert_eq!(model.turned("orb").count(), 1);
     }
 
     #[test]
     fn shares_and_values_are_two_ways_to_say_the_same() {
-        assert_eq!([0.0, 0.25, 1.0, 7.0].map(|share| SIZE.value_at(share)), [0.0, 1.0, 4.0, 4.0]);
-        assert_eq!([0.0, 1.0, 4.0, -3.0].map(|value| SIZE.share_of(value)), [0.0, 0.25, 1.0, 0.0]);
+        assert_eq!([0.0, 0.25, 1.0, 7.0].map(|fraction| SIZE.value_at(fraction)), [0.0, 1.0, 4.0, 4.0]);
+        assert_eq!([0.0, 1.0, 4.0, -3.0].map(|value| SIZE.fraction_of(value)), [0.0, 0.25, 1.0, 0.0]);
         let none = Param { min: 1.0, max: 1.0, ..SIZE };
-        assert_eq!((none.share_of(1.0), none.value_at(0.7)), (0.0, 1.0));
+        assert_eq!((none.fraction_of(1.0), none.value_at(0.7)), (0.0, 1.0));
     }
 }

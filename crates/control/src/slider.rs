@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::Hand;
+use crate::ChangedBy;
 
 /// A parameter that the user may move.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -18,7 +18,7 @@ pub struct Slider {
     /// What a double click brings back.
     pub default: f32,
     /// Whose hand turned it last.
-    pub hand: Hand,
+    pub changed_by: ChangedBy,
 }
 
 impl Slider {
@@ -40,9 +40,9 @@ impl Slider {
     }
 
     /// Whose hand holds it, where that is neither the text nor the slider itself.
-    pub fn hand_words(&self) -> &'static str {
-        match self.hand {
-            Hand::Text | Hand::Slider => "",
+    pub fn changed_by_words(&self) -> &'static str {
+        match self.changed_by {
+            ChangedBy::Text | ChangedBy::Slider => "",
             other => other.name(),
         }
     }
@@ -65,8 +65,14 @@ mod tests {
 
     #[test]
     fn values_of_sliders_stay_in_their_range() {
-        let slider =
-            |min, max| Slider { name: "x".into(), value: 0.25, min, max, default: 0.5, hand: Hand::Text };
+        let slider = |min, max| Slider {
+            name: "x".into(),
+            value: 0.25,
+            min,
+            max,
+            default: 0.5,
+            changed_by: ChangedBy::Text,
+        };
         let unit = slider(0.0, 1.0);
         assert_eq!([-1.0, 0.25, 7.0, f32::NAN].map(|value| unit.clamped(value)), [0.0, 0.25, 1.0, 0.5]);
         assert_eq!([-1.0, 0.25, 2.0].map(|position| slider(-4.0, 4.0).value_at(position)), [-4.0, -2.0, 4.0]);

@@ -32,7 +32,7 @@ pub struct Number {
 }
 
 /// Share of the number's decade that a point of the hand is.
-const SHARE_OF_POINT: f64 = 0.02;
+const FRACTION_OF_POINT: f64 = 0.02;
 /// Points of the hand for a step of a number that stays whole.
 const POINTS_OF_STEP: f64 = 12.0;
 /// Most digits behind the point.
@@ -94,7 +94,7 @@ impl Number {
         if self.whole {
             return (self.value + (points / POINTS_OF_STEP).round()).clamp(0.0, LARGEST);
         }
-        let turned = self.value + points * SHARE_OF_POINT * self.decade();
+        let turned = self.value + points * FRACTION_OF_POINT * self.decade();
         let grain = 10_f64.powi(-(self.decimals_at(speed) as i32));
         ((turned / grain).round() * grain).clamp(-LARGEST, LARGEST)
     }

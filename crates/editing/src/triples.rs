@@ -161,12 +161,12 @@ mod tests {
         let buffer = Buffer::new(text.as_bytes().to_vec());
         let start = buffer.line_start(line);
         let found = triples(&buffer, &mut Colors::default(), line);
-        let told = |one: Triple| {
+        let reported = |one: Triple| {
             let words = text[start + one.range.start..start + one.range.end].to_owned();
             assert_eq!(&text[start + one.word.start..start + one.word.end], "vec3");
             (words, one.kind, one.values())
         };
-        found.into_iter().map(told).collect()
+        found.into_iter().map(reported).collect()
     }
 
     #[test]

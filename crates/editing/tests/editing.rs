@@ -7,7 +7,7 @@ use mariana_editing::{Buffer, Colors, Editing, Move, cells, column_of, offset_of
 use proptest::prelude::*;
 
 #[derive(Debug, Clone)]
-enum Deed {
+enum Action {
     Insert(Vec<u8>),
     Line,
     Delete(Move),
@@ -53,39 +53,39 @@ fn text() -> impl Strategy<Value = Vec<u8>> {
     prop::collection::vec(piece, 0..12).prop_map(|pieces| pieces.concat())
 }
 
-fn deeds() -> impl Strategy<Value = Vec<Deed>> {
-    let deed = prop_oneof![
-        text().prop_map(Deed::Insert),
-        Just(Deed::Line),
-        ways().prop_map(Deed::Delete),
-        (ways(), any::<bool>()).prop_map(|(way, select)| Deed::Go(way, select)),
-        (0_usize..80, any::<bool>()).prop_map(|(place, select)| Deed::GoTo(place, select)),
-        any::<bool>().prop_map(Deed::Indent),
-        Just(Deed::Comment),
-        (0_usize..40, text()).prop_map(|(place, text)| Deed::Turn(place, text)),
+fn actions() -> impl Strategy<Value = Vec<Action>> {
+    let action = prop_oneof![
+        text().prop_map(Action::Insert),
+        Just(Action::Line),
+        ways().prop_map(Action::Delete),
+        (ways(), any::<bool>()).prop_map(|(way, select)| Action::Go(way, select)),
+        (0_usize..80, any::<bool>()).prop_map(|(place, select)| Action::GoTo(place, select)),
+        any::<bool>().prop_map(Action::Indent),
+        Just(Action::Comment),
+        (0_usize..40, text()).prop_map(|(place, text)| Action::Turn(place, text)),
     ];
-    prop::collection::vec(deed, 1..40)
+    prop::collection::vec(action, 1..40)
 }
 
-fn act(editing: &mut Editing, deed: &Deed) {
-    match deed {
-        Deed::Insert(text) => editing.insert(text).unwrap(),
-        Deed::Line => editing.insert_line().unwrap(),
-        Deed::Delete(way) => editing.delete(*way),
-        Deed::Go(way, select) => editing.go(*way, *select),
-        Deed::GoTo(place, select) => editing.go_to(*place, *select),
-        Deed::Indent(deeper) => editing.indent(*deeper),
-        Deed::Comment => editing.toggle_comment(),
-        Deed::Turn(place, text) => editing.turn(*place..*place + 2, text).unwrap(),
+fn act(editing: &mut Editing, action: &Action) {
+    match action {
+        Action::Insert(text) => editing.insert(text).unwrap(),
+        Action::Line => editing.insert_line().unwrap(),
+        Action::Delete(way) => editing.delete(*way),
+        Action::Go(way, select) => editing.go(*way, *select),
+        Action::GoTo(place, select) => editing.go_to(*place, *select),
+        Action::Indent(deeper) => editing.indent(*deeper),
+        Action::Comment => editing.toggle_comment(),
+        Action::Turn(place, text) => editing.turn(*place..*place + 2, text).unwrap(),
     }
 }
 
 proptest! {
     #[test]
-    fn all_that_is_done_is_undone_and_done_again(begin in text(), deeds in deeds()) {
+    fn all_that_is_done_is_undone_and_done_again(begin in text(), actions in actions()) {
         let mut editing = Editing::new(begin.clone());
-        for deed in &deeds {
-            act(&mut editing, deed);
+        for action in &actions {
+            act(&mut editing, action);
             // The lines are those of the bytes, and the cursor stands in the text.
             prop_assert_eq!(editing.buffer(), &Buffer::new(editing.buffer().bytes().to_vec()));
             prop_assert!(editing.cursor() <= editing.buffer().len());

@@ -66,7 +66,8 @@ fn trees(criterion: &mut Criterion) {
         let frames: Vec<FrameInputs> = (0..FRAMES).map(|frame| inputs_of(&world, frame)).collect();
         let inputs = frames[0].clone();
         let center = world.frame_tape.values(&inputs).camera.position;
-        let eye = world.bounds.is_some_and(|bounds| !world.steep && bounds.hold(center)).then_some(center);
+        let eye =
+            world.bounds.is_some_and(|bounds| !world.non_lipschitz && bounds.hold(center)).then_some(center);
         let options = RegionOptions { cells: true, texels_max: 1 << 22, center, eye };
         let plan = RegionPlan::new(&world);
         group.bench_function(format!("{name}, first"), |bencher| {

@@ -47,9 +47,9 @@ mod field;
 pub mod graph;
 pub mod lang;
 pub mod limits;
+pub mod ray_probe;
 pub mod rays;
 pub mod region;
-pub mod sight;
 pub mod tape;
 pub mod world;
 

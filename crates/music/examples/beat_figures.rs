@@ -20,7 +20,7 @@ const SETTLED: f64 = 5.0;
 /// How far a beat may lie from a true one, in seconds.
 const TOLERANCE: f64 = 0.07;
 /// The same for AMLt, as a share of the time between two beats.
-const SHARE: f64 = 0.175;
+const FRACTION: f64 = 0.175;
 /// Relative change of tempo that is a jump.
 const JUMP: f64 = 0.08;
 
@@ -102,9 +102,9 @@ fn followed_rightly(found: &[f64], truth: &[f64]) -> f64 {
         let Some(before) = nearest(truth, pair[0]) else { return false };
         let period = truth[index] - truth[index - 1];
         before + 1 == index
-            && (pair[1] - truth[index]).abs() < SHARE * period
-            && (pair[0] - truth[before]).abs() < SHARE * period
-            && ((pair[1] - pair[0]) / period - 1.0).abs() < SHARE
+            && (pair[1] - truth[index]).abs() < FRACTION * period
+            && (pair[0] - truth[before]).abs() < FRACTION * period
+            && ((pair[1] - pair[0]) / period - 1.0).abs() < FRACTION
     });
     right.count() as f64 / (found.len().max(truth.len()).max(2) - 1) as f64
 }

@@ -70,22 +70,22 @@ fn live_bars() {
                 let (frames, truth) = Song::new(style, tempo, key, pop(mode)).play(RATE);
                 let mut beats = beats_heard(RATE, &frames);
                 beats.retain(|(time, _)| *time > 10.0);
-                let [told, right] = bars_heard(&beats, &truth);
+                let [reported, right] = bars_heard(&beats, &truth);
                 // A song of which little is told counts little.
-                sums = [sums[0] + told, sums[1] + told * right];
+                sums = [sums[0] + reported, sums[1] + reported * right];
                 count += 1;
             }
         }
-        let (told, right) = (sums[0] / f64::from(count), sums[1] / sums[0].max(1e-9));
+        let (reported, right) = (sums[0] / f64::from(count), sums[1] / sums[0].max(1e-9));
         println!(
-            "{style:?}: {count} songs, {told:.2} of the beats told, {right:.2} of the bars told are right"
+            "{style:?}: {count} songs, {reported:.2} of the beats told, {right:.2} of the bars told are right"
         );
         all.iter_mut().zip(sums).for_each(|(all, sum)| *all += sum);
         songs += count;
     }
-    let (told, right) = (all[0] / f64::from(songs), all[1] / all[0].max(1e-9));
+    let (reported, right) = (all[0] / f64::from(songs), all[1] / all[0].max(1e-9));
     println!(
-        "== live bars: {songs} songs, {told:.2} of the beats after 10 s told, {right:.2} of the bars told are right"
+        "== live bars: {songs} songs, {reported:.2} of the beats after 10 s told, {right:.2} of the bars told are right"
     );
 }
 

@@ -25,7 +25,7 @@ pub fn band_edge(index: usize) -> f64 {
 ///
 /// Bin k stands for the interval [k - ½, k + ½] bins. A band takes from each bin the share of that interval that lies
 /// within the band's edges. So neighbouring bands divide the bin on their common edge, and no power is lost or
-/// counted twice. The three windows are weighted by [`Resolution::share`].
+/// counted twice. The three windows are weighted by [`Resolution::fraction`].
 pub(super) struct Bands {
     /// For each band, its bins in each window.
     bands: [[Bins; Resolution::ALL.len()]; BAND_COUNT],
@@ -54,7 +54,7 @@ impl Bands {
                 let shared = |bin: usize| {
                     let centre = bin as f64;
                     let inside = ((centre + 0.5).min(high) - (centre - 0.5).max(low)).max(0.0);
-                    (inside * resolution.share(centre * bin_hz)) as f32
+                    (inside * resolution.fraction(centre * bin_hz)) as f32
                 };
                 let first = (low.round() as usize).min(bin_count);
                 let end = (high.round() as usize + 1).min(bin_count);
@@ -128,13 +128,13 @@ mod tests {
             }
             for (given, resolution) in given.iter().zip(Resolution::ALL) {
                 let bin_hz = rate / (hop * resolution.hops()) as f64;
-                for (bin, share) in given.iter().enumerate() {
+                for (bin, fraction) in given.iter().enumerate() {
                     let (low, high) = ((bin as f64 - 0.5) * bin_hz, (bin as f64 + 0.5) * bin_hz);
                     let inside = (high.min(BAND_HIGHEST_HZ) - low.max(BAND_LOWEST_HZ)).max(0.0) / bin_hz;
-                    let expected = inside * resolution.share(bin as f64 * bin_hz);
+                    let expected = inside * resolution.fraction(bin as f64 * bin_hz);
                     assert!(
-                        (share - expected).abs() < 1e-5,
-                        "bin {bin} is given {share} times, not {expected}"
+                        (fraction - expected).abs() < 1e-5,
+                        "bin {bin} is given {fraction} times, not {expected}"
                     );
                 }
             }

@@ -55,7 +55,7 @@ const DOUBT: f32 = 1e-6;
 
 /// Belief within a tenth of a beat and a twelfth of the tempo around the likeliest state: at or above the first value
 /// a tempo is reported, below the second it is no longer reported.
-const TOLD: (f32, f32) = (0.6, 0.25);
+const REPORTED: (f32, f32) = (0.6, 0.25);
 
 /// The told tempo is left only for one that is this many times as likely.
 const INERTIA: f32 = 3.0;
@@ -121,7 +121,7 @@ pub(super) struct BeatTracker {
     onsets: u32,
     /// By how many moments the flux is late.
     late: f32,
-    told: Beat,
+    reported: Beat,
 }
 
 impl BeatTracker {
@@ -174,7 +174,7 @@ impl BeatTracker {
             since_onset: 0,
             onsets: 0,
             late,
-            told: Beat::default(),
+            reported: Beat::default(),
         };
         tracker.restart();
         tracker
@@ -188,7 +188,7 @@ impl BeatTracker {
         }
         self.held = [0.0; 4];
         (self.since_onset, self.onsets) = (self.forget, 0);
-        self.told = Beat::default();
+        self.reported = Beat::default();
     }
 
     /// Takes the flux of the next moment, relative to the largest recent flux, 0..1, and whether a sound begins
@@ -197,7 +197,7 @@ impl BeatTracker {
         self.since_onset = if begins { 0 } else { self.since_onset.saturating_add(1) };
         self.onsets = self.onsets.saturating_add(u32::from(begins));
         if self.since_onset >= self.forget {
-            if self.told != Beat::default() || self.since_onset == self.forget {
+            if self.reported != Beat::default() || self.since_onset == self.forget {
                 self.restart();
             }
             return Beat::default();
@@ -270,37 +270,37 @@ impl BeatTracker {
         }
         let sure = x.hypot(y);
         let period = moments / mass.max(f32::MIN_POSITIVE);
-        let enough = if self.told.tempo > 0.0 { TOLD.1 } else { TOLD.0 };
+        let enough = if self.reported.tempo > 0.0 { REPORTED.1 } else { REPORTED.0 };
         if sure < enough || self.onsets < ONSETS_MIN {
-            self.told = Beat::default();
-            return self.told;
+            self.reported = Beat::default();
+            return self.reported;
         }
         let turns = y.atan2(x) / TAU + self.late / period;
         let phase = turns - turns.floor();
-        let expected = self.told.phase + 1.0 / period;
+        let expected = self.reported.phase + 1.0 / period;
         let error = phase - expected - (phase - expected).round();
-        let same = self.told.tempo > 0.0 && error.abs() < 0.2;
+        let same = self.reported.tempo > 0.0 && error.abs() < 0.2;
         // Never back: a beat that was reported is not reported again.
         let next = if same { expected + (PULL * error).max(-0.7 / period) } else { phase };
         let next = next - next.floor();
-        self.told = Beat {
+        self.reported = Beat {
             tempo: 60.0 * self.moments_per_second / period,
             phase: if next < 1.0 { next } else { 0.0 },
         };
-        self.told
+        self.reported
     }
 
     /// The ring of the told tempo, unless another one is much likelier.
     fn chosen(&self) -> usize {
         let best = self.likeliest(0..self.rings.len());
-        if self.told.tempo <= 0.0 {
+        if self.reported.tempo <= 0.0 {
             return best;
         }
         let shortest = self.rings.first().map_or(0, |ring| ring.period);
-        let period = (60.0 * self.moments_per_second / self.told.tempo).round() as usize;
-        let told = self.likeliest(self.around(period.saturating_sub(shortest).min(self.rings.len() - 1)));
+        let period = (60.0 * self.moments_per_second / self.reported.tempo).round() as usize;
+        let reported = self.likeliest(self.around(period.saturating_sub(shortest).min(self.rings.len() - 1)));
         let belief = |ring: usize| self.totals[self.around(ring)].iter().sum::<f32>();
-        if belief(best) < INERTIA * belief(told) { told } else { best }
+        if belief(best) < INERTIA * belief(reported) { reported } else { best }
     }
 
     /// Rings whose tempo lies within a twelfth of that of `ring`.

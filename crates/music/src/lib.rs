@@ -66,7 +66,7 @@ pub use scale::{
     spectrum_place,
 };
 pub use song::{
-    Chord, Meter, Mode, PITCH_CLASSES, PitchShares, STRUCTURE_VERSION, Section, SongBeat, SongListener,
+    Chord, Meter, Mode, PITCH_CLASSES, PitchFractions, STRUCTURE_VERSION, Section, SongBeat, SongListener,
     SongMoment, SongStructure, Stretch, Tonality,
 };
 pub use tables::{HISTORY_POINTS, HISTORY_SECONDS, Sound, Tables, WAVEFORM_POINTS};

@@ -29,7 +29,7 @@ struct Point {
 #[derive(Clone, Copy, Default)]
 struct Part {
     window: usize,
-    share: f32,
+    fraction: f32,
     first_bin: usize,
     /// Number of bins whose largest is taken; with two, `between` says where between them the point lies.
     count: usize,
@@ -43,7 +43,7 @@ impl Part {
             ([low, high], Some(between)) => low + (high - low) * between,
             _ => bins.iter().fold(0.0, |largest: f32, power| largest.max(*power)),
         };
-        self.share * value
+        self.fraction * value
     }
 }
 
@@ -54,8 +54,10 @@ impl Lines {
         let points = (0..SPECTRUM_POINTS).map(|index| {
             let hz = spectrum_hz(index as f64 / steps);
             let mut parts = [Part::default(); 2];
-            let shares = Resolution::ALL.map(|resolution| resolution.share(hz)).into_iter().enumerate();
-            for (part, (window, share)) in parts.iter_mut().zip(shares.filter(|(_, share)| *share > 0.0)) {
+            let fractions = Resolution::ALL.map(|resolution| resolution.fraction(hz)).into_iter().enumerate();
+            for (part, (window, fraction)) in
+                parts.iter_mut().zip(fractions.filter(|(_, fraction)| *fraction > 0.0))
+            {
                 let length = hop * Resolution::ALL.map(Resolution::hops)[window];
                 let bin = |place: f64| spectrum_hz(place / steps) * length as f64 / sample_rate;
                 let (low, high) = (bin(index as f64 - 0.5).ceil(), bin(index as f64 + 0.5).floor());
@@ -63,10 +65,10 @@ impl Lines {
                 *part = if high > low {
                     // Several bins within the point's reach: take the largest.
                     let count = (high - low) as usize + 1;
-                    Part { window, share: share as f32, first_bin: low as usize, count, between: None }
+                    Part { window, fraction: fraction as f32, first_bin: low as usize, count, between: None }
                 } else {
                     let between = Some((here - here.floor()) as f32);
-                    Part { window, share: share as f32, first_bin: here as usize, count: 2, between }
+                    Part { window, fraction: fraction as f32, first_bin: here as usize, count: 2, between }
                 };
             }
             Point { parts, exists: hz < sample_rate / 2.0 }

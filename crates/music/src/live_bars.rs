@@ -28,7 +28,7 @@ const BREAK: f32 = 0.004;
 /// Belief is taken to this power at each beat, so that what was heard long ago is forgotten.
 const REMEMBERED: f32 = 0.985;
 /// From the first of these beliefs on a position is told, below the second no longer.
-const TOLD: (f32, f32) = (0.9, 0.6);
+const REPORTED: (f32, f32) = (0.9, 0.6);
 
 /// Pitches are compared between these frequencies, in hertz; above them it is the sound.
 const PITCHES_HZ: (f64, f64) = (60.0, 1_600.0);
@@ -98,7 +98,7 @@ pub(super) struct LiveBars {
     beats: u32,
     /// How likely each position is for the beat that is heard: those of the first meter, then of the next.
     belief: [f32; STATES],
-    told: LiveBar,
+    reported: LiveBar,
 }
 
 impl LiveBars {
@@ -115,7 +115,7 @@ impl LiveBars {
             usual: [Usual::default(); 5],
             beats: 0,
             belief: [1.0 / STATES as f32; STATES],
-            told: LiveBar::default(),
+            reported: LiveBar::default(),
         }
     }
 
@@ -149,7 +149,7 @@ impl LiveBars {
         }
         self.sum.iter_mut().zip(spectrum).for_each(|(sum, height)| *sum += height);
         self.count += 1.0;
-        self.told
+        self.reported
     }
 
     /// What was heard of the beat that is over makes its position likelier or less; the next one has begun.
@@ -218,14 +218,14 @@ impl LiveBars {
 
     fn tell(&mut self) {
         let best = (0..STATES).max_by(|a, b| self.belief[*a].total_cmp(&self.belief[*b])).unwrap_or_default();
-        let enough = if self.told.beats > 0.0 { TOLD.1 } else { TOLD.0 };
-        let (mut first, mut told) = (0, LiveBar::default());
+        let enough = if self.reported.beats > 0.0 { REPORTED.1 } else { REPORTED.0 };
+        let (mut first, mut reported) = (0, LiveBar::default());
         for meter in METERS {
             if (first..first + meter).contains(&best) && self.belief[best] >= enough {
-                told = LiveBar { beat: (best - first + 1) as f32, beats: meter as f32 };
+                reported = LiveBar { beat: (best - first + 1) as f32, beats: meter as f32 };
             }
             first += meter;
         }
-        self.told = told;
+        self.reported = reported;
     }
 }

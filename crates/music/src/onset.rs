@@ -149,7 +149,7 @@ const SUDDEN_SPREADS: f32 = 11.0;
 /// ... but by no less than the first and no more than the second of these (noise spreads less than dense music), ...
 const SUDDEN_ABOVE: (f32, f32) = (0.6, 1.45);
 /// ... and by this share of the way from the median to the largest.
-const SUDDEN_SHARE: f32 = 0.25;
+const SUDDEN_FRACTION: f32 = 0.25;
 
 /// Moments of silence that count as heard before the first moment.
 const SILENT_BEFORE: usize = 16;
@@ -233,6 +233,6 @@ impl Onsets {
             None => median,
         };
         let above = (SUDDEN_SPREADS * (median - quartile)).clamp(SUDDEN_ABOVE.0, SUDDEN_ABOVE.1);
-        median + above.max(SUDDEN_SHARE * (largest - median))
+        median + above.max(SUDDEN_FRACTION * (largest - median))
     }
 }

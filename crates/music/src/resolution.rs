@@ -42,7 +42,7 @@ impl Resolution {
     /// two main lobes. Within one lobe the share is then nearly a straight line, so that a tone reads its power
     /// wherever it lies: at most 0.04 dB are lost. With a sharp border a tone next to it would lose the part of its
     /// lobes beyond.
-    pub(super) fn share(self, hz: f64) -> f64 {
+    pub(super) fn fraction(self, hz: f64) -> f64 {
         let passed = |(low, high): (f64, f64)| {
             let way = ((hz - low) / (high - low)).clamp(0.0, 1.0);
             0.5 - 0.5 * (std::f64::consts::PI * way).cos()
@@ -63,12 +63,15 @@ mod tests {
     #[test]
     fn shares_are_one_in_sum_and_each_window_has_its_range() {
         for hz in (0..2_400).map(|step| f64::from(step) * 10.0) {
-            let shares = Resolution::ALL.map(|resolution| resolution.share(hz));
-            assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{shares:?} at {hz} Hz");
-            assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)), "{shares:?} at {hz} Hz");
+            let fractions = Resolution::ALL.map(|resolution| resolution.fraction(hz));
+            assert!((fractions.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{fractions:?} at {hz} Hz");
+            assert!(
+                fractions.iter().all(|fraction| (0.0..=1.0).contains(fraction)),
+                "{fractions:?} at {hz} Hz"
+            );
         }
         for (resolution, hz) in Resolution::ALL.into_iter().zip([100.0, 1_000.0, 8_000.0]) {
-            assert_eq!(resolution.share(hz), 1.0, "{resolution:?}");
+            assert_eq!(resolution.fraction(hz), 1.0, "{resolution:?}");
         }
     }
 }

@@ -7,7 +7,7 @@ use super::rises::Rises;
 use super::scale::SPECTRUM_POINTS;
 
 /// Onset and beat of one moment.
-pub(super) struct Pulse {
+pub(super) struct RhythmMoment {
     /// Whether a sound begins.
     pub(super) begins: bool,
     pub(super) beat: Beat,
@@ -46,14 +46,14 @@ impl Rhythm {
     }
 
     /// Takes the power per bin of the next moment.
-    pub(super) fn follow(&mut self, power: &[f32]) -> Pulse {
+    pub(super) fn follow(&mut self, power: &[f32]) -> RhythmMoment {
         let (begins, flux) = self.onsets.follow(self.flux.follow(power));
         let strokes = self.bars.as_mut().map(|(rises, _)| Strokes::of(rises.follow(power), flux));
-        Pulse { begins, beat: self.beats.follow(flux, begins), strokes }
+        RhythmMoment { begins, beat: self.beats.follow(flux, begins), strokes }
     }
 
     /// The place in the bar, for live input. Takes the curve of the spectrum of the same moment.
-    pub(super) fn bar(&mut self, pulse: Pulse, spectrum: &[f32; SPECTRUM_POINTS]) -> Option<LiveBar> {
+    pub(super) fn bar(&mut self, pulse: RhythmMoment, spectrum: &[f32; SPECTRUM_POINTS]) -> Option<LiveBar> {
         let (Some((_, bars)), Some(strokes)) = (&mut self.bars, pulse.strokes) else { return None };
         let phase = (pulse.beat.tempo > 0.0).then_some(pulse.beat.phase);
         Some(bars.follow(phase, strokes, spectrum))

@@ -115,7 +115,7 @@ fn report(what: &str, seen: &Seen) {
         seen.passed
     );
     if let Some(status) = &seen.status {
-        println!("  {:?}; underruns {}", status.unheard, status.underruns);
+        println!("  {:?}; underruns {}", status.missed_audio, status.underruns);
     }
 }
 

@@ -376,12 +376,12 @@ impl Clock {
             return self.last.map(|(last, _)| last).or(first);
         };
         let rate = self.history.as_ref().map_or(1.0, |history| f64::from(history.rate));
-        let told = match self.last {
+        let reported = match self.last {
             Some((last, at)) => follow(course, last, moment.saturating_duration_since(at), rate, carry),
             None => course.audible,
         };
-        self.last = Some((told, moment));
-        Some(told)
+        self.last = Some((reported, moment));
+        Some(reported)
     }
 
     /// The history of the output that is reported on.

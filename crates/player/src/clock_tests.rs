@@ -83,7 +83,7 @@ fn apart(_: Audible, _: u64) -> Option<f64> {
 }
 
 /// What a clock reports at `ms`, in frames, where segments form one line.
-fn told(clock: &mut Clock, history: &Arc<SpanHistory>, ms: u64) -> f64 {
+fn reported(clock: &mut Clock, history: &Arc<SpanHistory>, ms: u64) -> f64 {
     let moment = history.epoch + Duration::from_millis(ms);
     let carry = |from: Audible, _| Some(from.frame);
     clock.at(Some(history), moment, 0.0, carry).map_or(f64::NAN, |audible| audible.frame)
@@ -95,13 +95,13 @@ fn a_device_that_falls_silent_did_not_stop_the_picture() {
     let mut clock = Clock::default();
     writer.push(span(0, 1, 0, 100, true));
     for ms in (0..=1100).step_by(20) {
-        assert!((told(&mut clock, &history, ms) - ms as f64).abs() < 1e-6, "at {ms} ms");
+        assert!((reported(&mut clock, &history, ms) - ms as f64).abs() < 1e-6, "at {ms} ms");
     }
     // It goes on after all, a second late: nothing was lost, and the clock waits for it without standing still.
     writer.push(span(1120, 1, 100, 20_000, true));
-    let mut last = told(&mut clock, &history, 1120);
+    let mut last = reported(&mut clock, &history, 1120);
     for ms in (1140..=7000).step_by(20) {
-        let now = told(&mut clock, &history, ms);
+        let now = reported(&mut clock, &history, ms);
         assert!((15.9..=24.1).contains(&(now - last)), "a step of {} at {ms} ms", now - last);
         last = now;
     }
@@ -116,7 +116,7 @@ fn a_device_that_stalled_again_and_again_did_not_take_the_clock_away_from_the_so
         // 0.2 s of sound in each second.
         writer.push(span(1000 * stall, 1, 200 * stall, 200, true));
         for look in 0..50 {
-            let ahead = told(&mut clock, &history, 1000 * stall + 20 * look) - (200 * (stall + 1)) as f64;
+            let ahead = reported(&mut clock, &history, 1000 * stall + 20 * look) - (200 * (stall + 1)) as f64;
             assert!(ahead <= 1000.0 * (AHEAD_MAX + 1.0), "{ahead} ahead after {stall} stalls");
         }
     }
@@ -128,18 +128,18 @@ fn a_process_that_was_stopped_does_not_race_to_catch_up() {
         let (mut writer, history) = SpanHistory::new(1000);
         let mut clock = Clock::default();
         writer.push(span(0, 1, 0, 100, true));
-        let _ = (0..5).fold(0.0, |_, look| told(&mut clock, &history, look * 20));
+        let _ = (0..5).fold(0.0, |_, look| reported(&mut clock, &history, look * 20));
         // Stopped at 80 ms for 5 s; the callback has its turn before the first look or after it.
         if late == 0 {
             writer.push(span(5080, 1, 100, 20_000, true));
         }
-        let mut last = told(&mut clock, &history, 5080);
+        let mut last = reported(&mut clock, &history, 5080);
         assert!((last - 100.0).abs() < 1e-6, "{last}");
         if late > 0 {
             writer.push(span(5080 + late, 1, 100, 20_000, true));
         }
         for ms in (5100..=9000).step_by(20) {
-            let now = told(&mut clock, &history, ms);
+            let now = reported(&mut clock, &history, ms);
             assert!((15.9..=24.1).contains(&(now - last)), "a step of {} at {ms} ms", now - last);
             last = now;
         }
@@ -152,13 +152,13 @@ fn an_output_counts_from_its_first_audible_frame_on() {
     let (mut writer, first) = SpanHistory::new(1000);
     let mut clock = Clock::default();
     writer.push(span(0, 1, 0, 100, true));
-    assert_eq!(told(&mut clock, &first, 60), 60.0);
+    assert_eq!(reported(&mut clock, &first, 60), 60.0);
     let (mut writer, second) = SpanHistory::new(1000);
     let offset = (second.epoch - first.epoch).as_millis() as u64;
-    assert!((told(&mut clock, &second, 140 - offset) - 140.0).abs() < 1.5);
+    assert!((reported(&mut clock, &second, 140 - offset) - 140.0).abs() < 1.5);
     writer.push(span(200 - offset, 2, 200, 1000, true));
-    assert!((told(&mut clock, &second, 180 - offset) - 180.0).abs() < 1.5);
-    assert!((told(&mut clock, &second, 220 - offset) - 220.0).abs() < 1.5);
+    assert!((reported(&mut clock, &second, 180 - offset) - 180.0).abs() < 1.5);
+    assert!((reported(&mut clock, &second, 220 - offset) - 220.0).abs() < 1.5);
     assert!(clock.history().is_some_and(|history| Arc::ptr_eq(history, &second)));
 }
 

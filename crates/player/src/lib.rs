@@ -13,7 +13,7 @@
 //! | [`playlist`], [`track`] | which tracks, in which order; each is opened ahead | list thread |
 //! | [`listed`] | the list as a window shows it | shared, locked briefly |
 //! | [`player`] | the handle of the window, and the decoding and analysis threads | |
-//! | [`timeline`] | from frames of a segment to song time and features | shared, locked briefly |
+//! | [`audible_segments`] | from frames of a segment to song time and features | shared, locked briefly |
 //! | [`clock`] | from the callback's timestamps to the frame that is audible now, through changes of device, too | written by the callback |
 //! | [`output`] | the callback itself, devices, the silent clock, the supervisor | |
 //! | [`devices`] | the list of devices | caller |
@@ -27,6 +27,7 @@
 //! number, so features and positions from before a seek cannot be taken for those after it. A loop, or the track that
 //! follows, stays in its segment and is gapless.
 
+pub mod audible_segments;
 pub mod clock;
 pub mod decode;
 mod device;
@@ -54,7 +55,6 @@ mod server_connection;
 pub mod song;
 pub mod source;
 mod supervisor;
-pub mod timeline;
 pub mod track;
 mod worker;
 
@@ -62,6 +62,6 @@ pub use device::Target;
 pub use error::{DeviceError, Direction, PlayerError};
 pub use listed::{ListedTrack, ListedTracks};
 pub use player::{
-    LoudnessShape, Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Position, Troubles, Unheard,
-    UnheardAfter,
+    LoudnessShape, MissedAudio, Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Position,
+    SilenceEnd, TrackErrors,
 };

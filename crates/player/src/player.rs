@@ -14,10 +14,10 @@ mod audible;
 mod decoding;
 mod filling;
 mod listing;
+mod missed_audio;
 mod position;
 mod shape;
 mod threads;
-mod unheard;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -25,6 +25,7 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::{channel, sync_channel};
 use std::time::Instant;
 
+use super::audible_segments::SharedAudibleSegments;
 use super::device::Target;
 use super::device_list::ListedDevice;
 use super::error::PlayerError;
@@ -33,21 +34,20 @@ use super::listed::{Edit, ListedTrack, ListedTracks, SharedListing};
 pub use super::output::OutputChoice;
 use super::output::{Controls, Counters, OutputRequest, Supervisor};
 use super::source::FrameSource;
-use super::timeline::SharedTimeline;
 use super::track::{OneTrack, Repeat, Track, TrackInfo, TrackList};
 use super::worker::Worker;
 use audible::AudibleMoment;
 pub use audible::Moment;
 use decoding::{Command, Decoding};
-pub use listing::Troubles;
-use listing::{Request, SharedTroubles};
+pub use listing::TrackErrors;
+use listing::{Request, SharedTrackErrors};
 use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 use mariana_music::{Gain, Sound};
+pub use missed_audio::{MissedAudio, SilenceEnd};
 pub use position::Position;
 pub use shape::LoudnessShape;
 use shape::Shapes;
 use threads::Threads;
-pub use unheard::{Unheard, UnheardAfter};
 
 /// Pieces that may wait for the analysis.
 const ANALYSIS_QUEUE: usize = 32;
@@ -124,9 +124,9 @@ pub struct PlayerStatus {
     /// The load that all but one in a thousand calls stay below, in steps of 0.01.
     pub usual_callback_load: f64,
     /// What went wrong with tracks.
-    pub troubles: Troubles,
+    pub track_errors: TrackErrors,
     /// Parts of the song that nobody heard because devices went and came.
-    pub unheard: Unheard,
+    pub missed_audio: MissedAudio,
 }
 
 /// Tracks that play. Dropping it ends the sound and the threads, within a limit.
@@ -142,7 +142,7 @@ pub struct Player {
     shapes: Shapes,
     repeat: Repeat,
     shuffled: bool,
-    troubles: SharedTroubles,
+    track_errors: SharedTrackErrors,
     position: Position,
     audible: AudibleMoment,
 }
@@ -166,21 +166,21 @@ impl Player {
         let track = first.info.clone();
         let listing = SharedListing::default();
         listing.tell(std::iter::once((track.id, ListedTrack::from(&*track))));
-        list.share(listing.clone());
+        list.fraction(listing.clone());
         let controls = Arc::new(Controls::new(options.volume, options.paused));
         let counters = Arc::new(Counters::default());
-        let timeline = SharedTimeline::default();
-        let troubles = SharedTroubles::default();
+        let audible_segments = SharedAudibleSegments::default();
+        let track_errors = SharedTrackErrors::default();
         let (to_analysis, analysis_inbox) = sync_channel(ANALYSIS_QUEUE);
         let gain = GainSwitch::new(options.gain);
-        let (notes, of_analysis) = (timeline.clone(), gain.clone());
+        let (notes, of_analysis) = (audible_segments.clone(), gain.clone());
         let analyse = move || analysis::run(&analysis_inbox, rate, &of_analysis, &notes);
         let analysis = Worker::spawn("analysis", analyse)?;
         let (commands, inbox) = channel();
         let (to_list, requests) = channel::<Request>();
-        let (answers, told) = (commands.clone(), troubles.clone());
-        let list_thread = Worker::spawn("list", move || listing::run(list, &requests, &answers, &told))?;
-        let work = Decoding::new(first, to_list, timeline.clone(), to_analysis, troubles.clone());
+        let (answers, reported) = (commands.clone(), track_errors.clone());
+        let list_thread = Worker::spawn("list", move || listing::run(list, &requests, &answers, &reported))?;
+        let work = Decoding::new(first, to_list, audible_segments.clone(), to_analysis, track_errors.clone());
         let decoding = Worker::spawn("decoding", move || work.run(&inbox))?;
         let request = OutputRequest { choice: options.output, target: options.target, silent_rate: rate };
         let outputs = commands.clone();
@@ -191,8 +191,8 @@ impl Player {
         Ok(Self {
             controls,
             counters,
-            position: Position::new(outputs.clone(), timeline.clone(), track.clone()),
-            audible: AudibleMoment::new(outputs, timeline, track.id),
+            position: Position::new(outputs.clone(), audible_segments.clone(), track.clone()),
+            audible: AudibleMoment::new(outputs, audible_segments, track.id),
             threads: Threads {
                 commands,
                 supervisor: Some(supervisor),
@@ -206,7 +206,7 @@ impl Player {
             shapes: Shapes::default(),
             repeat: options.repeat,
             shuffled: options.shuffled,
-            troubles,
+            track_errors,
         })
     }
 
@@ -341,8 +341,8 @@ impl Player {
             callbacks: self.counters.callbacks.load(Ordering::Relaxed),
             worst_callback_load: self.counters.worst_load_millionths.load(Ordering::Relaxed) as f64 / 1e6,
             usual_callback_load: self.counters.load_of(0.999),
-            troubles: self.troubles.get(),
-            unheard: place.unheard,
+            track_errors: self.track_errors.get(),
+            missed_audio: place.missed_audio,
         }
     }
 

@@ -446,8 +446,8 @@ impl<P: Port> Watch<P> {
 
     /// Replaces what is there by silence.
     fn go_silent(&mut self, reason: String) {
-        let told = lock(&self.status).silent.replace(reason.clone());
-        if told.as_ref() != Some(&reason) {
+        let reported = lock(&self.status).silent.replace(reason.clone());
+        if reported.as_ref() != Some(&reason) {
             tracing::info!("no sound {}: {reason}", P::DIRECTION);
         }
         if matches!(self.current, Current::StandIn(_)) {

@@ -263,7 +263,7 @@ pub trait TrackList: Send {
     fn set_order(&mut self, repeat: Repeat, shuffled: bool, current: u64);
 
     /// Keeps `listing` true to the list from now on. A list without this shows as the track that was first.
-    fn share(&mut self, _listing: SharedListing) {}
+    fn fraction(&mut self, _listing: SharedListing) {}
 
     /// Changes the list, while the entry with id `playing` plays, and tells `tell` what could not be done. A list
     /// without this stays as it is.

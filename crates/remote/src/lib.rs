@@ -16,24 +16,24 @@
 //! [`Album`], which is in memory.
 //!
 //! **Nobody is waited for.** Each connection has a thread, bounded in number, bytes and time ([`limits`]); what phones
-//! wish for goes among the [`Wishes`](mariana_control::Wishes), and how the show stands comes from the
+//! wish for goes among the [`InputQueue`](mariana_control::Wishes), and how the show stands comes from the
 //! [`Board`](mariana_control::Board). A phone that reads slowly gets only the newest state.
 
 mod album;
+mod connection_limit;
+mod heartbeat;
 pub mod http;
-mod invitation;
-mod judge;
 pub mod limits;
 pub mod message;
-mod news;
 mod page;
-mod pulse;
-mod seats;
+mod pairing_address;
+mod phone_session;
+mod route;
 mod server;
-mod talk;
+mod state_delta;
 mod token;
 
 pub use album::Album;
-pub use invitation::{Code, Invitation};
-pub use page::{PAGE_PATH, TALK_PATH, page_text};
+pub use page::{PAGE_PATH, SESSION_PATH, page_text};
+pub use pairing_address::{Code, PairingAddress};
 pub use server::{Remote, RemotePlace, RemoteState};

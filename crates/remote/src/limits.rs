@@ -31,7 +31,7 @@ pub struct Limits {
     /// A phone that takes nothing of what it is told for this long is gone.
     pub unread_time_max: Duration,
     /// Least time between two states that a phone is told.
-    pub news_interval: Duration,
+    pub delta_interval: Duration,
     /// Most small pictures that phones can look at.
     pub pictures_max: usize,
     /// Most bytes of one.
@@ -51,7 +51,7 @@ pub const LIMITS: Limits = Limits {
     messages_at_once_max: 3_000,
     silence_max: Duration::from_secs(30),
     unread_time_max: Duration::from_secs(10),
-    news_interval: Duration::from_millis(50),
+    delta_interval: Duration::from_millis(50),
     pictures_max: 512,
     picture_bytes_max: 128 << 10,
 };

@@ -6,18 +6,18 @@
 //! {"do": "pause", "with": true}    {"do": "volume", "with": 0.8}    {"do": "scene", "with": "orb"}
 //! ```
 
-use mariana_control::deed::{Deed, DeedRow, Given, row_of};
+use mariana_control::action::{Action, ActionRow, ActionValue, row_of};
 use mariana_control::limits::LIMITS as CONTROL_LIMITS;
-use mariana_control::{Amount, Hand, ParamWish};
+use mariana_control::{Amount, ChangedBy, ParamChange};
 use serde::Deserialize;
 
 /// What a message asks for.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Asked {
     /// To turn a parameter.
-    Turn(ParamWish),
+    Turn(ParamChange),
     /// To do something.
-    Act(Deed),
+    Act(Action),
     /// Nothing: it is a number with which the action does nothing.
     Nothing,
 }
@@ -67,27 +67,29 @@ enum With {
 ///
 /// # Errors
 /// [`Refused`].
-pub fn understand(text: &str, deeds: &[DeedRow]) -> Result<Asked, Refused> {
+pub fn understand(text: &str, actions: &[ActionRow]) -> Result<Asked, Refused> {
     match serde_json::from_str(text).map_err(|_| Refused::Rubbish)? {
         Message::Turn(Turn { turn: name, to }) => {
             if name.len() > CONTROL_LIMITS.name_bytes_max {
                 return Err(Refused::Unknown);
             }
             let to = Amount::Value(number(to)?);
-            Ok(Asked::Turn(ParamWish { name, to, seconds: 0.0, hand: Hand::Phone }))
+            Ok(Asked::Turn(ParamChange { name, to, seconds: 0.0, changed_by: ChangedBy::Phone }))
         }
         Message::Do(Do { r#do: name, with }) => {
-            let row = row_of(deeds, &name).ok_or(Refused::Unknown)?;
+            let row = row_of(actions, &name).ok_or(Refused::Unknown)?;
             let given = match with {
-                None => Given::Nothing,
-                Some(With::Switch(on)) => Given::Number(f32::from(u8::from(on))),
-                Some(With::Number(value)) => Given::Number(number(value)?),
-                Some(With::Text(text)) if text.len() <= CONTROL_LIMITS.name_bytes_max => Given::Text(text),
+                None => ActionValue::Nothing,
+                Some(With::Switch(on)) => ActionValue::Number(f32::from(u8::from(on))),
+                Some(With::Number(value)) => ActionValue::Number(number(value)?),
+                Some(With::Text(text)) if text.len() <= CONTROL_LIMITS.name_bytes_max => {
+                    ActionValue::Text(text)
+                }
                 Some(With::Text(_)) => return Err(Refused::Unknown),
             };
-            let is_number = matches!(given, Given::Number(_));
+            let is_number = matches!(given, ActionValue::Number(_));
             match row.wanted(given) {
-                Some(deed) => Ok(Asked::Act(deed)),
+                Some(action) => Ok(Asked::Act(action)),
                 None if is_number => Ok(Asked::Nothing),
                 None => Err(Refused::Unknown),
             }
@@ -104,35 +106,39 @@ fn number(value: f64) -> Result<f32, Refused> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mariana_control::deed::Takes;
+    use mariana_control::action::ValueType;
 
-    const DEEDS: &[DeedRow] = &[
-        DeedRow { name: "next", takes: Takes::Press, meaning: "the next scene" },
-        DeedRow { name: "pause", takes: Takes::Switch, meaning: "pause" },
-        DeedRow { name: "scene", takes: Takes::Choice, meaning: "a scene" },
-        DeedRow { name: "volume", takes: Takes::Level, meaning: "a volume" },
+    const ACTIONS: &[ActionRow] = &[
+        ActionRow { name: "next", takes: ValueType::Press, meaning: "the next scene" },
+        ActionRow { name: "pause", takes: ValueType::Switch, meaning: "pause" },
+        ActionRow { name: "scene", takes: ValueType::Choice, meaning: "a scene" },
+        ActionRow { name: "volume", takes: ValueType::Level, meaning: "a volume" },
     ];
 
     fn ask(text: &str) -> Result<Asked, Refused> {
-        understand(text, DEEDS)
+        understand(text, ACTIONS)
     }
 
-    fn act(name: &'static str, given: Given) -> Result<Asked, Refused> {
-        Ok(Asked::Act(Deed { name, given }))
+    fn act(name: &'static str, given: ActionValue) -> Result<Asked, Refused> {
+        Ok(Asked::Act(Action { name, given }))
     }
 
     #[test]
     fn sliders_and_actions_are_understood() {
-        let wish =
-            ParamWish { name: "größe".to_owned(), to: Amount::Value(1.5), seconds: 0.0, hand: Hand::Phone };
-        assert_eq!(ask(r#"{"turn":"größe","to":1.5}"#), Ok(Asked::Turn(wish)));
-        assert_eq!(ask(r#"{"do":"next"}"#), act("next", Given::Nothing));
+        let change = ParamChange {
+            name: "größe".to_owned(),
+            to: Amount::Value(1.5),
+            seconds: 0.0,
+            changed_by: ChangedBy::Phone,
+        };
+        assert_eq!(ask(r#"{"turn":"größe","to":1.5}"#), Ok(Asked::Turn(change)));
+        assert_eq!(ask(r#"{"do":"next"}"#), act("next", ActionValue::Nothing));
         assert_eq!(ask(r#"{"do":"next","with":0}"#), Ok(Asked::Nothing));
-        assert_eq!(ask(r#"{"do":"pause","with":true}"#), act("pause", Given::Number(1.0)));
-        assert_eq!(ask(r#"{"do":"pause","with":null}"#), act("pause", Given::Nothing));
-        assert_eq!(ask(r#"{"do":"volume","with":7}"#), act("volume", Given::Number(1.0)));
-        assert_eq!(ask(r#"{"do":"volume","with":-1e9}"#), act("volume", Given::Number(0.0)));
-        assert_eq!(ask(r#"{"do":"scene","with":"orb"}"#), act("scene", Given::Text("orb".to_owned())));
+        assert_eq!(ask(r#"{"do":"pause","with":true}"#), act("pause", ActionValue::Number(1.0)));
+        assert_eq!(ask(r#"{"do":"pause","with":null}"#), act("pause", ActionValue::Nothing));
+        assert_eq!(ask(r#"{"do":"volume","with":7}"#), act("volume", ActionValue::Number(1.0)));
+        assert_eq!(ask(r#"{"do":"volume","with":-1e9}"#), act("volume", ActionValue::Number(0.0)));
+        assert_eq!(ask(r#"{"do":"scene","with":"orb"}"#), act("scene", ActionValue::Text("orb".to_owned())));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 /// Where the page is, behind the token.
 pub const PAGE_PATH: &str = "";
 /// Where the WebSocket is, behind the token.
-pub const TALK_PATH: &str = "hands";
+pub const SESSION_PATH: &str = "hands";
 
 /// What the path of a scene's picture begins with, behind the token; the scene's title follows.
 pub(crate) const PICTURE_PATH: &str = "picture/";

@@ -7,19 +7,19 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use mariana_control::deed::DeedRow;
+use mariana_control::action::ActionRow;
 use mariana_control::limits::LIMITS as CONTROL_LIMITS;
 use mariana_control::osc::{Place, PlaceError};
-use mariana_control::{Board, Wishes};
+use mariana_control::{Board, InputQueue};
 
 use crate::album::Album;
+use crate::connection_limit::{ConnectionLimit, ConnectionSlot};
 use crate::http::{self, HeadBounds};
-use crate::invitation::Invitation;
-use crate::judge::{Refusal, Wanted, admit, judge};
 use crate::limits::{LIMITS, Limits};
 use crate::page::policy;
-use crate::seats::{Seat, Seats};
-use crate::talk::{self, Talk};
+use crate::pairing_address::PairingAddress;
+use crate::phone_session::{self, PhoneSession};
+use crate::route::{Refusal, Route, admit, route};
 use crate::token::Token;
 
 /// How often it is looked whether the computer has another address, and whether all is over.
@@ -48,7 +48,7 @@ pub enum RemoteState {
     #[default]
     Opening,
     /// Phones can come by this invitation.
-    Open(Arc<Invitation>),
+    Open(Arc<PairingAddress>),
     /// The system refuses the port, and why: a sentence. The server keeps trying.
     Refused(String),
 }
@@ -60,13 +60,13 @@ pub struct Remote(Arc<Shared>);
 pub(crate) struct Shared {
     place: Place,
     token: Token,
-    pub deeds: &'static [DeedRow],
-    pub wishes: Wishes,
+    pub actions: &'static [ActionRow],
+    pub input_queue: InputQueue,
     pub board: Board,
     pub album: Album,
     pub limits: Limits,
     state: Mutex<RemoteState>,
-    seats: Seats,
+    connection_limit: ConnectionLimit,
     phones: AtomicUsize,
     is_over: AtomicBool,
     wake: Box<dyn Fn() + Send + Sync>,
@@ -81,12 +81,12 @@ impl Remote {
     /// There is no thread, or no random number.
     pub fn start(
         place: RemotePlace,
-        deeds: &'static [DeedRow],
-        wishes: Wishes,
+        actions: &'static [ActionRow],
+        input_queue: InputQueue,
         (board, album): (Board, Album),
         wake: impl Fn() + Send + Sync + 'static,
     ) -> io::Result<Self> {
-        Self::start_within(LIMITS, place, deeds, wishes, (board, album), wake)
+        Self::start_within(LIMITS, place, actions, input_queue, (board, album), wake)
     }
 
     /// The same within other limits.
@@ -96,21 +96,21 @@ impl Remote {
     pub fn start_within(
         limits: Limits,
         RemotePlace(place): RemotePlace,
-        deeds: &'static [DeedRow],
-        wishes: Wishes,
+        actions: &'static [ActionRow],
+        input_queue: InputQueue,
         (board, album): (Board, Album),
         wake: impl Fn() + Send + Sync + 'static,
     ) -> io::Result<Self> {
         let shared = Arc::new(Shared {
             place,
             token: Token::new()?,
-            deeds,
-            wishes,
+            actions,
+            input_queue,
             board,
             album,
             limits,
             state: Mutex::default(),
-            seats: Seats::default(),
+            connection_limit: ConnectionLimit::default(),
             phones: AtomicUsize::new(0),
             is_over: AtomicBool::new(false),
             wake: Box::new(wake),
@@ -151,8 +151,8 @@ impl Shared {
     fn keep(self: &Arc<Self>) {
         let Some(listens) = self.open_when_free() else { return };
         while !self.is_over() {
-            let invitation = Invitation::new(listens, self.name(), &self.token);
-            self.set_state(RemoteState::Open(Arc::new(invitation)));
+            let pairing_address = PairingAddress::new(listens, self.name(), &self.token);
+            self.set_state(RemoteState::Open(Arc::new(pairing_address)));
             std::thread::sleep(LOOK);
         }
         // The thread that takes connections waits for one.
@@ -213,16 +213,16 @@ impl Shared {
             };
             let Ok(from) = stream.peer_addr() else { continue };
             // More than there are seats for are cut off: telling them so would take time that others wait for.
-            let Some(seat) = self.seats.take(from.ip(), &self.limits) else { continue };
+            let Some(connection_slot) = self.connection_limit.take(from.ip(), &self.limits) else { continue };
             let shared = self.clone();
-            if let Err(error) = thread(move || shared.serve(stream, from.ip(), &seat)) {
+            if let Err(error) = thread(move || shared.serve(stream, from.ip(), &connection_slot)) {
                 tracing::warn!("a phone is not listened to: {error}");
             }
         }
     }
 
     /// Answers one connection, which has a seat.
-    fn serve(&self, stream: TcpStream, from: IpAddr, _seat: &Seat) {
+    fn serve(&self, stream: TcpStream, from: IpAddr, _connection_slot: &ConnectionSlot) {
         let limits = &self.limits;
         let within = limits.head_time_max;
         let bounds = HeadBounds {
@@ -247,12 +247,12 @@ impl Shared {
             Ok(host) => host,
             Err(refusal) => return refuse(refusal),
         };
-        match judge(&head, host, &self.token) {
-            Ok(Wanted::Text(asset, host)) => {
+        match route(&head, host, &self.token) {
+            Ok(Route::Text(asset, host)) => {
                 let policy = ("Content-Security-Policy", &*policy(&host));
                 answer_own(&stream, (asset.kind, asset.text.as_bytes()), &[policy], within);
             }
-            Ok(Wanted::Picture(scene)) => match self.album.find(&scene) {
+            Ok(Route::Picture(scene)) => match self.album.find(&scene) {
                 Some(jpeg) => answer_own(&stream, ("image/jpeg", &jpeg), &[], within),
                 None => {
                     let is_one = self.board.read(|present| present.scenes.contains(&scene));
@@ -267,13 +267,13 @@ impl Shared {
                     );
                 }
             },
-            Ok(Wanted::Slash) => {
+            Ok(Route::Slash) => {
                 let to = format!("/{}/", self.token.as_str());
                 let fields =
                     [("Location", &*to), ("Cache-Control", "no-store"), ("Referrer-Policy", "no-referrer")];
                 http::answer(&stream, "308 Permanent Redirect", &fields, b"", within);
             }
-            Ok(Wanted::Talk(key)) => self.talk(stream, &key, rest),
+            Ok(Route::PhoneSession(key)) => self.phone_session(stream, &key, rest),
             // Whoever may not talk because all places are taken is told so before being told how to ask.
             Err(Refusal::TalkOnly) if self.phones.load(Ordering::Acquire) >= limits.phones_max => {
                 turn_away(&stream, within);
@@ -288,7 +288,7 @@ impl Shared {
     }
 
     /// Speaks with a phone, if there is a place for it.
-    fn talk(&self, stream: TcpStream, key: &str, rest: Vec<u8>) {
+    fn phone_session(&self, stream: TcpStream, key: &str, rest: Vec<u8>) {
         let is_free = |phones: usize| (phones < self.limits.phones_max).then_some(phones + 1);
         if self.phones.fetch_update(Ordering::AcqRel, Ordering::Acquire, is_free).is_err() {
             return turn_away(&stream, self.limits.head_time_max);
@@ -296,9 +296,9 @@ impl Shared {
         (self.wake)();
         let _place = PhonePlace(self);
         tracing::info!("a phone has come");
-        let accepted = talk::accept(&stream, key, self.limits.head_time_max);
+        let accepted = phone_session::accept(&stream, key, self.limits.head_time_max);
         let end = match accepted {
-            Ok(()) => Talk::new(stream, rest, self).go_on(),
+            Ok(()) => PhoneSession::new(stream, rest, self).go_on(),
             Err(error) => error.to_string(),
         };
         tracing::info!("a phone has gone: {end}");

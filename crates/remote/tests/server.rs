@@ -7,17 +7,17 @@ use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-use mariana_control::deed::{DeedRow, Given, Takes};
-use mariana_control::{Amount, Board, Hand, Present, Slider, Wishes};
+use mariana_control::action::{ActionRow, ActionValue, ValueType};
+use mariana_control::{Amount, Board, ChangedBy, InputQueue, Present, Slider};
 use mariana_remote::limits::{LIMITS, Limits};
-use mariana_remote::{Album, Remote, RemoteState, TALK_PATH};
+use mariana_remote::{Album, Remote, RemoteState, SESSION_PATH};
 use tungstenite::client::{IntoClientRequest, client};
 use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::{Error, Message, WebSocket};
 
-const DEEDS: &[DeedRow] = &[
-    DeedRow { name: "blackout", takes: Takes::Switch, meaning: "blackout" },
-    DeedRow { name: "scene", takes: Takes::Choice, meaning: "a scene" },
+const ACTIONS: &[ActionRow] = &[
+    ActionRow { name: "blackout", takes: ValueType::Switch, meaning: "blackout" },
+    ActionRow { name: "scene", takes: ValueType::Choice, meaning: "a scene" },
 ];
 /// Longer than anything here takes.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -25,17 +25,17 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// A server, and what is heard of it.
 struct Place {
     remote: Remote,
-    wishes: Wishes,
+    input_queue: InputQueue,
     board: Board,
     album: Album,
-    news: Receiver<()>,
+    state_delta: Receiver<()>,
     address: SocketAddr,
     /// `/TOKEN/`
     path: String,
 }
 
 fn size(value: f32) -> Slider {
-    Slider { name: "size".into(), value, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Text }
+    Slider { name: "size".into(), value, min: 0.0, max: 4.0, default: 1.0, changed_by: ChangedBy::Text }
 }
 
 fn present(value: f32) -> Present {
@@ -44,21 +44,21 @@ fn present(value: f32) -> Present {
 
 impl Place {
     fn within(limits: Limits) -> Self {
-        let (told, news) = channel();
-        let (wishes, board, album) = (Wishes::new(|| {}), Board::default(), Album::default());
+        let (reported, state_delta) = channel();
+        let (input_queue, board, album) = (InputQueue::new(|| {}), Board::default(), Album::default());
         board.put(present(1.0));
         let place = "127.0.0.1:0".parse().unwrap();
         let shown = (board.clone(), album.clone());
-        let remote = Remote::start_within(limits, place, DEEDS, wishes.clone(), shown, move || {
-            let _ = told.send(());
+        let remote = Remote::start_within(limits, place, ACTIONS, input_queue.clone(), shown, move || {
+            let _ = reported.send(());
         })
         .unwrap();
-        news.recv_timeout(PATIENCE).unwrap();
-        let RemoteState::Open(invitation) = remote.state() else { panic!("{:?}", remote.state()) };
+        state_delta.recv_timeout(PATIENCE).unwrap();
+        let RemoteState::Open(pairing_address) = remote.state() else { panic!("{:?}", remote.state()) };
         let (address, token) =
-            invitation.url.strip_prefix("http://").and_then(|url| url.split_once('/')).unwrap();
+            pairing_address.url.strip_prefix("http://").and_then(|url| url.split_once('/')).unwrap();
         let (address, path) = (address.parse().unwrap(), format!("/{token}"));
-        Self { remote, wishes, board, album, news, address, path }
+        Self { remote, input_queue, board, album, state_delta, address, path }
     }
 
     fn new() -> Self {
@@ -105,15 +105,15 @@ impl Place {
     }
 
     fn phone(&self) -> Phone {
-        let path = format!("{}{TALK_PATH}", self.path);
+        let path = format!("{}{SESSION_PATH}", self.path);
         self.phone_from(&path, &format!("http://{}", self.address)).unwrap()
     }
 
     /// Waits until as many messages were counted, and until those that were refused are as many.
     fn wait_for_counts(&self, messages: u64, refused: u64) {
         let end = Instant::now() + PATIENCE;
-        while (self.wishes.counts().0, self.wishes.counts().1.count()) != (messages, refused) {
-            assert!(Instant::now() < end, "{:?}", self.wishes.counts());
+        while (self.input_queue.counts().0, self.input_queue.counts().1.count()) != (messages, refused) {
+            assert!(Instant::now() < end, "{:?}", self.input_queue.counts());
             std::thread::sleep(Duration::from_millis(2));
         }
     }
@@ -121,7 +121,7 @@ impl Place {
     /// Waits until there are as many phones.
     fn wait_for_phones(&self, count: usize) {
         while self.remote.phones() != count {
-            self.news.recv_timeout(PATIENCE).unwrap();
+            self.state_delta.recv_timeout(PATIENCE).unwrap();
         }
     }
 }
@@ -138,7 +138,7 @@ impl Phone {
     }
 
     /// The next news in which something stands.
-    fn news_with(&mut self, part: &str) -> String {
+    fn state_delta_with(&mut self, part: &str) -> String {
         let limit = Instant::now() + PATIENCE;
         loop {
             assert!(Instant::now() < limit, "nothing is told of {part}");
@@ -216,10 +216,10 @@ fn wrong_tokens_locked_out_good_ones_from_the_same_address() {
         for _ in 0..20 {
             assert_eq!(place.status(&path), "403", "{path}");
         }
-        let refused = place.phone_from(&format!("{path}{TALK_PATH}"), &own).map(drop);
+        let refused = place.phone_from(&format!("{path}{SESSION_PATH}"), &own).map(drop);
         assert!(refused.unwrap_err().starts_with("403"), "{path}");
         assert_eq!(place.status(&place.path), "200");
-        place.phone().news_with("scene");
+        place.phone().state_delta_with("scene");
     }
 }
 
@@ -235,12 +235,12 @@ fn a_picture_is_wanted_by_who_asks_for_a_scene_that_there_is_and_then_shown() {
     assert!(place.album.take_wanted().is_empty(), "only pictures of scenes are wanted");
     assert_eq!(place.status(&at("gr%C3%B6%C3%9Fe")), "404");
     // It is told that something is wanted, once.
-    place.news.recv_timeout(PATIENCE).unwrap();
+    place.state_delta.recv_timeout(PATIENCE).unwrap();
     assert_eq!(place.album.take_wanted(), ["größe"]);
     let mut phone = place.phone();
-    phone.news_with("scene");
+    phone.state_delta_with("scene");
     assert!(place.album.put("größe", std::sync::Arc::from(&b"a picture"[..])));
-    assert_eq!(phone.news_with("pictures"), r#"{"pictures":1}"#);
+    assert_eq!(phone.state_delta_with("pictures"), r#"{"pictures":1}"#);
     let answer = place.get(&at("gr%C3%B6%C3%9Fe?1"));
     assert!(answer.starts_with("HTTP/1.1 200 OK") && answer.ends_with("\r\n\r\na picture"), "{answer}");
     for field in ["Content-Type: image/jpeg", "Cache-Control: no-store", "X-Content-Type-Options: nosniff"] {
@@ -254,11 +254,14 @@ fn a_picture_is_wanted_by_who_asks_for_a_scene_that_there_is_and_then_shown() {
 fn no_conversation_begins_from_another_page_or_without_the_token() {
     let place = Place::new();
     let own = format!("http://{}", place.address);
-    let talk = format!("{}{TALK_PATH}", place.path);
+    let phone_session = format!("{}{SESSION_PATH}", place.path);
     for origin in ["http://example.org", "null", "https://127.0.0.1"] {
-        assert!(place.phone_from(&talk, origin).map(drop).unwrap_err().starts_with("403"), "{origin}");
+        assert!(
+            place.phone_from(&phone_session, origin).map(drop).unwrap_err().starts_with("403"),
+            "{origin}"
+        );
     }
-    assert!(place.get(&talk).starts_with("HTTP/1.1 426"));
+    assert!(place.get(&phone_session).starts_with("HTTP/1.1 426"));
     assert!(place.phone_from("/hands", &own).map(drop).unwrap_err().starts_with("403"));
 }
 
@@ -267,19 +270,19 @@ fn a_phone_turns_acts_and_is_told_what_others_do() {
     let place = Place::new();
     let (mut phone, mut other) = (place.phone(), place.phone());
     for one in [&mut phone, &mut other] {
-        let all = one.news_with("scene");
+        let all = one.state_delta_with("scene");
         assert!(all.contains(r#""values":{"size":[1.0,"text"]}"#), "{all}");
     }
     phone.say(r#"{"turn":"size","to":3.5}"#);
     phone.say(r#"{"do":"scene","with":"city"}"#);
     place.wait_for_counts(2, 0);
-    let heard = place.wishes.take();
+    let heard = place.input_queue.take();
     let turned = &heard.params[0];
-    assert_eq!((&*turned.name, turned.to, turned.hand), ("size", Amount::Value(3.5), Hand::Phone));
-    assert_eq!(heard.deeds[0].given, Given::Text("city".into()));
+    assert_eq!((&*turned.name, turned.to, turned.changed_by), ("size", Amount::Value(3.5), ChangedBy::Phone));
+    assert_eq!(heard.actions[0].given, ActionValue::Text("city".into()));
     place.board.put(present(3.5));
-    assert_eq!(other.news_with("values"), r#"{"values":{"size":[3.5,"text"]}}"#);
-    assert_eq!(phone.news_with("values"), r#"{"values":{"size":[3.5,"text"]}}"#);
+    assert_eq!(other.state_delta_with("values"), r#"{"values":{"size":[3.5,"text"]}}"#);
+    assert_eq!(phone.state_delta_with("values"), r#"{"values":{"size":[3.5,"text"]}}"#);
     drop(phone);
     place.wait_for_phones(1);
 }
@@ -296,9 +299,9 @@ fn rubbish_is_counted_and_the_rest_goes_on() {
     }
     phone.say(r#"{"turn":"size","to":2}"#);
     place.wait_for_counts(10, 9);
-    let refusals = place.wishes.counts().1;
+    let refusals = place.input_queue.counts().1;
     assert_eq!((refusals.rubbish, refusals.unknown, refusals.not_numbers), (6, 2, 1));
-    assert_eq!(place.wishes.take().params.len(), 1);
+    assert_eq!(place.input_queue.take().params.len(), 1);
 }
 
 #[test]
@@ -308,7 +311,7 @@ fn a_message_that_is_too_large_ends_the_conversation_and_one_of_the_limit_does_n
     let sized = |bytes: usize| format!("{:bytes$}", r#"{"do":"blackout"}"#);
     phone.say(&sized(LIMITS.message_bytes_max));
     place.wait_for_counts(1, 0);
-    assert_eq!(place.wishes.take().deeds.len(), 1);
+    assert_eq!(place.input_queue.take().actions.len(), 1);
     phone.say(&sized(LIMITS.message_bytes_max + 1));
     assert_eq!(phone.end(), Some(CloseCode::Size));
     // In pieces it is as large.
@@ -348,10 +351,10 @@ fn a_flood_is_sent_away_and_others_are_heard() {
     // What it sent last may take the reason along.
     assert!(matches!(flood.end(), Some(CloseCode::Policy) | None));
     place.wait_for_phones(1);
-    assert_eq!(place.wishes.counts().1.too_many, 1);
-    place.wishes.take();
+    assert_eq!(place.input_queue.counts().1.too_many, 1);
+    place.input_queue.take();
     phone.say(r#"{"turn":"size","to":0.25}"#);
-    while place.wishes.take().params.iter().all(|wish| wish.to != Amount::Value(0.25)) {
+    while place.input_queue.take().params.iter().all(|change| change.to != Amount::Value(0.25)) {
         std::thread::sleep(Duration::from_millis(2));
     }
 }
@@ -368,17 +371,17 @@ fn who_reads_nothing_is_given_up_and_holds_nobody() {
     while place.remote.phones() == 2 {
         number += 1;
         place.board.put(Present { scenes: names(number), ..present(1.0) });
-        phone.news_with("scene 3999 of");
+        phone.state_delta_with("scene 3999 of");
     }
     assert_eq!(place.remote.phones(), 1);
     place.board.put(present(2.0));
-    phone.news_with(r#""size":[2.0"#);
+    phone.state_delta_with(r#""size":[2.0"#);
 }
 
 #[test]
 fn who_reads_late_gets_the_newest_and_not_all_that_was() {
     let limits = Limits {
-        news_interval: Duration::from_millis(5),
+        delta_interval: Duration::from_millis(5),
         unread_time_max: PATIENCE,
         silence_max: PATIENCE,
         ..LIMITS
@@ -390,10 +393,10 @@ fn who_reads_late_gets_the_newest_and_not_all_that_was() {
     for number in 1..=states {
         let scenes = (0..20_000).map(|name| format!("scene {name} of {number}")).collect();
         place.board.put(Present { scenes, ..present(1.0) });
-        phone.news_with(&format!("scene 19999 of {number}\""));
+        phone.state_delta_with(&format!("scene 19999 of {number}\""));
     }
     let mut count = 0;
-    while !late.news_with("scene 19999 of").contains(&format!("scene 19999 of {states}\"")) {
+    while !late.state_delta_with("scene 19999 of").contains(&format!("scene 19999 of {states}\"")) {
         count += 1;
     }
     assert!(count < states / 4, "it was told {count} states");
@@ -406,22 +409,22 @@ fn who_says_nothing_is_given_up() {
     place.wait_for_phones(2);
     // A phone that reads answers what it is asked.
     while place.remote.phones() == 2 {
-        phone.news_with("");
+        phone.state_delta_with("");
     }
     assert_eq!(place.remote.phones(), 1);
     // Its answers to what it was asked may cross the reason on the way.
     assert!(matches!(deaf.end(), Some(CloseCode::Policy) | None));
     place.board.put(present(2.0));
-    phone.news_with(r#""size":[2.0"#);
+    phone.state_delta_with(r#""size":[2.0"#);
 }
 
 #[test]
 fn no_more_phones_are_spoken_with_than_the_limit() {
     let place = Place::new();
     let mut phones: Vec<Phone> = (0..LIMITS.phones_max).map(|_| place.phone()).collect();
-    let (talk, own) = (format!("{}{TALK_PATH}", place.path), format!("http://{}", place.address));
-    assert!(place.phone_from(&talk, &own).map(drop).unwrap_err().starts_with("503"));
-    assert!(place.get(&talk).starts_with("HTTP/1.1 503"), "the page can ask why");
+    let (phone_session, own) = (format!("{}{SESSION_PATH}", place.path), format!("http://{}", place.address));
+    assert!(place.phone_from(&phone_session, &own).map(drop).unwrap_err().starts_with("503"));
+    assert!(place.get(&phone_session).starts_with("HTTP/1.1 503"), "the page can ask why");
     phones.pop();
     place.wait_for_phones(LIMITS.phones_max - 1);
     place.phone();
@@ -446,13 +449,13 @@ fn connections_that_ask_nothing_are_bounded_and_given_up() {
 #[test]
 fn a_port_that_another_program_has_costs_a_sentence() {
     let other = TcpListener::bind("127.0.0.1:0").unwrap();
-    let (told, news) = channel();
+    let (reported, state_delta) = channel();
     let place = other.local_addr().unwrap().to_string().parse().unwrap();
-    let remote = Remote::start(place, DEEDS, Wishes::new(|| {}), Default::default(), move || {
-        let _ = told.send(());
+    let remote = Remote::start(place, ACTIONS, InputQueue::new(|| {}), Default::default(), move || {
+        let _ = reported.send(());
     });
     let remote = remote.unwrap();
-    news.recv_timeout(PATIENCE).unwrap();
+    state_delta.recv_timeout(PATIENCE).unwrap();
     let RemoteState::Refused(why) = remote.state() else { panic!("{:?}", remote.state()) };
     assert!(why.contains("another program has 127.0.0.1:") && why.contains("--remote"), "{why}");
 }
@@ -461,19 +464,19 @@ fn a_port_that_another_program_has_costs_a_sentence() {
 fn a_port_that_was_taken_at_the_start_was_never_tried_again() {
     let other = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = other.local_addr().unwrap();
-    let (told, news) = channel();
+    let (reported, state_delta) = channel();
     let place = address.to_string().parse().unwrap();
-    let remote = Remote::start(place, DEEDS, Wishes::new(|| {}), Default::default(), move || {
-        let _ = told.send(());
+    let remote = Remote::start(place, ACTIONS, InputQueue::new(|| {}), Default::default(), move || {
+        let _ = reported.send(());
     });
     let remote = remote.unwrap();
-    news.recv_timeout(PATIENCE).unwrap();
+    state_delta.recv_timeout(PATIENCE).unwrap();
     assert!(matches!(remote.state(), RemoteState::Refused(_)), "{:?}", remote.state());
     drop(other);
     // The state changes once: there is no news of attempts that fail like the first.
-    news.recv_timeout(PATIENCE).unwrap();
-    let RemoteState::Open(invitation) = remote.state() else { panic!("{:?}", remote.state()) };
-    assert!(invitation.url.starts_with(&format!("http://{address}/")), "{}", invitation.url);
+    state_delta.recv_timeout(PATIENCE).unwrap();
+    let RemoteState::Open(pairing_address) = remote.state() else { panic!("{:?}", remote.state()) };
+    assert!(pairing_address.url.starts_with(&format!("http://{address}/")), "{}", pairing_address.url);
     TcpStream::connect(address).unwrap();
 }
 

@@ -15,7 +15,7 @@ pub struct Limits {
     /// Most bytes that they have together (128 MiB: one of all Chinese letters has some 20 MiB).
     pub system_fonts_bytes_max: u64,
     /// Time in seconds after which it is told that a driver is still compiling.
-    pub compile_seconds_told: f64,
+    pub compile_seconds_reported: f64,
 }
 
 /// The limits in force.
@@ -24,5 +24,5 @@ pub const LIMITS: Limits = Limits {
     region_texels_max: 1 << 22,
     system_fonts_max: 12,
     system_fonts_bytes_max: 1 << 27,
-    compile_seconds_told: 20.0,
+    compile_seconds_reported: 20.0,
 };

@@ -45,8 +45,8 @@ impl TryFrom<[f64; 4]> for Crop {
 
     fn try_from(percent: [f64; 4]) -> Result<Self, Self::Error> {
         let [left, top, right, bottom] = percent;
-        let is_share = percent.iter().all(|side| (0.0..=CROP_MAX).contains(side));
-        if is_share && left + right <= CROP_MAX && top + bottom <= CROP_MAX {
+        let is_fraction = percent.iter().all(|side| (0.0..=CROP_MAX).contains(side));
+        if is_fraction && left + right <= CROP_MAX && top + bottom <= CROP_MAX {
             Ok(Self(percent))
         } else {
             Err("opposite edges lose from 0 to 90 percent together")
@@ -88,7 +88,7 @@ impl TryFrom<[[f64; 2]; 4]> for Corners {
 
     fn try_from(corners: [[f64; 2]; 4]) -> Result<Self, Self::Error> {
         let near = -CORNER_OUTSIDE_MAX..=1.0 + CORNER_OUTSIDE_MAX;
-        if !corners.as_flattened().iter().all(|share| near.contains(share)) {
+        if !corners.as_flattened().iter().all(|fraction| near.contains(fraction)) {
             return Err("a corner lies at most one screen beside the screen");
         }
         let turn = |i: usize| {
@@ -139,14 +139,14 @@ impl Placement {
     /// The size of the picture of which a screen of `screen` pixels shows what is left, pixel for pixel.
     pub fn picture_size(&self, screen: (u32, u32)) -> (u32, u32) {
         let [left, top, right, bottom] = self.crop.rest();
-        let side = |side: u32, share: f64| (f64::from(side) / share).round().clamp(1.0, 1e6) as u32;
+        let side = |side: u32, fraction: f64| (f64::from(side) / fraction).round().clamp(1.0, 1e6) as u32;
         (side(screen.0, right - left), side(screen.1, bottom - top))
     }
 
     /// The size of what is left of a picture of `size` pixels.
     pub fn rest_of(&self, size: (u32, u32)) -> (u32, u32) {
         let [left, top, right, bottom] = self.crop.rest();
-        let side = |side: u32, share: f64| (f64::from(side) * share).round().max(1.0) as u32;
+        let side = |side: u32, fraction: f64| (f64::from(side) * fraction).round().max(1.0) as u32;
         (side(size.0, right - left), side(size.1, bottom - top))
     }
 
@@ -270,8 +270,8 @@ mod tests {
         let cross = |u: [f64; 2], v: [f64; 2]| u[0] * v[1] - u[1] * v[0];
         let (ac, bd, ab) =
             ([c[0] - a[0], c[1] - a[1]], [d[0] - b[0], d[1] - b[1]], [b[0] - a[0], b[1] - a[1]]);
-        let share = cross(ab, bd) / cross(ac, bd);
-        assert_led(&placement, [a[0] + share * ac[0], a[1] + share * ac[1]], [0.5, 0.5]);
+        let fraction = cross(ab, bd) / cross(ac, bd);
+        assert_led(&placement, [a[0] + fraction * ac[0], a[1] + fraction * ac[1]], [0.5, 0.5]);
         assert!(led(&placement.map(), [0.05, 0.05]).is_none_or(|[x, y]| x < 0.0 || y < 0.0));
     }
 

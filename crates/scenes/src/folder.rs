@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals_are_told_apart() {
+    fn refusals_are_reported_apart() {
         let (place, folder) = folder();
         assert_eq!(folder.bytes("sub/part", 4), Ok(b"part".to_vec()));
         assert_eq!(folder.bytes("sub/part", 3), Err(Refusal::TooLarge(3)));

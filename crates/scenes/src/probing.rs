@@ -9,8 +9,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::{ReadyScene, SceneSource};
+use mariana_field::ray_probe::{Deciding, Ray, RayProbe, RayStatistics, RayStatisticsOptions};
 use mariana_field::region::RegionOptions;
-use mariana_field::sight::{Deciding, Ray, Sight, Survey, SurveyOptions};
 use mariana_field::world::World;
 use mariana_render::frame::Frame;
 use mariana_render::gpu::scene_resources::{RegionMaker, RegionRequest};
@@ -82,7 +82,7 @@ pub enum Answer {
     /// What is at a point.
     Point(Probed),
     /// What a grid shows.
-    Survey(SceneSource, Arc<Survey>),
+    RayStatistics(SceneSource, Arc<RayStatistics>),
     /// It would have taken too long.
     TooLong,
 }
@@ -90,7 +90,7 @@ pub enum Answer {
 #[derive(Default)]
 struct State {
     point: Option<(Scenery, [f64; 2])>,
-    survey: Option<Scenery>,
+    ray_statistics: Option<Scenery>,
     answers: Vec<Answer>,
     /// Whether a survey is being made, or was a moment ago.
     surveys: bool,
@@ -131,15 +131,15 @@ impl Prober {
     }
 
     /// Asks for a survey.
-    pub fn ask_survey(&self, scenery: Scenery) {
-        self.0.lock().survey = Some(scenery);
+    pub fn ask_ray_statistics(&self, scenery: Scenery) {
+        self.0.lock().ray_statistics = Some(scenery);
         self.0.changed.notify_one();
     }
 
     /// Whether a survey is on its way, or its thread rests.
     pub fn surveys(&self) -> bool {
         let state = self.0.lock();
-        state.surveys || state.survey.is_some()
+        state.surveys || state.ray_statistics.is_some()
     }
 
     /// The answers since the last call.
@@ -151,7 +151,7 @@ impl Prober {
 impl Drop for Prober {
     fn drop(&mut self) {
         let mut state = self.0.lock();
-        (state.over, state.point, state.survey) = (true, None, None);
+        (state.over, state.point, state.ray_statistics) = (true, None, None);
         drop(state);
         self.0.changed.notify_one();
     }
@@ -160,15 +160,15 @@ impl Drop for Prober {
 fn work(shared: &Shared, wake: &dyn Fn()) {
     loop {
         let mut state = shared.lock();
-        while state.point.is_none() && state.survey.is_none() && !state.over {
+        while state.point.is_none() && state.ray_statistics.is_none() && !state.over {
             state = shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
         if state.over {
             return;
         }
         let point = state.point.take();
-        let survey = if point.is_none() { state.survey.take() } else { None };
-        state.surveys = survey.is_some();
+        let ray_statistics = if point.is_none() { state.ray_statistics.take() } else { None };
+        state.surveys = ray_statistics.is_some();
         drop(state);
         let begun = Instant::now();
         // A survey waits while somebody asks for a point.
@@ -177,11 +177,11 @@ fn work(shared: &Shared, wake: &dyn Fn()) {
             let state = shared.lock();
             !state.over && begun.elapsed() < PATIENCE && (is_asked || state.point.is_none())
         };
-        let answer = catch_unwind(AssertUnwindSafe(|| match (point, survey) {
+        let answer = catch_unwind(AssertUnwindSafe(|| match (point, ray_statistics) {
             (Some((scenery, at)), _) => probe(&scenery, at, &is_wanted).map(Answer::Point),
             (None, Some(scenery)) => {
-                let survey = survey_of(&scenery, &is_wanted)?;
-                Some(Answer::Survey(scenery.source, Arc::new(survey)))
+                let ray_statistics = ray_statistics_of(&scenery, &is_wanted)?;
+                Some(Answer::RayStatistics(scenery.source, Arc::new(ray_statistics)))
             }
             (None, None) => None,
         }));
@@ -224,22 +224,22 @@ fn ray_at(frame: &Frame, [x, y]: [f64; 2], width: f64) -> Ray {
 fn look<T>(
     scenery: &Scenery,
     is_wanted: &(dyn Fn() -> bool + Sync),
-    look: impl FnOnce(&Sight<'_>) -> T,
+    look: impl FnOnce(&RayProbe<'_>) -> T,
 ) -> Option<T> {
     let Scenery { world, frame, maker, request, .. } = scenery;
     let built = maker.build_while(frame, request.clone(), is_wanted);
-    is_wanted().then(|| look(&Sight::new(world, &built.regions, &frame.inputs, &frame.values.planes)))
+    is_wanted().then(|| look(&RayProbe::new(world, &built.regions, &frame.inputs, &frame.values.planes)))
 }
 
 /// Looks at a point of the picture, 0..1 to the right and down. Returns `None` once `is_wanted` is false.
 pub fn probe(scenery: &Scenery, at: [f64; 2], is_wanted: &(dyn Fn() -> bool + Sync)) -> Option<Probed> {
     let ray = ray_at(&scenery.frame, at, PROBE_WIDTH);
     let scene = &scenery.world.scene;
-    let surface = look(scenery, is_wanted, |sight| {
-        let hit = sight.trace(&ray).hit?;
+    let surface = look(scenery, is_wanted, |ray_probe| {
+        let hit = ray_probe.trace(&ray).hit?;
         let object = scene.objects.get(hit.object)?;
         let deciding = Deciding::new(&scene.graph, object.shape).ok();
-        let path = sight.path(&hit, deciding.as_ref());
+        let path = ray_probe.path(&hit, deciding.as_ref());
         let written = path.last().and_then(|node| scene.origins.written_at(*node));
         let declared = || {
             let (file, start) = scene.origins.place(object.span.start)?;
@@ -250,7 +250,7 @@ pub fn probe(scenery: &Scenery, at: [f64; 2], is_wanted: &(dyn Fn() -> bool + Sy
             material: scene.materials.get(object.material).map_or(String::new(), |one| one.name.clone()),
             distance: hit.distance,
             position: hit.position,
-            normal: sight.normal(&ray, &hit),
+            normal: ray_probe.normal(&ray, &hit),
             written: written.or_else(declared),
         })
     })?;
@@ -258,12 +258,12 @@ pub fn probe(scenery: &Scenery, at: [f64; 2], is_wanted: &(dyn Fn() -> bool + Sy
 }
 
 /// Looks at a grid of points over the picture. Returns `None` once `is_wanted` is false.
-pub fn survey_of(scenery: &Scenery, is_wanted: &(dyn Fn() -> bool + Sync)) -> Option<Survey> {
+pub fn ray_statistics_of(scenery: &Scenery, is_wanted: &(dyn Fn() -> bool + Sync)) -> Option<RayStatistics> {
     let (width, height) = scenery.frame.camera.tan_half;
     let rows = (COLUMNS as f64 * height / width).round().clamp(8.0, COLUMNS as f64 * 2.0) as usize;
-    let options = SurveyOptions { columns: COLUMNS, rows };
+    let options = RayStatisticsOptions { columns: COLUMNS, rows };
     let ray = |x: f64, y: f64| ray_at(&scenery.frame, [x, y], 1.0);
-    look(scenery, is_wanted, |sight| Survey::of(sight, options, ray, is_wanted))?
+    look(scenery, is_wanted, |ray_probe| RayStatistics::of(ray_probe, options, ray, is_wanted))?
 }
 
 #[cfg(test)]
@@ -323,16 +323,17 @@ camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 90 }";
     #[test]
     fn a_survey_has_the_shape_of_the_picture_and_all_objects() {
         let scenery = scenery(BALLS);
-        let Answer::Survey(source, survey) = asked(&scenery, |prober, scenery| prober.ask_survey(scenery))
+        let Answer::RayStatistics(source, ray_statistics) =
+            asked(&scenery, |prober, scenery| prober.ask_ray_statistics(scenery))
         else {
             panic!("no survey came");
         };
         assert_eq!(source, scenery.source);
-        assert_eq!((survey.columns, survey.cells.len()), (COLUMNS, COLUMNS * COLUMNS / 2));
+        assert_eq!((ray_statistics.columns, ray_statistics.cells.len()), (COLUMNS, COLUMNS * COLUMNS / 2));
         assert!(
-            survey.objects.iter().all(|object| object.rays > 0 && object.run > 0),
+            ray_statistics.objects.iter().all(|object| object.rays > 0 && object.run > 0),
             "{:?}",
-            survey.objects
+            ray_statistics.objects
         );
     }
 }

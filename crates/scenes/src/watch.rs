@@ -35,7 +35,7 @@ pub(super) struct Watch {
     /// Whether every relevant folder is watched.
     complete: bool,
     /// Whether the log already says that they are not.
-    told: bool,
+    reported: bool,
 }
 
 /// Receives a file that may have changed, and what is known about the change.
@@ -63,7 +63,7 @@ impl Watch {
     /// A watch that reports nothing, as when the system has no watches left.
     pub(super) fn blind() -> Self {
         let wanted = Arc::new(Mutex::new(Wanted::default()));
-        Self { watcher: None, folders: BTreeMap::new(), wanted, complete: false, told: false }
+        Self { watcher: None, folders: BTreeMap::new(), wanted, complete: false, reported: false }
     }
 
     /// Watches these files and no others. To be called again after each reported change, because folders may have
@@ -123,7 +123,7 @@ impl Watch {
     }
 
     fn tell_blindness(&mut self, reason: &str) {
-        if !std::mem::replace(&mut self.told, true) {
+        if !std::mem::replace(&mut self.reported, true) {
             tracing::warn!(
                 "the system does not report changed scenes ({reason}): they are checked repeatedly instead"
             );
@@ -223,7 +223,7 @@ mod tests {
         for folder in ["a/b", "next/b"] {
             fs::create_dir_all(path(folder)).unwrap();
         }
-        let (tell, told) = channel();
+        let (tell, reported) = channel();
         let mut watch = Watch::new(Box::new(move |file, _| tell.send(file).unwrap_or_default()));
         let file = path("a/b/file");
         watch.set(std::slice::from_ref(&file));
@@ -232,7 +232,7 @@ mod tests {
         watch.set(std::slice::from_ref(&file));
         assert!(watch.is_complete());
         fs::write(&file, "new").unwrap();
-        assert_eq!(told.recv_timeout(Duration::from_secs(10)), Ok(file));
+        assert_eq!(reported.recv_timeout(Duration::from_secs(10)), Ok(file));
     }
 
     #[test]

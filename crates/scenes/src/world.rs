@@ -43,9 +43,9 @@ impl ReadyScene {
         to: &Self,
         kind: BlendKind,
         alignment: &Alignment,
-        share: f32,
+        fraction: f32,
     ) -> Result<Self, BlendError> {
-        Ok(Self::of(World::blend(&self.world, &to.world, kind, alignment, share)?)?)
+        Ok(Self::of(World::blend(&self.world, &to.world, kind, alignment, fraction)?)?)
     }
 }
 

@@ -114,7 +114,7 @@ macro_rules! define_settings {
         } )*
     };
     (@structs Choices { $( $(#[$of_field:meta])* $field:ident: $type:ty = $default:expr; )* }
-        StageChoices { $( $(#[$of_stage:meta])* $staged:ident: $staged_type:ty = $staged_default:expr; )* }) => {
+        DisplayChoices { $( $(#[$of_stage:meta])* $staged:ident: $staged_type:ty = $staged_default:expr; )* }) => {
         /// Everything that is chosen for good. What is not remembered is as it is by default.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
         #[serde(default, deny_unknown_fields)]
@@ -122,23 +122,23 @@ macro_rules! define_settings {
             $( $(#[$of_field])* pub $field: $type, )*
             /// How pictures come onto screens.
             #[serde(skip_serializing_if = "is_default")]
-            pub stage: StageChoices,
+            pub stage: DisplayChoices,
         }
 
         impl Default for Choices {
             fn default() -> Self {
-                Self { $( $field: $default, )* stage: StageChoices::default() }
+                Self { $( $field: $default, )* stage: DisplayChoices::default() }
             }
         }
 
         /// How pictures come onto screens.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
         #[serde(default, deny_unknown_fields)]
-        pub struct StageChoices {
+        pub struct DisplayChoices {
             $( $(#[$of_stage])* pub $staged: $staged_type, )*
         }
 
-        impl Default for StageChoices {
+        impl Default for DisplayChoices {
             fn default() -> Self {
                 Self { $( $staged: $staged_default, )* }
             }
@@ -155,7 +155,7 @@ impl Choices {
     }
 }
 
-impl StageChoices {
+impl DisplayChoices {
     /// Where pictures lie on a screen.
     pub fn placement(&self) -> Placement {
         Placement { crop: self.crop, flip: self.flip, corners: self.corners }
@@ -246,7 +246,7 @@ mod tests {
             last_tracks: false,
             hints: false,
             next_scene: true,
-            stage: StageChoices { brightness: 40, flip: Flip::Both, ..StageChoices::default() },
+            stage: DisplayChoices { brightness: 40, flip: Flip::Both, ..DisplayChoices::default() },
         };
         let text = toml::to_string(&chosen).unwrap();
         assert!(text.contains("flash_limiter = \"off\"") && text.contains("tone_map = \"none\""), "{text}");
@@ -255,14 +255,14 @@ mod tests {
 
     #[test]
     fn what_was_chosen_is_read_again_and_what_cannot_be_drawn_is_not() {
-        assert_eq!(toml::to_string(&StageChoices::default()).unwrap(), "");
+        assert_eq!(toml::to_string(&DisplayChoices::default()).unwrap(), "");
         let corners = Corners::default().with(1, [0.9, 0.1]).unwrap();
         let crop = Crop::try_from([1.0, 2.0, 3.0, 4.5]).unwrap();
         let output = Some("HDMI-1".to_owned());
         let chosen =
-            StageChoices { brightness: 7, blackout_fade: 2.5, flip: Flip::Vertical, crop, corners, output };
+            DisplayChoices { brightness: 7, blackout_fade: 2.5, flip: Flip::Vertical, crop, corners, output };
         let text = toml::to_string(&chosen).unwrap();
-        assert_eq!(toml::from_str::<StageChoices>(&text).unwrap(), chosen, "{text}");
+        assert_eq!(toml::from_str::<DisplayChoices>(&text).unwrap(), chosen, "{text}");
         for text in [
             "brightness = 101",
             "blackout_fade = 61.0",
@@ -271,7 +271,7 @@ mod tests {
             "crop = [60.0, 0.0, 60.0, 0.0]",
             "corners = [[0.0, 0.0], [0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]",
         ] {
-            assert!(toml::from_str::<StageChoices>(text).is_err(), "{text}");
+            assert!(toml::from_str::<DisplayChoices>(text).is_err(), "{text}");
         }
     }
 }

@@ -4,13 +4,13 @@
 
 use std::path::PathBuf;
 
-use super::scribe::Scribe;
 use super::settings::{Settings, SettingsError, SettingsFile};
+use super::writer_thread::WriterThread;
 
 /// See the module. Dropping it waits until everything is written.
 pub struct KeptSettings {
     settings: Settings,
-    scribe: Scribe<Job, Result<Settings, SettingsError>>,
+    writer_thread: WriterThread<Job, Result<Settings, SettingsError>>,
 }
 
 enum Job {
@@ -29,7 +29,7 @@ impl KeptSettings {
             }
             Ok(file.settings().clone())
         };
-        Self { settings, scribe: Scribe::start("settings", work) }
+        Self { settings, writer_thread: WriterThread::start("settings", work) }
     }
 
     /// The present settings.
@@ -51,10 +51,10 @@ impl KeptSettings {
     /// Takes in what was written. Returns the next error, if any.
     pub fn poll(&mut self) -> Option<SettingsError> {
         loop {
-            match self.scribe.poll()? {
+            match self.writer_thread.poll()? {
                 Err(error) => return Some(error),
                 // Other windows write to the file, too. What is still to be written is newer.
-                Ok(settings) if self.scribe.is_idle() => self.settings = settings,
+                Ok(settings) if self.writer_thread.is_idle() => self.settings = settings,
                 Ok(_) => {}
             }
         }
@@ -62,11 +62,11 @@ impl KeptSettings {
 
     /// Waits until everything is written. Returns what failed.
     pub fn finish(&mut self) -> Vec<SettingsError> {
-        self.scribe.finish().into_iter().filter_map(Result::err).collect()
+        self.writer_thread.finish().into_iter().filter_map(Result::err).collect()
     }
 
     fn give(&mut self, job: Job) {
-        if !self.scribe.give(job) {
+        if !self.writer_thread.give(job) {
             tracing::warn!("a setting lasts as long as the program: there is no thread to write it");
         }
     }

@@ -9,7 +9,7 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use super::aside::aside;
-use super::scribe::Scribe;
+use super::writer_thread::WriterThread;
 use mariana_control::limits::LIMITS as CONTROL_LIMITS;
 use mariana_control::midi::{Mapping, MappingFile, MappingsError};
 use mariana_files::Folders;
@@ -31,7 +31,7 @@ pub enum KnobEdit {
 /// See the module.
 pub struct KnobMemory {
     /// None where the system has no place for settings: then mappings last as long as the program.
-    scribe: Option<Scribe<KnobEdit, Kept>>,
+    writer_thread: Option<WriterThread<KnobEdit, Kept>>,
     file: MappingFile,
     /// How many changes are not in the file yet.
     waiting: usize,
@@ -78,8 +78,8 @@ impl KnobMemory {
             Some(Ok(file)) => (file, None),
             Some(Err(trouble)) => (MappingFile::default(), Some(trouble)),
         };
-        let keeper = |path: PathBuf| Scribe::start("knobs", move |edit| keep(&path, &edit));
-        (Self { scribe: path.map(keeper), file, waiting: 0 }, trouble)
+        let keeper = |path: PathBuf| WriterThread::start("knobs", move |edit| keep(&path, &edit));
+        (Self { writer_thread: path.map(keeper), file, waiting: 0 }, trouble)
     }
 
     /// What is remembered.
@@ -95,7 +95,8 @@ impl KnobMemory {
     /// Makes a change here, and soon in the file.
     pub fn change(&mut self, edit: &KnobEdit) {
         apply(&mut self.file, edit);
-        let is_kept = self.scribe.as_ref().is_some_and(|scribe| scribe.give(edit.clone()));
+        let is_kept =
+            self.writer_thread.as_ref().is_some_and(|writer_thread| writer_thread.give(edit.clone()));
         self.waiting += usize::from(is_kept);
     }
 
@@ -104,7 +105,7 @@ impl KnobMemory {
     /// # Errors
     /// The file cannot be read or written; then the change lasts as long as the program.
     pub fn poll(&mut self) -> Option<Result<(), KnobsError>> {
-        let kept = self.scribe.as_ref()?.poll()?;
+        let kept = self.writer_thread.as_ref()?.poll()?;
         Some(self.take(kept))
     }
 
@@ -193,14 +194,14 @@ mod tests {
     /// Makes a change and waits until it is in the file.
     fn change(memory: &mut KnobMemory, edit: KnobEdit) -> Result<(), KnobsError> {
         memory.change(&edit);
-        let kept = memory.scribe.as_ref().unwrap().wait().unwrap();
+        let kept = memory.writer_thread.as_ref().unwrap().wait().unwrap();
         memory.take(kept)
     }
 
     fn names(memory: &KnobMemory) -> Vec<String> {
         let name = |mapping: &Mapping| match &mapping.target {
             Target::Param { name, .. } => name.clone(),
-            Target::Deed { name, .. } => name.clone(),
+            Target::Action { name, .. } => name.clone(),
         };
         memory.file().mappings.list().iter().map(name).collect()
     }

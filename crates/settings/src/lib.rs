@@ -24,13 +24,13 @@ mod knobs;
 mod last_show;
 pub mod limits;
 mod performances;
-mod scribe;
 mod setting_rows;
 mod setting_table;
 mod settings;
 mod understood;
+mod writer_thread;
 
-pub use choices::{Choice, Choices, Setting, StageChoices};
+pub use choices::{Choice, Choices, DisplayChoices, Setting};
 pub use kept_settings::KeptSettings;
 pub use knobs::{KnobEdit, KnobMemory, KnobsError};
 pub use last_show::LastShow;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fs::create_dir_all;
 use std::path::{Path, PathBuf};
 
-use super::scribe::Scribe;
+use super::writer_thread::WriterThread;
 use mariana_files::Folders;
 use mariana_files::atomic_file::{AtomicFile, Unwritable};
 
@@ -17,7 +17,7 @@ pub type Kept = Result<PathBuf, Unwritable>;
 /// See the module.
 pub struct PerformanceFiles {
     /// None where there is no folder.
-    scribe: Option<Scribe<Job, Kept>>,
+    writer_thread: Option<WriterThread<Job, Kept>>,
 }
 
 /// A performance to be written: again, if there is one of that number.
@@ -37,29 +37,29 @@ impl PerformanceFiles {
     pub fn in_folder(folder: Option<PathBuf>) -> Self {
         let start = |folder: PathBuf| {
             let mut paths = HashMap::new();
-            Scribe::start("performances", move |Job { number, title, text }| {
+            WriterThread::start("performances", move |Job { number, title, text }| {
                 let path = paths.entry(number).or_insert_with(|| free_path(&folder, &title));
                 write(path, &text())
             })
         };
-        Self { scribe: folder.map(start) }
+        Self { writer_thread: folder.map(start) }
     }
 
     /// Writes a performance to music of this title; `text` is called on the thread. One that was written before under the
     /// same number is replaced. Returns whether there is anywhere to write it.
     pub fn keep(&self, number: u64, title: &str, text: impl FnOnce() -> String + Send + 'static) -> bool {
         let job = Job { number, title: title.to_owned(), text: Box::new(text) };
-        self.scribe.as_ref().is_some_and(|scribe| scribe.give(job))
+        self.writer_thread.as_ref().is_some_and(|writer_thread| writer_thread.give(job))
     }
 
     /// Returns `true` once all files are written and all results were taken.
     pub fn is_idle(&self) -> bool {
-        self.scribe.as_ref().is_none_or(Scribe::is_idle)
+        self.writer_thread.as_ref().is_none_or(WriterThread::is_idle)
     }
 
     /// What became of one that was to be written.
     pub fn poll(&self) -> Option<Kept> {
-        self.scribe.as_ref()?.poll()
+        self.writer_thread.as_ref()?.poll()
     }
 }
 
@@ -113,8 +113,8 @@ mod tests {
         std::fs::write(&place, "where the folder should be").unwrap();
         let files = PerformanceFiles::in_folder(Some(place.clone()));
         assert!(files.keep(1, "song", || "at start orb".to_owned()));
-        let told = files.scribe.as_ref().unwrap().wait().unwrap().unwrap_err().to_string();
-        assert!(told.contains("a file"), "{told}");
+        let reported = files.writer_thread.as_ref().unwrap().wait().unwrap().unwrap_err().to_string();
+        assert!(reported.contains("a file"), "{reported}");
         assert!(!PerformanceFiles::in_folder(None).keep(1, "song", String::new));
     }
 }

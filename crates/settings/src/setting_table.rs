@@ -65,7 +65,7 @@ macro_rules! with_settings {
                     { "Next scene",
                       "A small picture of it in this window, too; beside a picture on another monitor it always shows" };
             }
-            StageChoices {
+            DisplayChoices {
                 /// The monitor that the picture fills besides the window, by name or number; none is none.
                 #[serde(skip_serializing_if = "is_default")]
                 output: Option<String> = None, Screen;

@@ -325,10 +325,10 @@ mod tests {
         {
             let (_folder, path) = folder();
             let (mut file, error) = with_text(&path, text);
-            let told = error.expect("it is broken").to_string();
+            let reported = error.expect("it is broken").to_string();
             let aside = path.with_extension("toml.broken");
-            assert!(told.ends_with(&format!("keeps this file as {}", aside.display())), "{told}");
-            assert!(!told.contains("delete"), "{told}");
+            assert!(reported.ends_with(&format!("keeps this file as {}", aside.display())), "{reported}");
+            assert!(!reported.contains("delete"), "{reported}");
             assert_eq!(*file.settings(), Settings::default());
             assert_eq!(std::fs::read(&path).unwrap(), text, "it was touched");
             file.change(|settings| settings.system = Some("p:a.monitor".into())).unwrap();
@@ -350,8 +350,11 @@ mod tests {
         let text = b"microphone = \"p:mic\"\nmood = 3\n[choices]\nquality = \"ultra\"\ngain = \"off\"\n\
                      [last_show]\nvolume = 0.5\nhat = true\n";
         let (mut file, error) = with_text(&path, text);
-        let told = error.expect("it is told").to_string();
-        assert!(told.contains("(choices.quality, last_show.hat, mood)") && told.contains("kept"), "{told}");
+        let reported = error.expect("it is told").to_string();
+        assert!(
+            reported.contains("(choices.quality, last_show.hat, mood)") && reported.contains("kept"),
+            "{reported}"
+        );
         assert_eq!(file.settings().microphone.as_deref(), Some("p:mic"));
         assert_eq!(file.settings().last_show.as_ref().and_then(|show| show.volume), Some(0.5));
         assert_eq!(file.settings().choices, Choices { gain: mariana_music::Gain::Off, ..Choices::default() });
@@ -382,8 +385,8 @@ mod tests {
         let (folder, _) = folder();
         std::fs::write(folder.path().join("taken"), "").unwrap();
         let (mut file, error) = SettingsFile::open(Some(folder.path().join("taken/settings.toml")));
-        let told = error.expect("there is no such folder").to_string();
-        assert!(told.contains("cannot be read"), "{told}");
+        let reported = error.expect("there is no such folder").to_string();
+        assert!(reported.contains("cannot be read"), "{reported}");
         assert!(file.change(|settings| settings.system = Some("p:a.monitor".into())).is_err());
         assert_eq!(file.settings().system.as_deref(), Some("p:a.monitor"));
         // Nowhere at all.
@@ -415,9 +418,10 @@ mod tests {
         shell.args(["-c", "trap '' XFSZ; ulimit -f 0; exec \"$0\" --exact --nocapture \"$1\""]);
         shell.arg(std::env::current_exe().unwrap()).arg(own).env(PLACE, &path);
         let output = shell.output().unwrap();
-        let told = String::from_utf8_lossy(&output.stdout);
-        assert!(output.status.success(), "{told} {}", String::from_utf8_lossy(&output.stderr));
-        let sentence = told.lines().find(|line| line.contains(refused)).unwrap_or_else(|| panic!("{told}"));
+        let reported = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{reported} {}", String::from_utf8_lossy(&output.stderr));
+        let sentence =
+            reported.lines().find(|line| line.contains(refused)).unwrap_or_else(|| panic!("{reported}"));
         assert!(sentence.contains("settings.toml cannot be written"), "{sentence}");
         assert!(!sentence.contains(".mariana-"), "{sentence}");
         assert_eq!(std::fs::read(&path).unwrap(), before);

@@ -14,7 +14,7 @@ mod changes;
 use std::collections::HashMap;
 
 use super::bar_lines::BarLines;
-use super::script::{Anchor, Entry, Length, Script, Transition, TransitionKind, When};
+use super::cue_list::{Anchor, CueList, Entry, Length, Transition, TransitionKind, When};
 use changes::{Change, Reason, changes, in_build};
 use mariana_field::lang::{About, Way};
 use mariana_field::world::{BlendKind, PortalShape};
@@ -75,14 +75,14 @@ mod points {
 }
 
 /// The show of a song, of these scenes. Empty if there are none.
-pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> Script {
+pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> CueList {
     let lines = BarLines::of(song);
     let mut director =
         Director { cards, seed, of_letter: HashMap::new(), seen: Vec::new(), visits: vec![0; cards.len()] };
     let changes = changes(song, &lines);
-    let mut script = Script::default();
+    let mut cue_list = CueList::default();
     for (index, change) in changes.iter().enumerate() {
-        let Some(card) = director.choose(index, change) else { return script };
+        let Some(card) = director.choose(index, change) else { return cue_list };
         let before = director.seen.last().and_then(|before| cards.get(*before));
         let coin = chance(seed, index, card) < 0.5;
         let transition = before.map(|before| transition(change, before, &cards[card], coin));
@@ -98,7 +98,7 @@ pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> Script {
         if lead > 0.0 && when.offset == Length::ZERO {
             when.offset = Length::Bars(-lead);
         }
-        script.entries.push(Entry::new(
+        cue_list.entries.push(Entry::new(
             when,
             &cards[card].scene,
             views.first().cloned().flatten(),
@@ -115,10 +115,10 @@ pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> Script {
                 0.0 => Transition::CUT,
                 bars => Transition::new(Way::Fade, Length::Bars(bars)),
             };
-            script.entries.push(Entry::new(when, &cards[card].scene, camera.clone(), Some(how)));
+            cue_list.entries.push(Entry::new(when, &cards[card].scene, camera.clone(), Some(how)));
         }
     }
-    script
+    cue_list
 }
 
 /// The scene for music of this energy of which nothing else is known, after those that were seen; none without scenes.

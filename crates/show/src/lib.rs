@@ -38,32 +38,32 @@
 //! [`Show::directed`] picks scenes by a song's structure, [`LiveDirector`] for live input. [`Performance`] records a script.
 
 mod bar_lines;
+mod cue_list;
 mod director;
 pub mod limits;
 mod live;
 mod parse;
 mod performance;
 mod picture;
-mod plan;
 mod resolve;
 mod scene_facts;
-mod script;
 mod show;
 mod substitutes;
 mod text;
+mod timeline;
 
 pub use bar_lines::BarLines;
+pub use cue_list::{
+    Anchor, CAMERA_TURNS, CueList, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Setting, Step, Transition,
+    TransitionKind, UNTURNED, When,
+};
 pub use director::{SceneCard, direct};
 pub use live::{Hearing, LiveDirector};
 pub use parse::{Parsed, parse};
 pub use performance::{Finish, OnStage, Performance, Turned};
 pub use picture::{Held, Picture};
-pub use plan::{Entrance, Moment, Move, Moved, Plan, Stay};
 pub use resolve::resolve;
 pub use scene_facts::{Refusal, SceneFacts};
-pub use script::{
-    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Script, Setting, Step, Transition,
-    TransitionKind, UNTURNED, When,
-};
-pub use show::{ScriptError, Show, seed_of};
+pub use show::{CueListError, Show, seed_of};
 pub use text::print;
+pub use timeline::{Clip, Moment, Move, Moved, TimedTransition, Timeline};

@@ -4,11 +4,11 @@
 //! gets much louder or calmer, or when a scene was on for long, and then on a beat.
 
 use super::director::{SceneCard, next_scene};
-use super::plan::{Entrance, Plan, Stay};
+use super::timeline::{Clip, TimedTransition, Timeline};
 use mariana_field::lang::Way;
 
 /// A scene is on for at least so many seconds, and for about so many at most.
-const STAY: [f64; 2] = [12.0, 45.0];
+const CLIP: [f64; 2] = [12.0, 45.0];
 /// Energy counts over these times, in seconds: of what is new, and of what it is new against.
 const OVER: [f64; 2] = [2.0, 20.0];
 /// By so much the energy has to change for another scene.
@@ -38,7 +38,7 @@ pub struct Hearing {
 #[derive(Debug, Clone)]
 pub struct LiveDirector {
     cards: Vec<SceneCard>,
-    stays: Vec<Stay>,
+    clips: Vec<Clip>,
     seen: Vec<usize>,
     last: Option<Hearing>,
     /// Energy over each of [`OVER`].
@@ -48,28 +48,28 @@ pub struct LiveDirector {
 impl LiveDirector {
     /// Among these scenes.
     pub fn new(cards: Vec<SceneCard>) -> Self {
-        Self { cards, stays: Vec::new(), seen: Vec::new(), last: None, energies: [0.5; 2] }
+        Self { cards, clips: Vec::new(), seen: Vec::new(), last: None, energies: [0.5; 2] }
     }
 
     /// Takes in what is heard, and returns another plan if another scene comes.
-    pub fn hear(&mut self, heard: Hearing) -> Option<Plan> {
+    pub fn hear(&mut self, heard: Hearing) -> Option<Timeline> {
         let step = self.last.map_or(0.0, |last| heard.time - last.time);
         let has_jumped = !(0.0..5.0).contains(&step);
         let is_beat = heard.tempo <= 0.0 || self.last.is_some_and(|last| heard.phase < last.phase);
         self.last = Some(heard);
-        if self.stays.is_empty() || has_jumped {
+        if self.clips.is_empty() || has_jumped {
             // Another input, or the first moment.
             self.energies = [heard.energy; 2];
-            self.stays.clear();
-            return self.enter(heard, Entrance::new(Way::Fade, 1.0));
+            self.clips.clear();
+            return self.enter(heard, TimedTransition::new(Way::Fade, 1.0));
         }
         for (energy, over) in self.energies.iter_mut().zip(OVER) {
             *energy += (heard.energy - *energy) * (step / over).min(1.0) as f32;
         }
         let [now, before] = self.energies;
-        let since = self.stays.iter().rev().nth(1).map_or(0.0, |stay| heard.time - stay.start);
+        let since = self.clips.iter().rev().nth(1).map_or(0.0, |clip| heard.time - clip.start);
         let is_new = (now - before).abs() >= NOVEL;
-        if !is_beat || since < STAY[0] || !(is_new || since >= STAY[1]) {
+        if !is_beat || since < CLIP[0] || !(is_new || since >= CLIP[1]) {
             return None;
         }
         let (way, seconds) = match is_new {
@@ -80,30 +80,30 @@ impl LiveDirector {
             false if now < LOUD => (Way::Fade, 2.0),
             false => (Way::Cut, 0.0),
         };
-        self.enter(heard, Entrance::new(way, seconds))
+        self.enter(heard, TimedTransition::new(way, seconds))
     }
 
     /// The scene that was next comes now, and another one is next.
-    fn enter(&mut self, heard: Hearing, entrance: Entrance) -> Option<Plan> {
+    fn enter(&mut self, heard: Hearing, transition: TimedTransition) -> Option<Timeline> {
         self.energies[1] = self.energies[0];
-        let expected = self.stays.pop();
-        let stay = match expected {
-            Some(stay) => Stay { start: heard.time, entrance, ..stay },
-            None => self.chosen(heard.time, entrance)?,
+        let expected = self.clips.pop();
+        let clip = match expected {
+            Some(clip) => Clip { start: heard.time, transition, ..clip },
+            None => self.chosen(heard.time, transition)?,
         };
-        self.stays.push(stay);
-        let next = self.chosen(SOME_DAY, Entrance::CUT)?;
-        self.stays.push(next);
-        let surplus = self.stays.len().saturating_sub(KEPT + 2);
-        self.stays.drain(..surplus);
-        Plan::new(self.stays.clone())
+        self.clips.push(clip);
+        let next = self.chosen(SOME_DAY, TimedTransition::CUT)?;
+        self.clips.push(next);
+        let surplus = self.clips.len().saturating_sub(KEPT + 2);
+        self.clips.drain(..surplus);
+        Timeline::new(self.clips.clone())
     }
 
-    fn chosen(&mut self, start: f64, entrance: Entrance) -> Option<Stay> {
+    fn chosen(&mut self, start: f64, transition: TimedTransition) -> Option<Clip> {
         let scene = next_scene(&self.cards, &self.seen, self.energies[0])?;
         self.seen.push(scene);
         let scene = self.cards.get(scene)?.scene.clone();
-        Some(Stay { start, scene, camera: None, entrance, moves: Vec::new() })
+        Some(Clip { start, scene, camera: None, transition, moves: Vec::new() })
     }
 }
 
@@ -130,9 +130,9 @@ mod tests {
             let time = step as f64 / 50.0;
             let heard =
                 Hearing { time, energy: energy(time), tempo: 120.0, phase: (time * 2.0).fract() as f32 };
-            if let Some(plan) = director.hear(heard) {
-                let stay = plan.at(time + 10.0).stay;
-                found.push((stay.start, stay.entrance.kind.way()));
+            if let Some(timeline) = director.hear(heard) {
+                let clip = timeline.at(time + 10.0).clip;
+                found.push((clip.start, clip.transition.kind.way()));
             }
         }
         found
@@ -149,7 +149,7 @@ mod tests {
         assert!((30.0..32.0).contains(&change.0) && change.1 == Way::Cut, "{loud:?}");
         // What flickers is nothing new, and no scene has to leave at once.
         let flicker = starts(100, |time| if (time * 4.0).fract() < 0.5 { 0.1 } else { 0.9 });
-        assert!(flicker.windows(2).all(|pair| pair[1].0 - pair[0].0 >= STAY[0]), "{flicker:?}");
+        assert!(flicker.windows(2).all(|pair| pair[1].0 - pair[0].0 >= CLIP[0]), "{flicker:?}");
     }
 
     #[test]
@@ -158,7 +158,7 @@ mod tests {
         let mut hear = |time| {
             director
                 .hear(Hearing { time, energy: 0.5, tempo: 0.0, phase: 0.0 })
-                .map(|plan| plan.stays().iter().map(|stay| stay.scene.clone()).collect::<Vec<_>>())
+                .map(|timeline| timeline.clips().iter().map(|clip| clip.scene.clone()).collect::<Vec<_>>())
         };
         assert_eq!(hear(100.0).map(|scenes| scenes.len()), Some(2));
         assert_eq!(hear(100.1), None);

@@ -16,8 +16,8 @@
 
 mod words;
 
-use super::script::{
-    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, Script, Setting, Step, Transition, TransitionKind,
+use super::cue_list::{
+    Anchor, CAMERA_TURNS, CueList, Entry, Length, PICTURE_NUMBERS, Setting, Step, Transition, TransitionKind,
     When, is_of_no_scene,
 };
 use crate::limits::LIMITS;
@@ -29,7 +29,7 @@ use words::{Kind, Word, lines};
 #[derive(Debug, Clone, Default)]
 pub struct Parsed {
     /// The show; `None` if there are mistakes.
-    pub script: Option<Script>,
+    pub cue_list: Option<CueList>,
     /// The entries without mistakes.
     pub entries: Vec<Entry>,
     /// The mistakes.
@@ -61,9 +61,9 @@ pub fn parse(name: &str, text: &str) -> Parsed {
         return Parsed { diagnostics: vec![refusal], sources, ..Parsed::default() };
     }
     let mut diagnostics = Vec::new();
-    let mut script = Script::default();
+    let mut cue_list = CueList::default();
     // Takes the settings of an entry with a mistake, so that the entry before it does not get them.
-    let mut scrap: Option<Script> = None;
+    let mut scrap: Option<CueList> = None;
     let mut was_wrong = false;
     for line in lines(text) {
         if diagnostics.len() >= DIAGNOSTICS_MAX {
@@ -77,29 +77,29 @@ pub fn parse(name: &str, text: &str) -> Parsed {
         let is_entry = !["set", "->"].contains(&first);
         scrap = scrap.filter(|_| !is_entry);
         let mut reader = Reader { words: &line, at: 0 };
-        let read = reader.line(scrap.as_mut().unwrap_or(&mut script));
+        let read = reader.line(scrap.as_mut().unwrap_or(&mut cue_list));
         was_wrong = read.is_err();
         if is_entry && was_wrong {
             let when = When { anchor: Anchor::Start, offset: Length::ZERO };
-            scrap = Some(Script { entries: vec![Entry::new(when, "", None, None)] });
+            scrap = Some(CueList { entries: vec![Entry::new(when, "", None, None)] });
         }
         diagnostics.extend(read.err().map(|mistake| *mistake));
-        if script.entries.len() > LIMITS.entries_max {
+        if cue_list.entries.len() > LIMITS.entries_max {
             let max = LIMITS.entries_max;
-            let span = script.entries.last().map_or(Span::default(), |entry| entry.span);
+            let span = cue_list.entries.last().map_or(Span::default(), |entry| entry.span);
             let many = Diagnostic::over_limit(span, format!("the show has more than {max} entries"));
             diagnostics.push(many.hint("make several shows of it"));
             break;
         }
     }
-    if script.entries.is_empty() && diagnostics.is_empty() {
+    if cue_list.entries.is_empty() && diagnostics.is_empty() {
         let end = Span::new(text.len() as u32, text.len() as u32);
         let empty = Diagnostic::new(end, "the show has no entry");
         diagnostics.push(empty.hint("write which scene is on from when: `at start speakers`"));
     }
-    let entries = script.entries.clone();
-    let script = diagnostics.is_empty().then_some(script);
-    Parsed { script, entries, diagnostics, sources }
+    let entries = cue_list.entries.clone();
+    let cue_list = diagnostics.is_empty().then_some(cue_list);
+    Parsed { cue_list, entries, diagnostics, sources }
 }
 
 type Read<T> = Result<T, Box<Diagnostic>>;
@@ -110,16 +110,16 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn line(&mut self, script: &mut Script) -> Read<()> {
+    fn line(&mut self, cue_list: &mut CueList) -> Read<()> {
         let Some(first) = self.next() else { return Ok(()) };
         match first.text {
             "at" if first.kind == Kind::Name => {
                 let entry = self.entry(first)?;
-                script.entries.push(entry);
+                cue_list.entries.push(entry);
             }
             "set" if first.kind == Kind::Name => {
                 let setting = self.setting()?;
-                let Some(entry) = script.entries.last_mut() else {
+                let Some(entry) = cue_list.entries.last_mut() else {
                     let early =
                         Diagnostic::new(first.span, "no scene is on yet whose parameter this could be");
                     return Err(Box::new(early.hint("write `at start` and a scene above it")));
@@ -133,12 +133,12 @@ impl<'a> Reader<'a> {
             }
             "->" if first.kind == Kind::Sign => {
                 self.at -= 1;
-                let moving = script.entries.last_mut().and_then(|entry| entry.settings.last_mut());
+                let moving = cue_list.entries.last_mut().and_then(|entry| entry.settings.last_mut());
                 let Some(Setting { param, steps, .. }) = moving else {
                     let early = Diagnostic::new(first.span, "there is no movement above this line");
                     return Err(Box::new(early.hint("write `set`, a parameter and its value above it")));
                 };
-                self.steps(steps, is_share(param), first.span)?;
+                self.steps(steps, is_fraction(param), first.span)?;
             }
             _ => {
                 let unknown =
@@ -305,17 +305,17 @@ impl<'a> Reader<'a> {
                 None => self.missing("`=` and a value", "as in `set swell = 0.2 -> 0.5 over 8 bars`"),
             });
         }
-        let from = self.number(is_share(&param))?;
+        let from = self.number(is_fraction(&param))?;
         let mut steps = Vec::new();
-        self.steps(&mut steps, is_share(&param), span)?;
+        self.steps(&mut steps, is_fraction(&param), span)?;
         let after = if self.eat("after") { self.length()? } else { Length::ZERO };
         Ok(Setting { param, from, steps, after, span })
     }
 
     /// Reads further steps of a movement. `place` is underlined if there are too many.
-    fn steps(&mut self, steps: &mut Vec<Step>, is_share: bool, place: Span) -> Read<()> {
+    fn steps(&mut self, steps: &mut Vec<Step>, is_fraction: bool, place: Span) -> Read<()> {
         while self.eat("->") {
-            let to = self.number(is_share)?;
+            let to = self.number(is_fraction)?;
             if !self.eat("over") {
                 return Err(self.missing("`over` and how long it takes", "as in `0.2 -> 0.5 over 8 bars`"));
             }
@@ -332,7 +332,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A value of a parameter, or a share within 0..1.
-    fn number(&mut self, is_share: bool) -> Read<f32> {
+    fn number(&mut self, is_fraction: bool) -> Read<f32> {
         let sign = if self.eat("-") { -1.0 } else { 1.0 };
         let word = self.expect("a number", "the value of the parameter")?;
         let number = (sign * self.value(word)?) as f32;
@@ -340,7 +340,7 @@ impl<'a> Reader<'a> {
             let large = format!("no parameter takes a number as large as {}", word.shown());
             return Err(Box::new(Diagnostic::over_limit(word.span, large)));
         }
-        if is_share && !(0.0..=1.0).contains(&number) {
+        if is_fraction && !(0.0..=1.0).contains(&number) {
             let beyond = format!("{number} is no share of a picture");
             return Err(Box::new(Diagnostic::new(word.span, beyond).hint("write a number from 0 to 1")));
         }
@@ -436,7 +436,7 @@ impl<'a> Reader<'a> {
 }
 
 /// True for parameters in the range 0..1.
-fn is_share(param: &str) -> bool {
+fn is_fraction(param: &str) -> bool {
     PICTURE_NUMBERS.contains(&param)
 }
 

@@ -5,11 +5,11 @@
 
 use std::collections::BTreeMap;
 
-use super::plan::{Entrance, Move};
-use super::script::{
-    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Script, Setting, Step, Transition,
+use super::cue_list::{
+    Anchor, CAMERA_TURNS, CueList, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Setting, Step, Transition,
     TransitionKind, UNTURNED, When,
 };
+use super::timeline::{Move, TimedTransition};
 use crate::limits::LIMITS;
 use mariana_field::lang::Span;
 
@@ -28,7 +28,7 @@ pub struct OnStage<'a> {
     /// One of its cameras; none is its own.
     pub camera: Option<&'a str>,
     /// How it came.
-    pub entrance: Entrance,
+    pub transition: TimedTransition,
     /// When it began to come, in seconds of the song.
     pub start: f64,
     /// Its parameters.
@@ -85,7 +85,7 @@ pub struct Performance {
 struct Played {
     scene: String,
     camera: Option<String>,
-    entrance: Entrance,
+    transition: TimedTransition,
     /// When the scene began to come.
     begun: f64,
     /// When this part of it begins.
@@ -132,10 +132,10 @@ impl Performance {
             }
             // What comes stands behind what was there.
             let earliest = self.scenes.last().map_or(0.0, |before| before.start);
-            let (start, entrance) = match last {
+            let (start, transition) = match last {
                 // The same once more, because there is no room for more steps.
-                Some(_) => (time, Entrance::CUT),
-                None => (seen.start.min(time).max(earliest), seen.entrance),
+                Some(_) => (time, TimedTransition::CUT),
+                None => (seen.start.min(time).max(earliest), seen.transition),
             };
             let is_first = self.scenes.is_empty();
             let (scene, camera) = (seen.scene.to_owned(), seen.camera.map(str::to_owned));
@@ -143,7 +143,7 @@ impl Performance {
             self.scenes.push(Played {
                 scene,
                 camera,
-                entrance,
+                transition,
                 begun,
                 start,
                 plays_over,
@@ -199,9 +199,9 @@ impl Performance {
     pub fn hold(&mut self, picture: &Finish) {
         let [_, name] = PICTURE_NUMBERS;
         let [brightness, given_way] = self.finish;
-        let [_, share] = picture.numbers;
+        let [_, fraction] = picture.numbers;
         let Some(last) = self.last else { return };
-        self.note_picture(last, &Finish { numbers: [brightness, share], ..*picture });
+        self.note_picture(last, &Finish { numbers: [brightness, fraction], ..*picture });
         if given_way > 0.0
             && let Some(line) = self.scenes.last_mut().and_then(|played| played.lines.get_mut(name))
         {
@@ -274,17 +274,17 @@ impl Performance {
     }
 
     /// The show that does the same.
-    pub fn script(&self) -> Script {
+    pub fn cue_list(&self) -> CueList {
         let mut entries: Vec<Entry> = self.scenes.iter().map(Played::entry).collect();
         for ((played, next), entry) in self.scenes.iter().zip(self.scenes.iter().skip(1)).zip(&mut entries) {
             // What a show made quick enough to be complete ends where the next one begins.
-            let breaks_off = next.start < played.start + played.entrance.seconds - EXACT;
+            let breaks_off = next.start < played.start + played.transition.seconds - EXACT;
             if let Some(transition) = entry.transition.as_mut().filter(|one| one.kind != TransitionKind::Cut)
             {
                 transition.unfinished = breaks_off;
             }
         }
-        Script { entries }
+        CueList { entries }
     }
 }
 
@@ -370,7 +370,7 @@ impl Played {
     }
 
     fn entry(&self) -> Entry {
-        let Entrance { kind, seconds, .. } = self.entrance;
+        let TimedTransition { kind, seconds, .. } = self.transition;
         let length = if kind == TransitionKind::Cut { Length::ZERO } else { Length::Seconds(seconds) };
         // A whole millisecond is kept, not made the one before by rounding.
         let ticks = if self.plays_over { 1e6 } else { 1e3 };

@@ -1,7 +1,7 @@
 //! What a show does to whole pictures, whatever scene they show: it leaves them a share of their light, and holds one.
 
-use super::plan::{Move, Stay};
-use super::script::{PICTURE_NUMBERS, PLAIN_PICTURE};
+use super::cue_list::{PICTURE_NUMBERS, PLAIN_PICTURE};
+use super::timeline::{Clip, Move};
 use crate::limits::LIMITS;
 
 /// Moments in texts are whole billionths of a second: a moment that is the sum of several is rounded to those.
@@ -22,7 +22,7 @@ pub struct Held {
     /// Which moment of the song it shows, in seconds.
     pub since: f64,
     /// Its share of what is seen, above 0; at 1 nothing else is seen.
-    pub share: f32,
+    pub fraction: f32,
 }
 
 impl Picture {
@@ -38,8 +38,8 @@ pub(super) struct Pictures {
 
 impl Pictures {
     /// What these stays do, which follow each other in time.
-    pub(super) fn of(stays: &[Stay]) -> Self {
-        Self { moves: PICTURE_NUMBERS.map(|name| all_moves(stays, name)) }
+    pub(super) fn of(clips: &[Clip]) -> Self {
+        Self { moves: PICTURE_NUMBERS.map(|name| all_moves(clips, name)) }
     }
 
     /// Whether a picture has less than its light.
@@ -58,9 +58,9 @@ impl Pictures {
         }
     }
 
-    /// What is held at `time` seconds, as [`Plan::held_at`] has it.
+    /// What is held at `time` seconds, as [`Timeline::held_at`] has it.
     ///
-    /// [`Plan::held_at`]: super::Plan::held_at
+    /// [`Timeline::held_at`]: super::Plan::held_at
     pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
         let [_, freeze] = &self.moves;
         held_at(freeze, time).take(LIMITS.held_max).collect()
@@ -69,18 +69,18 @@ impl Pictures {
 
 /// All that happens to a number, in the order of its starts. What a scene's entry begins to move later stands from the
 /// entry on where that movement begins, as parameters do.
-fn all_moves(stays: &[Stay], name: &str) -> Vec<Move> {
+fn all_moves(clips: &[Clip], name: &str) -> Vec<Move> {
     let mut moves = Vec::new();
-    for stay in stays {
-        let of_stay = stay.moves.iter().filter(|one| one.param == name);
-        let first = of_stay.clone().next().filter(|one| !one.is_set_at_once() && one.start > stay.start);
+    for clip in clips {
+        let of_clip = clip.moves.iter().filter(|one| one.param == name);
+        let first = of_clip.clone().next().filter(|one| !one.is_set_at_once() && one.start > clip.start);
         moves.extend(first.map(|first| Move {
-            start: stay.start,
+            start: clip.start,
             seconds: 0.0,
             to: first.from,
             ..first.clone()
         }));
-        moves.extend(of_stay.cloned());
+        moves.extend(of_clip.cloned());
     }
     moves.sort_by(|a, b| a.start.total_cmp(&b.start));
     moves
@@ -94,13 +94,13 @@ fn last_at(moves: &[Move], time: f64) -> Option<(usize, f32)> {
 
 /// The picture that is held at `time`, the one that gave way when that began to be held, and so on.
 fn held_at(freeze: &[Move], time: f64) -> impl Iterator<Item = Held> {
-    let mut next = last_at(freeze, time).map(|(last, share)| (last, share, time));
+    let mut next = last_at(freeze, time).map(|(last, fraction)| (last, fraction, time));
     std::iter::from_fn(move || {
-        let (last, share, time) = next.take().filter(|(_, share, _)| *share > 0.0)?;
+        let (last, fraction, time) = next.take().filter(|(_, fraction, _)| *fraction > 0.0)?;
         let (since, begin) = begin_of_hold(freeze, last, time);
         let before = begin.and_then(|begin| begin.checked_sub(1));
         next = before.and_then(|before| Some((before, freeze.get(before)?.at(since), since)));
-        Some(Held { since: (since * TICKS).round() / TICKS, share })
+        Some(Held { since: (since * TICKS).round() / TICKS, fraction })
     })
 }
 
@@ -122,67 +122,67 @@ fn begin_of_hold(freeze: &[Move], last: usize, time: f64) -> (f64, Option<usize>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Plan, parse, resolve};
+    use crate::{Timeline, parse, resolve};
     use mariana_music::SongStructure;
 
-    fn plan(text: &str) -> Plan {
+    fn timeline(text: &str) -> Timeline {
         let parsed = parse("test.show", text);
-        let script = parsed.script.clone().unwrap_or_else(|| panic!("{}", parsed.render(false)));
-        resolve(&script, &SongStructure::default(), &[], |_, _| None).0.unwrap()
+        let cue_list = parsed.cue_list.clone().unwrap_or_else(|| panic!("{}", parsed.render(false)));
+        resolve(&cue_list, &SongStructure::default(), &[], |_, _| None).0.unwrap()
     }
 
     #[test]
     fn a_blackout_fades_and_stays_through_scenes_until_it_is_set_again() {
-        let plan = plan(
+        let timeline = timeline(
             "at 0 one\n set picture brightness = 1 -> 0 over 2 s after 4 s\nat 8 s two cut\nat 10 s three cut\n\
              set picture brightness = 0 -> 0.5 over 1 s after 1 s",
         );
-        let at = |time| plan.picture_at(time).brightness;
+        let at = |time| timeline.picture_at(time).brightness;
         assert_eq!(
             [0.0, 4.0, 5.0, 6.0, 9.0, 10.5, 11.5, 99.0].map(at),
             [1.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.25, 0.5]
         );
-        assert!(plan.dims());
-        assert!(plan.stays().iter().all(|stay| stay.turns_at(5.0) == crate::UNTURNED));
+        assert!(timeline.dims());
+        assert!(timeline.clips().iter().all(|clip| clip.turns_at(5.0) == crate::UNTURNED));
     }
 
     #[test]
     fn a_picture_is_held_from_its_moment_on_and_fades_away() {
-        let plan = plan(
+        let timeline = timeline(
             "at 0 one\n set picture freeze = 1 after 3.3 s\nat 5 s two cut\n set picture freeze = 1 -> 0 over 2 s after 1 s\n\
              at 9 s three cut\n set picture freeze = 0 -> 1 over 1 s -> 0 over 0 s",
         );
-        let at = |time| plan.picture_at(time).held.map(|held| (held.since, held.share));
+        let at = |time| timeline.picture_at(time).held.map(|held| (held.since, held.fraction));
         assert_eq!([0.0, 3.0, 8.5].map(at), [None; 3]);
-        assert_eq!([3.3, 4.0, 5.5, 7.0].map(at), [1.0, 1.0, 1.0, 0.5].map(|share| Some((3.3, share))));
+        assert_eq!([3.3, 4.0, 5.5, 7.0].map(at), [1.0, 1.0, 1.0, 0.5].map(|fraction| Some((3.3, fraction))));
         assert_eq!([at(9.5), at(10.5)], [Some((9.0, 0.5)), None]);
-        assert!(!plan.dims());
+        assert!(!timeline.dims());
     }
 
     #[test]
     fn another_picture_is_held_while_one_fades_away() {
-        let plan = plan(
+        let timeline = timeline(
             "at 0 one\n set picture freeze = 1 -> 0 over 2 s after 1 s\n set picture freeze = 1 after 2 s",
         );
-        let at = |time| plan.picture_at(time).held.map(|held| (held.since, held.share));
+        let at = |time| timeline.picture_at(time).held.map(|held| (held.since, held.fraction));
         assert_eq!([at(1.5), at(2.5)], [Some((0.0, 0.75)), Some((2.0, 1.0))]);
     }
 
     #[test]
     fn a_picture_that_is_held_has_a_share_of_those_that_gave_way_to_it() {
-        let plan = plan(
+        let timeline = timeline(
             "at 0 one\n set picture freeze = 1 -> 0 over 4 s -> 1 over 0 s after 1 s\n\
              at 3 s two cut\n set picture freeze = 0.5 -> 1 over 0 s -> 0 over 4 s\n\
              at 5 s three cut\n set picture freeze = 0.5 -> 0.75 over 0 s -> 0 over 6 s",
         );
         let at = |time| -> Vec<(f64, f32)> {
-            plan.held_at(time).iter().map(|held| (held.since, held.share)).collect()
+            timeline.held_at(time).iter().map(|held| (held.since, held.fraction)).collect()
         };
         assert_eq!(at(2.0), [(0.0, 0.75)]);
         assert_eq!([at(3.0), at(4.0)], [vec![(3.0, 1.0), (0.0, 0.5)], vec![(3.0, 0.75), (0.0, 0.5)]]);
         assert_eq!(at(7.0), [(5.0, 0.5), (3.0, 0.5), (0.0, 0.5)]);
         assert_eq!(at(11.5), []);
-        assert_eq!(plan.picture_at(7.0).held, plan.held_at(7.0).first().copied());
+        assert_eq!(timeline.picture_at(7.0).held, timeline.held_at(7.0).first().copied());
     }
 
     #[test]
@@ -191,7 +191,7 @@ mod tests {
         for _ in 0..LIMITS.held_max + 5 {
             text.push_str(" -> 0.5 over 1 s -> 1 over 0 s");
         }
-        let held = plan(&text).held_at(1_000.0);
+        let held = timeline(&text).held_at(1_000.0);
         assert_eq!(held.len(), LIMITS.held_max);
         assert_eq!(held.first().map(|held| held.since), Some(LIMITS.held_max as f64 + 5.0), "the last ones");
     }

@@ -1,8 +1,8 @@
 //! From the words of a script to the seconds of a song.
 
 use super::bar_lines::BarLines;
-use super::plan::{Entrance, Move, Plan, Stay};
-use super::script::{Anchor, Length, Script, Setting, Step, Transition, TransitionKind, When};
+use super::cue_list::{Anchor, CueList, Length, Setting, Step, Transition, TransitionKind, When};
+use super::timeline::{Clip, Move, TimedTransition, Timeline};
 use mariana_field::lang::{Diagnostic, Span, Way};
 use mariana_music::SongStructure;
 
@@ -17,17 +17,17 @@ const USUAL_BARS: f64 = 1.0;
 /// brings one of the entries that wait for it. `likes` returns the preferred transition from a scene, if there is one, to
 /// the next scene.
 pub fn resolve(
-    script: &Script,
+    cue_list: &CueList,
     song: &SongStructure,
     cues: &[f64],
     likes: impl Fn(Option<&str>, &str) -> Option<Way>,
-) -> (Option<Plan>, Vec<Diagnostic>) {
+) -> (Option<Timeline>, Vec<Diagnostic>) {
     let lines = BarLines::of(song);
     let mut left_out = Vec::new();
-    let mut stays: Vec<Stay> = Vec::new();
+    let mut clips: Vec<Clip> = Vec::new();
     let mut last: Option<(f64, Span)> = None;
     let mut cues = cues.iter();
-    for entry in &script.entries {
+    for entry in &cue_list.entries {
         let is_cue = entry.when.anchor == Anchor::Cue;
         let cue = if is_cue { cues.next().copied() } else { None };
         let start = match time_of(&entry.when, song, cue, &lines) {
@@ -50,22 +50,22 @@ pub fn resolve(
             last = Some((start, entry.span));
         }
         let transition = entry.transition.unwrap_or_else(|| {
-            let way = likes(stays.last().map(|stay| stay.scene.as_str()), &entry.scene);
+            let way = likes(clips.last().map(|clip| clip.scene.as_str()), &entry.scene);
             way.map_or(USUAL, |way| Transition::new(way, Length::Bars(USUAL_BARS)))
         });
         let seconds = lasting(transition.length, start, &lines);
         let mut moves: Vec<Move> =
             entry.settings.iter().flat_map(|setting| moves_of(setting, start, &lines)).collect();
         moves.sort_by(|a, b| a.start.total_cmp(&b.start));
-        stays.push(Stay {
+        clips.push(Clip {
             start,
             scene: entry.scene.clone(),
             camera: entry.camera.clone(),
-            entrance: Entrance { kind: transition.kind, seconds, unfinished: transition.unfinished },
+            transition: TimedTransition { kind: transition.kind, seconds, unfinished: transition.unfinished },
             moves,
         });
     }
-    (Plan::new(stays), left_out)
+    (Timeline::new(clips), left_out)
 }
 
 /// The parts of a movement that belongs to an entry at `start`.
@@ -203,26 +203,29 @@ mod tests {
     use super::*;
     use crate::parse;
 
-    fn resolved(text: &str) -> (Plan, Vec<String>) {
+    fn resolved(text: &str) -> (Timeline, Vec<String>) {
         let parsed = parse("test.show", text);
-        let script = parsed.script.clone().unwrap_or_else(|| panic!("{}", parsed.render(false)));
-        let (plan, left_out) =
-            resolve(&script, &song(), &[3.0, 40.0], |_, to| (to == "liked").then_some(Way::Melt));
-        (plan.unwrap(), left_out.into_iter().map(|one| one.message).collect())
+        let cue_list = parsed.cue_list.clone().unwrap_or_else(|| panic!("{}", parsed.render(false)));
+        let (timeline, left_out) =
+            resolve(&cue_list, &song(), &[3.0, 40.0], |_, to| (to == "liked").then_some(Way::Melt));
+        (timeline.unwrap(), left_out.into_iter().map(|one| one.message).collect())
     }
 
     #[test]
     fn moments_of_a_song_are_found() {
-        let (plan, left_out) = resolved(
+        let (timeline, left_out) = resolved(
             "at start  one\nat 0:07.25 two cut\nat bar 5 + 2 beats  three  melt over 2 bars\n\
              at section B four\nat build 1 liked\nat drop 1 - 1 bar five portal over 1 bar\n\
              at section B 2 six\nat end - 4 s seven fade over 0.5 s",
         );
         assert_eq!(left_out, [""; 0]);
-        let starts: Vec<f64> = plan.stays().iter().map(|stay| stay.start).collect();
+        let starts: Vec<f64> = timeline.clips().iter().map(|clip| clip.start).collect();
         assert_eq!(starts, [0.0, 7.25, 9.5, 16.5, 24.5, 30.5, 32.5, 60.5]);
-        let entrances: Vec<(Way, f64)> =
-            plan.stays().iter().map(|stay| (stay.entrance.kind.way(), stay.entrance.seconds)).collect();
+        let transitions: Vec<(Way, f64)> = timeline
+            .clips()
+            .iter()
+            .map(|clip| (clip.transition.kind.way(), clip.transition.seconds))
+            .collect();
         use Way::{Cut, Fade, Melt, Portal};
         let wanted = [
             (Fade, 0.0),
@@ -234,15 +237,15 @@ mod tests {
             (Fade, 1.0),
             (Fade, 0.5),
         ];
-        assert_eq!(entrances, wanted);
+        assert_eq!(transitions, wanted);
     }
 
     #[test]
     fn what_a_song_does_not_have_is_left_out_and_told() {
-        let (plan, left_out) = resolved(
+        let (timeline, left_out) = resolved(
             "at start one\nat section C two\nat section A 3 three\nat drop 2 four\nat 30 s five\nat bar 2 six",
         );
-        assert_eq!(plan.stays().len(), 2);
+        assert_eq!(timeline.clips().len(), 2);
         let wanted = [
             "the song has no section C",
             "the song has no section A 3",
@@ -254,21 +257,22 @@ mod tests {
 
     #[test]
     fn what_waits_for_a_key_comes_when_it_was_pressed() {
-        let (plan, left_out) = resolved(
+        let (timeline, left_out) = resolved(
             "at start one\nat cue two cut\nat 10 s three\nat cue + 1 bar four\nat 30 s five\nat cue six",
         );
         assert_eq!(left_out, [""; 0]);
-        let stays: Vec<(f64, &str)> =
-            plan.stays().iter().map(|stay| (stay.start, stay.scene.as_str())).collect();
-        assert_eq!(stays, [(0.0, "one"), (3.0, "two"), (10.0, "three"), (30.0, "five"), (42.0, "four")]);
+        let clips: Vec<(f64, &str)> =
+            timeline.clips().iter().map(|clip| (clip.start, clip.scene.as_str())).collect();
+        assert_eq!(clips, [(0.0, "one"), (3.0, "two"), (10.0, "three"), (30.0, "five"), (42.0, "four")]);
     }
 
     #[test]
     fn parameters_move_by_bars() {
-        let (plan, _) = resolved("at bar 3 one\n  set a = 0.25 -> 0.5 over 2 bars\n  set b = 3 after 1 beat");
-        let stay = &plan.stays()[0];
-        let times: Vec<(f64, f64)> = stay.moves.iter().map(|one| (one.start, one.seconds)).collect();
+        let (timeline, _) =
+            resolved("at bar 3 one\n  set a = 0.25 -> 0.5 over 2 bars\n  set b = 3 after 1 beat");
+        let clip = &timeline.clips()[0];
+        let times: Vec<(f64, f64)> = clip.moves.iter().map(|one| (one.start, one.seconds)).collect();
         assert_eq!(times, [(4.5, 4.0), (5.0, 0.0)]);
-        assert_eq!(stay.params_at(6.5), [("a", 0.375), ("b", 3.0)]);
+        assert_eq!(clip.params_at(6.5), [("a", 0.375), ("b", 3.0)]);
     }
 }

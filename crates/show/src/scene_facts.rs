@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::cue_list::{Entry, is_of_no_scene};
 use super::director::SceneCard;
-use super::script::{Entry, is_of_no_scene};
 use mariana_field::lang::{About, Diagnostic, Scene, Span, Way};
 
 /// The facts about one scene.
@@ -105,13 +105,13 @@ impl NamedScenes {
 
     /// Notes at the entry why its scene is refused.
     fn refuse(&mut self, entry: &Entry, refusal: Refusal) {
-        let told = Diagnostic::new(entry.scene_span, refusal.sentence);
+        let reported = Diagnostic::new(entry.scene_span, refusal.sentence);
         self.mistakes.push(match refusal.mistakes {
             Some(report) => {
                 self.reports.push(report);
-                told.hint("correct what is underlined in it")
+                reported.hint("correct what is underlined in it")
             }
-            None => told,
+            None => reported,
         });
     }
 }

@@ -2,20 +2,20 @@
 
 use std::collections::BTreeMap;
 
+use super::cue_list::CueList;
 use super::director::{SceneCard, direct};
 use super::parse::{DIAGNOSTICS_MAX, parse};
-use super::plan::{Plan, Stay};
 use super::resolve::resolve;
 use super::scene_facts::{NamedScenes, Refusal, SceneFacts};
-use super::script::Script;
 use super::substitutes::with_substitutes;
 use super::text::print;
+use super::timeline::{Clip, Timeline};
 use mariana_field::lang::{Diagnostic, Way, render_all};
 use mariana_music::SongStructure;
 
 /// An error in a show file.
 #[derive(Debug, thiserror::Error)]
-pub enum ScriptError {
+pub enum CueListError {
     /// Mistakes in the text, or cameras and parameters that its scenes lack.
     #[error("the show has mistakes: correct what is underlined\n{}", .report.trim_end())]
     Mistakes {
@@ -40,8 +40,8 @@ type Liked = (Option<Way>, Option<Way>);
 #[derive(Debug, Clone, Default)]
 pub struct Show {
     /// `None` as long as every entry waits for a key.
-    plan: Option<Plan>,
-    script: Script,
+    timeline: Option<Timeline>,
+    cue_list: CueList,
     /// How scenes like to come and to go.
     ways: BTreeMap<String, Liked>,
     cards: Vec<SceneCard>,
@@ -51,73 +51,73 @@ impl Show {
     /// The director's show of scenes, given by name; `None` without scenes.
     pub fn directed(song: &SongStructure, scenes: &BTreeMap<String, SceneFacts>) -> Option<Self> {
         let (ways, cards) = (ways_of(scenes), cards_of(scenes));
-        let script = direct(song, &cards, seed_of(song));
-        let plan = Some(resolved(&script, song, &[], &ways).0?);
-        Some(Self { plan, script, ways, cards })
+        let cue_list = direct(song, &cards, seed_of(song));
+        let timeline = Some(resolved(&cue_list, song, &[], &ways).0?);
+        Some(Self { timeline, cue_list, ways, cards })
     }
 
     /// The show that a text describes for a song, and a report of the entries that do not fit the song. Messages call the
     /// text `name`. `find` finds scenes by their names in the text, each once.
     ///
     /// # Errors
-    /// [`ScriptError::Mistakes`] with all mistakes of the text and of its scenes, and [`ScriptError::NothingFits`].
+    /// [`CueListError::Mistakes`] with all mistakes of the text and of its scenes, and [`CueListError::NothingFits`].
     pub fn of_text(
         name: &str,
         text: &str,
         song: &SongStructure,
         find: impl FnMut(&str) -> Result<SceneFacts, Refusal>,
-    ) -> Result<(Self, Option<String>), ScriptError> {
+    ) -> Result<(Self, Option<String>), CueListError> {
         let parsed = parse(name, text);
         let named = NamedScenes::of(&parsed.entries, find);
-        let script = match parsed.script {
-            Some(script) if named.mistakes.is_empty() => script,
+        let cue_list = match parsed.cue_list {
+            Some(cue_list) if named.mistakes.is_empty() => cue_list,
             _ => {
                 let mut mistakes = [parsed.diagnostics, named.mistakes].concat();
                 mistakes.sort_by_key(|one| one.span.start);
                 mistakes.truncate(DIAGNOSTICS_MAX);
                 let of_text = render_all(&mistakes, &parsed.sources, false);
                 let report = std::iter::once(of_text).chain(named.reports).collect::<Vec<_>>().join("\n");
-                return Err(ScriptError::Mistakes { report });
+                return Err(CueListError::Mistakes { report });
             }
         };
         let (ways, cards) = (ways_of(&named.facts), cards_of(&named.facts));
-        let (plan, left_out) = resolved(&script, song, &[], &ways);
-        let told = (!left_out.is_empty()).then(|| render_all(&left_out, &parsed.sources, false));
-        if plan.is_none() && script.cues().next().is_none() {
-            return Err(ScriptError::NothingFits { report: told.unwrap_or_default() });
+        let (timeline, left_out) = resolved(&cue_list, song, &[], &ways);
+        let reported = (!left_out.is_empty()).then(|| render_all(&left_out, &parsed.sources, false));
+        if timeline.is_none() && cue_list.cues().next().is_none() {
+            return Err(CueListError::NothingFits { report: reported.unwrap_or_default() });
         }
-        Ok((Self { plan, script, ways, cards }, told))
+        Ok((Self { timeline, cue_list, ways, cards }, reported))
     }
 
     /// The same show with another plan.
-    pub fn with_plan(&self, plan: Option<Plan>) -> Self {
-        Self { plan, ..self.clone() }
+    pub fn with_timeline(&self, timeline: Option<Timeline>) -> Self {
+        Self { timeline, ..self.clone() }
     }
 
     /// The same show where the key was pressed at these moments, in seconds, for which entries wait.
     pub fn with_cues(&self, song: &SongStructure, cues: &[f64]) -> Self {
-        self.with_plan(resolved(&self.script, song, cues, &self.ways).0)
+        self.with_timeline(resolved(&self.cue_list, song, cues, &self.ways).0)
     }
 
     /// Replaces refused scenes by other scenes of the show. `None` if all are refused.
     pub fn without(&self, is_refused: impl Fn(&str) -> bool) -> Option<Self> {
-        let stays = with_substitutes(self.stays(), &self.cards, is_refused)?;
-        Some(self.with_plan(Plan::new(stays)))
+        let clips = with_substitutes(self.clips(), &self.cards, is_refused)?;
+        Some(self.with_timeline(Timeline::new(clips)))
     }
 
     /// What is on when; `None` as long as every entry waits for a key.
-    pub fn plan(&self) -> Option<&Plan> {
-        self.plan.as_ref()
+    pub fn timeline(&self) -> Option<&Timeline> {
+        self.timeline.as_ref()
     }
 
     /// The stays in their order; none without a plan.
-    pub fn stays(&self) -> &[Stay] {
-        self.plan().map_or(&[], Plan::stays)
+    pub fn clips(&self) -> &[Clip] {
+        self.timeline().map_or(&[], Timeline::clips)
     }
 
     /// The scenes that wait for a key, in their order.
     pub fn cues(&self) -> Vec<&str> {
-        self.script.cues().map(|entry| entry.scene.as_str()).collect()
+        self.cue_list.cues().map(|entry| entry.scene.as_str()).collect()
     }
 
     /// Descriptions of the scenes; for the director, of all that it may choose.
@@ -127,7 +127,7 @@ impl Show {
 
     /// The text of a show file that is this show, below lines of comment.
     pub fn text(&self, comments: &[String]) -> String {
-        print(&self.script, comments)
+        print(&self.cue_list, comments)
     }
 }
 
@@ -140,12 +140,12 @@ fn cards_of(known: &BTreeMap<String, SceneFacts>) -> Vec<SceneCard> {
 }
 
 fn resolved(
-    script: &Script,
+    cue_list: &CueList,
     song: &SongStructure,
     cues: &[f64],
     ways: &BTreeMap<String, Liked>,
-) -> (Option<Plan>, Vec<Diagnostic>) {
-    resolve(script, song, cues, |from, to| {
+) -> (Option<Timeline>, Vec<Diagnostic>) {
+    resolve(cue_list, song, cues, |from, to| {
         let liked = |name: &str| ways.get(name).copied().unwrap_or_default();
         liked(to).0.or(from.and_then(|from| liked(from).1))
     })

@@ -3,33 +3,33 @@
 //! The substitute suits music of about the same energy and differs from its neighbours. It keeps the rhythm of the
 //! camera changes.
 
+use super::cue_list::is_of_no_scene;
 use super::director::SceneCard;
-use super::plan::Stay;
-use super::script::is_of_no_scene;
+use super::timeline::Clip;
 
 /// Replaces the scene of each refused stay. Returns `None` if all scenes are refused.
 pub(super) fn with_substitutes(
-    stays: &[Stay],
+    clips: &[Clip],
     cards: &[SceneCard],
     is_refused: impl Fn(&str) -> bool,
-) -> Option<Vec<Stay>> {
+) -> Option<Vec<Clip>> {
     let usable: Vec<&SceneCard> = cards.iter().filter(|card| !is_refused(&card.scene)).collect();
-    let mut found: Vec<Stay> = Vec::with_capacity(stays.len());
+    let mut found: Vec<Clip> = Vec::with_capacity(clips.len());
     // The refused scene of the last stay, and its substitute.
     let mut last: Option<(&str, &SceneCard)> = None;
-    for (index, stay) in stays.iter().enumerate() {
-        if !is_refused(&stay.scene) {
+    for (index, clip) in clips.iter().enumerate() {
+        if !is_refused(&clip.scene) {
             last = None;
-            found.push(stay.clone());
+            found.push(clip.clone());
             continue;
         }
-        let refused = cards.iter().find(|card| card.scene == stay.scene)?;
+        let refused = cards.iter().find(|card| card.scene == clip.scene)?;
         let substitute = match last {
-            Some((scene, substitute)) if scene == stay.scene => substitute,
+            Some((scene, substitute)) if scene == clip.scene => substitute,
             _ => {
-                let later = stays.iter().skip(index).map(|later| later.scene.as_str());
-                let next = later.into_iter().find(|scene| *scene != stay.scene);
-                let before = found.last().map(|stay| stay.scene.as_str());
+                let later = clips.iter().skip(index).map(|later| later.scene.as_str());
+                let next = later.into_iter().find(|scene| *scene != clip.scene);
+                let before = found.last().map(|clip| clip.scene.as_str());
                 let neighbours = [before, next];
                 let rank = |card: &SceneCard| {
                     let is_neighbour = neighbours.contains(&Some(card.scene.as_str()));
@@ -42,8 +42,8 @@ pub(super) fn with_substitutes(
                 usable.iter().min_by(order)?
             }
         };
-        last = Some((&stay.scene, substitute));
-        found.push(substituted(stay, refused, substitute));
+        last = Some((&clip.scene, substitute));
+        found.push(substituted(clip, refused, substitute));
     }
     Some(found)
 }
@@ -53,20 +53,20 @@ fn energy(card: &SceneCard) -> f32 {
     0.5 * (card.about.energy.0 + card.about.energy.1)
 }
 
-fn substituted(stay: &Stay, refused: &SceneCard, substitute: &SceneCard) -> Stay {
-    let number = refused.cameras.iter().position(|camera| Some(camera) == stay.camera.as_ref());
-    Stay {
+fn substituted(clip: &Clip, refused: &SceneCard, substitute: &SceneCard) -> Clip {
+    let number = refused.cameras.iter().position(|camera| Some(camera) == clip.camera.as_ref());
+    Clip {
         scene: substitute.scene.clone(),
         camera: number.and_then(|number| substitute.cameras.get(number)).cloned(),
-        moves: stay.moves.iter().filter(|one| is_of_no_scene(&one.param)).cloned().collect(),
-        ..stay.clone()
+        moves: clip.moves.iter().filter(|one| is_of_no_scene(&one.param)).cloned().collect(),
+        ..clip.clone()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{Entrance, Move};
+    use crate::timeline::{Move, TimedTransition};
     use mariana_field::lang::About;
 
     fn card(scene: &str, energy: f32, cameras: &[&str]) -> SceneCard {
@@ -75,13 +75,13 @@ mod tests {
         SceneCard { scene: scene.to_owned(), about, cameras }
     }
 
-    fn stay(start: f64, scene: &str, camera: Option<&str>) -> Stay {
+    fn clip(start: f64, scene: &str, camera: Option<&str>) -> Clip {
         let moved = |param: &str| Move { param: param.to_owned(), start, seconds: 0.0, from: 1.0, to: 1.0 };
-        Stay {
+        Clip {
             start,
             scene: scene.to_owned(),
             camera: camera.map(str::to_owned),
-            entrance: Entrance::CUT,
+            transition: TimedTransition::CUT,
             moves: vec![moved("swell"), moved("picture brightness")],
         }
     }
@@ -94,24 +94,24 @@ mod tests {
             card("like it", 0.75, &["left"]),
             card("loud", 0.9, &[]),
         ];
-        let stays = [
-            stay(0.0, "calm", None),
-            stay(4.0, "heavy", None),
-            stay(6.0, "heavy", Some("near")),
-            stay(7.0, "heavy", Some("far")),
-            stay(8.0, "loud", None),
-            stay(9.0, "heavy", Some("near")),
-            stay(10.0, "like it", None),
+        let clips = [
+            clip(0.0, "calm", None),
+            clip(4.0, "heavy", None),
+            clip(6.0, "heavy", Some("near")),
+            clip(7.0, "heavy", Some("far")),
+            clip(8.0, "loud", None),
+            clip(9.0, "heavy", Some("near")),
+            clip(10.0, "like it", None),
         ];
-        let found = with_substitutes(&stays, &cards, |scene| scene == "heavy").unwrap();
-        let scenes: Vec<_> = found.iter().map(|stay| (&*stay.scene, stay.camera.as_deref())).collect();
+        let found = with_substitutes(&clips, &cards, |scene| scene == "heavy").unwrap();
+        let scenes: Vec<_> = found.iter().map(|clip| (&*clip.scene, clip.camera.as_deref())).collect();
         let like_it = [("like it", None), ("like it", Some("left")), ("like it", None)];
         let expected =
             [&[("calm", None)][..], &like_it, &[("loud", None), ("calm", None), ("like it", None)]];
         assert_eq!(scenes, expected.concat());
-        let moved = |stay: &Stay| stay.moves.iter().map(|one| one.param.clone()).collect::<Vec<_>>();
+        let moved = |clip: &Clip| clip.moves.iter().map(|one| one.param.clone()).collect::<Vec<_>>();
         assert_eq!(moved(&found[1]), ["picture brightness"], "a parameter of another scene");
-        assert_eq!(found[4], stays[4]);
-        assert_eq!(with_substitutes(&stays, &cards, |_| true), None);
+        assert_eq!(found[4], clips[4]);
+        assert_eq!(with_substitutes(&clips, &cards, |_| true), None);
     }
 }

@@ -2,15 +2,15 @@
 
 use std::fmt::Write;
 
+use super::cue_list::{Anchor, CueList, Entry, Length, Setting, TransitionKind, is_of_no_scene};
 use super::resolve::clock_to;
-use super::script::{Anchor, Entry, Length, Script, Setting, TransitionKind, is_of_no_scene};
 use mariana_field::world::{BlendKind, PortalShape};
 
 /// Most decimals of a moment in seconds. Recordings need more than three only where the song went back.
 const MOMENT_DECIMALS: usize = 6;
 
 /// The text of a script, below lines of comment.
-pub fn print(script: &Script, comments: &[String]) -> String {
+pub fn print(cue_list: &CueList, comments: &[String]) -> String {
     let mut text = String::new();
     for comment in comments {
         let _ = writeln!(text, "# {}", comment.replace(char::is_control, " "));
@@ -18,9 +18,9 @@ pub fn print(script: &Script, comments: &[String]) -> String {
     if !comments.is_empty() {
         text.push('\n');
     }
-    let moments: Vec<String> = script.entries.iter().map(moment).collect();
+    let moments: Vec<String> = cue_list.entries.iter().map(moment).collect();
     let width = moments.iter().map(String::len).max().unwrap_or(0);
-    for (entry, moment) in script.entries.iter().zip(&moments) {
+    for (entry, moment) in cue_list.entries.iter().zip(&moments) {
         let _ = write!(text, "at {moment:width$}  {}", name(&entry.scene));
         if let Some(camera) = &entry.camera {
             let _ = write!(text, "  camera {}", name(camera));

@@ -72,8 +72,8 @@ impl<'b> ScreenReader<'b> {
     pub fn listen(&self, on: bool) {
         let set = ["org.freedesktop.DBus.Properties.Set", "string:org.a11y.Status", "string:IsEnabled"];
         let value = format!("variant:boolean:{on}");
-        let told = self.bus.send("org.a11y.Bus", "/org/a11y/bus", &[&set[..], &[&value]].concat());
-        told.unwrap_or_else(|error| panic!("{error}"));
+        let reported = self.bus.send("org.a11y.Bus", "/org/a11y/bus", &[&set[..], &[&value]].concat());
+        reported.unwrap_or_else(|error| panic!("{error}"));
     }
 
     /// Everything that programs show at this moment.

@@ -16,12 +16,12 @@ pub use rows::words_of;
 use mariana_commands::Command;
 use mariana_control::Slider;
 use mariana_control::midi::{Curve, Mapping, MidiState, Target};
-use mariana_remote::{Invitation, RemoteState};
+use mariana_remote::{PairingAddress, RemoteState};
 use mariana_settings::KnobEdit;
 
 /// A row of the panel.
 #[derive(Debug, Clone, PartialEq)]
-pub enum HandRow {
+pub enum ControllerRow {
     /// Words alone.
     Words {
         /// The words.
@@ -32,7 +32,7 @@ pub enum HandRow {
     /// By what a phone comes.
     Phone {
         /// The address and its code.
-        invitation: Arc<Invitation>,
+        pairing_address: Arc<PairingAddress>,
         /// What there is to say of it.
         about: String,
     },
@@ -88,7 +88,7 @@ impl Field {
     pub fn words(self, mapping: &Mapping) -> String {
         let [from, to] = mapping.range;
         let end = |end: f32| {
-            if matches!(mapping.target, Target::Deed { .. }) && end > 1.0 {
+            if matches!(mapping.target, Target::Action { .. }) && end > 1.0 {
                 format!("{end:.0}")
             } else {
                 format!("{:.0} %", 100.0 * end)
@@ -142,7 +142,7 @@ pub struct PhoneFacts {
 }
 
 /// What holds at present.
-pub struct HandFacts<'a> {
+pub struct ControllersState<'a> {
     /// The title of the scene on the stage.
     pub scene: String,
     /// Its parameters.
@@ -167,16 +167,16 @@ pub struct HandFacts<'a> {
 
 /// See the module.
 #[derive(Debug, Default)]
-pub struct HandsPanel {
-    rows: Vec<HandRow>,
+pub struct ControllersPanel {
+    rows: Vec<ControllerRow>,
     selected: usize,
     field: usize,
     revision: u64,
 }
 
-impl HandsPanel {
+impl ControllersPanel {
     /// The rows, from the top.
-    pub fn rows(&self) -> &[HandRow] {
+    pub fn rows(&self) -> &[ControllerRow] {
         &self.rows
     }
 
@@ -196,7 +196,7 @@ impl HandsPanel {
     }
 
     /// Brings the rows up to date.
-    pub fn update(&mut self, facts: &HandFacts<'_>) {
+    pub fn update(&mut self, facts: &ControllersState<'_>) {
         let rows = rows_of(facts);
         if rows != self.rows {
             // The same thing stays selected, wherever it is now.
@@ -222,7 +222,7 @@ impl HandsPanel {
                     self.select_from(above, false);
                 }
             }
-            NamedKey::ArrowLeft | NamedKey::ArrowRight if matches!(row, Some(HandRow::Knob { .. })) => {
+            NamedKey::ArrowLeft | NamedKey::ArrowRight if matches!(row, Some(ControllerRow::Knob { .. })) => {
                 let last = Field::ALL.len() - 1;
                 self.field = match named {
                     NamedKey::ArrowLeft => self.field.saturating_sub(1),
@@ -231,15 +231,17 @@ impl HandsPanel {
             }
             NamedKey::Enter => {
                 let request = match row {
-                    Some(HandRow::Target { target, .. }) => Some(Command::Learn(target.clone())),
-                    Some(HandRow::Clock(on)) => Some(Command::EditMappings(KnobEdit::Clock(!on))),
-                    Some(HandRow::Knob { mapping, stands, .. }) => self.field().request(mapping, *stands),
-                    Some(HandRow::Words { .. } | HandRow::Phone { .. }) | None => None,
+                    Some(ControllerRow::Target { target, .. }) => Some(Command::Learn(target.clone())),
+                    Some(ControllerRow::Clock(on)) => Some(Command::EditMappings(KnobEdit::Clock(!on))),
+                    Some(ControllerRow::Knob { mapping, stands, .. }) => {
+                        self.field().request(mapping, *stands)
+                    }
+                    Some(ControllerRow::Words { .. } | ControllerRow::Phone { .. }) | None => None,
                 };
                 return (true, request);
             }
             NamedKey::Delete | NamedKey::Backspace => {
-                let Some(HandRow::Knob { mapping, .. }) = row else { return (true, None) };
+                let Some(ControllerRow::Knob { mapping, .. }) = row else { return (true, None) };
                 return (true, Some(Command::EditMappings(KnobEdit::Remove(mapping.clone()))));
             }
             _ => return (false, None),
@@ -262,17 +264,17 @@ impl HandsPanel {
 }
 
 /// Whether two rows are about the same thing, whatever they say of it.
-fn is_same(a: &HandRow, b: &HandRow) -> bool {
+fn is_same(a: &ControllerRow, b: &ControllerRow) -> bool {
     match (a, b) {
-        (HandRow::Clock(_), HandRow::Clock(_)) => true,
-        (HandRow::Target { target: a, .. }, HandRow::Target { target: b, .. }) => a == b,
-        (HandRow::Knob { mapping: a, .. }, HandRow::Knob { mapping: b, .. }) => {
+        (ControllerRow::Clock(_), ControllerRow::Clock(_)) => true,
+        (ControllerRow::Target { target: a, .. }, ControllerRow::Target { target: b, .. }) => a == b,
+        (ControllerRow::Knob { mapping: a, .. }, ControllerRow::Knob { mapping: b, .. }) => {
             (&a.device, a.source, &a.target) == (&b.device, b.source, &b.target)
         }
         _ => false,
     }
 }
 
-fn is_changeable(row: &HandRow) -> bool {
-    !matches!(row, HandRow::Words { .. } | HandRow::Phone { .. })
+fn is_changeable(row: &ControllerRow) -> bool {
+    !matches!(row, ControllerRow::Words { .. } | ControllerRow::Phone { .. })
 }

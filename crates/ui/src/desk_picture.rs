@@ -64,7 +64,7 @@ mod tests {
     fn a_window_without_room_still_has_a_place_for_it() {
         let [left, top, right, bottom] = small_in((1, 1), (1920, 1080));
         assert!(left < right && top < bottom);
-        assert!(small_in((0, 0), (0, 0)).iter().all(|share| share.is_finite()));
+        assert!(small_in((0, 0), (0, 0)).iter().all(|fraction| fraction.is_finite()));
     }
 
     #[test]

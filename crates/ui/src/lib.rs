@@ -29,7 +29,7 @@
 pub mod clipboard;
 pub mod clock;
 pub mod controllers_panel;
-pub mod corner_hands;
+pub mod corner_handles;
 pub mod desk_picture;
 pub mod editor;
 pub mod file_browser;

@@ -13,13 +13,14 @@ const PROGRAMS: [&str; 4] = [".frag", "compiled", "universal", "speakers, interp
 fn no_program_got_worse_for_a_gpu() {
     let output =
         Command::new(env!("CARGO_BIN_EXE_xtask")).args(["gpu", "--check"]).args(PROGRAMS).output().unwrap();
-    let (told, wrong) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let (reported, wrong) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     if !output.status.success() && wrong.contains("is not there") {
         println!("Nothing was compared: {wrong}");
         return;
     }
-    assert!(output.status.success(), "{told}{wrong}");
-    assert!(told.contains("Not compared") || told.contains("No program got worse"), "{told}");
+    assert!(output.status.success(), "{reported}{wrong}");
+    assert!(reported.contains("Not compared") || reported.contains("No program got worse"), "{reported}");
 }
 
 /// The shim of `mesa-drm-shim` for old AMD GPUs, if it is there.
@@ -41,6 +42,7 @@ fn a_gpu_with_opengl_2_kept_a_machine_from_drawing_without_a_window() {
         .env("RADEON_GPU_ID", "rv515")
         .output()
         .unwrap();
-    let (told, wrong) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    assert!(output.status.success() && told.contains("llvmpipe"), "{told}{wrong}");
+    let (reported, wrong) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success() && reported.contains("llvmpipe"), "{reported}{wrong}");
 }

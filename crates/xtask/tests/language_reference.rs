@@ -102,8 +102,8 @@ fn every_shape_has_a_picture_that_shows_something() {
         assert_eq!(picture.dimensions(), (200, 150), "{name}");
         // Shapes are of a warm colour, everything around them is grey.
         let warm = picture.pixels().filter(|pixel| pixel[0] > pixel[2].saturating_add(24)).count();
-        let share = warm as f32 / (picture.width() * picture.height()) as f32;
-        assert!((0.05..0.75).contains(&share), "{name}: the shape fills {share} of its picture");
+        let fraction = warm as f32 / (picture.width() * picture.height()) as f32;
+        assert!((0.05..0.75).contains(&fraction), "{name}: the shape fills {fraction} of its picture");
         let edge = [(0, 0), (199, 0)].map(|(x, y)| picture.get_pixel(x, y).0);
         assert!(edge.iter().all(|pixel| pixel[0].abs_diff(pixel[2]) < 24), "{name} reaches over the edge");
     }

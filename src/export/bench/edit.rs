@@ -48,10 +48,10 @@ pub(super) fn measure_edit(
     let (mut interpreted_ms, mut new_interpreter) = (None, false);
     if Interpreter::fits(&buffers, &plan, gl.info()).is_ok() {
         let start = Instant::now();
-        let wanted = Interpreter::for_scene(world.traits, &buffers, &plan, gl.info());
+        let wanted = Interpreter::for_scene(world.features, &buffers, &plan, gl.info());
         let known = runs.iter().find(|run| run.mode == Mode::Interpreted).filter(|_| {
             let (buffers, plan) = (before.buffers(), before.plan());
-            Interpreter::for_scene(before.world().traits, buffers, plan, gl.info()).covers(&wanted)
+            Interpreter::for_scene(before.world().features, buffers, plan, gl.info()).covers(&wanted)
         });
         interpreted_ms = Some(match known {
             Some(run) => draw(&run.program, start)?,

@@ -55,7 +55,7 @@ pub struct EdgeReport {
     /// Further samples of each pixel at an edge.
     pub samples: usize,
     /// Share of the pixels that got these samples, 0..1.
-    pub share: f64,
+    pub fraction: f64,
     /// Peak signal-to-noise ratio of the finished picture without grain, in dB.
     pub decibels: f64,
 }
@@ -179,8 +179,8 @@ impl std::fmt::Display for BenchReport {
         if let Some(edit) = &self.edit {
             write!(f, "\nan edit: {edit}")?;
         }
-        for EdgeReport { samples, share, decibels } in &self.edges {
-            let percent = 100.0 * share;
+        for EdgeReport { samples, fraction, decibels } in &self.edges {
+            let percent = 100.0 * fraction;
             write!(
                 f,
                 "\n{samples} samples at edges, {percent:.2} % of the pixels: {decibels:.2} dB against 64 everywhere"

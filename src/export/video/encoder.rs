@@ -44,9 +44,9 @@ impl Encoder {
         let output = AtomicFile::create(path)?;
         let mut inputs = Vec::new();
         let line = command_line(request, path, &mut inputs)?.options([file_address(output.temporary())]);
-        let complaints = tempfile::tempfile().map_err(no_room)?;
+        let reported_problems = tempfile::tempfile().map_err(no_room)?;
         let patience = Duration::from_secs_f64(LIMITS.encoder_wait_seconds);
-        let process = EncoderProcess::start(line.command(), output.temporary(), complaints, patience)
+        let process = EncoderProcess::start(line.command(), output.temporary(), reported_problems, patience)
             .map_err(ExportError::NoEncoder)?;
         Ok(Self { process, output: Some(output), path: path.to_owned(), _inputs: inputs })
     }

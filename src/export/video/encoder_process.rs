@@ -28,7 +28,7 @@ pub(super) struct EncoderProcess {
     /// `None` once the process has all its input.
     input: Option<ChildStdin>,
     /// Its messages. A file, because a full pipe would stop the process.
-    complaints: File,
+    reported_problems: File,
     wait: Arc<Mutex<Wait>>,
     /// Dropping it ends the thread that watches.
     _watch: SyncSender<()>,
@@ -49,14 +49,14 @@ impl EncoderProcess {
     /// writes output for as long as `patience`.
     ///
     /// # Errors
-    /// The system's error for the program, the file for its messages (`complaints`) or the watching thread.
+    /// The system's error for the program, the file for its messages (`reported_problems`) or the watching thread.
     pub(super) fn start(
         mut command: Command,
         output: &Path,
-        complaints: File,
+        reported_problems: File,
         patience: Duration,
     ) -> io::Result<Self> {
-        let heard = complaints.try_clone()?;
+        let heard = reported_problems.try_clone()?;
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(heard);
         // Ctrl-C goes to this process, which ends the encoder: otherwise both would race to end first.
         #[cfg(unix)]
@@ -69,8 +69,14 @@ impl EncoderProcess {
         let input = lock(&child).stdin.take();
         let wait = Arc::new(Mutex::new(Wait::default()));
         let (stop, stopped) = sync_channel(0);
-        let process =
-            Self { child: child.clone(), input, complaints, wait: wait.clone(), _watch: stop, _end: end };
+        let process = Self {
+            child: child.clone(),
+            input,
+            reported_problems,
+            wait: wait.clone(),
+            _watch: stop,
+            _end: end,
+        };
         let output = output.to_owned();
         Builder::new().name("encoder watch".into()).spawn(move || {
             let mut last = stamp(&output);
@@ -134,9 +140,9 @@ impl EncoderProcess {
     pub(super) fn complaint(&mut self) -> String {
         let mut tail = Vec::new();
         // After an error a part of the messages is better than none.
-        let length = self.complaints.seek(SeekFrom::End(0)).unwrap_or(0);
-        let _ = self.complaints.seek(SeekFrom::Start(length.saturating_sub(COMPLAINT_BYTES)));
-        let _ = self.complaints.read_to_end(&mut tail);
+        let length = self.reported_problems.seek(SeekFrom::End(0)).unwrap_or(0);
+        let _ = self.reported_problems.seek(SeekFrom::Start(length.saturating_sub(COMPLAINT_BYTES)));
+        let _ = self.reported_problems.read_to_end(&mut tail);
         String::from_utf8_lossy(&tail).into_owned()
     }
 }
@@ -194,11 +200,12 @@ mod tests {
     use super::*;
 
     /// A process that does what a shell script says, and is given up soon.
-    fn start(script: &str) -> EncoderProcess {
+    fn start(cue_list: &str) -> EncoderProcess {
         let mut command = Command::new("sh");
-        command.args(["-c", script]);
-        let complaints = tempfile::tempfile().unwrap();
-        EncoderProcess::start(command, Path::new("none"), complaints, Duration::from_millis(200)).unwrap()
+        command.args(["-c", cue_list]);
+        let reported_problems = tempfile::tempfile().unwrap();
+        EncoderProcess::start(command, Path::new("none"), reported_problems, Duration::from_millis(200))
+            .unwrap()
     }
 
     #[test]

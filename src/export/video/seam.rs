@@ -44,9 +44,9 @@ impl Seam {
         }
         let mut first = vec![0; picture.len()];
         self.aside.read_exact(&mut first).map_err(no_room)?;
-        let share = (number + 1) as f32 / (self.seam_frames + 1) as f32;
+        let fraction = (number + 1) as f32 / (self.seam_frames + 1) as f32;
         for (last, first) in picture.iter_mut().zip(first) {
-            *last = (f32::from(*last) * (1.0 - share) + f32::from(first) * share).round() as u8;
+            *last = (f32::from(*last) * (1.0 - fraction) + f32::from(first) * fraction).round() as u8;
         }
         Ok(Some(picture))
     }

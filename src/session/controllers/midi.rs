@@ -4,14 +4,14 @@ use std::time::Instant;
 
 use crate::clock;
 use crate::commands;
-use crate::config::{Folders, HandSettings, KnobEdit, KnobMemory};
+use crate::config::{ControllerSettings, Folders, KnobEdit, KnobMemory};
 use crate::session::scene::SceneSession;
 use crate::session::waker::Waker;
 use crate::ui::controllers_panel::words_of;
 use mariana_control::midi::{
     ClockReading, KnobMove, Learning, Mapping, MidiHub, MidiState, Outcome, Ports, SystemPorts, Target,
 };
-use mariana_control::{Param, Wishes};
+use mariana_control::{InputQueue, Param};
 
 /// See the module.
 pub(super) struct Midi {
@@ -19,7 +19,7 @@ pub(super) struct Midi {
     memory: KnobMemory,
     learning: Option<Learning>,
     /// The devices when they were last told; none before the first look.
-    told: Option<Vec<String>>,
+    reported: Option<Vec<String>>,
     /// Sentences that are to be told, and whether each is bad news.
     news: Vec<(String, bool)>,
     /// The zero of the seconds of learning.
@@ -30,17 +30,22 @@ pub(super) struct Midi {
 
 impl Midi {
     /// Hears devices from now on, if they are wanted.
-    pub(super) fn start(settings: &HandSettings, folders: &Folders, wishes: &Wishes, waker: &Waker) -> Self {
+    pub(super) fn start(
+        settings: &ControllerSettings,
+        folders: &Folders,
+        input_queue: &InputQueue,
+        waker: &Waker,
+    ) -> Self {
         let (memory, trouble) = KnobMemory::among(folders);
         let mut news: Vec<(String, bool)> =
             trouble.into_iter().map(|error| (error.to_string(), true)).collect();
         let of_hub = waker.clone();
         let hub =
-            settings.midi.then(|| MidiHub::start(ports(folders), wishes.clone(), move || of_hub.wake()));
+            settings.midi.then(|| MidiHub::start(ports(folders), input_queue.clone(), move || of_hub.wake()));
         let hub = hub.and_then(|started| {
             started.map_err(|error| news.push((format!("MIDI is not heard: {error}"), true))).ok()
         });
-        Self { hub, memory, learning: None, told: None, news, zero: clock::now(), revision: 0 }
+        Self { hub, memory, learning: None, reported: None, news, zero: clock::now(), revision: 0 }
     }
 
     /// What is new of devices: a sentence, and whether it is bad news.
@@ -55,10 +60,10 @@ impl Midi {
 
     fn look_at_devices(&mut self) {
         let Some(state) = self.state().filter(|state| state.is_known) else { return };
-        if self.told.as_ref() == Some(&state.devices) {
+        if self.reported.as_ref() == Some(&state.devices) {
             return;
         }
-        let before = self.told.replace(state.devices.clone());
+        let before = self.reported.replace(state.devices.clone());
         self.revision += 1;
         let is_first = before.is_none();
         let before = before.unwrap_or_default();
@@ -129,7 +134,7 @@ impl Midi {
             let slider = scene.scenes().sliders().iter().rfind(|slider| slider.name == name)?;
             let (to, _) = scene.shown_parameters().target(name)?;
             let (min, max, default) = (slider.min, slider.max, slider.default);
-            Some(Param { name, min, max, default }.share_of(to))
+            Some(Param { name, min, max, default }.fraction_of(to))
         };
         let now = clock::since(self.zero).as_secs_f64();
         let mut outcomes = Vec::new();

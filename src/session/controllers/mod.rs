@@ -1,6 +1,6 @@
 //! Hands from outside: what devices and networks wish for, and what the show tells them.
 //!
-//! Everything that a hand can do stands in the table of commands. What hands wish for comes in by [`Wishes`], the newest
+//! Everything that a hand can do stands in the table of commands. What hands wish for comes in by [`InputQueue`], the newest
 //! value of each parameter; the show takes it once for each picture.
 
 mod midi;
@@ -11,19 +11,19 @@ mod phone;
 use std::time::{Duration, Instant};
 
 use crate::clock;
-use crate::ui::controllers_panel::HandFacts;
+use crate::ui::controllers_panel::ControllersState;
 use midi::Midi;
 use network::Network;
 use phone::Phones;
 
-use crate::config::{Folders, HandSettings, KnobEdit};
+use crate::config::{ControllerSettings, Folders, KnobEdit};
 use crate::scenes::SceneSource;
 use crate::session::frame_times::FrameTimes;
 use crate::session::scene::SceneSession;
 use crate::session::waker::Waker;
 use crate::thumbnails::Looked;
 use mariana_control::midi::{ClockReading, KnobMove, Outcome, Target};
-use mariana_control::{Board, Heard, Present, Slider, Wishes};
+use mariana_control::{Board, InputBatch, InputQueue, Present, Slider};
 use mariana_music::{Features, SongMoment};
 
 /// How often wishes are taken at most: a flood must not keep the show from drawing.
@@ -34,8 +34,8 @@ const BOARD_AGE: Duration = Duration::from_millis(40);
 const PANEL_AGE: Duration = Duration::from_millis(100);
 
 /// See the module.
-pub(crate) struct Hands {
-    wishes: Wishes,
+pub(crate) struct Controllers {
+    input_queue: InputQueue,
     board: Board,
     network: Network,
     phones: Phones,
@@ -55,18 +55,18 @@ pub(crate) struct Hands {
     scenes: (String, Vec<(String, SceneSource)>),
 }
 
-impl Hands {
+impl Controllers {
     /// Hands that wake the show when they wish for something.
-    pub(crate) fn start(settings: &HandSettings, folders: &Folders, waker: &Waker) -> Self {
-        let of_wishes = waker.clone();
-        let wishes = Wishes::new(move || of_wishes.wake());
+    pub(crate) fn start(settings: &ControllerSettings, folders: &Folders, waker: &Waker) -> Self {
+        let of_input_queue = waker.clone();
+        let input_queue = InputQueue::new(move || of_input_queue.wake());
         let board = Board::default();
-        let network = Network::start(settings, &wishes, &board, waker);
-        let phones = Phones::start(settings, &wishes, &board, waker);
-        let midi = Midi::start(settings, folders, &wishes, waker);
+        let network = Network::start(settings, &input_queue, &board, waker);
+        let phones = Phones::start(settings, &input_queue, &board, waker);
+        let midi = Midi::start(settings, folders, &input_queue, waker);
         let now = clock::now();
         Self {
-            wishes,
+            input_queue,
             board,
             network,
             phones,
@@ -131,12 +131,12 @@ impl Hands {
     }
 
     /// What was wished for, if it is time to look.
-    pub(crate) fn take(&mut self, now: Instant) -> Option<Heard> {
-        if now < self.free || !self.wishes.has_any() {
+    pub(crate) fn take(&mut self, now: Instant) -> Option<InputBatch> {
+        if now < self.free || !self.input_queue.has_any() {
             return None;
         }
         self.free = now + INTERVAL;
-        Some(self.wishes.take())
+        Some(self.input_queue.take())
     }
 
     /// What follows from knobs that moved, and what was learned by them, in words.
@@ -154,7 +154,7 @@ impl Hands {
             Target::Param { scene: of, name } if scene.is_some_and(|scene| scene.title() == *of) => {
                 Some(name)
             }
-            Target::Param { .. } | Target::Deed { .. } => None,
+            Target::Param { .. } | Target::Action { .. } => None,
         }
     }
 
@@ -182,9 +182,9 @@ impl Hands {
     }
 
     /// What the panel shows, of a scene with these sliders.
-    pub(crate) fn facts<'a>(&'a self, scene: String, sliders: &'a [Slider]) -> HandFacts<'a> {
-        let (messages, refusals) = self.wishes.counts();
-        HandFacts {
+    pub(crate) fn facts<'a>(&'a self, scene: String, sliders: &'a [Slider]) -> ControllersState<'a> {
+        let (messages, refusals) = self.input_queue.counts();
+        ControllersState {
             scene,
             sliders,
             osc: self.network.state(),
@@ -236,14 +236,14 @@ impl Hands {
 
     /// When there is something to do for hands.
     pub(crate) fn due(&self) -> Option<Instant> {
-        let wishes = self.wishes.has_any().then_some(self.free);
+        let input_queue = self.input_queue.has_any().then_some(self.free);
         // What a phone has done is to be seen there also where nothing else wakes the show.
         let board = self.phones.are_there().then_some(self.board_due);
-        wishes.into_iter().chain(board).chain(self.network.sample_due()).chain(self.midi.due()).min()
+        input_queue.into_iter().chain(board).chain(self.network.sample_due()).chain(self.midi.due()).min()
     }
 
     /// Counts what nothing here is meant by.
     pub(crate) fn note_unknown(&self) {
-        self.wishes.refuse(|refusals| refusals.unknown += 1);
+        self.input_queue.refuse(|refusals| refusals.unknown += 1);
     }
 }

@@ -4,10 +4,10 @@ use std::time::{Duration, Instant};
 
 use crate::clock;
 use crate::commands;
-use crate::config::HandSettings;
+use crate::config::ControllerSettings;
 use crate::session::waker::Waker;
 use mariana_control::osc::{OscReceiver, OscSender, ReceiverState, Sample};
-use mariana_control::{Board, Wishes};
+use mariana_control::{Board, InputQueue};
 use mariana_field::graph::SoundInput;
 use mariana_music::{Features, SongMoment};
 
@@ -20,14 +20,19 @@ pub(super) struct Network {
     /// When the next sample is due.
     sample_due: Instant,
     /// What was told of the receiver, and of the sender.
-    told: (ReceiverState, bool),
+    reported: (ReceiverState, bool),
     /// What went wrong at the start, until it is told.
     trouble: Option<String>,
 }
 
 impl Network {
     /// Starts what the settings ask for.
-    pub(super) fn start(settings: &HandSettings, wishes: &Wishes, board: &Board, waker: &Waker) -> Self {
+    pub(super) fn start(
+        settings: &ControllerSettings,
+        input_queue: &InputQueue,
+        board: &Board,
+        waker: &Waker,
+    ) -> Self {
         let mut trouble = None;
         let mut no_thread = |error: std::io::Error| {
             trouble = Some(format!("OSC is neither heard nor sent: the system gives no thread ({error})"));
@@ -37,16 +42,21 @@ impl Network {
             move || waker.wake()
         };
         let receiver = settings.osc.clone().and_then(|place| {
-            let started =
-                OscReceiver::start(place, commands::for_controllers(), wishes.clone(), board.clone(), wake());
+            let started = OscReceiver::start(
+                place,
+                commands::for_controllers(),
+                input_queue.clone(),
+                board.clone(),
+                wake(),
+            );
             started.map_err(&mut no_thread).ok()
         });
         let sender = settings.osc_send.clone().and_then(|place| {
             OscSender::start(place, settings.osc_rate, wake()).map_err(&mut no_thread).ok()
         });
         let interval = Duration::try_from_secs_f64(1.0 / settings.osc_rate).unwrap_or_default();
-        let told = (ReceiverState::default(), false);
-        Self { receiver, sender, interval, sample_due: clock::now(), told, trouble }
+        let reported = (ReceiverState::default(), false);
+        Self { receiver, sender, interval, sample_due: clock::now(), reported, trouble }
     }
 
     /// Whether anybody may ask how the show stands.
@@ -59,17 +69,18 @@ impl Network {
         if let Some(trouble) = self.trouble.take() {
             return Some((trouble, true));
         }
-        if let Some(state) = self.receiver.as_ref().map(OscReceiver::state).filter(|now| *now != self.told.0)
+        if let Some(state) =
+            self.receiver.as_ref().map(OscReceiver::state).filter(|now| *now != self.reported.0)
         {
-            self.told.0 = state;
-            match &self.told.0 {
+            self.reported.0 = state;
+            match &self.reported.0 {
                 ReceiverState::Opening => {}
                 ReceiverState::Open(address) => return Some((format!("OSC is heard on {address}"), false)),
                 ReceiverState::Refused(why) => return Some((why.clone(), true)),
             }
         }
-        let problem = self.sender.as_ref().and_then(OscSender::problem).filter(|_| !self.told.1);
-        self.told.1 |= problem.is_some();
+        let problem = self.sender.as_ref().and_then(OscSender::problem).filter(|_| !self.reported.1);
+        self.reported.1 |= problem.is_some();
         problem.map(|problem| (problem, true))
     }
 

@@ -2,7 +2,7 @@
 
 use crate::commands;
 use crate::session::controllers::network::sent_addresses;
-use mariana_control::deed::Takes;
+use mariana_control::action::ValueType;
 use mariana_control::osc::fixed_addresses;
 
 /// The addresses of parameters, scenes and questions as rows of Markdown.
@@ -19,11 +19,11 @@ pub fn action_table() -> String {
     let mut text = String::from("| address | arguments | what it does |\n|---|---|---|\n");
     for row in commands::for_controllers() {
         let arguments = match row.takes {
-            Takes::Press => "",
-            Takes::Switch => "1 on, 0 off; without one it changes over",
-            Takes::Level => "0..1",
-            Takes::Number => "a number",
-            Takes::Choice => "a name, or a number from 1",
+            ValueType::Press => "",
+            ValueType::Switch => "1 on, 0 off; without one it changes over",
+            ValueType::Level => "0..1",
+            ValueType::Number => "a number",
+            ValueType::Choice => "a name, or a number from 1",
         };
         text.push_str(&format!("| `/{}` | {arguments} | {} |\n", row.name, row.meaning));
     }

@@ -1,11 +1,11 @@
 //! The page for phones, as the command line wants it.
 
 use crate::commands;
-use crate::config::HandSettings;
+use crate::config::ControllerSettings;
 use crate::session::waker::Waker;
 use crate::thumbnails::{About, Looked};
 use crate::ui::controllers_panel::PhoneFacts;
-use mariana_control::{Board, Wishes};
+use mariana_control::{Board, InputQueue};
 use mariana_remote::{Album, Remote, RemoteState};
 
 /// See the module.
@@ -14,25 +14,30 @@ pub(super) struct Phones {
     /// Pictures of scenes that they can look at.
     album: Album,
     /// What was told of it.
-    told: RemoteState,
+    reported: RemoteState,
     /// What went wrong at the start, until it is told.
     trouble: Option<String>,
 }
 
 impl Phones {
     /// Starts what the settings ask for.
-    pub(super) fn start(settings: &HandSettings, wishes: &Wishes, board: &Board, waker: &Waker) -> Self {
+    pub(super) fn start(
+        settings: &ControllerSettings,
+        input_queue: &InputQueue,
+        board: &Board,
+        waker: &Waker,
+    ) -> Self {
         let mut trouble = None;
         let album = Album::default();
         let remote = settings.remote.clone().and_then(|place| {
             let waker = waker.clone();
             let table = commands::for_phones();
             let shown = (board.clone(), album.clone());
-            let started = Remote::start(place, table, wishes.clone(), shown, move || waker.wake());
+            let started = Remote::start(place, table, input_queue.clone(), shown, move || waker.wake());
             let words = |error| trouble = Some(format!("phones are not listened to: {error}"));
             started.map_err(words).ok()
         });
-        Self { remote, album, told: RemoteState::default(), trouble }
+        Self { remote, album, reported: RemoteState::default(), trouble }
     }
 
     /// The titles of scenes of which they want pictures that nobody looks for yet.
@@ -71,12 +76,12 @@ impl Phones {
         if let Some(trouble) = self.trouble.take() {
             return Some((trouble, true));
         }
-        self.told = self.remote.as_ref().map(Remote::state).filter(|now| *now != self.told)?;
-        match &self.told {
+        self.reported = self.remote.as_ref().map(Remote::state).filter(|now| *now != self.reported)?;
+        match &self.reported {
             RemoteState::Opening => None,
-            RemoteState::Open(invitation) => {
-                let url = &invitation.url;
-                let only = if invitation.is_local { "; only this computer can" } else { "" };
+            RemoteState::Open(pairing_address) => {
+                let url = &pairing_address.url;
+                let only = if pairing_address.is_local { "; only this computer can" } else { "" };
                 Some((format!("a phone can open {url} or the code behind J{only}"), false))
             }
             RemoteState::Refused(why) => Some((why.clone(), true)),
@@ -93,7 +98,7 @@ impl Phones {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mariana_control::deed::Takes;
+    use mariana_control::action::ValueType;
 
     /// The values of an attribute in the page, with the rest of their elements.
     fn elements(attribute: &str) -> Vec<(&'static str, &'static str)> {
@@ -108,13 +113,13 @@ mod tests {
         assert!(buttons.len() > 8, "{buttons:?}");
         for (name, rest) in buttons {
             let is_switch = rest.split('>').next().is_some_and(|rest| rest.contains("switch"));
-            let takes = if is_switch { Takes::Switch } else { Takes::Press };
+            let takes = if is_switch { ValueType::Switch } else { ValueType::Press };
             assert_eq!(row(name).map(|row| row.takes), Some(takes), "{name}");
         }
         let levels = elements("data-level=\"");
         assert_eq!(levels.len(), 3);
         for (name, _) in levels {
-            assert_eq!(row(name).map(|row| row.takes), Some(Takes::Level), "{name}");
+            assert_eq!(row(name).map(|row| row.takes), Some(ValueType::Level), "{name}");
         }
         assert!(row("scene").is_some());
     }

@@ -11,7 +11,7 @@ use super::parameters::Parameters;
 use super::prepared_scene::{DrawingChoice, FirstTree, PreparedScene};
 use super::prepared_scenes::{Place, PreparedScenes};
 use super::program_task::ViewsOf;
-use super::regions::{SceneRegions, Shown, Wishes};
+use super::regions::{DrawOptions, SceneRegions, Shown};
 use super::scene_change::SceneChange;
 use super::scenery::{Pictured, SeenPictures};
 use super::show_follower::{Outgoing, ShowFollower};
@@ -30,7 +30,7 @@ use mariana_music::Sound;
 use mariana_player::Moment;
 
 /// A fade that was joined so late, as a share of it, begins with the picture that was on.
-const LATE_SHARE: f32 = 0.35;
+const LATE_FRACTION: f32 = 0.35;
 
 /// The picture that should be shown next.
 pub(crate) struct WantedPicture {
@@ -253,15 +253,15 @@ impl SceneComposer {
             Some(below) => self.change.numbers(scene, below, time, of.parameters),
             None => numbers_of(of, scene, time),
         };
-        let hand = match below {
-            Some(below) => self.change.camera(below, time, self.camera.hand()),
+        let orbit = match below {
+            Some(below) => self.change.camera(below, time, self.camera.orbit()),
             None => self.camera_at(of, time),
         };
-        self.camera.note_shown(hand);
+        self.camera.note_shown(orbit);
         let is_untried = scene.tree == FirstTree::Untried;
         let (cells, fades_away) = (of.choice.cells, below.is_some());
-        let wishes = Wishes { params: &params, camera, hand, cells, is_untried, fades_away };
-        let drawable = self.regions.drawable((scene.id, mode), &scene.resources, wanted, sound, wishes);
+        let draw_options = DrawOptions { params: &params, camera, orbit, cells, is_untried, fades_away };
+        let drawable = self.regions.drawable((scene.id, mode), &scene.resources, wanted, sound, draw_options);
         let Some((frame, shown)) = drawable else { return Ok(None) };
         if outgoing.is_some() && shown != wanted {
             // An older tree has come; both scenes are drawn at one moment.
@@ -284,7 +284,7 @@ impl SceneComposer {
         }
         self.camera.note_own_pitch(frame.own_pitch());
         match &outgoing {
-            Some(outgoing) if outgoing.stay.is_some() => renderer.set_fade(Some(outgoing.share)),
+            Some(outgoing) if outgoing.clip.is_some() => renderer.set_fade(Some(outgoing.fraction)),
             _ => {
                 let (now, runs, is_live) = (clock::now(), picture.runs, outgoing.is_some());
                 self.fading.begin_picture(renderer, Begun { now, moment: &wanted.moment, runs, is_live });
@@ -312,8 +312,8 @@ impl SceneComposer {
             return None;
         }
         if self.fading.goes_on() {
-            let (left, share) = self.change.left().zip(self.fading.share_of_scene(moment))?;
-            return Some(Outgoing { place: of.scenes.place_of(left, of.choice.sdf)?, stay: None, share });
+            let (left, fraction) = self.change.left().zip(self.fading.fraction_of_scene(moment))?;
+            return Some(Outgoing { place: of.scenes.place_of(left, of.choice.sdf)?, clip: None, fraction });
         }
         of.show.outgoing(moment.song_time, of.scenes, of.choice.sdf)
     }
@@ -324,18 +324,18 @@ impl SceneComposer {
             return false;
         }
         let outgoing = of.show.last_time().and_then(|time| of.show.outgoing(time, of.scenes, of.choice.sdf));
-        outgoing.is_some_and(|outgoing| outgoing.share > 1.0 - LATE_SHARE || of.show.stands_still())
+        outgoing.is_some_and(|outgoing| outgoing.fraction > 1.0 - LATE_FRACTION || of.show.stands_still())
     }
 
     /// How the camera of the scene that shows is moved at `time` seconds of the song.
     fn camera_at(&self, of: Ingredients<'_>, time: f64) -> OrbitControls {
-        let stays = of.scenes.shown.as_ref().map(|scene| of.show.stays(scene, time).0);
-        self.camera.at(&stays.unwrap_or_default(), time)
+        let clips = of.scenes.shown.as_ref().map(|scene| of.show.clips(scene, time).0);
+        self.camera.at(&clips.unwrap_or_default(), time)
     }
 
     /// Notes how the user or a show left a scene that another one takes the place of.
     pub(super) fn note_left(&mut self, left: &PreparedScene, show: &ShowFollower, parameters: &Parameters) {
-        self.change.note_left(left, self.pictures.took(), self.camera.hand(), show, parameters);
+        self.change.note_left(left, self.pictures.took(), self.camera.orbit(), show, parameters);
     }
 
     /// Lets the scene that goes fade into the one that comes. Views stand for numbers and are cut.
@@ -359,9 +359,9 @@ impl SceneComposer {
     }
 
     /// Mixes this share of the picture that a show holds into what comes next, or none of it any more.
-    pub(crate) fn mix_held(&mut self, share: Option<f32>) {
+    pub(crate) fn mix_held(&mut self, fraction: Option<f32>) {
         if self.views.choice().is_none() {
-            self.fading.mix_held(share);
+            self.fading.mix_held(fraction);
         }
         self.revision += 1;
     }
@@ -479,11 +479,11 @@ fn shown(of: Ingredients<'_>) -> Option<(u64, Mode)> {
 /// The parameters of a scene at `time` seconds of the song, and its camera's number: as the show moves them, and else, or
 /// where another hand turned one, as that left it.
 fn numbers_of(of: Ingredients<'_>, scene: &PreparedScene, time: f64) -> (Vec<f32>, Option<usize>) {
-    let (stays, share) = of.show.stays(scene, time);
-    let mut numbers = of.parameters.numbers(scene, &stays, time);
-    if let Some((share, number)) = share.zip(numbers.last_mut()) {
-        *number = share;
+    let (clips, fraction) = of.show.clips(scene, time);
+    let mut numbers = of.parameters.numbers(scene, &clips, time);
+    if let Some((fraction, number)) = fraction.zip(numbers.last_mut()) {
+        *number = fraction;
     }
-    let camera = stays.first.filter(|_| share.is_none());
-    (numbers, camera.and_then(|stay| camera_number(scene.resources.world(), stay.camera.as_deref())))
+    let camera = clips.first.filter(|_| fraction.is_none());
+    (numbers, camera.and_then(|clip| camera_number(scene.resources.world(), clip.camera.as_deref())))
 }

@@ -47,7 +47,7 @@ pub(crate) struct KeptScenes {
     /// The scene that was last asked for.
     pub wanted: SceneSource,
     /// What hands have turned, and the zero of its seconds.
-    pub hands: (Model, Instant),
+    pub controllers: (Model, Instant),
     /// How scenes are drawn.
     pub ways: DrawingWays,
 }

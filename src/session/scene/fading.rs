@@ -31,7 +31,7 @@ pub(crate) struct Fading {
     /// When the last picture was begun.
     begun: Option<Instant>,
     /// The share of what goes in the last picture, of a fade that goes on.
-    share: f32,
+    fraction: f32,
     /// Whether it was announced.
     announced: bool,
 }
@@ -55,7 +55,7 @@ enum State {
     /// Since when it fades, in seconds of the song, and what plays.
     WithSong(f64, (u64, u32)),
     /// A show says how far it has come; whether the light of what goes is kept.
-    Given(f32, bool),
+    ActionValue(f32, bool),
 }
 
 /// A picture that is begun.
@@ -84,7 +84,7 @@ impl Fading {
             from,
             state,
             begun: None,
-            share: 0.0,
+            fraction: 0.0,
             announced: false,
         }
     }
@@ -134,18 +134,20 @@ impl Fading {
     }
 
     /// A picture that a show holds has this share of the next ones; without a share it is gone.
-    pub(super) fn mix_held(&mut self, share: Option<f32>) {
-        match (share, self.state) {
-            (Some(share), State::Given(_, kept)) => self.state = State::Given(share, kept),
-            (Some(share), _) => (self.state, self.from) = (State::Given(share, false), From::HeldPicture),
-            (None, State::Given(..)) => self.state = State::None,
+    pub(super) fn mix_held(&mut self, fraction: Option<f32>) {
+        match (fraction, self.state) {
+            (Some(fraction), State::ActionValue(_, kept)) => self.state = State::ActionValue(fraction, kept),
+            (Some(fraction), _) => {
+                (self.state, self.from) = (State::ActionValue(fraction, false), From::HeldPicture)
+            }
+            (None, State::ActionValue(..)) => self.state = State::None,
             (None, _) => {}
         }
     }
 
     /// The show holds another picture than before: the last one that was drawn, in which the one before has its share.
     pub(crate) fn hold_anew(&mut self) {
-        if let State::Given(_, kept) = &mut self.state {
+        if let State::ActionValue(_, kept) = &mut self.state {
             *kept = false;
         }
     }
@@ -186,19 +188,19 @@ impl Fading {
     }
 
     /// The share that the scene which goes has at a moment; none if no scene fades away then.
-    pub(super) fn share_of_scene(&self, moment: &Moment) -> Option<f32> {
+    pub(super) fn fraction_of_scene(&self, moment: &Moment) -> Option<f32> {
         match self.state {
             _ if self.from != From::Scene => None,
-            State::None | State::Given(..) => None,
+            State::None | State::ActionValue(..) => None,
             State::Wanted => Some(1.0),
-            State::Going(_) => Some(self.share),
-            State::WithSong(..) => self.share_in_song(moment),
+            State::Going(_) => Some(self.fraction),
+            State::WithSong(..) => self.fraction_in_song(moment),
         }
     }
 
     /// The share of a picture that was held in the last picture.
-    pub(crate) fn share_held(&self) -> f32 {
-        if self.from == From::HeldPicture && self.goes_on() { self.share } else { 0.0 }
+    pub(crate) fn fraction_held(&self) -> f32 {
+        if self.from == From::HeldPicture && self.goes_on() { self.fraction } else { 0.0 }
     }
 
     /// How long a scene fades away with the song, and since when, in seconds; none if there is no such fade.
@@ -218,20 +220,20 @@ impl Fading {
 
     /// Tells the renderer, before a picture is begun, what of an older one is mixed into it.
     pub(super) fn begin_picture(&mut self, renderer: &mut Renderer, begun: Begun<'_>) {
-        let keeps = matches!(self.state, State::Wanted | State::Given(_, false)) && !begun.is_live;
+        let keeps = matches!(self.state, State::Wanted | State::ActionValue(_, false)) && !begun.is_live;
         if keeps {
             let kept = renderer.keep_light().unwrap_or_else(|error: GpuError| {
                 tracing::info!("no fade: {error}");
                 false
             });
             match &mut self.state {
-                State::Given(_, is_kept) => *is_kept = kept,
+                State::ActionValue(_, is_kept) => *is_kept = kept,
                 state if !kept => *state = State::None,
                 _ => {}
             }
         }
-        let share = self.step(begun);
-        renderer.set_fade(share);
+        let fraction = self.step(begun);
+        renderer.set_fade(fraction);
     }
 
     /// The share of what goes in a picture that is begun; none if there is no fade, or no longer.
@@ -240,9 +242,9 @@ impl Fading {
             .begun
             .replace(begun.now)
             .map_or(Duration::ZERO, |last| begun.now.saturating_duration_since(last));
-        let share = match self.state {
-            State::None | State::Given(_, false) => return None,
-            State::Given(share, true) => Some(share),
+        let fraction = match self.state {
+            State::None | State::ActionValue(_, false) => return None,
+            State::ActionValue(fraction, true) => Some(fraction),
             State::Wanted => {
                 self.announce();
                 let time = begun.moment.song_time;
@@ -252,7 +254,7 @@ impl Fading {
                     true => State::WithSong(start, of_what(begun.moment)),
                     false => State::Going(Duration::ZERO),
                 };
-                if self.follows_song() { self.share_in_song(begun.moment) } else { Some(1.0) }
+                if self.follows_song() { self.fraction_in_song(begun.moment) } else { Some(1.0) }
             }
             State::Going(gone) => {
                 let gone = gone + since.min(STEP_MAX);
@@ -260,20 +262,20 @@ impl Fading {
                 let left = 1.0 - gone.as_secs_f64() / self.going.as_secs_f64();
                 (left > 0.0).then_some(left as f32)
             }
-            State::WithSong(..) => self.share_in_song(begun.moment),
+            State::WithSong(..) => self.fraction_in_song(begun.moment),
         };
-        match share {
-            Some(share) => self.share = share,
+        match fraction {
+            Some(fraction) => self.fraction = fraction,
             None => {
                 self.state = State::None;
                 tracing::info!("a fade ends");
             }
         }
-        share
+        fraction
     }
 
     /// As [`crate::show::Plan::at`] has it, so that a recording has the same share.
-    fn share_in_song(&self, moment: &Moment) -> Option<f32> {
+    fn fraction_in_song(&self, moment: &Moment) -> Option<f32> {
         let State::WithSong(start, of) = self.state else { return None };
         let gone = (moment.song_time - start) / self.going.as_secs_f64();
         (of == of_what(moment) && gone > 0.0 && gone < 1.0).then_some(1.0 - gone as f32)
@@ -302,19 +304,19 @@ mod tests {
         let start = Instant::now();
         let mut fading = Fading::of(0.5);
         let stands = at(7.0);
-        let share =
+        let fraction =
             |fading: &mut Fading, ms| fading.step(begun(start + Duration::from_millis(ms), &stands, false));
-        assert_eq!(share(&mut fading, 0), None);
+        assert_eq!(fraction(&mut fading, 0), None);
         fading.want();
         assert!(fading.goes_on());
         // The scene that goes stood for a while.
-        assert_eq!(share(&mut fading, 9_000), Some(1.0));
-        assert_eq!(share(&mut fading, 9_100), Some(0.8));
-        assert_eq!(share(&mut fading, 9_200), Some(0.6));
+        assert_eq!(fraction(&mut fading, 9_000), Some(1.0));
+        assert_eq!(fraction(&mut fading, 9_100), Some(0.8));
+        assert_eq!(fraction(&mut fading, 9_200), Some(0.6));
         // Seconds in one picture.
-        assert_eq!(share(&mut fading, 14_200), Some(0.35));
-        assert_eq!(share(&mut fading, 14_300), Some(0.15));
-        assert_eq!((share(&mut fading, 14_400), fading.goes_on()), (None, false));
+        assert_eq!(fraction(&mut fading, 14_200), Some(0.35));
+        assert_eq!(fraction(&mut fading, 14_300), Some(0.15));
+        assert_eq!((fraction(&mut fading, 14_400), fading.goes_on()), (None, false));
     }
 
     #[test]
@@ -322,8 +324,8 @@ mod tests {
         let now = Instant::now();
         let mut fading = Fading::of(2.0);
         fading.want();
-        let share = fading.step(begun(now, &at(10.25), true));
-        assert_eq!((share, fading.of_scene_with_song()), (Some(1.0 - 0.0005), Some((2.0, 10.249))));
+        let fraction = fading.step(begun(now, &at(10.25), true));
+        assert_eq!((fraction, fading.of_scene_with_song()), (Some(1.0 - 0.0005), Some((2.0, 10.249))));
         // The song rests, and goes on; what shows follows from the moment.
         for (time, wanted) in [(11.249, Some(0.5)), (11.249, Some(0.5)), (10.749, Some(0.75))] {
             let found = fading.step(begun(now, &at(time), false));
@@ -358,14 +360,18 @@ mod tests {
         let mut fading = Fading::of(2.0);
         fading.release(1.0);
         assert_eq!(fading.step(begun(now, &at(4.0), false)), Some(1.0));
-        assert_eq!((fading.share_held(), fading.share_of_scene(&at(4.0))), (1.0, None));
+        assert_eq!((fading.fraction_held(), fading.fraction_of_scene(&at(4.0))), (1.0, None));
         fading.cut();
-        assert_eq!(fading.share_held(), 0.0);
+        assert_eq!(fading.fraction_held(), 0.0);
         fading.mix_held(Some(0.25));
         assert_eq!(fading.step(begun(now, &at(4.0), true)), None, "no light of it is kept");
-        fading.state = State::Given(0.25, true);
+        fading.state = State::ActionValue(0.25, true);
         fading.hold_anew();
-        assert_eq!(fading.state, State::Given(0.25, false), "the light of another picture is to be kept");
+        assert_eq!(
+            fading.state,
+            State::ActionValue(0.25, false),
+            "the light of another picture is to be kept"
+        );
         fading.mix_held(None);
         assert!(!fading.goes_on());
     }

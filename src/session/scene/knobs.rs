@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::scenes::SceneSource;
-use mariana_control::{Hand, Param, Slider};
+use mariana_control::{ChangedBy, Param, Slider};
 use mariana_field::world::World;
 
 /// Which parameter a slider turns.
@@ -38,7 +38,7 @@ impl SceneKnobs {
                 min: param.min,
                 max: param.max,
                 default: param.default,
-                hand: Hand::Text,
+                changed_by: ChangedBy::Text,
             };
             (slider, Knob { place, scene: scene.clone() })
         });

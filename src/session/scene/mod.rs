@@ -11,6 +11,7 @@
 //! [`SceneSession`] is the door: it owns the parts and hands what one finds to the others. Each part owns its state, and
 //! gets the others' by arguments.
 
+mod active_clips;
 mod ahead;
 mod awaited_edit;
 mod camera;
@@ -39,7 +40,6 @@ mod scenery;
 mod session;
 mod show_follower;
 mod shown_parameters;
-mod stays;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]

@@ -6,11 +6,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use super::active_clips::ActiveClips;
 use super::knobs::param_of;
 use super::prepared_scene::PreparedScene;
-use super::stays::Stays;
 use crate::clock;
-use mariana_control::{Hand, Model, ParamWish, Reading, Turn};
+use mariana_control::{ChangedBy, Model, ParamChange, Reading, Turn};
 
 /// See the module.
 pub(crate) struct Parameters {
@@ -78,13 +78,14 @@ impl Parameters {
     }
 
     /// Brings the sliders of a scene up to date, which shows in these stays.
-    pub(super) fn update_sliders(&mut self, scene: &mut PreparedScene, stays: &Stays<'_>) {
-        let readings = self.read(scene, stays, self.song_time);
+    pub(super) fn update_sliders(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>) {
+        let readings = self.read(scene, clips, self.song_time);
         let mut is_turned = false;
         for (slider, reading) in scene.knobs.sliders_mut().iter_mut().zip(readings) {
             // What a show moves is drawn anew in any case.
-            is_turned |= slider.value.to_bits() != reading.value.to_bits() && reading.hand != Hand::Show;
-            (slider.value, slider.hand) = (reading.value, reading.hand);
+            is_turned |=
+                slider.value.to_bits() != reading.value.to_bits() && reading.changed_by != ChangedBy::Show;
+            (slider.value, slider.changed_by) = (reading.value, reading.changed_by);
         }
         if is_turned {
             self.revision += 1;
@@ -93,46 +94,61 @@ impl Parameters {
 
     /// Turns a parameter of a scene by its name, if there is one; in a blend, the one of the scene that comes. Returns
     /// whether there is.
-    pub(super) fn turn(&mut self, scene: &mut PreparedScene, stays: &Stays<'_>, wish: &ParamWish) -> bool {
-        let place = scene.knobs.place_of(&wish.name);
+    pub(super) fn turn(
+        &mut self,
+        scene: &mut PreparedScene,
+        clips: &ActiveClips<'_>,
+        change: &ParamChange,
+    ) -> bool {
+        let place = scene.knobs.place_of(&change.name);
         if let Some((place, (slider, _))) = place.and_then(|place| Some((place, scene.knobs.get(place)?))) {
-            let to = wish.to.of(&param_of(slider));
-            self.turn_at(scene, stays, place, Turn { to, seconds: wish.seconds, hand: wish.hand });
+            let to = change.to.of(&param_of(slider));
+            self.turn_at(
+                scene,
+                clips,
+                place,
+                Turn { to, seconds: change.seconds, changed_by: change.changed_by },
+            );
         }
         place.is_some()
     }
 
     /// Takes over what the user did to the sliders of a scene.
-    pub(super) fn note_moved(&mut self, scene: &mut PreparedScene, stays: &Stays<'_>) {
-        let before = self.read(scene, stays, self.song_time);
+    pub(super) fn note_moved(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>) {
+        let before = self.read(scene, clips, self.song_time);
         let moved: Vec<(usize, f32)> = (scene.knobs.sliders().iter().zip(before).enumerate())
             .filter(|(_, (slider, before))| slider.value.to_bits() != before.value.to_bits())
             .map(|(place, (slider, _))| (place, slider.value))
             .collect();
         for (place, to) in moved {
-            self.turn_at(scene, stays, place, Turn { to, seconds: 0.0, hand: Hand::Slider });
+            self.turn_at(scene, clips, place, Turn { to, seconds: 0.0, changed_by: ChangedBy::Slider });
         }
         self.revision += 1;
     }
 
     /// Turns the parameter of a slider. One that is put back by hand to where the text has it is the text's again.
-    fn turn_at(&mut self, scene: &mut PreparedScene, stays: &Stays<'_>, place: usize, turn: Turn) {
+    fn turn_at(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>, place: usize, turn: Turn) {
         let Some((slider, knob)) = scene.knobs.get(place) else { return };
         let param = param_of(slider);
-        let directed = stays.moves(self.song_time).of(knob, &slider.name, scene.split());
-        if turn.hand == Hand::Slider && turn.to == param.default && directed.is_none() {
+        let directed = clips.moves(self.song_time).of(knob, &slider.name, scene.split());
+        if turn.changed_by == ChangedBy::Slider && turn.to == param.default && directed.is_none() {
             self.model.release(&knob.scene, param.name);
         } else {
             self.model.turn(&knob.scene, &param, turn, directed, self.now);
         }
-        self.update_sliders(scene, stays);
+        self.update_sliders(scene, clips);
     }
 
     /// Where a parameter of a scene goes, or stands, and who holds it.
-    pub(super) fn target(&self, scene: &PreparedScene, stays: &Stays<'_>, name: &str) -> Option<(f32, Hand)> {
+    pub(super) fn target(
+        &self,
+        scene: &PreparedScene,
+        clips: &ActiveClips<'_>,
+        name: &str,
+    ) -> Option<(f32, ChangedBy)> {
         let (slider, knob) = scene.knobs.get(scene.knobs.place_of(name)?)?;
-        let directed = stays.moves(self.song_time).of(knob, &slider.name, scene.split());
-        Some((self.model.target(&knob.scene, &param_of(slider), directed), slider.hand))
+        let directed = clips.moves(self.song_time).of(knob, &slider.name, scene.split());
+        Some((self.model.target(&knob.scene, &param_of(slider), directed), slider.changed_by))
     }
 
     /// Moves sliders of the scene with this title as they were moved before, by their names.
@@ -154,10 +170,10 @@ impl Parameters {
 
     /// All parameters of a scene at `time` seconds of the song: those that hands can turn as they and the stays have them,
     /// the others as in the text.
-    pub(super) fn numbers(&self, scene: &PreparedScene, stays: &Stays<'_>, time: f64) -> Vec<f32> {
+    pub(super) fn numbers(&self, scene: &PreparedScene, clips: &ActiveClips<'_>, time: f64) -> Vec<f32> {
         let mut numbers: Vec<f32> =
             scene.resources.world().scene.params.iter().map(|param| param.default).collect();
-        for ((_, knob), reading) in scene.knobs.iter().zip(self.read(scene, stays, time)) {
+        for ((_, knob), reading) in scene.knobs.iter().zip(self.read(scene, clips, time)) {
             if let Some(number) = numbers.get_mut(knob.place) {
                 *number = reading.value;
             }
@@ -166,8 +182,8 @@ impl Parameters {
         numbers
     }
 
-    fn read(&self, scene: &PreparedScene, stays: &Stays<'_>, time: f64) -> Vec<Reading> {
-        let (split, moves) = (scene.split(), stays.moves(time));
+    fn read(&self, scene: &PreparedScene, clips: &ActiveClips<'_>, time: f64) -> Vec<Reading> {
+        let (split, moves) = (scene.split(), clips.moves(time));
         let read = |(slider, knob): (&mariana_control::Slider, &super::knobs::Knob)| {
             let directed = moves.of(knob, &slider.name, split);
             self.model.read(&knob.scene, &param_of(slider), directed, self.now)
@@ -209,8 +225,8 @@ mod tests {
 
     const BALL: &str = "param size = 1 in 0 .. 4\nobject ball { shape = sphere(p, size) }";
 
-    fn wish(name: &str, to: f32, hand: Hand) -> ParamWish {
-        ParamWish { name: name.to_owned(), to: Amount::Value(to), seconds: 0.0, hand }
+    fn change(name: &str, to: f32, changed_by: ChangedBy) -> ParamChange {
+        ParamChange { name: name.to_owned(), to: Amount::Value(to), seconds: 0.0, changed_by }
     }
 
     #[test]
@@ -218,12 +234,15 @@ mod tests {
         let context = Headless::new(false).unwrap();
         let mut scene = uploaded(context.gl(), 0, &text(BALL));
         let mut parameters = Parameters::new(Model::default(), Instant::now());
-        let stays = Stays::default();
-        assert!(!parameters.turn(&mut scene, &stays, &wish("width", 2.0, Hand::Midi)), "there is none");
+        let clips = ActiveClips::default();
+        assert!(
+            !parameters.turn(&mut scene, &clips, &change("width", 2.0, ChangedBy::Midi)),
+            "there is none"
+        );
         assert_eq!(parameters.revision(), 0);
-        assert!(parameters.turn(&mut scene, &stays, &wish("size", 2.5, Hand::Midi)));
-        assert_eq!(parameters.numbers(&scene, &stays, 0.0), [2.5]);
-        assert_eq!(parameters.target(&scene, &stays, "size"), Some((2.5, Hand::Midi)));
+        assert!(parameters.turn(&mut scene, &clips, &change("size", 2.5, ChangedBy::Midi)));
+        assert_eq!(parameters.numbers(&scene, &clips, 0.0), [2.5]);
+        assert_eq!(parameters.target(&scene, &clips, "size"), Some((2.5, ChangedBy::Midi)));
         assert!(parameters.revision() > 0, "the same moment looks different");
         let moved = parameters.moved(&scene);
         assert_eq!(moved.get("size"), Some(&2.5));
@@ -231,12 +250,12 @@ mod tests {
         if let Some(slider) = scene.knobs.sliders_mut().first_mut() {
             slider.value = slider.default;
         }
-        parameters.note_moved(&mut scene, &stays);
-        assert_eq!(parameters.target(&scene, &stays, "size"), Some((1.0, Hand::Text)));
+        parameters.note_moved(&mut scene, &clips);
+        assert_eq!(parameters.target(&scene, &clips, "size"), Some((1.0, ChangedBy::Text)));
         assert!(parameters.moved(&scene).is_empty());
         // In the next run.
         let mut again = Parameters::new(Model::default(), Instant::now());
         again.remember(&scene.title(), &moved);
-        assert_eq!(again.numbers(&scene, &stays, 0.0), [2.5]);
+        assert_eq!(again.numbers(&scene, &clips, 0.0), [2.5]);
     }
 }

@@ -7,8 +7,8 @@ use super::show_follower::ShowFollower;
 use crate::config::SdfChoice;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::SceneSource;
-use crate::show::{Entrance, Finish, Move, Turned};
-use mariana_control::Hand;
+use crate::show::{Finish, Move, TimedTransition, Turned};
+use mariana_control::ChangedBy;
 
 /// The scene that shows at a moment, and how it is shown.
 pub(crate) struct Performed<'a> {
@@ -17,7 +17,7 @@ pub(crate) struct Performed<'a> {
     /// One of its cameras.
     pub camera: Option<&'a str>,
     /// How it came and when that began, in seconds of the song, where a show says so.
-    pub directed: Option<(Entrance, f64)>,
+    pub directed: Option<(TimedTransition, f64)>,
     /// How it came where no show says so, and when that began, in seconds of the song; none if it was cut.
     pub faded: Option<(f64, f64)>,
     /// Whether another scene fades away in it.
@@ -27,7 +27,7 @@ pub(crate) struct Performed<'a> {
     /// What a show does with them.
     pub moves: &'a [Move],
     /// How the camera is moved by hand.
-    pub hand: OrbitControls,
+    pub orbit: OrbitControls,
     /// What is done to the whole picture.
     pub picture: Finish,
 }
@@ -42,17 +42,17 @@ impl<'a> Performed<'a> {
         sdf: SdfChoice,
     ) -> Option<Self> {
         let scene = scenes.shown.as_ref()?;
-        let (stays, _) = show.stays(scene, time);
+        let (clips, _) = show.clips(scene, time);
         let split = scene.resources.world().blended.unwrap_or(0);
-        let staged = stays.last();
+        let staged = clips.last();
         // The show goes on to turn a scene to which somebody came back, or which somebody keeps.
-        let stay = staged.filter(|_| !show.is_overruled() && !show.is_locked());
+        let clip = staged.filter(|_| !show.is_overruled() && !show.is_locked());
         let params = scene.knobs.iter().filter(|(_, knob)| knob.place >= split);
         let params = params.map(|(slider, _)| Turned {
             name: &slider.name,
             value: slider.value,
             own: slider.default,
-            is_shown: slider.hand == Hand::Show && stay.is_some(),
+            is_shown: slider.changed_by == ChangedBy::Show && clip.is_some(),
         });
         let source = match &scene.source {
             SceneSource::Blend(blend) => &blend.to.source,
@@ -61,13 +61,13 @@ impl<'a> Performed<'a> {
         let faded = fading.of_scene_with_song();
         Some(Self {
             source,
-            camera: staged.and_then(|stay| stay.camera.as_deref()),
-            directed: stay.map(|stay| (stay.entrance, stay.start)),
+            camera: staged.and_then(|clip| clip.camera.as_deref()),
+            directed: clip.map(|clip| (clip.transition, clip.start)),
             faded,
             fades: faded.is_some() || (!fading.goes_on() && show.outgoing(time, scenes, sdf).is_some()),
             params: params.collect(),
-            moves: stay.map_or(&[], |stay| &stay.moves),
-            hand: camera.at(&stays, time),
+            moves: clip.map_or(&[], |clip| &clip.moves),
+            orbit: camera.at(&clips, time),
             picture: Finish::NOTHING,
         })
     }

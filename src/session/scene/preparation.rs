@@ -235,12 +235,12 @@ impl ScenePreparation {
         messages: &mut Messages,
     ) -> Result<Vec<Refusal>, GpuError> {
         match (task, program) {
-            (Task::Universal { steep }, program) => {
-                if let Some(sentence) = self.programs.take_universal(*steep, program) {
+            (Task::Universal { non_lipschitz }, program) => {
+                if let Some(sentence) = self.programs.take_universal(*non_lipschitz, program) {
                     messages.note_remark(sentence.to_owned(), None);
                     let waits = |scene: &&PreparedScene| {
                         let needed = scene.programs.interpreter.as_ref();
-                        needed.is_some_and(|needed| needed.is_steep() == *steep)
+                        needed.is_some_and(|needed| needed.is_non_lipschitz() == *non_lipschitz)
                             && scene.programs.interpreted.is_none()
                     };
                     for scene in scenes.present().filter(waits) {
@@ -366,7 +366,7 @@ impl ScenePreparation {
         if is_first {
             return TreeVerdict::Fine;
         }
-        let needs_tree = scene.resources.world().steep || self.choice.sdf == SdfChoice::Interpreted;
+        let needs_tree = scene.resources.world().non_lipschitz || self.choice.sdf == SdfChoice::Interpreted;
         let has_program = scene.programs.compiled.is_some() || self.programs.is_making(scene, Mode::Compiled);
         if !needs_tree && has_program {
             scene.programs.without_interpreter();

@@ -117,7 +117,7 @@ impl PreparedScene {
         }
         let interpreter = fits
             .is_ok()
-            .then(|| Interpreter::for_scene(ready.world.traits, &ready.buffers, &ready.plan, gl.info()));
+            .then(|| Interpreter::for_scene(ready.world.features, &ready.buffers, &ready.plan, gl.info()));
         let knobs = SceneKnobs::of(&source, &ready.world);
         let graph = &ready.world.scene.graph;
         let (moves, hears_curves) = (graph.moves_by_itself(), graph.reads_curves());
@@ -223,13 +223,13 @@ impl PreparedScene {
     pub(super) fn costs_in_words(&self) -> String {
         let world = self.resources.world();
         let mut what = vec![format!("its distance has {} clauses", self.resources.buffers().cost.distance)];
-        if world.steep {
+        if world.non_lipschitz {
             what.push("its formula is not a distance, so rays take small steps".to_owned());
         }
         if world.scene.lights.len() > 1 {
             what.push(format!("it has {} lights", world.scene.lights.len()));
         }
-        if world.traits.mirrors {
+        if world.features.mirrors {
             what.push("it has mirrors".to_owned());
         }
         what.join(", ")

@@ -6,11 +6,11 @@
 
 use std::time::{Duration, Instant};
 
+use super::active_clips::ActiveClips;
 use super::ahead::PreparedAhead;
 use super::parameters::Parameters;
 use super::prepared_scene::{DrawingChoice, PreparedScene};
 use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
-use super::stays::Stays;
 use crate::clock;
 use crate::frame::Frame;
 use crate::gpu::cell_use::CellUse;
@@ -86,7 +86,7 @@ impl NextPicture {
                 frame
             }
             None => {
-                let params = parameters.numbers(scene, &Stays::default(), time);
+                let params = parameters.numbers(scene, &ActiveClips::default(), time);
                 match self.frame_of(scene, (mode, choice.cells), (time, sound, &params), reader.size()) {
                     Next::Now(frame) => frame,
                     Next::First(frame) => {
@@ -118,7 +118,7 @@ impl NextPicture {
         size: (u32, u32),
     ) -> Next {
         let world = scene.resources.world();
-        let needs_tree = world.steep || mode == Mode::Interpreted;
+        let needs_tree = world.non_lipschitz || mode == Mode::Interpreted;
         if needs_tree && self.asked.is_none_or(|(of, _)| of != scene.id) {
             let first = Frame::new(world, 0.0, Features::SILENCE, size);
             let request = scene.resources.region_request(&first);
@@ -127,7 +127,7 @@ impl NextPicture {
             }
         }
         // Without a tree it is right at any moment.
-        let uses_cells = needs_tree && (world.steep || cells != CellUse::Never);
+        let uses_cells = needs_tree && (world.non_lipschitz || cells != CellUse::Never);
         scene.resources.set_cells(uses_cells, mode);
         let frame = Frame::with_params(world, time, sound, size, params);
         if needs_tree { Next::WithTree(frame) } else { Next::Now(frame) }

@@ -105,17 +105,17 @@ impl ProgramLibrary {
     /// sentence that says so is returned.
     pub(super) fn take_universal(
         &mut self,
-        steep: bool,
+        non_lipschitz: bool,
         program: Result<Program, GpuError>,
     ) -> Option<&'static str> {
         match program {
             Ok(program) => {
-                self.universal.put(steep, program);
-                tracing::info!("the universal interpreter is ready{}", of_kind(steep));
+                self.universal.put(non_lipschitz, program);
+                tracing::info!("the universal interpreter is ready{}", of_kind(non_lipschitz));
                 None
             }
             Err(error) => {
-                self.universal.give_up(steep);
+                self.universal.give_up(non_lipschitz);
                 let sentence = "this driver has no interpreter for all scenes: each scene gets its own";
                 match &error {
                     GpuError::GivenUp { .. } => tracing::warn!("{sentence}; {error}"),
@@ -184,7 +184,7 @@ impl ProgramLibrary {
             return;
         }
         if self.universal.serve(&needed) && can_wait {
-            return self.request_universal(needed.is_steep(), scene);
+            return self.request_universal(needed.is_non_lipschitz(), scene);
         }
         let mut asked = self.tasks.values().filter_map(|task| match task {
             Task::Interpreter(asked) => Some(asked),
@@ -204,8 +204,8 @@ impl ProgramLibrary {
     /// Requests a universal interpreter that no scene has needed so far, if there is one. `scene` is what its first
     /// picture shows.
     pub(super) fn request_unneeded(&mut self, scene: &PreparedScene) {
-        if let Some(steep) = self.universal.unasked() {
-            self.request_universal(steep, scene);
+        if let Some(non_lipschitz) = self.universal.unasked() {
+            self.request_universal(non_lipschitz, scene);
         }
     }
 
@@ -229,12 +229,12 @@ impl ProgramLibrary {
         self.submit(job, Task::Views(wanted));
     }
 
-    fn request_universal(&mut self, steep: bool, scene: &PreparedScene) {
-        let Some(variant) = self.universal.ask(steep) else { return };
+    fn request_universal(&mut self, non_lipschitz: bool, scene: &PreparedScene) {
+        let Some(variant) = self.universal.ask(non_lipschitz) else { return };
         let mut job = self.job(scene, move || Ok(variant.variant(Counting::Off)));
         job.can_be_given_up = true;
-        tracing::info!("the universal interpreter is requested{}", of_kind(steep));
-        self.submit(job, Task::Universal { steep });
+        tracing::info!("the universal interpreter is requested{}", of_kind(non_lipschitz));
+        self.submit(job, Task::Universal { non_lipschitz });
     }
 
     fn job(
@@ -263,8 +263,8 @@ impl ProgramLibrary {
 }
 
 /// What the log adds for formulas that are no distances.
-fn of_kind(steep: bool) -> &'static str {
-    if steep { ", for formulas that are no distances" } else { "" }
+fn of_kind(non_lipschitz: bool) -> &'static str {
+    if non_lipschitz { ", for formulas that are no distances" } else { "" }
 }
 
 #[cfg(test)]

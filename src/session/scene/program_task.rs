@@ -16,7 +16,7 @@ pub(super) enum Task {
     /// It draws nearly every scene.
     Universal {
         /// Whether it is for formulas that are no distances.
-        steep: bool,
+        non_lipschitz: bool,
     },
     /// It draws views.
     Views(ViewsOf),

@@ -36,13 +36,13 @@ pub(crate) struct Shown {
 
 /// How a picture is wanted besides its moment and its sound.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Wishes<'a> {
+pub(super) struct DrawOptions<'a> {
     /// The scene's parameters.
     pub params: &'a [f32],
     /// One of its cameras with names; none is its own.
     pub camera: Option<usize>,
     /// How the camera was moved by hand.
-    pub hand: OrbitControls,
+    pub orbit: OrbitControls,
     /// Whether cells of regions are used where they can be.
     pub cells: CellUse,
     /// The scene has never had a tree: a build that takes too long is given up.
@@ -53,7 +53,7 @@ pub(super) struct Wishes<'a> {
 
 /// A requested tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Asked {
+struct TreeRequest {
     /// The scene.
     id: u64,
     /// The picture.
@@ -67,9 +67,9 @@ struct Asked {
 pub(super) struct SceneRegions {
     /// Whether a tree is waited for, however long it takes.
     insists: bool,
-    builder: RegionBuilder<Asked>,
+    builder: RegionBuilder<TreeRequest>,
     /// The last request, until its tree has come.
-    asked: Option<Asked>,
+    asked: Option<TreeRequest>,
     /// The compiled scene that is drawn faster than its tree is built, and is therefore drawn without.
     late_for: Option<(u64, Mode)>,
     /// The compiled scene that was no faster without its tree.
@@ -108,14 +108,14 @@ impl SceneRegions {
         scene: &SceneResources,
         wanted: Shown,
         sound: Sound,
-        wishes: Wishes<'_>,
+        draw_options: DrawOptions<'_>,
     ) -> Option<(Frame, Shown)> {
-        let cells = self.uses_cells((id, mode), scene, wishes.cells);
+        let cells = self.uses_cells((id, mode), scene, draw_options.cells);
         scene.set_cells(cells, mode);
         let time = wanted.moment.song_time;
-        let mut frame = Frame::with_params(scene.world(), time, sound, wanted.size, wishes.params);
-        frame.seen_by(scene.world(), wishes.camera);
-        let frame = frame.by_hand(scene.world(), wishes.hand);
+        let mut frame = Frame::with_params(scene.world(), time, sound, wanted.size, draw_options.params);
+        frame.seen_by(scene.world(), draw_options.camera);
+        let frame = frame.by_hand(scene.world(), draw_options.orbit);
         let request = scene.region_request(&frame);
         // Inputs that did not change cost nothing, and a tape without cells next to nothing. A scene's first picture
         // waits for its tree, because the picture that was shown belongs to another scene.
@@ -126,13 +126,13 @@ impl SceneRegions {
             }
             return Some((frame, wanted));
         }
-        let tag = Asked { id, shown: wanted, fades_away: wishes.fades_away };
+        let tag = TreeRequest { id, shown: wanted, fades_away: draw_options.fades_away };
         if self.asked.is_some_and(|asked| asked.id != id) {
             // Nobody waits for another scene's, which may take long.
             self.builder.forget();
         }
         if self.asked != Some(tag) {
-            let patience = match wishes.is_untried {
+            let patience = match draw_options.is_untried {
                 true if faults::lasts(Fault::SlowTree) => Duration::ZERO,
                 true => longest_wait(),
                 false => Duration::MAX,
@@ -142,14 +142,14 @@ impl SceneRegions {
             self.asked = Some(tag);
         }
         let BuiltTree { tag, mut frame, regions } = self.builder.poll()?;
-        let Asked { id: of, mut shown, fades_away } = tag;
+        let TreeRequest { id: of, mut shown, fades_away } = tag;
         if self.asked == Some(tag) {
             self.asked = None;
         }
         if regions.is_none() {
             (self.given_up, self.asked) = (Some(of), None);
         }
-        let is_of_use = (of, fades_away) == (id, wishes.fades_away);
+        let is_of_use = (of, fades_away) == (id, draw_options.fades_away);
         let regions = regions.filter(|regions| is_of_use && regions.request.options.cells == cells)?;
         if shown.size != wanted.size {
             shown.size = wanted.size;
@@ -160,14 +160,14 @@ impl SceneRegions {
         Some((frame, shown))
     }
 
-    fn uses_cells(&self, drawn: (u64, Mode), scene: &SceneResources, wish: CellUse) -> bool {
-        let wish = match wish {
+    fn uses_cells(&self, drawn: (u64, Mode), scene: &SceneResources, change: CellUse) -> bool {
+        let change = match change {
             CellUse::Never => CellUse::Never,
             _ if self.insists => CellUse::Always,
             _ if self.late_for == Some(drawn) => CellUse::Never,
-            wish => wish,
+            change => change,
         };
-        scene.uses_cells(wish, drawn.1)
+        scene.uses_cells(change, drawn.1)
     }
 
     /// Whether a picture of this scene was given up because its tree takes too long; says so once.
@@ -197,9 +197,9 @@ impl SceneRegions {
         drawn: (u64, Mode),
         built: &BuiltRegions,
         time: Duration,
-        wish: CellUse,
+        change: CellUse,
     ) -> bool {
-        if drawn.1 != Mode::Compiled || wish == CellUse::Never {
+        if drawn.1 != Mode::Compiled || change == CellUse::Never {
             return false;
         }
         let now = Some(drawn);
@@ -220,19 +220,23 @@ impl SceneRegions {
     }
 
     /// Whether cells are to be used from now on: if the scene is drawn without any, and else not.
-    pub(super) fn toggle(&mut self, drawn: Option<((u64, Mode), &SceneResources)>, wish: CellUse) -> CellUse {
+    pub(super) fn toggle(
+        &mut self,
+        drawn: Option<((u64, Mode), &SceneResources)>,
+        change: CellUse,
+    ) -> CellUse {
         let used = match drawn {
-            Some((drawn, scene)) if !scene.world().steep => self.uses_cells(drawn, scene, wish),
-            _ => wish != CellUse::Never,
+            Some((drawn, scene)) if !scene.world().non_lipschitz => self.uses_cells(drawn, scene, change),
+            _ => change != CellUse::Never,
         };
         self.late_for = None;
         if used { CellUse::Never } else { CellUse::Always }
     }
 
     /// What the line about the scene says of them.
-    pub(super) fn about(&self, drawn: (u64, Mode), last: Option<&BuiltRegions>, wish: CellUse) -> String {
+    pub(super) fn about(&self, drawn: (u64, Mode), last: Option<&BuiltRegions>, change: CellUse) -> String {
         match last {
-            _ if wish == CellUse::Never => "no regions".to_owned(),
+            _ if change == CellUse::Never => "no regions".to_owned(),
             _ if self.late_for == Some(drawn) => {
                 format!("no regions: building a tree takes {:.0} ms", milliseconds(self.tree_time))
             }
@@ -283,12 +287,18 @@ mod tests {
         let shown = Shown { moment: Moment::default(), size, edges: EdgeSamples::Four, revision: 0 };
         let mut eyes = Vec::new();
         for (camera, fades_away) in [(0, true), (1, false)] {
-            let (camera, hand) = (Some(camera), OrbitControls::OFF);
-            let wishes =
-                Wishes { params: &[], camera, hand, cells: CellUse::Always, is_untried: false, fades_away };
+            let (camera, orbit) = (Some(camera), OrbitControls::OFF);
+            let draw_options = DrawOptions {
+                params: &[],
+                camera,
+                orbit,
+                cells: CellUse::Always,
+                is_untried: false,
+                fades_away,
+            };
             let mut picture = || {
                 let drawn = (7, Mode::Compiled);
-                regions.drawable(drawn, &scene, shown, Features::SILENCE.into(), wishes)
+                regions.drawable(drawn, &scene, shown, Features::SILENCE.into(), draw_options)
             };
             let (frame, of) = loop {
                 if let Some(found) = picture() {

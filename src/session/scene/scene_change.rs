@@ -12,16 +12,16 @@
 
 use std::time::Duration;
 
+use super::active_clips::ActiveClips;
 use super::parameters::Parameters;
 use super::prepared_scene::PreparedScene;
 use super::prepared_scenes::Place;
 use super::regions::Shown;
 use super::show_follower::{Outgoing, ShowFollower};
-use super::stays::Stays;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::{SceneSource, camera_number};
-use crate::show::Stay;
-use mariana_control::Hand;
+use crate::show::Clip;
+use mariana_control::ChangedBy;
 use mariana_music::Sound;
 
 /// A scene whose picture takes longer than this stands still while it goes.
@@ -35,14 +35,14 @@ pub(super) struct SceneChange {
     /// How the scene was left that the user left.
     left: Option<LeftScene>,
     /// How the camera was moved by hand in the scene that goes.
-    hand: OrbitControls,
+    orbit: OrbitControls,
 }
 
 /// How a scene was left.
 struct LeftScene {
     source: SceneSource,
     /// As a show had it on.
-    stay: Option<Stay>,
+    clip: Option<Clip>,
     /// Its parameters.
     numbers: Vec<f32>,
     /// Places of those that the show moves on, with their names.
@@ -103,35 +103,35 @@ impl SceneChange {
     }
 
     /// Notes how the scene that goes was left, of which the last picture took so long, and whose camera was moved by
-    /// `hand`.
+    /// `orbit`.
     pub(super) fn note_left(
         &mut self,
         scene: &PreparedScene,
         took: Duration,
-        hand: OrbitControls,
+        orbit: OrbitControls,
         show: &ShowFollower,
         parameters: &Parameters,
     ) {
-        self.hand = hand;
+        self.orbit = orbit;
         let time = parameters.song_time();
-        let (stays, share) = show.stays(scene, time);
-        if share.is_some() || took > LIVE_MAX {
+        let (clips, fraction) = show.clips(scene, time);
+        if fraction.is_some() || took > LIVE_MAX {
             self.left = None;
             return;
         }
-        let mut numbers = parameters.numbers(scene, &stays, time);
+        let mut numbers = parameters.numbers(scene, &clips, time);
         let mut moved = Vec::new();
         for (slider, knob) in scene.knobs.iter() {
             if let Some(number) = numbers.get_mut(knob.place) {
                 // As they were in its last picture.
                 *number = slider.value;
             }
-            if slider.hand == Hand::Show {
+            if slider.changed_by == ChangedBy::Show {
                 moved.push((knob.place, slider.name.clone()));
             }
         }
-        let stay = stays.first.cloned();
-        self.left = Some(LeftScene { source: scene.source.clone(), stay, numbers, moved });
+        let clip = clips.first.cloned();
+        self.left = Some(LeftScene { source: scene.source.clone(), clip, numbers, moved });
     }
 
     /// The parameters and the camera's number of what fades out, at `time` seconds of the song.
@@ -143,30 +143,30 @@ impl SceneChange {
         parameters: &Parameters,
     ) -> (Vec<f32>, Option<usize>) {
         let world = scene.resources.world();
-        let camera = |stay: &Stay| camera_number(world, stay.camera.as_deref());
-        if let Some(stay) = &outgoing.stay {
-            let stays = Stays { first: Some(stay), second: None };
-            return (parameters.numbers(scene, &stays, time), camera(stay));
+        let camera = |clip: &Clip| camera_number(world, clip.camera.as_deref());
+        if let Some(clip) = &outgoing.clip {
+            let clips = ActiveClips { first: Some(clip), second: None };
+            return (parameters.numbers(scene, &clips, time), camera(clip));
         }
         let Some(left) = &self.left else { return Default::default() };
         let mut numbers = left.numbers.clone();
-        let params = left.stay.as_ref().map(|stay| stay.params_at(time)).unwrap_or_default();
+        let params = left.clip.as_ref().map(|clip| clip.params_at(time)).unwrap_or_default();
         for (place, name) in &left.moved {
             let value = params.iter().find(|(moved, _)| moved == name).map(|(_, value)| *value);
             if let Some((number, value)) = numbers.get_mut(*place).zip(value) {
                 *number = value;
             }
         }
-        (numbers, left.stay.as_ref().and_then(camera))
+        (numbers, left.clip.as_ref().and_then(camera))
     }
 
     /// How the camera is moved of what fades out, at `time` seconds of the song: as it was left, or as the show turns it.
-    /// `hand` is how the user has moved that of the scene that shows.
-    pub(super) fn camera(&self, outgoing: &Outgoing, time: f64, hand: OrbitControls) -> OrbitControls {
-        let by_hand = if outgoing.place == Place::Shown { hand } else { self.hand };
-        let left = self.left.as_ref().and_then(|left| left.stay.as_ref());
-        match outgoing.stay.as_ref().or(left) {
-            Some(stay) if by_hand == OrbitControls::OFF => OrbitControls::of_turns(stay.turns_at(time)),
+    /// `orbit` is how the user has moved that of the scene that shows.
+    pub(super) fn camera(&self, outgoing: &Outgoing, time: f64, orbit: OrbitControls) -> OrbitControls {
+        let by_hand = if outgoing.place == Place::Shown { orbit } else { self.orbit };
+        let left = self.left.as_ref().and_then(|left| left.clip.as_ref());
+        match outgoing.clip.as_ref().or(left) {
+            Some(clip) if by_hand == OrbitControls::OFF => OrbitControls::of_turns(clip.turns_at(time)),
             _ => by_hand,
         }
     }

@@ -99,14 +99,14 @@ impl SceneSession {
             loaders: SceneLoaders { shown: loader, ahead: ahead.into_loaders() },
             shown,
             wanted,
-            hands: self.parameters.kept(),
+            controllers: self.parameters.kept(),
             ways: DrawingWays { sdf, cells, view, fade },
         }
     }
 
     /// Goes on where another session ended, with what hands have turned and the scene that was asked for.
-    pub(crate) fn take_over(&mut self, hands: (Model, Instant), wanted: SceneSource) {
-        self.parameters.take_over(hands);
+    pub(crate) fn take_over(&mut self, controllers: (Model, Instant), wanted: SceneSource) {
+        self.parameters.take_over(controllers);
         self.preparation.library.take_over(wanted);
     }
 
@@ -445,7 +445,7 @@ impl SceneSession {
     }
 
     /// Goes on to this moment of the song: sliders and the next picture are as hands and show have the parameters now.
-    pub(crate) fn follow_hands(&mut self, song_time: f64) {
+    pub(crate) fn follow_controllers(&mut self, song_time: f64) {
         if self.composer.is_between_scenes() {
             return;
         }
@@ -553,7 +553,7 @@ impl SceneSession {
     /// Whether the scene that shows looks different from moment to moment also without sound.
     pub(crate) fn moves_by_itself(&self) -> bool {
         let shown = self.scenes.shown.as_ref();
-        self.show.has_programme()
+        self.show.has_prepared_show()
             || self.composer.fading().follows_song()
             || shown.is_none_or(|scene| scene.moves || scene.is_blend())
     }

@@ -6,13 +6,13 @@
 
 use std::sync::Arc;
 
+use super::active_clips::ActiveClips;
 use super::ahead::WantedAhead;
 use super::prepared_scene::PreparedScene;
 use super::prepared_scenes::{Place, PreparedScenes};
-use super::stays::Stays;
 use crate::config::SdfChoice;
 use crate::scenes::SceneSource;
-use crate::show::{Picture, Programme, Stay};
+use crate::show::{Clip, Picture, PreparedShow};
 
 /// A scene that comes so much later than the show has it, in seconds, still comes as the show says.
 const LATE: f64 = 0.5;
@@ -32,7 +32,7 @@ pub(crate) struct ShowFollower {
 /// A show, and how far it was followed.
 #[derive(Default)]
 struct Course {
-    programme: Option<Arc<Programme>>,
+    prepared_show: Option<Arc<PreparedShow>>,
     /// The stay in which the user went somewhere else.
     overruled: Option<usize>,
     /// Whether the scene stayed because its text was being written.
@@ -77,30 +77,38 @@ pub(super) struct Outgoing {
     /// Where it is found.
     pub place: Place,
     /// How a show has it on; none if the user left it.
-    pub stay: Option<Stay>,
+    pub clip: Option<Clip>,
     /// Its share of the picture, above 0; below 1 in a show's fade.
-    pub share: f32,
+    pub fraction: f32,
 }
 
 impl ShowFollower {
     /// Follows a show from now on, or none. `cue` is what may come at any moment.
-    pub(crate) fn set_programme(&mut self, programme: Option<Arc<Programme>>, cue: Option<SceneSource>) {
-        self.is_locked &= programme.is_some();
-        let programme = programme.map(|programme| self.without_refused(programme));
-        self.course = Course { programme, cue, ..Course::default() };
+    pub(crate) fn set_prepared_show(
+        &mut self,
+        prepared_show: Option<Arc<PreparedShow>>,
+        cue: Option<SceneSource>,
+    ) {
+        self.is_locked &= prepared_show.is_some();
+        let prepared_show = prepared_show.map(|prepared_show| self.without_refused(prepared_show));
+        self.course = Course { prepared_show, cue, ..Course::default() };
         self.revision += 1;
     }
 
     /// Follows a show that is the same as before up to this moment.
-    pub(crate) fn extend_programme(&mut self, programme: Arc<Programme>, cue: Option<SceneSource>) {
-        let programme = self.without_refused(programme);
-        (self.course.programme, self.course.cue) = (Some(programme), cue);
+    pub(crate) fn extend_prepared_show(
+        &mut self,
+        prepared_show: Arc<PreparedShow>,
+        cue: Option<SceneSource>,
+    ) {
+        let prepared_show = self.without_refused(prepared_show);
+        (self.course.prepared_show, self.course.cue) = (Some(prepared_show), cue);
         (self.course.entered, self.course.last_time, self.course.overruled) = (None, None, None);
     }
 
     /// Whether there is a show.
-    pub(crate) fn has_programme(&self) -> bool {
-        self.course.programme.is_some()
+    pub(crate) fn has_prepared_show(&self) -> bool {
+        self.course.prepared_show.is_some()
     }
 
     /// Lets the scene stay until this is called again; tells whether it does.
@@ -117,7 +125,9 @@ impl ShowFollower {
 
     /// The effects of the show on the whole picture at `time` seconds of the song.
     pub(crate) fn picture_at(&self, time: f64) -> Picture {
-        self.programme().and_then(Programme::plan).map_or(Picture::PLAIN, |plan| plan.picture_at(time))
+        self.prepared_show()
+            .and_then(PreparedShow::timeline)
+            .map_or(Picture::PLAIN, |timeline| timeline.picture_at(time))
     }
 
     /// A number that changes with the show.
@@ -125,15 +135,15 @@ impl ShowFollower {
         self.revision
     }
 
-    fn programme(&self) -> Option<&Programme> {
-        self.course.programme.as_deref()
+    fn prepared_show(&self) -> Option<&PreparedShow> {
+        self.course.prepared_show.as_deref()
     }
 
     /// The show with a substitute for each refused scene.
-    fn without_refused(&self, programme: Arc<Programme>) -> Arc<Programme> {
+    fn without_refused(&self, prepared_show: Arc<PreparedShow>) -> Arc<PreparedShow> {
         match &self.refused[..] {
-            [] => programme,
-            refused => programme.without(refused).map_or(programme, Arc::new),
+            [] => prepared_show,
+            refused => prepared_show.without(refused).map_or(prepared_show, Arc::new),
         }
     }
 
@@ -147,14 +157,14 @@ impl ShowFollower {
         if !self.refused.contains(&source) {
             self.refused.push(source);
         }
-        if let Some(programme) = self.course.programme.take() {
-            self.course.programme = Some(self.without_refused(programme));
+        if let Some(prepared_show) = self.course.prepared_show.take() {
+            self.course.prepared_show = Some(self.without_refused(prepared_show));
         }
     }
 
     /// Whether the director chose the scene that was asked for, not the user and no show that the user has written.
     pub(super) fn is_own_choice(&self) -> bool {
-        let is_by_program = self.programme().is_some_and(|programme| !programme.is_by_user());
+        let is_by_program = self.prepared_show().is_some_and(|prepared_show| !prepared_show.is_by_user());
         is_by_program && self.course.asked.is_some()
     }
 
@@ -201,19 +211,19 @@ impl ShowFollower {
         scenes: &mut PreparedScenes,
         now: &Circumstances<'_>,
     ) -> Option<Step> {
-        let programme = self.course.programme.clone()?;
-        let moment = programme.at(time)?;
+        let prepared_show = self.course.prepared_show.clone()?;
+        let moment = prepared_show.at(time)?;
         let is_new = self.course.entered.is_none_or(|(index, _)| index != moment.index);
         if self.is_locked || now.is_written {
-            return self.stay(moment.leaving.is_some() && !is_new, now);
+            return self.clip(moment.leaving.is_some() && !is_new, now);
         }
         if std::mem::take(&mut self.course.was_written) {
             // What was written is looked at: the show comes back with its next scene.
             self.course.overruled = Some(moment.index);
         }
-        let stays = programme.stays();
+        let clips = prepared_show.clips();
         let is_same_visit =
-            self.course.overruled.is_some_and(|since| is_one_visit(stays, since, moment.index));
+            self.course.overruled.is_some_and(|since| is_one_visit(clips, since, moment.index));
         if is_same_visit || (is_new && now.is_awaited) {
             // Another camera is the same scene. A scene that is still being prepared for the user is not dropped.
             self.course.overruled = Some(moment.index);
@@ -222,8 +232,8 @@ impl ShowFollower {
             return None;
         }
         self.course.overruled = None;
-        let scene = programme.source(&moment.stay.scene).cloned()?;
-        let blended = moment.leaving.and_then(|(from, _)| blend_of(&programme, from, moment.stay));
+        let scene = prepared_show.source(&moment.clip.scene).cloned()?;
+        let blended = moment.leaving.and_then(|(from, _)| blend_of(&prepared_show, from, moment.clip));
         let blended = blended.filter(|blend| !self.refused.contains(blend));
         // While the song stands still there is time for what was not prepared.
         let stands_still = self.course.last_time.replace(time) == Some(time);
@@ -236,9 +246,9 @@ impl ShowFollower {
         let mixes = self.course.entered.is_some_and(|(_, mixes)| mixes);
         let wanted = blended.filter(|_| mixes).unwrap_or_else(|| scene.clone());
         let cue = self.course.cue.as_ref();
-        self.course.upcoming = upcoming(&programme, moment.index, &wanted, cue);
+        self.course.upcoming = upcoming(&prepared_show, moment.index, &wanted, cue);
         if let Some((leaving, _)) = moment.leaving.filter(|_| stands_still && !mixes) {
-            self.need_leaving(&programme, leaving, time, scenes, now.sdf);
+            self.need_leaving(&prepared_show, leaving, time, scenes, now.sdf);
         }
         if wanted == *now.wanted {
             self.course.asked = Some(wanted);
@@ -248,19 +258,19 @@ impl ShowFollower {
             // It was asked for and could not be shown, or is on its way.
             return None;
         }
-        let since = time - moment.stay.start;
+        let since = time - moment.clip.start;
         let seconds = if mixes || (moment.leaving.is_none() && since < LATE) {
             Some(0.0)
         } else {
             // Without a fade, the show was joined in the middle of a stay, or this is a seek.
-            moment.leaving.map(|_| moment.stay.entrance.seconds - since)
+            moment.leaving.map(|_| moment.clip.transition.seconds - since)
         };
         self.course.asked = Some(wanted.clone());
         Some(Step { source: wanted, seconds })
     }
 
     /// Lets the scene stay, whatever the show has on. A transition that is under way comes to its end.
-    fn stay(&mut self, is_under_way: bool, now: &Circumstances<'_>) -> Option<Step> {
+    fn clip(&mut self, is_under_way: bool, now: &Circumstances<'_>) -> Option<Step> {
         self.course.was_written = now.is_written;
         match now.wanted {
             SceneSource::Blend(blend) if !is_under_way => {
@@ -275,14 +285,14 @@ impl ShowFollower {
     /// Prepares the scene that goes, if it is not there although the song stands still in its fade.
     fn need_leaving(
         &mut self,
-        programme: &Programme,
-        leaving: &Stay,
+        prepared_show: &PreparedShow,
+        leaving: &Clip,
         time: f64,
         scenes: &mut PreparedScenes,
         sdf: SdfChoice,
     ) {
         let is_there = self.outgoing(time, scenes, sdf).is_some();
-        let Some(source) = programme.source(&leaving.scene).filter(|_| !is_there) else { return };
+        let Some(source) = prepared_show.source(&leaving.scene).filter(|_| !is_there) else { return };
         match scenes.ahead.give(source) {
             Some(scene) => {
                 scenes.fade_out(scene);
@@ -297,67 +307,72 @@ impl ShowFollower {
 
     /// What fades out below the scene that shows at `time` seconds of the song, if the show has it so and both are there.
     pub(super) fn outgoing(&self, time: f64, scenes: &PreparedScenes, sdf: SdfChoice) -> Option<Outgoing> {
-        let programme = self.programme()?;
-        let moment = programme.at(time)?;
-        let (stay, share) = moment.leaving?;
-        let is_on = programme.source(&moment.stay.scene) == Some(scenes.shown_source()?);
+        let prepared_show = self.prepared_show()?;
+        let moment = prepared_show.at(time)?;
+        let (clip, fraction) = moment.leaving?;
+        let is_on = prepared_show.source(&moment.clip.scene) == Some(scenes.shown_source()?);
         if self.course.overruled == Some(moment.index) || !is_on {
             return None;
         }
-        let place = scenes.place_of(programme.source(&stay.scene)?, sdf)?;
-        Some(Outgoing { place, stay: Some(stay.clone()), share: 1.0 - share })
+        let place = scenes.place_of(prepared_show.source(&clip.scene)?, sdf)?;
+        Some(Outgoing { place, clip: Some(clip.clone()), fraction: 1.0 - fraction })
     }
 
     /// The stays that a scene is on in at `time` seconds of the song, and of a blend its share.
-    pub(super) fn stays(&self, scene: &PreparedScene, time: f64) -> (Stays<'_>, Option<f32>) {
-        let moment = self.programme().and_then(|programme| Some((programme, programme.at(time)?)));
-        let Some((programme, moment)) = moment else { return Default::default() };
+    pub(super) fn clips(&self, scene: &PreparedScene, time: f64) -> (ActiveClips<'_>, Option<f32>) {
+        let moment =
+            self.prepared_show().and_then(|prepared_show| Some((prepared_show, prepared_show.at(time)?)));
+        let Some((prepared_show, moment)) = moment else { return Default::default() };
         if !scene.is_blend() || scene.resources.world().blended.is_none() {
-            let is_on = programme.source(&moment.stay.scene) == Some(&scene.source);
-            return (Stays { first: is_on.then_some(moment.stay), second: None }, None);
+            let is_on = prepared_show.source(&moment.clip.scene) == Some(&scene.source);
+            return (ActiveClips { first: is_on.then_some(moment.clip), second: None }, None);
         }
         match moment.leaving {
-            Some((from, share)) => (Stays { first: Some(from), second: Some(moment.stay) }, Some(share)),
-            None => (Stays::default(), Some(1.0)),
+            Some((from, fraction)) => {
+                (ActiveClips { first: Some(from), second: Some(moment.clip) }, Some(fraction))
+            }
+            None => (ActiveClips::default(), Some(1.0)),
         }
     }
 }
 
 /// True if all stays from `since` to `until` show one scene.
-fn is_one_visit(stays: &[Stay], since: usize, until: usize) -> bool {
-    let visit = stays.get(since..=until).unwrap_or_default();
-    visit.first().is_some_and(|first| visit.iter().all(|stay| stay.scene == first.scene))
+fn is_one_visit(clips: &[Clip], since: usize, until: usize) -> bool {
+    let visit = clips.get(since..=until).unwrap_or_default();
+    visit.first().is_some_and(|first| visit.iter().all(|clip| clip.scene == first.scene))
 }
 
 /// The source of a transition that mixes the worlds of two stays.
-fn blend_of(programme: &Programme, from: &Stay, to: &Stay) -> Option<SceneSource> {
+fn blend_of(prepared_show: &PreparedShow, from: &Clip, to: &Clip) -> Option<SceneSource> {
     if from.scene == to.scene {
         return None;
     }
-    programme.blend(from, to, to.entrance.kind.blend()?).map(|blend| SceneSource::Blend(Arc::new(blend)))
+    prepared_show
+        .blend(from, to, to.transition.kind.blend()?)
+        .map(|blend| SceneSource::Blend(Arc::new(blend)))
 }
 
 /// The next two sources behind the one that is wanted now, in a stay, of which the first may be that of a cue.
 fn upcoming(
-    programme: &Programme,
+    prepared_show: &PreparedShow,
     index: usize,
     wanted: &SceneSource,
     cue: Option<&SceneSource>,
 ) -> [Option<SceneSource>; 2] {
-    let stays = programme.stays();
+    let clips = prepared_show.clips();
     let mut found: Vec<SceneSource> = Vec::new();
     let add = |found: &mut Vec<SceneSource>, source: Option<SceneSource>| {
         let is_new = |source: &SceneSource| source != wanted && !found.contains(source);
         found.extend(source.filter(is_new));
     };
-    add(&mut found, stays.get(index).and_then(|stay| programme.source(&stay.scene).cloned()));
-    for pair in stays.get(index..).unwrap_or_default().windows(2) {
+    add(&mut found, clips.get(index).and_then(|clip| prepared_show.source(&clip.scene).cloned()));
+    for pair in clips.get(index..).unwrap_or_default().windows(2) {
         let [from, to] = pair else { break };
         if found.len() >= 2 {
             break;
         }
-        add(&mut found, blend_of(programme, from, to).filter(|_| to.entrance.seconds > 0.0));
-        add(&mut found, programme.source(&to.scene).cloned());
+        add(&mut found, blend_of(prepared_show, from, to).filter(|_| to.transition.seconds > 0.0));
+        add(&mut found, prepared_show.source(&to.scene).cloned());
     }
     found.truncate(2);
     if let Some(cue) = cue.filter(|cue| *cue != wanted && !found.contains(cue)) {
@@ -387,13 +402,13 @@ mod tests {
             |start: f64, energy| Section { start, end: start + 30.0, letter: format!("{start}"), energy };
         let sections = vec![section(0.0, 0.1), section(30.0, 0.9), section(60.0, 0.2)];
         let song = SongStructure { seconds: 90.0, sections, ..SongStructure::default() };
-        let (show, _) = Programme::of_song(&ShowSource::Auto, &song, &SCENES.map(shipped)).unwrap();
-        let [first, second, ..] = show.stays() else { panic!("{:?}", show.stays()) };
+        let (show, _) = PreparedShow::of_song(&ShowSource::Auto, &song, &SCENES.map(shipped)).unwrap();
+        let [first, second, ..] = show.clips() else { panic!("{:?}", show.clips()) };
         // Behind its transition.
-        let moments = [first, second].map(|stay| stay.start + stay.entrance.seconds + 1.0);
-        let moments = moments.map(|at| (at, show.source(&show.at(at).unwrap().stay.scene).unwrap().clone()));
+        let moments = [first, second].map(|clip| clip.start + clip.transition.seconds + 1.0);
+        let moments = moments.map(|at| (at, show.source(&show.at(at).unwrap().clip.scene).unwrap().clone()));
         let mut follower = ShowFollower::default();
-        follower.set_programme(Some(Arc::new(show)), None);
+        follower.set_prepared_show(Some(Arc::new(show)), None);
         (follower, moments)
     }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::parameters::Parameters;
 use super::prepared_scene::PreparedScene;
 use super::show_follower::ShowFollower;
-use mariana_control::{Hand, ParamWish};
+use mariana_control::{ChangedBy, ParamChange};
 
 /// The parameters of the scene that shows.
 pub(crate) struct ShownParameters<'a> {
@@ -21,10 +21,10 @@ impl ShownParameters<'_> {
     }
 
     /// Where one of them goes, or stands, and who holds it.
-    pub(crate) fn target(&self, name: &str) -> Option<(f32, Hand)> {
+    pub(crate) fn target(&self, name: &str) -> Option<(f32, ChangedBy)> {
         let scene = self.scene?;
-        let (stays, _) = self.show.stays(scene, self.parameters.song_time());
-        self.parameters.target(scene, &stays, name)
+        let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+        self.parameters.target(scene, &clips, name)
     }
 
     /// Those that hands have turned, by their names.
@@ -44,23 +44,23 @@ impl TurnedParameters<'_> {
     /// Brings the sliders up to date.
     pub(super) fn update_sliders(self) {
         if let Some(scene) = self.scene {
-            let (stays, _) = self.show.stays(scene, self.parameters.song_time());
-            self.parameters.update_sliders(scene, &stays);
+            let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+            self.parameters.update_sliders(scene, &clips);
         }
     }
 
     /// Turns one of them by its name, if there is one. Returns whether there is.
-    pub(crate) fn turn(self, wish: &ParamWish) -> bool {
+    pub(crate) fn turn(self, change: &ParamChange) -> bool {
         let Some(scene) = self.scene else { return false };
-        let (stays, _) = self.show.stays(scene, self.parameters.song_time());
-        self.parameters.turn(scene, &stays, wish)
+        let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+        self.parameters.turn(scene, &clips, change)
     }
 
     /// Takes over what the user did to the sliders.
     pub(crate) fn note_moved(self) {
         if let Some(scene) = self.scene {
-            let (stays, _) = self.show.stays(scene, self.parameters.song_time());
-            self.parameters.note_moved(scene, &stays);
+            let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+            self.parameters.note_moved(scene, &clips);
         }
     }
 }

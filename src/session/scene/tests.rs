@@ -19,7 +19,7 @@ use crate::gpu::headless::Headless;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::SceneSource;
-use crate::show::{Programme, ShowSource};
+use crate::show::{PreparedShow, ShowSource};
 
 /// Names of scenes, and the energies for which they are made.
 const SCENES: [(&str, &str); 3] = [("calm", "0 .. 0.3"), ("loud", "0.7 .. 1"), ("other", "0.5 .. 0.8")];
@@ -65,8 +65,8 @@ impl Staged {
         let sections = vec![section("A", 0.0, 0.15), section("B", 30.0, 0.9)];
         let song = SongStructure { seconds: 60.0, sections, ..SongStructure::default() };
         let sources = SCENES.map(|(name, _)| source(folder.path(), name));
-        let (show, _) = Programme::of_song(&ShowSource::Auto, &song, &sources).unwrap();
-        let on = |time: f64| show.source(&show.at(time).unwrap().stay.scene).cloned();
+        let (show, _) = PreparedShow::of_song(&ShowSource::Auto, &song, &sources).unwrap();
+        let on = |time: f64| show.source(&show.at(time).unwrap().clip.scene).cloned();
         assert_eq!([on(CALM), on(LOUD)], [0, 1].map(|place| sources.get(place).cloned()));
 
         let context = Headless::new(false).unwrap();
@@ -87,7 +87,7 @@ impl Staged {
             SceneSession::new(context.gl(), Vec::new(), sources, ways, loaders, first, || {}).unwrap();
         let mut staged = Self { session, folder, context };
         staged.wait_for("calm");
-        staged.session.show_mut().set_programme(Some(Arc::new(show)), None);
+        staged.session.show_mut().set_prepared_show(Some(Arc::new(show)), None);
         staged.session.follow(CALM);
         staged
     }
@@ -219,10 +219,10 @@ fn a_fade_by_hand_shows_both_scenes_by_the_time_of_the_song() {
         staged.session.update().unwrap();
         staged.session.scenes().shown_id() != calm
     });
-    for (time, share) in [(10.25, 1.0), (11.249, 0.5), (11.249, 0.5), (10.749, 0.75)] {
+    for (time, fraction) in [(10.25, 1.0), (11.249, 0.5), (11.249, 0.5), (10.749, 0.75)] {
         staged.draw(&mut renderer, time);
-        let found = staged.session.composer().fading().share_of_scene(&at(time)).unwrap();
-        assert!((found - share).abs() < 0.001, "{found} at {time}");
+        let found = staged.session.composer().fading().fraction_of_scene(&at(time)).unwrap();
+        assert!((found - fraction).abs() < 0.001, "{found} at {time}");
         assert_eq!(staged.session.scenes().fading_out.as_ref().map(|scene| scene.id), calm);
         let performed = staged.session.performed(time).unwrap();
         assert_eq!((performed.faded, performed.fades), (Some((2.0, 10.249)), true));
@@ -239,7 +239,7 @@ fn the_neighbours_are_prepared_once_the_scene_is_complete_and_the_next_one_comes
     let mut staged = Staged::with(Some([loader(), loader()]), 0.0);
     let mut renderer = Renderer::new(staged.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
     // Without a show, those beside the scene in its folder.
-    staged.session.show_mut().set_programme(None, None);
+    staged.session.show_mut().set_prepared_show(None, None);
     staged.session.show_source(staged.source("loud"));
     staged.wait_for("loud");
     staged.draw(&mut renderer, 1.0);

@@ -27,7 +27,7 @@ impl TreeTrials {
 
     /// Requests the first tree of the scene `id`, in place of any other scene's.
     pub(super) fn request(&self, id: u64, scene: &SceneResources, cells: CellUse) {
-        scene.set_cells(cells != CellUse::Never || scene.world().steep, Mode::Interpreted);
+        scene.set_cells(cells != CellUse::Never || scene.world().non_lipschitz, Mode::Interpreted);
         let frame = Frame::new(scene.world(), 0.0, Features::SILENCE, TRIAL_SIZE);
         let request = scene.region_request(&frame);
         self.0.forget();

@@ -29,21 +29,21 @@ enum State {
 impl UniversalInterpreters {
     /// None of them has been asked for; without `are_wanted` none ever is.
     pub(super) fn new(are_wanted: bool) -> Self {
-        Self([false, true].map(|steep| UniversalInterpreter {
-            variant: Interpreter::universal(steep),
+        Self([false, true].map(|non_lipschitz| UniversalInterpreter {
+            variant: Interpreter::universal(non_lipschitz),
             state: if are_wanted { State::Unasked } else { State::None },
         }))
     }
 
     /// The one for this kind of formula.
-    fn of(&mut self, steep: bool) -> &mut UniversalInterpreter {
+    fn of(&mut self, non_lipschitz: bool) -> &mut UniversalInterpreter {
         let [of_distances, of_others] = &mut self.0;
-        if steep { of_others } else { of_distances }
+        if non_lipschitz { of_others } else { of_distances }
     }
 
     /// Marks the one for this kind of formula as requested and returns its variant, unless that was done.
-    pub(super) fn ask(&mut self, steep: bool) -> Option<Interpreter> {
-        let one = self.of(steep);
+    pub(super) fn ask(&mut self, non_lipschitz: bool) -> Option<Interpreter> {
+        let one = self.of(non_lipschitz);
         matches!(one.state, State::Unasked).then(|| {
             one.state = State::Coming;
             one.variant.clone()
@@ -58,17 +58,17 @@ impl UniversalInterpreters {
         [(false, of_distances), (true, of_others)]
             .into_iter()
             .find(|(_, one)| is_unasked(one))
-            .map(|(steep, _)| steep)
+            .map(|(non_lipschitz, _)| non_lipschitz)
     }
 
     /// Takes the one for this kind of formula.
-    pub(super) fn put(&mut self, steep: bool, program: Program) {
-        self.of(steep).state = State::There(Rc::new(program));
+    pub(super) fn put(&mut self, non_lipschitz: bool, program: Program) {
+        self.of(non_lipschitz).state = State::There(Rc::new(program));
     }
 
     /// There is none for this kind of formula.
-    pub(super) fn give_up(&mut self, steep: bool) {
-        self.of(steep).state = State::None;
+    pub(super) fn give_up(&mut self, non_lipschitz: bool) {
+        self.of(non_lipschitz).state = State::None;
     }
 
     /// Whether one of them draws what needs this interpreter, now or once it has come.

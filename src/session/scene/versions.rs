@@ -27,14 +27,14 @@ pub(super) fn last_version<'a>(
     scene: &PreparedScene,
 ) -> Option<&'a PreparedScene> {
     let last = scenes.shown.as_ref().filter(|_| scenes.is_version_of_shown(scene))?;
-    let steep = |scene: &PreparedScene| scene.resources.world().steep;
+    let non_lipschitz = |scene: &PreparedScene| scene.resources.world().non_lipschitz;
     let clauses = |scene: &PreparedScene| scene.resources.buffers().cost.distance;
     let built = last.resources.regions();
     // A busy machine must not turn the test of this fault into one of something else.
     let is_quick = |time: Duration| time <= TREE_MAX || faults::is_wanted(Fault::SlowTree);
     let is_alike = last.tree != FirstTree::TooLong
         && built.is_some_and(|built| is_quick(built.time))
-        && (steep(last) || !steep(scene))
+        && (non_lipschitz(last) || !non_lipschitz(scene))
         && clauses(scene) <= CLAUSES_TIMES * clauses(last) + CLAUSES_MORE;
     is_alike.then_some(last)
 }

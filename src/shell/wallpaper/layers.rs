@@ -4,7 +4,7 @@
 //! that obeys it. The show draws into them ([`super::wall`]); each asks the compositor when it wants the next picture. A
 //! surface that nobody sees is never answered.
 
-mod sheet;
+mod output_surface;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -30,12 +30,12 @@ use wayland_client::protocol::wl_surface::WlSurface;
 use wayland_client::{Connection, EventQueue, QueueHandle, delegate_noop};
 use winit::event_loop::{EventLoop as Windows, OwnedDisplayHandle};
 
-use sheet::Borne;
-pub(crate) use sheet::{Extent, Sheet, Sheets};
+use output_surface::Borne;
+pub(crate) use output_surface::{Extent, OutputSurface, OutputSurfaces};
 
 use crate::session::SessionError;
 use crate::session::waker::Waker;
-use crate::shell::messages::Told;
+use crate::shell::messages::WindowMessage;
 use crate::shell::window::wayland_connection;
 
 /// Whether windows of this session are Wayland's. winit decides by the same.
@@ -47,7 +47,7 @@ pub(crate) fn is_wayland() -> bool {
 
 /// What makes the surfaces and hears of them, until it is dropped.
 pub(crate) struct Layers {
-    sheets: Sheets,
+    output_surfaces: OutputSurfaces,
     is_over: Arc<AtomicBool>,
     signal: LoopSignal,
     thread: Option<JoinHandle<()>>,
@@ -58,14 +58,15 @@ impl Layers {
     ///
     /// # Errors
     /// The compositor has no layer shell, or there is no output.
-    pub(crate) fn start(windows: &Windows<Told>, waker: &Waker) -> Result<Self, SessionError> {
+    pub(crate) fn start(windows: &Windows<WindowMessage>, waker: &Waker) -> Result<Self, SessionError> {
         let display = windows.owned_display_handle();
         let connection = wayland_connection(&display)?;
-        let (mut desk, mut queue) = Desk::begin(&connection, display, waker).map_err(refused)??;
+        let (mut ui_state, mut queue) =
+            LayersState::begin(&connection, display, waker).map_err(refused)??;
         // What it answers are the outputs.
-        queue.roundtrip(&mut desk).map_err(|error| refused(error.into()))?;
-        let sheets = desk.sheets.clone();
-        if sheets.present().is_empty() {
+        queue.roundtrip(&mut ui_state).map_err(|error| refused(error.into()))?;
+        let output_surfaces = ui_state.output_surfaces.clone();
+        if output_surfaces.present().is_empty() {
             return Err(SessionError::NoMonitor);
         }
         let (sender, signals) = channel();
@@ -73,12 +74,12 @@ impl Layers {
         let ends = is_over.clone();
         let obey = move || {
             let run = || -> Result<(), Box<dyn std::error::Error>> {
-                let mut events = EventLoop::<Desk>::try_new()?;
+                let mut events = EventLoop::<LayersState>::try_new()?;
                 let source = WaylandSource::new(connection, queue).insert(events.handle());
                 source.map_err(|error| error.to_string())?;
                 sender.send(events.get_signal())?;
                 while !ends.load(Ordering::Acquire) {
-                    events.dispatch(None, &mut desk)?;
+                    events.dispatch(None, &mut ui_state)?;
                 }
                 Ok(())
             };
@@ -90,12 +91,12 @@ impl Layers {
         let thread = std::thread::Builder::new().name("layers".into());
         let thread = thread.spawn(obey).map_err(|error| SessionError::NoThread(error.to_string()))?;
         let signal = signals.recv().map_err(|error| refused(error.into()))?;
-        Ok(Self { sheets, is_over, signal, thread: Some(thread) })
+        Ok(Self { output_surfaces, is_over, signal, thread: Some(thread) })
     }
 
     /// What it makes.
-    pub(crate) fn sheets(&self) -> Sheets {
-        self.sheets.clone()
+    pub(crate) fn output_surfaces(&self) -> OutputSurfaces {
+        self.output_surfaces.clone()
     }
 }
 
@@ -118,18 +119,18 @@ fn refused(error: Trouble) -> SessionError {
 }
 
 /// What the thread of the layers knows.
-struct Desk {
+struct LayersState {
     registry: RegistryState,
     outputs: OutputState,
     compositor: CompositorState,
     shell: LayerShell,
     viewporter: Option<wp_viewporter::WpViewporter>,
-    sheets: Sheets,
+    output_surfaces: OutputSurfaces,
     display: OwnedDisplayHandle,
     waker: Waker,
 }
 
-impl Desk {
+impl LayersState {
     /// Asks the compositor what it has. The inner error is that it has no layer shell.
     fn begin(
         connection: &Connection,
@@ -141,22 +142,22 @@ impl Desk {
         let Ok(shell) = LayerShell::bind(&globals, &handle) else {
             return Ok(Err(SessionError::NoLayerShell));
         };
-        let desk = Self {
+        let ui_state = Self {
             registry: RegistryState::new(&globals),
             outputs: OutputState::new(&globals, &handle),
             compositor: CompositorState::bind(&globals, &handle)?,
             shell,
             viewporter: globals.bind(&handle, 1..=1, ()).ok(),
-            sheets: Sheets::default(),
+            output_surfaces: OutputSurfaces::default(),
             display,
             waker: waker.clone(),
         };
-        Ok(Ok((desk, queue)))
+        Ok(Ok((ui_state, queue)))
     }
 
     /// Makes a surface on an output that has none.
     fn hang(&self, queue: &QueueHandle<Self>, output: WlOutput) {
-        if self.sheets.of_output(&output).is_some() {
+        if self.output_surfaces.of_output(&output).is_some() {
             return;
         }
         let surface = self.compositor.create_surface(queue);
@@ -185,26 +186,26 @@ impl Desk {
         let name = self.outputs.info(&output).and_then(|info| info.name);
         let name = name.unwrap_or_else(|| "a monitor without a name".to_owned());
         let borne = Borne { output, layer, viewport, display: self.display.clone() };
-        self.sheets.add(Sheet::new(name, borne, queue.clone()));
+        self.output_surfaces.add(OutputSurface::new(name, borne, queue.clone()));
     }
 
     /// Takes surfaces away. Each is gone when nothing draws into it any more.
-    fn take_down(&self, is_gone: impl Fn(&Sheet) -> bool) {
-        self.sheets.remove(is_gone);
+    fn take_down(&self, is_gone: impl Fn(&OutputSurface) -> bool) {
+        self.output_surfaces.remove(is_gone);
         self.waker.wake();
     }
 
-    fn measure(&self, sheet: &Sheet) {
-        if sheet.measure(self.outputs.info(sheet.output()).as_ref()) {
+    fn measure(&self, output_surface: &OutputSurface) {
+        if output_surface.measure(self.outputs.info(output_surface.output()).as_ref()) {
             self.waker.wake();
         }
     }
 }
 
-impl CompositorHandler for Desk {
+impl CompositorHandler for LayersState {
     fn frame(&mut self, _: &Connection, _: &QueueHandle<Self>, surface: &WlSurface, _: u32) {
-        if let Some(sheet) = self.sheets.of_surface(surface) {
-            sheet.answer();
+        if let Some(output_surface) = self.output_surfaces.of_surface(surface) {
+            output_surface.answer();
             self.waker.wake();
         }
     }
@@ -216,7 +217,7 @@ impl CompositorHandler for Desk {
     fn surface_leave(&mut self, _: &Connection, _: &QueueHandle<Self>, _: &WlSurface, _: &WlOutput) {}
 }
 
-impl OutputHandler for Desk {
+impl OutputHandler for LayersState {
     fn output_state(&mut self) -> &mut OutputState {
         &mut self.outputs
     }
@@ -228,19 +229,19 @@ impl OutputHandler for Desk {
     fn update_output(&mut self, _: &Connection, queue: &QueueHandle<Self>, output: WlOutput) {
         // The compositor may have closed its surface.
         self.hang(queue, output.clone());
-        if let Some(sheet) = self.sheets.of_output(&output) {
-            self.measure(&sheet);
+        if let Some(output_surface) = self.output_surfaces.of_output(&output) {
+            self.measure(&output_surface);
         }
     }
 
     fn output_destroyed(&mut self, _: &Connection, _: &QueueHandle<Self>, output: WlOutput) {
-        self.take_down(|sheet| *sheet.output() == output);
+        self.take_down(|output_surface| *output_surface.output() == output);
     }
 }
 
-impl LayerShellHandler for Desk {
+impl LayerShellHandler for LayersState {
     fn closed(&mut self, _: &Connection, _: &QueueHandle<Self>, layer: &LayerSurface) {
-        self.take_down(|sheet| sheet.is_of(layer));
+        self.take_down(|output_surface| output_surface.is_of(layer));
     }
 
     fn configure(
@@ -251,14 +252,14 @@ impl LayerShellHandler for Desk {
         configure: LayerSurfaceConfigure,
         _: u32,
     ) {
-        if let Some(sheet) = self.sheets.of_surface(layer.wl_surface()) {
-            sheet.give(configure.new_size);
-            self.measure(&sheet);
+        if let Some(output_surface) = self.output_surfaces.of_surface(layer.wl_surface()) {
+            output_surface.give(configure.new_size);
+            self.measure(&output_surface);
         }
     }
 }
 
-impl ProvidesRegistryState for Desk {
+impl ProvidesRegistryState for LayersState {
     fn registry(&mut self) -> &mut RegistryState {
         &mut self.registry
     }
@@ -266,9 +267,9 @@ impl ProvidesRegistryState for Desk {
     registry_handlers![OutputState];
 }
 
-delegate_compositor!(Desk);
-delegate_layer!(Desk);
-delegate_output!(Desk);
-delegate_registry!(Desk);
-delegate_noop!(Desk: wp_viewporter::WpViewporter);
-delegate_noop!(Desk: wp_viewport::WpViewport);
+delegate_compositor!(LayersState);
+delegate_layer!(LayersState);
+delegate_output!(LayersState);
+delegate_registry!(LayersState);
+delegate_noop!(LayersState: wp_viewporter::WpViewporter);
+delegate_noop!(LayersState: wp_viewport::WpViewport);

@@ -16,8 +16,8 @@ mod wall;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod windows;
 
-pub(crate) use layers::{Layers, Sheets, is_wayland};
-use rest::Rest;
+pub(crate) use layers::{Layers, OutputSurfaces, is_wayland};
+use rest::WallpaperPause;
 use wall::Wall;
 
 use crate::placement::Area;
@@ -33,7 +33,7 @@ pub(crate) const FPS: f64 = 30.0;
 /// See the module.
 pub(crate) struct Wallpaper {
     ground: Shown,
-    rest: Rest,
+    rest: WallpaperPause,
 }
 
 /// Where it is shown.
@@ -46,10 +46,10 @@ enum Shown {
 
 impl Wallpaper {
     /// Looks at monitors, windows and power from now on; on Wayland the compositor tells of both of the former.
-    pub(crate) fn start(sheets: Option<Sheets>, waker: &Waker) -> Self {
-        let rest = Rest::start(sheets.clone(), waker);
-        let ground = match sheets {
-            Some(sheets) => Shown::Wall(Wall::new(sheets)),
+    pub(crate) fn start(output_surfaces: Option<OutputSurfaces>, waker: &Waker) -> Self {
+        let rest = WallpaperPause::start(output_surfaces.clone(), waker);
+        let ground = match output_surfaces {
+            Some(output_surfaces) => Shown::Wall(Wall::new(output_surfaces)),
             None => {
                 let mut monitors = MonitorWatch::default();
                 let waker = waker.clone();
@@ -165,8 +165,8 @@ fn panels(monitors: &[Monitor], shape: (u32, u32)) -> Vec<Panel> {
 pub(crate) fn filling(shape: (u32, u32), size: (u32, u32), area: Area) -> Panel {
     let [across, down] = [size.0, size.1].map(f64::from);
     let scale = (across / f64::from(shape.0.max(1))).max(down / f64::from(shape.1.max(1)));
-    let share = |side: f64, of: u32| (side / (f64::from(of.max(1)) * scale)).min(1.0);
-    let (w, h) = (share(across, shape.0), share(down, shape.1));
+    let fraction = |side: f64, of: u32| (side / (f64::from(of.max(1)) * scale)).min(1.0);
+    let (w, h) = (fraction(across, shape.0), fraction(down, shape.1));
     let (x, y) = (0.5 - 0.5 * w, 0.5 - 0.5 * h);
     Panel { area, map: [[w, 0.0, x], [0.0, h, y], [0.0, 0.0, 1.0]], part: [x, y, x + w, y + h] }
 }

@@ -9,7 +9,7 @@ use winit::event_loop::EventLoop;
 
 use crate::session::SessionError;
 use crate::session::waker::Waker;
-use crate::shell::messages::Told;
+use crate::shell::messages::WindowMessage;
 
 /// Never.
 pub(crate) fn is_wayland() -> bool {
@@ -25,9 +25,9 @@ pub(crate) struct Extent {
 
 /// There is none.
 #[derive(Debug)]
-pub(crate) struct Sheet(Infallible);
+pub(crate) struct OutputSurface(Infallible);
 
-impl Sheet {
+impl OutputSurface {
     pub(crate) fn name(&self) -> &str {
         match self.0 {}
     }
@@ -55,10 +55,10 @@ impl Sheet {
 
 /// There are none.
 #[derive(Debug, Clone)]
-pub(crate) struct Sheets(Infallible);
+pub(crate) struct OutputSurfaces(Infallible);
 
-impl Sheets {
-    pub(crate) fn present(&self) -> Vec<Arc<Sheet>> {
+impl OutputSurfaces {
+    pub(crate) fn present(&self) -> Vec<Arc<OutputSurface>> {
         match self.0 {}
     }
 
@@ -71,11 +71,11 @@ impl Sheets {
 pub(crate) struct Layers(Infallible);
 
 impl Layers {
-    pub(crate) fn start(_: &EventLoop<Told>, _: &Waker) -> Result<Self, SessionError> {
+    pub(crate) fn start(_: &EventLoop<WindowMessage>, _: &Waker) -> Result<Self, SessionError> {
         Err(SessionError::NoLayerShell)
     }
 
-    pub(crate) fn sheets(&self) -> Sheets {
+    pub(crate) fn output_surfaces(&self) -> OutputSurfaces {
         match self.0 {}
     }
 }

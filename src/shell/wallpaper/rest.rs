@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::layers::Sheets;
+use super::layers::OutputSurfaces;
 use super::power;
 #[cfg(all(unix, not(target_os = "macos")))]
 use super::windows;
@@ -17,17 +17,17 @@ use crate::shell::monitors::Rect;
 const LOOK_PERIOD: Duration = Duration::from_millis(500);
 
 /// See the module.
-pub(super) struct Rest(Arc<AtomicBool>);
+pub(super) struct WallpaperPause(Arc<AtomicBool>);
 
-impl Rest {
-    /// Looks from now on, until this is dropped. The wallpaper is on `sheets`, or else in a window of X11.
-    pub(super) fn start(sheets: Option<Sheets>, waker: &Waker) -> Self {
+impl WallpaperPause {
+    /// Looks from now on, until this is dropped. The wallpaper is on `output_surfaces`, or else in a window of X11.
+    pub(super) fn start(output_surfaces: Option<OutputSurfaces>, waker: &Waker) -> Self {
         let is_on = Arc::new(AtomicBool::new(false));
-        let (told, waker) = (Arc::downgrade(&is_on), waker.clone());
+        let (reported, waker) = (Arc::downgrade(&is_on), waker.clone());
         let watch = move || {
-            let mut looks = Looks::new(sheets);
+            let mut looks = Looks::new(output_surfaces);
             let mut rested = false;
-            while let Some(is_on) = told.upgrade() {
+            while let Some(is_on) = reported.upgrade() {
                 let look = looks.look();
                 let rests = look.is_covered || look.is_unseen || look.spares_battery;
                 if std::mem::replace(&mut rested, rests) != rests {
@@ -65,18 +65,18 @@ struct Look {
 
 /// What decides whether it rests.
 struct Looks {
-    sheets: Option<Sheets>,
+    output_surfaces: Option<OutputSurfaces>,
     #[cfg(all(unix, not(target_os = "macos")))]
     windows: Option<windows::Windows>,
 }
 
 impl Looks {
-    fn new(sheets: Option<Sheets>) -> Self {
+    fn new(output_surfaces: Option<OutputSurfaces>) -> Self {
         Self {
             // Those of an X server within a Wayland compositor are not all.
             #[cfg(all(unix, not(target_os = "macos")))]
-            windows: if sheets.is_none() { windows::Windows::connect() } else { None },
-            sheets,
+            windows: if output_surfaces.is_none() { windows::Windows::connect() } else { None },
+            output_surfaces,
         }
     }
 
@@ -87,7 +87,10 @@ impl Looks {
         let is_covered = false;
         Look {
             is_covered,
-            is_unseen: self.sheets.as_ref().is_some_and(|sheets| sheets.are_unseen(Instant::now())),
+            is_unseen: self
+                .output_surfaces
+                .as_ref()
+                .is_some_and(|output_surfaces| output_surfaces.are_unseen(Instant::now())),
             spares_battery: power::is_from_battery(std::path::Path::new(power::FOLDER)),
         }
     }

@@ -4,20 +4,20 @@ use std::sync::Arc;
 
 use raw_window_handle::RawWindowHandle;
 
-use super::layers::{Extent, Sheet, Sheets};
+use super::layers::{Extent, OutputSurface, OutputSurfaces};
 use crate::export::print::tell;
 use crate::session::SessionError;
-use crate::shell::window::{Bearer, GlWindowContext, SecondSurface};
+use crate::shell::window::{DrawTarget, GlWindowContext, SecondSurface};
 
 /// See the module.
 pub(crate) struct Wall {
-    sheets: Sheets,
+    output_surfaces: OutputSurfaces,
     hung: Vec<Hung>,
 }
 
 /// A surface of the compositor's, and what draws into it.
 struct Hung {
-    sheet: Arc<Sheet>,
+    output_surface: Arc<OutputSurface>,
     extent: Extent,
     /// None if the driver refuses.
     surface: Option<SecondSurface>,
@@ -27,7 +27,7 @@ struct Hung {
     is_blank: bool,
 }
 
-impl Bearer for Sheet {
+impl DrawTarget for OutputSurface {
     fn handle(&self) -> Option<RawWindowHandle> {
         self.handle()
     }
@@ -39,29 +39,30 @@ impl Bearer for Sheet {
 
 impl Hung {
     fn is_ready(&self) -> bool {
-        self.surface.is_some() && self.sheet.is_ready()
+        self.surface.is_some() && self.output_surface.is_ready()
     }
 }
 
 impl Wall {
     /// With nothing on it yet.
-    pub(super) fn new(sheets: Sheets) -> Self {
-        Self { sheets, hung: Vec::new() }
+    pub(super) fn new(output_surfaces: OutputSurfaces) -> Self {
+        Self { output_surfaces, hung: Vec::new() }
     }
 
     /// Takes in which surfaces there are, and how large.
     pub(super) fn update(&mut self, window: &GlWindowContext) {
-        let present = self.sheets.present();
+        let present = self.output_surfaces.present();
         self.hung.retain(|hung| {
-            let stays = present.iter().any(|sheet| Arc::ptr_eq(sheet, &hung.sheet));
-            if !stays {
-                tracing::info!("the wallpaper leaves {}", hung.sheet.name());
+            let clips =
+                present.iter().any(|output_surface| Arc::ptr_eq(output_surface, &hung.output_surface));
+            if !clips {
+                tracing::info!("the wallpaper leaves {}", hung.output_surface.name());
             }
-            stays
+            clips
         });
-        for sheet in present {
-            let Some(extent) = sheet.extent() else { continue };
-            let hung = self.hung.iter_mut().find(|hung| Arc::ptr_eq(&hung.sheet, &sheet));
+        for output_surface in present {
+            let Some(extent) = output_surface.extent() else { continue };
+            let hung = self.hung.iter_mut().find(|hung| Arc::ptr_eq(&hung.output_surface, &output_surface));
             let before = hung.as_ref().map(|hung| hung.extent);
             match hung {
                 Some(hung) if hung.extent == extent => continue,
@@ -71,12 +72,12 @@ impl Wall {
                         surface.resize(window, extent.pixels);
                     }
                 }
-                None => self.hung.push(hang(&sheet, extent, window)),
+                None => self.hung.push(hang(&output_surface, extent, window)),
             }
-            sheet.fit(extent);
+            output_surface.fit(extent);
             if before.is_none_or(|before| before.pixels != extent.pixels) {
                 let (width, height) = extent.pixels;
-                tracing::info!("the wallpaper is on {} ({width}x{height})", sheet.name());
+                tracing::info!("the wallpaper is on {} ({width}x{height})", output_surface.name());
             }
         }
     }
@@ -138,8 +139,15 @@ impl Wall {
 }
 
 /// A surface that shows nothing yet. If the driver refuses, that monitor goes without.
-fn hang(sheet: &Arc<Sheet>, extent: Extent, window: &GlWindowContext) -> Hung {
-    let surface = window.surface_of_sheet(sheet.clone(), extent.pixels);
-    let surface = surface.inspect_err(|error| tell(&format!("no wallpaper on {}: {error}", sheet.name())));
-    Hung { sheet: sheet.clone(), extent, surface: surface.ok(), is_stale: true, is_blank: true }
+fn hang(output_surface: &Arc<OutputSurface>, extent: Extent, window: &GlWindowContext) -> Hung {
+    let surface = window.wayland_surface_of(output_surface.clone(), extent.pixels);
+    let surface =
+        surface.inspect_err(|error| tell(&format!("no wallpaper on {}: {error}", output_surface.name())));
+    Hung {
+        output_surface: output_surface.clone(),
+        extent,
+        surface: surface.ok(),
+        is_stale: true,
+        is_blank: true,
+    }
 }

@@ -40,12 +40,12 @@ pub(crate) enum Ground {
 pub(crate) struct SecondSurface {
     // The surface before what it lies on.
     surface: Surface<WindowSurface>,
-    lies_on: Arc<dyn Bearer>,
+    lies_on: Arc<dyn DrawTarget>,
     size: (u32, u32),
 }
 
 /// What pictures lie on.
-pub(crate) trait Bearer {
+pub(crate) trait DrawTarget {
     /// What drivers draw into; none if it is gone.
     fn handle(&self) -> Option<RawWindowHandle>;
 
@@ -53,7 +53,7 @@ pub(crate) trait Bearer {
     fn is_about_to_show(&self);
 }
 
-impl Bearer for SharedWindow {
+impl DrawTarget for SharedWindow {
     fn handle(&self) -> Option<RawWindowHandle> {
         self.calls().window_handle().ok().map(|handle| handle.as_raw())
     }
@@ -102,22 +102,22 @@ impl GlWindowContext {
     ///
     /// # Errors
     /// The driver refuses.
-    pub(crate) fn surface_of_sheet(
+    pub(crate) fn wayland_surface_of(
         &self,
-        sheet: Arc<dyn Bearer>,
+        output_surface: Arc<dyn DrawTarget>,
         size: (u32, u32),
     ) -> Result<SecondSurface, SessionError> {
-        let handle = sheet.handle().ok_or_else(|| refused("a wallpaper", &"the surface is gone"))?;
+        let handle = output_surface.handle().ok_or_else(|| refused("a wallpaper", &"the surface is gone"))?;
         let side = |side: u32| NonZeroU32::new(side).unwrap_or(NonZeroU32::MIN);
         let attributes =
             SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side(size.0), side(size.1));
-        self.surface_on(sheet, &attributes, size, SwapInterval::DontWait)
+        self.surface_on(output_surface, &attributes, size, SwapInterval::DontWait)
     }
 
     /// A surface of `size` pixels by the attributes of what it lies on.
     fn surface_on(
         &self,
-        lies_on: Arc<dyn Bearer>,
+        lies_on: Arc<dyn DrawTarget>,
         attributes: &SurfaceAttributes<WindowSurface>,
         size: (u32, u32),
         interval: SwapInterval,
@@ -208,7 +208,7 @@ pub(crate) fn open_output(
         .with_decorations(false)
         .with_position(PhysicalPosition::new(place.0, place.1))
         .with_inner_size(PhysicalSize::new(size.0, size.1));
-    let attributes = identity::told_by(attributes);
+    let attributes = identity::reported_by(attributes);
     #[cfg(all(unix, not(target_os = "macos")))]
     let attributes = {
         use winit::platform::x11::{ActiveEventLoopExtX11, WindowAttributesExtX11};

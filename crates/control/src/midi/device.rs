@@ -54,17 +54,17 @@ impl Device {
     fn take(&mut self, message: Message, tell: &mut impl FnMut(Said)) {
         match message {
             Message::Note { channel, key, velocity } => {
-                tell(Said::Moved(Source::Note { channel, key }, share(velocity), velocity > 0));
+                tell(Said::Moved(Source::Note { channel, key }, fraction(velocity), velocity > 0));
             }
             Message::Control { channel, number, value } => self.take_control(channel, number, value, tell),
             Message::Bend { channel, value } => {
-                tell(Said::Moved(Source::Bend { channel }, share_of_bend(value), false));
+                tell(Said::Moved(Source::Bend { channel }, fraction_of_bend(value), false));
             }
             Message::Program { channel, number } => {
-                tell(Said::Moved(Source::Program { channel }, share(number), true));
+                tell(Said::Moved(Source::Program { channel }, fraction(number), true));
             }
             Message::Pressure { channel, value } => {
-                tell(Said::Moved(Source::Pressure { channel }, share(value), false));
+                tell(Said::Moved(Source::Pressure { channel }, fraction(value), false));
             }
             time @ (Message::Clock
             | Message::Start
@@ -78,7 +78,7 @@ impl Device {
         let Some(state) = self.channels.get_mut(usize::from(channel)) else { return };
         let before = state.values.get_mut(usize::from(number)).map(|known| std::mem::replace(known, value));
         let is_press = before.is_some_and(|before| before < 64) && value >= 64;
-        tell(Said::Moved(Source::Control { channel, number }, share(value), is_press));
+        tell(Said::Moved(Source::Control { channel, number }, fraction(value), is_press));
         let last = state.last.replace(number);
         // The coarse and the fine number of a knob, in whichever order the device sends them.
         let (coarse, other) = match number {
@@ -96,12 +96,12 @@ impl Device {
     }
 }
 
-fn share(value: u8) -> f32 {
+fn fraction(value: u8) -> f32 {
     f32::from(value) / 127.0
 }
 
 /// A wheel at rest is exactly in the middle.
-fn share_of_bend(value: u16) -> f32 {
+fn fraction_of_bend(value: u16) -> f32 {
     let way = f32::from(value) - 8_192.0;
     0.5 + 0.5 * way / if way < 0.0 { 8_192.0 } else { 8_191.0 }
 }

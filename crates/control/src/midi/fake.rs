@@ -52,7 +52,7 @@ impl Ports for FolderPorts {
         let number = number_of(&path);
         let is_over = Arc::new(AtomicBool::new(false));
         let of_thread = is_over.clone();
-        let heard = std::thread::Builder::new().name("fake MIDI".into()).spawn(move || {
+        let batch = std::thread::Builder::new().name("fake MIDI".into()).spawn(move || {
             let mut bytes = vec![0; 65_536];
             while !of_thread.load(Ordering::Relaxed) {
                 if let Ok(length) = socket.recv(&mut bytes) {
@@ -60,7 +60,7 @@ impl Ports for FolderPorts {
                 }
             }
         });
-        heard
+        batch
             .map(|_| Box::new(Open { is_over, path, number }) as Box<dyn Any>)
             .map_err(|error| error.to_string())
     }

@@ -124,7 +124,7 @@ impl Row {
         let (mut scene, mut param, mut action, mut value) = (None, None, None, None);
         match mapping.target.clone() {
             Target::Param { scene: of, name } => (scene, param) = (Some(of), Some(name)),
-            Target::Deed { name, value: with } => (action, value) = (Some(name), with),
+            Target::Action { name, value: with } => (action, value) = (Some(name), with),
         }
         Self {
             device: mapping.device.clone(),
@@ -143,7 +143,7 @@ impl Row {
     fn mapping(self) -> Option<Mapping> {
         let target = match (self.scene, self.param, self.action) {
             (Some(scene), Some(name), None) => Target::Param { scene, name },
-            (None, None, Some(name)) => Target::Deed { name, value: self.value },
+            (None, None, Some(name)) => Target::Action { name, value: self.value },
             _ => return None,
         };
         let mut mapping = Mapping {
@@ -167,12 +167,12 @@ mod tests {
 
     fn file() -> MappingFile {
         let param = Target::Param { scene: "my \"orb\"".to_owned(), name: "size".to_owned() };
-        let deed = Target::Deed { name: "scene".to_owned(), value: Some("city".to_owned()) };
+        let action = Target::Action { name: "scene".to_owned(), value: Some("city".to_owned()) };
         let knob = Source::FineControl { channel: 3, number: 7 };
         let mut first = Mapping::learned("nano: KONTROL", knob, param);
         first.invert();
         first.curve = Curve::Soft;
-        let pad = Mapping::learned("pads", Source::Note { channel: 9, key: 36 }, deed);
+        let pad = Mapping::learned("pads", Source::Note { channel: 9, key: 36 }, action);
         MappingFile { clock: false, mappings: Mappings::of(vec![first, pad]) }
     }
 

@@ -11,7 +11,7 @@ use super::clock::{Clock, ClockReading};
 use super::device::{Device, Said};
 use super::ports::{Hear, Ports};
 use super::source::KnobMove;
-use crate::Wishes;
+use crate::InputQueue;
 use crate::limits::LIMITS;
 
 /// How often it looks.
@@ -38,7 +38,7 @@ pub struct MidiState {
 
 /// What the threads of devices share.
 struct Shared {
-    wishes: Wishes,
+    input_queue: InputQueue,
     /// The zero of the seconds of clocks.
     zero: Instant,
     state: Mutex<MidiState>,
@@ -58,11 +58,11 @@ impl MidiHub {
     /// There is no thread.
     pub fn start(
         ports: Box<dyn Ports>,
-        wishes: Wishes,
+        input_queue: InputQueue,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> io::Result<Self> {
         let shared = Arc::new(Shared {
-            wishes,
+            input_queue,
             zero: Instant::now(),
             state: Mutex::default(),
             clock: Mutex::default(),
@@ -150,10 +150,10 @@ fn hearing(name: &str, shared: Arc<Shared>) -> Hear {
     let (name, mut device): (Arc<str>, _) = (name.into(), Device::default());
     Box::new(move |bytes| {
         device.hear(bytes, |said| {
-            shared.wishes.count();
+            shared.input_queue.count();
             match said {
                 Said::Moved(source, value, is_press) => {
-                    shared.wishes.moved(KnobMove::to(name.clone(), source, value, is_press));
+                    shared.input_queue.moved(KnobMove::to(name.clone(), source, value, is_press));
                 }
                 Said::Time(message) => {
                     let now = shared.zero.elapsed().as_secs_f64();
@@ -184,18 +184,18 @@ mod tests {
 
     /// What a test has of its ports: names to plug in, and what hears them.
     #[derive(Clone)]
-    struct Desk {
+    struct TestHub {
         names: Arc<Mutex<Result<Vec<String>, String>>>,
         hears: Arc<Mutex<BTreeMap<String, Hear>>>,
     }
 
-    impl Default for Desk {
+    impl Default for TestHub {
         fn default() -> Self {
             Self { names: Arc::new(Mutex::new(Ok(Vec::new()))), hears: Arc::default() }
         }
     }
 
-    impl Ports for Desk {
+    impl Ports for TestHub {
         fn names(&mut self) -> Result<Vec<String>, String> {
             lock(&self.names).clone()
         }
@@ -209,7 +209,7 @@ mod tests {
         }
     }
 
-    impl Desk {
+    impl TestHub {
         fn plug(&self, names: &[&str]) {
             *lock(&self.names) = Ok(names.iter().map(|name| (*name).to_owned()).collect());
         }
@@ -221,46 +221,46 @@ mod tests {
         }
     }
 
-    fn hub(desk: &Desk) -> (MidiHub, Wishes, Receiver<()>) {
-        let (told, news) = channel();
-        let told = Mutex::new(told);
-        let wishes = Wishes::new(|| {});
-        let hub = MidiHub::start(Box::new(desk.clone()), wishes.clone(), move || {
-            let _ = lock(&told).send(());
+    fn hub(hub_test: &TestHub) -> (MidiHub, InputQueue, Receiver<()>) {
+        let (reported, news) = channel();
+        let reported = Mutex::new(reported);
+        let input_queue = InputQueue::new(|| {});
+        let hub = MidiHub::start(Box::new(hub_test.clone()), input_queue.clone(), move || {
+            let _ = lock(&reported).send(());
         });
-        (hub.unwrap(), wishes, news)
+        (hub.unwrap(), input_queue, news)
     }
 
     #[test]
     fn devices_are_heard_whenever_they_are_plugged_in_and_pulled_ones_are_told() {
-        let desk = Desk::default();
-        desk.plug(&["pads", "locked"]);
-        let (hub, wishes, news) = hub(&desk);
+        let hub_test = TestHub::default();
+        hub_test.plug(&["pads", "locked"]);
+        let (hub, input_queue, news) = hub(&hub_test);
         news.recv().unwrap();
         let state = hub.state();
         assert_eq!(state.devices, ["pads"]);
         assert_eq!(state.refused, [("locked".to_owned(), "another program has it".to_owned())]);
-        desk.send("pads", &[0xb0, 7, 127, 7, 0, 7, 127]);
-        let knobs = wishes.take().knobs;
+        hub_test.send("pads", &[0xb0, 7, 127, 7, 0, 7, 127]);
+        let knobs = input_queue.take().knobs;
         assert_eq!((knobs.len(), knobs[0].value, knobs[0].presses), (1, 1.0, 2), "{knobs:?}");
-        desk.plug(&[]);
+        hub_test.plug(&[]);
         news.recv().unwrap();
         assert_eq!(hub.state().devices, [""; 0]);
-        desk.plug(&["pads"]);
+        hub_test.plug(&["pads"]);
         news.recv().unwrap();
-        desk.send("pads", &[0x90, 60, 1]);
-        assert_eq!(wishes.take().knobs.len(), 1);
+        hub_test.send("pads", &[0x90, 60, 1]);
+        assert_eq!(input_queue.take().knobs.len(), 1);
     }
 
     #[test]
     fn a_machine_without_midi_says_why_and_more_devices_than_the_limit_are_told() {
-        let desk = Desk::default();
-        *lock(&desk.names) = Err("there is no sequencer".to_owned());
-        let (hub, _, news) = hub(&desk);
+        let hub_test = TestHub::default();
+        *lock(&hub_test.names) = Err("there is no sequencer".to_owned());
+        let (hub, _, news) = hub(&hub_test);
         news.recv().unwrap();
         assert_eq!(hub.state().trouble.as_deref(), Some("there is no sequencer"));
         let names: Vec<String> = (0..=LIMITS.midi_devices_max).map(|number| format!("{number:03}")).collect();
-        desk.plug(&names.iter().map(|name| &**name).collect::<Vec<_>>());
+        hub_test.plug(&names.iter().map(|name| &**name).collect::<Vec<_>>());
         news.recv().unwrap();
         let state = hub.state();
         assert_eq!((state.devices.len(), state.refused.len()), (LIMITS.midi_devices_max, 1));
@@ -268,17 +268,17 @@ mod tests {
 
     #[test]
     fn the_clock_of_the_first_device_that_has_one_is_followed() {
-        let desk = Desk::default();
-        desk.plug(&["drums", "synth"]);
-        let (hub, _, news) = hub(&desk);
+        let hub_test = TestHub::default();
+        hub_test.plug(&["drums", "synth"]);
+        let (hub, _, news) = hub(&hub_test);
         news.recv().unwrap();
         assert!(hub.clock().is_none());
-        desk.send("drums", &[0xfa, 0xf8]);
-        desk.send("synth", &[0xf8, 0xf8, 0xf8]);
+        hub_test.send("drums", &[0xfa, 0xf8]);
+        hub_test.send("synth", &[0xf8, 0xf8, 0xf8]);
         assert_eq!(lock(&hub.0.clock).1.as_deref(), Some("drums"));
         // One that has been silent for long gives way.
         lock(&hub.0.clock).2 = -CLOCK_GONE;
-        desk.send("synth", &[0xf8]);
+        hub_test.send("synth", &[0xf8]);
         assert_eq!(lock(&hub.0.clock).1.as_deref(), Some("synth"));
     }
 }

@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     fn learning() -> Learning {
-        Learning::of(Target::Deed { name: "next".to_owned(), value: None })
+        Learning::of(Target::Action { name: "next".to_owned(), value: None })
     }
 
     fn moved(source: Source, presses: u32) -> KnobMove {

@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::pick_up::PickUp;
 use super::source::{KnobMove, Source};
-use crate::deed::{Deed, DeedRow, Given, Takes, row_of};
+use crate::action::{Action, ActionRow, ActionValue, ValueType, row_of};
 use crate::limits::LIMITS;
-use crate::{Amount, Hand, ParamWish};
+use crate::{Amount, ChangedBy, ParamChange};
 
 /// What a knob turns.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -19,7 +19,7 @@ pub enum Target {
         name: String,
     },
     /// An action.
-    Deed {
+    Action {
         /// Its name.
         name: String,
         /// What comes with it: the name of a scene.
@@ -95,7 +95,7 @@ const TEMPOS: [f32; 2] = [60.0, 180.0];
 impl Mapping {
     /// As it is learned.
     pub fn learned(device: &str, source: Source, target: Target) -> Self {
-        let is_number = matches!(&target, Target::Deed { name, .. } if name == "tempo");
+        let is_number = matches!(&target, Target::Action { name, .. } if name == "tempo");
         let turns = !source.is_pressed();
         Self {
             device: device.to_owned(),
@@ -121,7 +121,7 @@ impl Mapping {
 
     /// Brings numbers that a hand has written into what is possible. False if there is no mending it.
     pub(super) fn mend(&mut self) -> bool {
-        let most = if matches!(self.target, Target::Deed { .. }) { 1_000.0 } else { 1.0 };
+        let most = if matches!(self.target, Target::Action { .. }) { 1_000.0 } else { 1.0 };
         if !self.range.iter().all(|end| end.is_finite()) || !self.smoothing.is_finite() {
             return false;
         }
@@ -135,9 +135,9 @@ impl Mapping {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// A parameter of the scene on the stage is turned.
-    Turn(ParamWish),
+    Turn(ParamChange),
     /// Something is done.
-    Act(Deed),
+    Act(Action),
     /// A knob moves that has no hold of its parameter yet: where it leads, and where the parameter stands, 0..1.
     Waits {
         /// The parameter.
@@ -204,7 +204,7 @@ impl Mappings {
         &mut self,
         moved: &KnobMove,
         scene: &str,
-        deeds: &[DeedRow],
+        actions: &[ActionRow],
         stands: impl Fn(&str) -> Option<f32>,
     ) -> Vec<Outcome> {
         let mut outcomes = Vec::new();
@@ -215,22 +215,22 @@ impl Mappings {
             match &mapping.target {
                 Target::Param { scene: of, name } if of == scene => {
                     let Some(stands) = stands(name) else { continue };
-                    let share = mapping.leads_to(moved.value);
+                    let fraction = mapping.leads_to(moved.value);
                     let way = moved.way.map(|end| mapping.leads_to(end));
-                    outcomes.push(match !mapping.picks_up || hold.takes(share, way, stands) {
-                        true => Outcome::Turn(ParamWish {
+                    outcomes.push(match !mapping.picks_up || hold.takes(fraction, way, stands) {
+                        true => Outcome::Turn(ParamChange {
                             name: name.clone(),
-                            to: Amount::Share(share),
+                            to: Amount::Fraction(fraction),
                             seconds: mapping.smoothing,
-                            hand: Hand::Midi,
+                            changed_by: ChangedBy::Midi,
                         }),
-                        false => Outcome::Waits { name: name.clone(), leads_to: share, stands },
+                        false => Outcome::Waits { name: name.clone(), leads_to: fraction, stands },
                     });
                 }
                 Target::Param { .. } => {}
-                Target::Deed { name, value } => {
-                    if let Some(row) = row_of(deeds, name) {
-                        outcomes.extend(deeds_of(mapping, row, value.as_deref(), moved).map(Outcome::Act));
+                Target::Action { name, value } => {
+                    if let Some(row) = row_of(actions, name) {
+                        outcomes.extend(actions_of(mapping, row, value.as_deref(), moved).map(Outcome::Act));
                     }
                 }
             }
@@ -240,20 +240,20 @@ impl Mappings {
 }
 
 /// Actions that follow from a knob that moved.
-fn deeds_of<'a>(
+fn actions_of<'a>(
     mapping: &'a Mapping,
-    row: DeedRow,
+    row: ActionRow,
     value: Option<&'a str>,
     moved: &'a KnobMove,
-) -> impl Iterator<Item = Deed> + 'a {
+) -> impl Iterator<Item = Action> + 'a {
     let presses = moved.presses.min(LIMITS.presses_max) as usize;
     let (times, given) = match row.takes {
-        Takes::Press | Takes::Switch => (presses, Given::Nothing),
-        Takes::Level | Takes::Number => (1, Given::Number(mapping.leads_to(moved.value))),
-        Takes::Choice => match value {
-            Some(name) => (presses, Given::Text(name.to_owned())),
+        ValueType::Press | ValueType::Switch => (presses, ActionValue::Nothing),
+        ValueType::Level | ValueType::Number => (1, ActionValue::Number(mapping.leads_to(moved.value))),
+        ValueType::Choice => match value {
+            Some(name) => (presses, ActionValue::Text(name.to_owned())),
             // Programs are counted from 0, and scenes from 1.
-            None => (presses.min(1), Given::Number((moved.value * 127.0).round() + 1.0)),
+            None => (presses.min(1), ActionValue::Number((moved.value * 127.0).round() + 1.0)),
         },
     };
     (0..times).filter_map(move |_| row.wanted(given.clone()))
@@ -265,20 +265,20 @@ mod tests {
 
     const KNOB: Source = Source::Control { channel: 0, number: 7 };
     const PAD: Source = Source::Note { channel: 9, key: 36 };
-    const DEEDS: &[DeedRow] = &[
-        DeedRow { name: "next", takes: Takes::Press, meaning: "" },
-        DeedRow { name: "pause", takes: Takes::Switch, meaning: "" },
-        DeedRow { name: "scene", takes: Takes::Choice, meaning: "" },
-        DeedRow { name: "tempo", takes: Takes::Number, meaning: "" },
-        DeedRow { name: "volume", takes: Takes::Level, meaning: "" },
+    const ACTIONS: &[ActionRow] = &[
+        ActionRow { name: "next", takes: ValueType::Press, meaning: "" },
+        ActionRow { name: "pause", takes: ValueType::Switch, meaning: "" },
+        ActionRow { name: "scene", takes: ValueType::Choice, meaning: "" },
+        ActionRow { name: "tempo", takes: ValueType::Number, meaning: "" },
+        ActionRow { name: "volume", takes: ValueType::Level, meaning: "" },
     ];
 
     fn param(name: &str) -> Target {
         Target::Param { scene: "orb".to_owned(), name: name.to_owned() }
     }
 
-    fn deed(name: &str, value: Option<&str>) -> Target {
-        Target::Deed { name: name.to_owned(), value: value.map(str::to_owned) }
+    fn action(name: &str, value: Option<&str>) -> Target {
+        Target::Action { name: name.to_owned(), value: value.map(str::to_owned) }
     }
 
     fn moved(source: Source, value: f32, presses: u32) -> KnobMove {
@@ -290,12 +290,12 @@ mod tests {
     }
 
     fn apply(mappings: &mut Mappings, moved: &KnobMove) -> Vec<Outcome> {
-        mappings.apply(moved, "orb", DEEDS, |name| (name != "gone").then_some(0.5))
+        mappings.apply(moved, "orb", ACTIONS, |name| (name != "gone").then_some(0.5))
     }
 
-    fn turned(name: &str, share: f32) -> Outcome {
-        let to = Amount::Share(share);
-        Outcome::Turn(ParamWish { name: name.to_owned(), to, seconds: 0.0, hand: Hand::Midi })
+    fn turned(name: &str, fraction: f32) -> Outcome {
+        let to = Amount::Fraction(fraction);
+        Outcome::Turn(ParamChange { name: name.to_owned(), to, seconds: 0.0, changed_by: ChangedBy::Midi })
     }
 
     #[test]
@@ -333,28 +333,28 @@ mod tests {
     #[test]
     fn pads_and_buttons_act_once_for_each_press_and_knobs_set_levels() {
         let mut mappings = Mappings::of(vec![
-            mapped(PAD, deed("next", None)),
-            mapped(PAD, deed("scene", Some("city"))),
-            mapped(KNOB, deed("volume", None)),
-            Mapping::learned("desk", KNOB, deed("tempo", None)),
-            mapped(KNOB, deed("pause", None)),
-            mapped(KNOB, deed("unheard of", None)),
-            mapped(Source::Program { channel: 0 }, deed("scene", None)),
+            mapped(PAD, action("next", None)),
+            mapped(PAD, action("scene", Some("city"))),
+            mapped(KNOB, action("volume", None)),
+            Mapping::learned("desk", KNOB, action("tempo", None)),
+            mapped(KNOB, action("pause", None)),
+            mapped(KNOB, action("unheard of", None)),
+            mapped(Source::Program { channel: 0 }, action("scene", None)),
         ]);
-        let act = |name, given| Outcome::Act(Deed { name, given });
-        let city = || act("scene", Given::Text("city".to_owned()));
-        let next = || act("next", Given::Nothing);
+        let act = |name, given| Outcome::Act(Action { name, given });
+        let city = || act("scene", ActionValue::Text("city".to_owned()));
+        let next = || act("next", ActionValue::Nothing);
         assert_eq!(apply(&mut mappings, &moved(PAD, 0.0, 2)), [next(), next(), city(), city()]);
         assert_eq!(apply(&mut mappings, &moved(PAD, 0.0, 0)), [], "it is let go");
-        let level = act("volume", Given::Number(0.5));
+        let level = act("volume", ActionValue::Number(0.5));
         assert_eq!(
             apply(&mut mappings, &moved(KNOB, 0.5, 0)),
-            [level.clone(), act("tempo", Given::Number(120.0))]
+            [level.clone(), act("tempo", ActionValue::Number(120.0))]
         );
         let pressed = apply(&mut mappings, &moved(KNOB, 0.5, 1));
-        assert_eq!(pressed.last(), Some(&act("pause", Given::Nothing)));
+        assert_eq!(pressed.last(), Some(&act("pause", ActionValue::Nothing)));
         let third = moved(Source::Program { channel: 0 }, 2.0 / 127.0, 1);
-        assert_eq!(apply(&mut mappings, &third), [act("scene", Given::Number(3.0))]);
+        assert_eq!(apply(&mut mappings, &third), [act("scene", ActionValue::Number(3.0))]);
         let many = apply(&mut mappings, &moved(PAD, 1.0, u32::MAX));
         assert_eq!(many.len(), 2 * LIMITS.presses_max as usize);
     }

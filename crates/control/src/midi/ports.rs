@@ -55,8 +55,8 @@ impl Ports for SystemPorts {
         let names = ports.iter().map(|port| input.port_name(port).unwrap_or_default()).collect();
         let place = told_apart(names).iter().position(|one| one == name);
         let port = place.and_then(|place| ports.get(place)).ok_or("it has gone")?;
-        let heard = input.connect(port, "in", move |_, bytes, ()| hear(bytes), ());
-        heard.map(|connection| Box::new(connection) as Box<dyn Any>).map_err(|error| error.to_string())
+        let batch = input.connect(port, "in", move |_, bytes, ()| hear(bytes), ());
+        batch.map(|connection| Box::new(connection) as Box<dyn Any>).map_err(|error| error.to_string())
     }
 }
 

@@ -2,17 +2,17 @@
 
 use rosc::{OscMessage, OscType};
 
-use crate::deed::{Deed, DeedRow, Given, row_of};
+use crate::action::{Action, ActionRow, ActionValue, row_of};
 use crate::limits::LIMITS;
-use crate::{Amount, Hand, ParamWish};
+use crate::{Amount, ChangedBy, ParamChange};
 
 /// What a message asks for.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Asked {
     /// To turn a parameter.
-    Turn(ParamWish),
+    Turn(ParamChange),
     /// To do something.
-    Act(Deed),
+    Act(Action),
     /// To be told something.
     Tell(Query),
     /// Nothing: a button was let go.
@@ -75,7 +75,7 @@ pub fn fixed_addresses() -> &'static [FixedAddress] {
 ///
 /// # Errors
 /// [`Refused`].
-pub fn understand(message: &OscMessage, deeds: &[DeedRow]) -> Result<Asked, Refused> {
+pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, Refused> {
     let address = message.addr.strip_prefix('/').ok_or(Refused::Unknown)?;
     if address.len() > LIMITS.name_bytes_max {
         return Err(Refused::Unknown);
@@ -86,13 +86,18 @@ pub fn understand(message: &OscMessage, deeds: &[DeedRow]) -> Result<Asked, Refu
     match (room, name) {
         ("param" | "share", Some(name)) => match given(0)? {
             None => Ok(Asked::Tell(Query::Param(name.to_owned()))),
-            Some(Given::Number(to)) => {
+            Some(ActionValue::Number(to)) => {
                 let seconds = match given(1)? {
-                    Some(Given::Number(seconds)) => seconds,
+                    Some(ActionValue::Number(seconds)) => seconds,
                     _ => 0.0,
                 };
-                let to = if room == "param" { Amount::Value(to) } else { Amount::Share(to) };
-                Ok(Asked::Turn(ParamWish { name: name.to_owned(), to, seconds, hand: Hand::Osc }))
+                let to = if room == "param" { Amount::Value(to) } else { Amount::Fraction(to) };
+                Ok(Asked::Turn(ParamChange {
+                    name: name.to_owned(),
+                    to,
+                    seconds,
+                    changed_by: ChangedBy::Osc,
+                }))
             }
             Some(_) => Err(Refused::Unknown),
         },
@@ -107,23 +112,23 @@ pub fn understand(message: &OscMessage, deeds: &[DeedRow]) -> Result<Asked, Refu
         }
         ("query", Some("actions")) => Ok(Asked::Tell(Query::Actions)),
         ("query", Some(name)) => {
-            let row = row_of(deeds, name).filter(|row| row.takes == crate::deed::Takes::Switch);
+            let row = row_of(actions, name).filter(|row| row.takes == crate::action::ValueType::Switch);
             row.map(|row| Asked::Tell(Query::Switch(row.name))).ok_or(Refused::Unknown)
         }
         ("scene", Some(name)) => {
-            let row = row_of(deeds, "scene").ok_or(Refused::Unknown)?;
+            let row = row_of(actions, "scene").ok_or(Refused::Unknown)?;
             // Pads send what they are pressed with, and again when they are let go.
-            if matches!(given(0)?, Some(Given::Number(number)) if number <= 0.0) {
+            if matches!(given(0)?, Some(ActionValue::Number(number)) if number <= 0.0) {
                 return Ok(Asked::Nothing);
             }
-            row.wanted(Given::Text(name.to_owned())).map(Asked::Act).ok_or(Refused::Unknown)
+            row.wanted(ActionValue::Text(name.to_owned())).map(Asked::Act).ok_or(Refused::Unknown)
         }
         (name, None) => {
-            let row = row_of(deeds, name).ok_or(Refused::Unknown)?;
+            let row = row_of(actions, name).ok_or(Refused::Unknown)?;
             let given = given(0)?.unwrap_or_default();
-            let is_let_go = matches!(given, Given::Number(_));
+            let is_let_go = matches!(given, ActionValue::Number(_));
             match row.wanted(given) {
-                Some(deed) => Ok(Asked::Act(deed)),
+                Some(action) => Ok(Asked::Act(action)),
                 None if is_let_go => Ok(Asked::Nothing),
                 None => Err(Refused::Unknown),
             }
@@ -133,17 +138,18 @@ pub fn understand(message: &OscMessage, deeds: &[DeedRow]) -> Result<Asked, Refu
 }
 
 /// What an argument says.
-fn given(argument: &OscType) -> Result<Given, Refused> {
-    let number =
-        |number: f32| if number.is_finite() { Ok(Given::Number(number)) } else { Err(Refused::NotANumber) };
+fn given(argument: &OscType) -> Result<ActionValue, Refused> {
+    let number = |number: f32| {
+        if number.is_finite() { Ok(ActionValue::Number(number)) } else { Err(Refused::NotANumber) }
+    };
     match argument {
         OscType::Int(value) => number(*value as f32),
         OscType::Float(value) => number(*value),
         OscType::Long(value) => number(*value as f32),
         OscType::Double(value) => number(*value as f32),
         OscType::Bool(value) => number(f32::from(u8::from(*value))),
-        OscType::Nil => Ok(Given::Nothing),
-        OscType::String(text) if text.len() <= LIMITS.name_bytes_max => Ok(Given::Text(text.clone())),
+        OscType::Nil => Ok(ActionValue::Nothing),
+        OscType::String(text) if text.len() <= LIMITS.name_bytes_max => Ok(ActionValue::Text(text.clone())),
         _ => Err(Refused::Unknown),
     }
 }
@@ -151,25 +157,25 @@ fn given(argument: &OscType) -> Result<Given, Refused> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deed::Takes;
+    use crate::action::ValueType;
 
-    const DEEDS: &[DeedRow] = &[
-        DeedRow { name: "next", takes: Takes::Press, meaning: "the next scene" },
-        DeedRow { name: "pause", takes: Takes::Switch, meaning: "pause" },
-        DeedRow { name: "scene", takes: Takes::Choice, meaning: "a scene" },
-        DeedRow { name: "tempo", takes: Takes::Number, meaning: "a tempo" },
+    const ACTIONS: &[ActionRow] = &[
+        ActionRow { name: "next", takes: ValueType::Press, meaning: "the next scene" },
+        ActionRow { name: "pause", takes: ValueType::Switch, meaning: "pause" },
+        ActionRow { name: "scene", takes: ValueType::Choice, meaning: "a scene" },
+        ActionRow { name: "tempo", takes: ValueType::Number, meaning: "a tempo" },
     ];
 
     fn ask(addr: &str, args: &[OscType]) -> Result<Asked, Refused> {
-        understand(&OscMessage { addr: addr.to_owned(), args: args.to_vec() }, DEEDS)
+        understand(&OscMessage { addr: addr.to_owned(), args: args.to_vec() }, ACTIONS)
     }
 
     fn turn(to: Amount, seconds: f32) -> Result<Asked, Refused> {
-        Ok(Asked::Turn(ParamWish { name: "size".to_owned(), to, seconds, hand: Hand::Osc }))
+        Ok(Asked::Turn(ParamChange { name: "size".to_owned(), to, seconds, changed_by: ChangedBy::Osc }))
     }
 
-    fn act(name: &'static str, given: Given) -> Result<Asked, Refused> {
-        Ok(Asked::Act(Deed { name, given }))
+    fn act(name: &'static str, given: ActionValue) -> Result<Asked, Refused> {
+        Ok(Asked::Act(Action { name, given }))
     }
 
     #[test]
@@ -177,7 +183,7 @@ mod tests {
         use OscType::{Bool, Double, Float, Int, Long};
         for one in [Float(1.0), Double(1.0), Int(1), Long(1), Bool(true)] {
             assert_eq!(ask("/param/size", std::slice::from_ref(&one)), turn(Amount::Value(1.0), 0.0));
-            assert_eq!(ask("/share/size", &[one, Float(0.5)]), turn(Amount::Share(1.0), 0.5));
+            assert_eq!(ask("/share/size", &[one, Float(0.5)]), turn(Amount::Fraction(1.0), 0.5));
         }
         assert_eq!(ask("/param/size", &[]), Ok(Asked::Tell(Query::Param("size".to_owned()))));
         for rubbish in [Float(f32::NAN), Float(f32::INFINITY), Double(1e300)] {
@@ -189,16 +195,16 @@ mod tests {
 
     #[test]
     fn actions_are_addresses_and_a_button_that_is_let_go_does_nothing() {
-        assert_eq!(ask("/next", &[]), act("next", Given::Nothing));
-        assert_eq!(ask("/next", &[OscType::Float(1.0)]), act("next", Given::Nothing));
+        assert_eq!(ask("/next", &[]), act("next", ActionValue::Nothing));
+        assert_eq!(ask("/next", &[OscType::Float(1.0)]), act("next", ActionValue::Nothing));
         assert_eq!(ask("/next", &[OscType::Float(0.0)]), Ok(Asked::Nothing));
-        assert_eq!(ask("/pause", &[OscType::Int(0)]), act("pause", Given::Number(0.0)));
-        assert_eq!(ask("/tempo", &[OscType::Float(128.0)]), act("tempo", Given::Number(128.0)));
-        assert_eq!(ask("/scene/orb", &[]), act("scene", Given::Text("orb".to_owned())));
+        assert_eq!(ask("/pause", &[OscType::Int(0)]), act("pause", ActionValue::Number(0.0)));
+        assert_eq!(ask("/tempo", &[OscType::Float(128.0)]), act("tempo", ActionValue::Number(128.0)));
+        assert_eq!(ask("/scene/orb", &[]), act("scene", ActionValue::Text("orb".to_owned())));
         assert_eq!(ask("/scene/orb", &[OscType::Float(0.0)]), Ok(Asked::Nothing));
-        assert_eq!(ask("/scene", &[OscType::Int(3)]), act("scene", Given::Number(3.0)));
+        assert_eq!(ask("/scene", &[OscType::Int(3)]), act("scene", ActionValue::Number(3.0)));
         let name = OscType::String("orb".to_owned());
-        assert_eq!(ask("/scene", &[name]), act("scene", Given::Text("orb".to_owned())));
+        assert_eq!(ask("/scene", &[name]), act("scene", ActionValue::Text("orb".to_owned())));
     }
 
     #[test]

@@ -109,11 +109,12 @@ mod tests {
 
     #[test]
     fn a_port_that_is_too_large_is_told_from_where_0_may_be_asked_for() {
-        let told = |read: Result<Place, PlaceError>| read.unwrap_err().to_string();
+        let reported = |read: Result<Place, PlaceError>| read.unwrap_err().to_string();
         assert!(
-            told(Place::parse("99999", "0.0.0.0")).ends_with("from 1 to 65535, or 0 for any that is free")
+            reported(Place::parse("99999", "0.0.0.0"))
+                .ends_with("from 1 to 65535, or 0 for any that is free")
         );
-        assert!(told("99999".parse()).ends_with("from 1 to 65535"));
+        assert!(reported("99999".parse()).ends_with("from 1 to 65535"));
     }
 
     #[test]

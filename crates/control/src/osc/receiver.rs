@@ -14,9 +14,9 @@ use super::packet::messages;
 use super::pattern::{Pattern, is_pattern};
 use super::place::Place;
 use super::waiting::{Waiting, When, when};
-use crate::deed::DeedRow;
+use crate::action::ActionRow;
 use crate::limits::LIMITS;
-use crate::{Board, Present, Slider, Wishes};
+use crate::{Board, InputQueue, Present, Slider};
 
 /// How often the thread looks whether it is still wanted.
 const LOOK: Duration = Duration::from_millis(200);
@@ -51,8 +51,8 @@ impl OscReceiver {
     /// There is no thread.
     pub fn start(
         place: Place,
-        deeds: &'static [DeedRow],
-        wishes: Wishes,
+        actions: &'static [ActionRow],
+        input_queue: InputQueue,
         board: Board,
         wake: impl Fn() + Send + 'static,
     ) -> io::Result<Self> {
@@ -66,7 +66,7 @@ impl OscReceiver {
                 }
             };
             if let Some(socket) = open_when_free(&place, &is_over, set_state) {
-                Hearing { deeds, wishes, board }.go_on(&socket, &is_over);
+                Hearing { actions, input_queue, board }.go_on(&socket, &is_over);
             }
         })?;
         Ok(receiver)
@@ -134,8 +134,8 @@ fn refusal(place: &Place, error: &io::Error) -> String {
 }
 
 struct Hearing {
-    deeds: &'static [DeedRow],
-    wishes: Wishes,
+    actions: &'static [ActionRow],
+    input_queue: InputQueue,
     board: Board,
 }
 
@@ -184,11 +184,11 @@ impl Hearing {
     ) -> Vec<OscMessage> {
         let (messages, rubbish) = messages(packet);
         if rubbish > 0 {
-            self.wishes.refuse(|refusals| refusals.rubbish += rubbish);
+            self.input_queue.refuse(|refusals| refusals.rubbish += rubbish);
         }
         let mut answers = Vec::new();
         for (message, time) in messages {
-            self.wishes.count();
+            self.input_queue.count();
             let is_taken = match when(time, now) {
                 When::Now => {
                     self.obey(&message, &mut answers);
@@ -198,7 +198,7 @@ impl Hearing {
                 When::TooLate => false,
             };
             if !is_taken {
-                self.wishes.refuse(|refusals| refusals.too_many += 1);
+                self.input_queue.refuse(|refusals| refusals.too_many += 1);
             }
         }
         answers
@@ -209,7 +209,7 @@ impl Hearing {
         if !is_pattern(&message.addr) {
             return self.obey_one(message, answers);
         }
-        let known = self.board.read(|present| addresses(present, self.deeds));
+        let known = self.board.read(|present| addresses(present, self.actions));
         // Titles of scenes may have such signs in them.
         if known.contains(&message.addr) {
             return self.obey_one(message, answers);
@@ -219,7 +219,7 @@ impl Hearing {
             known.into_iter().filter(|address| pattern.as_ref().is_some_and(|one| one.matches(address)));
         let meant: Vec<String> = meant.take(LIMITS.osc_matches_max).collect();
         if meant.is_empty() {
-            self.wishes.refuse(|refusals| refusals.unknown += 1);
+            self.input_queue.refuse(|refusals| refusals.unknown += 1);
         }
         for addr in meant {
             self.obey_one(&OscMessage { addr, args: message.args.clone() }, answers);
@@ -227,26 +227,26 @@ impl Hearing {
     }
 
     fn obey_one(&self, message: &OscMessage, answers: &mut Vec<OscMessage>) {
-        match understand(message, self.deeds) {
-            Ok(Asked::Turn(wish)) => self.wishes.turn(wish),
-            Ok(Asked::Act(deed)) => self.wishes.act(deed),
+        match understand(message, self.actions) {
+            Ok(Asked::Turn(change)) => self.input_queue.turn(change),
+            Ok(Asked::Act(action)) => self.input_queue.act(action),
             Ok(Asked::Tell(query)) => {
-                answers.extend(self.board.read(|present| answers_to(&query, present, self.deeds)));
+                answers.extend(self.board.read(|present| answers_to(&query, present, self.actions)));
                 answers.truncate(LIMITS.osc_answers_max);
             }
             Ok(Asked::Nothing) => {}
-            Err(Refused::Unknown) => self.wishes.refuse(|refusals| refusals.unknown += 1),
-            Err(Refused::NotANumber) => self.wishes.refuse(|refusals| refusals.not_numbers += 1),
+            Err(Refused::Unknown) => self.input_queue.refuse(|refusals| refusals.unknown += 1),
+            Err(Refused::NotANumber) => self.input_queue.refuse(|refusals| refusals.not_numbers += 1),
         }
     }
 }
 
 /// Every address that means something now.
-fn addresses(present: &Present, deeds: &[DeedRow]) -> Vec<String> {
+fn addresses(present: &Present, actions: &[ActionRow]) -> Vec<String> {
     let params = present.params.iter().map(|param| &param.name);
     let turns = params.flat_map(|name| [format!("/param/{name}"), format!("/share/{name}")]);
     let scenes = present.scenes.iter().map(|title| format!("/scene/{title}"));
-    let acts = deeds.iter().map(|row| format!("/{}", row.name));
+    let acts = actions.iter().map(|row| format!("/{}", row.name));
     let questions = fixed_addresses().iter().map(|(address, ..)| *address);
     let questions = questions.filter(|address| address.starts_with("/query") && !address.contains("SWITCH"));
     let switches = present.switches.iter().map(|(name, _)| format!("/query/{name}"));
@@ -269,11 +269,11 @@ fn message(addr: String, args: Vec<OscType>) -> OscMessage {
     OscMessage { addr, args }
 }
 
-fn answers_to(query: &Query, present: &Present, deeds: &[DeedRow]) -> Vec<OscMessage> {
+fn answers_to(query: &Query, present: &Present, actions: &[ActionRow]) -> Vec<OscMessage> {
     let param = |param: &Slider| {
         let numbers = [param.value, param.min, param.max, param.default].map(OscType::Float);
-        let hand = OscType::String(param.hand.name().to_owned());
-        message(format!("/param/{}", param.name), numbers.into_iter().chain([hand]).collect())
+        let changed_by = OscType::String(param.changed_by.name().to_owned());
+        message(format!("/param/{}", param.name), numbers.into_iter().chain([changed_by]).collect())
     };
     let of_switch =
         |(name, is_on): &(&str, bool)| message(format!("/{name}"), vec![OscType::Int(i32::from(*is_on))]);
@@ -292,15 +292,16 @@ fn answers_to(query: &Query, present: &Present, deeds: &[DeedRow]) -> Vec<OscMes
         }
         Query::Tempo => vec![message("/tempo".to_owned(), vec![OscType::Float(present.tempo)])],
         Query::Actions => {
-            let texts = |row: &DeedRow| [row.name, row.meaning].map(|text| OscType::String(text.to_owned()));
-            deeds.iter().map(|row| message("/actions".to_owned(), texts(row).to_vec())).collect()
+            let texts =
+                |row: &ActionRow| [row.name, row.meaning].map(|text| OscType::String(text.to_owned()));
+            actions.iter().map(|row| message("/actions".to_owned(), texts(row).to_vec())).collect()
         }
         Query::Switch(name) => {
             present.switches.iter().filter(|(one, _)| one == name).map(of_switch).collect()
         }
         Query::All => {
             let parts = [Query::Scene, Query::Tempo, Query::Params];
-            let parts = parts.iter().flat_map(|part| answers_to(part, present, deeds));
+            let parts = parts.iter().flat_map(|part| answers_to(part, present, actions));
             parts.chain(present.switches.iter().map(of_switch)).collect()
         }
     }

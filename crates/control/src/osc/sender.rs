@@ -40,10 +40,10 @@ impl OscSender {
                 let Err(error) = send(&place, interval, &sample, &is_over) else { continue };
                 let sentence =
                     format!("what is heard cannot be sent to {place} ({error}); it is tried again");
-                let mut told = problem.lock().unwrap_or_else(PoisonError::into_inner);
-                if told.is_none() {
-                    *told = Some(sentence);
-                    drop(told);
+                let mut reported = problem.lock().unwrap_or_else(PoisonError::into_inner);
+                if reported.is_none() {
+                    *reported = Some(sentence);
+                    drop(reported);
                     wake();
                 }
                 std::thread::sleep(AGAIN);
@@ -130,10 +130,10 @@ mod tests {
 
     #[test]
     fn a_place_that_is_nowhere_is_told_once() {
-        let (told, news) = std::sync::mpsc::channel();
+        let (reported, news) = std::sync::mpsc::channel();
         let place = "no.such.computer.invalid:9000".parse().unwrap();
         let sender = OscSender::start(place, 30.0, move || {
-            let _ = told.send(());
+            let _ = reported.send(());
         });
         let sender = sender.unwrap();
         news.recv().unwrap();

@@ -105,9 +105,9 @@ impl GradientInterval {
     /// A minimum, maximum or mask has the slopes of the operand it takes; where it may take either, the bounds hold
     /// those of both. (The chain rule alone would allow any weighted sum of both.)
     fn chosen(operands: [(&Self, Interval); 2], value: Interval) -> Self {
-        let may_be = operands.iter().filter(|(_, share)| share.hi > 0.0).map(|(operand, _)| **operand);
-        let surely = operands.iter().any(|(_, share)| share.lo > 0.0)
-            || operands.iter().all(|(_, share)| share.hi > 0.0);
+        let may_be = operands.iter().filter(|(_, fraction)| fraction.hi > 0.0).map(|(operand, _)| **operand);
+        let surely = operands.iter().any(|(_, fraction)| fraction.lo > 0.0)
+            || operands.iter().all(|(_, fraction)| fraction.hi > 0.0);
         let nothing = (!surely).then(|| Self::flat(ZERO));
         let chosen = may_be.chain(nothing).reduce(|a, b| a.hull(&b)).unwrap_or(Self::flat(ZERO));
         Self { value, ..chosen }

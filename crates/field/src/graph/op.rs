@@ -44,7 +44,7 @@ impl Properties {
     /// The result depends on the frame's tables; it cannot be folded.
     pub const READS_FRAME: Self = Self(8);
     /// It costs several times an addition: the interpreter's clauses of it stand second in a texel.
-    pub const DEAR: Self = Self(32);
+    pub const EXPENSIVE: Self = Self(32);
     /// Over a box one operand may decide alone, so that the other is not needed there.
     pub const CHOOSES: Self = Self(64);
     /// The result is 0 or 1.
@@ -187,7 +187,7 @@ const NEVER_NEGATIVE: Properties = Properties::NEVER_NEGATIVE;
 const WHOLE: Properties = Properties::WHOLE;
 const TRUTH: Properties = Properties::TRUTH;
 const READS_FRAME: Properties = Properties::READS_FRAME;
-const DEAR: Properties = Properties::DEAR;
+const EXPENSIVE: Properties = Properties::EXPENSIVE;
 const CHOOSES: Properties = Properties::CHOOSES;
 
 operators! {
@@ -245,73 +245,73 @@ operators! {
         slope_bounds |_, _, r, _| slopes::sqrt(r),
         glsl "sqrt(max($a, 0.0))";
     /// e^a.
-    Exp = 26 "EXP" NEVER_NEGATIVE.and(DEAR),
+    Exp = 26 "EXP" NEVER_NEGATIVE.and(EXPENSIVE),
         value |a, _, _| a.exp(), bounds |a, _, _| rules::exp(a), slopes |_, _, r, _| (r, 0.0),
         slope_bounds |_, _, r, _| slopes::first(r),
         glsl "exp($a)";
     /// 2^a.
-    Exp2 = 27 "EXP2" NEVER_NEGATIVE.and(DEAR),
+    Exp2 = 27 "EXP2" NEVER_NEGATIVE.and(EXPENSIVE),
         value |a, _, _| a.exp2(), bounds |a, _, _| rules::exp2(a),
         slopes |_, _, r, _| (r * std::f32::consts::LN_2, 0.0),
         slope_bounds |_, _, r, _| slopes::exp2(r),
         glsl "exp2($a)";
     /// The natural logarithm of max(a, [`SMALLEST`]), so at least -87.34.
-    Log = 28 "LOG" DEAR,
+    Log = 28 "LOG" EXPENSIVE,
         value |a, _, _| a.max(SMALLEST).ln(), bounds |a, _, _| rules::log(a),
         slopes |a, _, _, _| (if a > SMALLEST { a.recip() } else { 0.0 }, 0.0),
         slope_bounds |a, _, _, _| slopes::log(a, 1.0),
         glsl "log(max($a, 1.17549435e-38))";
     /// The binary logarithm of max(a, [`SMALLEST`]), so at least -126.
-    Log2 = 29 "LOG2" DEAR,
+    Log2 = 29 "LOG2" EXPENSIVE,
         value |a, _, _| a.max(SMALLEST).log2(), bounds |a, _, _| rules::log2(a),
         slopes |a, _, _, _| (if a > SMALLEST { std::f32::consts::LOG2_E / a } else { 0.0 }, 0.0),
         slope_bounds |a, _, _, _| slopes::log(a, std::f32::consts::LOG2_E),
         glsl "log2(max($a, 1.17549435e-38))";
     /// The sine of a in radians.
-    Sin = 30 "SIN" DEAR,
+    Sin = 30 "SIN" EXPENSIVE,
         value |a, _, _| a.sin(), bounds |a, _, _| rules::sin(a), slopes |a, _, _, _| (a.cos(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::cos(a)),
         glsl "sin($a)";
     /// The cosine of a in radians.
-    Cos = 31 "COS" DEAR,
+    Cos = 31 "COS" EXPENSIVE,
         value |a, _, _| a.cos(), bounds |a, _, _| rules::cos(a), slopes |a, _, _, _| (-a.sin(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::neg(rules::sin(a))),
         glsl "cos($a)";
     /// The tangent of a in radians.
-    Tan = 32 "TAN" DEAR,
+    Tan = 32 "TAN" EXPENSIVE,
         value |a, _, _| a.tan(), bounds |a, _, _| rules::tan(a), slopes |_, _, r, _| (1.0 + r * r, 0.0),
         slope_bounds |_, _, r, _| slopes::tan(r),
         glsl "tan($a)";
     /// The arc sine of a clamped to -1..1; 0 for a NaN. (GLSL's own is off by 4e-4 in Mesa.)
-    Asin = 33 "ASIN" DEAR,
+    Asin = 33 "ASIN" EXPENSIVE,
         value |a, _, _| unit(a).asin(), bounds |a, _, _| rules::asin(a),
         slopes |a, _, _, _| (arc_slope(a), 0.0),
         slope_bounds |a, _, _, _| slopes::first(slopes::arc(a)),
         glsl "atan(clamp($a, -1.0, 1.0), sqrt(max((1.0 - $a) * (1.0 + $a), 0.0)))";
     /// The arc cosine of a clamped to -1..1; that of 0 for a NaN.
-    Acos = 34 "ACOS" NEVER_NEGATIVE.and(DEAR),
+    Acos = 34 "ACOS" NEVER_NEGATIVE.and(EXPENSIVE),
         value |a, _, _| unit(a).acos(), bounds |a, _, _| rules::acos(a),
         slopes |a, _, _, _| (-arc_slope(a), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::neg(slopes::arc(a))),
         glsl "atan(sqrt(max((1.0 - $a) * (1.0 + $a), 0.0)), clamp($a, -1.0, 1.0))";
     /// The arc tangent of a.
-    Atan = 35 "ATAN" DEAR,
+    Atan = 35 "ATAN" EXPENSIVE,
         value |a, _, _| a.atan(), bounds |a, _, _| rules::atan(a),
         slopes |a, _, _, _| ((1.0 + a * a).recip(), 0.0),
         slope_bounds |a, _, _, _| slopes::atan(a),
         glsl "atan($a)";
     /// The hyperbolic sine of a.
-    Sinh = 36 "SINH" DEAR,
+    Sinh = 36 "SINH" EXPENSIVE,
         value |a, _, _| a.sinh(), bounds |a, _, _| rules::sinh(a), slopes |a, _, _, _| (a.cosh(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::cosh(a)),
         glsl "sinh($a)";
     /// The hyperbolic cosine of a.
-    Cosh = 37 "COSH" NEVER_NEGATIVE.and(DEAR),
+    Cosh = 37 "COSH" NEVER_NEGATIVE.and(EXPENSIVE),
         value |a, _, _| a.cosh(), bounds |a, _, _| rules::cosh(a), slopes |a, _, _, _| (a.sinh(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::sinh(a)),
         glsl "cosh($a)";
     /// The hyperbolic tangent of a clamped to ±[`TANH_MAX`](super::TANH_MAX); 0 for a NaN.
-    Tanh = 38 "TANH" DEAR,
+    Tanh = 38 "TANH" EXPENSIVE,
         value |a, _, _| tanh(a), bounds |a, _, _| rules::tanh(a), slopes |_, _, r, _| (1.0 - r * r, 0.0),
         slope_bounds |_, _, r, _| slopes::tanh(r),
         glsl "tanh(clamp($a, -10.0, 10.0))";
@@ -321,19 +321,19 @@ operators! {
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "float($a == 0.0)";
     /// The band with the number floor(a), clamped to 0..=31; band 0 for a NaN.
-    Band = 40 "BAND" READS_FRAME.and(DEAR),
+    Band = 40 "BAND" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.band(a), bounds |a, _, frame| frame.band_bounds(a),
         slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "table_band($a)";
     /// The spectrum at a in 0..1, low to high, clamped; a cubic B-spline of the entries ([`TableData`](super::TableData)).
-    Spectrum = 41 "SPECTRUM" READS_FRAME.and(DEAR),
+    Spectrum = 41 "SPECTRUM" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.spectrum.at(a, 0.0), bounds |a, _, frame| frame.spectrum.bounds(a, Interval::point(0.0)),
         slopes |a, _, _, frame| frame.spectrum.slopes(a, 0.0),
         slope_bounds |a, _, _, frame| frame.spectrum.slope_bounds(a, Interval::point(0.0)),
         glsl "table_spectrum($a)";
     /// The waveform at a in 0..1, old to new, clamped; a cubic B-spline of the entries.
-    Waveform = 42 "WAVEFORM" READS_FRAME.and(DEAR),
+    Waveform = 42 "WAVEFORM" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.waveform.at(a, 0.0), bounds |a, _, frame| frame.waveform.bounds(a, Interval::point(0.0)),
         slopes |a, _, _, frame| frame.waveform.slopes(a, 0.0),
         slope_bounds |a, _, _, frame| frame.waveform.slope_bounds(a, Interval::point(0.0)),
@@ -380,14 +380,14 @@ operators! {
         glsl "($b == 0.0 ? $a : $a - $b * floor($a / $b))";
     /// a to the power of b for positive a. A base that is 0 or negative (or below [`SMALLEST`]) gives 0, and
     /// 1 where b is 0.
-    Pow = 71 "POW" NEVER_NEGATIVE.and(DEAR),
+    Pow = 71 "POW" NEVER_NEGATIVE.and(EXPENSIVE),
         value |a, b, _| pow(a, b), bounds |a, b, _| rules::pow(a, b),
         slopes |a, b, r, _| if a >= SMALLEST { (b * r / a, r * a.ln()) } else { (0.0, 0.0) },
         slope_bounds |a, b, r, _| slopes::pow(a, b, r),
         glsl "($a >= 1.17549435e-38 ? pow($a, $b) : float($b == 0.0))";
     /// The angle of the vector (b, a) from the x axis, -π..π: GLSL's atan(a, b). Where a is 0: π for negative
     /// b, else 0.
-    Atan2 = 72 "ATAN2" DEAR,
+    Atan2 = 72 "ATAN2" EXPENSIVE,
         value |a, b, _| atan2(a, b), bounds |a, b, _| rules::atan2(a, b),
         slopes |a, b, _, _| { let d = a * a + b * b; if d > 0.0 { (b / d, -a / d) } else { (0.0, 0.0) } },
         slope_bounds |a, b, _, _| slopes::atan2(a, b),
@@ -421,13 +421,13 @@ operators! {
         glsl "($a == 0.0 ? 0.0 : $b)";
     /// A random-looking number in 0..1, a multiple of 2^-24, of the cell (floor(a), floor(b)); see
     /// [`cell_hash`].
-    Hash = 78 "HASH" NEVER_NEGATIVE.and(DEAR),
+    Hash = 78 "HASH" NEVER_NEGATIVE.and(EXPENSIVE),
         value |a, b, _| cell_hash(a, b), bounds |a, b, _| rules::hash(a, b), slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "cell_hash($a, $b)";
     /// The history of the spectrum at a in 0..1 (low to high) and the age b in 0..1 (now to oldest), clamped; a
     /// bicubic B-spline.
-    History = 79 "HISTORY" READS_FRAME.and(DEAR),
+    History = 79 "HISTORY" READS_FRAME.and(EXPENSIVE),
         value |a, b, frame| frame.history.at(a, b), bounds |a, b, frame| frame.history.bounds(a, b),
         slopes |a, b, _, frame| frame.history.slopes(a, b),
         slope_bounds |a, b, _, frame| frame.history.slope_bounds(a, b),

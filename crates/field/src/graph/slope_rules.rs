@@ -19,7 +19,7 @@ use super::rules;
 const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
 pub(super) const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
 /// From 0 to infinity: the slopes near a vertical tangent.
-const STEEP: Interval = Interval { lo: 0.0, hi: f32::INFINITY };
+const NON_LIPSCHITZ: Interval = Interval { lo: 0.0, hi: f32::INFINITY };
 
 /// Slopes that are the same everywhere.
 #[inline(always)]
@@ -59,7 +59,7 @@ pub(super) fn square(a: Interval) -> (Interval, Interval) {
 
 pub(super) fn sqrt(r: Interval) -> (Interval, Interval) {
     if r.is_any() {
-        return first(STEEP);
+        return first(NON_LIPSCHITZ);
     }
     let slope = |r: f32| if r > 0.0 { 0.5 / r } else { f32::INFINITY };
     first(if rules::is_zero(r) {
@@ -67,7 +67,7 @@ pub(super) fn sqrt(r: Interval) -> (Interval, Interval) {
     } else if r.lo > 0.0 {
         map_falling(r, slope)
     } else {
-        STEEP
+        NON_LIPSCHITZ
     })
 }
 
@@ -111,7 +111,7 @@ pub(super) fn arc(a: Interval) -> Interval {
         return ZERO;
     }
     let slope = |v: f32| (1.0 - v * v).sqrt().recip();
-    if size.hi < 1.0 { size.map_rising(slope) } else { STEEP }
+    if size.hi < 1.0 { size.map_rising(slope) } else { NON_LIPSCHITZ }
 }
 
 pub(super) fn atan(a: Interval) -> (Interval, Interval) {

@@ -9,7 +9,7 @@
 use std::ops::{Index, IndexMut};
 
 macro_rules! sound_inputs {
-    ($($(#[doc = $doc:literal])+ $input:ident, $name:literal, $least:literal..$most:literal, $told:literal;)+) => {
+    ($($(#[doc = $doc:literal])+ $input:ident, $name:literal, $least:literal..$most:literal, $reported:literal;)+) => {
         /// A number of the sound; constant over a frame.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
@@ -18,7 +18,7 @@ macro_rules! sound_inputs {
         }
 
         /// Name, least and greatest value, and the description on the language's page.
-        const ROWS: &[(&str, f32, f32, &str)] = &[$(($name, $least, $most, $told),)+];
+        const ROWS: &[(&str, f32, f32, &str)] = &[$(($name, $least, $most, $reported),)+];
 
         impl SoundInput {
             /// All of them, in the order in which frames hold them.

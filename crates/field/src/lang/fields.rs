@@ -95,7 +95,7 @@ impl fmt::Display for DefaultValue {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MaterialRange {
     /// A share, 0..1.
-    Share,
+    Fraction,
     /// A reflected colour: each part 0..1.
     Reflectance,
     /// Emitted light: each part at least 0, and at most what a half float holds well.
@@ -133,13 +133,13 @@ impl<N: Default> Parts<N> for [N; 3] {
 macro_rules! section {
     (
         $(#[$about:meta])*
-        $section:ident { $($(#[$told:meta])* $own:ident: $type:ty,)* }
+        $section:ident { $($(#[$reported:meta])* $own:ident: $type:ty,)* }
         $($field:ident: $holds:ident = $default:expr, $uses:expr, $($range:ident,)? $doc:literal;)+
     ) => {
         $(#[$about])*
         #[derive(Debug, Clone, PartialEq)]
         pub struct $section<N = $crate::graph::NodeId> {
-            $($(#[$told])* pub $own: $type,)*
+            $($(#[$reported])* pub $own: $type,)*
             $(#[doc = $doc] pub $field: $crate::lang::fields::of::$holds<N>,)+
         }
 

@@ -18,15 +18,15 @@ section! {
         name: String,
     }
     color: Vector = Each(0.8), SURFACE, Reflectance, "diffuse reflectance, or the metal's colour, 0..1";
-    roughness: Number = Each(0.5), SURFACE, Share, "0 polished .. 1 matt";
-    metalness: Number = Each(0.0), SURFACE, Share, "0 insulator .. 1 metal";
+    roughness: Number = Each(0.5), SURFACE, Fraction, "0 polished .. 1 matt";
+    metalness: Number = Each(0.0), SURFACE, Fraction, "0 insulator .. 1 metal";
     emission: Vector = Each(0.0), SURFACE, Light, "light of its own";
-    reflect: Number = Each(0.0), SURFACE, Share,
+    reflect: Number = Each(0.0), SURFACE, Fraction,
         "share of light that is mirrored when looked at straight on, 0..1: the ray goes on";
-    coat: Number = Each(0.0), SURFACE, Share, "strength of a clear coat, 0..1";
-    haze: Number = Each(0.0), SURFACE, Share,
+    coat: Number = Each(0.0), SURFACE, Fraction, "strength of a clear coat, 0..1";
+    haze: Number = Each(0.0), SURFACE, Fraction,
         "share of it that the sky covers, 0..1: for what fades into the distance";
-    blur: Number = Each(0.0), SURFACE, Share,
+    blur: Number = Each(0.0), SURFACE, Fraction,
         "how rough the mirror is, 0 sharp .. 1 matt: the square root of GGX's alpha, as roughness is for lights";
 }
 
@@ -51,7 +51,7 @@ pub fn material_glsl() -> String {
         let _ = writeln!(members, "    {kind} {};    // {}", field.name, field.doc);
         let value = format!("m.{}", field.name);
         ranges.push(match field.range {
-            Some(MaterialRange::Share) => format!("share_of({value})"),
+            Some(MaterialRange::Fraction) => format!("share_of({value})"),
             Some(MaterialRange::Light) => format!("light_of({value})"),
             Some(MaterialRange::Reflectance) => format!("min(light_of({value}), vec3(1.0))"),
             None => value,

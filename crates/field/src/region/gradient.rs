@@ -17,7 +17,7 @@ const SCALE_MIN: f32 = 1e-30;
 /// The largest finite float whose lower half is 0: anything steeper counts as unbounded.
 const SCALE_MAX: f32 = f32::from_bits(0x7F7F_0000);
 /// Steps of the scale.
-const SHARES: f32 = 128.0;
+const FRACTIONS: f32 = 128.0;
 
 /// The words for bounds of a gradient.
 pub fn pack(gradient: [Interval; 3]) -> [u32; 2] {
@@ -30,14 +30,15 @@ pub fn pack(gradient: [Interval; 3]) -> [u32; 2] {
         return words([0; 3], [0; 3], 0.0);
     }
     // One step more than the largest bound needs: upper bounds reach 127 steps only.
-    let scale = rounded_up((most * (SHARES / 127.0)).max(SCALE_MIN));
-    let share = |value: f32, round: fn(f32) -> f32| round(value / scale * SHARES).clamp(-128.0, 127.0) as i32;
+    let scale = rounded_up((most * (FRACTIONS / 127.0)).max(SCALE_MIN));
+    let fraction =
+        |value: f32, round: fn(f32) -> f32| round(value / scale * FRACTIONS).clamp(-128.0, 127.0) as i32;
     let lower = gradient.map(|side| {
-        let found = share(side.lo, f32::floor);
+        let found = fraction(side.lo, f32::floor);
         if value(found, scale) > side.lo { found - 1 } else { found }
     });
     let upper = gradient.map(|side| {
-        let found = share(side.hi, f32::ceil);
+        let found = fraction(side.hi, f32::ceil);
         if value(found, scale) < side.hi { found + 1 } else { found }
     });
     words(lower, upper, scale)
@@ -48,12 +49,12 @@ fn rounded_up(value: f32) -> f32 {
     f32::from_bits((value.to_bits() + 0xFFFF) & 0xFFFF_0000).min(SCALE_MAX)
 }
 
-fn value(share: i32, scale: f32) -> f32 {
-    share as f32 * scale * (1.0 / SHARES)
+fn value(fraction: i32, scale: f32) -> f32 {
+    fraction as f32 * scale * (1.0 / FRACTIONS)
 }
 
 fn words(lower: [i32; 3], upper: [i32; 3], scale: f32) -> [u32; 2] {
-    let byte = |share: i32| u32::from(share as u8);
+    let byte = |fraction: i32| u32::from(fraction as u8);
     [
         byte(lower[0]) | byte(lower[1]) << 8 | byte(lower[2]) << 16 | byte(upper[0]) << 24,
         byte(upper[1]) | byte(upper[2]) << 8 | (scale.to_bits() & 0xFFFF_0000),
@@ -63,9 +64,13 @@ fn words(lower: [i32; 3], upper: [i32; 3], scale: f32) -> [u32; 2] {
 /// The bounds that words hold; never narrower than those that were packed, but at most ±3.4e38.
 pub fn unpack([z, w]: [u32; 2]) -> [Interval; 3] {
     let scale = f32::from_bits(w & 0xFFFF_0000);
-    let share = |word: u32, shift: u32| value(i32::from((word >> shift) as u8 as i8), scale);
+    let fraction = |word: u32, shift: u32| value(i32::from((word >> shift) as u8 as i8), scale);
     let side = |lo: f32, hi: f32| Interval { lo, hi };
-    [side(share(z, 0), share(z, 24)), side(share(z, 8), share(w, 0)), side(share(z, 16), share(w, 8))]
+    [
+        side(fraction(z, 0), fraction(z, 24)),
+        side(fraction(z, 8), fraction(w, 0)),
+        side(fraction(z, 16), fraction(w, 8)),
+    ]
 }
 
 /// The largest rate at which a value with such a gradient can fall along a direction: -inf(gradient · direction).

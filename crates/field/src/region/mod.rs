@@ -22,7 +22,7 @@
 //! A cell is `[bound, tape | object << 24, slopes, slopes]`. The bound is a lower bound of the distance everywhere in
 //! the cell, as a float's bits; it is at most 0 where a surface may be. Then come the first texel of the cell's tape
 //! and the number of the nearest object, or [`OBJECT_UNKNOWN`]. The slopes are bounds of the gradient ([`gradient`])
-//! if the value is not a distance ([`World::steep`]) and a surface may be in the cell, else 0. If the bound is
+//! if the value is not a distance ([`World::non_lipschitz`]) and a surface may be in the cell, else 0. If the bound is
 //! [`DIVIDED`], the second word is the first texel of the cell's brick.
 //!
 //! **Regions shorten tapes for cells of the world** (Keeter 2020 does it for tiles of the screen, which shadow,
@@ -91,14 +91,19 @@ pub struct RegionVariant {
     /// Registers, up to 256: what [`rounded_registers`] gives. GPUs round up to powers of two.
     pub registers: usize,
     /// Whether rays need the cells' bounds of the gradient.
-    pub steep: bool,
+    pub non_lipschitz: bool,
 }
 
 impl RegionVariant {
-    /// The requirements of nearly every scene whose value is a distance or, `steep`, is none: all operators, and as many
+    /// The requirements of nearly every scene whose value is a distance or, `non_lipschitz`, is none: all operators, and as many
     /// registers as the largest shipped scene needs. More would cost the program registers of the GPU.
-    pub fn universal(steep: bool) -> Self {
-        Self { operators: Op::ALL.iter().copied().collect(), compounds: Compounds::ALL, registers: 32, steep }
+    pub fn universal(non_lipschitz: bool) -> Self {
+        Self {
+            operators: Op::ALL.iter().copied().collect(),
+            compounds: Compounds::ALL,
+            registers: 32,
+            non_lipschitz,
+        }
     }
 }
 
@@ -182,7 +187,13 @@ impl RegionPlan {
         let [bound, estimate] = world.roots.distance;
         let roots = [bound, estimate, world.roots.object];
         let bounds = world.bounds.map(|bounds| (bounds.low, bounds.high));
-        Self::of(&world.graph, roots, bounds, world.has_rest, world.steep.then_some(world.slopes.steepest))
+        Self::of(
+            &world.graph,
+            roots,
+            bounds,
+            world.has_rest,
+            world.non_lipschitz.then_some(world.slopes.steepest),
+        )
     }
 
     /// The plan of bound, estimate and object. Where the bound is no distance, `steepest` is [`Slopes::steepest`](crate::world::Slopes::steepest).
@@ -234,7 +245,7 @@ impl RegionPlan {
         let registers = if fits { encoder.registers } else { REGISTERS_MAX };
         let operators = program.steps.iter().map(|step| step.op).collect();
         let registers = rounded_registers(registers);
-        plan.variant = RegionVariant { operators, compounds, registers, steep: steepest.is_some() };
+        plan.variant = RegionVariant { operators, compounds, registers, non_lipschitz: steepest.is_some() };
         plan
     }
 

@@ -17,9 +17,9 @@ use crate::graph::Interval;
 /// Programs up to this length are not divided further.
 const UNDIVIDED_MAX: usize = 16;
 /// Around the eye a cell is divided if its side is more than this share of its distance from there ..
-const FINE_SHARE: f32 = 0.16;
+const FINE_FRACTION: f32 = 0.16;
 /// .. or this share, if gradients are needed.
-const STEEP_FINE_SHARE: f32 = 0.3;
+const NON_LIPSCHITZ_FINE_FRACTION: f32 = 0.3;
 /// If the cells of a brick need more different programs than this, decisions that save little are not taken.
 const GROUPS_MANY: usize = 16;
 /// Farther from surfaces than this no ray asks for the object.
@@ -92,7 +92,7 @@ impl<'a> Part<'a> {
             scratch: Scratch::default(),
             known: HashMap::default(),
             levels: Default::default(),
-            gradients: trunk.variant.steep.then(|| Gradients::new(trunk.steepest)),
+            gradients: trunk.variant.non_lipschitz.then(|| Gradients::new(trunk.steepest)),
             stats: RegionStats::default(),
         }
     }
@@ -196,9 +196,9 @@ impl<'a> Part<'a> {
         // Away from surfaces only penumbras and occlusion read tapes, so neighbours share one there.
         let away = own & !surface;
         let neighbours = if depth == 1 { &EIGHTHS[..] } else { &[u64::MAX] };
-        let shares = neighbours.iter().flat_map(|eighth| [away & near & eighth, away & !near & eighth]);
+        let fractions = neighbours.iter().flat_map(|eighth| [away & near & eighth, away & !near & eighth]);
         level.together.clear();
-        level.together.extend(shares.filter(|cells| *cells != 0));
+        level.together.extend(fractions.filter(|cells| *cells != 0));
         for coarse in [false, true] {
             level.decisions.coarse = coarse;
             level.decisions.decide(program, structure, &level.rows, [own, near], &level.together);
@@ -291,8 +291,8 @@ impl<'a> Part<'a> {
         });
         let away_squared: f32 = away.map(|along| along * along).sum();
         let side = block.cell.into_iter().fold(0.0, f32::max);
-        let share = if self.gradients.is_some() { STEEP_FINE_SHARE } else { FINE_SHARE };
-        side * side > share * share * away_squared
+        let fraction = if self.gradients.is_some() { NON_LIPSCHITZ_FINE_FRACTION } else { FINE_FRACTION };
+        side * side > fraction * fraction * away_squared
     }
 
     /// The words of the gradient for a group of the level's cells; 0 where no surface may be or no ray asks. In

@@ -5,7 +5,7 @@ use super::*;
 use crate::world::testing::{SPEAKERS, world_of};
 
 /// Balls of which one follows the sound, and waves that end: no distance.
-const STEEP: &str = "
+const NON_LIPSCHITZ: &str = "
 object balls {
   shape = union(for i in 0..6: dot(p - vec3(4 * i - 10, 0, 0), p - vec3(4 * i - 10, 0, 0)) - 1 - select(i - 2, 0, band(3)))
 }
@@ -49,7 +49,7 @@ fn assert_same_cells(tree: &Regions, fresh: &Regions, inputs: &FrameInputs, poin
 }
 
 /// Follows a scene through frames, each tree after the one before; gives the share of the bricks that were copied.
-fn share_copied(text: &str, parts: usize, frames: &[(f32, f32)]) -> f64 {
+fn fraction_copied(text: &str, parts: usize, frames: &[(f32, f32)]) -> f64 {
     let world = world_of(text);
     let plan = RegionPlan::new(&world);
     let options = RegionOptions { texels_max: 1 << 22, ..Default::default() };
@@ -73,10 +73,10 @@ const FRAMES: [(f32, f32); 4] = [(3.0, 0.5), (3.0, 0.52), (3.1, 0.55), (3.1, 0.5
 
 #[test]
 fn what_is_copied_is_what_would_be_made() {
-    for (text, least) in [(SPEAKERS, 0.2), (MANY, 0.2), (STEEP, 0.2)] {
+    for (text, least) in [(SPEAKERS, 0.2), (MANY, 0.2), (NON_LIPSCHITZ, 0.2)] {
         for parts in [1, 3] {
-            let share = share_copied(text, parts, &FRAMES);
-            assert!(share > least && share < 0.95, "{share} of {text}");
+            let fraction = fraction_copied(text, parts, &FRAMES);
+            assert!(fraction > least && fraction < 0.95, "{fraction} of {text}");
         }
     }
 }
@@ -84,8 +84,8 @@ fn what_is_copied_is_what_would_be_made() {
 #[test]
 fn what_reads_a_table_of_the_sound_is_made_anew() {
     // No number of the program changes, only the table.
-    let share = share_copied(HEARS, 1, &[(3.0, 0.1), (3.0, 0.9), (3.0, 0.2)]);
-    assert!(share > 0.1 && share < 0.9, "{share}");
+    let fraction = fraction_copied(HEARS, 1, &[(3.0, 0.1), (3.0, 0.9), (3.0, 0.2)]);
+    assert!(fraction > 0.1 && fraction < 0.9, "{fraction}");
 }
 
 #[test]

@@ -38,9 +38,9 @@ const WHOLE_MAX: usize = 24;
 /// Nodes of all programs of a frame that are shortened, at most: about 20 to 40 ms. Longer programs stay whole.
 const NODES_MAX: usize = 4096;
 /// A cell has a tape of its own where that has at most this share of the clauses of its block's.
-const OWN_SHARE: f32 = 0.75;
+const OWN_FRACTION: f32 = 0.75;
 /// Texels of a shortened tape, at most, as a share of those of the whole one.
-const SHORTER_SHARE: f32 = 0.9;
+const SHORTER_FRACTION: f32 = 0.9;
 
 /// What a program's grid divides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -380,7 +380,7 @@ impl<'a> Shortener<'a> {
             for (with, shared) in &shared {
                 let lanes = group & with;
                 if lanes != 0 {
-                    let pays = own.steps.len() as f32 <= OWN_SHARE * shared.steps.len() as f32;
+                    let pays = own.steps.len() as f32 <= OWN_FRACTION * shared.steps.len() as f32;
                     let tape = self.tape(if pays { &own } else { shared }, whole, known, tapes);
                     cells_of(lanes).for_each(|lane| found[lane] = tape);
                 }
@@ -414,7 +414,7 @@ impl<'a> Shortener<'a> {
         let texels = self.encoder.encode(program, &outputs).map(<[Texel]>::to_vec);
         let fits = texels.ok().filter(|texels| {
             let texels = texels.len() + beside;
-            texels as f32 <= SHORTER_SHARE * whole as f32 && texels <= self.room
+            texels as f32 <= SHORTER_FRACTION * whole as f32 && texels <= self.room
         });
         let tape = fits.map(|texels| {
             self.room -= texels.len() + beside;

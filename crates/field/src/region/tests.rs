@@ -28,8 +28,8 @@ pub(super) fn inputs_of(world: &World, time: f32, loud: f32) -> FrameInputs {
 pub(super) fn point(regions: &Regions, number: u32) -> [f32; 3] {
     let places = [0.754_877_67, 0.569_840_3, 0.438_579_22_f64];
     std::array::from_fn(|axis| {
-        let share = (f64::from(number) * places[axis] + 0.5).fract() as f32;
-        regions.low[axis] + regions.size[axis] * (share * 1.1 - 0.05)
+        let fraction = (f64::from(number) * places[axis] + 0.5).fract() as f32;
+        regions.low[axis] + regions.size[axis] * (fraction * 1.1 - 0.05)
     })
 }
 
@@ -368,7 +368,7 @@ fn cells_hold_the_slopes_in_them() {
         ("y-2*noise_2d(0.2*p.xz+t)", 6.0),
     ] {
         let world = world_of(text);
-        assert!(world.steep, "{text}");
+        assert!(world.non_lipschitz, "{text}");
         let inputs = inputs_of(&world, 3.5, 0.8);
         let options = RegionOptions { cells: false, texels_max: 1 << 22, center: [0.3; 3], eye: None };
         let regions = RegionPlan::new(&world).build(&inputs, &options);

@@ -169,7 +169,8 @@ pub(super) fn build(
     let (low, size) = extent(bounds, options.center);
     let farthest = (0..3).map(|axis| low[axis].abs().max((low[axis] + size[axis]).abs())).fold(0.0, f32::max);
     // Where the value is not a distance, rays cannot do without cells.
-    let cells = (options.cells || variant.steep) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
+    let cells =
+        (options.cells || variant.non_lipschitz) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
     let mut trunk = Trunk {
         frame,
         options,

@@ -49,7 +49,7 @@ const KEPT: [u8; 2] = [opcode::END, opcode::LOAD];
 
 /// Whether an operator costs several times an addition: those stand second in a texel.
 pub const fn is_rare(op: Op) -> bool {
-    op.properties().has(Properties::DEAR)
+    op.properties().has(Properties::EXPENSIVE)
 }
 
 /// The clause END of a tape with the first two of its results in these registers: it assigns the first to itself.

@@ -245,10 +245,10 @@ mod tests {
         find(&tape, &any)
     }
 
-    fn assert_near(found: Option<Bounds>, low: [f32; 3], high: [f32; 3], share: f32) {
+    fn assert_near(found: Option<Bounds>, low: [f32; 3], high: [f32; 3], fraction: f32) {
         let found = found.expect("bounds");
         for axis in 0..3 {
-            let slack = share * (high[axis] - low[axis]);
+            let slack = fraction * (high[axis] - low[axis]);
             assert!(found.low[axis] <= low[axis] && found.low[axis] >= low[axis] - slack, "{found:?}");
             assert!(found.high[axis] >= high[axis] && found.high[axis] <= high[axis] + slack, "{found:?}");
         }

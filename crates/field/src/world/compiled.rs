@@ -18,8 +18,8 @@ impl World {
         self.graph.is_same(&other.graph)
             && self.roots == other.roots
             && materials(self) == materials(other)
-            && self.traits == other.traits
-            && self.steep == other.steep
+            && self.features == other.features
+            && self.non_lipschitz == other.non_lipschitz
             && self.planes.len() == other.planes.len()
             && self.pictures.len() == other.pictures.len()
     }

@@ -13,24 +13,24 @@ mod bounds;
 mod compiled;
 mod frame_tape;
 
+mod distance_check;
 mod hoist;
 mod interpreted;
 mod nearby_light;
 mod planes;
+mod scene_features;
 mod shortening;
-mod steepness;
-mod traits;
 mod validate;
 
 pub use blend::{Alignment, BlendError, BlendKind, PortalShape, blended_params};
 pub use bounds::Bounds;
+pub use distance_check::Slopes;
 pub use frame_tape::{FrameTape, FrameValues};
 pub use hoist::Hoisted;
 pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
+pub use scene_features::SceneFeatures;
 pub use shortening::{ShortPrograms, ShortenOptions, ShortenRequest, WorthShortening};
-pub use steepness::Slopes;
-pub use traits::SceneFeatures;
 // What lights and pictures are made of is part of a scene.
 pub use crate::lang::{LightKind, ToneMap};
 
@@ -143,14 +143,14 @@ pub struct World {
     pub bounds: Option<Bounds>,
     /// Whether the value of the rest is not a distance: it changes faster than the position, or is much flatter at
     /// surfaces. Rays then need to know how steep it is where they are.
-    pub steep: bool,
+    pub non_lipschitz: bool,
     /// Where the value is not a distance: what is known of its slopes.
     pub slopes: Slopes,
     /// How much the shortest step of a shadow ray grows with each step: 0 in a scene, whose surfaces such rays leave.
     /// Between two scenes a lamp of one may be among the surfaces of the other, and rays creep along these.
     pub shadow_step_growth: f32,
     /// The parts of the shaders that it needs.
-    pub traits: SceneFeatures,
+    pub features: SceneFeatures,
     /// The expressions that the shader evaluates.
     pub roots: Roots,
     /// The values that the CPU computes once per frame.
@@ -214,21 +214,21 @@ impl World {
         let (glow, roots) = (glow.is_some(), roots(&mut scene, rest.as_ref(), glow));
         scene.graph.check().map_err(graph_error)?;
         let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
-        let Traced { bounds, steep, slopes, shadow_step_growth } = match (traced, &rest) {
+        let Traced { bounds, non_lipschitz, slopes, shadow_step_growth } = match (traced, &rest) {
             (Some(traced), _) => traced,
             (None, Some(_)) => Traced::of(&scene, &roots, &frame_tape).map_err(tape_error)?,
             (None, None) => Traced::default(),
         };
-        let traits = SceneFeatures::of(&scene, glow, shadow_step_growth > 0.0);
+        let features = SceneFeatures::of(&scene, glow, shadow_step_growth > 0.0);
         let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
         Ok(Self {
             name: name.to_owned(),
             has_rest: rest.is_some(),
             bounds,
-            steep,
+            non_lipschitz,
             slopes,
             shadow_step_growth,
-            traits,
+            features,
             roots,
             graph,
             hoisted,
@@ -250,7 +250,7 @@ struct Surfaces {
 }
 
 /// How far from its surfaces a value that is no distance grows: this share of half the size of their bounds.
-const TAMED_SHARE: f32 = 1.0;
+const NORMALIZED_FRACTION: f32 = 1.0;
 /// The same in a scene without bounds.
 const TAMED_REACH: f32 = 8.0;
 
@@ -258,7 +258,7 @@ const TAMED_REACH: f32 = 8.0;
 #[derive(Default)]
 struct Traced {
     bounds: Option<Bounds>,
-    steep: bool,
+    non_lipschitz: bool,
     slopes: Slopes,
     shadow_step_growth: f32,
 }
@@ -271,12 +271,12 @@ impl Traced {
         let bounds = bounds::find(&tape, &any);
         let around = |inputs: &FrameInputs| match bounds {
             Some(bounds) => vec![bounds],
-            None => steepness::around(frame_tape.values(inputs).camera.target),
+            None => distance_check::around(frame_tape.values(inputs).camera.target),
         };
-        let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
-        let reach = bounds.map_or(TAMED_REACH, |bounds| TAMED_SHARE * bounds.half());
-        Ok(match steepness::tamed(&tape, frames, bounds.as_ref(), reach) {
-            Some(slopes) => Self { bounds, steep: true, slopes, ..Self::default() },
+        let frames = distance_check::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
+        let reach = bounds.map_or(TAMED_REACH, |bounds| NORMALIZED_FRACTION * bounds.half());
+        Ok(match distance_check::tamed(&tape, frames, bounds.as_ref(), reach) {
+            Some(slopes) => Self { bounds, non_lipschitz: true, slopes, ..Self::default() },
             None => Self { bounds, ..Self::default() },
         })
     }

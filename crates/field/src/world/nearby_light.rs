@@ -44,8 +44,8 @@ pub(super) fn nearby_light(scene: &mut Scene) -> Result<Option<[NodeId; 4]>, Gra
             [0, 1, 2].map(|part| {
                 let mut light = zero;
                 for (emission, &weight) in several.iter().zip(&weights) {
-                    let share = graph.mul(emission[part], weight);
-                    light = graph.add(light, share);
+                    let fraction = graph.mul(emission[part], weight);
+                    light = graph.add(light, fraction);
                 }
                 graph.div(light, sum)
             })

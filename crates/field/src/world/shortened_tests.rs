@@ -133,12 +133,12 @@ fn assert_these_are_the_same(world: &World, frame: &FrameInputs, short: &[[u32; 
 
 #[test]
 fn materials_and_light_are_the_same_in_every_cell() {
-    for (text, share_max) in [(ROOMS, 0.6), (SPEAKERS, 1.0)] {
+    for (text, fraction_max) in [(ROOMS, 0.6), (SPEAKERS, 1.0)] {
         let world = world_of(text);
         for (time, loud) in [(0.0, 0.0), (31.0, 0.6)] {
             let frame = frame_of(&world, time, loud);
-            let share = assert_the_same(&world, &frame, &ShortenOptions::default());
-            assert!(share < share_max, "{share} of the texels were run");
+            let fraction = assert_the_same(&world, &frame, &ShortenOptions::default());
+            assert!(fraction < fraction_max, "{fraction} of the texels were run");
         }
     }
 }

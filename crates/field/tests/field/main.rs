@@ -3,4 +3,4 @@
 #[allow(dead_code, reason = "others take more of it")]
 mod expression;
 mod melts;
-mod steep_tracing;
+mod non_lipschitz_tracing;

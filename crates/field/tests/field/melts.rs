@@ -51,10 +51,10 @@ fn shown(melt: &World, inputs: FrameInputs) -> [f32; 3] {
     let (distance, owner) = (tape_of(&[melt.scene.distance]), tape_of(&melt.scene.materials[0].color[..1]));
     let (mut distance, mut owner) =
         (PointEvaluator::new(&distance, &inputs), PointEvaluator::new(&owner, &inputs));
-    let sight = [0, 1, 2].map(|axis| camera.target[axis] - camera.position[axis]);
-    let level = sight[0].hypot(sight[2]).max(1e-3);
-    let ahead = sight.map(|part| part / level.hypot(sight[1]));
-    let right = [sight[2] / level, 0.0, -sight[0] / level];
+    let ray_probe = [0, 1, 2].map(|axis| camera.target[axis] - camera.position[axis]);
+    let level = ray_probe[0].hypot(ray_probe[2]).max(1e-3);
+    let ahead = ray_probe.map(|part| part / level.hypot(ray_probe[1]));
+    let right = [ray_probe[2] / level, 0.0, -ray_probe[0] / level];
     let up = [
         ahead[1] * right[2] - ahead[2] * right[1],
         ahead[2] * right[0] - ahead[0] * right[2],
@@ -129,10 +129,10 @@ fn a_melt_swallowed_a_small_subject_and_shows_both_scenes() {
         let melt = melt_of(&from, &to);
         let mut line = format!("{}:", melt.name);
         let mut is_missing = false;
-        for share in [0.2, 0.35, 0.5, 0.65, 0.8] {
+        for fraction in [0.2, 0.35, 0.5, 0.65, 0.8] {
             let [first, second, capped] =
-                shown(&melt, inputs(blended_params((&from.scene, &[]), (&to.scene, &[]), share)));
-            line += &format!(" {share}: {first:.3} {second:.3} ({capped:.3})");
+                shown(&melt, inputs(blended_params((&from.scene, &[]), (&to.scene, &[]), fraction)));
+            line += &format!(" {fraction}: {first:.3} {second:.3} ({capped:.3})");
             is_missing |= first < 0.01 || second < 0.01;
         }
         println!("{line}");

@@ -80,7 +80,8 @@ impl KeptTexts {
     /// What was kept of a file's text.
     pub fn of(&self, file: &Path) -> Option<Kept> {
         let place = self.place(file)?;
-        let bytes = crate::documents::clerk::read_at_most(&place, LIMITS.kept_text_bytes_max).ok()??;
+        let bytes =
+            crate::documents::file_thread::read_at_most(&place, LIMITS.kept_text_bytes_max).ok()??;
         let end = bytes.iter().position(|byte| *byte == b'\n')?;
         let head: Head = serde_json::from_slice(bytes.get(..end)?).ok()?;
         // Another file may have the same short name.

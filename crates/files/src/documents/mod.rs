@@ -10,7 +10,7 @@
 //! **Nothing that was typed is lost.** Texts that differ from their files are kept in the user's folder for the state of
 //! programs, within a third of a second, and until they are saved or given up ([`kept`]).
 
-mod clerk;
+mod file_thread;
 mod kept;
 #[cfg(test)]
 mod tests;
@@ -18,7 +18,7 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-pub use clerk::Clerk;
+pub use file_thread::FileThread;
 pub use kept::{Kept, KeptTexts};
 
 /// The bytes of a text.
@@ -37,7 +37,7 @@ pub enum OnDisk {
 
 /// What the clerk has to tell.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum News {
+pub enum FileEvent {
     /// A file was read.
     Opened {
         /// The file.

@@ -93,7 +93,7 @@ fn evidence(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> 
     let mean = |from: usize, to: usize| {
         let mut sum = [0.0_f32; 12];
         for unit in units.get(from..to.min(units.len())).unwrap_or_default() {
-            sum.iter_mut().zip(unit.chroma).for_each(|(sum, share)| *sum += share / (to - from) as f32);
+            sum.iter_mut().zip(unit.chroma).for_each(|(sum, fraction)| *sum += fraction / (to - from) as f32);
         }
         sum
     };
@@ -165,9 +165,9 @@ fn meter(heard: &Heard, strengths: &[f32], beats: &[f64], evidence: &Evidence) -
 
 /// Whether beats have three parts, of which both the second and the third are struck. (Swing has no second.)
 fn has_thirds(heard: &Heard, strengths: &[f32], beats: &[f64]) -> bool {
-    let mean_at = |share: f64| {
+    let mean_at = |fraction: f64| {
         let at = |pair: &[f64]| {
-            let place = ((pair[0] + share * (pair[1] - pair[0])) / heard.hop_seconds).round() as usize;
+            let place = ((pair[0] + fraction * (pair[1] - pair[0])) / heard.hop_seconds).round() as usize;
             let end = (place + 3).min(strengths.len());
             strengths[place.saturating_sub(2).min(end)..end].iter().fold(0.0_f32, |a, b| a.max(*b))
         };

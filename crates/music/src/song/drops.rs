@@ -16,7 +16,7 @@ const RISE_MIN: f32 = 7.0;
 /// How straight it rises: the correlation of tension and time.
 const STRAIGHT_MIN: f32 = 0.8;
 /// No step from bar to bar is more than this share of the rise: that is an entry, not a build.
-const STEP_SHARE: f32 = 0.7;
+const STEP_FRACTION: f32 = 0.7;
 /// How sure the rise before a drop is: the t statistic of that correlation.
 const SURE_MIN: f32 = 5.0;
 
@@ -53,7 +53,7 @@ const APART: usize = 8;
 /// What the last beat before the next bar is like, of each bar between these times.
 pub(super) fn eves(heard: &Heard, bar_times: &[f64]) -> Vec<Unit> {
     let eve = |bar: &[f64]| {
-        let at = |share: f64| bar[0] + share * (bar[1] - bar[0]);
+        let at = |fraction: f64| bar[0] + fraction * (bar[1] - bar[0]);
         [at(EVE.0), at(EVE.1)]
     };
     let times: Vec<f64> = bar_times.windows(2).flat_map(eve).collect();
@@ -195,7 +195,7 @@ fn build(tension: &[f32], end: usize) -> Option<Build> {
         let rise = xy / xx * (count - 1.0);
         let straight = xy / (xx * yy).sqrt().max(1e-9);
         let step = values.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f32::max);
-        let is_build = rise >= RISE_MIN && straight >= STRAIGHT_MIN && step <= STEP_SHARE * rise;
+        let is_build = rise >= RISE_MIN && straight >= STRAIGHT_MIN && step <= STEP_FRACTION * rise;
         let sure = straight * ((count - 2.0) / (1.0 - straight * straight).max(1e-3)).sqrt();
         is_build.then_some(Build { start, sure })
     };

@@ -55,9 +55,9 @@ const MAJOR: [f32; 12] = [6.35, 2.23, 3.48, 2.33, 4.38, 4.09, 2.52, 5.19, 2.39, 
 const MINOR: [f32; 12] = [6.33, 2.68, 3.52, 5.38, 2.60, 3.53, 2.54, 4.75, 3.98, 2.69, 3.34, 3.17];
 
 /// What a song counts that is the tonic's triad all the time, or in which every phrase begins with it, in correlation.
-const TONIC_SHARE: f32 = 0.4;
-/// See [`TONIC_SHARE`].
-const FIRST_SHARE: f32 = 0.3;
+const TONIC_FRACTION: f32 = 0.4;
+/// See [`TONIC_FRACTION`].
+const FIRST_FRACTION: f32 = 0.3;
 
 /// A key that is less correlated with what sounds is none.
 const KEY_MIN: f32 = 0.55;
@@ -79,7 +79,7 @@ const CHANGE_COST: f32 = 0.45;
 /// Shares of the pitch classes in the whole song; none if it has no harmony: noise has all alike, and one held note does not
 /// change.
 pub(super) fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
-    let pitched = units.iter().filter(|unit| unit.chroma.iter().any(|share| *share > 0.0)).count();
+    let pitched = units.iter().filter(|unit| unit.chroma.iter().any(|fraction| *fraction > 0.0)).count();
     if (pitched as f32) < PITCHED_MIN * units.len().max(1) as f32 {
         return None;
     }
@@ -87,14 +87,14 @@ pub(super) fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
     for unit in units {
         // A loud beat counts more, but no more than four times a quiet one.
         let weight = (unit.level / 60.0).max(0.25);
-        sum.iter_mut().zip(unit.chroma).for_each(|(sum, share)| *sum += weight * share);
+        sum.iter_mut().zip(unit.chroma).for_each(|(sum, fraction)| *sum += weight * fraction);
     }
     let total: f32 = sum.iter().sum();
     let largest = sum.iter().copied().fold(0.0, f32::max);
     let smallest = sum.iter().copied().fold(f32::INFINITY, f32::min);
-    let heard = sum.iter().filter(|share| **share > 0.04 * total).count();
-    let mean = sum.map(|share| share / total.max(f32::MIN_POSITIVE));
-    let change = units.iter().filter(|unit| unit.chroma.iter().any(|share| *share > 0.0));
+    let heard = sum.iter().filter(|fraction| **fraction > 0.04 * total).count();
+    let mean = sum.map(|fraction| fraction / total.max(f32::MIN_POSITIVE));
+    let change = units.iter().filter(|unit| unit.chroma.iter().any(|fraction| *fraction > 0.0));
     let change = change.map(|unit| distance(&unit.chroma, &mean)).sum::<f32>() / pitched.max(1) as f32;
     let varied = change >= CHANGE_MIN && largest - smallest >= CONTRAST_MIN * total / 12.0;
     (heard >= 4 && varied).then_some(sum)
@@ -116,11 +116,12 @@ pub(super) fn key(
         };
         correlation(&turned(&sum, key.root), &profile)
     };
-    let share = |of: &[Option<Tonality>], key: &Tonality| {
+    let fraction = |of: &[Option<Tonality>], key: &Tonality| {
         of.iter().filter(|chord| chord.as_ref() == Some(key)).count() as f32 / of.len().max(1) as f32
     };
-    let likely =
-        |key: &Tonality| fits(key) + TONIC_SHARE * share(chords, key) + FIRST_SHARE * share(firsts, key);
+    let likely = |key: &Tonality| {
+        fits(key) + TONIC_FRACTION * fraction(chords, key) + FIRST_FRACTION * fraction(firsts, key)
+    };
     let best = Tonality::all().max_by(|a, b| likely(a).total_cmp(&likely(b)))?;
     (fits(&best) >= KEY_MIN).then_some(best)
 }
@@ -168,8 +169,8 @@ fn largest(values: &[f32]) -> usize {
 }
 
 /// The shares with `root` first.
-fn turned(shares: &[f32; 12], root: u8) -> [f32; 12] {
-    std::array::from_fn(|class| shares[(class + usize::from(root)) % 12])
+fn turned(fractions: &[f32; 12], root: u8) -> [f32; 12] {
+    std::array::from_fn(|class| fractions[(class + usize::from(root)) % 12])
 }
 
 /// Pearson's correlation; 0 if one of them does not vary.
@@ -193,14 +194,15 @@ mod tests {
         for key in Tonality::all() {
             let profile = if key.mode == Mode::Major { MAJOR } else { MINOR };
             let sum: f32 = profile.iter().sum();
-            let share = |class: usize| profile[(class + 12 - usize::from(key.root)) % 12] / sum;
+            let fraction = |class: usize| profile[(class + 12 - usize::from(key.root)) % 12] / sum;
             // Every other tone by turns, so that it is no held chord.
             let units = [0, 1].map(|turn| {
-                let chroma = std::array::from_fn(|class| if class % 2 == turn { share(class) } else { 0.0 });
+                let chroma =
+                    std::array::from_fn(|class| if class % 2 == turn { fraction(class) } else { 0.0 });
                 Unit { chroma, level: 60.0, low: 0.0, onsets: 0.0, timbre: [0.0; 20] }
             });
             assert_eq!(super::key(&units, &[], &[]), Some(key));
-            let held = Unit { chroma: std::array::from_fn(share), ..units[0] };
+            let held = Unit { chroma: std::array::from_fn(fraction), ..units[0] };
             assert_eq!(super::key(&[held; 4], &[], &[]), None);
         }
     }

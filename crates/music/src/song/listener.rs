@@ -64,9 +64,9 @@ impl Timbre {
         let mut edges = [0; TIMBRE_BANDS + 1];
         let mut least = 1;
         for (index, edge) in edges.iter_mut().enumerate() {
-            let share = index as f64 / TIMBRE_BANDS as f64;
+            let fraction = index as f64 / TIMBRE_BANDS as f64;
             // Each band has at least one bin.
-            *edge = bin(BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(share))
+            *edge = bin(BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(fraction))
                 .max(least)
                 .min(length / 2);
             least = *edge + 1;

@@ -28,4 +28,4 @@ pub use bars::Meter;
 pub use key::{Mode, PITCH_CLASSES, Tonality};
 pub use listener::SongListener;
 pub use moment::SongMoment;
-pub use structure::{Chord, PitchShares, Section, SongBeat, SongStructure, Stretch};
+pub use structure::{Chord, PitchFractions, Section, SongBeat, SongStructure, Stretch};

@@ -124,7 +124,7 @@ impl At<'_> {
             drop: self.drop(),
             key: key.map_or(0.0, |key| f32::from(key.root.min(11))),
             minor: key.map_or(0.0, |key| if key.mode == Mode::Minor { 1.0 } else { 0.0 }),
-            progress: share(self.time, 0.0, self.song.seconds),
+            progress: fraction(self.time, 0.0, self.song.seconds),
             chroma: self.chroma(),
         }
     }
@@ -155,7 +155,7 @@ impl At<'_> {
         let time = self.time;
         let after = self.song.sections.partition_point(|section| section.start <= time);
         let section = self.song.sections.get(after.saturating_sub(1))?;
-        Some((number_of(section), share(time, section.start, section.end)))
+        Some((number_of(section), fraction(time, section.start, section.end)))
     }
 
     /// Linear between the middles of the steps, because each is a mean.
@@ -173,7 +173,7 @@ impl At<'_> {
         let time = self.time;
         let after = self.song.builds.partition_point(|build| build.start <= time);
         let build = after.checked_sub(1).and_then(|index| self.song.builds.get(index));
-        build.filter(|build| time < build.end).map_or(0.0, |build| share(time, build.start, build.end))
+        build.filter(|build| time < build.end).map_or(0.0, |build| fraction(time, build.start, build.end))
     }
 
     fn drop(self) -> f32 {
@@ -182,7 +182,7 @@ impl At<'_> {
         let Some(drop) = after.checked_sub(1).and_then(|index| self.song.drops.get(index)) else {
             return 0.0;
         };
-        1.0 - share(time, *drop, drop + self.seconds_of_drop(*drop))
+        1.0 - fraction(time, *drop, drop + self.seconds_of_drop(*drop))
     }
 
     /// How long a drop fades.
@@ -209,7 +209,7 @@ impl At<'_> {
         let Some((other, its_middle)) = other.and_then(|other| Some((other, middle_of(other)?))) else {
             return heights;
         };
-        let amount = share(time, middle.min(its_middle), middle.max(its_middle));
+        let amount = fraction(time, middle.min(its_middle), middle.max(its_middle));
         let (from, to) =
             if other < index { (self.heights_of(other), heights) } else { (heights, self.heights_of(other)) };
         std::array::from_fn(|class| mixed(from[class], to[class], amount))
@@ -218,8 +218,8 @@ impl At<'_> {
     /// The pitch classes of a beat, the strongest 1.
     fn heights_of(self, index: usize) -> [f32; PITCH_CLASSES.len()] {
         let Some(unit_of) = self.song.chroma.get(index) else { return SongMoment::UNKNOWN.chroma };
-        let strongest = unit_of.shares.iter().copied().fold(0.0, f32::max);
-        unit_of.shares.map(|share| if strongest > 0.0 { unit(share / strongest) } else { 0.0 })
+        let strongest = unit_of.fractions.iter().copied().fold(0.0, f32::max);
+        unit_of.fractions.map(|fraction| if strongest > 0.0 { unit(fraction / strongest) } else { 0.0 })
     }
 }
 
@@ -233,7 +233,7 @@ fn number_of(section: &Section) -> f32 {
 }
 
 /// Where from `start` to `end` a time lies, 0..1.
-fn share(time: f64, start: f64, end: f64) -> f32 {
+fn fraction(time: f64, start: f64, end: f64) -> f32 {
     let length = end - start;
     if length > 0.0 { unit(((time - start) / length) as f32) } else { 0.0 }
 }

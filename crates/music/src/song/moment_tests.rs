@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::super::{Meter, Mode, PitchShares, Section, SongBeat, SongStructure, Stretch, Tonality};
+use super::super::{Meter, Mode, PitchFractions, Section, SongBeat, SongStructure, Stretch, Tonality};
 use super::SongMoment;
 use crate::features::Features;
 
@@ -10,9 +10,9 @@ use crate::features::Features;
 fn song() -> SongStructure {
     let section = |start, end, letter: &str| Section { start, end, letter: letter.into(), energy: 0.5 };
     let chroma = |index: usize| {
-        let mut shares = [0.0; 12];
-        (shares[0], shares[7]) = if index.is_multiple_of(2) { (0.8, 0.2) } else { (0.2, 0.8) };
-        PitchShares { start: 0.5 * index as f64, shares }
+        let mut fractions = [0.0; 12];
+        (fractions[0], fractions[7]) = if index.is_multiple_of(2) { (0.8, 0.2) } else { (0.2, 0.8) };
+        PitchFractions { start: 0.5 * index as f64, fractions }
     };
     SongStructure {
         seconds: 32.0,
@@ -43,7 +43,7 @@ fn close(a: f32, b: f32) -> bool {
 #[test]
 fn bars_and_beats_are_counted_on_beyond_the_beats() {
     let song = song();
-    let told = |time: f64| {
+    let reported = |time: f64| {
         let moment = song.moment(time);
         (moment.bar, moment.beat_in_bar)
     };
@@ -60,7 +60,7 @@ fn bars_and_beats_are_counted_on_beyond_the_beats() {
         (30.75, 0.875, 4.0),
         (31.25, 0.125, 1.0),
     ] {
-        let found = told(time);
+        let found = reported(time);
         assert!(close(found.0, bar) && found.1 == beat, "{time} s: {found:?}, not {bar}, {beat}");
     }
 }
@@ -138,7 +138,7 @@ fn any_number() -> impl Strategy<Value = f64> {
     ]
 }
 
-fn any_share() -> impl Strategy<Value = f32> {
+fn any_fraction() -> impl Strategy<Value = f32> {
     prop_oneof![0.0..1.0_f32, any::<f32>(), Just(f32::NAN)]
 }
 
@@ -146,16 +146,16 @@ prop_compose! {
     /// Any structure, in any order and with any gap.
     fn any_song()(
         seconds in any_number(),
-        tempo in proptest::option::of(any_share()),
+        tempo in proptest::option::of(any_fraction()),
         meter in prop_oneof![Just(None), Just(Some(Meter::FourFour)), Just(Some(Meter::ThreeFour)), Just(Some(Meter::SixEight))],
-        beats in prop::collection::vec((any_number(), any::<u8>(), any_share()), 0..20),
+        beats in prop::collection::vec((any_number(), any::<u8>(), any_fraction()), 0..20),
         sections in prop::collection::vec((any_number(), any_number(), "[A-Z]{0,3}|[a-zé]"), 0..6),
         energy_step in any_number(),
-        energy in prop::collection::vec(any_share(), 0..20),
+        energy in prop::collection::vec(any_fraction(), 0..20),
         builds in prop::collection::vec((any_number(), any_number()), 0..4),
         drops in prop::collection::vec(any_number(), 0..4),
         root in proptest::option::of(any::<u8>()),
-        chroma in prop::collection::vec((any_number(), prop::array::uniform12(any_share())), 0..8),
+        chroma in prop::collection::vec((any_number(), prop::array::uniform12(any_fraction())), 0..8),
     ) -> SongStructure {
         SongStructure {
             seconds,
@@ -171,7 +171,7 @@ prop_compose! {
             builds: builds.into_iter().map(|(start, end)| Stretch { start, end }).collect(),
             drops,
             key: root.map(|root| Tonality { root, mode: Mode::Minor }),
-            chroma: chroma.into_iter().map(|(start, shares)| PitchShares { start, shares }).collect(),
+            chroma: chroma.into_iter().map(|(start, fractions)| PitchFractions { start, fractions }).collect(),
             ..SongStructure::default()
         }
     }

@@ -62,11 +62,11 @@ pub struct Chord {
 
 /// What sounds from one beat to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-pub struct PitchShares {
+pub struct PitchFractions {
     /// Its start, in seconds.
     pub start: f64,
     /// Share of each pitch class, C first; they sum to 1, or to 0 where no pitch sounds.
-    pub shares: [f32; 12],
+    pub fractions: [f32; 12],
 }
 
 /// The structure of a song. Times are seconds from its start; all numbers are finite.
@@ -106,7 +106,7 @@ pub struct SongStructure {
     /// The chords, changing on beats; together they cover the song.
     pub chords: Vec<Chord>,
     /// Shares of the pitch classes, from beat to beat.
-    pub chroma: Vec<PitchShares>,
+    pub chroma: Vec<PitchFractions>,
 }
 
 impl SongStructure {
@@ -147,8 +147,10 @@ impl SongStructure {
             if beats.is_empty() { bar_times.clone() } else { grid(&beats, period(&beats), seconds) };
         let of_beats = units(heard, &beat_times);
         let starts = beat_times.iter().copied();
-        structure.chroma =
-            starts.zip(&of_beats).map(|(start, unit)| PitchShares { start, shares: unit.chroma }).collect();
+        structure.chroma = starts
+            .zip(&of_beats)
+            .map(|(start, unit)| PitchFractions { start, fractions: unit.chroma })
+            .collect();
         let triads = chords(&of_beats);
         for (times, triad) in beat_times.windows(2).zip(triads.iter().copied()) {
             match structure.chords.last_mut() {

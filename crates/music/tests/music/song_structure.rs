@@ -132,10 +132,10 @@ fn bars_are_heard_live_once_they_are_sure() {
         let key = Tonality { root: 9, mode: Mode::Minor };
         let (frames, truth) = Song::new(style, tempo, key, pop(Mode::Minor)).play(RATE);
         let beats = beats_heard(RATE, &frames);
-        let [told, right] = bars_heard(&beats, &truth);
-        assert!(told > 0.5 && right > 0.9, "{style:?}: {told:.2} told, {right:.2} right");
+        let [reported, right] = bars_heard(&beats, &truth);
+        assert!(reported > 0.5 && right > 0.9, "{style:?}: {reported:.2} told, {right:.2} right");
         let played = Analyzer::new(RATE, Alignment::Centred);
-        assert!(told_of_bars(played, &frames) == 0, "the whole song is known of a file");
+        assert!(reported_of_bars(played, &frames) == 0, "the whole song is known of a file");
     }
 }
 
@@ -152,15 +152,15 @@ fn no_bar_is_heard_where_none_is() {
     let mut state = 3;
     let hiss: Vec<StereoFrame> = (0..RATE * 60).map(|_| [0.3 * noise(&mut state) as f32; 2]).collect();
     for frames in [clicks, hiss] {
-        assert_eq!(told_of_bars(Analyzer::new(RATE, Alignment::Trailing), &frames), 0);
+        assert_eq!(reported_of_bars(Analyzer::new(RATE, Alignment::Trailing), &frames), 0);
     }
 }
 
 /// In how many moments a bar is told.
-fn told_of_bars(mut analyzer: Analyzer, frames: &[StereoFrame]) -> usize {
-    let mut told = 0;
-    analyzer.push(frames, &mut |moment| told += usize::from(moment.features.bar_beat > 0.0));
-    told
+fn reported_of_bars(mut analyzer: Analyzer, frames: &[StereoFrame]) -> usize {
+    let mut reported = 0;
+    analyzer.push(frames, &mut |moment| reported += usize::from(moment.features.bar_beat > 0.0));
+    reported
 }
 
 #[test]

@@ -292,7 +292,7 @@ fn ballad(mode: Mode) -> Vec<Part> {
     form
 }
 
-struct Studio {
+struct Synthesizer {
     rate: f64,
     frames: Vec<StereoFrame>,
     noise: u32,
@@ -305,7 +305,7 @@ fn white(noise: &mut u32) -> f64 {
     f64::from(*noise) / f64::from(u32::MAX) * 2.0 - 1.0
 }
 
-impl Studio {
+impl Synthesizer {
     fn new(rate: u32, seconds: f64, seed: u32) -> Self {
         let rate = f64::from(rate);
         let mut noise = seed.wrapping_mul(2_654_435_761).wrapping_add(12_345);
@@ -359,9 +359,9 @@ impl Studio {
         let count = ((to - from) * self.rate) as usize;
         let mut last = 0.0;
         for (n, frame) in self.frames.iter_mut().skip(start).take(count).enumerate() {
-            let share = n as f64 / count as f64;
+            let fraction = n as f64 / count as f64;
             let noise = white(&mut self.noise);
-            let value = (loud * share * share * (noise - (1.0 - share) * last)) as f32;
+            let value = (loud * fraction * fraction * (noise - (1.0 - fraction) * last)) as f32;
             last = noise;
             *frame = frame.map(|x| x + value);
         }
@@ -422,7 +422,7 @@ impl Song {
 
     /// The song at `rate` frames per second.
     pub(crate) fn play(&self, rate: u32) -> (Vec<StereoFrame>, Truth) {
-        let mut studio = Studio::new(rate, self.time(self.beats()) + 1.0, self.seed);
+        let mut synthesizer = Synthesizer::new(rate, self.time(self.beats()) + 1.0, self.seed);
         let mut truth = Truth::default();
         let per_bar = self.style.meter().beats();
         let mut bar = 0;
@@ -439,19 +439,19 @@ impl Song {
             }
             before = part.kind;
             if part.drums && number > 0 {
-                studio.strike(start, Drum::Crash, 0.5);
+                synthesizer.strike(start, Drum::Crash, 0.5);
             }
             for of_part in 0..part.bars {
-                self.play_bar(&mut studio, part, bar, of_part);
+                self.play_bar(&mut synthesizer, part, bar, of_part);
                 truth.downbeats.push(self.time((bar * per_bar) as f64));
                 truth.beats.extend((0..per_bar).map(|beat| self.time((bar * per_bar + beat) as f64)));
                 bar += 1;
             }
         }
-        (studio.frames, truth)
+        (synthesizer.frames, truth)
     }
 
-    fn play_bar(&self, studio: &mut Studio, part: &Part, bar: usize, of_part: usize) {
+    fn play_bar(&self, synthesizer: &mut Synthesizer, part: &Part, bar: usize, of_part: usize) {
         let per_bar = self.style.meter().beats();
         let first = (bar * per_bar) as f64;
         let at = |beat: f64| self.time(first + beat);
@@ -460,18 +460,18 @@ impl Song {
         if last && part.kind == Kind::Pause {
             return;
         }
-        let share = (of_part + 1) as f64 / part.bars as f64;
-        let swell = if part.kind == Kind::Crescendo { 0.3 + 0.7 * share } else { 1.0 };
+        let fraction = (of_part + 1) as f64 / part.bars as f64;
+        let swell = if part.kind == Kind::Crescendo { 0.3 + 0.7 * fraction } else { 1.0 };
         if part.drums {
             let fill_from = if last { per_bar as f64 - 1.0 } else { f64::INFINITY };
             let is_build = part.kind == Kind::Build;
             for (place, drum, loud) in self.style.strokes(self.swing) {
                 if place < fill_from || drum == Drum::Kick && !is_build {
-                    studio.strike(at(place), drum, swell * part.loud.max(0.7) * loud);
+                    synthesizer.strike(at(place), drum, swell * part.loud.max(0.7) * loud);
                 }
             }
             if last && !is_build {
-                (0..4).for_each(|n| studio.strike(at(fill_from + f64::from(n) / 4.0), Drum::Tom, 0.6));
+                (0..4).for_each(|n| synthesizer.strike(at(fill_from + f64::from(n) / 4.0), Drum::Tom, 0.6));
             }
         }
         if part.kind == Kind::Build {
@@ -479,10 +479,10 @@ impl Song {
             let per_beat = [1, 1, 2, 4][(of_part * 4 / part.bars).min(3)];
             let strokes = per_bar * per_beat - if last { per_beat } else { 0 };
             for n in 0..strokes {
-                studio.strike(at(n as f64 / per_beat as f64), Drum::Snare, 0.2 + 0.4 * share);
+                synthesizer.strike(at(n as f64 / per_beat as f64), Drum::Snare, 0.2 + 0.4 * fraction);
             }
             if of_part == 0 {
-                studio.riser(at(0.0), at((part.bars * per_bar) as f64 - 1.0), 0.25);
+                synthesizer.riser(at(0.0), at((part.bars * per_bar) as f64 - 1.0), 0.25);
             }
         }
         let (root, minor) = part.chords[of_part % part.chords.len()];
@@ -495,13 +495,13 @@ impl Song {
         });
         let loud = 0.12 * swell * part.loud;
         for pitch in chord {
-            studio.note(at(0.0), at(per_bar as f64), hz(pitch), part.voice, loud, (0.02, 6.0));
+            synthesizer.note(at(0.0), at(per_bar as f64), hz(pitch), part.voice, loud, (0.02, 6.0));
         }
         if part.bass {
             let pitch = 36.0 + f64::from((self.key.root + root) % 12);
             for beat in 0..per_bar - usize::from(last && part.kind == Kind::Build) {
                 let place = beat as f64;
-                studio.note(
+                synthesizer.note(
                     at(place),
                     at(place + 0.9),
                     hz(pitch),
@@ -516,7 +516,7 @@ impl Song {
             for eighth in 0..per_bar * per_beat {
                 let place = eighth as f64 / per_beat as f64;
                 let pitch = chord[[0, 1, 2, 1][eighth % 4]] + 12.0;
-                studio.note(at(place), at(place + 0.45), hz(pitch), part.voice, loud, (0.005, 0.25));
+                synthesizer.note(at(place), at(place + 0.45), hz(pitch), part.voice, loud, (0.005, 0.25));
             }
         }
     }
@@ -537,8 +537,8 @@ pub(crate) fn beats_heard(rate: u32, frames: &[StereoFrame]) -> Vec<(f64, f32)> 
         let (time, last) = before;
         let (from, to) = (last.phase, moment.features.phase);
         if last.tempo > 0.0 && moment.features.tempo > 0.0 && to < from - 0.5 {
-            let share = f64::from(to / (to + 1.0 - from));
-            beats.push((moment.time - (moment.time - time) * share, moment.features.bar_beat));
+            let fraction = f64::from(to / (to + 1.0 - from));
+            beats.push((moment.time - (moment.time - time) * fraction, moment.features.bar_beat));
         }
         before = (moment.time, moment.features);
     });
@@ -548,11 +548,11 @@ pub(crate) fn beats_heard(rate: u32, frames: &[StereoFrame]) -> Vec<(f64, f32)> 
 /// Of beats as [`beats_heard`] tells them: the share of which their place in the bar is told, and the share of the bars
 /// told that begin where one does.
 pub(crate) fn bars_heard(beats: &[(f64, f32)], truth: &Truth) -> [f64; 2] {
-    let told = beats.iter().filter(|(_, beat)| *beat > 0.0).count();
+    let reported = beats.iter().filter(|(_, beat)| *beat > 0.0).count();
     let firsts: Vec<f64> = beats.iter().filter(|(_, beat)| *beat == 1.0).map(|(time, _)| *time).collect();
     let is_right = |time: &&f64| truth.downbeats.iter().any(|truly| (*time - truly).abs() < 0.07);
     let right = firsts.iter().filter(is_right).count();
-    [told as f64 / beats.len().max(1) as f64, right as f64 / firsts.len().max(1) as f64]
+    [reported as f64 / beats.len().max(1) as f64, right as f64 / firsts.len().max(1) as f64]
 }
 
 /// The F-measure of times, each matched with one that is true within a tolerance in seconds.

@@ -160,8 +160,8 @@ fn usual_order(count: usize) -> Option<&'static [Position]> {
 }
 
 fn alternating(count: usize) -> Vec<[f32; 2]> {
-    let share = 1.0 / count.div_ceil(2).max(1) as f32;
-    (0..count).map(|i| if i % 2 == 0 { [share, 0.0] } else { [0.0, share] }).collect()
+    let fraction = 1.0 / count.div_ceil(2).max(1) as f32;
+    (0..count).map(|i| if i % 2 == 0 { [fraction, 0.0] } else { [0.0, fraction] }).collect()
 }
 
 /// `None` where nothing would be heard (a file of LFE channels only).

@@ -287,13 +287,13 @@ mod tests {
 
     #[test]
     fn a_flat_input_is_told_with_what_to_do() {
-        let told = |other: Option<&ListedDevice>| diagnosis("Mic", other);
+        let reported = |other: Option<&ListedDevice>| diagnosis("Mic", other);
         assert_eq!(
-            told(Some(&entry("p:hdmi.monitor", "Monitor of HDMI"))),
+            reported(Some(&entry("p:hdmi.monitor", "Monitor of HDMI"))),
             "no sound from Mic; the monitor of HDMI has a signal: press D"
         );
-        assert_eq!(told(Some(&entry("p:usb", "USB"))), "no sound from Mic; USB has a signal: press D");
-        assert!(told(None).contains("press D"));
+        assert_eq!(reported(Some(&entry("p:usb", "USB"))), "no sound from Mic; USB has a signal: press D");
+        assert!(reported(None).contains("press D"));
     }
 
     #[test]
@@ -325,8 +325,8 @@ mod tests {
             assert!(start.elapsed() < Duration::from_secs(5), "{:?}", live.status());
             std::thread::sleep(Duration::from_millis(5));
         }
-        let told = live.status().silent.unwrap_or_default();
-        assert!(told.contains("no such box") && told.contains("mariana devices"), "{told}");
+        let reported = live.status().silent.unwrap_or_default();
+        assert!(reported.contains("no such box") && reported.contains("mariana devices"), "{reported}");
         assert_eq!(live.now(0.0).features, Features::SILENCE);
     }
 }

@@ -89,9 +89,9 @@ pub(super) fn open(
         // The device is an output: record what it plays.
         device.default_output_config().map_err(refused)?
     };
-    let told_rate = supported.sample_rate();
-    let rate = usable_rate(told_rate, converted).ok_or_else(|| {
-        let error = DeviceError::Rate { direction, device: name.clone(), rate: told_rate };
+    let reported_rate = supported.sample_rate();
+    let rate = usable_rate(reported_rate, converted).ok_or_else(|| {
+        let error = DeviceError::Rate { direction, device: name.clone(), rate: reported_rate };
         (error, ErrorKind::UnsupportedConfig)
     })?;
     let frames = buffer_frames(BUFFER_FRAMES, rate, *supported.buffer_size());

@@ -128,9 +128,9 @@ impl Default for Counters {
 impl Counters {
     /// The load that the given share of the calls (0.999 is all but one in a thousand) stays below: the time of a
     /// call relative to the duration of its buffer, in steps of 0.01. Infinite if it is beyond the histogram.
-    pub fn load_of(&self, share: f64) -> f64 {
+    pub fn load_of(&self, fraction: f64) -> f64 {
         let counts = self.loads.each_ref().map(|count| count.load(Ordering::Relaxed));
-        let wanted = share * counts.iter().sum::<u64>() as f64;
+        let wanted = fraction * counts.iter().sum::<u64>() as f64;
         let mut sum = 0;
         let place = counts.iter().position(|count| {
             sum += count;

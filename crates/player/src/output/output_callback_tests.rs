@@ -210,7 +210,10 @@ fn the_share_of_slow_calls_is_counted() {
     put(0, 990);
     put(7, 9);
     put(63, 1);
-    assert_eq!([0.5, 0.99, 0.995, 0.999].map(|share| counters.load_of(share)), [0.01, 0.01, 0.08, 0.08]);
+    assert_eq!(
+        [0.5, 0.99, 0.995, 0.999].map(|fraction| counters.load_of(fraction)),
+        [0.01, 0.01, 0.08, 0.08]
+    );
     assert_eq!(counters.load_of(1.0), f64::INFINITY);
 }
 

@@ -178,9 +178,9 @@ fn open(
     let refused = |error: cpal::Error| (refusal(direction, &name, target, &error), error.kind());
     let (device, connection) = for_playback(device).map_err(refused)?;
     let supported = device.default_output_config().map_err(refused)?;
-    let told_rate = supported.sample_rate();
-    let rate = usable_rate(told_rate, converts(&device)).ok_or_else(|| {
-        let error = DeviceError::Rate { direction, device: name.clone(), rate: told_rate };
+    let reported_rate = supported.sample_rate();
+    let rate = usable_rate(reported_rate, converts(&device)).ok_or_else(|| {
+        let error = DeviceError::Rate { direction, device: name.clone(), rate: reported_rate };
         (error, ErrorKind::UnsupportedConfig)
     })?;
     let frames = buffer_frames(BUFFER_FRAMES, rate, *supported.buffer_size());

@@ -7,8 +7,8 @@
 
 use std::sync::mpsc::Receiver;
 
+use crate::audible_segments::SharedAudibleSegments;
 use crate::gain_switch::GainSwitch;
-use crate::timeline::SharedTimeline;
 use crate::track::scale;
 use mariana_music::{Alignment, Analyzer, StereoFrame, TimedFeatures};
 
@@ -28,14 +28,14 @@ pub(crate) fn run(
     inbox: &Receiver<AnalysisInput>,
     sample_rate: u32,
     gain: &GainSwitch,
-    timeline: &SharedTimeline,
+    audible_segments: &SharedAudibleSegments,
 ) {
     let mut analyzer = Analyzer::with_gain(sample_rate, Alignment::Centred, gain.get());
     let (mut rate, mut factor) = (sample_rate, 1.0);
     let mut passage = 0;
     for input in inbox {
         analyzer.set_gain(gain.get());
-        let mut emit = |moment: &TimedFeatures| timeline.lock().push_features(passage, moment);
+        let mut emit = |moment: &TimedFeatures| audible_segments.lock().push_features(passage, moment);
         match input {
             AnalysisInput::Begin { passage: next, sample_rate, position, gain: its } => {
                 if sample_rate != rate {

@@ -5,10 +5,10 @@ use std::time::Instant;
 
 use mariana_music::{Features, SongMoment, Sound};
 
+use crate::audible_segments::{SharedAudibleSegments, SongPlace};
 use crate::clock::{Audible, Clock, SpanHistory};
 use crate::limits::LIMITS;
 use crate::output::OutputWatch;
-use crate::timeline::{SharedTimeline, SongPlace};
 use crate::track::TrackInfo;
 
 /// What is audible at a moment.
@@ -31,7 +31,7 @@ pub struct Moment {
 /// Follows what is audible for the picture.
 pub(super) struct AudibleMoment {
     outputs: OutputWatch,
-    timeline: SharedTimeline,
+    audible_segments: SharedAudibleSegments,
     /// Unlike the position, the picture may be shifted.
     clock: Clock,
     moment: Moment,
@@ -43,9 +43,9 @@ pub(super) struct AudibleMoment {
 
 impl AudibleMoment {
     /// Before anything was audible of the track with this number.
-    pub(super) fn new(outputs: OutputWatch, timeline: SharedTimeline, track: u64) -> Self {
+    pub(super) fn new(outputs: OutputWatch, audible_segments: SharedAudibleSegments, track: u64) -> Self {
         let moment = Moment { track, ..Moment::default() };
-        Self { outputs, timeline, clock: Clock::default(), moment, heard: None, shift: 0.0 }
+        Self { outputs, audible_segments, clock: Clock::default(), moment, heard: None, shift: 0.0 }
     }
 
     /// See [`Player::now`](super::Player::now).
@@ -54,23 +54,24 @@ impl AudibleMoment {
         let shift = if latency_shift.is_finite() { latency_shift.clamp(-limit, limit) } else { 0.0 };
         self.shift = shift.max(0.0);
         let history = self.outputs.history();
-        let timeline = self.timeline.lock();
-        let carry = |from, to| timeline.carry(from, to);
+        let audible_segments = self.audible_segments.lock();
+        let carry = |from, to| audible_segments.carry(from, to);
         if let Some(audible) = self.clock.at(history.as_ref(), Instant::now(), self.shift, carry)
-            && let Some(place) = timeline.place(audible, (-shift).max(0.0))
+            && let Some(place) = audible_segments.place(audible, (-shift).max(0.0))
         {
             let segment = audible.segment;
             let SongPlace { song_time, lap, track, features, .. } = place;
             self.moment = Moment { song_time, features, track, segment, lap, ..Moment::default() };
             self.heard = Some((audible, (-shift).max(0.0)));
         }
-        drop(timeline);
+        drop(audible_segments);
         self.moment
     }
 
     /// The sound, with its tables, of the last moment.
     pub(super) fn sound(&self) -> Sound {
-        let sound = self.heard.and_then(|(audible, ahead)| self.timeline.lock().sound(audible, ahead));
+        let sound =
+            self.heard.and_then(|(audible, ahead)| self.audible_segments.lock().sound(audible, ahead));
         sound.unwrap_or_else(|| self.moment.features.into())
     }
 
@@ -80,9 +81,9 @@ impl AudibleMoment {
         &mut self,
         history: Option<&Arc<SpanHistory>>,
     ) -> (bool, Option<Arc<TrackInfo>>) {
-        let timeline = self.timeline.lock();
-        let carry = |from, to| timeline.carry(from, to);
+        let audible_segments = self.audible_segments.lock();
+        let carry = |from, to| audible_segments.carry(from, to);
         let shown = self.clock.at(history, Instant::now(), self.shift, carry);
-        (shown.is_some_and(|shown| timeline.is_end(shown)), timeline.next())
+        (shown.is_some_and(|shown| audible_segments.is_end(shown)), audible_segments.next())
     }
 }

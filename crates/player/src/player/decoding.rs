@@ -23,10 +23,10 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvErr
 use std::time::{Duration, Instant};
 
 use super::analysis::AnalysisInput;
-use super::listing::{Request, SharedTroubles};
+use super::listing::{Request, SharedTrackErrors};
+use crate::audible_segments::SharedAudibleSegments;
 use crate::resample::Resampler;
 use crate::source::SourceError;
-use crate::timeline::SharedTimeline;
 use crate::track::{Track, TrackInfo};
 pub(crate) use command::Command;
 use mariana_music::StereoFrame;
@@ -56,10 +56,10 @@ pub(crate) struct Decoding {
     queue: TrackQueue,
     segment: CurrentSegment,
     analysis: SyncSender<AnalysisInput>,
-    troubles: SharedTroubles,
+    track_errors: SharedTrackErrors,
     scratch: Vec<StereoFrame>,
     /// What was last told to follow.
-    told_next: Option<Arc<TrackInfo>>,
+    reported_next: Option<Arc<TrackInfo>>,
 }
 
 enum Step {
@@ -71,17 +71,17 @@ impl Decoding {
     pub(crate) fn new(
         first: Track,
         list: Sender<Request>,
-        timeline: SharedTimeline,
+        audible_segments: SharedAudibleSegments,
         analysis: SyncSender<AnalysisInput>,
-        troubles: SharedTroubles,
+        track_errors: SharedTrackErrors,
     ) -> Self {
         Self {
-            queue: TrackQueue::new(first, list, troubles.clone()),
-            segment: CurrentSegment::new(timeline),
+            queue: TrackQueue::new(first, list, track_errors.clone()),
+            segment: CurrentSegment::new(audible_segments),
             analysis,
-            troubles,
+            track_errors,
             scratch: Vec::new(),
-            told_next: None,
+            reported_next: None,
         }
     }
 
@@ -118,9 +118,9 @@ impl Decoding {
     /// Notes what follows, for who wants to know it before it is heard.
     fn tell_next(&mut self) {
         let next = self.queue.opened_ahead();
-        if self.told_next.as_ref().map(|told| told.id) != next.map(|next| next.id) {
-            self.told_next = next.cloned();
-            self.segment.timeline().lock().set_next(next.cloned());
+        if self.reported_next.as_ref().map(|reported| reported.id) != next.map(|next| next.id) {
+            self.reported_next = next.cloned();
+            self.segment.audible_segments().lock().set_next(next.cloned());
         }
     }
 
@@ -332,6 +332,6 @@ impl Decoding {
     }
 
     fn report(&self, error: &dyn std::fmt::Display) {
-        self.troubles.tell(error.to_string());
+        self.track_errors.tell(error.to_string());
     }
 }

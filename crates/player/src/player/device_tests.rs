@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 use super::analysis::AnalysisInput;
 use super::decoding::{Command, Decoding};
 use super::listing;
-use super::listing::SharedTroubles;
+use super::listing::SharedTrackErrors;
 use super::tests::{RATE, Ramp, Ramps};
+use crate::audible_segments::SharedAudibleSegments;
 use crate::clock::{Clock, SpanHistory};
 use crate::output::{Controls, OutputCallback};
-use crate::timeline::SharedTimeline;
 use crate::track::Repeat;
 use crate::worker::Worker;
 
@@ -54,9 +54,9 @@ impl Device {
 }
 
 /// The decoding thread, the device that is open, and a clock that is looked at.
-struct Evening {
+struct TestPlayback {
     commands: Sender<Command>,
-    timeline: SharedTimeline,
+    audible_segments: SharedAudibleSegments,
     worker: Worker,
     device: Device,
     /// The one before, until it is closed.
@@ -70,24 +70,31 @@ struct Evening {
     stillest: Duration,
 }
 
-impl Evening {
+impl TestPlayback {
     fn new() -> Self {
         let list = Ramps::new(vec![Ramp::new(1 << 24)], Repeat::All);
-        let (timeline, troubles) = (SharedTimeline::default(), SharedTroubles::default());
+        let (audible_segments, track_errors) =
+            (SharedAudibleSegments::default(), SharedTrackErrors::default());
         let (to_analysis, inbox) = mpsc::sync_channel(1);
         std::thread::spawn(move || inbox.into_iter().for_each(|_: AnalysisInput| {}));
         let (commands, inbox) = mpsc::channel();
         let (to_list, requests) = mpsc::channel();
-        let work = Decoding::new(list.track(0), to_list, timeline.clone(), to_analysis, troubles.clone());
+        let work = Decoding::new(
+            list.track(0),
+            to_list,
+            audible_segments.clone(),
+            to_analysis,
+            track_errors.clone(),
+        );
         let answers = commands.clone();
-        std::thread::spawn(move || listing::run(Box::new(list), &requests, &answers, &troubles));
+        std::thread::spawn(move || listing::run(Box::new(list), &requests, &answers, &track_errors));
         let worker = Worker::spawn("decoding", move || work.run(&inbox)).expect("a thread");
         // Later than any real time, so that waiting for a thread never overtakes it.
         let now = Instant::now() + Duration::from_secs(3600);
         let device = open(&commands, now, Duration::ZERO, RATE, 512, Duration::from_millis(20));
         Self {
             commands,
-            timeline,
+            audible_segments,
             worker,
             device,
             before: None,
@@ -128,10 +135,10 @@ impl Evening {
     }
 
     fn look(&mut self) {
-        let timeline = self.timeline.lock();
-        let carry = |from, to| timeline.carry(from, to);
+        let audible_segments = self.audible_segments.lock();
+        let carry = |from, to| audible_segments.carry(from, to);
         let audible = self.clock.at(Some(&self.device.history), self.now, 0.0, carry);
-        let Some(place) = audible.and_then(|audible| timeline.place(audible, 0.0)) else { return };
+        let Some(place) = audible.and_then(|audible| audible_segments.place(audible, 0.0)) else { return };
         let passed = LOOK_MS as f64 / 1000.0;
         let step = place.song_time - self.last;
         if self.looks > 0 {
@@ -158,7 +165,7 @@ impl Evening {
     }
 }
 
-impl Drop for Evening {
+impl Drop for TestPlayback {
     fn drop(&mut self) {
         let _ = self.commands.send(Command::Quit);
         assert!(self.worker.join_within(Duration::from_secs(5)) || std::thread::panicking());
@@ -190,7 +197,7 @@ const MS: Duration = Duration::from_millis(1);
 
 #[test]
 fn the_position_jumped_and_stood_while_a_device_was_lost() {
-    let mut evening = Evening::new();
+    let mut evening = TestPlayback::new();
     evening.pass(3000, false);
     let from = (evening.last, evening.now);
     evening.stillest = Duration::ZERO;
@@ -210,7 +217,7 @@ fn the_position_jumped_and_stood_while_a_device_was_lost() {
 
 #[test]
 fn the_position_stepped_when_devices_came_and_went_in_a_storm() {
-    let mut evening = Evening::new();
+    let mut evening = TestPlayback::new();
     evening.pass(1000, false);
     evening.stillest = Duration::ZERO;
     let mut state = 11_u32;

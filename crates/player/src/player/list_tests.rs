@@ -25,7 +25,7 @@ fn song(folder: &Path, name: u8, seconds: f64) -> PathBuf {
 }
 
 /// What plays, as name, index and count.
-fn told(player: &mut Player) -> (String, usize, usize) {
+fn reported(player: &mut Player) -> (String, usize, usize) {
     let track = player.status().track;
     (track.name.clone(), track.entry, track.count)
 }
@@ -33,7 +33,7 @@ fn told(player: &mut Player) -> (String, usize, usize) {
 /// Waits until this plays.
 fn expect(player: &mut Player, name: &str, entry: usize, count: usize) {
     wait_for(player, &format!("{name} as {entry} of {count}"), |player| {
-        told(player) == (name.to_owned(), entry, count)
+        reported(player) == (name.to_owned(), entry, count)
     });
 }
 
@@ -70,7 +70,7 @@ fn what_plays_goes_on_and_is_told_where_it_stands_now() {
     expect(&mut player, "y.wav", 1, 5);
     assert_eq!(player.playlist().entries[1].duration, Some(1.0));
     assert_eq!(player.playlist().entries[1].file.as_deref(), Some(folder.path().join("y.wav").as_path()));
-    assert_eq!(player.status().troubles.count, 0);
+    assert_eq!(player.status().track_errors.count, 0);
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn what_is_about_to_follow_is_not_heard_once_it_is_removed() {
     player.remove_entry(1);
     let mut heard = Vec::new();
     wait_for(&mut player, "the third", |player| {
-        heard.push(told(player).0);
+        heard.push(reported(player).0);
         heard.last().is_some_and(|name| name == "c.wav")
     });
     assert!(!heard.contains(&"b.wav".to_owned()));

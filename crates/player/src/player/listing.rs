@@ -23,18 +23,18 @@ pub(crate) fn run(
     mut list: Box<dyn TrackList>,
     inbox: &Receiver<Request>,
     answers: &Sender<Command>,
-    troubles: &SharedTroubles,
+    track_errors: &SharedTrackErrors,
 ) {
     for request in inbox {
         match request {
             Request::Order { repeat, shuffled, current } => list.set_order(repeat, shuffled, current),
             // If the decoding thread has ended, nobody waits for an answer any more.
             Request::Find { id, wanted } => {
-                let found = list.find(&wanted, &mut |trouble| troubles.tell(trouble));
+                let found = list.find(&wanted, &mut |trouble| track_errors.tell(trouble));
                 let _ = answers.send(Command::Found { id, found });
             }
             Request::Edit { edit, playing } => {
-                let edited = list.edit(&edit, playing, &mut |trouble| troubles.tell(trouble));
+                let edited = list.edit(&edit, playing, &mut |trouble| track_errors.tell(trouble));
                 let _ = answers.send(Command::Edited(edited));
             }
         }
@@ -43,30 +43,30 @@ pub(crate) fn run(
 
 /// What went wrong with tracks, for the window to report.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Troubles {
+pub struct TrackErrors {
     /// How many there were.
     pub count: u64,
     /// The last one, as a sentence.
     pub last: Option<String>,
 }
 
-/// [`Troubles`] shared by threads.
+/// [`TrackErrors`] shared by threads.
 #[derive(Clone, Default)]
-pub(crate) struct SharedTroubles(Arc<Mutex<Troubles>>);
+pub(crate) struct SharedTrackErrors(Arc<Mutex<TrackErrors>>);
 
-impl SharedTroubles {
+impl SharedTrackErrors {
     pub(crate) fn tell(&self, trouble: String) {
         tracing::debug!("{trouble}");
-        let mut troubles = self.lock();
-        troubles.count += 1;
-        troubles.last = Some(trouble);
+        let mut track_errors = self.lock();
+        track_errors.count += 1;
+        track_errors.last = Some(trouble);
     }
 
-    pub(crate) fn get(&self) -> Troubles {
+    pub(crate) fn get(&self) -> TrackErrors {
         self.lock().clone()
     }
 
-    fn lock(&self) -> MutexGuard<'_, Troubles> {
+    fn lock(&self) -> MutexGuard<'_, TrackErrors> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -3,10 +3,10 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use super::unheard::{Unheard, UnheardWatch};
+use super::missed_audio::{MissedAudio, MissedAudioWatch};
+use crate::audible_segments::SharedAudibleSegments;
 use crate::clock::{Clock, SpanHistory};
 use crate::output::OutputWatch;
-use crate::timeline::SharedTimeline;
 use crate::track::TrackInfo;
 
 /// The audible position of a player. Clones share one clock, so none reads an earlier position than another has read
@@ -16,9 +16,9 @@ pub struct Position(Arc<Mutex<State>>);
 
 struct State {
     outputs: OutputWatch,
-    timeline: SharedTimeline,
+    audible_segments: SharedAudibleSegments,
     clock: Clock,
-    unheard: UnheardWatch,
+    missed_audio: MissedAudioWatch,
     place: Place,
 }
 
@@ -30,15 +30,19 @@ pub(super) struct Place {
     /// The position in it, in seconds.
     pub(super) seconds: f64,
     /// Parts of the song that were not heard.
-    pub(super) unheard: Unheard,
+    pub(super) missed_audio: MissedAudio,
 }
 
 impl Position {
     /// The start of `track`.
-    pub(super) fn new(outputs: OutputWatch, timeline: SharedTimeline, track: Arc<TrackInfo>) -> Self {
-        let place = Place { track, seconds: 0.0, unheard: Unheard::default() };
-        let (clock, unheard) = (Clock::default(), UnheardWatch::default());
-        Self(Arc::new(Mutex::new(State { outputs, timeline, clock, unheard, place })))
+    pub(super) fn new(
+        outputs: OutputWatch,
+        audible_segments: SharedAudibleSegments,
+        track: Arc<TrackInfo>,
+    ) -> Self {
+        let place = Place { track, seconds: 0.0, missed_audio: MissedAudio::default() };
+        let (clock, missed_audio) = (Clock::default(), MissedAudioWatch::default());
+        Self(Arc::new(Mutex::new(State { outputs, audible_segments, clock, missed_audio, place })))
     }
 
     /// The position in the audible track now, in seconds.
@@ -56,21 +60,21 @@ impl Position {
 impl State {
     fn look(&mut self) -> Place {
         let history: Option<Arc<SpanHistory>> = self.outputs.history();
-        let timeline = self.timeline.lock();
-        let carry = |from, to| timeline.carry(from, to);
+        let audible_segments = self.audible_segments.lock();
+        let carry = |from, to| audible_segments.carry(from, to);
         let audible = self.clock.at(history.as_ref(), Instant::now(), 0.0, carry);
         if let Some(history) = self.clock.history() {
-            self.unheard.look(history, carry);
+            self.missed_audio.look(history, carry);
         }
         if let Some(audible) = audible {
-            if let Some(place) = timeline.place(audible, 0.0) {
+            if let Some(place) = audible_segments.place(audible, 0.0) {
                 self.place.seconds = place.song_time;
             }
-            if let Some(track) = timeline.track(audible) {
+            if let Some(track) = audible_segments.track(audible) {
                 self.place.track = track;
             }
         }
-        self.place.unheard = self.unheard.told();
+        self.place.missed_audio = self.missed_audio.reported();
         self.place.clone()
     }
 }

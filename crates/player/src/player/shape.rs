@@ -136,7 +136,7 @@ fn measure(
 ) -> Option<Arc<TrackInfo>> {
     let duration = source.duration().filter(|duration| *duration <= LIMITS.shape_seconds_max)?;
     let mut sums = Sums::new(duration * f64::from(source.sample_rate()))?;
-    let (mut block, mut told, mut revision) = (Vec::new(), 0, 0);
+    let (mut block, mut reported, mut revision) = (Vec::new(), 0, 0);
     let mut tell = |sums: &Sums| {
         revision += 1;
         shared.tell(track.id, LoudnessShape { revision, ..sums.shape() });
@@ -156,8 +156,8 @@ fn measure(
         if sums.squares.len() == sums.parts {
             break;
         }
-        if sums.squares.len() >= told + PARTS_A_TIME {
-            told = sums.squares.len();
+        if sums.squares.len() >= reported + PARTS_A_TIME {
+            reported = sums.squares.len();
             tell(&sums);
         }
     }

@@ -138,8 +138,8 @@ pub(super) struct Stepped {
     pub(super) output_callback: OutputCallback,
     pub(super) history: Arc<SpanHistory>,
     pub(super) commands: Sender<Command>,
-    pub(super) timeline: SharedTimeline,
-    pub(super) troubles: SharedTroubles,
+    pub(super) audible_segments: SharedAudibleSegments,
+    pub(super) track_errors: SharedTrackErrors,
     pub(super) worker: Worker,
     pub(super) now: Instant,
 }
@@ -149,7 +149,7 @@ pub(super) struct Stepped {
 pub(super) struct Heard {
     /// Index of the frame in the song, if the sample is not faded.
     pub(super) index: Option<f64>,
-    pub(super) told_index: f64,
+    pub(super) reported_index: f64,
     /// Entry of the list.
     pub(super) entry: usize,
     pub(super) lap: u32,
@@ -163,23 +163,29 @@ impl Stepped {
 
     /// Plays a list from its first song on, on a device of that rate.
     pub(super) fn of(list: Ramps, rate: u32) -> Self {
-        let timeline = SharedTimeline::default();
-        let troubles = SharedTroubles::default();
+        let audible_segments = SharedAudibleSegments::default();
+        let track_errors = SharedTrackErrors::default();
         let (to_analysis, inbox) = sync_channel(1);
         // No analysis here: what it would get is thrown away.
         std::thread::spawn(move || inbox.into_iter().for_each(|_: AnalysisInput| {}));
         let (commands, inbox) = channel();
         let (to_list, requests) = channel();
-        let work = Decoding::new(list.track(0), to_list, timeline.clone(), to_analysis, troubles.clone());
-        let (answers, told) = (commands.clone(), troubles.clone());
-        std::thread::spawn(move || listing::run(Box::new(list), &requests, &answers, &told));
+        let work = Decoding::new(
+            list.track(0),
+            to_list,
+            audible_segments.clone(),
+            to_analysis,
+            track_errors.clone(),
+        );
+        let (answers, reported) = (commands.clone(), track_errors.clone());
+        std::thread::spawn(move || listing::run(Box::new(list), &requests, &answers, &reported));
         let worker = Worker::spawn("decoding", move || work.run(&inbox)).expect("a thread");
         let controls = Arc::new(Controls::new(1.0, false));
         let (output_callback, link) = OutputCallback::new(rate, 480, controls, Arc::default());
         let history = link.history.clone();
         let now = Instant::now();
         commands.send(Command::Output { link, at: now }).expect("the thread runs");
-        Self { output_callback, history, commands, timeline, troubles, worker, now }
+        Self { output_callback, history, commands, audible_segments, track_errors, worker, now }
     }
 
     pub(super) fn send(&self, command: Command) {
@@ -190,26 +196,34 @@ impl Stepped {
     pub(super) fn play(&mut self, frames: usize) -> Vec<Heard> {
         let mut heard: Vec<Heard> = Vec::new();
         let mut before = f64::NAN;
-        let timeline = self.timeline.clone();
+        let audible_segments = self.audible_segments.clone();
         for _ in 0..frames / 480 {
             let rate = f64::from(self.history.rate());
             let mut data = [0.0_f32; 960];
             self.output_callback.fill(&mut data, 2, self.now, Some(Duration::ZERO));
-            let timeline = timeline.lock();
+            let audible_segments = audible_segments.lock();
             for (n, pair) in data.chunks_exact(2).enumerate() {
                 let value = f64::from(pair[0]) * f64::from(1 << 24);
                 // Half a frame in, so that rounding of the time does not matter.
                 let moment = self.now + Duration::from_nanos(((n as f64 + 0.5) * 1e9 / rate) as u64);
                 let audible = self.history.at(moment);
-                if let Some((audible, place)) = audible.and_then(|a| Some((a, timeline.place(a, 0.0)?))) {
+                if let Some((audible, place)) =
+                    audible.and_then(|a| Some((a, audible_segments.place(a, 0.0)?)))
+                {
                     let index = (value == before + 1.0).then_some(value);
-                    let told_index = place.song_time * rate - 0.5;
-                    let entry = timeline.track(audible).map_or(usize::MAX, |track| track.entry);
-                    heard.push(Heard { index, told_index, entry, lap: place.lap, segment: audible.segment });
+                    let reported_index = place.song_time * rate - 0.5;
+                    let entry = audible_segments.track(audible).map_or(usize::MAX, |track| track.entry);
+                    heard.push(Heard {
+                        index,
+                        reported_index,
+                        entry,
+                        lap: place.lap,
+                        segment: audible.segment,
+                    });
                 }
                 before = value;
             }
-            drop(timeline);
+            drop(audible_segments);
             self.now += Duration::from_secs_f64(480.0 / rate);
             std::thread::sleep(Duration::from_millis(2));
         }
@@ -263,16 +277,16 @@ impl Drop for Stepped {
 }
 
 /// Nearly every frame that was heard is the one that the clock reported (the others are fades).
-fn assert_told(heard: &[Heard], least_part: f64) {
-    let clear: Vec<_> = heard.iter().filter_map(|heard| Some((heard.index?, heard.told_index))).collect();
+fn assert_reported(heard: &[Heard], least_part: f64) {
+    let clear: Vec<_> = heard.iter().filter_map(|heard| Some((heard.index?, heard.reported_index))).collect();
     assert!(
         clear.len() as f64 >= least_part * heard.len() as f64,
         "{} of {} are clear",
         clear.len(),
         heard.len()
     );
-    for (index, told) in clear {
-        assert!((index - told).abs() < 0.01, "heard frame {index}, told {told}");
+    for (index, reported) in clear {
+        assert!((index - reported).abs() < 0.01, "heard frame {index}, told {reported}");
     }
 }
 
@@ -282,12 +296,12 @@ fn loops_are_gapless_and_told() {
     let mut stepped = Stepped::new(Ramp::new(song), true);
     stepped.begin();
     let heard = stepped.play(60_000);
-    assert_told(&heard, 0.99);
+    assert_reported(&heard, 0.99);
     let last = heard.last().expect("frames");
     assert!(last.lap >= 5 && last.segment == 1);
     // One line over all laps: nothing is missing or doubled where the song begins anew.
     for pair in heard.windows(2) {
-        let [before, after] = [pair[0].told_index, pair[1].told_index];
+        let [before, after] = [pair[0].reported_index, pair[1].reported_index];
         assert!((after - before - 1.0).abs() < 0.01 || (before - after - song as f64 + 1.0).abs() < 0.01);
     }
 }
@@ -301,15 +315,15 @@ fn a_storm_of_seeks_ends_where_the_last_one_went() {
         target = f64::from(n * 7919 % 1800) / 10.0 + 0.0123;
         stepped.send(Command::SeekTo(target));
         if n % 3 == 0 {
-            assert_told(&stepped.play(480 * (n % 7) as usize), 0.0);
+            assert_reported(&stepped.play(480 * (n % 7) as usize), 0.0);
         }
     }
     stepped.send(Command::SeekBy(0.5));
     let heard = stepped.play(9600 * 4);
-    assert_told(&heard, 0.7);
+    assert_reported(&heard, 0.7);
     let last = heard.last().expect("frames");
     let first = heard.iter().find(|heard| heard.segment == last.segment).expect("frames");
-    assert!((first.told_index / f64::from(RATE) - (target + 0.5)).abs() < 2.0 / f64::from(RATE));
+    assert!((first.reported_index / f64::from(RATE) - (target + 0.5)).abs() < 2.0 / f64::from(RATE));
 }
 
 #[test]
@@ -318,7 +332,7 @@ fn the_end_comes_after_the_last_frame_and_a_seek_leads_back() {
     let mut stepped = Stepped::new(Ramp::new(song), false);
     let mut heard = Vec::new();
     let ended = |stepped: &Stepped| {
-        stepped.history.at(stepped.now).is_some_and(|a| stepped.timeline.lock().is_end(a))
+        stepped.history.at(stepped.now).is_some_and(|a| stepped.audible_segments.lock().is_end(a))
     };
     let start = Instant::now();
     while !ended(&stepped) && start.elapsed() < Duration::from_secs(10) {
@@ -329,12 +343,12 @@ fn the_end_comes_after_the_last_frame_and_a_seek_leads_back() {
     assert_eq!(last, Some(song as f64 - 1.0));
     stepped.send(Command::SeekTo(0.1));
     let heard = stepped.play(9600);
-    assert_told(&heard, 0.3);
+    assert_reported(&heard, 0.3);
     assert!(!ended(&stepped));
     // Past the end there is only the end.
     stepped.send(Command::SeekTo(99.0));
     let last = stepped.play(9600).pop().expect("frames");
-    assert!((last.told_index + 0.5 - song as f64).abs() < 0.01, "{}", last.told_index);
+    assert!((last.reported_index + 0.5 - song as f64).abs() < 0.01, "{}", last.reported_index);
     assert!(ended(&stepped));
 }
 
@@ -343,12 +357,12 @@ fn an_empty_song_ends_at_once_and_is_silence_when_it_loops() {
     let mut once = Stepped::new(Ramp::new(0), false);
     once.begin();
     let audible = once.history.at(once.now).expect("a span");
-    assert!(once.timeline.lock().is_end(audible));
+    assert!(once.audible_segments.lock().is_end(audible));
     let mut looping = Stepped::new(Ramp::new(0), true);
     looping.begin();
     let heard = looping.play(9_600);
     assert!(heard.iter().all(|heard| heard.index.is_none()));
-    let last = heard.last().expect("frames").told_index;
+    let last = heard.last().expect("frames").reported_index;
     assert!(last > 9_000.0, "the show stands still at frame {last}");
 }
 
@@ -358,7 +372,7 @@ fn damage_is_told_and_ends_the_song() {
     stepped.begin();
     let heard = stepped.play(14_400);
     assert_eq!(heard.iter().rev().find_map(|heard| heard.index), Some(11_519.0));
-    assert_eq!(stepped.troubles.get().last.as_deref(), Some("the song is damaged"));
+    assert_eq!(stepped.track_errors.get().last.as_deref(), Some("the song is damaged"));
 }
 
 #[test]
@@ -366,12 +380,12 @@ fn a_seek_that_fails_is_told_and_the_song_goes_on() {
     let mut stepped = Stepped::new(Ramp { seek_limit: 2.0, ..Ramp::new(900_000) }, true);
     stepped.begin();
     stepped.send(Command::SeekTo(2.5));
-    assert_told(&stepped.play(9600), 0.8);
+    assert_reported(&stepped.play(9600), 0.8);
     stepped.send(Command::SeekTo(18.0));
     let heard = stepped.play(9600);
-    assert_told(&heard, 0.8);
-    assert_eq!(stepped.troubles.get().last.as_deref(), Some("the song cannot be sought"));
-    let last = heard.last().expect("frames").told_index / f64::from(RATE);
+    assert_reported(&heard, 0.8);
+    assert_eq!(stepped.track_errors.get().last.as_deref(), Some("the song cannot be sought"));
+    let last = heard.last().expect("frames").reported_index / f64::from(RATE);
     assert!((2.0..4.0).contains(&last), "{last} s");
 }
 

@@ -34,10 +34,10 @@ fn tracks_follow_each_other_to_the_frame_and_are_told() {
     for heard in &clear {
         let index = heard.index.expect("it is clear") - first_of(&lengths, heard.entry);
         assert!(
-            (index - heard.told_index).abs() < 0.01,
+            (index - heard.reported_index).abs() < 0.01,
             "{index} of {} is told as {}",
             heard.entry,
-            heard.told_index
+            heard.reported_index
         );
     }
     // Not a frame is added or lost: each sample is the one before plus 1, or the list begins anew.
@@ -65,7 +65,7 @@ fn tracks_of_other_rates_are_resampled_into_the_same_stream() {
     let mut heard = Vec::new();
     let start = Instant::now();
     let ended = |stepped: &Stepped| {
-        stepped.history.at(stepped.now).is_some_and(|audible| stepped.timeline.lock().is_end(audible))
+        stepped.history.at(stepped.now).is_some_and(|audible| stepped.audible_segments.lock().is_end(audible))
     };
     while !ended(&stepped) && start.elapsed() < Duration::from_secs(20) {
         heard.extend(stepped.play(480));
@@ -88,8 +88,8 @@ fn what_cannot_be_played_is_skipped_and_told() {
     let clear: Vec<f64> = heard.iter().filter_map(|heard| heard.index).collect();
     assert_eq!(clear.last(), Some(&19_999.0));
     assert!(clear.windows(2).all(|pair| pair[1] == pair[0] + 1.0));
-    let troubles = stepped.troubles.get();
-    assert_eq!((troubles.count, troubles.last.as_deref()), (2, Some("song 2 is gone")));
+    let track_errors = stepped.track_errors.get();
+    assert_eq!((track_errors.count, track_errors.last.as_deref()), (2, Some("song 2 is gone")));
 }
 
 #[test]
@@ -101,8 +101,8 @@ fn a_track_that_breaks_leads_to_the_next() {
     let heard = stepped.play(24_000);
     let join = heard.iter().position(|heard| heard.entry == 1).expect("the second is heard");
     assert_eq!(heard[join - 1].index, Some(11_519.0));
-    assert!(heard[join + 1].index == Some(48_001.0) && heard[join + 1].told_index < 2.0);
-    assert_eq!(stepped.troubles.get().last.as_deref(), Some("the song is damaged"));
+    assert!(heard[join + 1].index == Some(48_001.0) && heard[join + 1].reported_index < 2.0);
+    assert_eq!(stepped.track_errors.get().last.as_deref(), Some("the song is damaged"));
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn a_list_that_is_slow_leaves_a_pause_and_goes_on() {
     let clear: Vec<&Heard> = heard.iter().filter(|heard| heard.index.is_some()).collect();
     for heard in &clear {
         let index = heard.index.expect("it is clear") - if heard.entry == 1 { 9_600.0 } else { 0.0 };
-        assert!((index - heard.told_index).abs() < 0.01);
+        assert!((index - heard.reported_index).abs() < 0.01);
     }
     assert!(clear.iter().filter(|heard| heard.entry == 1).count() > 8_000);
 }
@@ -145,14 +145,14 @@ fn skips_go_where_they_lead_however_many_there_are() {
         let last = heard.last().expect("frames");
         assert_eq!(last.entry, entry, "after {steps}");
         let index = last.index.expect("no fade") - first_of(&lengths, entry);
-        assert!((index - last.told_index).abs() < 0.01 && index < 96_000.0, "{index}");
+        assert!((index - last.reported_index).abs() < 0.01 && index < 96_000.0, "{index}");
     }
     // Later in a track a step back leads to its own start.
     stepped.send(Command::SeekTo(5.0));
     stepped.play(9_600);
     stepped.send(Command::Skip { forward: false });
     let last = stepped.play(9_600).pop().expect("frames");
-    assert!(last.entry == 0 && last.told_index < 20_000.0, "{} of {}", last.told_index, last.entry);
+    assert!(last.entry == 0 && last.reported_index < 20_000.0, "{} of {}", last.reported_index, last.entry);
 }
 
 #[test]
@@ -161,12 +161,12 @@ fn a_seek_at_the_end_of_a_track_is_within_the_track_that_is_heard() {
     let mut stepped = Stepped::of(Ramps::new(songs(&lengths), Repeat::All), RATE);
     stepped.begin();
     // Some 0.1 s before the end the next two are in the ring already.
-    while stepped.play(480).last().is_some_and(|heard| heard.told_index < 43_000.0) {}
+    while stepped.play(480).last().is_some_and(|heard| heard.reported_index < 43_000.0) {}
     stepped.send(Command::SeekBy(-0.5));
     let heard = stepped.play(4_800 * 3);
     let last = heard.last().expect("frames");
     assert_eq!((last.entry, last.segment), (0, 2));
-    assert!((0.0..40_000.0).contains(&last.told_index), "{}", last.told_index);
+    assert!((0.0..40_000.0).contains(&last.reported_index), "{}", last.reported_index);
     // From there on everything comes again, exact to the frame.
     let heard = stepped.play(48_000);
     let clear: Vec<f64> = heard.iter().filter_map(|heard| heard.index).collect();
@@ -185,8 +185,8 @@ fn another_way_to_repeat_holds_from_the_next_end_on() {
     stepped.send(Command::Order(Repeat::Off, false));
     stepped.play(96_000);
     let audible = stepped.history.at(stepped.now).expect("a span");
-    assert!(stepped.timeline.lock().is_end(audible));
-    assert_eq!(stepped.timeline.lock().track(audible).map(|track| track.entry), Some(1));
+    assert!(stepped.audible_segments.lock().is_end(audible));
+    assert_eq!(stepped.audible_segments.lock().track(audible).map(|track| track.entry), Some(1));
 }
 
 #[test]
@@ -199,8 +199,8 @@ fn nothing_that_can_be_played_is_silence_and_a_skip_tries_again() {
     let mut stepped = Stepped::of(list, RATE);
     stepped.begin();
     let heard = stepped.play(48_000);
-    assert!(heard.last().is_some_and(|heard| heard.told_index > 4_800.0), "the show stands still");
-    assert!(stepped.troubles.get().count > 0);
+    assert!(heard.last().is_some_and(|heard| heard.reported_index > 4_800.0), "the show stands still");
+    assert!(stepped.track_errors.get().count > 0);
     gone.store(false, Ordering::Relaxed);
     stepped.send(Command::Skip { forward: true });
     let heard = stepped.play(9_600);
@@ -211,7 +211,7 @@ fn nothing_that_can_be_played_is_silence_and_a_skip_tries_again() {
 fn another_device_takes_over_what_is_heard_not_what_is_ahead() {
     let mut stepped = Stepped::of(Ramps::new(songs(&[48_000, 48_000]), Repeat::Off), RATE);
     stepped.begin();
-    while stepped.play(480).last().is_some_and(|heard| heard.told_index < 43_000.0) {}
+    while stepped.play(480).last().is_some_and(|heard| heard.reported_index < 43_000.0) {}
     stepped.change_device(44_100);
     let mut heard = Vec::new();
     let start = Instant::now();
@@ -227,7 +227,7 @@ fn another_device_takes_over_what_is_heard_not_what_is_ahead() {
     );
     // Never a step back, and never a step over more than the callbacks that nobody looked at.
     let times: Vec<f64> =
-        heard.iter().filter(|heard| heard.entry == 0).map(|heard| heard.told_index).collect();
+        heard.iter().filter(|heard| heard.entry == 0).map(|heard| heard.reported_index).collect();
     assert!(times.windows(2).all(|pair| pair[1] >= pair[0]));
     assert!(times.last().is_some_and(|last| *last > 44_000.0), "{:?}", times.last());
 }

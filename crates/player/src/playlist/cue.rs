@@ -106,13 +106,13 @@ mod tests {
             PERFORMER \"Guest\"\nINDEX 00 03:59:00\nINDEX 01 04:01:30\n\
             FILE b.wav WAVE\nTRACK 03 AUDIO\nINDEX 01 99:99:99\nINDEX 01 00:00:01\n";
         let items = read(Path::new("/m"), &lines(sheet).unwrap()).unwrap();
-        let told: Vec<_> = items
+        let reported: Vec<_> = items
             .iter()
             .map(|item| (item.cut.unwrap(), item.title.as_deref(), item.artist.as_deref()))
             .collect();
         let second = (4 * 60 + 1) * 75 + 30;
         assert_eq!(
-            told,
+            reported,
             [
                 (Cut { start: 0, end: Some(second) }, Some("One"), Some("The Band")),
                 (Cut { start: second, end: None }, Some("Two"), Some("Guest")),

@@ -47,7 +47,7 @@ impl Playlist {
         }
         let id = self.slots.remove(index).id;
         self.places.remove(&id);
-        self.told.remove(&id);
+        self.reported.remove(&id);
         self.order.remove(id);
         self.note_places(index);
         self.tell_listing();
@@ -57,7 +57,7 @@ impl Playlist {
     /// Appends what `paths` hold, up to the limit, while `playing` plays.
     pub(super) fn append(&mut self, paths: &[PathBuf], playing: u64, tell: &mut dyn FnMut(String)) -> Edited {
         let mut gathered = gather(paths);
-        gathered.troubles.iter().for_each(|trouble| tell(trouble.to_string()));
+        gathered.track_errors.iter().for_each(|trouble| tell(trouble.to_string()));
         let limit = LIMITS.playlist_tracks_max;
         let room = limit.saturating_sub(self.slots.len());
         if gathered.entries.len() > room {

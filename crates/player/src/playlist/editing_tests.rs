@@ -40,7 +40,7 @@ proptest! {
     ) {
         let mut list = Playlist::new(gather(&files(0, start)).entries);
         let shared = SharedListing::default();
-        list.share(shared.clone());
+        list.fraction(shared.clone());
         let mut model: Vec<usize> = (0..start).collect();
         let mut next = start;
         let playing = (playing % start) as u64;
@@ -130,11 +130,11 @@ proptest! {
 fn only_as_many_tracks_are_appended_as_there_is_room_for() {
     let limit = LIMITS.playlist_tracks_max;
     let mut list = Playlist::new(gather(&files(0, limit - 1)).entries);
-    let mut told = Vec::new();
-    let edited = list.edit(&Edit::Append(files(0, 3)), 0, &mut |trouble| told.push(trouble));
+    let mut reported = Vec::new();
+    let edited = list.edit(&Edit::Append(files(0, 3)), 0, &mut |trouble| reported.push(trouble));
     assert!(edited.appended && !edited.resume);
-    assert_eq!((list.slots.len(), told.len()), (limit, 1));
-    assert!(told[0].contains("more than 20000 tracks"), "{told:?}");
+    assert_eq!((list.slots.len(), reported.len()), (limit, 1));
+    assert!(reported[0].contains("more than 20000 tracks"), "{reported:?}");
     let edited = list.edit(&Edit::Append(files(0, 3)), 0, &mut |_| {});
     assert_eq!(edited, Edited::default());
 }

@@ -23,7 +23,7 @@ pub const AUDIO_EXTENSIONS: &[&str] = &[
 ];
 
 /// Most messages that are kept about what could not be taken.
-const TROUBLES_KEPT: usize = 20;
+const TRACK_ERRORS_KEPT: usize = 20;
 
 /// A track that has not been opened yet.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,7 +70,7 @@ pub(super) struct Gathered {
     /// The tracks in order, at most the limits' `playlist_tracks_max`.
     pub entries: Vec<Entry>,
     /// What could not be taken: the first messages.
-    pub troubles: Vec<PlaylistError>,
+    pub track_errors: Vec<PlaylistError>,
     /// Lists and folders being read: one that is met again within itself is circular.
     open: Vec<PathBuf>,
     /// Folders that were read. Each is read only once, because links may lead to one in many ways.
@@ -98,8 +98,8 @@ pub(super) fn gather(paths: &[PathBuf]) -> Gathered {
 
 impl Gathered {
     fn tell(&mut self, trouble: PlaylistError) {
-        if self.troubles.len() < TROUBLES_KEPT {
-            self.troubles.push(trouble);
+        if self.track_errors.len() < TRACK_ERRORS_KEPT {
+            self.track_errors.push(trouble);
         }
     }
 
@@ -114,7 +114,7 @@ impl Gathered {
         if let (Some((what, limit)), false) = (over, self.full) {
             self.full = true;
             // Inserted first, so that it is kept.
-            self.troubles.insert(0, PlaylistError::TooMany { what, limit });
+            self.track_errors.insert(0, PlaylistError::TooMany { what, limit });
         }
         self.looked_at += 1;
         over.is_none()
@@ -213,7 +213,7 @@ impl Gathered {
             }
         }
         self.open.pop();
-        if self.open.is_empty() && self.entries.len() == before && self.troubles.is_empty() {
+        if self.open.is_empty() && self.entries.len() == before && self.track_errors.is_empty() {
             self.tell(PlaylistError::Empty { name: name_of(path) });
         }
     }

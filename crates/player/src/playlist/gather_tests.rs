@@ -21,7 +21,7 @@ fn gathered(folder: &Path, names: &[&str]) -> (Vec<String>, Vec<String>) {
         Song::File(path) => path.strip_prefix(folder).unwrap_or(path).to_string_lossy().into_owned(),
         Song::Embedded { name, .. } => (*name).into(),
     };
-    (found.entries.iter().map(name).collect(), found.troubles.iter().map(ToString::to_string).collect())
+    (found.entries.iter().map(name).collect(), found.track_errors.iter().map(ToString::to_string).collect())
 }
 
 #[test]
@@ -38,13 +38,13 @@ fn folders_are_read_to_the_bottom_in_natural_order() {
         "c/x.txt",
     ];
     let folder = folder_of(&files.map(|name| (name, "")));
-    let (names, troubles) = gathered(folder.path(), &["", "9.flac"]);
+    let (names, track_errors) = gathered(folder.path(), &["", "9.flac"]);
     assert_eq!(names, ["9.flac", "10.MP3", "a/1.wav", "a/2.ogg", "B.m4a", "9.flac"]);
-    assert_eq!(troubles, [""; 0]);
-    let (names, troubles) = gathered(folder.path(), &["c"]);
+    assert_eq!(track_errors, [""; 0]);
+    let (names, track_errors) = gathered(folder.path(), &["c"]);
     assert!(
-        names.is_empty() && troubles.len() == 1 && troubles[0].contains("c holds no tracks"),
-        "{troubles:?}"
+        names.is_empty() && track_errors.len() == 1 && track_errors[0].contains("c holds no tracks"),
+        "{track_errors:?}"
     );
 }
 
@@ -55,20 +55,23 @@ fn lists_name_files_folders_and_lists() {
         ("sub/b.pls", "[playlist]\nFile1=y.mp3\n"),
         ("music/1.ogg", ""),
     ]);
-    let (names, troubles) = gathered(folder.path(), &["a.m3u"]);
+    let (names, track_errors) = gathered(folder.path(), &["a.m3u"]);
     // A missing file is reported when its turn comes.
     assert_eq!(names, ["x.mp3", "sub/y.mp3", "missing.m3u", "music/1.ogg"]);
-    assert!(troubles.len() == 1 && troubles[0].contains("https://radio/live in a.m3u"), "{troubles:?}");
+    assert!(
+        track_errors.len() == 1 && track_errors[0].contains("https://radio/live in a.m3u"),
+        "{track_errors:?}"
+    );
 }
 
 #[test]
 fn lists_that_contain_themselves_end() {
     let folder =
         folder_of(&[("a.m3u", "1.mp3\nb.m3u\n2.mp3\n"), ("b.m3u", "3.mp3\n./a.m3u\nb.m3u\n4.mp3\n")]);
-    let (names, troubles) = gathered(folder.path(), &["a.m3u", "a.m3u"]);
+    let (names, track_errors) = gathered(folder.path(), &["a.m3u", "a.m3u"]);
     let once = ["1.mp3", "3.mp3", "4.mp3", "2.mp3"];
     assert_eq!(names, [once, once].concat());
-    assert!(troubles.len() == 4 && troubles[0].contains("a.m3u contains itself"), "{troubles:?}");
+    assert!(track_errors.len() == 4 && track_errors[0].contains("a.m3u contains itself"), "{track_errors:?}");
 }
 
 #[cfg(unix)]
@@ -89,10 +92,10 @@ fn nesting_is_bounded() {
         .collect();
     let files: Vec<(&str, &str)> = deep.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
     let folder = folder_of(&files);
-    let (names, troubles) = gathered(folder.path(), &["0.m3u"]);
+    let (names, track_errors) = gathered(folder.path(), &["0.m3u"]);
     assert_eq!(names.len(), LIMITS.playlist_depth_max);
     let limit = LIMITS.playlist_depth_max.to_string();
-    assert!(troubles.len() == 1 && troubles[0].contains(&limit), "{troubles:?}");
+    assert!(track_errors.len() == 1 && track_errors[0].contains(&limit), "{track_errors:?}");
 }
 
 #[test]
@@ -107,17 +110,20 @@ fn absurd_sizes_are_bounded_and_told() {
         ("large.m3u", &"#".repeat(LIMITS.playlist_bytes_max as usize + 1)),
     ]);
     for list in ["long.m3u", "wide.m3u"] {
-        let (names, troubles) = gathered(folder.path(), &[list]);
+        let (names, track_errors) = gathered(folder.path(), &[list]);
         assert_eq!(names.len(), tracks);
-        assert!(troubles[0].contains(&format!("more than {tracks} tracks")), "{troubles:?}");
+        assert!(track_errors[0].contains(&format!("more than {tracks} tracks")), "{track_errors:?}");
     }
-    assert_eq!(gathered(folder.path(), &["addresses.m3u"]).1.len(), TROUBLES_KEPT);
+    assert_eq!(gathered(folder.path(), &["addresses.m3u"]).1.len(), TRACK_ERRORS_KEPT);
     let limit = LIMITS.playlist_lists_max;
     let mut many = gather(&[folder.path().join("many.m3u")]);
     assert_eq!(many.lists, limit);
-    assert!(many.entries.is_empty() && many.troubles.pop().is_some());
-    let (names, troubles) = gathered(folder.path(), &["large.m3u"]);
-    assert!(names.is_empty() && troubles[0].contains(&LIMITS.playlist_bytes_max.to_string()), "{troubles:?}");
+    assert!(many.entries.is_empty() && many.track_errors.pop().is_some());
+    let (names, track_errors) = gathered(folder.path(), &["large.m3u"]);
+    assert!(
+        names.is_empty() && track_errors[0].contains(&LIMITS.playlist_bytes_max.to_string()),
+        "{track_errors:?}"
+    );
 }
 
 #[cfg(unix)]
@@ -128,9 +134,9 @@ fn pipes_and_what_may_not_be_read_are_told() {
     let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe.m3u")).status().unwrap();
     assert!(made.success());
     fs::set_permissions(folder.path().join("secret.m3u"), fs::Permissions::from_mode(0o000)).unwrap();
-    let (names, troubles) = gathered(folder.path(), &["pipe.m3u", "secret.m3u", "ok.m3u"]);
-    assert!(troubles[0].contains("pipe.m3u is not a regular file"), "{troubles:?}");
+    let (names, track_errors) = gathered(folder.path(), &["pipe.m3u", "secret.m3u", "ok.m3u"]);
+    assert!(track_errors[0].contains("pipe.m3u is not a regular file"), "{track_errors:?}");
     // A user who may read everything can read it.
     let may_read = fs::read(folder.path().join("secret.m3u")).is_ok();
-    assert_eq!((names.len(), troubles.len()), if may_read { (2, 1) } else { (1, 2) });
+    assert_eq!((names.len(), track_errors.len()), if may_read { (2, 1) } else { (1, 2) });
 }

@@ -88,13 +88,15 @@ impl Kind {
 
 fn m3u(base: &Path, lines: &[Vec<u8>]) -> Vec<Item> {
     let mut items = Vec::new();
-    let mut told = None;
+    let mut reported = None;
     for line in lines {
         if let Some(about) = line.strip_prefix(b"#EXTINF:") {
-            told = Some(decode(about));
+            reported = Some(decode(about));
         } else if !line.starts_with(b"#") {
             let mut item = Item::whole(resolve(base, line));
-            if let Some((seconds, title)) = told.take().as_deref().and_then(|told| told.split_once(',')) {
+            if let Some((seconds, title)) =
+                reported.take().as_deref().and_then(|reported| reported.split_once(','))
+            {
                 // Some programs write attributes after the seconds.
                 let seconds =
                     seconds.split_whitespace().next().and_then(|seconds| seconds.parse::<f64>().ok());
@@ -155,9 +157,9 @@ mod tests {
         let text = b"#EXTM3U\n#EXTINF:123,Some One - A Song\n#EXTVLCOPT:x\na.mp3\nb.mp3\n\
                      #EXTINF:-1 tvg-id=\"x\",Radio, live\nc.mp3\n#EXTINF:inf,\nd.mp3\n#EXTINF:5\ne.mp3\n";
         let items = Kind::M3u.read(Path::new("/m/x.m3u"), text).unwrap();
-        let told: Vec<_> = items.iter().map(|item| (item.title.as_deref(), item.duration)).collect();
+        let reported: Vec<_> = items.iter().map(|item| (item.title.as_deref(), item.duration)).collect();
         let song = (Some("Some One - A Song"), Some(123.0));
-        assert_eq!(told, [song, (None, None), (Some("Radio, live"), None), (None, None), (None, None)]);
+        assert_eq!(reported, [song, (None, None), (Some("Radio, live"), None), (None, None), (None, None)]);
     }
 
     #[test]

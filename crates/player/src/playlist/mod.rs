@@ -9,7 +9,7 @@
 //! | [`order`] | what follows what: shuffle and repeat |
 //! | [`editing`] | entries that are moved, removed and appended while the list plays |
 //!
-//! **What cannot be played never stops the show.** Every failure of a list or track becomes a sentence (`Troubles`).
+//! **What cannot be played never stops the show.** Every failure of a list or track becomes a sentence (`TrackErrors`).
 //! The list thread goes on to the next track that opens; if none does, a track of silence plays. Lists are read
 //! within the limits of `limits.rs`: bytes, tracks, lists, depth, looks. The program refuses to open the window only
 //! for a single named file that cannot be played, or for lists without any entry. After 64 tracks in a row without a
@@ -44,7 +44,7 @@ use super::source::SourceError;
 use super::track::{Content, Found, Reopen, Repeat, Track, TrackList, Wanted};
 
 /// Most messages that are kept about entries before the first playable track, besides the last one.
-const TROUBLES_KEPT: usize = 20;
+const TRACK_ERRORS_KEPT: usize = 20;
 
 /// A list of entries, and which entry follows each.
 pub struct Playlist {
@@ -55,7 +55,7 @@ pub struct Playlist {
     next_id: u64,
     order: Order,
     /// The last message reported about each entry, so that it is not repeated.
-    told: HashMap<u64, String>,
+    reported: HashMap<u64, String>,
     listing: SharedListing,
 }
 
@@ -74,7 +74,7 @@ pub struct Opened {
     /// The first track that can be played; silence if none can.
     pub first: Track,
     /// A sentence for each trouble; only the first ones.
-    pub troubles: Vec<String>,
+    pub track_errors: Vec<String>,
     /// Whether there is a track.
     pub playable: bool,
     /// What follows the last track, and each one.
@@ -106,15 +106,15 @@ impl Playlist {
             Song::File(path.clone()).open()?;
         }
         let gathered = gather(paths);
-        let troubles = gathered.troubles.iter().map(ToString::to_string).collect();
+        let track_errors = gathered.track_errors.iter().map(ToString::to_string).collect();
         let mut list = Self::new(gathered.entries);
         let wanted = place.and_then(|place| Some(list.slots.get(place)?.id));
         list.arrange(repeat, shuffled, wanted);
         let Some(first) = wanted.or_else(|| list.order.first()) else {
             let name = paths.first().map(|path| error::name_of(path)).unwrap_or_default();
-            return Err(gathered.troubles.into_iter().next().unwrap_or(PlaylistError::Empty { name }));
+            return Err(gathered.track_errors.into_iter().next().unwrap_or(PlaylistError::Empty { name }));
         };
-        Ok(list.opened(first, troubles, repeat, shuffled))
+        Ok(list.opened(first, track_errors, repeat, shuffled))
     }
 
     /// The list of one song.
@@ -125,23 +125,23 @@ impl Playlist {
     }
 
     /// Looks for the first track that can be played, from `first` on; where there is none it is silence.
-    fn opened(mut self, first: u64, mut troubles: Vec<String>, repeat: Repeat, shuffled: bool) -> Opened {
+    fn opened(mut self, first: u64, mut track_errors: Vec<String>, repeat: Repeat, shuffled: bool) -> Opened {
         let mut more = 0;
         let mut last = None;
         let found = self.search(first, true, None, &mut |trouble| {
-            more += usize::from(troubles.len() > TROUBLES_KEPT && last.is_some());
+            more += usize::from(track_errors.len() > TRACK_ERRORS_KEPT && last.is_some());
             let earlier = last.replace(trouble);
-            troubles.extend(earlier.filter(|_| more == 0));
+            track_errors.extend(earlier.filter(|_| more == 0));
         });
         if more > 0 {
-            troubles.push(format!("{more} more tracks cannot be played; check the list"));
+            track_errors.push(format!("{more} more tracks cannot be played; check the list"));
         }
-        troubles.extend(last);
+        track_errors.extend(last);
         let (first, playable) = match found {
             Found::Track(track) => (track, true),
             _ => (Track::silence(self.index(first).unwrap_or(0), self.slots.len()).with_id(first), false),
         };
-        Opened { list: self, first, troubles, playable, repeat, shuffled }
+        Opened { list: self, first, track_errors, playable, repeat, shuffled }
     }
 
     fn new(entries: Vec<Entry>) -> Self {
@@ -150,7 +150,7 @@ impl Playlist {
             places: HashMap::new(),
             next_id: 0,
             order: Order::new(std::iter::empty()),
-            told: HashMap::new(),
+            reported: HashMap::new(),
             listing: SharedListing::default(),
         };
         list.take_in(entries);
@@ -205,7 +205,7 @@ impl Playlist {
                 Ok(track) => return Found::Track(track),
                 Err(error) => {
                     let error = error.to_string();
-                    if self.told.insert(entry, error.clone()).as_ref() != Some(&error) {
+                    if self.reported.insert(entry, error.clone()).as_ref() != Some(&error) {
                         tell(error.clone());
                     }
                     failed.push(error);
@@ -299,7 +299,7 @@ impl TrackList for Playlist {
         self.arrange(repeat, shuffled, Some(current));
     }
 
-    fn share(&mut self, listing: SharedListing) {
+    fn fraction(&mut self, listing: SharedListing) {
         self.listing = listing;
         self.tell_listing();
     }
@@ -317,7 +317,7 @@ impl Playlist {
     /// Replaces the entries by other files, if one of them can be played.
     fn replace(&mut self, paths: &[PathBuf], tell: &mut dyn FnMut(String)) -> Found {
         let gathered = gather(paths);
-        gathered.troubles.iter().for_each(|trouble| tell(trouble.to_string()));
+        gathered.track_errors.iter().for_each(|trouble| tell(trouble.to_string()));
         let mut list = Self::new(Vec::new());
         list.next_id = self.next_id;
         list.take_in(gathered.entries);

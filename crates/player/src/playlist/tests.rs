@@ -30,14 +30,14 @@ fn paths(folder: &tempfile::TempDir, names: &[&str]) -> Vec<PathBuf> {
 
 /// The entry found, or what was found instead.
 fn found(list: &mut Playlist, wanted: Wanted) -> (Result<usize, &'static str>, Vec<String>) {
-    let mut told = Vec::new();
-    let found = match list.find(&wanted, &mut |trouble| told.push(trouble)) {
+    let mut reported = Vec::new();
+    let found = match list.find(&wanted, &mut |trouble| reported.push(trouble)) {
         Found::Track(track) => Ok(track.info.entry),
         Found::Again => Err("again"),
         Found::End => Err("end"),
         Found::Nothing => Err("nothing"),
     };
-    (found, told)
+    (found, reported)
 }
 
 fn following(list: &mut Playlist, after: u64) -> Result<usize, &'static str> {
@@ -52,11 +52,17 @@ fn what_follows_depends_on_how_the_list_repeats() {
         Playlist::open(&paths(&folder, &["1.wav", "2.wav", "3.wav", "4.wav"]), repeat, false).unwrap()
     };
     let mut all = open(Repeat::All);
-    assert!(all.playable && all.troubles.is_empty() && all.first.info.count == 4);
-    let (next, told) = found(&mut all.list, Wanted::Following { after: 0, anew: false });
-    assert!(next == Ok(2) && told.len() == 1 && told[0].contains("2.wav is not an audio file"), "{told:?}");
-    let (next, told) = found(&mut all.list, Wanted::Following { after: 2, anew: false });
-    assert!(next == Ok(0) && told.len() == 1 && told[0].contains("4.wav does not exist"), "{told:?}");
+    assert!(all.playable && all.track_errors.is_empty() && all.first.info.count == 4);
+    let (next, reported) = found(&mut all.list, Wanted::Following { after: 0, anew: false });
+    assert!(
+        next == Ok(2) && reported.len() == 1 && reported[0].contains("2.wav is not an audio file"),
+        "{reported:?}"
+    );
+    let (next, reported) = found(&mut all.list, Wanted::Following { after: 2, anew: false });
+    assert!(
+        next == Ok(0) && reported.len() == 1 && reported[0].contains("4.wav does not exist"),
+        "{reported:?}"
+    );
     assert_eq!(following(&mut open(Repeat::One).list, 2), Err("again"));
     assert_eq!(found(&mut open(Repeat::One).list, Wanted::Following { after: 2, anew: true }).0, Ok(2));
     assert_eq!(following(&mut open(Repeat::Off).list, 2), Err("end"));
@@ -71,10 +77,13 @@ fn what_follows_depends_on_how_the_list_repeats() {
     std::fs::remove_file(folder.path().join("1.wav")).unwrap();
     assert_eq!(following(&mut all.list, 2), Err("again"));
     std::fs::remove_file(folder.path().join("3.wav")).unwrap();
-    let (none, told) = found(&mut all.list, Wanted::Following { after: 2, anew: true });
+    let (none, reported) = found(&mut all.list, Wanted::Following { after: 2, anew: true });
     // The others were reported before.
-    assert_eq!((none, told.len()), (Err("nothing"), 2), "{told:?}");
-    assert!(told[0].contains("3.wav does not") && told[1].contains("none of the 4 tracks"), "{told:?}");
+    assert_eq!((none, reported.len()), (Err("nothing"), 2), "{reported:?}");
+    assert!(
+        reported[0].contains("3.wav does not") && reported[1].contains("none of the 4 tracks"),
+        "{reported:?}"
+    );
 }
 
 #[test]
@@ -106,15 +115,15 @@ fn one_file_is_refused_with_its_own_words_and_several_leave_silence() {
     assert!(refused(&["."]).contains("holds no tracks"));
     for names in [&["none.flac", "nil.mp3"][..], &["missing.m3u"]] {
         let mut opened = Playlist::open(&paths(&folder, names), Repeat::All, false).unwrap();
-        assert!(!opened.playable && opened.troubles.len() == 3, "{:?}", opened.troubles);
+        assert!(!opened.playable && opened.track_errors.len() == 3, "{:?}", opened.track_errors);
         assert_eq!(opened.first.source.next_block(&mut Vec::new()).unwrap(), 1024);
     }
     // Of very many, the first are reported, then how many more there are, and the last.
     std::fs::write(folder.path().join("long.m3u"), "nowhere.wav\n".repeat(5000)).unwrap();
     let opened = Playlist::open(&paths(&folder, &["long.m3u"]), Repeat::All, true).unwrap();
-    let [.., more, none] = &opened.troubles[..] else { panic!("{:?}", opened.troubles) };
-    let told = opened.troubles.len() - 2;
-    assert!(told < 30 && more.starts_with(&format!("{} more", 5000 - told)), "{told} and {more}");
+    let [.., more, none] = &opened.track_errors[..] else { panic!("{:?}", opened.track_errors) };
+    let reported = opened.track_errors.len() - 2;
+    assert!(reported < 30 && more.starts_with(&format!("{} more", 5000 - reported)), "{reported} and {more}");
     assert!(none.contains("none of the 5000 tracks"), "{none}");
 }
 
@@ -122,8 +131,8 @@ fn one_file_is_refused_with_its_own_words_and_several_leave_silence() {
 fn dropped_files_become_the_list_if_they_can_be_played() {
     let folder = folder_of(&["1.wav", "2.wav", "3.wav"]);
     let mut list = Playlist::open(&paths(&folder, &["1.wav"]), Repeat::All, false).unwrap().list;
-    let (none, told) = found(&mut list, Wanted::Files(paths(&folder, &["x.wav"])));
-    assert!(none == Err("nothing") && told[0].contains("x.wav"), "{none:?}, {told:?}");
+    let (none, reported) = found(&mut list, Wanted::Files(paths(&folder, &["x.wav"])));
+    assert!(none == Err("nothing") && reported[0].contains("x.wav"), "{none:?}, {reported:?}");
     assert_eq!(following(&mut list, 0), Err("again"));
     assert_eq!(found(&mut list, Wanted::Files(paths(&folder, &["2.wav", "3.wav"]))).0, Ok(0));
     // The new ones are entries of their own, and what still plays of the old list is followed by the first.
@@ -140,7 +149,7 @@ fn parts_of_a_file_have_their_names_and_lengths() {
     assert_eq!((opened.first.info.name.as_str(), opened.first.info.count), ("A - One", 2));
     // The second has not been opened, but the sheet tells about it.
     let shared = SharedListing::default();
-    opened.list.share(shared.clone());
+    opened.list.fraction(shared.clone());
     let listed = &shared.tracks().entries[1];
     assert_eq!((listed.name.as_str(), listed.duration, listed.start), ("Two", None, Some(2.0 / 75.0)));
     assert!((opened.first.info.duration.unwrap() - 2.0 / 75.0).abs() < 1e-9);

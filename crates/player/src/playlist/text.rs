@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn encodings_are_told_apart() {
+    fn encodings_are_reported_apart() {
         let wanted = Some(vec!["Größe.mp3".to_owned(), "b".to_owned()]);
         let utf16 = |mark: [u8; 2], to: fn(u16) -> [u8; 2]| {
             let units = "Größe.mp3\r\nb".encode_utf16().flat_map(to);

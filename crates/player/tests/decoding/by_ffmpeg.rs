@@ -218,9 +218,12 @@ fn what_is_damaged_or_unknown_to_ffmpeg_is_told_as_such() {
             head.iter().copied().chain((0..4000_u32).map(|n| ((n * 7919) >> 5) as u8)).collect();
         let error = refused(file, &bytes);
         assert!(matches!(error, DecodeError::Damaged { .. }), "{error}");
-        let told = error.to_string();
-        assert!(told.starts_with(file) && told.contains("ffmpeg") && !told.contains('\n'), "{told}");
-        assert!(!told.contains(folder.path().to_str().unwrap()), "{told}");
+        let reported = error.to_string();
+        assert!(
+            reported.starts_with(file) && reported.contains("ffmpeg") && !reported.contains('\n'),
+            "{reported}"
+        );
+        assert!(!reported.contains(folder.path().to_str().unwrap()), "{reported}");
     }
     let notes = refused("a.mid", b"MThd\0\0\0\x06\0\0\0\x01\0\x60MTrk\0\0\0\0");
     assert!(matches!(notes, DecodeError::NotAudio { .. }) && notes.to_string().contains("MIDI"), "{notes}");

@@ -60,7 +60,7 @@ struct Case {
     /// Frames at the end that may be missing or too many.
     tail: usize,
     /// Encoder delay that ffmpeg does not write into this container, in frames.
-    untold: usize,
+    unreported: usize,
 }
 
 const fn case(
@@ -71,11 +71,11 @@ const fn case(
     seek: f32,
     tail: usize,
 ) -> Case {
-    Case { file, args, rate, lossless, seek, tail, untold: 0 }
+    Case { file, args, rate, lossless, seek, tail, unreported: 0 }
 }
 
-const fn untold(case: Case, frames: usize) -> Case {
-    Case { untold: frames, ..case }
+const fn unreported(case: Case, frames: usize) -> Case {
+    Case { unreported: frames, ..case }
 }
 
 /// AAC without noise substitution: that noise is drawn at random, so it differs after a seek.
@@ -168,8 +168,11 @@ const CASES: &[Case] = &[
     ),
     case("vorbis.mkv", &["-c:a", "libvorbis", "-q:a", "6"], 44_100, 0.0, 0.0, 1024),
     case("vorbis.webm", &["-c:a", "libvorbis", "-q:a", "6"], 44_100, 0.0, 0.0, 1024),
-    untold(case("aac.mkv", &["-c:a", "aac", "-aac_pns", "0", "-b:a", "192k"], 44_100, 0.0, 1e-5, 1024), 1024),
-    untold(case("mp3.mkv", &["-c:a", "libmp3lame", "-b:a", "192k"], 44_100, 0.0, 1e-5, 1152), 1105),
+    unreported(
+        case("aac.mkv", &["-c:a", "aac", "-aac_pns", "0", "-b:a", "192k"], 44_100, 0.0, 1e-5, 1024),
+        1024,
+    ),
+    unreported(case("mp3.mkv", &["-c:a", "libmp3lame", "-b:a", "192k"], 44_100, 0.0, 1e-5, 1152), 1105),
 ];
 
 struct Media {
@@ -264,11 +267,11 @@ fn every_format_gives_the_signal_back() {
         );
         check(info.source_channels == 2, format!("{} channels", info.source_channels));
         check(
-            got.len().abs_diff(frames + case.untold) <= case.tail,
+            got.len().abs_diff(frames + case.unreported) <= case.tail,
             format!("{} frames, not {frames}", got.len()),
         );
         let duration = info.duration.unwrap_or(0.0);
-        let slack = (case.tail + case.untold) as f64 / f64::from(case.rate) + 0.03;
+        let slack = (case.tail + case.unreported) as f64 / f64::from(case.rate) + 0.03;
         // ffmpeg counts the padding of ALAC in CAF, and a fragmented file does not tell.
         if !["fragmented.mp4", "alac.caf"].contains(&case.file) {
             check((duration - SECONDS).abs() < slack, format!("claims {duration} s"));
@@ -285,10 +288,10 @@ fn every_format_gives_the_signal_back() {
         }
         for side in 0..2 {
             let (shift, correlation) = best_shift(&got, &wanted, side, 1500);
-            check(shift == case.untold as isize, format!("side {side} shifted by {shift}"));
+            check(shift == case.unreported as isize, format!("side {side} shifted by {shift}"));
             check(correlation > 0.99, format!("side {side} correlates by {correlation}"));
             let middle = 4000..frames - 4000;
-            let heard = rms(&got[middle.start + case.untold..middle.end + case.untold], side);
+            let heard = rms(&got[middle.start + case.unreported..middle.end + case.unreported], side);
             let level = 20.0 * (heard / rms(&wanted[middle], side)).log10();
             // LAME takes the level down by 0.45 dB at most, against clipping.
             let tolerance = if case.file.contains("mp3") { 0.5 } else { 0.1 };

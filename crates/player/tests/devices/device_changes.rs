@@ -209,7 +209,7 @@ fn an_input_is_chosen_while_another_is_heard() {
     let second = live.now(0.0);
     assert!(second.segment > first.segment && second.song_time > first.song_time);
     live.choose(named("no_such_box"));
-    let told = |status: &LiveStatus| status.silent.clone().unwrap_or_default();
+    let reported = |status: &LiveStatus| status.silent.clone().unwrap_or_default();
     // What is heard goes on until there is something else, and why it does is told.
     wait_for_live(&mut live, "the sentence", |status, _| {
         status.refused.as_ref().is_some_and(|reason| reason.contains("no_such_box"))
@@ -218,7 +218,7 @@ fn an_input_is_chosen_while_another_is_heard() {
     session.server().plug("such", &["sink_properties=device.description=no_such_box"]);
     wait_for_live(&mut live, "the box", |status, _| {
         status.device.as_ref().is_some_and(|device| device.id.ends_with("such.monitor"))
-            && told(status).is_empty()
+            && reported(status).is_empty()
             && status.refused.is_none()
     });
 }
@@ -240,8 +240,8 @@ fn a_flat_input_is_told_and_where_there_is_signal() {
     wait_for_live(&mut live, "the suggestion", |status, _| {
         status.suggestion.as_ref().is_some_and(|entry| entry.id.ends_with("other.monitor"))
     });
-    let told = live.status().flat.unwrap();
-    assert!(told.contains("the monitor of") && told.contains("has a signal: press D"), "{told}");
+    let reported = live.status().flat.unwrap();
+    assert!(reported.contains("the monitor of") && reported.contains("has a signal: press D"), "{reported}");
     let suggestion = live.status().suggestion.unwrap();
     live.choose(Target::Named(suggestion.id));
     wait_for_live(&mut live, "the sound", hears("other.monitor"));

@@ -60,7 +60,7 @@ impl Analyser {
             let flashes =
                 |cell: usize| self.cells.get(cell).map_or(0, |cell| changes(cell).count(time, 0.0) / 2);
             let mut worst = worst;
-            while fields::largest_share(|cell| flashes(cell) > worst) > AREA {
+            while fields::largest_fraction(|cell| flashes(cell) > worst) > AREA {
                 worst += 1;
             }
             worst

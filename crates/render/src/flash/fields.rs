@@ -37,18 +37,18 @@ fn summed(value: impl Fn(usize) -> u32) -> Sums {
 }
 
 /// The largest share of marked cells in any field, 0..1.
-pub(super) fn largest_share(marked: impl Fn(usize) -> bool) -> f64 {
+pub(super) fn largest_fraction(marked: impl Fn(usize) -> bool) -> f64 {
     let mut largest: f64 = 0.0;
-    look(marked, |_, share| largest = largest.max(share));
+    look(marked, |_, fraction| largest = largest.max(fraction));
     largest
 }
 
-/// The cells in any field of which more than `share` is marked. Empty if there is no such field.
-pub(super) fn crowded(marked: impl Fn(usize) -> bool, share: f64) -> Vec<bool> {
+/// The cells in any field of which more than `fraction` is marked. Empty if there is no such field.
+pub(super) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool> {
     let mut first = vec![0; CELLS];
     let mut any = false;
     look(marked, |cell, inside| {
-        if inside > share
+        if inside > fraction
             && let Some(place) = first.get_mut(cell)
         {
             (*place, any) = (1, true);
@@ -79,14 +79,14 @@ mod tests {
 
     #[test]
     fn shares_are_of_the_fullest_field_wherever_it_is() {
-        assert_eq!(largest_share(|_| true), 1.0);
-        assert_eq!(largest_share(|_| false), 0.0);
+        assert_eq!(largest_fraction(|_| true), 1.0);
+        assert_eq!(largest_fraction(|_| false), 0.0);
         for (x, y) in [(0, 0), (17, 11), (COLUMNS - 8, ROWS - 6)] {
-            assert_eq!(largest_share(|cell| within(cell, x..x + 8, y..y + 6)), 0.25);
+            assert_eq!(largest_fraction(|cell| within(cell, x..x + 8, y..y + 6)), 0.25);
         }
         // Two places that no field contains together.
         let apart = |cell| within(cell, 0..4, 0..6) || within(cell, 40..48, 30..36);
-        assert_eq!(largest_share(apart), 0.25);
+        assert_eq!(largest_fraction(apart), 0.25);
     }
 
     #[test]

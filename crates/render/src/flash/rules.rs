@@ -6,7 +6,7 @@ use super::limiter::{
     AREA, CEILING_RISE, EARLY, FOLLOW, GREY, HOLD, KNEE, OPEN, REACH, RED_RELEASE, RELEASE, SWING,
 };
 use super::swing::{
-    CAUTIOUS, FLARE, RED, ROUNDING, SURE_CHANGE, SURE_DARKER, SURE_RED_CHANGE, SURE_RED_SHARE,
+    CAUTIOUS, FLARE, RED, ROUNDING, SURE_CHANGE, SURE_DARKER, SURE_RED_CHANGE, SURE_RED_FRACTION,
 };
 
 const _: () = assert!(FLASHES_MAX == 3, "the shaders remember six changes before the newest one");
@@ -27,9 +27,9 @@ pub fn rules_glsl() -> String {
         ("LIGHT_DARKER", CAUTIOUS.light_darker),
         ("SURE_CHANGE", SURE_CHANGE),
         ("SURE_DARKER", SURE_DARKER),
-        ("RED_SHARE", CAUTIOUS.red_share),
+        ("RED_SHARE", CAUTIOUS.red_fraction),
         ("RED_CHANGE", CAUTIOUS.red_change),
-        ("SURE_RED_SHARE", SURE_RED_SHARE),
+        ("SURE_RED_SHARE", SURE_RED_FRACTION),
         ("SURE_RED_CHANGE", SURE_RED_CHANGE),
         ("FLARE", FLARE),
         ("ROUNDING", ROUNDING as f32),

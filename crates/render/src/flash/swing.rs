@@ -10,21 +10,21 @@ pub(super) struct Thresholds {
     /// If the darker state has this luminance or more, no change counts.
     pub light_darker: f32,
     /// A colour is a saturated red if red has at least this share, in linear light.
-    pub red_share: f32,
+    pub red_fraction: f32,
     /// Smallest change of a red's chromaticity, in the CIE 1976 UCS diagram.
     pub red_change: f32,
 }
 
 /// The definition's thresholds.
 pub(super) const DEFINED: Thresholds =
-    Thresholds { light_change: 0.1, light_darker: 0.8, red_share: 0.8, red_change: 0.2 };
+    Thresholds { light_change: 0.1, light_darker: 0.8, red_fraction: 0.8, red_change: 0.2 };
 /// What may count, for one who measures light roughly and draws it in whole bytes.
 pub(super) const CAUTIOUS: Thresholds =
-    Thresholds { light_change: 0.095, light_darker: 0.805, red_share: 0.78, red_change: 0.19 };
+    Thresholds { light_change: 0.095, light_darker: 0.805, red_fraction: 0.78, red_change: 0.19 };
 /// What counts even if it is measured roughly: as far from the definition on the other side.
 pub(super) const SURE_CHANGE: f32 = 0.105;
 pub(super) const SURE_DARKER: f32 = 0.795;
-pub(super) const SURE_RED_SHARE: f32 = 0.82;
+pub(super) const SURE_RED_FRACTION: f32 = 0.82;
 pub(super) const SURE_RED_CHANGE: f32 = 0.21;
 /// Light that a screen reflects in any case: because of it, what is nearly black has no colour.
 pub(super) const FLARE: f32 = 0.01;
@@ -113,14 +113,14 @@ impl RedSwing {
 
     pub(super) fn step(&mut self, color: [f32; 3], counts: &Thresholds) -> Option<Change> {
         let now = chromaticity(color);
-        let saturated = is_saturated_red(color, counts.red_share);
+        let saturated = is_saturated_red(color, counts.red_fraction);
         let Some(extreme) = self.extreme else {
             *self = Self { red: saturated, extreme: Some(now), sure: true };
             return None;
         };
         if saturated != self.red && distance(now, extreme) > counts.red_change {
             let sure = distance(now, extreme) > SURE_RED_CHANGE
-                && (!saturated || is_saturated_red(color, SURE_RED_SHARE));
+                && (!saturated || is_saturated_red(color, SURE_RED_FRACTION));
             *self = Self { red: saturated, extreme: Some(now), sure };
             return Some(if saturated { Change::Up } else { Change::Down });
         }
@@ -133,12 +133,12 @@ impl RedSwing {
 
     /// Whether the last change was so small that it may be this colour that makes it count.
     pub(super) fn may_count_only_at(&self, color: [f32; 3], counts: &Thresholds) -> bool {
-        !self.sure && is_saturated_red(color, counts.red_share) == self.red
+        !self.sure && is_saturated_red(color, counts.red_fraction) == self.red
     }
 }
 
-fn is_saturated_red([r, g, b]: [f32; 3], share: f32) -> bool {
-    r > 0.0 && r >= share * (r + g + b)
+fn is_saturated_red([r, g, b]: [f32; 3], fraction: f32) -> bool {
+    r > 0.0 && r >= fraction * (r + g + b)
 }
 
 /// The chromaticity in the CIE 1976 UCS diagram, as a screen in a room shows it.

@@ -40,7 +40,7 @@ impl Camera {
     }
 
     /// The same, moved by hand.
-    pub fn by_hand(asked: &lang::Camera<f32>, aspect: f64, hand: &OrbitControls) -> Self {
+    pub fn by_hand(asked: &lang::Camera<f32>, aspect: f64, orbit: &OrbitControls) -> Self {
         let target = place(asked.target);
         let mut eye = place(asked.position);
         let fov = if asked.fov.is_finite() { f64::from(asked.fov).clamp(FOV.0, FOV.1) } else { FOV.1 / 2.0 };
@@ -52,7 +52,7 @@ impl Camera {
         if keep.is_finite() && keep > seen && seen > 0.0 {
             eye = target + away * (keep / seen);
         }
-        let (eye, forward) = hand.place(eye, target);
+        let (eye, forward) = orbit.place(eye, target);
         let to_target = (target - eye).length();
         let stepped_back = to_target - away.length();
         // Looking straight up or down, no picture is upright: any will do.

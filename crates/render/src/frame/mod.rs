@@ -37,12 +37,12 @@ pub struct Frame {
     /// What happens to the scene's light on its way to the screen.
     pub picture: Picture,
     /// How the camera was moved by hand.
-    hand: OrbitControls,
+    orbit: OrbitControls,
 }
 
 /// What somebody decides about a picture besides its world and its moment.
 #[derive(Debug, Clone, Copy)]
-pub struct Staging<'a> {
+pub struct FrameOptions<'a> {
     /// The scene's parameters; missing ones are as the scene's text sets them.
     pub params: &'a [f32],
     /// Inputs that are held, whatever the parameters say.
@@ -70,11 +70,17 @@ impl Frame {
     }
 
     /// The same as [`Frame::new`] as it is staged.
-    pub fn staged(world: &World, time: f64, sound: Sound, size: (u32, u32), staging: &Staging<'_>) -> Self {
-        let mut inputs = inputs_of(world, time, sound, staging.params);
-        staging.held.apply(&mut inputs);
+    pub fn staged(
+        world: &World,
+        time: f64,
+        sound: Sound,
+        size: (u32, u32),
+        frame_options: &FrameOptions<'_>,
+    ) -> Self {
+        let mut inputs = inputs_of(world, time, sound, frame_options.params);
+        frame_options.held.apply(&mut inputs);
         let mut frame = Self::of_inputs(world, inputs, size);
-        frame.seen_by(world, staging.camera);
+        frame.seen_by(world, frame_options.camera);
         frame
     }
 
@@ -82,9 +88,9 @@ impl Frame {
         let size = (size.0.max(1), size.1.max(1));
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values.camera, aspect(size));
-        let picture = Picture::of(&values, &camera, world.traits.lens);
+        let picture = Picture::of(&values, &camera, world.features.lens);
         let mut frame =
-            Self { size, inputs, camera, values, quality: 1.0, picture, hand: OrbitControls::OFF };
+            Self { size, inputs, camera, values, quality: 1.0, picture, orbit: OrbitControls::OFF };
         frame.see_from(world, aspect(size), OrbitControls::OFF);
         frame
     }
@@ -119,7 +125,7 @@ impl Frame {
     pub fn seen_by(&mut self, world: &World, camera: Option<usize>) {
         if let Some(camera) = camera.and_then(|camera| self.values.cameras.get(camera)) {
             self.values.camera = camera.clone();
-            self.see_from(world, aspect(self.size), self.hand);
+            self.see_from(world, aspect(self.size), self.orbit);
         }
     }
 
@@ -131,27 +137,27 @@ impl Frame {
     /// The same as it is drawn for a window of this width over height, whatever its number of pixels, at a quality.
     pub fn in_window(mut self, world: &World, aspect: f64, quality: f32) -> Self {
         self.quality = quality;
-        self.see_from(world, aspect, self.hand);
+        self.see_from(world, aspect, self.orbit);
         self
     }
 
     /// The same moment in a picture of another size.
     pub fn resized(mut self, world: &World, size: (u32, u32)) -> Self {
         self.size = (size.0.max(1), size.1.max(1));
-        self.see_from(world, aspect(self.size), self.hand);
+        self.see_from(world, aspect(self.size), self.orbit);
         self
     }
 
     /// The same moment with the camera moved by hand.
-    pub fn by_hand(mut self, world: &World, hand: OrbitControls) -> Self {
-        self.see_from(world, aspect(self.size), hand);
+    pub fn by_hand(mut self, world: &World, orbit: OrbitControls) -> Self {
+        self.see_from(world, aspect(self.size), orbit);
         self
     }
 
     /// Puts the camera in its place, and gives its place to the expressions.
-    fn see_from(&mut self, world: &World, aspect: f64, hand: OrbitControls) {
-        (self.hand, self.camera) = (hand, Camera::by_hand(&self.values.camera, aspect, &hand));
-        self.picture = Picture::of(&self.values, &self.camera, world.traits.lens);
+    fn see_from(&mut self, world: &World, aspect: f64, orbit: OrbitControls) {
+        (self.orbit, self.camera) = (orbit, Camera::by_hand(&self.values.camera, aspect, &orbit));
+        self.picture = Picture::of(&self.values, &self.camera, world.features.lens);
         let eye = self.camera.position.as_vec3().to_array();
         // What is computed once per frame depends on nothing else here.
         if self.inputs.eye != eye || self.inputs.hoisted.is_empty() {

@@ -116,8 +116,8 @@ mod tests {
         }
     }
 
-    fn seen(hand: &OrbitControls, point: DVec3) -> (f64, f64) {
-        Camera::by_hand(&asked(), 1.6, hand).project(point).unwrap()
+    fn seen(orbit: &OrbitControls, point: DVec3) -> (f64, f64) {
+        Camera::by_hand(&asked(), 1.6, orbit).project(point).unwrap()
     }
 
     #[test]
@@ -125,47 +125,47 @@ mod tests {
         let target = DVec3::new(0.5, 1.0, 2.0);
         let near = target + 0.2 * (DVec3::new(1.0, 2.0, -6.0) - target);
         let before = seen(&OrbitControls::OFF, near);
-        let mut hand = OrbitControls::OFF;
-        hand.drag((0.05, 0.0), 0.0);
-        assert!(seen(&hand, near).0 > before.0 + 0.01, "to the right");
-        let mut hand = OrbitControls::OFF;
-        hand.drag((0.0, 0.05), 0.0);
-        assert!(seen(&hand, near).1 < before.1 - 0.01, "down");
-        hand.drag((0.3, 0.1), 0.0);
-        hand.zoom(2.5);
-        let (x, y) = seen(&hand, target);
+        let mut orbit = OrbitControls::OFF;
+        orbit.drag((0.05, 0.0), 0.0);
+        assert!(seen(&orbit, near).0 > before.0 + 0.01, "to the right");
+        let mut orbit = OrbitControls::OFF;
+        orbit.drag((0.0, 0.05), 0.0);
+        assert!(seen(&orbit, near).1 < before.1 - 0.01, "down");
+        orbit.drag((0.3, 0.1), 0.0);
+        orbit.zoom(2.5);
+        let (x, y) = seen(&orbit, target);
         assert!(x.abs() < 1e-9 && y.abs() < 1e-9, "the target is at {x}, {y}");
     }
 
     #[test]
     fn the_wheel_comes_nearer_smoothly_and_within_its_limits() {
-        let reach = |hand: &OrbitControls| {
-            (Camera::by_hand(&asked(), 1.6, hand).position - DVec3::new(0.5, 1.0, 2.0)).length()
+        let reach = |orbit: &OrbitControls| {
+            (Camera::by_hand(&asked(), 1.6, orbit).position - DVec3::new(0.5, 1.0, 2.0)).length()
         };
         let own = reach(&OrbitControls::OFF);
-        let mut hand = OrbitControls::OFF;
-        hand.zoom(1.0);
-        assert!((0.85..0.95).contains(&(reach(&hand) / own)));
-        hand.zoom(-0.5);
-        hand.zoom(-0.5);
-        assert!((reach(&hand) / own - 1.0).abs() < 1e-9, "back again");
-        hand.zoom(1e9);
-        assert!((reach(&hand) / own - 1.0 / 64.0).abs() < 1e-9);
-        hand.zoom(-1e9);
-        assert!((reach(&hand) / own - 64.0).abs() < 1e-6);
+        let mut orbit = OrbitControls::OFF;
+        orbit.zoom(1.0);
+        assert!((0.85..0.95).contains(&(reach(&orbit) / own)));
+        orbit.zoom(-0.5);
+        orbit.zoom(-0.5);
+        assert!((reach(&orbit) / own - 1.0).abs() < 1e-9, "back again");
+        orbit.zoom(1e9);
+        assert!((reach(&orbit) / own - 1.0 / 64.0).abs() < 1e-9);
+        orbit.zoom(-1e9);
+        assert!((reach(&orbit) / own - 64.0).abs() < 1e-6);
     }
 
     #[test]
     fn a_drag_that_reached_the_pole_comes_back_at_once() {
         let eye = DVec3::new(0.0, 3.0, -3.0);
         let own = OrbitControls::pitch_of(eye, DVec3::ZERO);
-        let mut hand = OrbitControls::OFF;
-        hand.drag((0.0, 50.0), own);
+        let mut orbit = OrbitControls::OFF;
+        orbit.drag((0.0, 50.0), own);
         let height =
-            |hand: &OrbitControls| OrbitControls::pitch_of(hand.place(eye, DVec3::ZERO).0, DVec3::ZERO);
-        assert!((height(&hand).to_degrees() - PITCH_MAX).abs() < 1e-4);
-        hand.drag((0.0, -0.1), own);
-        assert!((height(&hand).to_degrees() - (PITCH_MAX - 0.1 * TURN)).abs() < 1e-4);
+            |orbit: &OrbitControls| OrbitControls::pitch_of(orbit.place(eye, DVec3::ZERO).0, DVec3::ZERO);
+        assert!((height(&orbit).to_degrees() - PITCH_MAX).abs() < 1e-4);
+        orbit.drag((0.0, -0.1), own);
+        assert!((height(&orbit).to_degrees() - (PITCH_MAX - 0.1 * TURN)).abs() < 1e-4);
     }
 
     proptest! {
@@ -178,12 +178,12 @@ mod tests {
         ) {
             let target = if same { position } else { target };
             let asked = lang::Camera { position, target, fov: 50.0, ..lang::Camera::of([]) };
-            let mut hand = OrbitControls::OFF;
+            let mut orbit = OrbitControls::OFF;
             for (right, down, notches) in moves {
-                hand.drag((right, down), 0.3);
-                hand.zoom(notches);
+                orbit.drag((right, down), 0.3);
+                orbit.zoom(notches);
             }
-            let camera = Camera::by_hand(&asked, 1.6, &hand);
+            let camera = Camera::by_hand(&asked, 1.6, &orbit);
             prop_assert!(camera.position.is_finite());
             for axis in [camera.right, camera.up, camera.forward] {
                 prop_assert!((axis.length() - 1.0).abs() < 1e-6, "{camera:?}");

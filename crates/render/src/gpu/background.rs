@@ -6,11 +6,11 @@
 //! form of the program; what the driver compiled at the draw it finds in its cache. No object is ever shared between
 //! two contexts, because drivers mishandle shared objects ([`super::program::ReadyProgram`]).
 //!
-//! What a driver made is kept from run to run (`studio`).
+//! What a driver made is kept from run to run (`compile_worker`).
 
 #![expect(unsafe_code, reason = "creating contexts is unsafe in glutin")]
 
-mod studio;
+mod compile_worker;
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -36,7 +36,7 @@ use crate::faults::{self, Fault};
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
 use crate::limits::LIMITS;
-use studio::{Made, Studio};
+use compile_worker::{CompileWorker, Made};
 
 /// A context for a worker, not current anywhere yet.
 pub struct WorkerContext {
@@ -157,7 +157,7 @@ struct Begun {
     id: u64,
     since: Instant,
     /// Whether it was told that it takes long.
-    told: bool,
+    reported: bool,
 }
 
 impl Queue {
@@ -173,7 +173,7 @@ impl Queue {
                 return None;
             }
             if let Some(job) = state.jobs.pop_front() {
-                state.begun.push(Begun { id: job.id, since: Instant::now(), told: false });
+                state.begun.push(Begun { id: job.id, since: Instant::now(), reported: false });
                 return Some(job);
             }
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
@@ -216,12 +216,15 @@ impl BackgroundCompiler {
         !self.threads.is_empty()
     }
 
-    /// The jobs that a driver has been at for longer than [`crate::limits::Limits::compile_seconds_told`], each once.
+    /// The jobs that a driver has been at for longer than [`crate::limits::Limits::compile_seconds_reported`], each once.
     pub fn slow(&self) -> Vec<u64> {
         let mut state = self.queue.lock();
-        let slow = state.begun.iter_mut().filter(|begun| !begun.told && begun.since.elapsed() > told_after());
+        let slow = state
+            .begun
+            .iter_mut()
+            .filter(|begun| !begun.reported && begun.since.elapsed() > reported_after());
         slow.map(|begun| {
-            begun.told = true;
+            begun.reported = true;
             begun.id
         })
         .collect()
@@ -275,9 +278,9 @@ impl Drop for BackgroundCompiler {
 }
 
 /// When it is told that a job takes long.
-fn told_after() -> Duration {
+fn reported_after() -> Duration {
     let is_hurried = [Fault::SlowCompiler, Fault::SlowInterpreter].into_iter().any(faults::is_wanted);
-    let seconds = if is_hurried { 0.2 } else { LIMITS.compile_seconds_told };
+    let seconds = if is_hurried { 0.2 } else { LIMITS.compile_seconds_reported };
     Duration::from_secs_f64(seconds)
 }
 
@@ -299,17 +302,18 @@ fn work(
 ) {
     // Kept current to the end of the thread, until everything that was made in it is gone.
     let context = worker.make_current();
-    let mut studio = context.as_ref().map_err(Clone::clone).and_then(|(display, _current)| {
+    let mut compile_worker = context.as_ref().map_err(Clone::clone).and_then(|(display, _current)| {
         let gl = Gl::load(|name| display.get_proc_address(name), false);
-        gl.and_then(|gl| Studio::new(gl, &sources.library)).map_err(|error| error.to_string())
+        gl.and_then(|gl| CompileWorker::new(gl, &sources.library)).map_err(|error| error.to_string())
     });
     while let Some(job) = queue.next() {
         let id = job.id;
-        let made = match &mut studio {
+        let made = match &mut compile_worker {
             // After a panic the caller must not wait for ever.
-            Ok(studio) => catch_unwind(AssertUnwindSafe(|| studio.make(sources, job))).unwrap_or_else(|_| {
-                Err(GpuError::NoWorker { reason: "making a program ended with a panic".into() })
-            }),
+            Ok(compile_worker) => catch_unwind(AssertUnwindSafe(|| compile_worker.make(sources, job)))
+                .unwrap_or_else(|_| {
+                    Err(GpuError::NoWorker { reason: "making a program ended with a panic".into() })
+                }),
             Err(reason) => Err(GpuError::NoWorker { reason: reason.clone() }),
         };
         let (program, to_keep) = match made {

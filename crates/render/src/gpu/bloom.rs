@@ -53,7 +53,7 @@ impl Bloom {
         for (index, pair) in levels.windows(2).enumerate().rev() {
             let [larger, smaller] = pair else { continue };
             smaller.bind_color(0, unit_of("picture"));
-            passes.mix(&self.up, larger, share_of_smaller(levels.len() - index))?;
+            passes.mix(&self.up, larger, fraction_of_smaller(levels.len() - index))?;
         }
         Ok(largest.unwrap_or(light))
     }
@@ -61,7 +61,7 @@ impl Bloom {
 
 /// The share of the smaller levels when `levels` are left, so that all weights sum to 1 and each is smaller than the
 /// one before.
-fn share_of_smaller(levels: usize) -> f32 {
+fn fraction_of_smaller(levels: usize) -> f32 {
     let weights = |from: usize| (from..levels).map(|level| FADING.powi(level as i32)).sum::<f32>();
     weights(1) / weights(0)
 }
@@ -106,9 +106,9 @@ mod tests {
         for count in 1..=8 {
             let (mut left, mut weights) = (1.0, Vec::new());
             for index in 0..count {
-                let share = if index + 1 < count { share_of_smaller(count - index) } else { 0.0 };
-                weights.push(left * (1.0 - share));
-                left *= share;
+                let fraction = if index + 1 < count { fraction_of_smaller(count - index) } else { 0.0 };
+                weights.push(left * (1.0 - fraction));
+                left *= fraction;
             }
             assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-5, "{weights:?}");
             assert!(weights.is_sorted_by(|a, b| (b / a - FADING).abs() < 1e-4), "{weights:?}");

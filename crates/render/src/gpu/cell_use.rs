@@ -23,7 +23,7 @@ const CELLS_PAY_FROM: usize = 1_000;
 impl CellUse {
     /// Whether a world is divided into cells for a mode. A formula that is not a distance cannot do without them.
     pub fn divides(self, world: &World, buffers: &TapeBuffers, mode: Mode) -> bool {
-        world.steep
+        world.non_lipschitz
             || match self {
                 CellUse::Always => true,
                 CellUse::Never => false,

@@ -36,8 +36,8 @@ fn folder(variable: impl Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
 
 /// How many bytes can be written in a folder, which need not be there yet; none if nobody tells.
 fn room_in(folder: &Path) -> Option<u64> {
-    let told = folder.ancestors().find_map(|place| rustix::fs::statvfs(place).ok())?;
-    Some(told.f_bavail.saturating_mul(told.f_frsize))
+    let reported = folder.ancestors().find_map(|place| rustix::fs::statvfs(place).ok())?;
+    Some(reported.f_bavail.saturating_mul(reported.f_frsize))
 }
 
 #[cfg(test)]
@@ -57,8 +57,8 @@ mod tests {
     fn the_folder_is_the_one_that_mesa_takes() {
         let all = ["MESA_SHADER_CACHE_DIR", "XDG_CACHE_HOME", "HOME"];
         for (known, wanted) in [(0, "MESA_SHADER_CACHE_DIR"), (1, "XDG_CACHE_HOME"), (2, "HOME/.cache")] {
-            let told = |name: &str| all[known..].contains(&name).then(|| name.into());
-            assert_eq!(folder(told).as_deref(), Some(Path::new(wanted)));
+            let reported = |name: &str| all[known..].contains(&name).then(|| name.into());
+            assert_eq!(folder(reported).as_deref(), Some(Path::new(wanted)));
         }
     }
 }

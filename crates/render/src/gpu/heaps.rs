@@ -14,7 +14,7 @@
 const HEAPS: libc::c_int = 2;
 
 /// Makes all threads of the process share few heaps. To be called before there are other threads.
-pub fn share() {
+pub fn fraction() {
     // SAFETY: two plain numbers; the function locks what it changes.
     unsafe { libc::mallopt(libc::M_ARENA_MAX, HEAPS) };
 }

@@ -110,21 +110,21 @@ impl Passes {
         &self,
         program: &LazyProgram,
         target: &Target,
-        told: [f32; 2],
+        reported: [f32; 2],
     ) -> Result<(), GpuError> {
-        self.gl.replacing(|| self.cover(program, target, told))
+        self.gl.replacing(|| self.cover(program, target, reported))
     }
 
     /// Mixes a share, 0..1, of what it draws into the whole of a target.
     ///
     /// # Errors
     /// As [`Passes::draw`].
-    pub(super) fn mix(&self, program: &LazyProgram, target: &Target, share: f32) -> Result<(), GpuError> {
+    pub(super) fn mix(&self, program: &LazyProgram, target: &Target, fraction: f32) -> Result<(), GpuError> {
         // SAFETY: plain state.
         unsafe {
             self.gl.enable(glow::BLEND);
             self.gl.blend_func(glow::CONSTANT_ALPHA, glow::ONE_MINUS_CONSTANT_ALPHA);
-            self.gl.blend_color(0.0, 0.0, 0.0, share);
+            self.gl.blend_color(0.0, 0.0, 0.0, fraction);
         }
         let drawn = self.cover(program, target, [0.0; 2]);
         // SAFETY: plain state.
@@ -133,9 +133,9 @@ impl Passes {
     }
 
     /// Draws all over a target, in bands where it is large.
-    fn cover(&self, program: &LazyProgram, target: &Target, told: [f32; 2]) -> Result<(), GpuError> {
+    fn cover(&self, program: &LazyProgram, target: &Target, reported: [f32; 2]) -> Result<(), GpuError> {
         let (width, height) = target.size();
-        self.post.set(&[1.0 / width as f32, 1.0 / height as f32, told[0], told[1]]);
+        self.post.set(&[1.0 / width as f32, 1.0 / height as f32, reported[0], reported[1]]);
         target.bind();
         program.bind(&self.gl)?;
         let rows = (BAND_PIXELS / width.max(1)).max(1);

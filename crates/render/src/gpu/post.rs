@@ -150,11 +150,11 @@ impl Post {
             ToneMap::Reinhard => reinhard,
             ToneMap::None => none,
         };
-        let share = fade.map_or(0.0, |(before, share)| {
+        let fraction = fade.map_or(0.0, |(before, fraction)| {
             before.bind_color(0, unit_of("before"));
-            share
+            fraction
         });
-        self.passes.draw_with(present, &targets.finished, [share, 0.0])
+        self.passes.draw_with(present, &targets.finished, [fraction, 0.0])
     }
 
     /// Writes the light of the picture that was finished last, exposed and not yet mapped to the screen's range, to a
@@ -182,7 +182,7 @@ impl Post {
         };
         // Without bloom its share is 0, so any picture will do.
         let scattered = match picture.bloom {
-            share if share > 0.0 => self.bloom.draw(passes, light, &targets.bloom)?,
+            fraction if fraction > 0.0 => self.bloom.draw(passes, light, &targets.bloom)?,
             _ => light,
         };
         light.bind_color(0, unit_of("picture"));

@@ -358,8 +358,8 @@ impl Renderer {
 
     /// From now on this share of finished pictures, 0..1, is the light that was kept. Without a share it is
     /// forgotten.
-    pub fn set_fade(&mut self, share: Option<f32>) {
-        self.painter.set_fade(share);
+    pub fn set_fade(&mut self, fraction: Option<f32>) {
+        self.painter.set_fade(fraction);
     }
 
     /// Width and height of the picture that shows, in pixels.

@@ -29,7 +29,7 @@ pub const SCENE_SHADER: &str = "scene.frag";
 /// The define of the variant that counts distance evaluations and clauses.
 pub const COUNTING_DEFINE: &str = "COUNT_EVALUATIONS";
 /// The define of scenes whose value is not a distance.
-const STEEP_DEFINE: &str = "STEEP 1";
+const NON_LIPSCHITZ_DEFINE: &str = "NON_LIPSCHITZ 1";
 
 /// Scenes with more clauses are interpreted unless compiling is asked for: drivers take minutes for them.
 pub const COMPILED_BY_ITSELF_MAX: usize = 6_000;
@@ -42,29 +42,34 @@ pub struct Interpreter {
     /// What runs the regions' tapes.
     regions: RegionVariant,
     /// What else the shaders hold.
-    traits: SceneFeatures,
+    features: SceneFeatures,
 }
 
 impl Interpreter {
     /// The narrowest variant for a scene on this driver.
-    pub fn for_scene(traits: SceneFeatures, buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Self {
+    pub fn for_scene(
+        features: SceneFeatures,
+        buffers: &TapeBuffers,
+        plan: &RegionPlan,
+        info: &GlInfo,
+    ) -> Self {
         let tapes = if info.software { &buffers.software_variant } else { &buffers.variant }.clone();
-        Self { tapes, regions: plan.variant().clone(), traits }
+        Self { tapes, regions: plan.variant().clone(), features }
     }
 
-    /// The variant that draws nearly every scene whose value is a distance or, `steep`, is none: on GPUs it is made
+    /// The variant that draws nearly every scene whose value is a distance or, `non_lipschitz`, is none: on GPUs it is made
     /// before anyone edits.
-    pub fn universal(steep: bool) -> Self {
+    pub fn universal(non_lipschitz: bool) -> Self {
         Self {
             tapes: interpreter::Variant::universal(),
-            regions: RegionVariant::universal(steep),
-            traits: SceneFeatures::ALL,
+            regions: RegionVariant::universal(non_lipschitz),
+            features: SceneFeatures::ALL,
         }
     }
 
     /// Whether it draws scenes whose value is no distance.
-    pub fn is_steep(&self) -> bool {
-        self.regions.steep
+    pub fn is_non_lipschitz(&self) -> bool {
+        self.regions.non_lipschitz
     }
 
     /// Whether this variant can draw every scene that `other` can.
@@ -75,8 +80,8 @@ impl Interpreter {
             if every_case { of.registers } else { of.registers.next_power_of_two() }
         };
         self.tapes.covers(&other.tapes)
-            && self.traits.covers(other.traits)
-            && regions.steep == others.steep
+            && self.features.covers(other.features)
+            && regions.non_lipschitz == others.non_lipschitz
             && registers(regions) >= registers(others)
             && regions.operators.is_superset(&others.operators)
             && regions.compounds.covers(others.compounds)
@@ -97,9 +102,9 @@ impl Interpreter {
 
     /// The shader's text of the variant.
     pub fn variant(&self, counting: Counting) -> Variant {
-        let mut variant = common(self.tapes.textures, self.traits, counting);
-        if self.regions.steep {
-            variant.defines.push(STEEP_DEFINE.to_owned());
+        let mut variant = common(self.tapes.textures, self.features, counting);
+        if self.regions.non_lipschitz {
+            variant.defines.push(NON_LIPSCHITZ_DEFINE.to_owned());
         }
         if self.tapes.every_case {
             variant.defines.push("LIMITED_ROUNDS 1".to_owned());
@@ -119,23 +124,23 @@ impl Interpreter {
 pub fn compiled_variant(
     functions: &str,
     textures: usize,
-    traits: SceneFeatures,
+    features: SceneFeatures,
     counting: Counting,
 ) -> Variant {
-    let mut variant = common(textures, traits, counting);
+    let mut variant = common(textures, features, counting);
     let functions = format!("{functions}#include \"surface.glsl\"\n");
     variant.generated.push(("scene_functions.glsl".into(), functions));
     variant
 }
 
 /// What both forms share.
-fn common(textures: usize, traits: SceneFeatures, counting: Counting) -> Variant {
+fn common(textures: usize, features: SceneFeatures, counting: Counting) -> Variant {
     let mut variant = Variant::default();
     variant.defines.extend(block_defines());
     variant.defines.extend(light_defines());
     variant.defines.extend(mariana_field::rays::defines());
     variant.defines.push(format!("TEXTURES {textures}"));
-    variant.defines.extend(traits.defines().map(str::to_owned));
+    variant.defines.extend(features.defines().map(str::to_owned));
     if counting == Counting::On {
         variant.defines.push(COUNTING_DEFINE.to_owned());
     }
@@ -152,9 +157,9 @@ fn common(textures: usize, traits: SceneFeatures, counting: Counting) -> Variant
 /// Generated GLSL that is rejected.
 pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant, GpuError> {
     let functions = world.compiled_glsl()?;
-    let mut variant = compiled_variant(&functions, world.pictures.len(), world.traits, counting);
-    if world.steep {
-        variant.defines.push(STEEP_DEFINE.to_owned());
+    let mut variant = compiled_variant(&functions, world.pictures.len(), world.features, counting);
+    if world.non_lipschitz {
+        variant.defines.push(NON_LIPSCHITZ_DEFINE.to_owned());
     }
     variant.defines.push(format!("PLANES {}", world.planes.len()));
     Ok(variant)
@@ -176,7 +181,7 @@ pub fn variant_of(
         Mode::Compiled => compiled_variant_of(world, counting),
         Mode::Interpreted => {
             Interpreter::fits(buffers, plan, info)?;
-            Ok(Interpreter::for_scene(world.traits, buffers, plan, info).variant(counting))
+            Ok(Interpreter::for_scene(world.features, buffers, plan, info).variant(counting))
         }
     }
 }

@@ -250,7 +250,7 @@ impl SceneResources {
     /// What the legend of a view says about the scene, drawn in a mode.
     pub fn drawn(&self, mode: Mode) -> Drawn {
         // If the distance is not a signed distance field, there are cells in any case.
-        let cells = self.with_cells.get() || self.world.steep;
+        let cells = self.with_cells.get() || self.world.non_lipschitz;
         Drawn { interpreted: mode == Mode::Interpreted, cells, clauses: self.buffers.cost.distance }
     }
 
@@ -301,7 +301,7 @@ impl SceneResources {
         let (center, eye) = match self.world.bounds {
             None => (near_eye, None),
             Some(bounds) => {
-                ([0.0; 3], (!self.world.steep && bounds.hold(eye.to_array())).then_some(near_eye))
+                ([0.0; 3], (!self.world.non_lipschitz && bounds.hold(eye.to_array())).then_some(near_eye))
             }
         };
         let (cells, texels_max) = (self.with_cells.get(), self.texels_max);

@@ -64,13 +64,13 @@ fn halved<T>((width, height): (u32, u32), texels: &[T], light: impl Fn(&T) -> [f
     let size = ((width / 2).max(1), (height / 2).max(1));
     let (across, down) = (covered(width, size.0), covered(height, size.1));
     let mut below = Vec::with_capacity(size.0 as usize * size.1 as usize);
-    for (top, shares_down) in &down {
-        for (left, shares_across) in &across {
+    for (top, fractions_down) in &down {
+        for (left, fractions_across) in &across {
             let mut mean = [0.0; 4];
-            for (row, down) in shares_down.iter().enumerate() {
+            for (row, down) in fractions_down.iter().enumerate() {
                 let first = (top + row) * width as usize + left;
                 let texels = texels.get(first..).unwrap_or_default();
-                for (texel, across) in texels.iter().zip(shares_across) {
+                for (texel, across) in texels.iter().zip(fractions_across) {
                     let light = light(texel);
                     mean.iter_mut().zip(light).for_each(|(mean, light)| *mean += down * across * light);
                 }
@@ -87,10 +87,10 @@ fn covered(above: u32, below: u32) -> Vec<(usize, Vec<f32>)> {
     let length = f64::from(above) / f64::from(below);
     let of = |texel: u32| {
         let (begin, end) = (f64::from(texel) * length, f64::from(texel + 1) * length);
-        let share = |at: u32| end.min(f64::from(at) + 1.0) - begin.max(f64::from(at));
+        let fraction = |at: u32| end.min(f64::from(at) + 1.0) - begin.max(f64::from(at));
         let (first, last) = (begin.floor() as u32, (end.ceil() as u32).min(above));
-        let shares = (first..last).map(|at| (share(at) / length) as f32);
-        (first as usize, shares.filter(|share| *share > 1e-6).collect())
+        let fractions = (first..last).map(|at| (fraction(at) / length) as f32);
+        (first as usize, fractions.filter(|fraction| *fraction > 1e-6).collect())
     };
     (0..below).map(of).collect()
 }

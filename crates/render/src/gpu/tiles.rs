@@ -333,8 +333,8 @@ mod tests {
         let mut parts = Parts::of(vec![Part::whole(size)], size, expected);
         assert!(!parts.warms_up && parts.probes == 0);
         let part = parts.next(expected).unwrap();
-        let dearest = 4.0 * cost.seconds(part.pixels());
-        assert!((0.5 * PART_SECONDS..=PART_SECONDS).contains(&dearest), "{dearest}");
+        let most_expensive = 4.0 * cost.seconds(part.pixels());
+        assert!((0.5 * PART_SECONDS..=PART_SECONDS).contains(&most_expensive), "{most_expensive}");
     }
 
     #[test]

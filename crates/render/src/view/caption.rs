@@ -3,12 +3,12 @@
 use super::letters::{Letters, Line};
 
 /// Size of the first line's letters relative to the picture's smaller side, and their smallest and largest in pixels.
-const LETTERS_SHARE: f32 = 1.0 / 15.0;
+const LETTERS_FRACTION: f32 = 1.0 / 15.0;
 const LETTERS: (f32, f32) = (9.0, 160.0);
 /// Size of the second line's letters relative to the first line's.
 const SECOND: f32 = 0.62;
 /// Distance from the picture's edges relative to its smaller side.
-const MARGIN_SHARE: f32 = 0.07;
+const MARGIN_FRACTION: f32 = 0.07;
 /// How much of the picture is seen where a letter's shadow is darkest.
 const SHADOW: f32 = 0.35;
 
@@ -27,9 +27,9 @@ impl Caption {
     pub fn new(first: &str, second: Option<&str>, size: (u32, u32)) -> Self {
         let (width, height) = (size.0 as usize, size.1 as usize);
         let side = size.0.min(size.1) as f32;
-        let margin = (side * MARGIN_SHARE).round() as usize;
+        let margin = (side * MARGIN_FRACTION).round() as usize;
         let room = width.saturating_sub(2 * margin);
-        let letters_size = (side * LETTERS_SHARE).clamp(LETTERS.0, LETTERS.1).round();
+        let letters_size = (side * LETTERS_FRACTION).clamp(LETTERS.0, LETTERS.1).round();
         let mut letters = Letters::new();
         let texts = [Some((first, letters_size)), second.map(|text| (text, (letters_size * SECOND).round()))];
         let mut bottom = height.saturating_sub(margin);
@@ -58,10 +58,10 @@ impl Caption {
                     continue;
                 }
                 let at = 4 * (y * self.size.0 + x);
-                let share = strength * f32::from(*cover) / 255.0;
+                let fraction = strength * f32::from(*cover) / 255.0;
                 let pixel = rgba.get_mut(at..at + 4).into_iter().flatten();
                 for (byte, wanted) in pixel.zip([grey, grey, grey, 255.0]) {
-                    *byte = (f32::from(*byte) * (1.0 - share) + wanted * share).round() as u8;
+                    *byte = (f32::from(*byte) * (1.0 - fraction) + wanted * fraction).round() as u8;
                 }
             }
         }
@@ -80,8 +80,8 @@ fn fitting(letters: &mut Letters, text: &str, wanted: f32, room: usize) -> Line 
     let mut line = letters.line(text, smaller);
     while line.size.0 > room && !kept.is_empty() {
         // As much as is too wide, and the last letters one by one.
-        let share = room as f32 / line.size.0 as f32;
-        kept.truncate(((kept.len() as f32 * share) as usize).min(kept.len() - 1));
+        let fraction = room as f32 / line.size.0 as f32;
+        kept.truncate(((kept.len() as f32 * fraction) as usize).min(kept.len() - 1));
         let cut: String = kept.iter().collect();
         line = letters.line(&format!("{}…", cut.trim_end()), smaller);
     }

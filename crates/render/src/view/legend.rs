@@ -41,11 +41,11 @@ pub enum Ramp {
 
 impl Ramp {
     /// The colour of a place, 0..1.
-    pub fn at(self, share: f32) -> Color {
+    pub fn at(self, fraction: f32) -> Color {
         match self {
-            Ramp::Heat => heat(share),
-            Ramp::Light => [share; 3],
-            Ramp::Dark => [1.0 - share; 3],
+            Ramp::Heat => heat(fraction),
+            Ramp::Light => [fraction; 3],
+            Ramp::Dark => [1.0 - fraction; 3],
         }
     }
 }
@@ -66,10 +66,10 @@ const TEXT: Color = [0.91, 0.92, 0.93];
 const DIM: Color = [0.66, 0.68, 0.73];
 
 /// Size of letters relative to a picture's height, and their smallest and largest size in pixels.
-const LETTERS_SHARE: f32 = 1.0 / 44.0;
+const LETTERS_FRACTION: f32 = 1.0 / 44.0;
 const LETTERS: (f32, f32) = (11.0, 44.0);
 /// The greatest share of the picture's width and height that a legend takes; a larger one is left out.
-const SHARE_MAX: (f32, f32) = (0.7, 0.7);
+const FRACTION_MAX: (f32, f32) = (0.7, 0.7);
 /// Entries of single colours in one column.
 const ROWS_MAX: usize = 6;
 
@@ -111,7 +111,7 @@ enum Part {
 }
 
 fn draw(letters: &mut Letters, legend: &Legend, picture: (u32, u32)) -> Option<LegendPicture> {
-    let unit = (picture.1 as f32 * LETTERS_SHARE).clamp(LETTERS.0, LETTERS.1).round();
+    let unit = (picture.1 as f32 * LETTERS_FRACTION).clamp(LETTERS.0, LETTERS.1).round();
     let in_units = |count: f32| (count * unit).round() as usize;
     let padding = in_units(0.7);
     let mut parts: Vec<((usize, usize), Part)> = Vec::new();
@@ -128,8 +128,8 @@ fn draw(letters: &mut Letters, legend: &Legend, picture: (u32, u32)) -> Option<L
         let bar = (in_units(17.0), in_units(0.9));
         parts.push(((padding, y), Part::Block { size: bar, ramp: Some(scale.ramp), color: TEXT }));
         y += bar.1;
-        for (share, text) in &scale.ticks {
-            let x = padding + (share.clamp(0.0, 1.0) * (bar.0 - 1) as f32).round() as usize;
+        for (fraction, text) in &scale.ticks {
+            let x = padding + (fraction.clamp(0.0, 1.0) * (bar.0 - 1) as f32).round() as usize;
             parts.push(((x, y), Part::Block { size: (1, in_units(0.3)), ramp: None, color: TEXT }));
             // Centred below its mark, but within the bar.
             let width = letters.line(text, unit).size.0;
@@ -183,8 +183,8 @@ fn lay_out(
     let size = (right.max().unwrap_or(0) + padding, bottom + padding);
     let margin = padding as u32;
     let (width, height) = (size.0 as u32, size.1 as u32);
-    let fits = |part: u32, of: u32, share: f32| (part + margin) as f32 <= of as f32 * share;
-    if !fits(width, picture.0, SHARE_MAX.0) || !fits(height, picture.1, SHARE_MAX.1) {
+    let fits = |part: u32, of: u32, fraction: f32| (part + margin) as f32 <= of as f32 * fraction;
+    if !fits(width, picture.0, FRACTION_MAX.0) || !fits(height, picture.1, FRACTION_MAX.1) {
         return None;
     }
     let mut rgba: Vec<u8> =
@@ -195,16 +195,16 @@ fn lay_out(
         }
         let at = 4 * (y * size.0 + x);
         for (to, from) in rgba.get_mut(at..at + 3).into_iter().flatten().zip(color) {
-            let share = f32::from(cover) / 255.0;
-            *to = byte(f32::from(*to) / 255.0 * (1.0 - share) + from * share);
+            let fraction = f32::from(cover) / 255.0;
+            *to = byte(f32::from(*to) / 255.0 * (1.0 - fraction) + from * fraction);
         }
     };
     for ((place, part), line) in parts.iter().zip(&texts) {
         match (part, line) {
             (Part::Block { size, ramp, color }, _) => {
                 for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
-                    let share = x as f32 / (size.0.max(2) - 1) as f32;
-                    put(place.0 + x, place.1 + y, ramp.map_or(*color, |ramp| ramp.at(share)), 255);
+                    let fraction = x as f32 / (size.0.max(2) - 1) as f32;
+                    put(place.0 + x, place.1 + y, ramp.map_or(*color, |ramp| ramp.at(fraction)), 255);
                 }
             }
             (Part::Text { color, .. }, Some(line)) => {

@@ -49,8 +49,8 @@ pub const OBJECTS: [Color; 12] = [
 ];
 
 /// The colour at a place on a scale, 0..1.
-pub fn heat(share: f32) -> Color {
-    let along = share.clamp(0.0, 1.0) * (HEAT.len() - 1) as f32;
+pub fn heat(fraction: f32) -> Color {
+    let along = fraction.clamp(0.0, 1.0) * (HEAT.len() - 1) as f32;
     let left = (along as usize).min(HEAT.len() - 2);
     let x = along - left as f32;
     std::array::from_fn(|channel| HEAT[left][channel] * (1.0 - x) + HEAT[left + 1][channel] * x)

@@ -94,9 +94,9 @@ fn nothing() -> (Color, String) {
 /// A scale from 0 to `full` with marks at its quarters.
 fn marks(ramp: Ramp, full: f32, unit: &str) -> Scale {
     let quarters = (0..=4_u8).map(|quarter| {
-        let share = f32::from(quarter) / 4.0;
-        let number = written(share * full);
-        (share, if quarter == 4 { format!("{number}{unit}") } else { number })
+        let fraction = f32::from(quarter) / 4.0;
+        let number = written(fraction * full);
+        (fraction, if quarter == 4 { format!("{number}{unit}") } else { number })
     });
     Scale { ramp, ticks: quarters.collect() }
 }
@@ -107,7 +107,7 @@ fn steps(legend: Legend, number: f32) -> Legend {
 }
 
 fn slice(legend: Legend, spacing: f32, world: &World) -> Legend {
-    let what = if world.steep { "Values of the formula" } else { "Distances to the nearest surface" };
+    let what = if world.non_lipschitz { "Values of the formula" } else { "Distances to the nearest surface" };
     Legend {
         lines: vec![
             format!("{what} on the plane through what"),

@@ -1,7 +1,7 @@
 //! The moments at which another scene may come.
 
 use crate::bar_lines::BarLines;
-use crate::script::{Anchor, Length, When};
+use crate::cue_list::{Anchor, Length, When};
 use mariana_music::{Section, SongStructure};
 
 /// A scene is on for at least so many seconds, unless a drop comes.
@@ -121,11 +121,11 @@ impl Spread {
         sections.sort_by(|a, b| a.0.total_cmp(&b.0));
         let all: f64 = sections.iter().map(|(_, seconds)| seconds).sum();
         // A short calm end should not make all that was before it loud.
-        let at = |share: f64| {
+        let at = |fraction: f64| {
             let mut gone = 0.0;
             let found = sections.iter().find(|(_, seconds)| {
                 gone += seconds;
-                gone >= share * all
+                gone >= fraction * all
             });
             found.or(sections.last()).map_or(EVEN, |(energy, _)| *energy)
         };

@@ -1,6 +1,6 @@
 use super::*;
-use crate::plan::Entrance;
 use crate::resolve::testing::song;
+use crate::timeline::TimedTransition;
 use crate::{parse, print, resolve};
 use proptest::prelude::*;
 
@@ -25,26 +25,26 @@ fn cards() -> Vec<SceneCard> {
 
 #[test]
 fn a_show_follows_the_song() {
-    let script = direct(&song(), &cards(), 7);
-    let text = print(&script, &[]);
-    let (plan, left_out) = resolve(&script, &song(), &[], |_, _| None);
-    let plan = plan.unwrap();
+    let cue_list = direct(&song(), &cards(), 7);
+    let text = print(&cue_list, &[]);
+    let (timeline, left_out) = resolve(&cue_list, &song(), &[], |_, _| None);
+    let timeline = timeline.unwrap();
     assert!(left_out.is_empty(), "{text}");
-    let on = |time: f64| plan.at(time).stay.scene.as_str();
+    let on = |time: f64| timeline.at(time).clip.scene.as_str();
     // Calm, in between, and from the drop on loud; the calm section comes back with its scene.
     assert!(["lake", "wood"].contains(&on(1.0)), "{text}");
     assert_eq!(on(20.0), "street", "{text}");
     assert!(["fire", "storm"].contains(&on(33.0)), "{text}");
     assert_eq!(on(1.0), on(60.0), "{text}");
-    let entrance = |time: f64| plan.at(time).stay;
-    assert_eq!((entrance(33.0).start, entrance(33.0).entrance.kind.way()), (32.5, Way::Cut), "{text}");
+    let transition = |time: f64| timeline.at(time).clip;
+    assert_eq!((transition(33.0).start, transition(33.0).transition.kind.way()), (32.5, Way::Cut), "{text}");
     // Nothing happens in the build.
-    assert!(plan.stays().iter().all(|stay| stay.start < 24.5 || stay.start >= 32.5), "{text}");
+    assert!(timeline.clips().iter().all(|clip| clip.start < 24.5 || clip.start >= 32.5), "{text}");
     // What flows has half come when the section begins.
     let flowing =
-        plan.stays().iter().filter(|stay| matches!(stay.entrance.kind.way(), Way::Melt | Way::Portal));
-    for stay in flowing.filter(|stay| stay.start > 0.0) {
-        let middle = stay.start + 0.5 * stay.entrance.seconds;
+        timeline.clips().iter().filter(|clip| matches!(clip.transition.kind.way(), Way::Melt | Way::Portal));
+    for clip in flowing.filter(|clip| clip.start > 0.0) {
+        let middle = clip.start + 0.5 * clip.transition.seconds;
         assert!([16.5, 32.5, 48.5].iter().any(|border| (middle - border).abs() < 1e-6), "{text}");
     }
 }
@@ -56,13 +56,13 @@ fn loud_music_is_cut_between_cameras() {
         card("lake", (0.0, 0.3), "calm", &["near"]),
         card("street", (0.4, 0.6), "busy", &[]),
     ];
-    let plan = resolve(&direct(&song(), &cards, 1), &song(), &[], |_, _| None).0.unwrap();
+    let timeline = resolve(&direct(&song(), &cards, 1), &song(), &[], |_, _| None).0.unwrap();
     let of = |range: std::ops::Range<f64>| {
-        let mut cameras: Vec<_> = plan
-            .stays()
+        let mut cameras: Vec<_> = timeline
+            .clips()
             .iter()
-            .filter(|stay| range.contains(&stay.start))
-            .map(|stay| stay.camera.clone())
+            .filter(|clip| range.contains(&clip.start))
+            .map(|clip| clip.camera.clone())
             .collect();
         cameras.sort();
         cameras.dedup();
@@ -83,12 +83,12 @@ fn calm_music_fades_from_camera_to_camera() {
     (calm.end, loud.start, loud.energy) = (40.5, 40.5, 0.9);
     song.sections = vec![calm.clone(), loud.clone()];
     (song.builds, song.drops) = (Vec::new(), Vec::new());
-    let script = direct(&song, &cards, 1);
-    let plan = resolve(&script, &song, &[], |_, _| None).0.unwrap();
-    let calm: Vec<_> = plan.stays().iter().filter(|stay| stay.scene == "lake").collect();
-    let starts: Vec<f64> = calm.iter().map(|stay| stay.start).collect();
-    assert_eq!(starts, [0.0, 10.5, 22.5], "{}", print(&script, &[]));
-    assert!(calm[1..].iter().all(|stay| stay.entrance == Entrance::new(Way::Fade, 4.0)), "{calm:?}");
+    let cue_list = direct(&song, &cards, 1);
+    let timeline = resolve(&cue_list, &song, &[], |_, _| None).0.unwrap();
+    let calm: Vec<_> = timeline.clips().iter().filter(|clip| clip.scene == "lake").collect();
+    let starts: Vec<f64> = calm.iter().map(|clip| clip.start).collect();
+    assert_eq!(starts, [0.0, 10.5, 22.5], "{}", print(&cue_list, &[]));
+    assert!(calm[1..].iter().all(|clip| clip.transition == TimedTransition::new(Way::Fade, 4.0)), "{calm:?}");
     assert!(calm[0].camera != calm[1].camera && calm[1].camera != calm[2].camera, "{calm:?}");
 }
 
@@ -102,8 +102,8 @@ fn another_seed_makes_another_show_and_the_same_seed_the_same() {
 
 #[test]
 fn a_song_of_which_nothing_is_known_has_a_show_of_one_scene() {
-    let script = direct(&SongStructure::default(), &cards(), 5);
-    assert_eq!(script.entries.len(), 1);
+    let cue_list = direct(&SongStructure::default(), &cards(), 5);
+    assert_eq!(cue_list.entries.len(), 1);
     assert!(direct(&song(), &[], 5).entries.is_empty());
 }
 
@@ -135,19 +135,19 @@ proptest! {
         song.builds = song.drops.iter().map(|drop| mariana_music::Stretch {
             start: (drop - 1.6 * build as f64).max(0.0), end: *drop,
         }).collect();
-        let script = direct(&song, &cards(), seed);
-        let text = print(&script, &[]);
-        let (plan, left_out) = resolve(&script, &song, &[], |_, _| None);
-        let plan = plan.unwrap();
+        let cue_list = direct(&song, &cards(), seed);
+        let text = print(&cue_list, &[]);
+        let (timeline, left_out) = resolve(&cue_list, &song, &[], |_, _| None);
+        let timeline = timeline.unwrap();
         prop_assert!(left_out.is_empty(), "{}\n{:?}", text, left_out);
-        prop_assert_eq!(plan.stays().len(), script.entries.len());
-        let mut scenes: Vec<(f64, &str)> = plan.stays().iter().map(|stay| (stay.start, stay.scene.as_str())).collect();
+        prop_assert_eq!(timeline.clips().len(), cue_list.entries.len());
+        let mut scenes: Vec<(f64, &str)> = timeline.clips().iter().map(|clip| (clip.start, clip.scene.as_str())).collect();
         scenes.dedup_by_key(|(_, scene)| *scene);
         for pair in scenes.windows(2) {
             let is_drop = song.drops.iter().any(|drop| (pair[1].0 - drop).abs() < 1e-6 || (pair[0].0 - drop).abs() < 1e-6);
             prop_assert!(is_drop || pair[1].0 - pair[0].0 > 3.0, "{}", text);
         }
-        let again = parse("test.show", &text).script.unwrap();
-        prop_assert_eq!(resolve(&again, &song, &[], |_, _| None).0, Some(plan), "{}", text);
+        let again = parse("test.show", &text).cue_list.unwrap();
+        prop_assert_eq!(resolve(&again, &song, &[], |_, _| None).0, Some(timeline), "{}", text);
     }
 }

@@ -2,14 +2,14 @@ use super::*;
 use crate::{CAMERA_TURNS, print};
 use proptest::prelude::*;
 
-fn script(text: &str) -> Script {
+fn cue_list(text: &str) -> CueList {
     let parsed = parse("test.show", text);
-    parsed.script.clone().unwrap_or_else(|| panic!("{}", parsed.render(false)))
+    parsed.cue_list.clone().unwrap_or_else(|| panic!("{}", parsed.render(false)))
 }
 
 #[test]
 fn a_show_is_read() {
-    let read = script(
+    let read = cue_list(
         "# my show\r\nat start speakers\r\n\r\nat section b 2 + 1.5 beats tunnel camera inside melt over 2 bars # why\n\
          \tset swell = -0.2 -> .5 over 8 bars -> 1 over 1 beat after 1 s\nat 1:02.5 - 3 s \"my own/orb.scene\" portal\nat end first-steps cut",
     );
@@ -78,10 +78,10 @@ fn each_mistake_says_what_where_and_what_to_do() {
     ];
     for (text, message, hint) in cases {
         let parsed = parse("test.show", text);
-        assert!(parsed.script.is_none(), "{text}");
-        let told = parsed.render(false);
-        assert!(told.contains(message) && told.contains(hint), "{text}:\n{told}");
-        assert_eq!(parsed.diagnostics.len(), 1, "{text}:\n{told}");
+        assert!(parsed.cue_list.is_none(), "{text}");
+        let reported = parsed.render(false);
+        assert!(reported.contains(message) && reported.contains(hint), "{text}:\n{reported}");
+        assert_eq!(parsed.diagnostics.len(), 1, "{text}:\n{reported}");
     }
     let all = parse("test.show", "at start x flay\nat start y\nset = 1");
     assert_eq!(all.diagnostics.len(), 2, "{}", all.render(false));
@@ -90,13 +90,13 @@ fn each_mistake_says_what_where_and_what_to_do() {
 
 #[test]
 fn a_movement_goes_on_in_lines_of_its_own() {
-    let read = script(
+    let read = cue_list(
         "at start x\nset a = 1 after 2 s\n -> 2 over 1 s -> 3 over 1 s # up\n\n -> 1 over 4 s\nset b = 1",
     );
     let whole =
-        script("at start x\nset a = 1 -> 2 over 1 s -> 3 over 1 s -> 1 over 4 s after 2 s\nset b = 1");
-    let steps = |script: &Script| {
-        let settings = script.entries[0].settings.iter();
+        cue_list("at start x\nset a = 1 -> 2 over 1 s -> 3 over 1 s -> 1 over 4 s after 2 s\nset b = 1");
+    let steps = |cue_list: &CueList| {
+        let settings = cue_list.entries[0].settings.iter();
         settings.map(|one| (one.from, one.steps.clone(), one.after)).collect::<Vec<_>>()
     };
     assert_eq!(steps(&read), steps(&whole));
@@ -167,8 +167,8 @@ prop_compose! {
 proptest! {
     #[test]
     fn what_is_printed_is_read_as_the_same(entries in proptest::collection::vec(entry(), 1..6)) {
-        let text = print(&Script { entries: entries.clone() }, &[]);
-        let mut read = script(&text);
+        let text = print(&CueList { entries: entries.clone() }, &[]);
+        let mut read = cue_list(&text);
         for entry in &mut read.entries {
             let nowhere = Span::default();
             (entry.span, entry.scene_span, entry.camera_span) = (nowhere, nowhere, nowhere);
@@ -180,7 +180,7 @@ proptest! {
     #[test]
     fn no_text_makes_it_panic(text in "(at|set|bar|section|start|over|melt|[0-9.:]{1,4}|[-=>\"#+\\n ]|\\PC){0,40}") {
         let parsed = parse("test.show", &text);
-        prop_assert_eq!(parsed.script.is_some(), parsed.diagnostics.is_empty());
+        prop_assert_eq!(parsed.cue_list.is_some(), parsed.diagnostics.is_empty());
         let _ = parsed.render(false);
     }
 }

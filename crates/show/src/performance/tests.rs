@@ -44,7 +44,7 @@ proptest! {
             performance.note(begun + time, &OnStage {
                 scene,
                 camera: None,
-                entrance: Entrance::CUT,
+                transition: TimedTransition::CUT,
                 start: begun + start,
                 params: vec![Turned { name: "knob", value: knob, own: 0.5, is_shown: false }],
                 moves: &[],
@@ -53,20 +53,20 @@ proptest! {
             });
             seen.push((time, scene, knob, turns, bright));
         }
-        let text = print(&performance.script(), &[]);
-        let script = parse("performed.show", &text).script;
-        prop_assert!(script.is_some(), "{text}");
-        let (plan, left_out) = resolve(&script.unwrap_or_default(), &SongStructure::default(), &[], |_, _| None);
+        let text = print(&performance.cue_list(), &[]);
+        let cue_list = parse("performed.show", &text).cue_list;
+        prop_assert!(cue_list.is_some(), "{text}");
+        let (timeline, left_out) = resolve(&cue_list.unwrap_or_default(), &SongStructure::default(), &[], |_, _| None);
         prop_assert!(left_out.is_empty());
-        let plan = plan.unwrap();
+        let timeline = timeline.unwrap();
         for (time, scene, knob, turns, bright) in seen {
-            let stay = plan.at(begun + time).stay;
-            prop_assert_eq!(stay.scene.as_str(), scene, "{}", text);
-            let params = stay.params_at(begun + time);
+            let clip = timeline.at(begun + time).clip;
+            prop_assert_eq!(clip.scene.as_str(), scene, "{}", text);
+            let params = clip.params_at(begun + time);
             let found = params.iter().find(|(name, _)| *name == "knob").map_or(0.5, |(_, value)| *value);
             prop_assert_eq!(found.to_bits(), knob.to_bits(), "{} at {}: {}", found, begun + time, text);
-            prop_assert_eq!(stay.turns_at(begun + time), turns, "{}", text);
-            let found = plan.picture_at(begun + time).brightness;
+            prop_assert_eq!(clip.turns_at(begun + time), turns, "{}", text);
+            let found = timeline.picture_at(begun + time).brightness;
             prop_assert_eq!(found.to_bits(), bright.to_bits(), "{} at {}: {}", found, begun + time, text);
         }
     }
@@ -79,13 +79,13 @@ fn a_picture_less_than_a_millisecond_before_a_step_back_got_the_scene_after_it()
     let notes = [(8.0, "orb", 8.0), (8.6262, "orb", 8.0), (9.5, "orb", 8.0), (8.6264, "city", 8.6264)];
     for (time, scene, start) in notes {
         let picture = Finish::NOTHING;
-        let entrance = Entrance::CUT;
+        let transition = TimedTransition::CUT;
         performance.note(
             time,
             &OnStage {
                 scene,
                 camera: None,
-                entrance,
+                transition,
                 start,
                 params: Vec::new(),
                 moves: &[],
@@ -94,10 +94,10 @@ fn a_picture_less_than_a_millisecond_before_a_step_back_got_the_scene_after_it()
             },
         );
     }
-    let text = print(&performance.script(), &[]);
-    let script = parse("performed.show", &text).script.unwrap();
-    let plan = resolve(&script, &SongStructure::default(), &[], |_, _| None).0.unwrap();
-    assert_eq!([8.6262, 8.6264].map(|time| plan.at(time).stay.scene.as_str()), ["orb", "city"], "{text}");
+    let text = print(&performance.cue_list(), &[]);
+    let cue_list = parse("performed.show", &text).cue_list.unwrap();
+    let timeline = resolve(&cue_list, &SongStructure::default(), &[], |_, _| None).0.unwrap();
+    assert_eq!([8.6262, 8.6264].map(|time| timeline.at(time).clip.scene.as_str()), ["orb", "city"], "{text}");
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn what_nobody_turns_is_not_written() {
             &OnStage {
                 scene: "orb",
                 camera: Some("pole"),
-                entrance: Entrance::new(Way::Melt, 2.0),
+                transition: TimedTransition::new(Way::Melt, 2.0),
                 start: 0.0,
                 params: vec![Turned { name: "relief", value: 0.5, own: 0.5, is_shown: false }],
                 moves: &[],
@@ -119,7 +119,7 @@ fn what_nobody_turns_is_not_written() {
             },
         );
     }
-    assert_eq!(print(&performance.script(), &[]), "at 0:00  orb  camera pole  melt over 2 s\n");
+    assert_eq!(print(&performance.cue_list(), &[]), "at 0:00  orb  camera pole  melt over 2 s\n");
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn what_a_show_moves_is_its_own_until_a_hand_takes_it() {
             &OnStage {
                 scene: "orb",
                 camera: None,
-                entrance: Entrance::CUT,
+                transition: TimedTransition::CUT,
                 start: 10.0,
                 params: vec![Turned { name: "swell", value, own: 0.5, is_shown: time < 20.0 }],
                 moves: &moves,
@@ -146,7 +146,7 @@ fn what_a_show_moves_is_its_own_until_a_hand_takes_it() {
     }
     let wanted =
         "at 0:10  orb  cut\n  set swell = 0 -> 1 over 8 s after 2 s\n  set swell = 0.25 after 10 s\n";
-    assert_eq!(print(&performance.script(), &[]), wanted);
+    assert_eq!(print(&performance.cue_list(), &[]), wanted);
 }
 
 /// A picture of the orb, at 60 a second, with its relief turned to a value.
@@ -156,7 +156,7 @@ fn note_relief(performance: &mut Performance, frame: u32, value: f32) {
         &OnStage {
             scene: "orb",
             camera: None,
-            entrance: Entrance::CUT,
+            transition: TimedTransition::CUT,
             start: 0.0,
             params: vec![Turned { name: "relief", value, own: 0.5, is_shown: false }],
             moves: &[],
@@ -173,9 +173,14 @@ fn a_long_performance_goes_on_in_another_entry() {
     for frame in 0..frames {
         note_relief(&mut performance, frame, frame as f32);
     }
-    let text = print(&performance.script(), &[]);
+    let text = print(&performance.cue_list(), &[]);
     let read = parse("long.show", &text);
-    assert_eq!(read.script.map(|script| script.entries.len()), Some(2), "{:?}", read.diagnostics.first());
+    assert_eq!(
+        read.cue_list.map(|cue_list| cue_list.entries.len()),
+        Some(2),
+        "{:?}",
+        read.diagnostics.first()
+    );
     assert!(!performance.is_full());
 }
 
@@ -187,15 +192,15 @@ fn a_smoothed_turn_was_recorded_as_one_line_of_seventy_steps() {
     for frame in 0..100 {
         note_relief(&mut performance, frame, value(frame));
     }
-    let text = print(&performance.script(), &[]);
+    let text = print(&performance.cue_list(), &[]);
     assert!(text.matches("->").count() >= 70, "{text}");
     assert!(text.lines().all(|line| line.len() <= 100), "{text}");
     // The broken lines give the same values.
-    let script = parse("performed.show", &text).script.unwrap();
-    let plan = resolve(&script, &SongStructure::default(), &[], |_, _| None).0.unwrap();
+    let cue_list = parse("performed.show", &text).cue_list.unwrap();
+    let timeline = resolve(&cue_list, &SongStructure::default(), &[], |_, _| None).0.unwrap();
     for frame in 0..100 {
         let time = f64::from(frame) / 60.0;
-        let params = plan.at(time).stay.params_at(time);
+        let params = timeline.at(time).clip.params_at(time);
         assert_eq!(params, [("relief", value(frame))], "{text}");
     }
 }
@@ -204,8 +209,9 @@ fn a_smoothed_turn_was_recorded_as_one_line_of_seventy_steps() {
 fn note_orb(performance: &mut Performance, time: f64, scene: &str, numbers: [f32; 2]) {
     let picture = Finish { numbers, is_shown: numbers == PLAIN_PICTURE };
     let start = if scene == "orb" { 0.0 } else { 7.0 };
-    let (entrance, params) = (Entrance::CUT, Vec::new());
-    let seen = OnStage { scene, camera: None, entrance, start, params, moves: &[], turns: UNTURNED, picture };
+    let (transition, params) = (TimedTransition::CUT, Vec::new());
+    let seen =
+        OnStage { scene, camera: None, transition, start, params, moves: &[], turns: UNTURNED, picture };
     performance.note(time, &seen);
 }
 
@@ -224,21 +230,21 @@ fn a_picture_that_is_held_is_held_from_its_moment_on_while_scenes_change() {
     }
     // Another scene has come meanwhile, into which the picture fades.
     for frame in 0..=4u8 {
-        let share = 1.0 - f32::from(frame) / 4.0;
-        note_orb(&mut performance, 8.0 + f64::from(frame) / 64.0, "city", [1.0, share]);
+        let fraction = 1.0 - f32::from(frame) / 4.0;
+        note_orb(&mut performance, 8.0 + f64::from(frame) / 64.0, "city", [1.0, fraction]);
     }
-    let text = print(&performance.script(), &[]);
+    let text = print(&performance.cue_list(), &[]);
     let wanted = "at 0:00  orb  cut\n  set picture freeze = 0 -> 0 over 2 s -> 1 over 0 s\n\
                   at 0:07  city  cut\n  set picture freeze = 1\n    -> 1 over 1 s -> 0.75 over 0.015625 s \
                   -> 0.5 over 0.015625 s -> 0.25 over 0.015625 s\n    -> 0 over 0.015625 s\n";
     assert_eq!(text, wanted);
-    let script = parse("performed.show", &text).script.unwrap();
-    let plan = resolve(&script, &SongStructure::default(), &[], |_, _| None).0.unwrap();
-    let at = |time| plan.picture_at(time).held.map(|held| (held.since, held.share));
+    let cue_list = parse("performed.show", &text).cue_list.unwrap();
+    let timeline = resolve(&cue_list, &SongStructure::default(), &[], |_, _| None).0.unwrap();
+    let at = |time| timeline.picture_at(time).held.map(|held| (held.since, held.fraction));
     assert_eq!([1.5, 9.0].map(at), [None, None]);
     assert_eq!(
         [2.0, 6.5, 7.5, 8.0, 8.03125].map(at),
-        [1.0, 1.0, 1.0, 1.0, 0.5].map(|share| Some((2.0, share)))
+        [1.0, 1.0, 1.0, 1.0, 0.5].map(|fraction| Some((2.0, fraction)))
     );
 }
 
@@ -247,19 +253,19 @@ fn a_picture_that_is_held_while_another_gives_way_keeps_that_one_s_share() {
     let mut performance = Performance::default();
     note_orb(&mut performance, 1.0, "orb", PLAIN_PICTURE);
     performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
-    for (time, share) in [(2.0, 1.0), (2.0625, 0.75), (2.125, 0.5)] {
-        note_orb(&mut performance, time, "orb", [1.0, share]);
+    for (time, fraction) in [(2.0, 1.0), (2.0625, 0.75), (2.125, 0.5)] {
+        note_orb(&mut performance, time, "orb", [1.0, fraction]);
     }
     // Once with the song running, once while it rests, in the picture that is noted for another moment.
     performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
     note_orb(&mut performance, 3.0, "orb", [1.0, 1.0]);
     note_orb(&mut performance, 8.0, "orb", [1.0, 0.25]);
     performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
-    let text = print(&performance.script(), &[]);
-    let script = parse("performed.show", &text).script.unwrap();
-    let plan = resolve(&script, &SongStructure::default(), &[], |_, _| None).0.unwrap();
+    let text = print(&performance.cue_list(), &[]);
+    let cue_list = parse("performed.show", &text).cue_list.unwrap();
+    let timeline = resolve(&cue_list, &SongStructure::default(), &[], |_, _| None).0.unwrap();
     let at = |time| -> Vec<(f64, f32)> {
-        plan.held_at(time).iter().map(|held| (held.since, held.share)).collect()
+        timeline.held_at(time).iter().map(|held| (held.since, held.fraction)).collect()
     };
     assert_eq!(at(2.0625), [(1.0, 0.75)], "{text}");
     assert_eq!(at(2.5), [(2.125, 1.0), (1.0, 0.5)], "{text}");
@@ -272,17 +278,18 @@ fn only_a_transition_that_broke_off_is_unfinished() {
     for (time, scene, start, seconds) in
         [(1.0, "one", 1.0, 0.0), (3.0, "two", 2.0, 8.0), (7.0, "three", 6.0, 1.5), (9.0, "four", 7.5, 3.0)]
     {
-        let entrance = if seconds > 0.0 { Entrance::new(Way::Fade, seconds) } else { Entrance::CUT };
+        let transition =
+            if seconds > 0.0 { TimedTransition::new(Way::Fade, seconds) } else { TimedTransition::CUT };
         let picture = Finish::NOTHING;
         let params = Vec::new();
         performance.note(
             time,
-            &OnStage { scene, camera: None, entrance, start, params, moves: &[], turns: UNTURNED, picture },
+            &OnStage { scene, camera: None, transition, start, params, moves: &[], turns: UNTURNED, picture },
         );
     }
     let wanted = "at 0:01    one  cut\nat 0:02    two  fade over 8 s unfinished\nat 0:06    three  fade over 1.5 s\n\
                   at 0:07.5  four  fade over 3 s\n";
-    assert_eq!(print(&performance.script(), &[]), wanted);
+    assert_eq!(print(&performance.cue_list(), &[]), wanted);
 }
 
 #[test]
@@ -293,5 +300,5 @@ fn a_light_that_was_low_from_the_start_is_set_once() {
     }
     note_orb(&mut performance, 7.5, "city", [0.25, 0.0]);
     let wanted = "at 0:00  orb  cut\n  set picture brightness = 0.25\nat 0:07  city  cut\n";
-    assert_eq!(print(&performance.script(), &[]), wanted);
+    assert_eq!(print(&performance.cue_list(), &[]), wanted);
 }

@@ -1,34 +1,34 @@
 //! The rows of the panel, from what holds at present.
 
-use super::{HandFacts, HandRow};
+use super::{ControllerRow, ControllersState};
 use mariana_commands as commands;
 use mariana_control::Param;
-use mariana_control::deed::Takes;
+use mariana_control::action::ValueType;
 use mariana_control::midi::{Mapping, Target};
 use mariana_remote::RemoteState;
 
 /// All rows, from the top.
-pub(super) fn rows_of(facts: &HandFacts<'_>) -> Vec<HandRow> {
-    let words = |text: String| HandRow::Words { text, is_bad: false };
+pub(super) fn rows_of(facts: &ControllersState<'_>) -> Vec<ControllerRow> {
+    let words = |text: String| ControllerRow::Words { text, is_bad: false };
     let osc = facts.osc.as_deref().unwrap_or("off; begin with --osc 9000");
     // What is to be seen from afar comes first.
-    let mut rows = Vec::from_iter(invitation(facts));
+    let mut rows = Vec::from_iter(pairing_address(facts));
     rows.push(words(format!("OSC: {osc}")));
     rows.extend(phone_words(facts));
     rows.extend(midi_words(facts));
     rows.extend(count_words(facts).map(words));
     if facts.midi.as_ref().is_some_and(|midi| midi.trouble.is_none()) {
-        rows.push(HandRow::Clock(facts.clock));
+        rows.push(ControllerRow::Clock(facts.clock));
     }
     let mut is_shown = vec![false; facts.mappings.len()];
-    let mut add = |rows: &mut Vec<HandRow>, target: Target, name: String, about: String, stands| {
+    let mut add = |rows: &mut Vec<ControllerRow>, target: Target, name: String, about: String, stands| {
         let learns = facts.learning == Some(&target);
         let about = if learns { "move a knob, or press a key or a pad".to_owned() } else { about };
-        rows.push(HandRow::Target { target: target.clone(), name, about, learns });
+        rows.push(ControllerRow::Target { target: target.clone(), name, about, learns });
         let mapped = facts.mappings.iter().zip(&mut is_shown).filter(|(one, _)| one.target == target);
         rows.extend(mapped.map(|(mapping, is_shown)| {
             *is_shown = true;
-            HandRow::Knob { mapping: mapping.clone(), words: knob_words(mapping, facts), stands }
+            ControllerRow::Knob { mapping: mapping.clone(), words: knob_words(mapping, facts), stands }
         }));
     };
     if !facts.sliders.is_empty() {
@@ -37,14 +37,14 @@ pub(super) fn rows_of(facts: &HandFacts<'_>) -> Vec<HandRow> {
     for slider in facts.sliders {
         let target = Target::Param { scene: facts.scene.clone(), name: slider.name.clone() };
         let param = Param { name: &slider.name, min: slider.min, max: slider.max, default: slider.default };
-        let about = format!("{} · {}", slider.value_text(), slider.hand.name());
-        add(&mut rows, target, slider.name.clone(), about, Some(param.share_of(slider.value)));
+        let about = format!("{} · {}", slider.value_text(), slider.changed_by.name());
+        add(&mut rows, target, slider.name.clone(), about, Some(param.fraction_of(slider.value)));
     }
     rows.push(words("Actions".to_owned()));
     for row in commands::for_controllers() {
-        let deed = |value: Option<String>| Target::Deed { name: row.name.to_owned(), value };
-        if row.takes == Takes::Choice {
-            let here = deed(Some(facts.scene.clone()));
+        let action = |value: Option<String>| Target::Action { name: row.name.to_owned(), value };
+        if row.takes == ValueType::Choice {
+            let here = action(Some(facts.scene.clone()));
             add(
                 &mut rows,
                 here,
@@ -52,9 +52,9 @@ pub(super) fn rows_of(facts: &HandFacts<'_>) -> Vec<HandRow> {
                 "this scene, by a pad".to_owned(),
                 None,
             );
-            add(&mut rows, deed(None), "scenes".to_owned(), "all, by program numbers".to_owned(), None);
+            add(&mut rows, action(None), "scenes".to_owned(), "all, by program numbers".to_owned(), None);
         } else {
-            add(&mut rows, deed(None), row.name.replace('_', " "), row.meaning.to_owned(), None);
+            add(&mut rows, action(None), row.name.replace('_', " "), row.meaning.to_owned(), None);
         }
     }
     let others: Vec<&Mapping> =
@@ -62,7 +62,7 @@ pub(super) fn rows_of(facts: &HandFacts<'_>) -> Vec<HandRow> {
     if !others.is_empty() {
         rows.push(words("In other scenes".to_owned()));
     }
-    rows.extend(others.into_iter().map(|mapping| HandRow::Knob {
+    rows.extend(others.into_iter().map(|mapping| ControllerRow::Knob {
         mapping: mapping.clone(),
         words: format!("{} · {}", words_of(&mapping.target), knob_words(mapping, facts)),
         stands: None,
@@ -71,31 +71,31 @@ pub(super) fn rows_of(facts: &HandFacts<'_>) -> Vec<HandRow> {
 }
 
 /// The invitation of phones, while they can come.
-fn invitation(facts: &HandFacts<'_>) -> Option<HandRow> {
+fn pairing_address(facts: &ControllersState<'_>) -> Option<ControllerRow> {
     let phone = facts.phone.as_ref()?;
-    let RemoteState::Open(invitation) = &phone.state else { return None };
-    let about = match (phone.phones, invitation.is_local) {
+    let RemoteState::Open(pairing_address) = &phone.state else { return None };
+    let about = match (phone.phones, pairing_address.is_local) {
         (0, true) => "Only this computer can: it is in no other network.".to_owned(),
         (0, false) => "It has to be in the same network.".to_owned(),
         (1, _) => "One phone is there.".to_owned(),
         (count, _) => format!("{count} phones are there."),
     };
-    Some(HandRow::Phone { invitation: invitation.clone(), about })
+    Some(ControllerRow::Phone { pairing_address: pairing_address.clone(), about })
 }
 
 /// How it stands with phones, while they cannot come.
-fn phone_words(facts: &HandFacts<'_>) -> Option<HandRow> {
+fn phone_words(facts: &ControllersState<'_>) -> Option<ControllerRow> {
     let (text, is_bad) = match facts.phone.as_ref().map(|phone| &phone.state) {
         None => ("Phone: off; begin with --remote 8080".to_owned(), false),
         Some(RemoteState::Opening) => ("Phone: the port is being opened".to_owned(), false),
         Some(RemoteState::Refused(why)) => (format!("Phone: {why}"), true),
         Some(RemoteState::Open(_)) => return None,
     };
-    Some(HandRow::Words { text, is_bad })
+    Some(ControllerRow::Words { text, is_bad })
 }
 
 /// How many messages came of either kind, if any did.
-fn count_words(facts: &HandFacts<'_>) -> Option<String> {
+fn count_words(facts: &ControllersState<'_>) -> Option<String> {
     match facts.counts {
         (0, 0) => None,
         (messages, 0) => Some(format!("{messages} messages came")),
@@ -103,8 +103,8 @@ fn count_words(facts: &HandFacts<'_>) -> Option<String> {
     }
 }
 
-fn midi_words(facts: &HandFacts<'_>) -> Vec<HandRow> {
-    let words = |text: String, is_bad| HandRow::Words { text, is_bad };
+fn midi_words(facts: &ControllersState<'_>) -> Vec<ControllerRow> {
+    let words = |text: String, is_bad| ControllerRow::Words { text, is_bad };
     let Some(midi) = &facts.midi else { return vec![words("MIDI: off (--midi off)".to_owned(), false)] };
     if let Some(trouble) = &midi.trouble {
         return vec![words(format!("MIDI: {trouble}"), true)];
@@ -122,7 +122,7 @@ fn midi_words(facts: &HandFacts<'_>) -> Vec<HandRow> {
     rows
 }
 
-fn knob_words(mapping: &Mapping, facts: &HandFacts<'_>) -> String {
+fn knob_words(mapping: &Mapping, facts: &ControllersState<'_>) -> String {
     let devices = facts.midi.as_ref().map(|midi| &midi.devices[..]).unwrap_or_default();
     let gone = if devices.contains(&mapping.device) { "" } else { ", which is not there" };
     format!("{} of {}{gone}", mapping.source, mapping.device)
@@ -132,7 +132,7 @@ fn knob_words(mapping: &Mapping, facts: &HandFacts<'_>) -> String {
 pub fn words_of(target: &Target) -> String {
     match target {
         Target::Param { scene, name } => format!("{name} in {scene}"),
-        Target::Deed { name, value: None } => name.replace('_', " "),
-        Target::Deed { name, value: Some(value) } => format!("{} {value}", name.replace('_', " ")),
+        Target::Action { name, value: None } => name.replace('_', " "),
+        Target::Action { name, value: Some(value) } => format!("{} {value}", name.replace('_', " ")),
     }
 }

@@ -2,12 +2,12 @@
 
 use super::*;
 use mariana_commands as commands;
-use mariana_control::Hand;
+use mariana_control::ChangedBy;
 use mariana_control::midi::Source;
 use mariana_remote::RemoteState;
 
 fn slider() -> Slider {
-    Slider { name: "size".into(), value: 1.0, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Midi }
+    Slider { name: "size".into(), value: 1.0, min: 0.0, max: 4.0, default: 1.0, changed_by: ChangedBy::Midi }
 }
 
 fn size() -> Target {
@@ -18,10 +18,10 @@ fn knob(target: Target) -> Mapping {
     Mapping::learned("desk", Source::Control { channel: 0, number: 7 }, target)
 }
 
-fn panel(mappings: &[Mapping], learning: Option<&Target>) -> HandsPanel {
+fn panel(mappings: &[Mapping], learning: Option<&Target>) -> ControllersPanel {
     let midi = MidiState { devices: vec!["pads".to_owned()], is_known: true, ..MidiState::default() };
-    let mut panel = HandsPanel::default();
-    panel.update(&HandFacts {
+    let mut panel = ControllersPanel::default();
+    panel.update(&ControllersState {
         scene: "orb".to_owned(),
         sliders: &[slider()],
         osc: None,
@@ -47,22 +47,24 @@ fn everything_that_can_be_turned_has_a_row_with_what_turns_it_below() {
     let place = panel
         .rows()
         .iter()
-        .position(|row| matches!(row, HandRow::Target { target, .. } if *target == size()));
+        .position(|row| matches!(row, ControllerRow::Target { target, .. } if *target == size()));
     let below = &panel.rows()[place.unwrap() + 1];
     assert!(
-        matches!(below, HandRow::Knob { words, stands: Some(0.25), .. }
+        matches!(below, ControllerRow::Knob { words, stands: Some(0.25), .. }
             if words == "cc 7 on channel 1 of desk, which is not there"),
         "{below:?}"
     );
-    let targets = panel.rows().iter().filter(|row| matches!(row, HandRow::Target { .. })).count();
+    let targets = panel.rows().iter().filter(|row| matches!(row, ControllerRow::Target { .. })).count();
     assert_eq!(targets, 1 + commands::for_controllers().len() + 1);
     let last = panel.rows().last();
     assert!(
-        matches!(last, Some(HandRow::Knob { words, .. }) if words.starts_with("fog in city")),
+        matches!(last, Some(ControllerRow::Knob { words, .. }) if words.starts_with("fog in city")),
         "{last:?}"
     );
     let counts = "7 messages came, 2 were ignored";
-    assert!(panel.rows().iter().any(|row| matches!(row, HandRow::Words { text, .. } if text == counts)));
+    assert!(
+        panel.rows().iter().any(|row| matches!(row, ControllerRow::Words { text, .. } if text == counts))
+    );
 }
 
 #[test]
@@ -102,18 +104,19 @@ fn keys_learn_change_and_forget() {
     for _ in 0..100 {
         panel.take_key(&key(NamedKey::ArrowUp));
     }
-    assert!(matches!(panel.rows()[panel.selected()], HandRow::Clock(true)));
+    assert!(matches!(panel.rows()[panel.selected()], ControllerRow::Clock(true)));
 }
 
 #[test]
 fn a_row_that_moves_stays_selected() {
     let mut panel = panel(&[], None);
-    let next = Target::Deed { name: "next".to_owned(), value: None };
-    while !matches!(&panel.rows()[panel.selected()], HandRow::Target { target, .. } if *target == next) {
+    let next = Target::Action { name: "next".to_owned(), value: None };
+    while !matches!(&panel.rows()[panel.selected()], ControllerRow::Target { target, .. } if *target == next)
+    {
         panel.take_key(&key(NamedKey::ArrowDown));
     }
     // The scene has no parameters any more.
-    panel.update(&HandFacts {
+    panel.update(&ControllersState {
         scene: "city".to_owned(),
         sliders: &[],
         osc: None,
@@ -155,15 +158,18 @@ fn every_field_says_what_holds_and_goes_round() {
 #[test]
 fn what_is_learned_says_what_to_do() {
     let panel = panel(&[], Some(&size()));
-    let row = panel.rows().iter().find(|row| matches!(row, HandRow::Target { learns: true, .. }));
-    assert!(matches!(row, Some(HandRow::Target { about, .. }) if about.contains("move a knob")), "{row:?}");
+    let row = panel.rows().iter().find(|row| matches!(row, ControllerRow::Target { learns: true, .. }));
+    assert!(
+        matches!(row, Some(ControllerRow::Target { about, .. }) if about.contains("move a knob")),
+        "{row:?}"
+    );
 }
 
 #[test]
 fn the_invitation_of_phones_comes_first_and_why_none_can_come_is_told() {
     let panel_of = |state| {
-        let mut panel = HandsPanel::default();
-        panel.update(&HandFacts {
+        let mut panel = ControllersPanel::default();
+        panel.update(&ControllersState {
             scene: "orb".to_owned(),
             sliders: &[slider()],
             osc: None,
@@ -178,14 +184,14 @@ fn the_invitation_of_phones_comes_first_and_why_none_can_come_is_told() {
         panel
     };
     let url = "http://192.168.0.7:8080/x/".to_owned();
-    let invitation = Invitation { code: mariana_remote::Code::of(&url), url, is_local: false };
-    let panel = panel_of(RemoteState::Open(Arc::new(invitation.clone())));
-    let Some(HandRow::Phone { invitation: shown, about }) = panel.rows().first() else {
+    let pairing_address = PairingAddress { code: mariana_remote::Code::of(&url), url, is_local: false };
+    let panel = panel_of(RemoteState::Open(Arc::new(pairing_address.clone())));
+    let Some(ControllerRow::Phone { pairing_address: shown, about }) = panel.rows().first() else {
         panic!("{:?}", panel.rows().first())
     };
-    assert_eq!((&**shown, &**about), (&invitation, "2 phones are there."));
+    assert_eq!((&**shown, &**about), (&pairing_address, "2 phones are there."));
     assert!(panel.selected() > 0, "there is nothing to choose of it");
     let panel = panel_of(RemoteState::Refused("why".to_owned()));
-    assert!(panel.rows().contains(&HandRow::Words { text: "Phone: why".to_owned(), is_bad: true }));
-    assert!(!panel.rows().iter().any(|row| matches!(row, HandRow::Phone { .. })));
+    assert!(panel.rows().contains(&ControllerRow::Words { text: "Phone: why".to_owned(), is_bad: true }));
+    assert!(!panel.rows().iter().any(|row| matches!(row, ControllerRow::Phone { .. })));
 }

@@ -142,12 +142,12 @@ impl Editor {
             }
             EditorEvent::Grab(at) => self.grab(at),
             EditorEvent::Turn { points, speed } => {
-                self.turn(|hand, texts| hand.turn(f64::from(points), speed, texts));
+                self.turn(|held_numbers, texts| held_numbers.turn(f64::from(points), speed, texts));
             }
             EditorEvent::LetGo => self.let_go(),
             EditorEvent::PickColor(at) => self.pick_color(at),
             EditorEvent::ClosePicker => {
-                self.hand.close_picker(&mut self.texts);
+                self.held_numbers.close_picker(&mut self.texts);
                 self.revision += 1;
             }
             EditorEvent::SetColor(color) => self.set_color(color),
@@ -251,8 +251,9 @@ impl Editor {
     }
 
     fn leave(&mut self) {
-        let small =
-            self.hand.close_picker(&mut self.texts) || self.close_probed() || self.finding.line().is_some();
+        let small = self.held_numbers.close_picker(&mut self.texts)
+            || self.close_probed()
+            || self.finding.line().is_some();
         self.close_small();
         self.notice.clear();
         if !small {
@@ -368,10 +369,10 @@ impl Editor {
         let Some(document) = self.document() else { return };
         match NewParam::of(document) {
             Ok(param) => {
-                let told = param.told();
+                let reported = param.reported();
                 self.edit(|editing| param.write(editing));
                 if self.notice.words().is_none() {
-                    self.tell(told);
+                    self.tell(reported);
                 }
             }
             Err(words) => self.tell(words),

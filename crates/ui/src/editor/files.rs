@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use mariana_files::Folders;
-use mariana_files::documents::{Clerk, News};
+use mariana_files::documents::{FileEvent, FileThread};
 
 use super::document::{Document, Question};
 
@@ -18,41 +18,41 @@ const NO_FOLDER: &str = "the system has no place for your own scenes: start with
 
 /// See the module. Disks are the clerk's.
 pub(super) struct Files {
-    clerk: Clerk,
+    file_thread: FileThread,
 }
 
 impl Files {
     pub(super) fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
-        Ok(Self { clerk: Clerk::start(folders, wake)? })
+        Ok(Self { file_thread: FileThread::start(folders, wake)? })
     }
 
     /// Begins to read a file.
     pub(super) fn open(&self, file: &Path) {
-        self.clerk.open(file);
+        self.file_thread.open(file);
     }
 
     /// What has happened to files.
-    pub(super) fn news(&self) -> Option<News> {
-        self.clerk.news()
+    pub(super) fn file_events(&self) -> Option<FileEvent> {
+        self.file_thread.file_events()
     }
 
     /// Keeps a text while it is not saved.
     pub(super) fn keep(&self, document: &Document) {
         if let Some(file) = document.file() {
-            self.clerk.keep(file, document.is_dirty().then(|| document.bytes()));
+            self.file_thread.keep(file, document.is_dirty().then(|| document.bytes()));
         }
     }
 
     /// Keeps a text whose file has gone.
     pub(super) fn keep_gone(&self, document: &Document) {
         if let Some(file) = document.file() {
-            self.clerk.keep(file, Some(document.bytes()));
+            self.file_thread.keep(file, Some(document.bytes()));
         }
     }
 
     /// Keeps what was typed in an earlier run no longer.
     pub(super) fn forget_kept(&self, file: &Path) {
-        self.clerk.keep(file, None);
+        self.file_thread.keep(file, None);
     }
 
     /// Saves a text, unless the file holds what nobody has seen here.
@@ -64,33 +64,33 @@ impl Files {
         if !document.is_open() {
             return Err("the file cannot be read, so nothing is written over it");
         }
-        self.clerk.save(file, document.bytes(), document.disk.clone());
+        self.file_thread.save(file, document.bytes(), document.disk.clone());
         Ok(())
     }
 
     /// Saves a text whatever the file holds.
     pub(super) fn overwrite(&self, document: &Document) {
         if let Some(file) = document.file() {
-            self.clerk.save(file, document.bytes(), None);
+            self.file_thread.save(file, document.bytes(), None);
         }
     }
 
     /// Copies a text to the user's folder.
     pub(super) fn copy(&self, document: &Document) -> Result<(), &'static str> {
-        let folder = self.clerk.own_scenes().ok_or(NO_FOLDER)?;
-        self.clerk.create(folder, &document.name(), document.bytes());
+        let folder = self.file_thread.own_scenes().ok_or(NO_FOLDER)?;
+        self.file_thread.create(folder, &document.name(), document.bytes());
         Ok(())
     }
 
     /// Begins a new scene in a folder, or in the user's.
     pub(super) fn begin(&self, folder: Option<&Path>) -> Result<(), &'static str> {
-        let folder = folder.or_else(|| self.clerk.own_scenes()).ok_or(NO_FOLDER)?;
-        self.clerk.create(folder, "new.scene", Arc::from(TEMPLATE.as_bytes()));
+        let folder = folder.or_else(|| self.file_thread.own_scenes()).ok_or(NO_FOLDER)?;
+        self.file_thread.create(folder, "new.scene", Arc::from(TEMPLATE.as_bytes()));
         Ok(())
     }
 
     /// Waits until everything is kept: the program ends.
     pub(super) fn finish(&self) {
-        self.clerk.finish(KEEP_LIMIT);
+        self.file_thread.finish(KEEP_LIMIT);
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! It is a plain value that keys and the pointer change, and the overlay draws it. Every change goes to the loader as a
 //! draft ([`Drafts`]), which stands in the place of the file: what is right shows in the next frame, what is not is marked
-//! here. Disks are the clerk's ([`mariana_files::documents::Clerk`]), the clipboard is its own thread's.
+//! here. Disks are the clerk's ([`mariana_files::documents::FileThread`]), the clipboard is its own thread's.
 //!
 //! [`Editor`] owns the parts and hands what one finds to another; each of them has a state of its own:
 //!
@@ -13,7 +13,7 @@
 //! | `Files` | what is read, saved, copied and kept |
 //! | `Found` | what the loader found in the scene and in others |
 //! | `Outbox` | what the loader and the show get: drafts, numbers, commands |
-//! | `Hand` | numbers that are turned, colours that are picked, positions that are dragged |
+//! | `HeldNumbers` | numbers that are turned, colours that are picked, positions that are dragged |
 //! | `Finding` | what is looked for |
 //! | `Proposals` | what may be written at the cursor, with small pictures |
 //! | `Picture` | what is known of the picture: a point, what is lit up, what objects cost |
@@ -29,9 +29,9 @@ mod focus;
 mod found;
 pub mod keys;
 mod notice;
+mod object_previews;
 mod outbox;
 mod params;
-mod portraits;
 mod probed;
 mod proposing;
 #[cfg(test)]
@@ -49,13 +49,13 @@ use focus::Focus;
 pub use keys::EditAction;
 use mariana_editing::{Number, Refused, TurnSpeed};
 use notice::Notice;
-pub(crate) use portraits::{Portrait, SIDE as PORTRAIT_SIDE};
+pub(crate) use object_previews::{ObjectPreview, SIDE as PREVIEW_SIDE};
 use probed::Picture;
 pub(crate) use probed::{Light, parts_of};
 use proposing::Proposals;
 pub(crate) use proposing::Proposing;
 use texts::Texts;
-use turning::Hand;
+use turning::HeldNumbers;
 
 use crate::clipboard::Clipboard;
 use mariana_commands::Command;
@@ -143,7 +143,7 @@ pub struct Editor {
     focus: Focus,
     finding: Finding,
     proposals: Proposals,
-    hand: Hand,
+    held_numbers: HeldNumbers,
     picture: Picture,
     notice: Notice,
     revision: u64,
@@ -174,7 +174,7 @@ impl Editor {
             focus: Focus::default(),
             finding: Finding::default(),
             proposals: Proposals::new(wake),
-            hand: Hand::default(),
+            held_numbers: HeldNumbers::default(),
             picture: Picture::default(),
             notice: Notice::default(),
             revision: 0,
@@ -199,9 +199,9 @@ impl Editor {
 
     /// Takes in what other threads have for the editor.
     pub fn update(&mut self) {
-        while let Some(news) = self.texts.news() {
+        while let Some(file_events) = self.texts.file_events() {
             self.revision += 1;
-            if let Some(words) = self.texts.take_news(news) {
+            if let Some(words) = self.texts.take_news(file_events) {
                 self.tell(words);
             }
         }
@@ -209,7 +209,7 @@ impl Editor {
             self.put_in(text.as_bytes());
         }
         if self.texts.take_findings() {
-            self.hand.check(&mut self.texts);
+            self.held_numbers.check(&mut self.texts);
             self.revision += 1;
         }
         let changes = [self.proposals.update(), self.notice.update()];
@@ -262,7 +262,7 @@ impl Editor {
     fn close_small(&mut self) {
         self.finding.close();
         self.proposals.close();
-        self.hand.close_picker(&mut self.texts);
+        self.held_numbers.close_picker(&mut self.texts);
         self.revision += 1;
     }
 }
@@ -273,7 +273,8 @@ impl Editor {
     pub fn set_view(&mut self, map: Map, camera: Option<Camera>) {
         let (is_new, moves) = self.picture.set_view(map, camera);
         // Only a cross in the picture goes with the camera.
-        let is_crossed = || self.document().is_some_and(|document| self.hand.place(document).is_some());
+        let is_crossed =
+            || self.document().is_some_and(|document| self.held_numbers.place(document).is_some());
         if is_new || moves && is_crossed() {
             self.revision += 1;
         }
@@ -283,8 +284,8 @@ impl Editor {
     pub fn take_answer_about_the_picture(&mut self, answer: Answer) {
         match answer {
             Answer::TooLong => self.tell("this scene is too large to be looked into while it plays"),
-            Answer::Survey(source, survey) if Some(&source) == self.texts.source() => {
-                self.picture.take_survey(survey);
+            Answer::RayStatistics(source, ray_statistics) if Some(&source) == self.texts.source() => {
+                self.picture.take_ray_statistics(ray_statistics);
             }
             Answer::Point(probed) if Some(&probed.source) == self.texts.source() => {
                 self.picture.take_probed(probed);
@@ -294,7 +295,7 @@ impl Editor {
                 }
             }
             // Of a scene that has gone.
-            Answer::Point(_) | Answer::Survey(..) => return,
+            Answer::Point(_) | Answer::RayStatistics(..) => return,
         }
         self.revision += 1;
     }
@@ -317,8 +318,8 @@ impl Editor {
     }
 
     /// Whether it needs to know what the picture shows.
-    pub fn wants_survey(&self) -> bool {
-        self.picture.wants_survey()
+    pub fn wants_ray_statistics(&self) -> bool {
+        self.picture.wants_ray_statistics()
     }
 }
 
@@ -336,7 +337,7 @@ impl Editor {
     /// Takes numbers of a line that begins at a byte.
     fn take_numbers(&mut self, numbers: Vec<Number>, line_start: usize) {
         self.set_focus(true);
-        let taken = self.hand.take(numbers, line_start, &mut self.texts);
+        let taken = self.held_numbers.take(numbers, line_start, &mut self.texts);
         self.tell_refusal(taken);
         self.revision += 1;
     }
@@ -344,22 +345,22 @@ impl Editor {
     /// Takes the three numbers at a place, unless three are held. Returns whether three are held then.
     fn take_three(&mut self, at: usize) -> bool {
         let found = self.document().and_then(|document| document.triple_at(at));
-        if let Some((triple, line_start)) = found.filter(|_| !self.hand.turns_three()) {
+        if let Some((triple, line_start)) = found.filter(|_| !self.held_numbers.turns_three()) {
             self.take_numbers(triple.numbers.into(), line_start);
         }
-        self.hand.turns_three()
+        self.held_numbers.turns_three()
     }
 
     /// Turns what the hand holds.
-    fn turn(&mut self, turn: impl FnOnce(&mut Hand, &mut Texts) -> Result<(), Refused>) {
-        let done = turn(&mut self.hand, &mut self.texts);
+    fn turn(&mut self, turn: impl FnOnce(&mut HeldNumbers, &mut Texts) -> Result<(), Refused>) {
+        let done = turn(&mut self.held_numbers, &mut self.texts);
         self.tell_refusal(done);
         self.revision += 1;
     }
 
     /// Lets go of it: the text holds from now on.
     fn let_go(&mut self) {
-        self.revision += u64::from(self.hand.let_go(&mut self.texts));
+        self.revision += u64::from(self.held_numbers.let_go(&mut self.texts));
     }
 
     /// Opens what picks the colour at a place.
@@ -374,13 +375,13 @@ impl Editor {
         }
         let at = start + triple.range.start;
         self.with_text(|document| document.editing.go_to(at, false));
-        self.hand.pick(at);
+        self.held_numbers.pick(at);
     }
 
     /// Gives the colour that is picked other numbers.
     fn set_color(&mut self, color: [f64; 3]) {
-        if self.hand.picked().is_some_and(|at| self.take_three(at)) {
-            self.turn(|hand, texts| hand.turn_three(color.map(|part| part.max(0.0)), texts));
+        if self.held_numbers.picked().is_some_and(|at| self.take_three(at)) {
+            self.turn(|held_numbers, texts| held_numbers.turn_three(color.map(|part| part.max(0.0)), texts));
         }
     }
 
@@ -388,7 +389,7 @@ impl Editor {
     fn move_place(&mut self, way: [f64; 3]) {
         let cursor = self.document().map(|document| document.editing.cursor());
         if cursor.is_some_and(|cursor| self.take_three(cursor)) {
-            self.turn(|hand, texts| hand.move_three(way, texts));
+            self.turn(|held_numbers, texts| held_numbers.move_three(way, texts));
         }
     }
 }
@@ -426,8 +427,8 @@ impl Editor {
     }
 
     /// What the hand holds.
-    pub(crate) fn hand(&self) -> &Hand {
-        &self.hand
+    pub(crate) fn held_numbers(&self) -> &HeldNumbers {
+        &self.held_numbers
     }
 
     /// The answer to the last key.

@@ -40,7 +40,7 @@ impl NewParam {
     }
 
     /// What is told of it.
-    pub(super) fn told(&self) -> String {
+    pub(super) fn reported(&self) -> String {
         format!("{} is a parameter now: Tab, without the editor, shows its slider", self.name)
     }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::document::Document;
 use super::texts::Texts;
-use mariana_field::sight::{ObjectShare, PartShare, Survey};
+use mariana_field::ray_probe::{ObjectCost, PartCost, RayStatistics};
 use mariana_render::frame::camera::Camera;
 use mariana_render::placement::Map;
 use mariana_scenes::probing::Probed;
@@ -24,7 +24,7 @@ pub(crate) struct Picture {
     lights: bool,
     /// Whether the table of what objects cost shows.
     profiles: bool,
-    survey: Option<Arc<Survey>>,
+    ray_statistics: Option<Arc<RayStatistics>>,
 }
 
 /// What of the picture is lit up.
@@ -51,8 +51,8 @@ impl Picture {
     }
 
     /// Takes in what was found in the whole.
-    pub(super) fn take_survey(&mut self, survey: Arc<Survey>) {
-        self.survey = Some(survey);
+    pub(super) fn take_ray_statistics(&mut self, ray_statistics: Arc<RayStatistics>) {
+        self.ray_statistics = Some(ray_statistics);
     }
 
     /// Closes what is told of a point. Returns whether there was something.
@@ -63,7 +63,7 @@ impl Picture {
     /// Lights up what the lines at the cursor make, or does not any more. Returns which, in words.
     pub(super) fn toggle_light(&mut self) -> &'static str {
         self.lights = !self.lights;
-        self.forget_survey_if_unused();
+        self.forget_ray_statistics_if_unused();
         match self.lights {
             true => "what the line at the cursor makes is lit up",
             false => "nothing is lit up",
@@ -73,22 +73,22 @@ impl Picture {
     /// Shows what objects cost, or does not any more.
     pub(super) fn toggle_profile(&mut self) {
         self.profiles = !self.profiles;
-        self.forget_survey_if_unused();
+        self.forget_ray_statistics_if_unused();
     }
 
-    fn forget_survey_if_unused(&mut self) {
-        if !self.wants_survey() {
-            self.survey = None;
+    fn forget_ray_statistics_if_unused(&mut self) {
+        if !self.wants_ray_statistics() {
+            self.ray_statistics = None;
         }
     }
 
     /// Another scene shows.
     pub(super) fn forget(&mut self) {
-        (self.probed, self.survey) = (None, None);
+        (self.probed, self.ray_statistics) = (None, None);
     }
 
     /// Whether it needs to know what the whole shows.
-    pub(super) fn wants_survey(&self) -> bool {
+    pub(super) fn wants_ray_statistics(&self) -> bool {
         self.lights || self.profiles
     }
 
@@ -99,7 +99,7 @@ impl Picture {
 
     /// What is lit up of a text with this number.
     pub(super) fn light(&self, document: &Document, own: usize) -> Option<Light> {
-        let survey = self.survey.as_ref().filter(|_| self.lights)?;
+        let ray_statistics = self.ray_statistics.as_ref().filter(|_| self.lights)?;
         let (buffer, selection) = (document.editing.buffer(), document.editing.selection());
         let lines = buffer.line_of(selection.start)..=buffer.line_of(selection.end);
         let mut known = BTreeMap::new();
@@ -110,7 +110,7 @@ impl Picture {
                     .is_some_and(|now| lines.contains(&buffer.line_of(now.start)))
             })
         };
-        let parts: Vec<bool> = survey
+        let parts: Vec<bool> = ray_statistics
             .parts
             .iter()
             .map(|part| part.places.iter().any(|(file, byte)| *file == own && is_lit(*byte)))
@@ -118,7 +118,10 @@ impl Picture {
         let of_cell = |cell: &u16| {
             usize::from(*cell).checked_sub(1).and_then(|part| parts.get(part)).is_some_and(|lit| *lit)
         };
-        Some(Light { columns: survey.columns, cells: survey.cells.iter().map(of_cell).collect() })
+        Some(Light {
+            columns: ray_statistics.columns,
+            cells: ray_statistics.cells.iter().map(of_cell).collect(),
+        })
     }
 }
 
@@ -145,22 +148,22 @@ impl Picture {
     }
 
     /// What objects cost, the dearest first, then the sky, of a survey.
-    pub(crate) fn profile(&self) -> Option<(Arc<Survey>, Vec<ObjectShare>)> {
-        let survey = self.survey.as_ref().filter(|_| self.profiles)?;
-        let mut objects = survey.objects.clone();
+    pub(crate) fn profile(&self) -> Option<(Arc<RayStatistics>, Vec<ObjectCost>)> {
+        let ray_statistics = self.ray_statistics.as_ref().filter(|_| self.profiles)?;
+        let mut objects = ray_statistics.objects.clone();
         objects.sort_by_key(|object| std::cmp::Reverse(object.run));
-        Some((survey.clone(), objects))
+        Some((ray_statistics.clone(), objects))
     }
 }
 
 /// What the lines cost that make parts of an object, the dearest first, with their numbers and words. Nothing of an
 /// object that one line makes.
-pub(crate) fn parts_of(object: &ObjectShare, texts: &Texts) -> Vec<(usize, String, PartShare)> {
-    let mut lines: Vec<(usize, String, PartShare)> = Vec::new();
+pub(crate) fn parts_of(object: &ObjectCost, texts: &Texts) -> Vec<(usize, String, PartCost)> {
+    let mut lines: Vec<(usize, String, PartCost)> = Vec::new();
     for part in &object.parts {
         let (file, bytes) = part.written.clone();
         let Some((_, number, words)) = texts.line_at(file, bytes) else { continue };
-        let is_it = |known: &&mut (usize, String, PartShare)| known.0 == number && known.2.written.0 == file;
+        let is_it = |known: &&mut (usize, String, PartCost)| known.0 == number && known.2.written.0 == file;
         match lines.iter_mut().find(is_it) {
             Some((_, _, known)) => {
                 known.rays += part.rays;

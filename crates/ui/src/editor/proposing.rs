@@ -4,7 +4,7 @@ use mariana_commands::input::{Key, Modifiers, NamedKey};
 use mariana_editing::{Editing, Proposal, Refused, proposals};
 
 use super::document::Document;
-use super::portraits::{Portrait, Portraits};
+use super::object_previews::{ObjectPreview, ObjectPreviews};
 
 /// Proposals for the name at the cursor.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,13 +40,13 @@ pub(super) enum Choice {
 /// See the module.
 pub(crate) struct Proposals {
     proposing: Option<Proposing>,
-    portraits: Portraits,
+    object_previews: ObjectPreviews,
 }
 
 impl Proposals {
     /// None. `wake` is called on another thread when there is a new small picture.
     pub(super) fn new(wake: impl Fn() + Send + 'static) -> Self {
-        Self { proposing: None, portraits: Portraits::new(wake) }
+        Self { proposing: None, object_previews: ObjectPreviews::new(wake) }
     }
 
     /// Those that show.
@@ -55,8 +55,8 @@ impl Proposals {
     }
 
     /// The picture of the one that is selected, if it is there.
-    pub(crate) fn portrait(&self) -> Option<&Portrait> {
-        self.portraits.of(self.proposing.as_ref()?.of_library()?)
+    pub(crate) fn object_preview(&self) -> Option<&ObjectPreview> {
+        self.object_previews.of(self.proposing.as_ref()?.of_library()?)
     }
 
     pub(super) fn close(&mut self) {
@@ -66,9 +66,9 @@ impl Proposals {
     /// Looks after the picture of the one that is selected. Returns whether pictures came.
     pub(super) fn update(&mut self) -> bool {
         if let Some(name) = self.proposing.as_ref().and_then(Proposing::of_library) {
-            self.portraits.want(name);
+            self.object_previews.want(name);
         }
-        self.portraits.update()
+        self.object_previews.update()
     }
 
     /// Looks what may be written at the cursor; what is `asked` for is told even if nothing was typed. Returns whether

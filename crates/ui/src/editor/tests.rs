@@ -19,7 +19,7 @@ use mariana_scenes::{Findings, NumberEdits, TextureCache};
 const WAIT_LIMIT: Duration = Duration::from_secs(10);
 const BALL: &str = "let r = 0.5\nobject ball { shape = length(p) - r }\n";
 
-struct Desk {
+struct TestEditor {
     folder: TempDir,
     editor: Editor,
     /// What the loader gets.
@@ -30,7 +30,7 @@ struct Desk {
     commands: Vec<Command>,
 }
 
-impl Desk {
+impl TestEditor {
     /// An editor on `main.scene` with this text, which was read.
     fn new(text: &[u8]) -> Self {
         let folder = tempfile::tempdir().unwrap();
@@ -45,14 +45,14 @@ impl Desk {
             wake.send(()).unwrap_or_default()
         })
         .unwrap();
-        let mut desk =
+        let mut setup =
             Self { folder, editor, drafts, woken, edits: NumberEdits::default(), commands: Vec::new() };
-        desk.editor.set_focus(true);
-        desk.editor.focus.take_repeats();
-        let source = desk.source();
-        desk.editor.show_scene(&source);
-        desk.wait("the text", |editor| editor.document().is_some_and(|document| document.disk.is_some()));
-        desk
+        setup.editor.set_focus(true);
+        setup.editor.focus.take_repeats();
+        let source = setup.source();
+        setup.editor.show_scene(&source);
+        setup.wait("the text", |editor| editor.document().is_some_and(|document| document.disk.is_some()));
+        setup
     }
 
     fn file(&self) -> PathBuf {
@@ -136,11 +136,11 @@ impl Desk {
     }
 
     fn picked_color(&self) -> Option<(usize, [f64; 3])> {
-        self.editor.hand.picked_color(self.editor.document()?)
+        self.editor.held_numbers.picked_color(self.editor.document()?)
     }
 
     fn place(&self) -> Option<[f64; 3]> {
-        self.editor.hand.place(self.editor.document()?)
+        self.editor.held_numbers.place(self.editor.document()?)
     }
 
     fn asked(&self) -> Option<&Question> {
@@ -150,150 +150,150 @@ impl Desk {
 
 #[test]
 fn every_key_goes_to_the_loader_and_what_is_undone_is_the_files_again() {
-    let mut desk = Desk::new(BALL.as_bytes());
-    assert!(desk.load());
-    desk.go_to("0.5");
-    desk.type_text("1 + ");
-    assert_eq!((desk.text(), desk.reloads()), (BALL.replace("0.5", "1 + 0.5"), 4));
-    assert!(desk.load() && desk.editor.texts.tabs()[0].dirty);
-    while desk.editor.document().unwrap().is_dirty() {
-        desk.ctrl("z");
+    let mut setup = TestEditor::new(BALL.as_bytes());
+    assert!(setup.load());
+    setup.go_to("0.5");
+    setup.type_text("1 + ");
+    assert_eq!((setup.text(), setup.reloads()), (BALL.replace("0.5", "1 + 0.5"), 4));
+    assert!(setup.load() && setup.editor.texts.tabs()[0].dirty);
+    while setup.editor.document().unwrap().is_dirty() {
+        setup.ctrl("z");
     }
-    assert_eq!(desk.text(), BALL);
-    assert!(desk.drafts.texts().of(&desk.file()).is_none());
+    assert_eq!(setup.text(), BALL);
+    assert!(setup.drafts.texts().of(&setup.file()).is_none());
 }
 
 #[test]
 fn a_mistake_stands_where_it_is_and_moves_with_the_text() {
-    let mut desk = Desk::new(BALL.as_bytes());
-    desk.go_to("- r");
-    desk.type_text("- q ");
-    assert!(!desk.load() && desk.editor.tells_mistakes());
-    let marked = |desk: &Desk| {
-        let one = desk.editor.document().unwrap().mistake().unwrap();
-        desk.text()[one.range].to_owned()
+    let mut setup = TestEditor::new(BALL.as_bytes());
+    setup.go_to("- r");
+    setup.type_text("- q ");
+    assert!(!setup.load() && setup.editor.tells_mistakes());
+    let marked = |setup: &TestEditor| {
+        let one = setup.editor.document().unwrap().mistake().unwrap();
+        setup.text()[one.range].to_owned()
     };
-    assert_eq!(marked(&desk), "q");
+    assert_eq!(marked(&setup), "q");
     // Typed above before the loader has seen it: the mark moves.
-    desk.go_to("let");
-    desk.type_text("# a ball\n");
-    assert_eq!(marked(&desk), "q");
-    assert!(!desk.load());
-    assert_eq!(marked(&desk), "q");
-    desk.ctrl("e");
-    assert!(desk.text()[desk.editor.document().unwrap().editing.cursor()..].starts_with("q "));
-    desk.named(NamedKey::Delete);
-    desk.named(NamedKey::Delete);
-    desk.named(NamedKey::Delete);
-    desk.named(NamedKey::Delete);
-    assert!(desk.load(), "{:?}", desk.editor.document().unwrap().mistake());
-    assert!(!desk.editor.tells_mistakes());
+    setup.go_to("let");
+    setup.type_text("# a ball\n");
+    assert_eq!(marked(&setup), "q");
+    assert!(!setup.load());
+    assert_eq!(marked(&setup), "q");
+    setup.ctrl("e");
+    assert!(setup.text()[setup.editor.document().unwrap().editing.cursor()..].starts_with("q "));
+    setup.named(NamedKey::Delete);
+    setup.named(NamedKey::Delete);
+    setup.named(NamedKey::Delete);
+    setup.named(NamedKey::Delete);
+    assert!(setup.load(), "{:?}", setup.editor.document().unwrap().mistake());
+    assert!(!setup.editor.tells_mistakes());
 }
 
 #[test]
 fn a_text_is_saved_and_what_others_write_meanwhile_is_asked_about() {
-    let mut desk = Desk::new(BALL.as_bytes());
-    desk.go_to("0.5");
-    desk.type_text("1");
-    desk.ctrl("s");
-    desk.wait("the save", |editor| !editor.document().unwrap().is_dirty());
-    assert_eq!(fs::read_to_string(desk.file()).unwrap(), BALL.replace("0.5", "10.5"));
+    let mut setup = TestEditor::new(BALL.as_bytes());
+    setup.go_to("0.5");
+    setup.type_text("1");
+    setup.ctrl("s");
+    setup.wait("the save", |editor| !editor.document().unwrap().is_dirty());
+    assert_eq!(fs::read_to_string(setup.file()).unwrap(), BALL.replace("0.5", "10.5"));
     // Saved by another program while there is nothing to lose: it is taken.
-    fs::write(desk.file(), "let r = 3\nlength(p) - r").unwrap();
-    desk.wait("their text", |editor| {
+    fs::write(setup.file(), "let r = 3\nlength(p) - r").unwrap();
+    setup.wait("their text", |editor| {
         editor.document().unwrap().editing.buffer().bytes().starts_with(b"let r = 3")
     });
-    assert!(desk.asked().is_none());
+    assert!(setup.asked().is_none());
     // And while there is.
-    desk.go_to("3");
-    desk.type_text("4");
-    fs::write(desk.file(), "theirs").unwrap();
-    desk.ctrl("s");
-    desk.wait("the question", |editor| editor.document().unwrap().question.is_some());
-    desk.wait("all that is told of it", |_| true);
-    assert_eq!(fs::read_to_string(desk.file()).unwrap(), "theirs");
-    desk.ctrl("s");
-    assert!(desk.said().contains("choose"), "{}", desk.said());
-    desk.ctrl("2");
-    assert_eq!(desk.text(), "theirs");
-    desk.ctrl("z");
-    assert_eq!(desk.text(), "let r = 43\nlength(p) - r");
-    desk.ctrl("s");
-    desk.wait("mine", |editor| !editor.document().unwrap().is_dirty());
-    assert_eq!(fs::read_to_string(desk.file()).unwrap(), "let r = 43\nlength(p) - r");
+    setup.go_to("3");
+    setup.type_text("4");
+    fs::write(setup.file(), "theirs").unwrap();
+    setup.ctrl("s");
+    setup.wait("the question", |editor| editor.document().unwrap().question.is_some());
+    setup.wait("all that is told of it", |_| true);
+    assert_eq!(fs::read_to_string(setup.file()).unwrap(), "theirs");
+    setup.ctrl("s");
+    assert!(setup.said().contains("choose"), "{}", setup.said());
+    setup.ctrl("2");
+    assert_eq!(setup.text(), "theirs");
+    setup.ctrl("z");
+    assert_eq!(setup.text(), "let r = 43\nlength(p) - r");
+    setup.ctrl("s");
+    setup.wait("mine", |editor| !editor.document().unwrap().is_dirty());
+    assert_eq!(fs::read_to_string(setup.file()).unwrap(), "let r = 43\nlength(p) - r");
 }
 
 #[test]
 fn a_deleted_file_stays_on_the_stage_and_is_written_again() {
-    let mut desk = Desk::new(BALL.as_bytes());
-    fs::remove_file(desk.file()).unwrap();
-    desk.wait("the question", |editor| editor.document().unwrap().question == Some(Question::Gone));
-    assert!(desk.load(), "its draft stands for it");
-    desk.ctrl("1");
-    desk.wait("the file", |editor| !editor.document().unwrap().is_dirty());
-    assert_eq!(fs::read_to_string(desk.file()).unwrap(), BALL);
+    let mut setup = TestEditor::new(BALL.as_bytes());
+    fs::remove_file(setup.file()).unwrap();
+    setup.wait("the question", |editor| editor.document().unwrap().question == Some(Question::Gone));
+    assert!(setup.load(), "its draft stands for it");
+    setup.ctrl("1");
+    setup.wait("the file", |editor| !editor.document().unwrap().is_dirty());
+    assert_eq!(fs::read_to_string(setup.file()).unwrap(), BALL);
 }
 
 #[test]
 fn what_was_typed_and_not_saved_is_offered_again() {
-    let mut desk = Desk::new(BALL.as_bytes());
-    desk.go_to("0.5");
-    desk.type_text("7");
-    desk.editor.finish();
-    let mut desk = Desk::in_folder(desk.folder);
-    assert!(matches!(desk.asked(), Some(Question::Kept(_))));
-    assert_eq!(desk.text(), BALL);
-    desk.ctrl("1");
-    assert_eq!(desk.text(), BALL.replace("0.5", "70.5"));
+    let mut setup = TestEditor::new(BALL.as_bytes());
+    setup.go_to("0.5");
+    setup.type_text("7");
+    setup.editor.finish();
+    let mut setup = TestEditor::in_folder(setup.folder);
+    assert!(matches!(setup.asked(), Some(Question::Kept(_))));
+    assert_eq!(setup.text(), BALL);
+    setup.ctrl("1");
+    assert_eq!(setup.text(), BALL.replace("0.5", "70.5"));
     // Saved, it is offered no more; nor is what was thrown away.
-    desk.ctrl("s");
-    desk.wait("the save", |editor| !editor.document().unwrap().is_dirty());
-    desk.go_to("70");
-    desk.type_text("1");
-    desk.editor.finish();
-    let mut desk = Desk::in_folder(desk.folder);
-    desk.ctrl("2");
-    desk.editor.finish();
-    let desk = Desk::in_folder(desk.folder);
-    assert!(desk.asked().is_none());
+    setup.ctrl("s");
+    setup.wait("the save", |editor| !editor.document().unwrap().is_dirty());
+    setup.go_to("70");
+    setup.type_text("1");
+    setup.editor.finish();
+    let mut setup = TestEditor::in_folder(setup.folder);
+    setup.ctrl("2");
+    setup.editor.finish();
+    let setup = TestEditor::in_folder(setup.folder);
+    assert!(setup.asked().is_none());
 }
 
 #[test]
 fn while_a_number_is_turned_no_text_is_read() {
-    let mut desk = Desk::new(BALL.as_bytes());
-    assert!(desk.load());
+    let mut setup = TestEditor::new(BALL.as_bytes());
+    assert!(setup.load());
     let at = BALL.find("0.5").unwrap();
-    desk.editor.obey(EditorEvent::Grab(at + 1));
-    assert_eq!(desk.reloads(), 1, "once, to make it an input");
-    assert!(desk.load());
+    setup.editor.obey(EditorEvent::Grab(at + 1));
+    assert_eq!(setup.reloads(), 1, "once, to make it an input");
+    assert!(setup.load());
     for _ in 0..50 {
-        desk.editor.obey(EditorEvent::Turn { points: 2.0, speed: TurnSpeed::Usual });
+        setup.editor.obey(EditorEvent::Turn { points: 2.0, speed: TurnSpeed::Usual });
     }
-    let commands = desk.commands();
+    let commands = setup.commands();
     assert_eq!(commands.len(), 50, "no text is read: {commands:?}");
-    let last = Command::TurnNumbers(TurnedNumbers { file: desk.file(), values: vec![(at, 0.7)] });
+    let last = Command::TurnNumbers(TurnedNumbers { file: setup.file(), values: vec![(at, 0.7)] });
     assert_eq!(commands.last(), Some(&last));
-    assert_eq!(desk.text(), BALL.replace("0.5", "0.7"));
-    desk.editor.obey(EditorEvent::LetGo);
-    assert_eq!(desk.reloads(), 1, "the text holds again");
-    assert!(desk.load());
-    assert_eq!(desk.editor.texts.findings().unwrap().numbers, [0_usize; 0]);
-    desk.ctrl("z");
-    assert_eq!(desk.text(), BALL, "all of it is taken back at once");
+    assert_eq!(setup.text(), BALL.replace("0.5", "0.7"));
+    setup.editor.obey(EditorEvent::LetGo);
+    assert_eq!(setup.reloads(), 1, "the text holds again");
+    assert!(setup.load());
+    assert_eq!(setup.editor.texts.findings().unwrap().numbers, [0_usize; 0]);
+    setup.ctrl("z");
+    assert_eq!(setup.text(), BALL, "all of it is taken back at once");
 }
 
 #[test]
 fn a_hand_that_leaves_the_room_of_a_number_goes_on_in_another() {
-    let mut desk = Desk::new(BALL.as_bytes());
+    let mut setup = TestEditor::new(BALL.as_bytes());
     let at = BALL.find("0.5").unwrap();
-    desk.editor.obey(EditorEvent::Grab(at));
-    assert!(desk.load());
-    assert_eq!(desk.reloads(), 1);
-    desk.editor.obey(EditorEvent::Turn { points: 200.0, speed: TurnSpeed::Coarse });
-    assert_eq!((desk.text(), desk.reloads()), (BALL.replace("0.5", "4.5"), 1));
-    assert!(desk.load());
-    desk.editor.obey(EditorEvent::Turn { points: 100.0, speed: TurnSpeed::Usual });
-    let commands = desk.commands();
+    setup.editor.obey(EditorEvent::Grab(at));
+    assert!(setup.load());
+    assert_eq!(setup.reloads(), 1);
+    setup.editor.obey(EditorEvent::Turn { points: 200.0, speed: TurnSpeed::Coarse });
+    assert_eq!((setup.text(), setup.reloads()), (BALL.replace("0.5", "4.5"), 1));
+    assert!(setup.load());
+    setup.editor.obey(EditorEvent::Turn { points: 100.0, speed: TurnSpeed::Usual });
+    let commands = setup.commands();
     let is = |commands: &[Command], at: usize, wanted: f32| match commands {
         [Command::TurnNumbers(TurnedNumbers { values, .. })] => {
             matches!(values[..], [(digits, value)] if digits == at && (value - wanted).abs() < 1e-5)
@@ -302,159 +302,159 @@ fn a_hand_that_leaves_the_room_of_a_number_goes_on_in_another() {
     };
     assert!(is(&commands, at, 4.7), "{commands:?}");
     // Below nothing it has a sign of its own, and the digits stand behind it.
-    desk.editor.obey(EditorEvent::Turn { points: -400.0, speed: TurnSpeed::Coarse });
-    assert_eq!(desk.text(), BALL.replace("0.5", "-3.3"));
-    assert!(desk.load());
-    assert_eq!(desk.editor.texts.findings().unwrap().numbers, [at + 1]);
-    let _ = desk.commands();
-    desk.editor.obey(EditorEvent::Turn { points: 50.0, speed: TurnSpeed::Usual });
-    let commands = desk.commands();
+    setup.editor.obey(EditorEvent::Turn { points: -400.0, speed: TurnSpeed::Coarse });
+    assert_eq!(setup.text(), BALL.replace("0.5", "-3.3"));
+    assert!(setup.load());
+    assert_eq!(setup.editor.texts.findings().unwrap().numbers, [at + 1]);
+    let _ = setup.commands();
+    setup.editor.obey(EditorEvent::Turn { points: 50.0, speed: TurnSpeed::Usual });
+    let commands = setup.commands();
     assert!(is(&commands, at + 1, 3.2), "{commands:?}");
 }
 
 #[test]
 fn a_number_on_which_the_meaning_depends_is_read_each_time() {
     let text = "object o { shape = length(p) - sum(for i in 0..4: 0.1) }";
-    let mut desk = Desk::new(text.as_bytes());
-    desk.editor.obey(EditorEvent::Grab(text.find("4:").unwrap()));
-    assert!(desk.load());
-    let _ = desk.commands();
-    desk.editor.obey(EditorEvent::Turn { points: 24.0, speed: TurnSpeed::Usual });
-    assert_eq!((desk.text(), desk.reloads()), (text.replace("4:", "6:"), 1));
-    assert!(desk.load());
-    desk.editor.obey(EditorEvent::LetGo);
-    assert_eq!(desk.text(), text.replace("4:", "6:"));
+    let mut setup = TestEditor::new(text.as_bytes());
+    setup.editor.obey(EditorEvent::Grab(text.find("4:").unwrap()));
+    assert!(setup.load());
+    let _ = setup.commands();
+    setup.editor.obey(EditorEvent::Turn { points: 24.0, speed: TurnSpeed::Usual });
+    assert_eq!((setup.text(), setup.reloads()), (text.replace("4:", "6:"), 1));
+    assert!(setup.load());
+    setup.editor.obey(EditorEvent::LetGo);
+    assert_eq!(setup.text(), text.replace("4:", "6:"));
 }
 
 #[test]
 fn keys_turn_numbers_and_make_parameters_of_them() {
-    let mut desk = Desk::new(
+    let mut setup = TestEditor::new(
         b"# A ball.\nmaterial m { roughness = 0.3 }\nobject o { shape = length(p) - 1  material = m }\n",
     );
-    desk.go_to("0.3");
-    assert!(desk.key(Key::Named(NamedKey::ArrowUp), Modifiers::ALT));
-    assert!(desk.text().contains("roughness = 0.32"), "{}", desk.text());
-    assert!(desk.key(Key::Named(NamedKey::ArrowDown), Modifiers::ALT | Modifiers::SHIFT));
-    assert!(desk.text().contains("roughness = 0.318"), "{}", desk.text());
-    desk.ctrl("p");
+    setup.go_to("0.3");
+    assert!(setup.key(Key::Named(NamedKey::ArrowUp), Modifiers::ALT));
+    assert!(setup.text().contains("roughness = 0.32"), "{}", setup.text());
+    assert!(setup.key(Key::Named(NamedKey::ArrowDown), Modifiers::ALT | Modifiers::SHIFT));
+    assert!(setup.text().contains("roughness = 0.318"), "{}", setup.text());
+    setup.ctrl("p");
     assert_eq!(
-        desk.text(),
+        setup.text(),
         "# A ball.\nparam roughness_knob = 0.318 in 0 .. 0.636\nmaterial m { roughness = roughness_knob }\n\
          object o { shape = length(p) - 1  material = m }\n"
     );
-    assert!(desk.load(), "{:?}", desk.editor.document().unwrap().mistake());
-    desk.go_to("1  material");
-    desk.ctrl("p");
-    assert!(desk.text().contains("0.636\nparam knob = 1 in 0 .. 2\nmaterial"), "{}", desk.text());
-    assert!(desk.load(), "{:?}", desk.editor.document().unwrap().mistake());
-    desk.ctrl("z");
-    assert!(!desk.text().contains("param knob"), "it is one step");
+    assert!(setup.load(), "{:?}", setup.editor.document().unwrap().mistake());
+    setup.go_to("1  material");
+    setup.ctrl("p");
+    assert!(setup.text().contains("0.636\nparam knob = 1 in 0 .. 2\nmaterial"), "{}", setup.text());
+    assert!(setup.load(), "{:?}", setup.editor.document().unwrap().mistake());
+    setup.ctrl("z");
+    assert!(!setup.text().contains("param knob"), "it is one step");
 }
 
 #[test]
 fn proposals_come_while_one_types_and_tab_takes_them() {
-    let mut desk = Desk::new(b"object o { shape =  }");
-    desk.go_to(" }");
-    desk.type_text("smooth_u");
-    let first = desk.editor.proposals.shown().unwrap().list[0].clone();
+    let mut setup = TestEditor::new(b"object o { shape =  }");
+    setup.go_to(" }");
+    setup.type_text("smooth_u");
+    let first = setup.editor.proposals.shown().unwrap().list[0].clone();
     assert_eq!(first.name, "smooth_union");
     assert!(!first.about.text.is_empty());
-    assert!(desk.named(NamedKey::Tab));
-    assert!(desk.text().contains("smooth_union( }"), "{}", desk.text());
+    assert!(setup.named(NamedKey::Tab));
+    assert!(setup.text().contains("smooth_union( }"), "{}", setup.text());
     // Enter is a new line unless somebody has gone through them.
-    desk.type_text("sph\n");
-    assert!(desk.text().contains("(sph\n"), "{}", desk.text());
-    desk.type_text("bo");
-    desk.named(NamedKey::ArrowDown);
-    let second = desk.editor.proposals.shown().unwrap().list[1].name.clone();
-    desk.named(NamedKey::Enter);
-    assert!(desk.text().contains(&format!("\n{second}")), "{}", desk.text());
-    desk.type_text(" bo");
-    assert!(desk.named(NamedKey::Escape) && desk.editor.proposals.shown().is_none());
+    setup.type_text("sph\n");
+    assert!(setup.text().contains("(sph\n"), "{}", setup.text());
+    setup.type_text("bo");
+    setup.named(NamedKey::ArrowDown);
+    let second = setup.editor.proposals.shown().unwrap().list[1].name.clone();
+    setup.named(NamedKey::Enter);
+    assert!(setup.text().contains(&format!("\n{second}")), "{}", setup.text());
+    setup.type_text(" bo");
+    assert!(setup.named(NamedKey::Escape) && setup.editor.proposals.shown().is_none());
     assert!(
-        desk.commands().iter().all(|command| *command == Command::ReloadScene),
+        setup.commands().iter().all(|command| *command == Command::ReloadScene),
         "Esc has closed the list only"
     );
-    desk.named(NamedKey::Escape);
-    assert_eq!(desk.commands(), [CLOSE]);
+    setup.named(NamedKey::Escape);
+    assert_eq!(setup.commands(), [CLOSE]);
 }
 
 #[test]
 fn a_shipped_scene_says_how_it_can_be_changed() {
-    let mut desk = Desk::new(BALL.as_bytes());
+    let mut setup = TestEditor::new(BALL.as_bytes());
     let orb = SceneSource::Shipped("orb".into());
-    desk.editor.show_scene(&orb);
-    let before = desk.text();
+    setup.editor.show_scene(&orb);
+    let before = setup.text();
     assert_eq!(before, orb.text().unwrap());
-    desk.type_text("x");
-    assert_eq!(desk.text(), before);
-    assert!(desk.said().contains("Ctrl+S"), "{}", desk.said());
+    setup.type_text("x");
+    assert_eq!(setup.text(), before);
+    assert!(setup.said().contains("Ctrl+S"), "{}", setup.said());
     // What was typed in the other text is still there when it comes back.
-    let main = desk.source();
-    desk.editor.show_scene(&main);
-    desk.go_to("0.5");
-    desk.type_text("9");
-    desk.editor.show_scene(&orb);
-    desk.editor.show_scene(&main);
-    assert_eq!(desk.text(), BALL.replace("0.5", "90.5"));
+    let main = setup.source();
+    setup.editor.show_scene(&main);
+    setup.go_to("0.5");
+    setup.type_text("9");
+    setup.editor.show_scene(&orb);
+    setup.editor.show_scene(&main);
+    assert_eq!(setup.text(), BALL.replace("0.5", "90.5"));
 }
 
 #[test]
 fn ten_megabytes_bytes_that_are_no_text_and_mixed_line_ends_harm_nothing() {
     let bytes = b"# \xff\xfe\r\nlet r = 1\nlength(p) - r\r\n\0";
-    let mut desk = Desk::new(bytes);
-    assert!(!desk.load());
-    let mistake = desk.editor.document().unwrap().mistake().unwrap();
+    let mut setup = TestEditor::new(bytes);
+    assert!(!setup.load());
+    let mistake = setup.editor.document().unwrap().mistake().unwrap();
     assert_eq!((mistake.range.clone(), mistake.message.contains("UTF-8")), (2..3, true));
-    desk.editor.put_in(&vec![b'x'; 10 << 20]);
-    assert!(desk.said().contains("1048576 bytes"), "{}", desk.said());
-    desk.go_to("1\nlength");
-    desk.type_text("2");
-    desk.ctrl("s");
-    desk.wait("the save", |editor| !editor.document().unwrap().is_dirty());
-    assert_eq!(fs::read(desk.file()).unwrap(), b"# \xff\xfe\r\nlet r = 21\nlength(p) - r\r\n\0");
+    setup.editor.put_in(&vec![b'x'; 10 << 20]);
+    assert!(setup.said().contains("1048576 bytes"), "{}", setup.said());
+    setup.go_to("1\nlength");
+    setup.type_text("2");
+    setup.ctrl("s");
+    setup.wait("the save", |editor| !editor.document().unwrap().is_dirty());
+    assert_eq!(fs::read(setup.file()).unwrap(), b"# \xff\xfe\r\nlet r = 21\nlength(p) - r\r\n\0");
     // A binary file is shown as what it is.
     let binary: Vec<u8> = (0..=255).cycle().take(70_000).collect();
-    fs::write(desk.file(), &binary).unwrap();
-    desk.wait("the bytes", |editor| {
+    fs::write(setup.file(), &binary).unwrap();
+    setup.wait("the bytes", |editor| {
         editor.document().unwrap().disk == Some(OnDisk::Bytes(binary.clone().into()))
     });
-    assert_eq!(desk.editor.document().unwrap().editing.buffer().bytes(), binary);
+    assert_eq!(setup.editor.document().unwrap().editing.buffer().bytes(), binary);
 }
 
 #[test]
 fn words_are_found_from_key_to_key() {
-    let mut desk = Desk::new(b"one two\ntwo one\n");
-    desk.ctrl("f");
-    desk.type_text("two");
-    assert_eq!(desk.text(), "one two\ntwo one\n");
-    let selected = |desk: &Desk| desk.editor.document().unwrap().editing.selection();
-    desk.named(NamedKey::Enter);
-    assert_eq!(selected(&desk), 4..7);
-    desk.named(NamedKey::Enter);
-    desk.named(NamedKey::F3);
-    assert_eq!(selected(&desk), 4..7, "around the end");
-    desk.named(NamedKey::Escape);
-    assert!(desk.commands().is_empty() && desk.editor.find_line().is_none());
-    desk.type_text("2");
-    assert_eq!(desk.text(), "one 2\ntwo one\n");
+    let mut setup = TestEditor::new(b"one two\ntwo one\n");
+    setup.ctrl("f");
+    setup.type_text("two");
+    assert_eq!(setup.text(), "one two\ntwo one\n");
+    let selected = |setup: &TestEditor| setup.editor.document().unwrap().editing.selection();
+    setup.named(NamedKey::Enter);
+    assert_eq!(selected(&setup), 4..7);
+    setup.named(NamedKey::Enter);
+    setup.named(NamedKey::F3);
+    assert_eq!(selected(&setup), 4..7, "around the end");
+    setup.named(NamedKey::Escape);
+    assert!(setup.commands().is_empty() && setup.editor.find_line().is_none());
+    setup.type_text("2");
+    assert_eq!(setup.text(), "one 2\ntwo one\n");
 }
 
 #[test]
 fn the_key_that_opened_the_editor_is_not_typed_while_it_is_held() {
-    let mut desk = Desk::new(b"y");
-    desk.editor.set_focus(false);
-    desk.editor.set_focus(true);
+    let mut setup = TestEditor::new(b"y");
+    setup.editor.set_focus(false);
+    setup.editor.set_focus(true);
     let key = Key::Character("e".to_owned());
     let press = |repeat| KeyPress { key: key.clone(), latin: Some('e'), text: Some("e".to_owned()), repeat };
-    let mut take = |repeat| desk.editor.take_key(&press(repeat), Modifiers::empty());
+    let mut take = |repeat| setup.editor.take_key(&press(repeat), Modifiers::empty());
     assert!(take(true));
-    assert_eq!(desk.text(), "y");
-    let mut take = |repeat| desk.editor.take_key(&press(repeat), Modifiers::empty());
+    assert_eq!(setup.text(), "y");
+    let mut take = |repeat| setup.editor.take_key(&press(repeat), Modifiers::empty());
     assert!(take(false) && take(true));
-    assert_eq!(desk.text(), "eey");
+    assert_eq!(setup.text(), "eey");
     // Keys without letters are the show's.
-    assert!(!desk.named(NamedKey::F11) && !desk.named(NamedKey::MediaPlayPause));
+    assert!(!setup.named(NamedKey::F11) && !setup.named(NamedKey::MediaPlayPause));
 }
 
 #[test]

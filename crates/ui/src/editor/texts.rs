@@ -9,7 +9,7 @@ use mariana_commands::{Command, TurnedNumbers};
 use mariana_editing::{Editing, Refused};
 use mariana_field::lang::Turning;
 use mariana_files::Folders;
-use mariana_files::documents::{News, OnDisk};
+use mariana_files::documents::{FileEvent, OnDisk};
 use mariana_scenes::{Drafts, Findings, SceneSource};
 
 use super::document::{Change, Document, Marked, Owner, Question};
@@ -314,14 +314,14 @@ impl Texts {
     }
 
     /// What has happened to files.
-    pub(super) fn news(&self) -> Option<News> {
-        self.files.news()
+    pub(super) fn file_events(&self) -> Option<FileEvent> {
+        self.files.file_events()
     }
 
     /// Takes it in. Returns what is to be told of it.
-    pub(super) fn take_news(&mut self, news: News) -> Option<String> {
-        match news {
-            News::Opened { file, holds, kept } => {
+    pub(super) fn take_news(&mut self, file_events: FileEvent) -> Option<String> {
+        match file_events {
+            FileEvent::Opened { file, holds, kept } => {
                 if self.documents.take_read(&file, holds, kept)? {
                     self.files.forget_kept(&file);
                 }
@@ -329,7 +329,7 @@ impl Texts {
                 self.mark_mistakes();
                 None
             }
-            News::Saved { file, text } => {
+            FileEvent::Saved { file, text } => {
                 let document = self.documents.of_mut(&file)?;
                 document.disk = Some(OnDisk::Bytes(text));
                 document.question = None;
@@ -341,13 +341,13 @@ impl Texts {
                 }
                 Some(format!("{} is saved", document.name()))
             }
-            News::Refused { file, holds } => {
+            FileEvent::Refused { file, holds } => {
                 self.documents.of_mut(&file)?.question = Some(Question::Conflict(holds));
                 None
             }
-            News::Failed { reason, .. } => Some(reason),
-            News::Changed { file, holds } => self.take_change(&file, holds),
-            News::Created { file } => {
+            FileEvent::Failed { reason, .. } => Some(reason),
+            FileEvent::Changed { file, holds } => self.take_change(&file, holds),
+            FileEvent::Created { file } => {
                 let words = format!("this is your own scene now: {}", file.display());
                 self.outbox.send(Command::ShowScene(Box::new(SceneSource::File(file))));
                 Some(words)

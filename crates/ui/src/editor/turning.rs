@@ -24,7 +24,7 @@ struct Turn {
     /// Each as it was taken, and where it stands now.
     numbers: Vec<(Number, Range<usize>)>,
     /// How far the hand has moved, in points of the usual speed.
-    hand: f64,
+    held_numbers: f64,
     /// What three numbers are, before they are rounded to be written.
     exact: [f64; 3],
     held: Option<Held>,
@@ -66,13 +66,13 @@ impl Turn {
 
 /// Numbers that a hand holds, and the colour that is picked.
 #[derive(Default)]
-pub(crate) struct Hand {
+pub(crate) struct HeldNumbers {
     turn: Option<Turn>,
     /// Where the colour stands that is picked.
     picked: Option<usize>,
 }
 
-impl Hand {
+impl HeldNumbers {
     /// Where the number stands that is being turned, or the three.
     pub(crate) fn turned(&self) -> Option<Range<usize>> {
         self.turn.as_ref().map(Turn::range)
@@ -138,8 +138,13 @@ impl Hand {
             let now = line_start + number.range.start..line_start + number.range.end;
             (number, now)
         };
-        let turn =
-            Turn { file, numbers: numbers.into_iter().map(placed).collect(), hand: 0.0, exact, held: None };
+        let turn = Turn {
+            file,
+            numbers: numbers.into_iter().map(placed).collect(),
+            held_numbers: 0.0,
+            exact,
+            held: None,
+        };
         let range = turn.range();
         self.turn = Some(turn);
         if places.len() == values.len() {
@@ -176,9 +181,9 @@ impl Hand {
     /// Turns the number by so many points of the hand.
     pub(super) fn turn(&mut self, points: f64, speed: TurnSpeed, texts: &mut Texts) -> Result<(), Refused> {
         let Some(turn) = &mut self.turn else { return Ok(()) };
-        turn.hand += points * speed.factor();
+        turn.held_numbers += points * speed.factor();
         let [(number, _)] = &turn.numbers[..] else { return Ok(()) };
-        let text = number.written(number.turned(turn.hand, speed), speed);
+        let text = number.written(number.turned(turn.held_numbers, speed), speed);
         self.write(&[text], texts)
     }
 

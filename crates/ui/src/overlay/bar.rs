@@ -147,17 +147,19 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     let (place, response) = ui.allocate_exact_size(vec2(full, RAIL_HEIGHT), Sense::click_and_drag());
     let rail = Rect::from_center_size(place.center(), vec2(full, LINE_HEIGHT));
     let painter = ui.painter().clone();
-    let Some((duration, share)) = bar.now.duration.zip(bar.now.share()).filter(|_| !bar.now.live) else {
-        draw_share(&painter, rail, if bar.now.live { bar.level.clamp(0.0, 1.0) } else { 0.0 });
+    let Some((duration, fraction)) = bar.now.duration.zip(bar.now.fraction()).filter(|_| !bar.now.live)
+    else {
+        draw_fraction(&painter, rail, if bar.now.live { bar.level.clamp(0.0, 1.0) } else { 0.0 });
         return;
     };
-    let share_at = |x: f32| ((x - rail.left()) / rail.width().max(1.0)).clamp(0.0, 1.0);
-    let pointed = response.interact_pointer_pos().or_else(|| response.hover_pos()).map(|at| share_at(at.x));
+    let fraction_at = |x: f32| ((x - rail.left()) / rail.width().max(1.0)).clamp(0.0, 1.0);
+    let pointed =
+        response.interact_pointer_pos().or_else(|| response.hover_pos()).map(|at| fraction_at(at.x));
     let held = response.dragged() || response.is_pointer_button_down_on();
-    let shown = pointed.filter(|_| held).unwrap_or(share);
+    let shown = pointed.filter(|_| held).unwrap_or(fraction);
     match bar.shape {
         Some(shape) => draw_shape(&painter, place, shape, shown),
-        None => draw_share(&painter, rail, shown),
+        None => draw_fraction(&painter, rail, shown),
     }
     if let Some(song) = bar.song {
         draw_sections(&painter, place, song, duration);
@@ -185,9 +187,9 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     front.galley(label.center() - 0.5 * galley.size(), galley, style::TEXT);
 }
 
-/// Draws how loud the track is as bars around the middle of `place`; those up to `share` of it have passed. What is not
+/// Draws how loud the track is as bars around the middle of `place`; those up to `fraction` of it have passed. What is not
 /// known yet is a line.
-fn draw_shape(painter: &Painter, place: Rect, shape: &LoudnessShape, share: f32) {
+fn draw_shape(painter: &Painter, place: Rect, shape: &LoudnessShape, fraction: f32) {
     let bars = (place.width() / BAR_STEP).floor().max(1.0) as usize;
     for bar in 0..bars {
         let (from, to) =
@@ -197,7 +199,7 @@ fn draw_shape(painter: &Painter, place: Rect, shape: &LoudnessShape, share: f32)
         let left = place.left() + bar as f32 * place.width() / bars as f32;
         let height = 2.0 + level * (place.height() - 6.0);
         let middle = pos2(left + 0.5 * BAR_STEP, place.center().y);
-        let passed = (bar as f32 + 0.5) / bars as f32 <= share;
+        let passed = (bar as f32 + 0.5) / bars as f32 <= fraction;
         let color = if passed { style::ACCENT } else { style::AHEAD };
         painter.rect_filled(Rect::from_center_size(middle, vec2(BAR_STEP - 1.0, height)), 1.0, color);
     }
@@ -230,10 +232,10 @@ fn draw_sections(painter: &Painter, place: Rect, song: &SongStructure, duration:
     }
 }
 
-fn draw_share(painter: &Painter, rail: Rect, share: f32) {
+fn draw_fraction(painter: &Painter, rail: Rect, fraction: f32) {
     painter.rect_filled(rail, LINE_HEIGHT / 2.0, style::RAIL);
     let mut passed = rail;
-    passed.set_width(share * rail.width());
+    passed.set_width(fraction * rail.width());
     painter.rect_filled(passed, LINE_HEIGHT / 2.0, style::ACCENT);
 }
 
@@ -282,7 +284,7 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
             let source = panel_button(ui, Icon::Source, Panel::Sources, bar, events);
             // How loud it is, under the sign.
             let bottom = source.rect.center_bottom() - vec2(0.0, LEVEL.y);
-            draw_share(ui.painter(), Rect::from_center_size(bottom, LEVEL), bar.level.clamp(0.0, 1.0));
+            draw_fraction(ui.painter(), Rect::from_center_size(bottom, LEVEL), bar.level.clamp(0.0, 1.0));
             if !now.live {
                 panel_button(ui, Icon::Tracks, Panel::Tracks, bar, events);
             }
@@ -370,7 +372,7 @@ fn volume(ui: &mut Ui, now: &NowPlaying, width: f32, events: &mut Vec<UiEvent>) 
             events.push(UiEvent::Command(Command::Volume(shown)));
         }
     }
-    draw_share(ui.painter(), rail, shown);
+    draw_fraction(ui.painter(), rail, shown);
     let knob = pos2(rail.left() + shown * rail.width(), rail.center().y);
     ui.painter().circle_filled(knob, if response.hovered() { 6.0 } else { 5.0 }, style::ACCENT);
     let (percent, step) = (100.0 * f64::from(volume), 100.0 * f64::from(VOLUME_STEP));

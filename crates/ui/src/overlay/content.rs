@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use super::bar::Bar;
 use super::tracks::Tracks;
 use super::welcome::Welcome;
-use crate::controllers_panel::HandsPanel;
-use crate::corner_hands::CornerHands;
+use crate::controllers_panel::ControllersPanel;
+use crate::corner_handles::CornerHandles;
 use crate::editor::Editor;
 use crate::file_browser::FileBrowser;
 use crate::overlay::NextScene;
@@ -48,11 +48,11 @@ pub struct OverlayContent<'a> {
     /// The editor.
     pub editor: Option<&'a Editor>,
     /// Knobs from outside.
-    pub hands: Option<&'a HandsPanel>,
+    pub controllers: Option<&'a ControllersPanel>,
     /// The parameter that a knob is being learned for.
     pub learning: Option<&'a str>,
     /// The corners of the picture, while they are moved.
-    pub corners: Option<CornerHands>,
+    pub corners: Option<CornerHandles>,
     /// The part of the window in which the picture lies small, if the window is the desk of an output.
     pub picture: Option<Area>,
     /// The scene that comes next.
@@ -85,7 +85,7 @@ pub struct Notice<'a> {
     /// Such as "compiled".
     pub text: &'a str,
     /// A share that is drawn below the text, 0..1: of a track, or of the full volume.
-    pub share: Option<f32>,
+    pub fraction: Option<f32>,
     /// When it came up.
     pub since: Instant,
 }
@@ -146,7 +146,7 @@ impl OverlayContent<'_> {
             && self.files.is_none()
             && self.settings.is_none()
             && self.editor.is_none()
-            && self.hands.is_none()
+            && self.controllers.is_none()
             && self.corners.is_none()
             && self.next.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
@@ -168,7 +168,7 @@ impl OverlayContent<'_> {
             || self.files.is_some()
             || self.settings.is_some()
             || self.editor.is_some()
-            || self.hands.is_some()
+            || self.controllers.is_some()
             || self.corners.is_some()
     }
 
@@ -179,21 +179,21 @@ impl OverlayContent<'_> {
         (self.hint, &self.sources).hash(&mut hasher);
         let notice = self.notice.filter(|notice| !notice.is_gone(now));
         notice.map(|notice| (notice.text, notice.since)).hash(&mut hasher);
-        notice.and_then(|notice| notice.share).map(f32::to_bits).hash(&mut hasher);
+        notice.and_then(|notice| notice.fraction).map(f32::to_bits).hash(&mut hasher);
         self.welcome.filter(|welcome| !welcome.is_gone(now)).hash(&mut hasher);
         (self.bar, self.hides_pointer).hash(&mut hasher);
         self.scenes.map(SceneBrowser::revision).hash(&mut hasher);
         self.files.map(FileBrowser::revision).hash(&mut hasher);
         self.settings.map(SettingsPanel::revision).hash(&mut hasher);
         self.editor.map(Editor::revision).hash(&mut hasher);
-        (self.hands.map(HandsPanel::revision), self.learning).hash(&mut hasher);
+        (self.controllers.map(ControllersPanel::revision), self.learning).hash(&mut hasher);
         self.corners.map(|corners| corners.fingerprint()).hash(&mut hasher);
         self.next.map(|next| next.revision).hash(&mut hasher);
         self.picture.map(|area| area.map(f64::to_bits)).hash(&mut hasher);
         self.tracks.map(|tracks| (tracks.list.revision, tracks.present)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);
-            (&slider.name, numbers, slider.hand).hash(&mut hasher);
+            (&slider.name, numbers, slider.changed_by).hash(&mut hasher);
         }
         hasher.finish()
     }
@@ -202,12 +202,12 @@ impl OverlayContent<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mariana_control::Hand;
+    use mariana_control::ChangedBy;
 
     #[test]
     fn a_notice_stands_then_fades_then_is_gone() {
         let since = Instant::now();
-        let notice = Notice { text: "compiled", share: None, since };
+        let notice = Notice { text: "compiled", fraction: None, since };
         let at = |ms| since + Duration::from_millis(ms);
         assert_eq!([0, 1_600].map(|ms| notice.opacity(at(ms))), [1.0, 1.0]);
         assert!((notice.opacity(at(1_850)) - 0.5).abs() < 0.01);
@@ -221,7 +221,7 @@ mod tests {
         // A longer sentence stays longer, but not for ever.
         for (length, ms) in [(100, 5_500), (10_000, 9_000)] {
             let text = "a".repeat(length);
-            let sentence = Notice { text: &text, share: None, since };
+            let sentence = Notice { text: &text, fraction: None, since };
             assert_eq!((sentence.opacity(at(ms)), sentence.opacity(at(ms + 500))), (1.0, 0.0));
         }
     }
@@ -229,8 +229,14 @@ mod tests {
     #[test]
     fn what_shows_has_another_fingerprint_than_what_showed() {
         let now = Instant::now();
-        let mut sliders =
-            [Slider { name: "size".into(), value: 1.0, min: 0.0, max: 2.0, default: 1.0, hand: Hand::Text }];
+        let mut sliders = [Slider {
+            name: "size".into(),
+            value: 1.0,
+            min: 0.0,
+            max: 2.0,
+            default: 1.0,
+            changed_by: ChangedBy::Text,
+        }];
         let mut seen = std::collections::BTreeSet::new();
         let list = |present| SourceList { names: vec!["a".into(), "b".into()], present };
         let contents: [OverlayContent<'_>; 10] = [
@@ -239,7 +245,7 @@ mod tests {
             OverlayContent { corner: Some("b"), ..Default::default() },
             OverlayContent { problem: Some(Problem { heading: "a", text: "b" }), ..Default::default() },
             OverlayContent {
-                notice: Some(Notice { text: "a", share: None, since: now }),
+                notice: Some(Notice { text: "a", fraction: None, since: now }),
                 ..Default::default()
             },
             OverlayContent { help: true, ..Default::default() },
@@ -259,7 +265,7 @@ mod tests {
         // The same words again count as new, and a notice that is gone does not count.
         let later = now + Duration::from_secs(1);
         let again = OverlayContent {
-            notice: Some(Notice { text: "a", share: None, since: later }),
+            notice: Some(Notice { text: "a", fraction: None, since: later }),
             ..Default::default()
         };
         assert!(seen.insert(again.fingerprint(later)));

@@ -4,9 +4,9 @@ use egui::{Color32, Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo
 
 use super::events::UiEvent;
 use super::icons;
-use super::invitation;
+use super::pairing_address;
 use super::style;
-use crate::controllers_panel::{Field, HandRow, HandsPanel};
+use crate::controllers_panel::{ControllerRow, ControllersPanel, Field};
 use mariana_commands::{Command, Panel};
 use mariana_control::midi::Mapping;
 use mariana_settings::KnobEdit;
@@ -29,7 +29,7 @@ pub(super) type Seen = usize;
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
-    panel: &HandsPanel,
+    panel: &ControllersPanel,
     last_seen: &mut Option<Seen>,
     events: &mut Vec<UiEvent>,
 ) -> Rect {
@@ -85,21 +85,21 @@ fn heading(ui: &mut Ui, ask: &mut impl FnMut(Command)) {
 
 fn draw_row(
     ui: &mut Ui,
-    row: &HandRow,
+    row: &ControllerRow,
     is_selected: bool,
     field: Field,
     ask: &mut impl FnMut(Command),
 ) -> Response {
     match row {
-        HandRow::Words { text, is_bad } => {
+        ControllerRow::Words { text, is_bad } => {
             let color = if *is_bad { style::ERROR } else { style::DIM };
             let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
             put(ui, rect.left(), rect, text, color, rect.width());
             response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, text));
             response
         }
-        HandRow::Phone { invitation, about } => invitation::show(ui, invitation, about),
-        HandRow::Clock(on) => {
+        ControllerRow::Phone { pairing_address, about } => pairing_address::show(ui, pairing_address, about),
+        ControllerRow::Clock(on) => {
             let name = "MIDI clock sets the tempo";
             let response = two_words(
                 ui,
@@ -113,7 +113,7 @@ fn draw_row(
             }
             response
         }
-        HandRow::Target { target, name, about, learns } => {
+        ControllerRow::Target { target, name, about, learns } => {
             let color = if *learns { style::ACCENT } else { style::TEXT };
             let about_color = if *learns { style::ACCENT } else { style::DIM };
             let response = two_words(ui, is_selected, (name, color), (about, about_color));
@@ -125,7 +125,7 @@ fn draw_row(
             }
             response
         }
-        HandRow::Knob { mapping, words, stands } => {
+        ControllerRow::Knob { mapping, words, stands } => {
             draw_knob(ui, (mapping, words, *stands), is_selected.then_some(field), ask)
         }
     }

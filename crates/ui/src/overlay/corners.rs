@@ -4,7 +4,7 @@ use egui::{Id, LayerId, Order, Rect, Sense, Stroke, WidgetInfo, pos2, vec2};
 
 use super::events::UiEvent;
 use super::{assisted, style};
-use crate::corner_hands::CornerHands;
+use crate::corner_handles::CornerHandles;
 use mariana_commands::{Command, MovedCorner};
 
 /// Width and height of what can be grabbed, in points.
@@ -19,10 +19,10 @@ const NAMES: [&str; 4] =
 pub(super) fn show(
     context: &egui::Context,
     screen: Rect,
-    hands: &CornerHands,
+    handles: &CornerHandles,
     events: &mut Vec<UiEvent>,
 ) -> Vec<Rect> {
-    let places = hands.places().map(|[x, y]| {
+    let places = handles.places().map(|[x, y]| {
         pos2(screen.left() + x as f32 * screen.width(), screen.top() + y as f32 * screen.height())
     });
     let lines = context.layer_painter(LayerId::new(Order::Middle, Id::unique("edges of the picture")));
@@ -54,7 +54,7 @@ pub(super) fn show(
             let at = Rect::from_center_size(rect.center(), vec2(0.0, 0.0)).center();
             let at = at + (seen - grab.center());
             painter.circle_filled(at, RADIUS, if held { style::ACCENT } else { style::GROUND });
-            let color = if corner == hands.selected() { style::ACCENT } else { style::TEXT };
+            let color = if corner == handles.selected() { style::ACCENT } else { style::TEXT };
             painter.circle_stroke(at, RADIUS, Stroke::new(2.0, color));
             response.widget_info(|| {
                 WidgetInfo::labeled(egui::Role::Button, true, NAMES.get(corner).copied().unwrap_or_default())
@@ -63,9 +63,9 @@ pub(super) fn show(
             let settled = response.drag_stopped();
             if way != vec2(0.0, 0.0) || settled {
                 let to = place + way;
-                let share =
+                let fraction =
                     [(to.x - screen.left()) / screen.width(), (to.y - screen.top()) / screen.height()];
-                let place = hands.on_screen(share.map(f64::from));
+                let place = handles.on_screen(fraction.map(f64::from));
                 events.push(UiEvent::Command(Command::MoveCorner(MovedCorner { corner, place, settled })));
             }
         });

@@ -17,7 +17,7 @@ use crate::editor::keys::written_rows;
 use crate::editor::{Document, EditAction, Editor, EditorEvent, Owner, Question};
 
 /// Share of the window's width that the editor takes, and its least and greatest width in points.
-const WIDTH_SHARE: f32 = 0.56;
+const WIDTH_FRACTION: f32 = 0.56;
 const WIDTH_MIN: f32 = 500.0;
 const WIDTH_MAX: f32 = 860.0;
 /// Height of a line of words and buttons.
@@ -38,8 +38,8 @@ pub(super) fn show(
     events: &mut Vec<UiEvent>,
 ) -> Vec<Rect> {
     let space = rooms.main;
-    let share = if rooms.is_desk { 1.0 } else { WIDTH_SHARE };
-    let width = (share * space.width()).clamp(WIDTH_MIN.min(space.width()), WIDTH_MAX);
+    let fraction = if rooms.is_desk { 1.0 } else { WIDTH_FRACTION };
+    let width = (fraction * space.width()).clamp(WIDTH_MIN.min(space.width()), WIDTH_MAX);
     // As high as its text, so that it hides no more of the picture than it must.
     let font = context.layer_painter(egui::LayerId::background());
     let lines = editor.document().map_or(0, |document| document.editing.buffer().line_count());

@@ -61,7 +61,7 @@ impl NowPlaying {
     }
 
     /// How much of the track has passed, 0..1; none if its length is not known.
-    pub fn share(&self) -> Option<f32> {
+    pub fn fraction(&self) -> Option<f32> {
         let duration = self.duration.filter(|duration| *duration > 0.0)?;
         Some((self.position / duration).clamp(0.0, 1.0) as f32)
     }
@@ -105,8 +105,8 @@ mod tests {
         assert_eq!(written, ["0:00", "0:07", "1:23", "59:59", "1:02:03", "0:00", "0:00"]);
         let mut playing = NowPlaying { position: 83.0, duration: Some(225.0), ..Default::default() };
         assert_eq!(playing.times(), "1:23 / 3:45");
-        assert_eq!(playing.share().map(|share| (share * 1000.0).round()), Some(369.0));
+        assert_eq!(playing.fraction().map(|fraction| (fraction * 1000.0).round()), Some(369.0));
         playing.duration = None;
-        assert_eq!((playing.times().as_str(), playing.share()), ("1:23", None));
+        assert_eq!((playing.times().as_str(), playing.fraction()), ("1:23", None));
     }
 }

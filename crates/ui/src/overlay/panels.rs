@@ -25,7 +25,7 @@ const SENTENCE_ROWS_MAX: usize = 4;
 /// Greatest share of the window's height that a problem takes.
 const PROBLEM_HEIGHT_MAX: f32 = 0.75;
 /// Width of a rail below a short text, in points.
-const SHARE_WIDTH: f32 = 180.0;
+const FRACTION_WIDTH: f32 = 180.0;
 /// A problem stays beside the parameters if it has this width there, in points.
 const PROBLEM_WIDTH_MIN: f32 = 420.0;
 
@@ -47,7 +47,7 @@ struct Kept {
     /// The file that was selected when the list was last drawn.
     selected_file: Option<usize>,
     seen_setting: Option<settings::Seen>,
-    seen_hand: Option<controllers::Seen>,
+    seen_changed_by: Option<controllers::Seen>,
     next: preview::PreviewPicture,
 }
 
@@ -164,8 +164,8 @@ fn show(
             space.max.y = (rect.top() - 0.5 * style::MARGIN).max(space.top());
         }
     }
-    if let Some(hands) = &content.corners {
-        panels.extend(corners::show(context, screen, hands, events));
+    if let Some(handles) = &content.corners {
+        panels.extend(corners::show(context, screen, handles, events));
     }
     let mut rooms = Rooms::of(space, screen, content.picture);
     if let Some(next) = content.next {
@@ -245,9 +245,9 @@ fn show_lists(
         }
         None => kept.seen_setting = None,
     }
-    match content.hands {
-        Some(rows) => panels.push(controllers::show(context, space, rows, &mut kept.seen_hand, events)),
-        None => kept.seen_hand = None,
+    match content.controllers {
+        Some(rows) => panels.push(controllers::show(context, space, rows, &mut kept.seen_changed_by, events)),
+        None => kept.seen_changed_by = None,
     }
     panels
 }
@@ -264,7 +264,7 @@ fn show_sentences(
     let has_heading = content.scenes.is_some()
         || content.files.is_some()
         || content.settings.is_some()
-        || content.hands.is_some();
+        || content.controllers.is_some();
     if has_heading {
         // The heading of what is open in the middle, with its cross, is not covered by what goes by itself.
         let sentences = u8::from(content.hint.is_some()) + u8::from(content.notice.is_some());
@@ -306,22 +306,24 @@ fn corner(painter: &Painter, space: Rect, text: &str) -> Rect {
 fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant) -> Rect {
     let mut painter = painter.clone();
     painter.set_opacity(notice.opacity(now));
-    let Some(share) = notice.share else { return draw_sentence(&painter, space, notice.text, style::TEXT) };
-    draw_share(&painter, space, notice.text, share)
+    let Some(fraction) = notice.fraction else {
+        return draw_sentence(&painter, space, notice.text, style::TEXT);
+    };
+    draw_fraction(&painter, space, notice.text, fraction)
 }
 
-/// Draws a short text over a rail that is filled to `share`; returns where they are.
-fn draw_share(painter: &Painter, space: Rect, text: &str, share: f32) -> Rect {
+/// Draws a short text over a rail that is filled to `fraction`; returns where they are.
+fn draw_fraction(painter: &Painter, space: Rect, text: &str, fraction: f32) -> Rect {
     let font = style::proportional(style::HEADING_SIZE);
     let galley = style::line(painter, text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
-    let width = galley.size().x.max(SHARE_WIDTH).min(space.width());
+    let width = galley.size().x.max(FRACTION_WIDTH).min(space.width());
     let size = vec2(width + 32.0, galley.size().y + 24.0);
     let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
     style::ground(painter, rect);
     painter.galley(pos2(rect.center().x - 0.5 * galley.size().x, rect.top() + 7.0), galley, style::TEXT);
     let rail = Rect::from_min_size(pos2(rect.left() + 16.0, rect.bottom() - 12.0), vec2(width, 4.0));
     painter.rect_filled(rail, 2.0, style::RAIL);
-    let filled = Rect::from_min_size(rail.min, vec2(share.clamp(0.0, 1.0) * width, 4.0));
+    let filled = Rect::from_min_size(rail.min, vec2(fraction.clamp(0.0, 1.0) * width, 4.0));
     painter.rect_filled(filled, 2.0, style::ACCENT);
     rect
 }

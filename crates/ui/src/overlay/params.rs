@@ -98,7 +98,7 @@ fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiE
     );
     let color = if is_learning || label.hovered() { style::ACCENT } else { style::TEXT };
     painter.galley_with_override_text_color(label.rect.min, name, color);
-    let words = if is_learning { "move a knob" } else { slider.hand_words() };
+    let words = if is_learning { "move a knob" } else { slider.changed_by_words() };
     let font = style::proportional(style::SMALL_SIZE);
     let words = style::line(painter, words, font, style::DIM, (room - size.x - 8.0).max(0.0));
     let at = pos2(label.rect.right() + 8.0, line.center().y - 0.5 * words.size().y);

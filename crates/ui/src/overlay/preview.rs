@@ -25,7 +25,7 @@ pub struct NextScene {
 
 /// Width of the picture in points, and the share of the window that it may have.
 const WIDTH: f32 = 160.0;
-const SHARE: f32 = 0.3;
+const FRACTION: f32 = 0.3;
 /// Height of what shows the level.
 const LEVEL: f32 = 4.0;
 
@@ -60,7 +60,7 @@ pub(super) fn show(
     picture: &mut PreviewPicture,
 ) -> Rect {
     let painter = context.layer_painter(LayerId::new(Order::Background, Id::unique("next scene")));
-    let (place, width) = rooms.small(WIDTH, SHARE);
+    let (place, width) = rooms.small(WIDTH, FRACTION);
     let font = style::proportional(style::SMALL_SIZE);
     let words = format!("next: {}", next.title);
     let name = style::line(&painter, &words, font, style::TEXT, width);
@@ -79,8 +79,8 @@ pub(super) fn show(
     painter.circle_filled(beat, 4.0, style::ACCENT.gamma_multiply(next.beat));
     let rail = Rect::from_min_max(pos2(place.left(), bottom - LEVEL), pos2(place.right(), bottom));
     painter.rect_filled(rail, 1.0, style::RAIL);
-    let share = vec2(rail.width() * next.level.clamp(0.0, 1.0), rail.height());
-    painter.rect_filled(Rect::from_min_size(rail.min, share), 1.0, style::ACCENT);
+    let fraction = vec2(rail.width() * next.level.clamp(0.0, 1.0), rail.height());
+    painter.rect_filled(Rect::from_min_size(rail.min, fraction), 1.0, style::ACCENT);
     assisted::text(context, "next scene", &words, true);
     whole
 }

@@ -23,7 +23,7 @@ impl Rooms {
         let Some([_, _, _, bottom]) = picture else {
             return Self { main: space, side: space, is_desk: false };
         };
-        let at = |share: f64, from: f32, length: f32| from + share as f32 * length;
+        let at = |fraction: f64, from: f32, length: f32| from + fraction as f32 * length;
         let edge = at(1.0 - COLUMN, screen.left(), screen.width()).clamp(space.left(), space.right());
         let below = at(bottom, screen.top(), screen.height()) + style::MARGIN;
         let main =
@@ -38,11 +38,11 @@ impl Rooms {
     }
 
     /// Where something small stands that is at the upper right of the picture, or on a desk below it.
-    pub(super) fn small(&self, size_max: f32, share: f32) -> (egui::Pos2, f32) {
+    pub(super) fn small(&self, size_max: f32, fraction: f32) -> (egui::Pos2, f32) {
         match self.is_desk {
             true => (self.side.min + vec2(5.0, 5.0), size_max.min(self.side.width() - 10.0).max(0.0)),
             false => {
-                let width = size_max.min(share * self.side.width());
+                let width = size_max.min(fraction * self.side.width());
                 (pos2(self.side.right() - 10.0 - width, self.side.top() + 10.0), width)
             }
         }
@@ -62,7 +62,7 @@ mod tests {
         assert!(over.main == space && over.side == space && !over.is_desk);
         let area = small_in((1280, 720), (1920, 1080));
         let mut rooms = Rooms::of(space, screen, Some(area));
-        let [left, top, right, bottom] = area.map(|share| share as f32);
+        let [left, top, right, bottom] = area.map(|fraction| fraction as f32);
         let picture =
             Rect::from_min_max(pos2(1280.0 * left, 720.0 * top), pos2(1280.0 * right, 720.0 * bottom));
         for room in [rooms.main, rooms.side] {

@@ -315,8 +315,8 @@ fn draw_number(ui: &Ui, rect: Rect, name: &str, shift: f64, scale: &Scale) -> Op
         Rect::from_min_max(rect.min, pos2((rect.right() - 84.0).max(rect.left() + 1.0), rect.bottom()));
     let rail = Rect::from_center_size(hold.center(), vec2((hold.width() - 18.0).max(1.0), 3.0));
     let x_of = |shift: f64| {
-        let share = ((shift - scale.from) / (scale.to - scale.from)).clamp(0.0, 1.0);
-        rail.left() + share as f32 * rail.width()
+        let fraction = ((shift - scale.from) / (scale.to - scale.from)).clamp(0.0, 1.0);
+        rail.left() + fraction as f32 * rail.width()
     };
     let response = ui.interact(hold, ui.scope_id().with("number"), Sense::click_and_drag());
     let held = response.hovered() || response.is_pointer_button_down_on();
@@ -339,8 +339,8 @@ fn draw_number(ui: &Ui, rect: Rect, name: &str, shift: f64, scale: &Scale) -> Op
     let settled = response.drag_stopped() || response.clicked();
     let pointer =
         response.interact_pointer_pos().filter(|_| settled || response.is_pointer_button_down_on())?;
-    let share = f64::from((pointer.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
-    let wanted = (scale.rounded)(scale.from + share * (scale.to - scale.from));
+    let fraction = f64::from((pointer.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
+    let wanted = (scale.rounded)(scale.from + fraction * (scale.to - scale.from));
     (settled || wanted != shift).then_some((wanted, settled))
 }
 

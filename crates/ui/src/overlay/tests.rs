@@ -14,7 +14,7 @@ use super::{
 use crate::editor::Editor;
 use crate::settings_panel::SettingsPanel;
 use mariana_commands::{Command, Panel, Switch};
-use mariana_control::{Hand, Slider};
+use mariana_control::{ChangedBy, Slider};
 use mariana_files::Folders;
 use mariana_player::{ListedTrack, ListedTracks};
 use mariana_render::system_fonts::SystemFonts;
@@ -24,7 +24,7 @@ use mariana_testing::process::wait_until;
 use mariana_testing::tiny_font::{TinyFont, folder_of};
 
 mod assisted;
-mod hands;
+mod controllers;
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
 
@@ -85,7 +85,7 @@ fn sliders(count: usize) -> Vec<Slider> {
         min: 0.0,
         max: 4.0,
         default: 1.0,
-        hand: Hand::Text,
+        changed_by: ChangedBy::Text,
     };
     (0..count).map(slider).collect()
 }
@@ -117,7 +117,7 @@ fn everything_shows_at_once_and_inside_the_window() {
         let content = OverlayContent {
             corner: Some("speakers · interpreted · 230 clauses"),
             problem: Some(Problem { heading: "a.scene has mistakes", text: &text }),
-            notice: Some(Notice { text: "compiled", share: None, since: Instant::now() }),
+            notice: Some(Notice { text: "compiled", fraction: None, since: Instant::now() }),
             params: Some(&mut sliders),
             help: true,
             hint: Some("no sound from a long name; the monitor of another long name has a signal: press D"),
@@ -360,7 +360,7 @@ fn a_notice_covered_the_heading_of_a_panel() {
     let rows = panel(&Choices::default(), None);
     for screen in [SCREEN, Vec2::new(560.0, 315.0)] {
         let mut stage = Stage::new(screen);
-        let notice = Some(Notice { text: "orb is being prepared", share: None, since: Instant::now() });
+        let notice = Some(Notice { text: "orb is being prepared", fraction: None, since: Instant::now() });
         let content =
             || OverlayContent { settings: Some(&rows), notice, hint: Some("press D"), ..Default::default() };
         stage.frame(Vec::new(), content());
@@ -421,7 +421,7 @@ fn letters_of(laid_out: &LaidOut, wanted: &str) -> Vec<(char, [u16; 2])> {
 }
 
 fn noticed(text: &str) -> OverlayContent<'_> {
-    let notice = Some(Notice { text, share: None, since: Instant::now() });
+    let notice = Some(Notice { text, fraction: None, since: Instant::now() });
     OverlayContent { notice, ..Default::default() }
 }
 

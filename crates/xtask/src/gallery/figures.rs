@@ -60,9 +60,10 @@ impl Figures {
         let mut figures = Self { cost: Evaluations::default(), moved: 0.0, black: 0.0, white: 0.0 };
         for (moment, sound) in sounds.iter().enumerate() {
             let (picture, _) = draw(moment, sound.clone(), SIZE)?;
-            figures.black = figures.black.max(share(&picture, |pixel| pixel.iter().all(|value| *value <= 1)));
+            figures.black =
+                figures.black.max(fraction(&picture, |pixel| pixel.iter().all(|value| *value <= 1)));
             figures.white =
-                figures.white.max(share(&picture, |pixel| pixel.iter().all(|value| *value >= 254)));
+                figures.white.max(fraction(&picture, |pixel| pixel.iter().all(|value| *value >= 254)));
             if moment == LOUD {
                 let (silent, _) = draw(moment, Sound::default(), SIZE)?;
                 let mut before = silent.pixels();
@@ -70,7 +71,7 @@ impl Figures {
                     let then = before.next().map_or([0; 4], |pixel| pixel.0);
                     now.iter().zip(then).any(|(a, b)| a.abs_diff(b) > VISIBLE)
                 };
-                figures.moved = share(&picture, moves);
+                figures.moved = fraction(&picture, moves);
                 (_, figures.cost) = draw(moment, sound.clone(), COST_SIZE)?;
             }
         }
@@ -79,7 +80,7 @@ impl Figures {
 
     /// The cells of a table's row.
     pub fn row(&self) -> String {
-        let percent = |share: f64| 100.0 * share;
+        let percent = |fraction: f64| 100.0 * fraction;
         format!(
             "| {:.1} | {:.0} | {:.0} | {:.0} % | {:.1} % | {:.1} % |",
             self.cost.total(),
@@ -99,7 +100,7 @@ impl fmt::Display for Figures {
 }
 
 /// The share of a picture's pixels that are like that: red, green and blue.
-fn share(picture: &RgbaImage, mut is_like_that: impl FnMut(&[u8]) -> bool) -> f64 {
+fn fraction(picture: &RgbaImage, mut is_like_that: impl FnMut(&[u8]) -> bool) -> f64 {
     let count = picture.pixels().filter(|pixel| is_like_that(&pixel.0[..3])).count();
     count as f64 / picture.pixels().len() as f64
 }

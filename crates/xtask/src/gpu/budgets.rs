@@ -54,8 +54,8 @@ pub(super) fn accept(all: &[(String, Vec<Linked>)]) -> anyhow::Result<()> {
         _ => BTreeMap::new(),
     };
     for (gpu, programs) in all {
-        let told = programs.iter().filter_map(|program| Some((program.name.clone(), program.counts?)));
-        rows.extend(told.map(|(name, counts)| ((gpu.clone(), name), counts)));
+        let reported = programs.iter().filter_map(|program| Some((program.name.clone(), program.counts?)));
+        rows.extend(reported.map(|(name, counts)| ((gpu.clone(), name), counts)));
     }
     let mut text = String::from("# Made by `cargo xtask gpu --accept`.\n");
     let _ = writeln!(text, "# GPU, program, registers, waves, spills, scratch, bytes of code");

@@ -28,7 +28,7 @@ const SHIM: &str = "libamdgpu_noop_drm_shim.so";
 
 /// What is wanted of [`run`].
 #[derive(Debug, Default)]
-struct Wishes {
+struct Arguments {
     shim: Option<PathBuf>,
     /// Where the shaders are, if not those that are built in.
     shaders: Option<String>,
@@ -41,28 +41,28 @@ struct Wishes {
     accept: bool,
 }
 
-fn wishes(arguments: &[String]) -> anyhow::Result<Wishes> {
-    let mut wishes = Wishes::default();
+fn requested(arguments: &[String]) -> anyhow::Result<Arguments> {
+    let mut requested = Arguments::default();
     let mut arguments = arguments.iter();
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().cloned().with_context(|| format!("{argument} needs a value"));
         match argument.as_str() {
-            "--shim" => wishes.shim = Some(value()?.into()),
-            "--shaders" => wishes.shaders = Some(value()?),
-            "--gpu" => wishes.gpus.push(value()?),
-            "--option" => wishes.options.push(value()?),
-            "--check" => wishes.check = true,
-            "--accept" => wishes.accept = true,
-            name if !name.starts_with('-') => wishes.names.push(name.to_owned()),
+            "--shim" => requested.shim = Some(value()?.into()),
+            "--shaders" => requested.shaders = Some(value()?),
+            "--gpu" => requested.gpus.push(value()?),
+            "--option" => requested.options.push(value()?),
+            "--check" => requested.check = true,
+            "--accept" => requested.accept = true,
+            name if !name.starts_with('-') => requested.names.push(name.to_owned()),
             _ => bail!(
                 "there is no {argument}; there are --shim, --shaders, --gpu, --option, --check and --accept"
             ),
         }
     }
-    if wishes.gpus.is_empty() {
-        wishes.gpus = GPUS.map(str::to_owned).into();
+    if requested.gpus.is_empty() {
+        requested.gpus = GPUS.map(str::to_owned).into();
     }
-    Ok(wishes)
+    Ok(requested)
 }
 
 /// Where the shim is: where packages put it, or where `scripts/lib/setup.sh` unpacks it.
@@ -80,26 +80,26 @@ fn shim() -> Option<PathBuf> {
 /// # Errors
 /// A shim or driver that is not there, a program that a driver refuses, and programs that got worse.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
-    let wishes = wishes(arguments)?;
-    let shim = wishes.shim.clone().or_else(shim).with_context(|| {
+    let requested = requested(arguments)?;
+    let shim = requested.shim.clone().or_else(shim).with_context(|| {
         format!("{SHIM} is not there: install mesa-drm-shim (Debian 13; in the backports of 12), or name it with --shim")
     })?;
     let all = std::thread::scope(|scope| {
         let ask = |gpu: &String| -> anyhow::Result<_> {
             let programs =
-                ask(&shim, gpu, &wishes).with_context(|| format!("asking the compiler for {gpu}"))?;
+                ask(&shim, gpu, &requested).with_context(|| format!("asking the compiler for {gpu}"))?;
             Ok((gpu.clone(), programs))
         };
-        let asked: Vec<_> = wishes.gpus.iter().map(|gpu| scope.spawn(move || ask(gpu))).collect();
+        let asked: Vec<_> = requested.gpus.iter().map(|gpu| scope.spawn(move || ask(gpu))).collect();
         let answers =
             asked.into_iter().map(|asked| asked.join().map_err(|_| anyhow!("a thread panicked"))?);
         answers.collect::<anyhow::Result<Vec<_>>>()
     })?;
     print!("{}", table::table(&all));
-    if wishes.accept {
+    if requested.accept {
         budgets::accept(&all)?;
     }
-    if wishes.check {
+    if requested.check {
         let worse = budgets::worse(&all)?;
         if !worse.is_empty() {
             bail!("these programs got worse than what was accepted:\n  {}", worse.join("\n  "));
@@ -110,14 +110,14 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
 }
 
 /// All programs on one GPU, from a process of its own: which GPU there is, is settled when a process starts.
-fn ask(shim: &Path, gpu: &str, wishes: &Wishes) -> anyhow::Result<Vec<Linked>> {
+fn ask(shim: &Path, gpu: &str, requested: &Arguments) -> anyhow::Result<Vec<Linked>> {
     // Without variants that are compiled later, and with linking that waits for its compiler.
     let mut options = vec!["nooptvariant".to_owned()];
-    options.extend(wishes.options.iter().cloned());
+    options.extend(requested.options.iter().cloned());
     let output = Command::new(std::env::current_exe()?)
         .args(["gpu-programs", "--json"])
-        .args(wishes.shaders.iter().flat_map(|folder| ["--shaders", folder]))
-        .args(&wishes.names)
+        .args(requested.shaders.iter().flat_map(|folder| ["--shaders", folder]))
+        .args(&requested.names)
         .env("LD_PRELOAD", shim)
         .env("AMDGPU_GPU_ID", gpu)
         .env("AMD_DEBUG", options.join(","))

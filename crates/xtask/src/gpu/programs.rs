@@ -89,9 +89,9 @@ fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wan
             found.push(Wanted { name, file: SCENE_SHADER, variant });
         }
     }
-    for (name, steep) in [("universal interpreter", false), ("universal interpreter, steep", true)] {
+    for (name, non_lipschitz) in [("universal interpreter", false), ("universal interpreter, steep", true)] {
         if is_wanted(name) {
-            let variant = Interpreter::universal(steep).variant(Counting::Off);
+            let variant = Interpreter::universal(non_lipschitz).variant(Counting::Off);
             found.push(Wanted { name: name.to_owned(), file: SCENE_SHADER, variant });
         }
     }

@@ -3,15 +3,21 @@ use std::sync::mpsc::channel;
 use rosc::{OscBundle, OscTime};
 
 use super::*;
-use crate::deed::{Given, Takes};
-use crate::{Amount, Hand};
+use crate::action::{ActionValue, ValueType};
+use crate::{Amount, ChangedBy};
 
-const DEEDS: &[DeedRow] = &[DeedRow { name: "pause", takes: Takes::Switch, meaning: "pause" }];
+const ACTIONS: &[ActionRow] = &[ActionRow { name: "pause", takes: ValueType::Switch, meaning: "pause" }];
 
 fn hearing() -> Hearing {
     let board = Board::default();
-    let param =
-        Slider { name: "size".into(), value: 2.0, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Midi };
+    let param = Slider {
+        name: "size".into(),
+        value: 2.0,
+        min: 0.0,
+        max: 4.0,
+        default: 1.0,
+        changed_by: ChangedBy::Midi,
+    };
     board.put(Present {
         scene: "orb".into(),
         scenes: vec!["city".into(), "orb".into()],
@@ -20,7 +26,7 @@ fn hearing() -> Hearing {
         tempo: 120.0,
         ..Present::default()
     });
-    Hearing { deeds: DEEDS, wishes: Wishes::new(|| {}), board }
+    Hearing { actions: ACTIONS, input_queue: InputQueue::new(|| {}), board }
 }
 
 fn packet(addr: &str, args: Vec<OscType>) -> Vec<u8> {
@@ -28,7 +34,7 @@ fn packet(addr: &str, args: Vec<OscType>) -> Vec<u8> {
 }
 
 /// What a packet is answered that may not wait.
-fn heard(hearing: &Hearing, packet: &[u8]) -> Vec<OscMessage> {
+fn batch(hearing: &Hearing, packet: &[u8]) -> Vec<OscMessage> {
     hearing.hear(packet, SystemTime::now(), |_, _| false)
 }
 
@@ -42,20 +48,20 @@ fn bundle(time: SystemTime, addr: &str, args: Vec<OscType>) -> Vec<u8> {
 #[test]
 fn a_pattern_is_a_message_to_each_address_that_it_stands_for() {
     let hearing = hearing();
-    let ask = |addr: &str| heard(&hearing, &packet(addr, Vec::new()));
+    let ask = |addr: &str| batch(&hearing, &packet(addr, Vec::new()));
     let names = |answers: Vec<OscMessage>| answers.into_iter().map(|answer| answer.addr).collect::<Vec<_>>();
     assert_eq!(names(ask("/param/*")), ["/param/size"]);
     assert_eq!(names(ask("/query/{pause,scene}")), ["/scene", "/pause"]);
-    heard(&hearing, &packet("/{param,none}/s?z[a-e]", vec![OscType::Float(3.0)]));
-    heard(&hearing, &packet("/p*e", vec![OscType::Int(0)]));
-    let wished = hearing.wishes.take();
-    assert_eq!(wished.params.first().map(|wish| wish.to), Some(Amount::Value(3.0)));
-    assert_eq!(wished.deeds.first().map(|deed| deed.name), Some("pause"));
+    batch(&hearing, &packet("/{param,none}/s?z[a-e]", vec![OscType::Float(3.0)]));
+    batch(&hearing, &packet("/p*e", vec![OscType::Int(0)]));
+    let batch = hearing.input_queue.take();
+    assert_eq!(batch.params.first().map(|change| change.to), Some(Amount::Value(3.0)));
+    assert_eq!(batch.actions.first().map(|action| action.name), Some("pause"));
     // What fits nothing, or is no pattern, is unknown.
     for nothing in ["/none/*", "/param/[s", "/param/{size"] {
         assert_eq!(ask(nothing), []);
     }
-    assert_eq!(hearing.wishes.counts().1.unknown, 3);
+    assert_eq!(hearing.input_queue.counts().1.unknown, 3);
 }
 
 #[test]
@@ -66,7 +72,7 @@ fn a_pattern_stands_for_no_more_addresses_than_the_limit() {
     let name = |number| Slider { name: format!("p{number}"), ..param.clone() };
     present.params = (0..LIMITS.osc_matches_max + 9).map(name).collect();
     hearing.board.put(present);
-    assert_eq!(heard(&hearing, &packet("/param/*", Vec::new())).len(), LIMITS.osc_matches_max);
+    assert_eq!(batch(&hearing, &packet("/param/*", Vec::new())).len(), LIMITS.osc_matches_max);
 }
 
 #[test]
@@ -74,13 +80,13 @@ fn a_title_with_signs_of_patterns_in_it_is_a_title() {
     let hearing = hearing();
     let scenes = vec!["orb [2]".into(), "orb 2".into()];
     hearing.board.put(Present { scenes, ..Present::default() });
-    let deeds = &[DeedRow { name: "scene", takes: Takes::Choice, meaning: "a scene" }];
-    let hearing = Hearing { deeds, ..hearing };
-    heard(&hearing, &packet("/scene/orb [2]", Vec::new()));
-    let deeds = hearing.wishes.take().deeds;
+    let actions = &[ActionRow { name: "scene", takes: ValueType::Choice, meaning: "a scene" }];
+    let hearing = Hearing { actions, ..hearing };
+    batch(&hearing, &packet("/scene/orb [2]", Vec::new()));
+    let actions = hearing.input_queue.take().actions;
     assert_eq!(
-        deeds.iter().map(|deed| deed.given.clone()).collect::<Vec<_>>(),
-        [Given::Text("orb [2]".into())]
+        actions.iter().map(|action| action.given.clone()).collect::<Vec<_>>(),
+        [ActionValue::Text("orb [2]".into())]
     );
 }
 
@@ -98,16 +104,16 @@ fn what_is_not_due_waits_where_there_is_room_and_the_rest_is_counted() {
     hearing.hear(&later, now, |_, _| false);
     let much_later = now + Duration::from_secs_f64(LIMITS.osc_ahead_seconds_max + 9.0);
     hearing.hear(&bundle(much_later, "/param/size", half.to_vec()), now, |_, _| true);
-    assert!(hearing.wishes.take().is_empty());
-    assert_eq!(hearing.wishes.counts().1.too_many, 2);
+    assert!(hearing.input_queue.take().is_empty());
+    assert_eq!(hearing.input_queue.counts().1.too_many, 2);
     hearing.hear(&bundle(now - Duration::from_secs(9), "/param/size", half.to_vec()), now, |_, _| false);
-    assert_eq!(hearing.wishes.take().params.len(), 1);
+    assert_eq!(hearing.input_queue.take().params.len(), 1);
 }
 
 #[test]
 fn questions_are_answered_from_the_board() {
     let hearing = hearing();
-    let ask = |addr: &str| heard(&hearing, &packet(addr, Vec::new()));
+    let ask = |addr: &str| batch(&hearing, &packet(addr, Vec::new()));
     let numbers = [2.0, 0.0, 4.0, 1.0].map(OscType::Float);
     let of_midi = numbers.into_iter().chain([OscType::String("MIDI".into())]).collect();
     assert_eq!(ask("/param/size"), [message("/param/size".into(), of_midi)]);
@@ -123,28 +129,28 @@ fn questions_are_answered_from_the_board() {
 fn questions_cost_no_more_answers_than_the_limit() {
     let hearing = hearing();
     hearing.board.put(Present { scenes: vec!["x".into(); LIMITS.osc_answers_max + 9], ..Present::default() });
-    assert_eq!(heard(&hearing, &packet("/query/scenes", Vec::new())).len(), LIMITS.osc_answers_max);
+    assert_eq!(batch(&hearing, &packet("/query/scenes", Vec::new())).len(), LIMITS.osc_answers_max);
 }
 
 #[test]
 fn rubbish_is_counted_by_what_is_wrong_with_it_and_the_rest_of_a_packet_counts() {
     let hearing = hearing();
-    assert_eq!(heard(&hearing, b"no OSC at all"), []);
-    heard(&hearing, &packet("/nothing", Vec::new()));
-    heard(&hearing, &packet("/param/size", vec![OscType::Float(f32::NAN)]));
-    heard(&hearing, &packet("/param/size", vec![OscType::Float(3.0)]));
-    let (messages, refusals) = hearing.wishes.counts();
+    assert_eq!(batch(&hearing, b"no OSC at all"), []);
+    batch(&hearing, &packet("/nothing", Vec::new()));
+    batch(&hearing, &packet("/param/size", vec![OscType::Float(f32::NAN)]));
+    batch(&hearing, &packet("/param/size", vec![OscType::Float(3.0)]));
+    let (messages, refusals) = hearing.input_queue.counts();
     assert_eq!((messages, refusals.rubbish, refusals.unknown, refusals.not_numbers), (3, 1, 1, 1));
-    assert_eq!(hearing.wishes.take().params[0].to, Amount::Value(3.0));
+    assert_eq!(hearing.input_queue.take().params[0].to, Amount::Value(3.0));
 }
 
 #[test]
 fn a_port_that_another_program_has_costs_a_sentence() {
     let other = UdpSocket::bind("127.0.0.1:0").unwrap();
     let place: Place = other.local_addr().unwrap().to_string().parse().unwrap();
-    let (told, news) = channel();
-    let started = OscReceiver::start(place, DEEDS, Wishes::new(|| {}), Board::default(), move || {
-        let _ = told.send(());
+    let (reported, news) = channel();
+    let started = OscReceiver::start(place, ACTIONS, InputQueue::new(|| {}), Board::default(), move || {
+        let _ = reported.send(());
     });
     let receiver = started.unwrap();
     news.recv().unwrap();
@@ -154,17 +160,17 @@ fn a_port_that_another_program_has_costs_a_sentence() {
 
 #[test]
 fn packets_come_through_a_real_socket_and_answers_go_back() {
-    let (told, news) = channel();
+    let (reported, news) = channel();
     let free = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let (woken, wakes) = channel();
     let woken = Mutex::new(woken);
-    let wishes = Wishes::new(move || {
+    let input_queue = InputQueue::new(move || {
         let _ = woken.lock().unwrap().send(());
     });
     let board = hearing().board;
     let place = free.to_string().parse().unwrap();
-    let started = OscReceiver::start(place, DEEDS, wishes.clone(), board, move || {
-        let _ = told.send(());
+    let started = OscReceiver::start(place, ACTIONS, input_queue.clone(), board, move || {
+        let _ = reported.send(());
     });
     let receiver = started.unwrap();
     news.recv().unwrap();
@@ -172,13 +178,13 @@ fn packets_come_through_a_real_socket_and_answers_go_back() {
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     socket.send_to(&packet("/param/size", vec![OscType::Float(3.0)]), free).unwrap();
     wakes.recv().unwrap();
-    assert_eq!(wishes.take().params[0].name, "size");
+    assert_eq!(input_queue.take().params[0].name, "size");
     // In a while.
     let soon = SystemTime::now() + Duration::from_millis(300);
     socket.send_to(&bundle(soon, "/share/size", vec![OscType::Float(0.5)]), free).unwrap();
     wakes.recv().unwrap();
     assert!(SystemTime::now() >= soon, "it came too early");
-    assert_eq!(wishes.take().params[0].to, Amount::Share(0.5));
+    assert_eq!(input_queue.take().params[0].to, Amount::Fraction(0.5));
     socket.send_to(&packet("/scene", Vec::new()), free).unwrap();
     let mut answer = [0; 64];
     let (length, from) = socket.recv_from(&mut answer).unwrap();
@@ -190,15 +196,15 @@ fn a_port_that_was_taken_at_the_start_was_never_tried_again() {
     let patience = Duration::from_secs(60);
     let other = UdpSocket::bind("127.0.0.1:0").unwrap();
     let address = other.local_addr().unwrap();
-    let (told, news) = channel();
+    let (reported, news) = channel();
     let (woken, wakes) = channel();
     let woken = Mutex::new(woken);
-    let wishes = Wishes::new(move || {
+    let input_queue = InputQueue::new(move || {
         let _ = woken.lock().unwrap().send(());
     });
     let place = address.to_string().parse().unwrap();
-    let receiver = OscReceiver::start(place, DEEDS, wishes.clone(), Board::default(), move || {
-        let _ = told.send(());
+    let receiver = OscReceiver::start(place, ACTIONS, input_queue.clone(), Board::default(), move || {
+        let _ = reported.send(());
     });
     let receiver = receiver.unwrap();
     news.recv_timeout(patience).unwrap();
@@ -210,5 +216,5 @@ fn a_port_that_was_taken_at_the_start_was_never_tried_again() {
     let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
     sender.send_to(&packet("/param/size", vec![OscType::Float(3.0)]), address).unwrap();
     wakes.recv_timeout(patience).unwrap();
-    assert_eq!(wishes.take().params[0].name, "size");
+    assert_eq!(input_queue.take().params[0].name, "size");
 }

@@ -153,8 +153,8 @@ impl Lowering<'_> {
                     let (class, input) =
                         (self.graph.constant(class as f32), self.graph.input(Input::Sound(input)));
                     let is_it = self.graph.binary(Op::Equal, chosen, class);
-                    let share = self.graph.binary(Op::Mul, is_it, input);
-                    value = self.graph.binary(Op::Max, value, share);
+                    let fraction = self.graph.binary(Op::Mul, is_it, input);
+                    value = self.graph.binary(Op::Max, value, fraction);
                 }
                 Value::scalar(value)
             }

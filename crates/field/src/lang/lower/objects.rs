@@ -71,14 +71,14 @@ impl SceneBuilder<'_> {
                 return None;
             }
             let difference = self.lowering.graph.sub(a.shape, b.shape);
-            let share = self.lowering.graph.div(difference, radius);
+            let fraction = self.lowering.graph.div(difference, radius);
             let (zero, half, one) =
                 (self.lowering.constant(0.0), self.lowering.constant(0.5), self.lowering.constant(1.0));
-            let share = self.lowering.graph.mul(share, half);
-            let share = self.lowering.graph.add(share, half);
-            let share = self.lowering.graph.clamp(share, zero, one);
+            let fraction = self.lowering.graph.mul(fraction, half);
+            let fraction = self.lowering.graph.add(fraction, half);
+            let fraction = self.lowering.graph.clamp(fraction, zero, one);
             let (one, other) = (self.parts.materials.get(a.material)?, self.parts.materials.get(b.material)?);
-            let mixed = mixed(&mut self.lowering.graph, one, other, share);
+            let mixed = mixed(&mut self.lowering.graph, one, other, fraction);
             self.lowering.origins.of_mixture(self.parts.materials.len(), [a.material, b.material]);
             self.parts.materials.push(mixed);
             self.parts.materials.len() - 1
@@ -88,8 +88,8 @@ impl SceneBuilder<'_> {
 }
 
 /// A mixture of two materials; at share 0 it is the first.
-fn mixed(graph: &mut Graph, a: &Material, b: &Material, share: NodeId) -> Material {
+fn mixed(graph: &mut Graph, a: &Material, b: &Material, fraction: NodeId) -> Material {
     let both: Vec<_> = a.numbers().into_iter().zip(b.numbers()).collect();
-    let mixed = both.into_iter().map(|(a, b)| graph.mix(a, b, share));
+    let mixed = both.into_iter().map(|(a, b)| graph.mix(a, b, fraction));
     Material::of(format!("{} and {}", a.name, b.name), mixed)
 }

@@ -353,7 +353,7 @@ fn a_text_can_have_windows_line_ends_a_mark_and_tabs() {
 }
 
 #[test]
-fn faults_are_told_apart() {
+fn faults_are_reported_apart() {
     let fault = |text: &str| broken(text).diagnostics[0].fault;
     assert_eq!(fault("1 +"), Fault::Malformed);
     assert_eq!(fault("fn f(a) = f(a)\nx"), Fault::Unsupported);

@@ -123,10 +123,10 @@ fn no_shape_overestimates_and_exact_ones_have_slope_one() {
             exact += usize::from((slope - 1.0).abs() < 0.01);
         }
         // Some of the differences are taken across creases.
-        let share = exact as f32 / total as f32;
+        let fraction = exact as f32 / total as f32;
         match accuracy(call) {
             Some(Accuracy::Exact) => {
-                assert!(share > 0.9 && steepest < 1.01, "{call}: {share} of points, {steepest}")
+                assert!(fraction > 0.9 && steepest < 1.01, "{call}: {fraction} of points, {steepest}")
             }
             Some(Accuracy::Bound) if call.starts_with("ellipsoid") => {
                 assert!(steepest < 1.0, "{call}: {steepest}")

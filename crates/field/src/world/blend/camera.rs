@@ -8,7 +8,7 @@ use crate::graph::{Graph, NodeId, Op};
 use crate::lang::Camera;
 
 /// A line of sight from the eye to the target.
-struct Sight {
+struct RayProbe {
     /// Around the vertical, 0 along z, in radians.
     yaw: NodeId,
     /// Above the horizon, in radians.
@@ -17,7 +17,7 @@ struct Sight {
     length: NodeId,
 }
 
-impl Sight {
+impl RayProbe {
     fn of(graph: &mut Graph, camera: &Camera) -> Self {
         let [x, y, z] = [0, 1, 2].map(|axis| graph.sub(camera.target[axis], camera.position[axis]));
         let level = graph.length(&[x, z]);
@@ -36,18 +36,19 @@ impl Sight {
 
 /// The mixture of two cameras; at the share 0 it is `a`.
 pub(super) fn mixed(graph: &mut Graph, a: &Camera, b: &Camera, s: NodeId) -> Camera {
-    let sights = [a, b].map(|camera| Sight::of(graph, camera));
+    let sights = [a, b].map(|camera| RayProbe::of(graph, camera));
     let target = [0, 1, 2].map(|axis| graph.mix(a.target[axis], b.target[axis], s));
     let turn = graph.sub(sights[1].yaw, sights[0].yaw);
     let turn = shorter_turn(graph, turn);
     let turned = graph.mul(turn, s);
-    let sight = Sight {
+    let ray_probe = RayProbe {
         yaw: graph.add(sights[0].yaw, turned),
         pitch: graph.mix(sights[0].pitch, sights[1].pitch, s),
         length: graph.mix(sights[0].length, sights[1].length, s),
     };
-    let away = sight.vector(graph);
-    let sharp = [(a, &sights[0]), (b, &sights[1])].map(|(camera, sight)| nearness(graph, camera, sight));
+    let away = ray_probe.vector(graph);
+    let sharp =
+        [(a, &sights[0]), (b, &sights[1])].map(|(camera, ray_probe)| nearness(graph, camera, ray_probe));
     let nearness = graph.mix(sharp[0], sharp[1], s);
     let one = graph.constant(1.0);
     Camera {
@@ -73,10 +74,10 @@ fn shorter_turn(graph: &mut Graph, turn: NodeId) -> NodeId {
 
 /// 1 / distance at which a camera is sharp. What a lens spreads is proportional to it, and it is finite for a focus
 /// that is not, which stands for the target's distance.
-fn nearness(graph: &mut Graph, camera: &Camera, sight: &Sight) -> NodeId {
+fn nearness(graph: &mut Graph, camera: &Camera, ray_probe: &RayProbe) -> NodeId {
     let (one, largest) = (graph.constant(1.0), graph.constant(f32::MAX));
     let size = graph.abs(camera.focus);
     let is_finite = graph.binary(Op::LessEqual, size, largest);
-    let distance = graph.select(is_finite, camera.focus, sight.length);
+    let distance = graph.select(is_finite, camera.focus, ray_probe.length);
     graph.div(one, distance)
 }

@@ -62,13 +62,13 @@ pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
     let mut planes = Vec::new();
     let (mut owner_of_planes, mut haze) = (s, zero);
     if pairs == 0 {
-        let (alone, lost, share) = match b.planes.is_empty() {
+        let (alone, lost, fraction) = match b.planes.is_empty() {
             true => (a, lost_a, s),
             false => (b, lost_b, remaining),
         };
         planes.extend(alone.planes.iter().map(|plane| graph.add(*plane, lost)));
         owner_of_planes = if b.planes.is_empty() { zero } else { one };
-        haze = graph.square(share);
+        haze = graph.square(fraction);
     } else if !are_traced {
         for &a in &a.planes {
             planes.extend(b.planes.iter().map(|b| graph.mix(a, *b, s)));
@@ -87,12 +87,12 @@ pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
     Melt { planes, rest, owner, haze }
 }
 
-/// What solids of this depth lose far from the other side; `shares` are the other side's and the own one.
-fn lost(graph: &mut Graph, depth: f32, [other_share, own_share]: [NodeId; 2]) -> NodeId {
+/// What solids of this depth lose far from the other side; `fractions` are the other side's and the own one.
+fn lost(graph: &mut Graph, depth: f32, [other_fraction, own_fraction]: [NodeId; 2]) -> NodeId {
     // Half of the depth at an own share of 0.2.
     let [least, eighth] = [LEAST, 0.125 * depth].map(|number| graph.constant(number));
-    let own_share = graph.max(own_share, least);
-    let ratio = graph.div(other_share, own_share);
+    let own_fraction = graph.max(own_fraction, least);
+    let ratio = graph.div(other_fraction, own_fraction);
     graph.mul(ratio, eighth)
 }
 

@@ -108,7 +108,7 @@ pub enum BlendError {
 pub fn blended_params(
     (from, from_params): (&Scene, &[f32]),
     (to, to_params): (&Scene, &[f32]),
-    share: f32,
+    fraction: f32,
 ) -> Vec<f32> {
     let of = |scene: &Scene, given: &[f32]| -> Vec<f32> {
         let declared = scene.params.iter().enumerate();
@@ -116,13 +116,13 @@ pub fn blended_params(
     };
     let mut params = of(from, from_params);
     params.extend(of(to, to_params));
-    params.push(if share > 0.0 { share.min(1.0) } else { 0.0 });
+    params.push(if fraction > 0.0 { fraction.min(1.0) } else { 0.0 });
     params
 }
 
 impl World {
     /// A world between two others, the second of which is moved to where `alignment` puts it. Its last parameter is the
-    /// share of `to`, 0..1, which begins at `share`.
+    /// share of `to`, 0..1, which begins at `fraction`.
     ///
     /// # Errors
     /// [`BlendError`]: together they exceed a limit.
@@ -131,14 +131,14 @@ impl World {
         to: &World,
         kind: BlendKind,
         alignment: &Alignment,
-        share: f32,
+        fraction: f32,
     ) -> Result<World, BlendError> {
         within_limits(from, to)?;
         let name = format!("{} into {}", from.name, to.name);
         let mut graph = Graph::new();
         graph.reserve(from.scene.graph.len() + to.scene.graph.len());
-        let share_number = from.scene.params.len() + to.scene.params.len();
-        let s = graph.input(Input::Param(share_number as u16));
+        let fraction_number = from.scene.params.len() + to.scene.params.len();
+        let s = graph.input(Input::Param(fraction_number as u16));
         let graph_error = |source| WorldError::Graph { scene: name.clone(), source };
         let before = (from.pictures.len(), from.scene.params.len());
         let a = Side::of(&mut graph, from, (0, 0), &Alignment::NONE).map_err(graph_error)?;
@@ -182,7 +182,7 @@ impl World {
             has_own_sky: from.scene.has_own_sky || to.scene.has_own_sky,
             picture,
             about: About::default(),
-            params: params.chain([share_param(share)]).collect(),
+            params: params.chain([fraction_param(fraction)]).collect(),
             textures: from.scene.textures.iter().chain(&to.scene.textures).cloned().collect(),
             includes: Vec::new(),
             origins: Default::default(),
@@ -195,8 +195,9 @@ impl World {
             rest: rest.map(|[bound, estimate]| Rest { bound, estimate, object: nothing }),
             glow,
         };
-        let steep = a.steep || b.steep;
-        let traced = Traced { bounds, steep, shadow_step_growth: SHADOW_STEP_GROWTH, ..Traced::default() };
+        let non_lipschitz = a.non_lipschitz || b.non_lipschitz;
+        let traced =
+            Traced { bounds, non_lipschitz, shadow_step_growth: SHADOW_STEP_GROWTH, ..Traced::default() };
         let pictures = from.pictures.iter().chain(&to.pictures).cloned().collect();
         let world = Self::prepared(&name, scene, surfaces, Some(traced), pictures)?;
         Ok(Self { blended: Some(from.scene.params.len()), ..world })
@@ -204,10 +205,10 @@ impl World {
 }
 
 /// The last parameter of a blend.
-fn share_param(share: f32) -> Param {
+fn fraction_param(fraction: f32) -> Param {
     Param {
         name: String::new(),
-        default: if share > 0.0 { share.min(1.0) } else { 0.0 },
+        default: if fraction > 0.0 { fraction.min(1.0) } else { 0.0 },
         min: 0.0,
         max: 1.0,
         is_number: true,
@@ -226,11 +227,11 @@ const SHADOW_STEP_GROWTH: f32 = 0.004;
 /// What one scene may have of what the two have together.
 fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
     let counts = |of: fn(&World) -> usize| of(from) + of(to);
-    let share = 1;
+    let fraction = 1;
     for (what, count, max) in [
         ("lights", counts(|world| world.scene.lights.len()), LIMITS.scene_lights_max),
         ("pictures", counts(|world| world.pictures.len()), LIMITS.scene_textures_max),
-        ("parameters", counts(|world| world.scene.params.len()) + share, LIMITS.scene_params_max),
+        ("parameters", counts(|world| world.scene.params.len()) + fraction, LIMITS.scene_params_max),
     ] {
         if count > max {
             let (from, to) = (from.name.clone(), to.name.clone());
@@ -302,7 +303,7 @@ fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> 
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     let rest = graph.sub(one, s);
     let mut light: Option<[NodeId; 3]> = None;
-    for (glow, share) in [(a.glow, rest), (b.glow, s)] {
+    for (glow, fraction) in [(a.glow, rest), (b.glow, s)] {
         let Some([r, g, b, distance]) = glow else { continue };
         // As in `shaders/occlusion.glsl`.
         let away = graph.max(distance, zero);
@@ -311,8 +312,8 @@ fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> 
         let near = graph.max(near, zero);
         let square = graph.square(near);
         let near = graph.mul(square, near);
-        let share = graph.mul(near, share);
-        let own = [r, g, b].map(|part| graph.mul(part, share));
+        let fraction = graph.mul(near, fraction);
+        let own = [r, g, b].map(|part| graph.mul(part, fraction));
         light = Some(match light {
             None => own,
             Some(sum) => [0, 1, 2].map(|part| graph.add(sum[part], own[part])),
@@ -333,9 +334,9 @@ fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
     let s = graph.min(s, one);
     let rest = graph.sub(one, s);
     let mut lights: Vec<Light> = Vec::with_capacity(a.lights.len() + b.lights.len());
-    for (side, share) in [(a, rest), (b, s)] {
+    for (side, fraction) in [(a, rest), (b, s)] {
         for light in &side.lights {
-            let color = light.color.map(|part| graph.mul(part, share));
+            let color = light.color.map(|part| graph.mul(part, fraction));
             lights.push(Light { color, ..light.clone() });
         }
     }

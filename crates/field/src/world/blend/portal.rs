@@ -34,7 +34,7 @@ struct Seen {
     /// To the right in the picture.
     right: Vector,
     /// From the eye to the target.
-    sight: Vector,
+    ray_probe: Vector,
     /// How far that is.
     length: NodeId,
 }
@@ -43,22 +43,22 @@ impl Seen {
     fn by(graph: &mut Graph, camera: &Camera) -> Self {
         let p = side::position(graph);
         let off = [0, 1, 2].map(|axis| graph.sub(p[axis], camera.target[axis]));
-        let sight = [0, 1, 2].map(|axis| graph.sub(camera.target[axis], camera.position[axis]));
-        let length = graph.length(&sight);
-        let level = graph.length(&[sight[0], sight[2]]);
+        let ray_probe = [0, 1, 2].map(|axis| graph.sub(camera.target[axis], camera.position[axis]));
+        let length = graph.length(&ray_probe);
+        let level = graph.length(&[ray_probe[0], ray_probe[2]]);
         // Of a camera that looks straight down, the side is any.
         let least = graph.constant(LEFT_MIN);
         let level = graph.max(level, least);
-        let (zero, left) = (graph.constant(0.0), graph.neg(sight[0]));
-        let right = [graph.div(sight[2], level), zero, graph.div(left, level)];
-        Self { off, right, sight, length }
+        let (zero, left) = (graph.constant(0.0), graph.neg(ray_probe[0]));
+        let right = [graph.div(ray_probe[2], level), zero, graph.div(left, level)];
+        Self { off, right, ray_probe, length }
     }
 
     /// How far the point is to the right, up and towards the eye.
     fn point(&self, graph: &mut Graph) -> Vector {
         let least = graph.constant(LEFT_MIN);
         let length = graph.max(self.length, least);
-        let back = self.sight.map(|part| graph.div(part, length));
+        let back = self.ray_probe.map(|part| graph.div(part, length));
         let back = back.map(|part| graph.neg(part));
         let [rx, ry, rz] = self.right;
         let [bx, by, bz] = back;
@@ -79,25 +79,25 @@ fn dot(graph: &mut Graph, a: Vector, b: Vector) -> NodeId {
 }
 
 /// How large something is that grows from nothing at 0 beyond everything at 1.
-fn growth(graph: &mut Graph, share: NodeId) -> NodeId {
+fn growth(graph: &mut Graph, fraction: NodeId) -> NodeId {
     let (one, least) = (graph.constant(1.0), graph.constant(LEFT_MIN));
-    let rest = graph.sub(one, share);
+    let rest = graph.sub(one, fraction);
     let rest = graph.max(rest, least);
-    graph.div(share, rest)
+    graph.div(fraction, rest)
 }
 
 /// The distance to a ball around the target that grows with a share.
-fn ball(graph: &mut Graph, seen: &Seen, share: NodeId) -> NodeId {
-    let grown = growth(graph, share);
+fn ball(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
+    let grown = growth(graph, fraction);
     let (reached, from) = (graph.mul(grown, seen.length), graph.length(&seen.off));
     graph.sub(from, reached)
 }
 
 /// The distance to a half space that grows with a share.
-fn half_space(graph: &mut Graph, seen: &Seen, share: NodeId) -> NodeId {
+fn half_space(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
     let (one, least) = (graph.constant(1.0), graph.constant(LEFT_MIN));
-    let rest = graph.sub(one, share);
-    let (begun, rest) = (graph.max(share, least), graph.max(rest, least));
+    let rest = graph.sub(one, fraction);
+    let (begun, rest) = (graph.max(fraction, least), graph.max(rest, least));
     let (begun, rest) = (graph.div(one, begun), graph.div(one, rest));
     let grown = graph.sub(rest, begun);
     let (reached, from) = (graph.mul(grown, seen.length), dot(graph, seen.off, seen.right));

@@ -1,6 +1,6 @@
 //! One of the two worlds of a blend, in the graph of both.
 
-use super::super::steepness::{Growth, Tamed};
+use super::super::distance_check::{Growth, NormalizedValue};
 use super::super::{Bounds, nearby_light, planes};
 use super::alignment::{Alignment, Vector};
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
@@ -12,7 +12,7 @@ pub(super) struct Side {
     /// Planes of slope 1.
     pub(super) planes: Vec<NodeId>,
     /// Whether rays may not step by the values.
-    pub(super) steep: bool,
+    pub(super) non_lipschitz: bool,
     /// The box around everything but planes, if it is known.
     pub(super) bounds: Option<Bounds>,
     /// Everything else.
@@ -66,7 +66,7 @@ impl Side {
         });
         Ok(Self {
             planes: of_slope_1?,
-            steep: world.slopes.tamed.is_some_and(|tamed| !tamed.is_distance),
+            non_lipschitz: world.slopes.tamed.is_some_and(|tamed| !tamed.is_distance),
             bounds: world.bounds.map(|bounds| alignment.common_box(&bounds)),
             rest,
             material: material_of_the_nearest(graph, &scene, on_surface),
@@ -260,8 +260,8 @@ fn of_slope_1(graph: &mut Graph, plane: NodeId) -> Result<NodeId, GraphError> {
     Ok(graph.div(plane, slope))
 }
 
-/// See [`Tamed`].
-fn like_a_distance(graph: &mut Graph, value: NodeId, p: Vector, tamed: Tamed) -> NodeId {
+/// See [`NormalizedValue`].
+fn like_a_distance(graph: &mut Graph, value: NodeId, p: Vector, tamed: NormalizedValue) -> NodeId {
     let one = graph.constant(1.0);
     let mut scale = graph.constant(tamed.scale);
     if tamed.growth.power > 0 {

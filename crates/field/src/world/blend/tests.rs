@@ -29,10 +29,10 @@ fn scenes() -> impl Strategy<Value = World> {
 }
 
 /// A frame at a share, seen from far away, where nothing gives way to the eye.
-fn frame(from: &World, to: &World, share: f32) -> FrameInputs {
+fn frame(from: &World, to: &World, fraction: f32) -> FrameInputs {
     FrameInputs {
         eye: [10.0, 200.0, -300.0],
-        params: blended_params((&from.scene, &[]), (&to.scene, &[]), share),
+        params: blended_params((&from.scene, &[]), (&to.scene, &[]), fraction),
         ..FrameInputs::default()
     }
 }
@@ -51,12 +51,12 @@ proptest! {
     #[test]
     fn a_melt_is_solid_only_where_a_scene_is_and_has_the_slope_of_a_distance(
         (a, b) in (scenes(), scenes()),
-        share in 0.0..=1.0f32,
+        fraction in 0.0..=1.0f32,
         points in prop::collection::vec(prop::array::uniform3(-5.0..5.0f32), 96),
     ) {
         let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
-        prop_assert!(!melt.steep);
-        let inputs = frame(&a, &b, share);
+        prop_assert!(!melt.non_lipschitz);
+        let inputs = frame(&a, &b, fraction);
         let silence = FrameInputs::default();
         let mut before: Option<([f32; 3], f32)> = None;
         for p in points {
@@ -76,14 +76,14 @@ proptest! {
     #[test]
     fn intervals_hold_what_is_in_them(
         (a, b) in (scenes(), scenes()),
-        share in 0.0..=1.0f32,
+        fraction in 0.0..=1.0f32,
         low in prop::array::uniform3(-6.0..6.0f32),
         size in 0.01..4.0f32,
     ) {
         for (kind, ..) in BlendKind::ALL {
             let blend = World::blend(&a, &b, kind, &Alignment::NONE, 0.5).unwrap();
             let tape = Tape::build(&blend.scene.graph, &[blend.scene.distance], &TapeOptions::default()).unwrap();
-            let inputs = frame(&a, &b, share);
+            let inputs = frame(&a, &b, fraction);
             let over = low.map(|low| Interval::new(low, low + size));
             let bounds = IntervalEvaluator::new(&tape, &inputs).over(over, [Interval::point(0.0); 3])[0];
             let mut points = PointEvaluator::new(&tape, &inputs);
@@ -99,13 +99,13 @@ proptest! {
     fn nothing_above_the_planes_lies_outside_of_the_bounds(
         (heights, kinds) in (prop::array::uniform2(2.0..6.0f32), prop::array::uniform2(0..4usize)),
         places in prop::array::uniform2(prop::array::uniform3(-2.0..2.0f32)),
-        share in 0.0..=1.0f32,
+        fraction in 0.0..=1.0f32,
         points in prop::collection::vec(prop::array::uniform3(-12.0..12.0f32), 64),
     ) {
         let [a, b] = [0, 1].map(|side| scene((kinds[side], kinds[1 - side]), places[side], Some(heights[side])));
         let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
         let bounds = melt.bounds.unwrap();
-        let inputs = frame(&a, &b, share);
+        let inputs = frame(&a, &b, fraction);
         prop_assert_eq!(melt.planes.len(), 1);
         let mixed = inputs.params.last().copied().unwrap();
         for p in points {
@@ -119,23 +119,23 @@ proptest! {
     #[test]
     fn a_portal_has_one_scene_inside_and_the_other_outside(
         (a, b) in (scenes(), scenes()),
-        share in 0.1..0.9f32,
+        fraction in 0.1..0.9f32,
         ball in any::<bool>(),
         points in prop::collection::vec(prop::array::uniform3(-8.0..8.0f32), 24),
     ) {
         let shape = if ball { PortalShape::Ball } else { PortalShape::Plane };
         let blend = World::blend(&a, &b, BlendKind::Portal(shape), &Alignment::NONE, 0.5).unwrap();
-        let inputs = frame(&a, &b, share);
+        let inputs = frame(&a, &b, fraction);
         let camera = blend.frame_tape.values(&inputs).camera;
         let length = (0..3).map(|axis| (camera.target[axis] - camera.position[axis]).powi(2)).sum::<f32>().sqrt();
         for p in points {
             let away = match shape {
                 PortalShape::Ball => {
                     let off = (0..3).map(|axis| (p[axis] - camera.target[axis]).powi(2)).sum::<f32>().sqrt();
-                    off - length * share / (1.0 - share)
+                    off - length * fraction / (1.0 - fraction)
                 }
                 // Both cameras are the default one and look along z.
-                PortalShape::Plane | PortalShape::Own => p[0] - camera.target[0] - length * (1.0 / (1.0 - share) - 1.0 / share),
+                PortalShape::Plane | PortalShape::Own => p[0] - camera.target[0] - length * (1.0 / (1.0 - fraction) - 1.0 / fraction),
             };
             let own = distance(if away < 0.0 { &b } else { &a }, p, &FrameInputs::default());
             if away.abs() > 1e-3 && own.abs() > 1e-3 {
@@ -167,33 +167,33 @@ fn at_either_end_a_blend_is_the_scene_there() {
     };
     for (kind, name, _) in BlendKind::ALL {
         let blend = World::blend(&a, &b, kind, &Alignment::NONE, 0.5).unwrap();
-        for (share, alone) in [(0.0, &a), (1.0, &b)] {
+        for (fraction, alone) in [(0.0, &a), (1.0, &b)] {
             let near = |found: f32, expected: f32| (found - expected).abs() <= 1e-4 * (1.0 + expected.abs());
             let (found, expected) =
-                (blend.frame_tape.values(&frame(&a, &b, share)), alone.frame_tape.values(&silence(alone)));
+                (blend.frame_tape.values(&frame(&a, &b, fraction)), alone.frame_tape.values(&silence(alone)));
             let numbers = found.camera.numbers().into_iter().zip(expected.camera.numbers());
             for ((number, expected), field) in
                 numbers.zip(["x", "y", "z", "x", "y", "z", "fov", "roll", "lens"])
             {
-                assert!(near(number, expected), "{name} at {share}: {field} is {number}, not {expected}");
+                assert!(near(number, expected), "{name} at {fraction}: {field} is {number}, not {expected}");
             }
             assert!(near(found.reach, expected.reach));
             for (number, expected) in found.picture.numbers().into_iter().zip(expected.picture.numbers()) {
-                assert!(near(number, expected), "{name} at {share}: {number} and {expected}");
+                assert!(near(number, expected), "{name} at {fraction}: {number} and {expected}");
             }
             let shining = found.lights.iter().filter(|light| light.color != [0.0; 3]).cloned();
-            assert_eq!(shining.collect::<Vec<_>>(), expected.lights, "{name} at {share}");
+            assert_eq!(shining.collect::<Vec<_>>(), expected.lights, "{name} at {fraction}");
             let point = Point { position: [0.2, -0.5, 3.1], normal: [0.0, 1.0, 0.0] };
             let of = |world: &World, roots: &[NodeId], inputs: &FrameInputs| {
                 world.scene.graph.evaluate(roots, &point, inputs).unwrap()
             };
             let floor = alone.scene.objects.iter().find(|object| object.name == "floor").unwrap();
             let expected = of(alone, &alone.scene.materials[floor.material].numbers(), &silence(alone));
-            let found = of(&blend, &blend.scene.materials[0].numbers(), &frame(&a, &b, share));
+            let found = of(&blend, &blend.scene.materials[0].numbers(), &frame(&a, &b, fraction));
             for (found, expected) in found.iter().zip(&expected) {
-                assert!(near(*found, *expected), "{name} at {share}: {found} and {expected}");
+                assert!(near(*found, *expected), "{name} at {fraction}: {found} and {expected}");
             }
-            let sky = of(&blend, &blend.scene.sky.color, &frame(&a, &b, share));
+            let sky = of(&blend, &blend.scene.sky.color, &frame(&a, &b, fraction));
             assert_eq!(sky, of(alone, &alone.scene.sky.color, &silence(alone)));
         }
     }
@@ -209,14 +209,14 @@ fn a_portal_of_a_scene_has_the_shape_that_it_names() {
     );
     let shape = BlendKind::Portal(PortalShape::Own);
     let blend = World::blend(&outside, &corner, shape, &Alignment::NONE, 0.5).unwrap();
-    let solid = |share: f32, [right, up, near]: [f32; 3]| {
+    let solid = |fraction: f32, [right, up, near]: [f32; 3]| {
         // Where the eye is, there is no portal.
-        let inputs = FrameInputs { eye: [-1e5, -1e5, 1e5], ..frame(&outside, &corner, share) };
+        let inputs = FrameInputs { eye: [-1e5, -1e5, 1e5], ..frame(&outside, &corner, fraction) };
         let camera = blend.frame_tape.values(&inputs).camera;
-        let sight = [0, 1, 2].map(|axis| camera.target[axis] - camera.position[axis]);
-        let length = sight.iter().map(|part| part * part).sum::<f32>().sqrt();
-        let size = length * share / (1.0 - share);
-        let [x, y, z] = sight.map(|part| part / length);
+        let ray_probe = [0, 1, 2].map(|axis| camera.target[axis] - camera.position[axis]);
+        let length = ray_probe.iter().map(|part| part * part).sum::<f32>().sqrt();
+        let size = length * fraction / (1.0 - fraction);
+        let [x, y, z] = ray_probe.map(|part| part / length);
         let level = (x * x + z * z).sqrt();
         let (to_right, above) = ([z / level, 0.0, -x / level], [-y * x / level, level, -y * z / level]);
         let p = [0, 1, 2].map(|axis| {
@@ -225,10 +225,10 @@ fn a_portal_of_a_scene_has_the_shape_that_it_names() {
         });
         distance(&blend, p, &inputs) < -1e-4
     };
-    for share in [0.3, 0.5, 0.7] {
-        assert!(solid(share, [0.4, 0.4, 0.4]), "inside at {share}");
+    for fraction in [0.3, 0.5, 0.7] {
+        assert!(solid(fraction, [0.4, 0.4, 0.4]), "inside at {fraction}");
         for outside in [[0.1, 0.4, 0.4], [0.4, 0.1, 0.4], [0.4, 0.4, 0.1], [-0.4, 0.4, 0.4]] {
-            assert!(!solid(share, outside), "{outside:?} at {share}");
+            assert!(!solid(fraction, outside), "{outside:?} at {fraction}");
         }
     }
     assert!(!solid(0.001, [9.0, 9.0, 9.0]), "it comes out of nothing, although the shape has no end");
@@ -280,13 +280,13 @@ fn a_melt_follows_the_rays_of_no_more_mirrors_and_lamps_than_one_scene_has() {
         (&bright, &bright, [0.4; 4]),
     ] {
         let melt = World::blend(from, to, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
-        for (share, mirror) in [0.0, 0.25, 0.75, 1.0].into_iter().zip(mirrors) {
-            let inputs = frame(from, to, share);
+        for (fraction, mirror) in [0.0, 0.25, 0.75, 1.0].into_iter().zip(mirrors) {
+            let inputs = frame(from, to, fraction);
             let found = value(&melt, melt.scene.materials[0].reflect, [0.0, 1.0, 0.0], &inputs);
-            assert!((found - mirror).abs() < 1e-6, "{found} at {share}, not {mirror}");
+            assert!((found - mirror).abs() < 1e-6, "{found} at {fraction}, not {mirror}");
             let lights = melt.frame_tape.values(&inputs).lights;
             let shining = lights.iter().filter(|light| light.color != [0.0; 3]).count();
-            assert_eq!(shining, 1, "at {share}");
+            assert_eq!(shining, 1, "at {fraction}");
         }
         let both = melt.frame_tape.values(&frame(from, to, 0.5)).lights;
         assert!(both.iter().all(|light| light.color == [0.5; 3]), "{both:?}");
@@ -328,12 +328,12 @@ fn materials_ran_off_their_surfaces_in_a_melt() {
         world_of(&format!("material m {{ color = {color} }}\nobject o {{ shape = {shape} material = m }}"))
     });
     let melt = World::blend(&ball, &wall, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
-    for share in [0.2, 0.5, 0.8] {
-        let inputs = frame(&ball, &wall, share);
+    for fraction in [0.2, 0.5, 0.8] {
+        let inputs = frame(&ball, &wall, fraction);
         let color = |p: [f32; 3]| value(&melt, melt.scene.materials[0].color[0], p, &inputs);
         let colors = [color([0.0, 0.9, 0.0]), color([3.0, 0.0, 3.9])];
-        assert!(colors[0] < 1e-6 && colors[1] > 1.0 - 1e-6, "{colors:?} at {share}");
-        assert!(distance(&melt, [0.0; 3], &inputs) < 0.0, "the ball is gone at {share}");
+        assert!(colors[0] < 1e-6 && colors[1] > 1.0 - 1e-6, "{colors:?} at {fraction}");
+        assert!(distance(&melt, [0.0; 3], &inputs) < 0.0, "the ball is gone at {fraction}");
     }
 }
 
@@ -341,23 +341,23 @@ fn materials_ran_off_their_surfaces_in_a_melt() {
 fn a_polynomial_melts_with_the_slope_of_a_distance() {
     // Barth's sextic, whose slope is 0 at its double points and grows with the fifth power of the distance.
     let star = world_of(include_str!("../../../../../assets/scenes/barth.scene"));
-    assert!(star.steep);
+    assert!(star.non_lipschitz);
     let ball = world_of("sphere(p - vec3(0, 2.5, 0), 1)");
     for (from, to) in [(&star, &ball), (&ball, &star)] {
         let melt = World::blend(from, to, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
-        assert!(!melt.steep, "rays may step by it");
-        for share in [0.1, 0.5, 0.9] {
-            let inputs = frame(from, to, share);
+        assert!(!melt.non_lipschitz, "rays may step by it");
+        for fraction in [0.1, 0.5, 0.9] {
+            let inputs = frame(from, to, fraction);
             let random = |number: usize, axis: usize| cell_hash(number as f32, axis as f32);
-            let steep = (0..4_000).filter(|&number| {
+            let non_lipschitz = (0..4_000).filter(|&number| {
                 let p = [0, 1, 2].map(|axis| 8.0 * random(number, axis) - 4.0 + [0.0, 2.5, 0.0][axis]);
                 let value = |p: [f32; 3]| value(&melt, melt.scene.distance, p, &inputs);
                 let q = [0, 1, 2].map(|axis| p[axis] + 2e-3 * (random(number, axis + 3) - 0.5));
                 let way = (0..3).map(|axis| (p[axis] - q[axis]).powi(2)).sum::<f32>().sqrt();
                 (value(p) - value(q)).abs() > 1.1 * way + 1e-6
             });
-            let steep = steep.count();
-            assert!(steep < 40, "{steep} of 4000 at {share}");
+            let non_lipschitz = non_lipschitz.count();
+            assert!(non_lipschitz < 40, "{non_lipschitz} of 4000 at {fraction}");
         }
     }
 }
@@ -372,8 +372,10 @@ fn floors_stay_planes_whatever_their_slopes_are() {
     let slopes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|p| {
         value(&melt, melt.planes[0].shape, p, &inputs) - value(&melt, melt.planes[0].shape, [0.0; 3], &inputs)
     });
-    let steep = 10.0_f32.sqrt();
-    for (slope, expected) in slopes.into_iter().zip([0.5 / steep, 0.5 * (3.0 / steep + 1.0), 0.0]) {
+    let non_lipschitz = 10.0_f32.sqrt();
+    for (slope, expected) in
+        slopes.into_iter().zip([0.5 / non_lipschitz, 0.5 * (3.0 / non_lipschitz + 1.0), 0.0])
+    {
         assert!((slope - expected).abs() < 1e-5, "{slopes:?}");
     }
 }
@@ -381,12 +383,12 @@ fn floors_stay_planes_whatever_their_slopes_are() {
 #[test]
 fn what_is_no_distance_weighs_as_much_as_one() {
     let polynomial = world_of("x^2 + 9/4*z^2 + y^2 - 1");
-    assert!(polynomial.steep);
+    assert!(polynomial.non_lipschitz);
     let ball = world_of("sphere(p, 1)");
     let melt = World::blend(&polynomial, &ball, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
-    assert!(!melt.steep, "rays may step by it");
-    let surface = |share: f32| {
-        let inputs = frame(&polynomial, &ball, share);
+    assert!(!melt.non_lipschitz, "rays may step by it");
+    let surface = |fraction: f32| {
+        let inputs = frame(&polynomial, &ball, fraction);
         (0..2_000)
             .map(|step| step as f32 * 1e-3)
             .find(|z| distance(&melt, [0.0, 0.0, *z], &inputs) > 0.0)
@@ -457,14 +459,14 @@ fn an_aligned_scene_is_seen_as_by_its_own_camera() {
     let camera = |world: &World| world.frame_tape.values(&silence(world)).camera;
     let alignment = Alignment::of(&camera(&a), &camera(&b));
     let melt = World::blend(&a, &b, BlendKind::Melt, &alignment, 0.5).unwrap();
-    let at = |share: f32| FrameInputs { time: 7.0, ..frame(&a, &b, share) };
+    let at = |fraction: f32| FrameInputs { time: 7.0, ..frame(&a, &b, fraction) };
     let near = |a: f32, b: f32| (a - b).abs() < 1e-3;
     // The eye has no way to go, and at the middle it looks as far to the side as either.
-    for share in [0.0, 0.5, 1.0] {
-        let found = melt.frame_tape.values(&at(share)).camera;
+    for fraction in [0.0, 0.5, 1.0] {
+        let found = melt.frame_tape.values(&at(fraction)).camera;
         for (axis, own) in camera(&a).position.into_iter().enumerate() {
-            let room = if share == 0.5 { 0.8 } else { 1e-3 };
-            assert!((found.position[axis] - own).abs() < room, "{share}: {:?}", found.position);
+            let room = if fraction == 0.5 { 0.8 } else { 1e-3 };
+            assert!((found.position[axis] - own).abs() < room, "{fraction}: {:?}", found.position);
         }
     }
     // At the end the second scene's surfaces, lamps and sky are where its camera sees them.

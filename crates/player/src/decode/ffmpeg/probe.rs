@@ -57,9 +57,9 @@ impl Answer {
 
     /// The length of that stream in seconds, if it is told.
     pub(super) fn duration(&self, stream: &Stream) -> Option<f64> {
-        let told = [&stream.duration, &self.format.duration].into_iter().flatten();
-        let mut told = told.filter_map(|seconds| seconds.parse::<f64>().ok());
-        told.find(|seconds| *seconds > 0.0 && *seconds <= LIMITS.claimed_duration_max)
+        let reported = [&stream.duration, &self.format.duration].into_iter().flatten();
+        let mut reported = reported.filter_map(|seconds| seconds.parse::<f64>().ok());
+        reported.find(|seconds| *seconds > 0.0 && *seconds <= LIMITS.claimed_duration_max)
     }
 
     /// A tag of the stream or else of the file.

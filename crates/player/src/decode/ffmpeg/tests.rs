@@ -34,13 +34,16 @@ fn error(opened: Result<FfmpegDecoder, DecodeError>) -> String {
 #[test]
 fn without_ffmpeg_the_sentence_says_that_it_would_help() {
     let nowhere = Programs { ffprobe: "/nowhere/ffprobe".into(), ..Programs::default() };
-    let told = error(FfmpegDecoder::open(Path::new("a.wma"), "a.wma", &refusal(), &nowhere));
-    assert!(told.contains("a.wma is a Windows Media file") && told.contains("install ffmpeg"), "{told}");
+    let reported = error(FfmpegDecoder::open(Path::new("a.wma"), "a.wma", &refusal(), &nowhere));
+    assert!(
+        reported.contains("a.wma is a Windows Media file") && reported.contains("install ffmpeg"),
+        "{reported}"
+    );
     let folder = tempfile::tempdir().unwrap();
     let path = made(folder.path(), "a.wma", "1");
     let half = Programs { ffmpeg: "/nowhere/ffmpeg".into(), ..Programs::default() };
-    let told = error(FfmpegDecoder::open(&path, "a.wma", &refusal(), &half));
-    assert!(told.contains("install ffmpeg"), "{told}");
+    let reported = error(FfmpegDecoder::open(&path, "a.wma", &refusal(), &half));
+    assert!(reported.contains("install ffmpeg"), "{reported}");
 }
 
 #[test]
@@ -52,13 +55,13 @@ fn a_program_that_hangs_is_given_up_and_ended() {
     // It waits for a writer that never comes.
     let patience = Duration::from_millis(300);
     let start = Instant::now();
-    let told = error(FfmpegDecoder::open(
+    let reported = error(FfmpegDecoder::open(
         &pipe,
         "pipe.wma",
         &refusal(),
         &Programs { patience, ..Programs::default() },
     ));
-    assert!(told.contains("gave nothing"), "{told}");
+    assert!(reported.contains("gave nothing"), "{reported}");
     assert!(start.elapsed() < Duration::from_secs(20), "it was waited for");
 }
 
@@ -90,9 +93,9 @@ fn a_name_is_never_an_option_an_address_or_a_list() {
     // A list of other files is no sound, even if it is one that ffmpeg knows.
     let list = folder.path().join("list.wma");
     std::fs::write(&list, "ffconcat version 1.0\nfile a.wma\n").unwrap();
-    let told = error(FfmpegDecoder::open(&list, "list.wma", &refusal(), &Programs::default()));
+    let reported = error(FfmpegDecoder::open(&list, "list.wma", &refusal(), &Programs::default()));
     assert!(
-        told.contains("list.wma is damaged") && !told.contains(folder.path().to_str().unwrap()),
-        "{told}"
+        reported.contains("list.wma is damaged") && !reported.contains(folder.path().to_str().unwrap()),
+        "{reported}"
     );
 }

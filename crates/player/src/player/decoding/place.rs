@@ -34,7 +34,7 @@ impl Goal {
 impl CurrentSegment {
     /// The place that is audible; or the target of a seek that is not heard yet, in passage `earliest`.
     pub(super) fn place(&self, earliest: u64) -> Place {
-        let heard = self.audible().and_then(|audible| self.timeline().lock().place(audible, 0.0));
+        let heard = self.audible().and_then(|audible| self.audible_segments().lock().place(audible, 0.0));
         heard.map_or(Place { passage: earliest, time: self.start() }, |heard| Place {
             passage: heard.passage,
             time: heard.song_time,
@@ -57,7 +57,7 @@ impl CurrentSegment {
             };
             return (passage, self.due().map_or(stands, runs));
         };
-        match self.timeline().lock().place(course.audible, 0.0) {
+        match self.audible_segments().lock().place(course.audible, 0.0) {
             Some(place) => {
                 let due = course.moving.then_some(at);
                 (place.passage, Goal { time: place.song_time, same_run: true, due })

@@ -5,12 +5,12 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use super::place::Goal;
+use crate::audible_segments::SharedAudibleSegments;
 use crate::clock::{Audible, Course};
 use crate::limits::LIMITS;
 use crate::output::OutputCallbackLink;
 use crate::player::filling::Filling;
 use crate::resample::{ResampleError, Resampler};
-use crate::timeline::SharedTimeline;
 use crate::track::TrackInfo;
 use mariana_music::StereoFrame;
 
@@ -41,7 +41,7 @@ pub(super) struct SegmentStart {
 
 /// See the module. There is none before the first output, and after one that could not begin.
 pub(super) struct CurrentSegment {
-    timeline: SharedTimeline,
+    audible_segments: SharedAudibleSegments,
     link: Option<OutputCallbackLink>,
     filling: Option<Filling>,
     last_id: u64,
@@ -56,10 +56,10 @@ pub(super) struct CurrentSegment {
 }
 
 impl CurrentSegment {
-    /// No segment yet, nor an output. What sounds when is noted in `timeline`.
-    pub(super) fn new(timeline: SharedTimeline) -> Self {
+    /// No segment yet, nor an output. What sounds when is noted in `audible_segments`.
+    pub(super) fn new(audible_segments: SharedAudibleSegments) -> Self {
         Self {
-            timeline,
+            audible_segments,
             link: None,
             filling: None,
             last_id: 0,
@@ -115,8 +115,8 @@ impl CurrentSegment {
     }
 
     /// What sounds when.
-    pub(super) fn timeline(&self) -> &SharedTimeline {
-        &self.timeline
+    pub(super) fn audible_segments(&self) -> &SharedAudibleSegments {
+        &self.audible_segments
     }
 
     /// When its first frame is due, if it has to meet a time.
@@ -150,8 +150,8 @@ impl CurrentSegment {
 
     /// Ends the segment for another one, and forgets it if it was never handed over.
     pub(super) fn abandon(&mut self) {
-        if let Some(unheard) = self.filling.take().filter(|filling| filling.waiting.is_some()) {
-            self.timeline.lock().discard(unheard.id);
+        if let Some(missed_audio) = self.filling.take().filter(|filling| filling.waiting.is_some()) {
+            self.audible_segments.lock().discard(missed_audio.id);
         }
     }
 
@@ -161,7 +161,7 @@ impl CurrentSegment {
         let SegmentStart { passage, info, target, resampler, skip, from_start } = start;
         self.last_id += 1;
         self.start = target;
-        self.timeline.lock().begin(self.last_id, self.run, link.rate, passage, target, info);
+        self.audible_segments.lock().begin(self.last_id, self.run, link.rate, passage, target, info);
         let ring_frames = ((RING * f64::from(link.rate)) as usize).max(RING_BUFFERS * link.buffer_frames);
         let mut filling = Filling::new(self.last_id, target, ring_frames, resampler, skip, from_start);
         if let Some(due) = self.due {
@@ -178,12 +178,13 @@ impl CurrentSegment {
         if filling.is_pushed() && filling.exhausted && !filling.finished {
             filling.finished = true;
             filling.end.store(filling.pushed, Ordering::Release);
-            self.timeline.lock().finish(filling.id, filling.pushed);
+            self.audible_segments.lock().finish(filling.id, filling.pushed);
         }
         let prefill = ((PREFILL * f64::from(link.rate)) as u64).min(filling.ring.buffer().capacity() as u64);
         // What is heard first must have its features, unless there is no room to wait for them.
         let is_full = !filling.is_pushed();
-        let is_ready = filling.pushed >= prefill && (is_full || self.timeline.lock().has_begun(filling.id));
+        let is_ready =
+            filling.pushed >= prefill && (is_full || self.audible_segments.lock().has_begun(filling.id));
         if (is_ready || filling.finished)
             && let Some(segment) = filling.waiting.take()
         {
@@ -198,7 +199,7 @@ impl CurrentSegment {
         let Some(filling) = self.filling.as_mut().filter(|filling| filling.skip > 0) else { return };
         filling.target = (filling.target - filling.skip as f64 / f64::from(rate)).max(0.0);
         filling.skip = 0;
-        self.timeline.lock().set_start(passage, filling.target);
+        self.audible_segments.lock().set_start(passage, filling.target);
     }
 
     /// Goes on with the same track from its start.
@@ -206,7 +207,7 @@ impl CurrentSegment {
         let played = self.played();
         let Some(filling) = &mut self.filling else { return };
         (filling.since_jump, filling.from_start) = (0, true);
-        self.timeline.lock().begin_lap(filling.id, filling.next_time(), played);
+        self.audible_segments.lock().begin_lap(filling.id, filling.next_time(), played);
     }
 
     /// Goes on with another track from its start, as `passage`. Its frames come at the rate that was last set.
@@ -214,7 +215,7 @@ impl CurrentSegment {
         let played = self.played();
         let Some(filling) = &mut self.filling else { return };
         (filling.since_jump, filling.from_start) = (0, true);
-        self.timeline.lock().begin_track(filling.id, filling.next_time(), played, passage, info);
+        self.audible_segments.lock().begin_track(filling.id, filling.next_time(), played, passage, info);
     }
 
     /// Takes frames at this rate from now on.

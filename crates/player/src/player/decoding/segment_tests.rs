@@ -12,7 +12,7 @@ const RATE: u32 = 48_000;
 
 /// A segment that starts at 2 s, and the callback that it is for.
 fn begun(goal: Goal) -> (CurrentSegment, OutputCallback) {
-    let mut segment = CurrentSegment::new(SharedTimeline::default());
+    let mut segment = CurrentSegment::new(SharedAudibleSegments::default());
     let controls = Arc::new(Controls::new(1.0, false));
     let (callback, link) = OutputCallback::new(RATE, 480, controls, Arc::default());
     segment.set_output(link);
@@ -38,7 +38,7 @@ fn what_is_heard_first_has_its_features() {
     let (mut segment, callback) = begun(Goal::seek(2.0));
     feed(&mut segment, PREFILL + 0.01);
     assert!(segment.push() && !callback.is_offered());
-    segment.timeline().lock().push_features(1, &TimedFeatures::new(2.01, 0, Features::SILENCE));
+    segment.audible_segments().lock().push_features(1, &TimedFeatures::new(2.01, 0, Features::SILENCE));
     assert!(segment.push() && callback.is_offered());
 }
 

@@ -6,7 +6,7 @@ use std::sync::mpsc::Sender;
 
 use super::passages::Passages;
 use crate::listed::{Edit, Edited};
-use crate::player::listing::{Request, SharedTroubles};
+use crate::player::listing::{Request, SharedTrackErrors};
 use crate::track::{Found, Repeat, Track, TrackInfo, Wanted};
 
 /// After this many tracks in a row without a frame, silence is played.
@@ -47,12 +47,12 @@ pub(super) struct TrackQueue {
     empty_tracks: u32,
     list: Sender<Request>,
     last_request: u64,
-    troubles: SharedTroubles,
+    track_errors: SharedTrackErrors,
 }
 
 impl TrackQueue {
-    /// Begins with `first`; what follows is asked of `list`, and what is wrong is told to `troubles`.
-    pub(super) fn new(first: Track, list: Sender<Request>, troubles: SharedTroubles) -> Self {
+    /// Begins with `first`; what follows is asked of `list`, and what is wrong is told to `track_errors`.
+    pub(super) fn new(first: Track, list: Sender<Request>, track_errors: SharedTrackErrors) -> Self {
         Self {
             passages: Passages::new(first),
             next: Next::Unasked,
@@ -61,7 +61,7 @@ impl TrackQueue {
             empty_tracks: 0,
             list,
             last_request: 0,
-            troubles,
+            track_errors,
         }
     }
 
@@ -156,7 +156,7 @@ impl TrackQueue {
                 Found::Track(track) => self.replace_with(track),
                 Found::Again => {}
                 Found::End => {
-                    self.troubles.tell("the list ends here; switch repeating on to play it again".into());
+                    self.track_errors.tell("the list ends here; switch repeating on to play it again".into());
                     return false;
                 }
                 // What is wrong has been reported already.
@@ -199,14 +199,14 @@ impl TrackQueue {
                     return Following::Again;
                 }
                 Err(error) => {
-                    self.troubles.tell(error.to_string());
+                    self.track_errors.tell(error.to_string());
                     self.ask(true);
                 }
             },
             Next::Track(track) => {
                 self.empty_tracks = if empty { self.empty_tracks + 1 } else { 0 };
                 if self.empty_tracks > EMPTY_TRACKS_MAX {
-                    self.troubles.tell("there is no sound in these tracks; choose others".into());
+                    self.track_errors.tell("there is no sound in these tracks; choose others".into());
                     return Following::Track(self.silence());
                 }
                 return Following::Track(track);
@@ -260,7 +260,7 @@ mod tests {
 
     fn queue() -> (TrackQueue, Receiver<Request>) {
         let (list, requests) = channel();
-        (TrackQueue::new(Track::silence(0, 9), list, SharedTroubles::default()), requests)
+        (TrackQueue::new(Track::silence(0, 9), list, SharedTrackErrors::default()), requests)
     }
 
     /// What was last asked for, and as which request.
@@ -354,9 +354,9 @@ mod tests {
             queue.passages.follow_with(track);
         };
         (0..EMPTY_TRACKS_MAX).for_each(|_| next(&mut queue));
-        assert_eq!(queue.troubles.get().count, 0);
+        assert_eq!(queue.track_errors.get().count, 0);
         next(&mut queue);
-        assert_eq!(queue.troubles.get().count, 1);
+        assert_eq!(queue.track_errors.get().count, 1);
         assert_eq!(queue.passages.track().info.name, "nothing to play");
     }
 
@@ -367,7 +367,7 @@ mod tests {
         queue.ask_for_skips(0);
         assert!(!queue.take(asked(&requests).0, Found::End, false));
         assert!(!queue.is_skipping());
-        assert!(queue.troubles.get().last.expect("it is told").contains("ends here"));
+        assert!(queue.track_errors.get().last.expect("it is told").contains("ends here"));
     }
 
     #[test]

@@ -84,7 +84,7 @@ pub(super) struct Making {
 }
 
 /// Share of a picture's time that goes into its further samples, if nothing else is known.
-const FURTHER_SHARE: f64 = 0.3;
+const FURTHER_FRACTION: f64 = 0.3;
 
 impl Making {
     /// A picture of which nothing is drawn yet.
@@ -110,8 +110,8 @@ impl Making {
     /// Estimated duration of the whole picture, in seconds; `None` before anything is measured.
     pub(super) fn seconds(&self) -> Option<f64> {
         let is_first = self.pass == Pass::First && self.product != Product::View;
-        let share = if is_first { 1.0 - FURTHER_SHARE } else { 1.0 };
-        self.parts.seconds().map(|seconds| seconds / share)
+        let fraction = if is_first { 1.0 - FURTHER_FRACTION } else { 1.0 };
+        self.parts.seconds().map(|seconds| seconds / fraction)
     }
 
     /// The number of draws so far, and the pixels of the largest.

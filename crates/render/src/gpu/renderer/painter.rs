@@ -301,9 +301,9 @@ impl Painter {
 
     /// From now on this share of finished pictures, 0..1, is the light that was kept. Without a share it is
     /// forgotten.
-    pub(super) fn set_fade(&mut self, share: Option<f32>) {
-        match (share, &mut self.fade) {
-            (Some(share), Some(fade)) => fade.set_share(share),
+    pub(super) fn set_fade(&mut self, fraction: Option<f32>) {
+        match (fraction, &mut self.fade) {
+            (Some(fraction), Some(fade)) => fade.set_fraction(fraction),
             _ => self.fade = None,
         }
     }

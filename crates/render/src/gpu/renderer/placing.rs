@@ -83,7 +83,7 @@ impl Placing {
         self.block.set(&numbers(map, part));
         passes.prepare();
         picture.bind_color(0, unit_of("picture"));
-        let edge = |share: f64, side: u32| (share * f64::from(side)).round() as i32;
+        let edge = |fraction: f64, side: u32| (fraction * f64::from(side)).round() as i32;
         let (from, to) = (edge(left, window.0), edge(right, window.0));
         let (low, high) = (edge(1.0 - bottom, window.1), edge(1.0 - top, window.1));
         passes.draw_in_window(&self.place, window, Some([from, low, to - from, high - low]))
@@ -135,15 +135,16 @@ mod tests {
             corners: Corners::try_from([[0.1, 0.0], [1.0, 0.2], [0.9, 1.0], [0.0, 0.8]]).unwrap(),
         };
         let map = placement.map();
-        let told = numbers(&map, placement.part()).map(f64::from);
+        let reported = numbers(&map, placement.part()).map(f64::from);
         for [x, y] in [[0.5, 0.5], [0.2, 0.3], [0.7, 0.9]] {
-            let row = |at: usize| told[4 * at] * x + told[4 * at + 1] * (1.0 - y) + told[4 * at + 2];
+            let row =
+                |at: usize| reported[4 * at] * x + reported[4 * at + 1] * (1.0 - y) + reported[4 * at + 2];
             let (u, v) = (row(0) / row(2), 1.0 - row(1) / row(2));
             let [x, y] = led(&map, [x, y]).unwrap();
             assert!((u - x).abs() < 1e-5 && (v - y).abs() < 1e-5, "{u}, {v} is not {x}, {y}");
         }
         assert_eq!(
-            told[12..].iter().map(|edge| (edge * 100.0).round()).collect::<Vec<_>>(),
+            reported[12..].iter().map(|edge| (edge * 100.0).round()).collect::<Vec<_>>(),
             [10.0, 5.0, 100.0, 80.0]
         );
     }

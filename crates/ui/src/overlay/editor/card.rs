@@ -34,9 +34,9 @@ pub(super) fn show(
     let written = probed.surface.as_ref().and_then(|surface| surface.written.clone());
     let line = written.and_then(|(file, range)| editor.texts().line_at(file, range));
     let head = probed.surface.as_ref().map_or("the sky", |surface| surface.object.as_str());
-    let told: Vec<String> = rows.iter().map(|(name, value)| format!("{name} {value}")).collect();
+    let reported: Vec<String> = rows.iter().map(|(name, value)| format!("{name} {value}")).collect();
     let of_line = line.as_ref().map(|(name, number, words)| format!("{name}, line {number}: {words}"));
-    let words = [&[head.to_owned()], told.as_slice(), of_line.as_slice()].concat().join("; ");
+    let words = [&[head.to_owned()], reported.as_slice(), of_line.as_slice()].concat().join("; ");
     assisted::text(context, "probed", &words, true);
 
     let height = 14.0 + ROW * (1 + rows.len() + 2 * usize::from(line.is_some())) as f32;

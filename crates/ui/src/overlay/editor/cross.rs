@@ -36,8 +36,10 @@ pub(super) fn show(
     editor: &Editor,
     ask: &mut impl FnMut(EditorEvent),
 ) -> Vec<Rect> {
-    let parts =
-        editor.document().and_then(|document| editor.hand().place(document)).zip(editor.picture().view());
+    let parts = editor
+        .document()
+        .and_then(|document| editor.held_numbers().place(document))
+        .zip(editor.picture().view());
     let Some((place, (map, camera))) = parts else { return Vec::new() };
     let place = DVec3::from_array(place);
     let seen = |point: DVec3| seen_at(camera, map, screen, point);
@@ -104,8 +106,8 @@ fn way_of(ways: &[(Vec2, DVec3)], moved: Vec2) -> DVec3 {
             if area.abs() < 1e-3 {
                 return DVec3::ZERO;
             }
-            let shares = vec2(moved.x * b.y - moved.y * b.x, a.x * moved.y - a.y * moved.x) / area;
-            f64::from(shares.x) * *along_a + f64::from(shares.y) * *along_b
+            let fractions = vec2(moved.x * b.y - moved.y * b.x, a.x * moved.y - a.y * moved.x) / area;
+            f64::from(fractions.x) * *along_a + f64::from(fractions.y) * *along_b
         }
         _ => DVec3::ZERO,
     }

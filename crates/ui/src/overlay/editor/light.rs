@@ -47,10 +47,10 @@ pub(super) fn show(context: &Context, screen: Rect, editor: &Editor) {
     });
     context.data_mut(|data| data.insert_temp(id, kept.clone()));
     let mut mesh = Mesh::with_texture(kept.texture.id());
-    let share = |place: usize| place as f32 / PARTS as f32;
+    let fraction = |place: usize| place as f32 / PARTS as f32;
     for row in 0..=PARTS {
         for column in 0..=PARTS {
-            let (x, y) = (share(column), share(row));
+            let (x, y) = (fraction(column), fraction(row));
             let Some(place) = on_screen(map, screen, [f64::from(x), f64::from(y)]) else { return };
             mesh.vertices.push(egui::epaint::Vertex { pos: place, uv: pos2(x, y), color: Color32::WHITE });
         }
@@ -80,15 +80,15 @@ fn mask(light: &Light) -> ColorImage {
         f32::from(u8::from(light.cells.get(row * columns + column).is_some_and(|lit| *lit)))
     };
     // Between the cells around a place.
-    let share = |x: f32, y: f32| {
+    let fraction = |x: f32, y: f32| {
         let (left, top) = (x.floor(), y.floor());
-        let (right_share, lower_share) = (x - left, y - top);
+        let (right_fraction, lower_fraction) = (x - left, y - top);
         let row = |row: i64| {
             let (a, b) = (cell(left as i64, row), cell(left as i64 + 1, row));
-            a + (b - a) * right_share
+            a + (b - a) * right_fraction
         };
         let (upper, lower) = (row(top as i64), row(top as i64 + 1));
-        upper + (lower - upper) * lower_share
+        upper + (lower - upper) * lower_fraction
     };
     let [r, g, b, _] = style::ACCENT.to_array();
     let mut image = ColorImage::filled([FINER * columns, FINER * rows], Color32::TRANSPARENT);
@@ -97,7 +97,7 @@ fn mask(light: &Light) -> ColorImage {
         let (x, y) = (at(place % (FINER * columns)), at(place / (FINER * columns)));
         // A mean of the place's surroundings, so that steps of the grid become slopes.
         let around = [(-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5)];
-        let lit = around.into_iter().map(|(dx, dy)| share(x + dx, y + dy)).sum::<f32>() / 4.0;
+        let lit = around.into_iter().map(|(dx, dy)| fraction(x + dx, y + dy)).sum::<f32>() / 4.0;
         let covers = match lit {
             lit if (lit - 0.5).abs() < OUTLINE => EDGE,
             lit if lit > 0.5 => INSIDE,

@@ -7,7 +7,7 @@ use egui::{
     TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 
-use crate::editor::{EditorEvent, PORTRAIT_SIDE, Portrait, Proposing};
+use crate::editor::{EditorEvent, ObjectPreview, PREVIEW_SIDE, Proposing};
 use crate::overlay::{assisted, style};
 
 /// Names that show at a time.
@@ -27,7 +27,7 @@ pub(super) fn show(
     space: Rect,
     at: Pos2,
     line: f32,
-    (proposing, portrait): (&Proposing, Option<&Portrait>),
+    (proposing, object_preview): (&Proposing, Option<&ObjectPreview>),
     ask: &mut impl FnMut(EditorEvent),
 ) {
     let painter = ui.ctx().layer_painter(LayerId::new(Order::Foreground, Id::unique("proposals")));
@@ -71,17 +71,17 @@ pub(super) fn show(
     let parts: Vec<_> = parts.into_iter().flatten().collect();
     let height: f32 = parts.iter().map(|part| part.size().y + 3.0).sum();
     let widest = parts.iter().map(|part| part.size().x).fold(0.0, f32::max);
-    let picture = portrait.map_or(0.0, |_| PICTURE + 6.0);
+    let picture = object_preview.map_or(0.0, |_| PICTURE + 6.0);
     let size = vec2(widest.max(picture) + 16.0, height + picture + 11.0);
     let about = Rect::from_min_size(rect.right_top() + vec2(4.0, 0.0), size);
     style::ground(&painter, about);
     style::ground(&painter, about);
     let mut y = about.top() + 6.0;
-    if let Some(portrait) = portrait {
+    if let Some(object_preview) = object_preview {
         let place = Rect::from_min_size(pos2(about.left() + 8.0, y + 1.0), vec2(PICTURE, PICTURE));
         painter.rect_filled(place, 4.0, style::RAIL);
         let (uv, white) = (Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
-        painter.image(texture(ui.ctx(), portrait), place, uv, white);
+        painter.image(texture(ui.ctx(), object_preview), place, uv, white);
         y += picture;
     }
     for part in parts {
@@ -94,22 +94,22 @@ pub(super) fn show(
 /// A picture that was uploaded.
 #[derive(Clone)]
 struct Uploaded {
-    of: Portrait,
+    of: ObjectPreview,
     texture: TextureHandle,
 }
 
 /// A picture as a texture, which stays until another one is shown.
-fn texture(context: &Context, portrait: &Portrait) -> TextureId {
+fn texture(context: &Context, object_preview: &ObjectPreview) -> TextureId {
     let id = Id::unique("portrait of a proposal");
     let known = context.data(|data| data.get_temp::<Uploaded>(id));
-    let uploaded = known.filter(|known| Arc::ptr_eq(&known.of, portrait)).unwrap_or_else(|| {
+    let uploaded = known.filter(|known| Arc::ptr_eq(&known.of, object_preview)).unwrap_or_else(|| {
         let colors = |[r, g, b, covers]: &[u8; 4]| Color32::from_rgba_unmultiplied(*r, *g, *b, *covers);
-        let mut image = ColorImage::filled([PORTRAIT_SIDE, PORTRAIT_SIDE], Color32::TRANSPARENT);
-        for (pixel, drawn) in image.pixels.iter_mut().zip(portrait.iter()) {
+        let mut image = ColorImage::filled([PREVIEW_SIDE, PREVIEW_SIDE], Color32::TRANSPARENT);
+        for (pixel, drawn) in image.pixels.iter_mut().zip(object_preview.iter()) {
             *pixel = colors(drawn);
         }
         let texture = context.load_texture("portrait", image, TextureOptions::LINEAR);
-        Uploaded { of: portrait.clone(), texture }
+        Uploaded { of: object_preview.clone(), texture }
     });
     let texture = uploaded.texture.id();
     context.data_mut(|data| data.insert_temp(id, uploaded));

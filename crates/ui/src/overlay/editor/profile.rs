@@ -77,14 +77,15 @@ pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(E
         }
         draw(y, &row.name, &row.cells, style::TEXT);
     }
-    let told: Vec<String> = rows.iter().map(|row| format!("{} {}", row.name, row.cells.join(" "))).collect();
-    assisted::text(ui.ctx(), "profile", &told.join("; "), false);
+    let reported: Vec<String> =
+        rows.iter().map(|row| format!("{} {}", row.name, row.cells.join(" "))).collect();
+    assisted::text(ui.ctx(), "profile", &reported.join("; "), false);
     table.top() - 4.0
 }
 
 fn rows(editor: &Editor) -> Vec<Row> {
     let nothing = || std::array::from_fn(|_| String::new());
-    let Some((survey, objects)) = editor.picture().profile() else {
+    let Some((ray_statistics, objects)) = editor.picture().profile() else {
         return vec![Row {
             name: "is being measured".to_owned(),
             cells: nothing(),
@@ -92,8 +93,8 @@ fn rows(editor: &Editor) -> Vec<Row> {
             is_part: false,
         }];
     };
-    let (all, run) = (survey.cells.len().max(1) as f64, survey.run().max(1) as f64);
-    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let (all, run) = (ray_statistics.cells.len().max(1) as f64, ray_statistics.run().max(1) as f64);
+    let percent = |fraction: f64| format!("{:.1} %", 100.0 * fraction);
     let counted = |rays: u32, evaluations: u64, run_of_it: u64| {
         let steps = evaluations as f64 / f64::from(rays.max(1));
         [percent(f64::from(rays) / all), format!("{steps:.1}"), percent(run_of_it as f64 / run)]
@@ -122,7 +123,7 @@ fn rows(editor: &Editor) -> Vec<Row> {
         let rays = others.iter().map(|object| object.rays).sum();
         add(format!("{} others", others.len()), rays, others.iter().map(|object| object.run).sum());
     }
-    add("the sky".to_owned(), survey.sky.0, survey.sky.1);
+    add("the sky".to_owned(), ray_statistics.sky.0, ray_statistics.sky.1);
     rows
 }
 

@@ -134,9 +134,9 @@ pub(super) fn show(
     assisted::text(ui.ctx(), "editor", &format!("{}, line {}: {words}", document.name(), line + 1), false);
     if let Some(proposing) = editor.proposals().shown() {
         let at = page.rect_of(buffer, &(proposing.from..cursor)).left_bottom();
-        popup::show(ui, space, at, cell.y, (proposing, editor.proposals().portrait()), ask);
+        popup::show(ui, space, at, cell.y, (proposing, editor.proposals().object_preview()), ask);
     }
-    let (at, _) = editor.hand().picked_color(document)?;
+    let (at, _) = editor.held_numbers().picked_color(document)?;
     picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, ask)
 }
 
@@ -365,14 +365,14 @@ fn point(
             input.smooth_scroll_delta(),
         )
     });
-    if editor.hand().turns_three() {
+    if editor.held_numbers().turns_three() {
         // What turns them lies elsewhere.
         if !down {
             ask(EditorEvent::LetGo);
         }
         return;
     }
-    if let Some(turned) = editor.hand().turned() {
+    if let Some(turned) = editor.held_numbers().turned() {
         let speed = match (modifiers.shift, modifiers.ctrl) {
             (true, _) => TurnSpeed::Fine,
             (false, true) => TurnSpeed::Coarse,

@@ -20,8 +20,8 @@ fn controls<'a>(stage: &mut Stage, content: impl Fn() -> OverlayContent<'a>) -> 
     stage.frame(vec![], content());
     stage.frame(vec![], content());
     let laid_out = stage.frame(vec![], content());
-    let told = laid_out.output.platform_output.accesskit_update.expect("controls are told");
-    told.nodes.into_iter().map(|(_, node)| node).collect()
+    let reported = laid_out.output.platform_output.accesskit_update.expect("controls are told");
+    reported.nodes.into_iter().map(|(_, node)| node).collect()
 }
 
 fn press(key: Key) -> Vec<Event> {
@@ -71,8 +71,8 @@ fn settings_and_sliders_had_controls_without_a_name() {
     assert!(nodes.iter().filter(|node| node.toggled().is_some()).count() > 5, "the settings are not there");
     for _ in 0..3 {
         let content = OverlayContent { params: Some(&mut turned), ..Default::default() };
-        let told = stage.frame(vec![], content).output.platform_output.accesskit_update.unwrap();
-        nodes.extend(told.nodes.into_iter().map(|(_, node)| node));
+        let reported = stage.frame(vec![], content).output.platform_output.accesskit_update.unwrap();
+        nodes.extend(reported.nodes.into_iter().map(|(_, node)| node));
     }
     // A scroll bar is known by its role.
     let is_control = |node: &&Node| {

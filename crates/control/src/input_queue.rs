@@ -1,0 +1,315 @@
+//! What hands wish for between two frames: the newest value of each parameter and knob, and the actions in their order.
+//!
+//! Threads of devices put wishes in, and the show takes them out once for each frame. However many there are meanwhile,
+//! they take no more room than there are different names, and the show is woken once.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use super::action::Action;
+use super::midi::{KnobMove, Source};
+use super::{ChangedBy, Param};
+use crate::limits::LIMITS;
+
+/// How far a parameter is turned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Amount {
+    /// To a value in its own units.
+    Value(f32),
+    /// To a share of its range, 0..1.
+    Fraction(f32),
+}
+
+impl Amount {
+    /// The value that this is of a parameter.
+    pub fn of(self, param: &Param<'_>) -> f32 {
+        match self {
+            Self::Value(value) => param.clamped(value),
+            Self::Fraction(fraction) => param.value_at(fraction),
+        }
+    }
+
+    fn is_number(self) -> bool {
+        let (Self::Value(number) | Self::Fraction(number)) = self;
+        number.is_finite()
+    }
+}
+
+/// A parameter of the scene on the stage that is to be turned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParamChange {
+    /// Its name.
+    pub name: String,
+    /// Where to.
+    pub to: Amount,
+    /// In which smoothing time, in seconds.
+    pub seconds: f32,
+    /// Whose hand it is.
+    pub changed_by: ChangedBy,
+}
+
+/// What was put in and could not be used, counted since the start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Refusals {
+    /// Messages that are broken, too large, or no message at all.
+    pub rubbish: u64,
+    /// Messages that are sound, but nothing here is meant by them.
+    pub unknown: u64,
+    /// Values that are not numbers.
+    pub not_numbers: u64,
+    /// Wishes beyond what one frame takes, and messages for a time that nobody waits for.
+    pub too_many: u64,
+}
+
+impl Refusals {
+    /// All of them.
+    pub fn count(self) -> u64 {
+        self.rubbish + self.unknown + self.not_numbers + self.too_many
+    }
+}
+
+/// What was wished for since the last time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct InputBatch {
+    /// The newest wish for each parameter, in the order in which they were first named.
+    pub params: Vec<ParamChange>,
+    /// Actions in their order.
+    pub actions: Vec<Action>,
+    /// Where each knob that moved is now, in the order in which they first did.
+    pub knobs: Vec<KnobMove>,
+    /// When the first of all this came.
+    pub since: Option<Instant>,
+}
+
+impl InputBatch {
+    /// Whether there is nothing.
+    pub fn is_empty(&self) -> bool {
+        self.params.is_empty() && self.actions.is_empty() && self.knobs.is_empty()
+    }
+}
+
+#[derive(Default)]
+struct Pending {
+    batch: InputBatch,
+    /// The place of each name in [`InputBatch::params`].
+    places: HashMap<String, usize>,
+    /// The place of each knob in [`InputBatch::knobs`].
+    knob_places: HashMap<(Arc<str>, Source), usize>,
+    messages: u64,
+    refusals: Refusals,
+    is_woken: bool,
+}
+
+/// Where wishes are put in and taken out; copies are the same place.
+#[derive(Clone)]
+pub struct InputQueue {
+    pending: Arc<Mutex<Pending>>,
+    wake: Arc<dyn Fn() + Send + Sync>,
+}
+
+impl InputQueue {
+    /// A place without wishes. `wake` is called, on the thread that puts one in, when there is one again.
+    pub fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
+        Self { pending: Arc::default(), wake: Arc::new(wake) }
+    }
+
+    /// Wishes for a parameter. A value that is not a number is refused.
+    pub fn turn(&self, change: ParamChange) {
+        self.put(|pending| {
+            if !change.to.is_number() || !change.seconds.is_finite() {
+                pending.refusals.not_numbers += 1;
+                return;
+            }
+            if let Some(known) =
+                pending.places.get(&change.name).and_then(|place| pending.batch.params.get_mut(*place))
+            {
+                *known = change;
+            } else if pending.batch.params.len() < LIMITS.pending_params_max
+                && change.name.len() <= LIMITS.name_bytes_max
+            {
+                pending.places.insert(change.name.clone(), pending.batch.params.len());
+                pending.batch.params.push(change);
+            } else {
+                pending.refusals.too_many += 1;
+            }
+        });
+    }
+
+    /// Wishes for an action. Of a level, the newest value counts.
+    pub fn act(&self, action: Action) {
+        self.put(|pending| {
+            let actions = &mut pending.batch.actions;
+            if let Some(last) =
+                actions.last_mut().filter(|last| last.name == action.name && is_newer(last, &action))
+            {
+                *last = action;
+            } else if actions.len() < LIMITS.pending_actions_max {
+                actions.push(action);
+            } else {
+                pending.refusals.too_many += 1;
+            }
+        });
+    }
+
+    /// Takes notice of a knob that moved.
+    pub fn moved(&self, knob: KnobMove) {
+        self.put(|pending| {
+            let (knobs, name) = (&mut pending.batch.knobs, (knob.device.clone(), knob.source));
+            if let Some(known) = pending.knob_places.get(&name).and_then(|place| knobs.get_mut(*place)) {
+                known.go_on(&knob);
+            } else if knobs.len() < LIMITS.moved_knobs_max {
+                pending.knob_places.insert(name, knobs.len());
+                knobs.push(knob);
+            } else {
+                pending.refusals.too_many += 1;
+            }
+        });
+    }
+
+    /// Counts a message that came in.
+    pub fn count(&self) {
+        self.lock().messages += 1;
+    }
+
+    /// Counts what could not be used.
+    pub fn refuse(&self, count: impl FnOnce(&mut Refusals)) {
+        count(&mut self.lock().refusals);
+    }
+
+    /// Takes out what there is.
+    pub fn take(&self) -> InputBatch {
+        let mut pending = self.lock();
+        pending.is_woken = false;
+        pending.places.clear();
+        pending.knob_places.clear();
+        std::mem::take(&mut pending.batch)
+    }
+
+    /// Whether there is something to take out.
+    pub fn has_any(&self) -> bool {
+        !self.lock().batch.is_empty()
+    }
+
+    /// How many messages came in since the start, and what of them could not be used.
+    pub fn counts(&self) -> (u64, Refusals) {
+        let pending = self.lock();
+        (pending.messages, pending.refusals)
+    }
+
+    fn put(&self, put: impl FnOnce(&mut Pending)) {
+        let is_new = {
+            let mut pending = self.lock();
+            put(&mut pending);
+            if !pending.batch.is_empty() {
+                pending.batch.since.get_or_insert_with(Instant::now);
+            }
+            !pending.batch.is_empty() && !std::mem::replace(&mut pending.is_woken, true)
+        };
+        if is_new {
+            (self.wake)();
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Pending> {
+        self.pending.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Whether an action says the same as the one before it, with a newer number.
+fn is_newer(last: &Action, action: &Action) -> bool {
+    use super::action::ActionValue::Number;
+    matches!((&last.given, &action.given), (Number(_), Number(_)))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::super::action::ActionValue;
+    use super::*;
+
+    fn place() -> (InputQueue, Arc<AtomicUsize>) {
+        let woken = Arc::new(AtomicUsize::new(0));
+        let count = woken.clone();
+        (InputQueue::new(move || _ = count.fetch_add(1, Ordering::Relaxed)), woken)
+    }
+
+    fn change(name: &str, to: f32) -> ParamChange {
+        ParamChange { name: name.to_owned(), to: Amount::Value(to), seconds: 0.0, changed_by: ChangedBy::Osc }
+    }
+
+    #[test]
+    fn a_flood_is_one_value_for_each_parameter_and_wakes_once() {
+        let (input_queue, woken) = place();
+        for number in 0..100_000 {
+            input_queue.turn(change(["size", "glow"][number % 2], number as f32));
+        }
+        assert_eq!(woken.load(Ordering::Relaxed), 1);
+        assert_eq!(input_queue.take().params, [change("size", 99_998.0), change("glow", 99_999.0)]);
+        assert!(input_queue.take().is_empty());
+        input_queue.turn(change("glow", 1.0));
+        assert_eq!((woken.load(Ordering::Relaxed), input_queue.take().params.len()), (2, 1));
+    }
+
+    #[test]
+    fn what_a_frame_cannot_take_is_refused_and_counted() {
+        let (input_queue, _) = place();
+        for number in 0..LIMITS.pending_params_max + 3 {
+            input_queue.turn(change(&number.to_string(), 0.0));
+        }
+        input_queue.turn(change("0", 7.0));
+        input_queue.turn(change(&"x".repeat(LIMITS.name_bytes_max + 1), 0.0));
+        for _ in 0..LIMITS.pending_actions_max + 2 {
+            input_queue.act(Action { name: "next", given: ActionValue::Nothing });
+        }
+        input_queue.turn(change("0", f32::NAN));
+        input_queue.turn(ParamChange { seconds: f32::INFINITY, ..change("0", 0.0) });
+        let refusals = input_queue.counts().1;
+        assert_eq!((refusals.too_many, refusals.not_numbers, refusals.count()), (6, 2, 8));
+        let batch = input_queue.take();
+        assert_eq!(batch.params.len(), LIMITS.pending_params_max);
+        assert_eq!(
+            (batch.params[0].to, batch.actions.len()),
+            (Amount::Value(7.0), LIMITS.pending_actions_max)
+        );
+    }
+
+    #[test]
+    fn of_a_knob_the_newest_place_counts_and_every_press() {
+        let (input_queue, woken) = place();
+        let knob = |key: u8, value, is_press| {
+            KnobMove::to("desk".into(), Source::Note { channel: 0, key }, value, is_press)
+        };
+        for _ in 0..10_000 {
+            input_queue.moved(knob(1, 1.0, true));
+            input_queue.moved(knob(1, 0.0, false));
+        }
+        assert_eq!(
+            input_queue.take().knobs,
+            [KnobMove { way: [0.0, 1.0], presses: 10_000, ..knob(1, 0.0, false) }]
+        );
+        assert_eq!(woken.load(Ordering::Relaxed), 1);
+        for number in 0..LIMITS.moved_knobs_max + 5 {
+            let source = Source::Note { channel: (number >> 8) as u8, key: number as u8 };
+            input_queue.moved(KnobMove::to("desk".into(), source, 0.0, false));
+        }
+        assert_eq!(
+            (input_queue.counts().1.too_many, input_queue.take().knobs.len()),
+            (5, LIMITS.moved_knobs_max)
+        );
+    }
+
+    #[test]
+    fn of_a_level_the_newest_value_counts_and_presses_are_kept() {
+        let (input_queue, _) = place();
+        let action = |name, given| Action { name, given };
+        for level in [0.1, 0.2, 0.9] {
+            input_queue.act(action("volume", ActionValue::Number(level)));
+        }
+        input_queue.act(action("next", ActionValue::Nothing));
+        input_queue.act(action("next", ActionValue::Nothing));
+        let next = || action("next", ActionValue::Nothing);
+        assert_eq!(input_queue.take().actions, [action("volume", ActionValue::Number(0.9)), next(), next()]);
+    }
+}

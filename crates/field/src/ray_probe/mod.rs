@@ -1,0 +1,326 @@
+//! Looks at a world on the CPU: what a ray from the eye meets, which object it is, and which part of the text made it.
+//!
+//! Rays go as those of the shaders do (`shaders/sphere_tracing.glsl`, `shaders/non_lipschitz.glsl`), through the same tree and by
+//! the same numbers ([`rays`]); only their cone is narrower where somebody asks for a single point. Each evaluation is
+//! counted, with the clauses of the tape that the cell still needs.
+
+mod deciding;
+mod preview;
+mod ray_statistics;
+#[cfg(test)]
+mod tests;
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+
+pub use deciding::Deciding;
+pub use preview::preview;
+pub use ray_statistics::{ObjectCost, Part, PartCost, RayStatistics, RayStatisticsOptions};
+
+use crate::graph::{FrameInputs, NodeId};
+use crate::lang::TextPlace;
+use crate::rays;
+use crate::region::{Cell, Regions, gradient};
+use crate::world::World;
+
+/// The share of the cone that counts as a hit when a ray has used up its steps.
+const CAPPED_FRACTION: f32 = 8.0;
+/// The last step is at most this many times as long as the distance.
+const SLANT_MAX: f32 = 4.0;
+/// The four corners of a tetrahedron, at which the normal's distances are taken.
+const TAPS: [[f32; 3]; 4] = [[1.0, -1.0, -1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, 1.0, 1.0]];
+/// Least distance of these from the point.
+const TAP_MIN: f32 = 4e-4;
+
+/// A ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Where it begins.
+    pub origin: [f32; 3],
+    /// Where it goes, of length 1.
+    pub direction: [f32; 3],
+    /// How much the radius of its cone grows with each unit of its way; greater than 0.
+    pub spread: f32,
+}
+
+impl Ray {
+    /// The point at a distance along it.
+    pub fn at(&self, t: f32) -> [f32; 3] {
+        std::array::from_fn(|axis| self.origin[axis] + t * self.direction[axis])
+    }
+}
+
+/// Where a ray meets a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// How far along the ray.
+    pub distance: f32,
+    /// The point.
+    pub position: [f32; 3],
+    /// Index among the scene's objects.
+    pub object: usize,
+    /// Index among the world's planes, if it is one.
+    pub plane: Option<usize>,
+}
+
+/// What a ray met, and what that took.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Traced {
+    /// The surface; none if it is the sky.
+    pub hit: Option<Hit>,
+    /// How often the distance was evaluated.
+    pub evaluations: u32,
+    /// Clauses that were run for that.
+    pub clauses: u64,
+}
+
+/// A world at one moment.
+pub struct RayProbe<'a> {
+    world: &'a World,
+    regions: &'a Regions,
+    frame: &'a FrameInputs,
+    planes: &'a [[f32; 4]],
+    /// Clauses of the tapes that were run, by their first texel.
+    lengths: RefCell<HashMap<u32, u64>>,
+}
+
+impl<'a> RayProbe<'a> {
+    /// A world with the tree of a frame; `planes` are those of the frame
+    /// ([`FrameValues::planes`](crate::world::FrameValues)).
+    pub fn new(
+        world: &'a World,
+        regions: &'a Regions,
+        frame: &'a FrameInputs,
+        planes: &'a [[f32; 4]],
+    ) -> Self {
+        Self { world, regions, frame, planes, lengths: RefCell::default() }
+    }
+
+    /// Follows a ray to the first surface.
+    pub fn trace(&self, ray: &Ray) -> Traced {
+        let behind = self.plane_on(ray);
+        let mut traced = Traced { hit: behind, ..Traced::default() };
+        let Some((start, end)) = self.traced_span(ray) else { return traced };
+        let end = behind.map_or(end, |hit| end.min(hit.distance));
+        if start < end {
+            let met = match self.world.non_lipschitz {
+                true => self.trace_non_lipschitz(ray, (rays::past(start), end), &mut traced),
+                false => self.trace_distance(ray, (start, end), &mut traced),
+            };
+            if let Some(t) = met {
+                let position = ray.at(t);
+                let object = self.regions.object(position, self.frame) as usize;
+                traced.hit = Some(Hit { distance: t, position, object, plane: None });
+            }
+        }
+        traced
+    }
+
+    /// The normal where a ray met something, of length 1.
+    pub fn normal(&self, ray: &Ray, hit: &Hit) -> [f32; 3] {
+        if let Some([a, b, c, _]) = hit.plane.and_then(|plane| self.planes.get(plane)) {
+            return unit([*a, *b, *c]);
+        }
+        let h = (0.6 * ray.spread * hit.distance).max(TAP_MIN);
+        let mut sum = [0.0; 3];
+        for tap in TAPS {
+            let place = std::array::from_fn(|axis| hit.position[axis] + h * tap[axis]);
+            let [_, estimate] = self.regions.distance(place, 0.0, self.frame);
+            sum = std::array::from_fn(|axis| sum[axis] + estimate * tap[axis]);
+        }
+        unit(sum)
+    }
+
+    /// The way from a shape to the part of it that was met, of which the text knows; `deciding` is that of its object.
+    pub fn path(&self, hit: &Hit, deciding: Option<&Deciding<'_>>) -> Vec<NodeId> {
+        let plane = hit.plane.and_then(|plane| self.world.planes.get(plane));
+        let mut path = match (plane, deciding) {
+            (Some(plane), _) => vec![plane.shape],
+            (None, Some(deciding)) => deciding.path(hit.position, self.frame),
+            (None, None) => Vec::new(),
+        };
+        path.retain(|node| self.world.scene.origins.knows(*node));
+        path
+    }
+
+    /// The places of the text that take part in what a path leads to.
+    pub fn places(&self, object: usize, path: &[NodeId]) -> Vec<TextPlace> {
+        let scene = &self.world.scene;
+        let material = scene.objects.get(object).map_or(usize::MAX, |object| object.material);
+        scene.origins.places(object, material, path)
+    }
+
+    /// The first plane that the ray meets from its upper side.
+    fn plane_on(&self, ray: &Ray) -> Option<Hit> {
+        let mut first: Option<Hit> = None;
+        for (index, [a, b, c, d]) in self.planes.iter().enumerate() {
+            let along = |v: [f32; 3]| a * v[0] + b * v[1] + c * v[2];
+            let (approach, height) = (-along(ray.direction), along(ray.origin) + d);
+            let t = height / approach.max(1e-9);
+            let is_first = first.is_none_or(|hit| t < hit.distance);
+            if approach > 1e-5 && height >= 0.0 && t < 1e9 && is_first {
+                let object = self.world.planes.get(index).map_or(0, |plane| plane.object);
+                first = Some(Hit { distance: t, position: ray.at(t), object, plane: Some(index) });
+            }
+        }
+        first
+    }
+
+    /// Where along the ray anything but planes may be.
+    fn traced_span(&self, ray: &Ray) -> Option<(f32, f32)> {
+        if !self.world.has_rest {
+            return None;
+        }
+        let mut span = (0.0_f32, rays::FAR);
+        let tree = Some((self.regions.low, add(self.regions.low, self.regions.size)));
+        let boxes = [self.regions.bounds, tree.filter(|_| self.world.non_lipschitz)];
+        for (low, high) in boxes.into_iter().flatten() {
+            for axis in 0..3 {
+                let slow = ray.direction[axis] + 1e-9_f32.copysign(ray.direction[axis]);
+                let two = [low[axis], high[axis]].map(|face| (face - ray.origin[axis]) / slow);
+                span = (span.0.max(two[0].min(two[1])), span.1.min(two[0].max(two[1])));
+            }
+        }
+        Some(span)
+    }
+
+    /// The value for a ray at a point, by the tape of its cell.
+    fn value(&self, cell: Option<&Cell>, point: [f32; 3], traced: &mut Traced) -> f32 {
+        let tape = cell.map_or(self.regions.whole_tape, |cell| cell.tape);
+        traced.evaluations += 1;
+        traced.clauses +=
+            *self.lengths.borrow_mut().entry(tape).or_insert_with(|| self.regions.clauses_of(tape));
+        self.regions.run(tape, point, 0.0, self.frame)[0]
+    }
+
+    fn trace_distance(&self, ray: &Ray, (start, end): (f32, f32), traced: &mut Traced) -> Option<f32> {
+        let walk = Walk::of(self.regions, ray);
+        let (mut t, mut d, mut before) = (start, 0.0_f32, 0.0_f32);
+        for step in 0..rays::STEPS_MAX {
+            let reach = rays::hit_fraction(step) * ray.spread;
+            let mut cell = self.cell_at(&walk, t);
+            for _ in 0..rays::SKIPS_MAX {
+                let Some(known) = cell.filter(|cell| cell.bound > reach * t) else { break };
+                before = 0.0;
+                t = (t + known.bound).max(rays::past(t)).max(walk.exit_of(&known, t));
+                if t >= end {
+                    return None;
+                }
+                cell = self.cell_at(&walk, t);
+            }
+            d = self.value(cell.as_ref(), ray.at(t), traced);
+            // What is no number ends the ray, too.
+            if d.is_nan() || d < reach * t {
+                break;
+            }
+            t += d;
+            before = d;
+            if t >= end {
+                return None;
+            }
+        }
+        if d > CAPPED_FRACTION * ray.spread * t {
+            return None;
+        }
+        let slant = if before > d { (before / (before - d)).min(SLANT_MAX) } else { 1.0 };
+        Some(if d > 0.0 { t + d * slant } else { t })
+    }
+
+    fn trace_non_lipschitz(&self, ray: &Ray, (start, end): (f32, f32), traced: &mut Traced) -> Option<f32> {
+        let walk = Walk::of(self.regions, ray);
+        let mut t = start;
+        // The last point outside with its value, and the first one inside.
+        let (mut outside, mut inside): ((f32, f32), Option<(f32, f32)>) = ((t, 0.0), None);
+        let mut closings = 0;
+        for step in 0..rays::NON_LIPSCHITZ_STEPS_MAX {
+            let mut cell = self.cell_at(&walk, t);
+            for _ in 0..rays::SKIPS_MAX {
+                let Some(known) = cell.filter(|cell| cell.bound > 0.0 && inside.is_none()) else { break };
+                outside = (t, 0.0);
+                t = rays::past(t).max(walk.exit_of(&known, t));
+                if t >= end {
+                    return None;
+                }
+                cell = self.cell_at(&walk, t);
+            }
+            if t >= end {
+                return None;
+            }
+            let value = self.value(cell.as_ref(), ray.at(t), traced);
+            let radius = ray.spread * t;
+            if value > 0.0 {
+                outside = (t, value);
+            } else {
+                inside = Some((t, value));
+            }
+            if let Some((far, below)) = inside {
+                let (near, above) = outside;
+                let close = far - near < rays::CLOSE_ENOUGH * radius;
+                if above <= 0.0 || close || closings == rays::CLOSINGS_MAX {
+                    return Some(far);
+                }
+                closings += 1;
+                t = near + (far - near) * (above / (above - below)).clamp(0.1, 0.9);
+                continue;
+            }
+            let (slope, leaves) = match &cell {
+                Some(cell) => (
+                    gradient::slope_towards(cell.slopes, ray.direction),
+                    rays::past(t).max(walk.exit_of(cell, t)) - t,
+                ),
+                // A point that rounding put outside the tree has no cell to leave.
+                None => (f32::INFINITY, 0.0),
+            };
+            let radius = ray.spread * t.max(rays::NON_LIPSCHITZ_NEAR);
+            t += rays::non_lipschitz_step(step, (value, slope), leaves, (t, end), radius);
+        }
+        inside.map(|(t, _)| t)
+    }
+
+    fn cell_at(&self, walk: &Walk<'_>, t: f32) -> Option<Cell> {
+        self.regions.cell_at(walk.place_on(t))
+    }
+}
+
+/// A ray through the tree: it looks for its cell a little further on, so that it never gets stuck at a face.
+struct Walk<'a> {
+    ray: &'a Ray,
+    ahead: [f32; 3],
+}
+
+impl<'a> Walk<'a> {
+    fn of(regions: &Regions, ray: &'a Ray) -> Self {
+        let side = regions.size.map(|size| size / rays::ROOT_SIDE);
+        let roots = |axis: usize| match side[axis] > 0.0 {
+            true => ((ray.origin[axis] - regions.low[axis]) / side[axis]).abs(),
+            false => 0.0,
+        };
+        let nudge = rays::AHEAD + rays::AHEAD_OF_FAR * roots(0).max(roots(1)).max(roots(2));
+        Self { ray, ahead: std::array::from_fn(|axis| (nudge * side[axis]).copysign(ray.direction[axis])) }
+    }
+
+    fn place_on(&self, t: f32) -> [f32; 3] {
+        add(self.ray.at(t), self.ahead)
+    }
+
+    /// Where the ray leaves a cell.
+    fn exit_of(&self, cell: &Cell, t: f32) -> f32 {
+        let ray = self.ray;
+        let exits = (0..3).map(|axis| {
+            let slow = ray.direction[axis] + 1e-12_f32.copysign(ray.direction[axis]);
+            let face = if ray.direction[axis] >= 0.0 { cell.high[axis] } else { cell.low[axis] };
+            (face - ray.origin[axis]) / slow
+        });
+        exits.fold(f32::INFINITY, f32::min).max(t)
+    }
+}
+
+fn add(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|axis| a[axis] + b[axis])
+}
+
+/// The vector of length 1 in a direction; up where there is none.
+fn unit(v: [f32; 3]) -> [f32; 3] {
+    let size = v.iter().map(|part| part * part).sum::<f32>().sqrt();
+    if size > 1e-12 && size < 1e12 { v.map(|part| part / size) } else { [0.0, 1.0, 0.0] }
+}

@@ -1,0 +1,85 @@
+//! Small pictures of formulas, drawn on the CPU: one light, no shadows.
+
+use super::{Ray, RayProbe};
+use crate::graph::FrameInputs;
+use crate::region::{RegionOptions, RegionPlan};
+use crate::world::World;
+
+/// Where the eye is; it looks at the origin.
+const EYE: [f32; 3] = [1.5, 1.5, -3.0];
+/// Tangent of half the field of view.
+const TAN_HALF: f32 = 0.46;
+/// Where the light comes from.
+const LIGHT: [f32; 3] = [-0.35, 0.85, -0.4];
+/// How bright what no light reaches is.
+const DARKEST: f32 = 0.18;
+/// The colour of everything in light, as a screen shows it.
+const COLOR: [f32; 3] = [236.0, 214.0, 186.0];
+
+/// A picture of a formula of so many pixels along each side, from the upper left to the right: red, green, blue and how
+/// much of the pixel it covers. None if the text is not a formula.
+pub fn preview(formula: &str, side: usize) -> Option<Vec<[u8; 4]>> {
+    let world = World::parse("portrait", formula).ok()?;
+    let mut frame = FrameInputs { eye: EYE, ..FrameInputs::default() };
+    frame.hoisted = world.hoisted.values(&frame);
+    let regions = RegionPlan::new(&world).build(&frame, &RegionOptions::default());
+    let planes = world.frame_tape.values(&frame).planes;
+    let ray_probe = RayProbe::new(&world, &regions, &frame, &planes);
+    let forward = super::unit(EYE.map(|part| -part));
+    let right = super::unit(cross([0.0, 1.0, 0.0], forward));
+    let up = cross(forward, right);
+    let light = super::unit(LIGHT);
+    let step = 2.0 * TAN_HALF / side.max(1) as f32;
+    let shade = |x: f32, y: f32| {
+        let (a, b) = (x * step - TAN_HALF, TAN_HALF - y * step);
+        let direction = super::unit(std::array::from_fn(|i| forward[i] + a * right[i] + b * up[i]));
+        let ray = Ray { origin: EYE, direction, spread: 0.5 * step };
+        let hit = ray_probe.trace(&ray).hit?;
+        let normal = ray_probe.normal(&ray, &hit);
+        let lit: f32 = normal.iter().zip(light).map(|(n, l)| n * l).sum();
+        Some(DARKEST + (1.0 - DARKEST) * (0.5 + 0.5 * lit).powi(2))
+    };
+    let pixel = |place: usize| {
+        let (x, y) = ((place % side) as f32, (place / side) as f32);
+        // Four rays for each pixel.
+        let places = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)];
+        let lit: Vec<f32> = places.into_iter().filter_map(|(dx, dy)| shade(x + dx, y + dy)).collect();
+        let mean = lit.iter().sum::<f32>() / lit.len().max(1) as f32;
+        let [r, g, b] = COLOR.map(|part| (part * mean.sqrt()).clamp(0.0, 255.0) as u8);
+        [r, g, b, (255.0 * lit.len() as f32 / 4.0) as u8]
+    };
+    Some((0..side * side).map(pixel).collect())
+}
+
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::PICTURES;
+
+    #[test]
+    fn a_ball_is_round_and_lit_from_above() {
+        let picture = preview("sphere(p, 1)", 48).unwrap();
+        let at = |x: usize, y: usize| picture[y * 48 + x];
+        assert_eq!([at(0, 0)[3], at(47, 47)[3], at(24, 24)[3]], [0, 0, 255]);
+        assert!(at(22, 12)[0] > at(26, 36)[0] + 40, "{:?} above, {:?} below", at(22, 12), at(26, 36));
+        // As wide as it is high.
+        let covered =
+            |place: &dyn Fn(usize) -> usize| (0..48).filter(|i| picture[place(*i)][3] > 127).count();
+        let (wide, high) = (covered(&|x| 24 * 48 + x), covered(&|y| y * 48 + 24));
+        assert!(wide.abs_diff(high) <= 1 && wide > 20, "{wide} x {high}");
+        assert_eq!(preview("no formula", 8), None);
+    }
+
+    #[test]
+    fn every_function_with_a_picture_is_seen_in_a_small_one() {
+        for (name, formula) in PICTURES {
+            let picture = preview(formula, 16).unwrap_or_else(|| panic!("{name} cannot be drawn"));
+            let covered = picture.iter().filter(|pixel| pixel[3] > 127).count();
+            assert!((8..256).contains(&covered), "{name} covers {covered} of 256 pixels");
+        }
+    }
+}

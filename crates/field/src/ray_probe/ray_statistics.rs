@@ -1,0 +1,166 @@
+//! A survey of a picture: rays on a coarse grid, which part of the scene each meets, and what they cost.
+
+use std::cmp::Reverse;
+use std::collections::HashMap;
+use std::ops::Range;
+
+use super::{Deciding, Ray, RayProbe, Traced};
+use crate::graph::NodeId;
+use crate::lang::TextPlace;
+
+/// What a survey looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RayStatisticsOptions {
+    /// Rays side by side.
+    pub columns: usize,
+    /// Rays one above the other.
+    pub rows: usize,
+}
+
+/// What rays meet.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RayStatistics {
+    /// Rays side by side.
+    pub columns: usize,
+    /// By ray, from the upper left to the right: 1 + the index of the part that it meets, or 0 for the sky.
+    pub cells: Vec<u16>,
+    /// The parts that are met.
+    pub parts: Vec<Part>,
+    /// What the objects cost, in the order of the scene.
+    pub objects: Vec<ObjectCost>,
+    /// Rays that meet nothing, and clauses that were run for them.
+    pub sky: (u32, u64),
+}
+
+/// A part of an object that rays meet.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Part {
+    /// Index of the object.
+    pub object: usize,
+    /// The places of the text that take part in it, sorted.
+    pub places: Vec<TextPlace>,
+}
+
+/// What an object costs.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ObjectCost {
+    /// Its name.
+    pub name: String,
+    /// Clauses that its shape takes by itself, and its material.
+    pub clauses: (usize, usize),
+    /// Rays that end on it.
+    pub rays: u32,
+    /// How often the distance was evaluated for these.
+    pub evaluations: u64,
+    /// Clauses that were run for these evaluations.
+    pub run: u64,
+    /// Where it is declared.
+    pub place: Option<TextPlace>,
+    /// Its parts that rays end on, the dearest first: each is what one expression makes, with its file and bytes.
+    pub parts: Vec<PartCost>,
+}
+
+/// What a part of an object costs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PartCost {
+    /// The file and the bytes of the expression that makes it.
+    pub written: (usize, Range<usize>),
+    /// Rays that end on it.
+    pub rays: u32,
+    /// How often the distance was evaluated for these.
+    pub evaluations: u64,
+    /// Clauses that were run for these evaluations.
+    pub run: u64,
+}
+
+impl ObjectCost {
+    /// Counts a ray that ends on the part that an expression makes.
+    fn count_part(&mut self, written: (usize, Range<usize>), traced: &Traced) {
+        let known = self.parts.iter().position(|part| part.written == written);
+        let place = known.unwrap_or(self.parts.len());
+        if known.is_none() {
+            self.parts.push(PartCost { written, rays: 0, evaluations: 0, run: 0 });
+        }
+        if let Some(part) = self.parts.get_mut(place) {
+            part.rays += 1;
+            part.evaluations += u64::from(traced.evaluations);
+            part.run += traced.clauses;
+        }
+    }
+}
+
+impl RayStatistics {
+    /// All clauses that were run.
+    pub fn run(&self) -> u64 {
+        self.sky.1 + self.objects.iter().map(|object| object.run).sum::<u64>()
+    }
+
+    /// Follows a ray for each cell of a grid, from the upper left to the right; `ray_at` gives the ray for shares of the
+    /// picture's width and height. None once it is not wanted any more.
+    pub fn of(
+        ray_probe: &RayProbe<'_>,
+        options: RayStatisticsOptions,
+        ray_at: impl Fn(f64, f64) -> Ray,
+        is_wanted: impl Fn() -> bool,
+    ) -> Option<Self> {
+        let scene = &ray_probe.world.scene;
+        let deciding: Vec<Option<Deciding<'_>>> =
+            scene.objects.iter().map(|object| Deciding::new(&scene.graph, object.shape).ok()).collect();
+        let mut ray_statistics = Self { columns: options.columns, ..Self::default() };
+        for (object, deciding) in scene.objects.iter().zip(&deciding) {
+            let numbers = scene.materials.get(object.material).map(|one| one.numbers()).unwrap_or_default();
+            let of_material = scene
+                .graph
+                .order(&numbers)
+                .map_or(0, |order| order.nodes.iter().filter(|id| scene.graph.is_clause(**id)).count());
+            ray_statistics.objects.push(ObjectCost {
+                name: object.name.clone(),
+                clauses: (deciding.as_ref().map_or(0, Deciding::clauses), of_material),
+                place: scene.origins.place(object.span.start),
+                ..ObjectCost::default()
+            });
+        }
+        // The same way leads to the same part.
+        let mut known: HashMap<(usize, Vec<NodeId>), u16> = HashMap::new();
+        for row in 0..options.rows {
+            if !is_wanted() {
+                return None;
+            }
+            for column in 0..options.columns {
+                let fraction = |place: usize, of: usize| (place as f64 + 0.5) / of as f64;
+                let ray = ray_at(fraction(column, options.columns), fraction(row, options.rows));
+                let traced = ray_probe.trace(&ray);
+                let Some(hit) = traced.hit else {
+                    ray_statistics.sky = (ray_statistics.sky.0 + 1, ray_statistics.sky.1 + traced.clauses);
+                    ray_statistics.cells.push(0);
+                    continue;
+                };
+                if let Some(object) = ray_statistics.objects.get_mut(hit.object) {
+                    object.rays += 1;
+                    object.evaluations += u64::from(traced.evaluations);
+                    object.run += traced.clauses;
+                }
+                let path = ray_probe.path(&hit, deciding.get(hit.object).and_then(Option::as_ref));
+                let written = path.last().and_then(|node| scene.origins.written_at(*node));
+                if let Some((object, written)) = ray_statistics.objects.get_mut(hit.object).zip(written) {
+                    object.count_part(written, &traced);
+                }
+                let next = ray_statistics.parts.len() as u16;
+                let part = *known.entry((hit.object, path)).or_insert_with_key(|(object, path)| {
+                    if next == u16::MAX - 1 {
+                        return next;
+                    }
+                    ray_statistics
+                        .parts
+                        .push(Part { object: *object, places: ray_probe.places(*object, path) });
+                    next
+                });
+                ray_statistics.cells.push(part + 1);
+            }
+        }
+        for object in &mut ray_statistics.objects {
+            object.parts.sort_by_key(|part| Reverse(part.run));
+        }
+        Some(ray_statistics)
+    }
+}

@@ -1,0 +1,354 @@
+//! Whether the value of a scene's formula is a distance in practice, found by sampling its gradient.
+//!
+//! **Any formula is traced.** The gradient of a scene's formula is sampled when the scene is loaded. If the formula
+//! is steeper than 1, or far flatter at its surfaces, steps by its value would miss surfaces or draw them fat. Each
+//! cell of the tree then holds bounds of the gradient (`graph::GradientInterval`: forward accumulation in intervals,
+//! with a separate rule for lengths because a square root's slope is unbounded at 0). From them follows a step that
+//! cannot pass a surface. Boxes are cut where parts of a formula jump, so that noise is bounded as the smooth value
+//! that it is.
+
+use super::bounds::Bounds;
+use crate::graph::{FrameInputs, Point, TableData, cell_hash};
+use crate::graph::{SoundInput, SoundInputs};
+use crate::lang::Param;
+use crate::tape::{Dual, GradientEvaluator, Tape};
+
+/// A distance never changes faster than the position; this much more is attributed to rounding.
+const STEEPEST: f32 = 1.01;
+/// Share of the samples that may be steeper: these are seams of blends, where a ray hardly ever is.
+const NON_LIPSCHITZ_FRACTION: f32 = 0.01;
+/// How much steeper than the samples a formula may be elsewhere.
+const STEEPEST_ROOM: f32 = 2.0;
+/// Fewer samples say nothing about the steepest slope.
+const STEEPEST_SAMPLES_MIN: usize = 64;
+/// If half of the surface is flatter than this, steps by the value are far too short, and the points that count as a
+/// hit form a fat block around the surface.
+const FLATTEST: f32 = 0.2;
+/// How much larger each scale is that is tried to tame a value, and how many there are: up to 1 / [`FLATTEST`].
+const SCALE_STEP: f32 = 1.1;
+const SCALES: i32 = 18;
+/// The largest power with which such a scale grows from the middle of the bounds.
+const POWER_MAX: i32 = 4;
+/// The shares of the largest reach that are tried; without end a value is left as it is.
+const REACHES: [f32; 5] = [f32::INFINITY, 1.0, 0.5, 0.25, 0.125];
+/// A value is tamed more than another way only if it is so much less flat at its surfaces then.
+const WORTH: f32 = 1.2;
+/// Distances from the camera's target within which a scene without bounds is sampled, in turn: what is small in a world
+/// without end is hardly met by samples from all over it.
+const AROUND: [f32; 4] = [30.0, 10.0, 3.0, 1.0];
+/// Frames that are sampled: silence at the start, then random ones.
+const FRAMES: usize = 4;
+/// Entries and rows of random tables. Neighbours in music differ less than these, so real tables have more.
+const COLUMNS: usize = 106;
+const ROWS: usize = 6;
+/// Most points with which a frame begins.
+const POINTS_MAX: usize = 1024;
+const POINTS_MIN: usize = 8;
+/// Steps from a point towards the surface.
+const STEPS: usize = 4;
+/// Clauses that may be evaluated, with their gradients: a few ms.
+const CLAUSES_MAX: usize = 1 << 18;
+
+/// A place where the gradient was sampled.
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    place: [f32; 3],
+    value: f32,
+    gradient: [f32; 3],
+}
+
+/// What was sampled.
+#[derive(Debug, Clone, Default)]
+struct Samples {
+    /// Outside of solids and on surfaces.
+    outside: Vec<Sample>,
+    /// On surfaces.
+    surface: Vec<Sample>,
+}
+
+/// A value that is no distance, made like one. It is 0 where it was 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct NormalizedValue {
+    /// What the value is divided by first.
+    pub(super) scale: f32,
+    /// That it grows from the middle of its bounds, as polynomials do.
+    pub(super) growth: Growth,
+    /// Of the value the arc tangent is taken, in units of this: away from surfaces it grows less and less. May be
+    /// infinite.
+    pub(super) reach: f32,
+    /// Whether rays may step by it: it is as good as a distance.
+    pub(super) is_distance: bool,
+}
+
+/// How a scale grows: (1 + |p - `middle`|² / `half`²) ^ `power`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Growth {
+    pub(super) middle: [f32; 3],
+    pub(super) half: f32,
+    pub(super) power: i32,
+}
+
+impl Growth {
+    /// None at all.
+    const NONE: Self = Self { middle: [0.0; 3], half: 1.0, power: 0 };
+
+    /// Those that are tried: outside of bounds nothing is known that a scale could follow.
+    fn all(bounds: Option<&Bounds>) -> Vec<Self> {
+        let Some(bounds) = bounds else { return vec![Self::NONE] };
+        let middle = [0, 1, 2].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis]));
+        (0..=POWER_MAX).map(|power| Self { middle, half: bounds.half(), power }).collect()
+    }
+
+    /// The value of a sample and its slope, divided by what this is there.
+    fn divided(&self, sample: &Sample) -> (f32, f32) {
+        let off = [0, 1, 2].map(|axis| (sample.place[axis] - self.middle[axis]) / self.half);
+        let base = 1.0 + off.iter().map(|part| part * part).sum::<f32>();
+        let grown = base.powi(self.power);
+        let falls = 2.0 * self.power as f32 * sample.value / (base * self.half);
+        let gradient = [0, 1, 2].map(|axis| sample.gradient[axis] - falls * off[axis]);
+        (sample.value / grown, length(gradient) / grown)
+    }
+}
+
+fn length(v: [f32; 3]) -> f32 {
+    v.iter().map(|part| part * part).sum::<f32>().sqrt()
+}
+
+/// The slopes of the value of a world's rest, where it is no distance.
+#[derive(Debug, Clone, Copy)]
+pub struct Slopes {
+    /// About the steepest slope that was sampled; infinite where none was, or too few to tell.
+    pub steepest: f32,
+    /// The factor that makes a distance of the value, where a single number does.
+    pub distance_factor: Option<f32>,
+    /// What makes the value like a distance.
+    pub(super) tamed: Option<NormalizedValue>,
+}
+
+impl Default for Slopes {
+    /// Those of a distance.
+    fn default() -> Self {
+        Self { steepest: f32::INFINITY, distance_factor: None, tamed: None }
+    }
+}
+
+/// None if the value of the tape's first output is a distance: no steeper than 1 in nearly all samples, and not much
+/// flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which its
+/// points begin in turn. A tamed value grows without end, or up to about `reach` or a part of it.
+pub(super) fn tamed(
+    tape: &Tape,
+    frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>,
+    bounds: Option<&Bounds>,
+    reach: f32,
+) -> Option<Slopes> {
+    let Samples { outside, surface } = samples(tape, frames);
+    let non_lipschitz_many = NON_LIPSCHITZ_FRACTION * outside.len() as f32;
+    let is_no_distance = |slopes: &mut dyn Iterator<Item = f32>| {
+        slopes.filter(|slope| *slope > STEEPEST).count() as f32 > non_lipschitz_many
+    };
+    let flat = surface.iter().filter(|sample| length(sample.gradient) < FLATTEST).count();
+    if !is_no_distance(&mut outside.iter().map(|sample| length(sample.gradient))) && 2 * flat <= surface.len()
+    {
+        return None;
+    }
+    let mut best: Option<(f32, NormalizedValue)> = None;
+    let mut factor = None;
+    let mut plain = NormalizedValue { scale: 1.0, growth: Growth::NONE, reach, is_distance: false };
+    for growth in Growth::all(bounds) {
+        let usual = median(surface.iter().map(|sample| growth.divided(sample).1)).unwrap_or(1.0);
+        if growth.power == 0 {
+            plain.scale = usual;
+        }
+        let divided: Vec<(f32, f32)> = outside.iter().map(|sample| growth.divided(sample)).collect();
+        for reach in REACHES.map(|fraction| fraction * reach) {
+            let scales = (0..SCALES).map(|step| usual * SCALE_STEP.powi(step));
+            let gentle = scales.take_while(|scale| usual / scale > FLATTEST).find(|scale| {
+                !is_no_distance(
+                    &mut divided
+                        .iter()
+                        .map(|(value, slope)| slope / scale / (1.0 + (value / scale / reach).powi(2))),
+                )
+            });
+            let Some(scale) = gentle else { continue };
+            if growth.power == 0 && reach.is_infinite() {
+                factor = Some(1.0 / scale);
+            }
+            let slope = usual / scale;
+            if best.is_none_or(|(so_far, _)| slope > WORTH * so_far) {
+                best = Some((slope, NormalizedValue { scale, growth, reach, is_distance: true }));
+            }
+        }
+    }
+    let tamed = Some(best.map_or(plain, |(_, tamed)| tamed));
+    Some(Slopes { steepest: steepest(&outside), distance_factor: factor, tamed })
+}
+
+/// About the steepest slope of the samples: seams of blends are left out, and what they hide is allowed for. Infinite if
+/// there are too few samples to tell.
+fn steepest(samples: &[Sample]) -> f32 {
+    if samples.len() < STEEPEST_SAMPLES_MIN {
+        return f32::INFINITY;
+    }
+    let mut slopes: Vec<f32> = samples.iter().map(|sample| length(sample.gradient)).collect();
+    slopes.sort_by(f32::total_cmp);
+    let usual = slopes.len() - 1 - (NON_LIPSCHITZ_FRACTION * slopes.len() as f32) as usize;
+    slopes.get(usual).map_or(f32::INFINITY, |slope| STEEPEST_ROOM * slope)
+}
+
+fn median(numbers: impl Iterator<Item = f32>) -> Option<f32> {
+    let mut numbers: Vec<f32> = numbers.collect();
+    numbers.sort_by(f32::total_cmp);
+    numbers.get(numbers.len() / 2).copied()
+}
+
+/// The boxes in which a scene without bounds is sampled around the camera's target.
+pub(super) fn around(target: [f32; 3]) -> Vec<Bounds> {
+    AROUND.map(|reach| Bounds::around(target, reach)).to_vec()
+}
+
+fn samples(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>) -> Samples {
+    let mut found = Samples::default();
+    let affordable = CLAUSES_MAX / (tape.clauses().len().max(1) * (STEPS + 1) * FRAMES);
+    let points = affordable.clamp(POINTS_MIN, POINTS_MAX);
+    for (frame, (regions, inputs)) in frames.enumerate() {
+        let mut gradients = GradientEvaluator::new(tape, &inputs);
+        for (number, region) in regions.iter().cycle().take(points).enumerate() {
+            let size = (0..3).map(|axis| region.high[axis] - region.low[axis]).fold(0.0, f32::max);
+            let random = |axis: usize| cell_hash((number + frame * POINTS_MAX) as f32, axis as f32);
+            let mut at = [0, 1, 2]
+                .map(|axis| region.low[axis] + random(axis) * (region.high[axis] - region.low[axis]));
+            for step in 0..=STEPS {
+                let [x, y, z] = at;
+                let Some(&Dual { value, gradient }) = gradients.at(&Point::at(x, y, z)).first() else {
+                    return found;
+                };
+                let squared = gradient.iter().map(|part| part * part).sum::<f32>();
+                let slope = squared.sqrt();
+                if !value.is_finite() || !slope.is_finite() || slope == 0.0 {
+                    break;
+                }
+                let sample = Sample { place: at, value, gradient };
+                let away = value.abs() / slope;
+                if value >= 0.0 || away < 1e-2 * size {
+                    found.outside.push(sample);
+                }
+                if step == STEPS && away < 1e-3 * size {
+                    found.surface.push(sample);
+                }
+                // Newton's method along the gradient.
+                at = [0, 1, 2].map(|axis| at[axis] - value * gradient[axis] / squared);
+                if (0..3).any(|axis| !(region.low[axis] <= at[axis] && at[axis] <= region.high[axis])) {
+                    break;
+                }
+            }
+        }
+    }
+    found
+}
+
+/// The frames to sample: silence at the start, then any time, sound and parameters.
+pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
+    (0..FRAMES).map(|number| {
+        let random = |what: usize| cell_hash(number as f32, 7919.0 + what as f32);
+        if number == 0 {
+            let params = params.iter().map(|param| param.default).collect();
+            return FrameInputs { params, ..FrameInputs::default() };
+        }
+        let turned = params.iter().enumerate();
+        let row = |from: usize, count: usize| (from..from + count).map(random).collect::<Vec<f32>>();
+        FrameInputs {
+            time: 200.0 * random(0),
+            sound: SoundInputs::each(|input| tried(input, random(1 + input as usize))),
+            bands: std::array::from_fn(|band| random(128 + band)),
+            params: turned.map(|(i, param)| param.min + (param.max - param.min) * random(64 + i)).collect(),
+            spectrum: TableData::row(row(1_000, COLUMNS)),
+            waveform: TableData::row(
+                row(2_000, COLUMNS).iter().map(|value| 2.0 * value - 1.0).collect::<Vec<f32>>(),
+            ),
+            history: TableData::rows(row(3_000, ROWS * COLUMNS), COLUMNS),
+            ..FrameInputs::default()
+        }
+    })
+}
+
+/// A value of the sound: `fraction` of the largest that music reaches.
+fn tried(input: SoundInput, fraction: f32) -> f32 {
+    match input {
+        // Music is hardly louder than this: half a full-scale square wave.
+        SoundInput::VolumeLeft | SoundInput::VolumeRight | SoundInput::VolumeMid | SoundInput::VolumeSide => {
+            0.5 * fraction
+        }
+        SoundInput::Tempo => 60.0 + 120.0 * fraction,
+        _ => input.range().0 + (input.range().1 - input.range().0) * fraction,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::lang::SHAPES;
+    use crate::world::testing::world_of;
+
+    #[test]
+    fn shapes_and_what_is_made_of_them_are_distances() {
+        let two = "sphere(p, 1), box(p - vec3(1, 0.3, 0), 0.8)";
+        let made = ["union", "intersect", "subtract"].map(|name| format!("{name}({two})"));
+        let smooth = ["smooth_union", "smooth_intersect", "smooth_subtract", "chamfer_union", "morph"];
+        let made = made.into_iter().chain(smooth.map(|name| format!("{name}({two}, 0.4)")));
+        let moved = [
+            "box(repeat(rotate_y(p, t), 4), 1)",
+            "torus(polar_repeat(p, 5) - vec3(3, 0, 0), 0.7, 0.2)",
+            "sphere(scale(p, 2), 1) * 2",
+            "box(repeat_limited(p, vec3(3, 0, 3), 2), 1)",
+            "box(twist(p, 0.5), vec3(0.5, 2, 0.5)) / 1.4",
+            "box(elongate(p, vec3(1, 0, 0)), 0.5)",
+            "displace(sphere(p, 1), 0.1*noise(4*p), 1.04)",
+            "displace(sphere(p, 1), 0.1*sin(10*x)*sin(10*y)*sin(10*z), 1.73)",
+            "0.5*(length(p) - 1)",
+        ];
+        let shapes = SHAPES.iter().map(|(call, _)| (*call).to_owned());
+        for text in shapes.chain(made).chain(moved.map(str::to_owned)) {
+            assert!(!world_of(&text).non_lipschitz, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_first_shipped_scenes_are_distances() {
+        for text in [
+            crate::world::testing::SPEAKERS,
+            include_str!("../../../../assets/scenes/metaballs.scene"),
+            include_str!("../../../../assets/scenes/first_steps.scene"),
+        ] {
+            assert!(!world_of(text).non_lipschitz, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_factor_makes_a_distance_of_what_is_too_steep_everywhere() {
+        for (text, least, most) in [("3*(length(p)-1)", 0.28, 0.34), ("y-0.5*sin(x)", 0.8, 0.95)] {
+            let factor = world_of(text).slopes.distance_factor.unwrap();
+            assert!((least..most).contains(&factor), "{text}: {factor}");
+            assert!(!world_of(&format!("{factor} * ({text})")).non_lipschitz, "{text} times {factor}");
+        }
+        assert_eq!(world_of("length(p)-1").slopes.distance_factor, None);
+    }
+
+    #[test]
+    fn other_formulas_are_not() {
+        for text in [
+            "x^2+y^2-z^2-1",
+            "x^2+y^2+z^2-1",
+            "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)",
+            "abs(sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)) - 0.1",
+            "(x^2+9/4*z^2+y^2-1)^3-x^2*y^3-9/80*z^2*y^3",
+            "4*(2.618034*x^2-y^2)*(2.618034*y^2-z^2)*(2.618034*z^2-x^2)-4.236068*(x^2+y^2+z^2-1)^2",
+            "y-2*noise_2d(p.xz)",
+            "y-0.5*sin(x)",
+            "0.02*(length(p)-1)",
+            "3*(length(p)-1)",
+            // Small beside something without end, and the same number away from both.
+            "min(length(p.xy - vec2(0, 15)) - 0.2, -log(exp(-60*(length(p)-0.3)) + exp(-60*(length(p.xz)-0.2+abs(y))))/30)",
+        ] {
+            assert!(world_of(text).non_lipschitz, "{text}");
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! The thread that reads, saves and keeps texts, and looks whether their files change.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::Builder;
+use std::time::{Duration, Instant, SystemTime};
+
+use super::{Bytes, FileEvent, KeptTexts, OnDisk, stem_of};
+use crate::Folders;
+use crate::atomic_file::AtomicFile;
+use crate::limits::LIMITS;
+
+/// How often files are looked at for changes by others.
+const LOOK: Duration = Duration::from_millis(400);
+/// Least time between two keepings of one text.
+const KEEP: Duration = Duration::from_millis(300);
+/// How many names are tried for a new file.
+const NAMES_MAX: usize = 1_000;
+
+/// Does what has to do with files, on a thread of its own that ends when this is dropped and everything is done.
+#[derive(Debug)]
+pub struct FileThread {
+    orders: Sender<Order>,
+    file_events: Receiver<FileEvent>,
+    own_scenes: Option<PathBuf>,
+}
+
+enum Order {
+    Open(PathBuf),
+    Save { file: PathBuf, text: Bytes, believed: Option<OnDisk> },
+    Create { folder: PathBuf, name: String, text: Bytes },
+    Keep { file: PathBuf, text: Option<Bytes> },
+    Finish(Sender<()>),
+}
+
+impl FileThread {
+    /// Starts the thread; texts of the user's own lie in these folders. `wake` is called after each piece of news.
+    ///
+    /// # Errors
+    /// The system has no thread left.
+    pub fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+        let kept = KeptTexts::among(folders);
+        let own_scenes = folders.data.as_ref().map(|data| data.join("scenes"));
+        let ((orders, inbox), (tell, file_events)) = (channel(), channel());
+        Builder::new().name("documents".into()).spawn(move || {
+            let tell = move |file_events| {
+                // After the end nobody listens.
+                let _ = tell.send(file_events);
+                wake();
+            };
+            FileThreadState { tell, kept, known: BTreeMap::new(), to_keep: BTreeMap::new() }.run(&inbox);
+        })?;
+        Ok(Self { orders, file_events, own_scenes })
+    }
+
+    /// The folder for scenes of the user's own that begin as copies; none if the system has no place for it.
+    pub fn own_scenes(&self) -> Option<&Path> {
+        self.own_scenes.as_deref()
+    }
+
+    /// Reads a file, which is watched from then on.
+    pub fn open(&self, file: &Path) {
+        self.order(Order::Open(file.to_owned()));
+    }
+
+    /// Saves a text, if the file holds what it is `believed` to hold; without a belief in any case.
+    pub fn save(&self, file: &Path, text: Bytes, believed: Option<OnDisk>) {
+        self.order(Order::Save { file: file.to_owned(), text, believed });
+    }
+
+    /// Makes a new scene in a folder, with a name like this one.
+    pub fn create(&self, folder: &Path, name: &str, text: Bytes) {
+        self.order(Order::Create { folder: folder.to_owned(), name: name.to_owned(), text });
+    }
+
+    /// Keeps a text that is not saved, or keeps it no longer.
+    pub fn keep(&self, file: &Path, text: Option<Bytes>) {
+        self.order(Order::Keep { file: file.to_owned(), text });
+    }
+
+    /// What there is to tell next. Never blocks.
+    pub fn file_events(&self) -> Option<FileEvent> {
+        self.file_events.try_recv().ok()
+    }
+
+    /// Waits until everything is done that was ordered, and at most for `limit`.
+    pub fn finish(&self, limit: Duration) {
+        let (done, finished) = channel();
+        self.order(Order::Finish(done));
+        if finished.recv_timeout(limit).is_err() {
+            tracing::warn!("a disk takes so long that a text may not be kept");
+        }
+    }
+
+    fn order(&self, order: Order) {
+        if self.orders.send(order).is_err() {
+            tracing::error!("the thread that saves texts has ended");
+        }
+    }
+}
+
+/// A file as it was last seen.
+struct Known {
+    stamp: Stamp,
+    holds: OnDisk,
+    /// Whether it was this program that wrote it.
+    is_own: bool,
+}
+
+/// Length and time of the last change; none if there is no such file.
+type Stamp = Option<(u64, Option<SystemTime>)>;
+
+/// What is kept of a text next, and when one was kept last.
+struct ToKeep {
+    text: Option<Bytes>,
+    last: Option<Instant>,
+}
+
+struct FileThreadState<Tell> {
+    tell: Tell,
+    kept: KeptTexts,
+    known: BTreeMap<PathBuf, Known>,
+    to_keep: BTreeMap<PathBuf, ToKeep>,
+}
+
+impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
+    fn run(&mut self, inbox: &Receiver<Order>) {
+        let mut looked = Instant::now();
+        loop {
+            let look = (!self.known.is_empty()).then_some(looked + LOOK);
+            let now = Instant::now();
+            let keep = self.to_keep.values().filter(|one| one.text.is_some()).map(|one| one.due(now));
+            let due = keep.chain(look).min();
+            let order = match due {
+                Some(due) => inbox.recv_timeout(due.saturating_duration_since(now)),
+                None => inbox.recv().map_err(|_| RecvTimeoutError::Disconnected),
+            };
+            match order {
+                Ok(order) => self.obey(order),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return self.keep_all(true),
+            }
+            self.keep_all(false);
+            if looked + LOOK <= Instant::now() {
+                self.look();
+                looked = Instant::now();
+            }
+        }
+    }
+
+    fn obey(&mut self, order: Order) {
+        match order {
+            Order::Open(file) => {
+                let known = known(&file);
+                let holds = known.holds.clone();
+                let kept = self.kept.of(&file);
+                self.known.insert(file.clone(), known);
+                (self.tell)(FileEvent::Opened { file, holds, kept });
+            }
+            Order::Save { file, text, believed } => self.save(file, text, believed),
+            Order::Create { folder, name, text } => self.create(&folder, &name, &text),
+            Order::Keep { file, text: Some(text) } => {
+                let entry = self.to_keep.entry(file).or_insert(ToKeep { text: None, last: None });
+                entry.text = Some(text);
+            }
+            Order::Keep { file, text: None } => {
+                self.to_keep.remove(&file);
+                self.kept.forget(&file);
+            }
+            Order::Finish(done) => {
+                self.keep_all(true);
+                let _ = done.send(());
+            }
+        }
+    }
+
+    fn save(&mut self, file: PathBuf, text: Bytes, believed: Option<OnDisk>) {
+        let now = known(&file);
+        // Two saves may follow each other before the first is told.
+        let was_own = self.known.get(&file).is_some_and(|last| last.is_own && last.holds == now.holds);
+        let is_own = was_own || matches!(&now.holds, OnDisk::Bytes(bytes) if **bytes == *text);
+        if !is_own && believed.is_some_and(|believed| believed != now.holds) {
+            let holds = now.holds.clone();
+            self.known.insert(file.clone(), now);
+            return (self.tell)(FileEvent::Refused { file, holds });
+        }
+        let written = AtomicFile::create(&file).and_then(|place| place.write(&text));
+        match written {
+            Ok(()) => {
+                let now = known(&file);
+                let is_own = matches!(&now.holds, OnDisk::Bytes(bytes) if **bytes == *text);
+                self.known.insert(file.clone(), Known { is_own, ..now });
+                self.to_keep.remove(&file);
+                self.kept.forget(&file);
+                (self.tell)(FileEvent::Saved { file, text });
+            }
+            Err(error) => {
+                let reason = format!("{error}; the text is kept, so save it elsewhere or mend that");
+                (self.tell)(FileEvent::Failed { file, reason });
+            }
+        }
+    }
+
+    fn create(&mut self, folder: &Path, name: &str, text: &[u8]) {
+        let stem = stem_of(name);
+        let names = (1..NAMES_MAX).map(|number| match number {
+            1 => format!("{stem}.scene"),
+            _ => format!("{stem}-{number}.scene"),
+        });
+        let failed = |reason: String| (self.tell)(FileEvent::Failed { file: folder.to_owned(), reason });
+        if let Err(error) = fs::create_dir_all(folder) {
+            return failed(format!("{} cannot be made ({error})", folder.display()));
+        }
+        let Some(file) = names.map(|name| folder.join(name)).find(|file| fs::symlink_metadata(file).is_err())
+        else {
+            return failed(format!(
+                "{} holds {NAMES_MAX} scenes of that name: rename some",
+                folder.display()
+            ));
+        };
+        match AtomicFile::create(&file).and_then(|place| place.write(text)) {
+            Ok(()) => (self.tell)(FileEvent::Created { file }),
+            Err(error) => failed(error.to_string()),
+        }
+    }
+
+    /// Keeps the texts that are due, or `all` of them.
+    fn keep_all(&mut self, all: bool) {
+        let now = Instant::now();
+        for (file, one) in &mut self.to_keep {
+            if !all && one.due(now) > now {
+                continue;
+            }
+            let Some(text) = one.text.take() else { continue };
+            one.last = Some(now);
+            if let Err(reason) = self.kept.keep(file, &text) {
+                let reason = format!("unsaved text of {} is not kept: {reason}", file.display());
+                (self.tell)(FileEvent::Failed { file: file.clone(), reason });
+            }
+        }
+    }
+
+    /// Tells which files others have changed.
+    fn look(&mut self) {
+        for (file, before) in &mut self.known {
+            if stamp(file) == before.stamp {
+                continue;
+            }
+            let now = known(file);
+            let is_another = now.holds != before.holds;
+            *before = now;
+            if is_another {
+                (self.tell)(FileEvent::Changed { file: file.clone(), holds: before.holds.clone() });
+            }
+        }
+    }
+}
+
+impl ToKeep {
+    /// When it may be kept next, which is `now` if it never was.
+    fn due(&self, now: Instant) -> Instant {
+        self.last.map_or(now, |last| last + KEEP)
+    }
+}
+
+fn stamp(file: &Path) -> Stamp {
+    let metadata = fs::metadata(file).ok()?;
+    Some((metadata.len(), metadata.modified().ok()))
+}
+
+fn known(file: &Path) -> Known {
+    // The stamp comes first: if the file changes meanwhile, the next look finds another one.
+    let stamp = stamp(file);
+    Known { stamp, holds: read(file), is_own: false }
+}
+
+fn read(file: &Path) -> OnDisk {
+    let max = LIMITS.kept_text_bytes_max;
+    let unreadable = |error: io::Error| match error.kind() {
+        io::ErrorKind::NotFound => OnDisk::Missing,
+        _ => OnDisk::Unreadable(error.to_string()),
+    };
+    // Checked before it is opened, because opening a pipe waits for somebody who writes.
+    match fs::metadata(file) {
+        Ok(metadata) if !metadata.is_file() => return OnDisk::Unreadable("it is not a file".to_owned()),
+        Ok(_) => {}
+        Err(error) => return unreadable(error),
+    }
+    match read_at_most(file, max) {
+        Ok(Some(bytes)) => OnDisk::Bytes(Arc::from(bytes)),
+        Ok(None) => OnDisk::Unreadable(format!("it is larger than {max} bytes")),
+        Err(error) => unreadable(error),
+    }
+}
+
+/// A file's bytes; none if there are more than `max`.
+pub(super) fn read_at_most(file: &Path, max: usize) -> io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::new();
+    fs::File::open(file)?.take((max as u64).saturating_add(1)).read_to_end(&mut bytes)?;
+    Ok((bytes.len() <= max).then_some(bytes))
+}

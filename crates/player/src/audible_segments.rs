@@ -1,0 +1,366 @@
+//! What the frames that were handed out stand for: song time and features, by segment.
+//!
+//! The decoding and the analysis thread write it, the window reads it; each holds it only briefly, and the callback
+//! never touches it.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::clock::Audible;
+use super::track::TrackInfo;
+use crate::limits::LIMITS;
+use mariana_music::{FeatureTrack, Features, Sound, TimedFeatures};
+
+/// Segments remembered: the newest and those that may still sound behind it.
+const SEGMENTS_KEPT: usize = 8;
+
+/// Passages of a segment remembered, however short they are: more would only cost memory.
+const PASSAGES_KEPT: usize = 8;
+
+/// What a passage's track of features holds beyond the largest delay of the picture, in seconds: the ring and a
+/// reserve.
+const TRACK_RESERVE: f64 = 2.0;
+
+/// From this time of the segment on, the song runs from this time.
+#[derive(Debug, Clone, Copy)]
+struct Anchor {
+    segment_time: f64,
+    song_time: f64,
+    lap: u32,
+}
+
+/// A track within a segment, with its laps: what is analysed in one run.
+struct Passage {
+    id: u64,
+    track: Arc<TrackInfo>,
+    /// Time of the segment at which it begins.
+    segment_time: f64,
+    /// Time of the track at that point; the features count from there and go on over laps.
+    start: f64,
+    /// Never empty; in order of time.
+    anchors: VecDeque<Anchor>,
+    features: FeatureTrack,
+}
+
+struct SegmentNotes {
+    id: u64,
+    /// Segments with the same number follow each other without a seek or a skip.
+    run: u64,
+    /// Frames per second of the device that the segment was made for.
+    rate: u32,
+    /// Never empty; in order of time.
+    passages: VecDeque<Passage>,
+    /// How often something began anew within the segment.
+    laps: u32,
+    end_frame: Option<u64>,
+}
+
+/// A place in a track.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SongPlace {
+    /// Seconds since the track's start.
+    pub song_time: f64,
+    /// How often a track has begun earlier within the segment.
+    pub lap: u32,
+    /// The passage that it is in.
+    pub passage: u64,
+    /// The number of its track ([`TrackInfo::id`]).
+    pub track: u64,
+    /// The features of that place.
+    pub features: Features,
+}
+
+/// The segments of a playback that may be audible.
+#[derive(Default)]
+pub struct AudibleSegments {
+    segments: VecDeque<SegmentNotes>,
+    /// What follows the track that is decoded, once it is open.
+    next: Option<Arc<TrackInfo>>,
+}
+
+/// A [`AudibleSegments`] shared by threads.
+#[derive(Clone, Default)]
+pub struct SharedAudibleSegments(Arc<Mutex<AudibleSegments>>);
+
+impl SharedAudibleSegments {
+    /// Locks the timeline, for moments only. A thread that failed while it held the timeline leaves it usable.
+    pub fn lock(&self) -> MutexGuard<'_, AudibleSegments> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl AudibleSegments {
+    /// Adds segment `id` for a device of `rate` frames per second. It begins with passage `passage`, which is `track`
+    /// from `start` seconds on. `run` is that of the segment before if only the device changed.
+    pub fn begin(&mut self, id: u64, run: u64, rate: u32, passage: u64, start: f64, track: Arc<TrackInfo>) {
+        if self.segments.len() == SEGMENTS_KEPT {
+            self.segments.pop_front();
+        }
+        let passages = VecDeque::from([Passage::new(passage, track, 0.0, start, 0)]);
+        self.segments.push_back(SegmentNotes {
+            id,
+            run,
+            rate: rate.max(1),
+            passages,
+            laps: 0,
+            end_frame: None,
+        });
+    }
+
+    /// Forgets a segment that was never handed out.
+    pub fn discard(&mut self, id: u64) {
+        self.segments.retain(|segment| segment.id != id);
+    }
+
+    /// Corrects the track time at which a passage begins (the track was shorter than was thought).
+    pub fn set_start(&mut self, passage: u64, start: f64) {
+        let Some(passage) = self.passage_mut(passage) else { return };
+        passage.start = start;
+        if let Some(anchor) = passage.anchors.front_mut() {
+            anchor.song_time = start;
+        }
+    }
+
+    /// Notes that at `segment_time` (seconds since the segment's start) the track begins anew. `played` is the
+    /// segment time that is certainly past: whatever lies before it is forgotten.
+    pub fn begin_lap(&mut self, id: u64, segment_time: f64, played: f64) {
+        let Some(segment) = self.find_mut(id) else { return };
+        segment.laps = segment.laps.wrapping_add(1);
+        let lap = segment.laps;
+        let Some(passage) = segment.passages.back_mut() else { return };
+        passage.anchors.push_back(Anchor { segment_time, song_time: 0.0, lap });
+        while passage.anchors.get(1).is_some_and(|second| second.segment_time <= played) {
+            passage.anchors.pop_front();
+        }
+    }
+
+    /// Notes that at `segment_time` another track begins, as passage `passage`. See [`AudibleSegments::begin_lap`].
+    pub fn begin_track(
+        &mut self,
+        id: u64,
+        segment_time: f64,
+        played: f64,
+        passage: u64,
+        track: Arc<TrackInfo>,
+    ) {
+        let Some(segment) = self.find_mut(id) else { return };
+        segment.laps = segment.laps.wrapping_add(1);
+        let next = Passage::new(passage, track, segment_time, 0.0, segment.laps);
+        segment.passages.push_back(next);
+        while segment.passages.len() > PASSAGES_KEPT
+            || segment.passages.get(1).is_some_and(|second| second.segment_time <= played)
+        {
+            segment.passages.pop_front();
+        }
+    }
+
+    /// Notes that the segment has `end_frame` frames and no more will come.
+    pub fn finish(&mut self, id: u64, end_frame: u64) {
+        if let Some(segment) = self.find_mut(id) {
+            segment.end_frame = Some(end_frame);
+        }
+    }
+
+    /// Whether the features of a segment's first moment are known.
+    pub fn has_begun(&self, id: u64) -> bool {
+        let first = self.find(id).and_then(|segment| segment.passages.front());
+        first.is_some_and(|passage| passage.features.span().is_some_and(|(_, last)| last >= passage.start))
+    }
+
+    /// Adds the features of a moment of a passage; its time counts from the track's start and goes on over laps.
+    pub fn push_features(&mut self, passage: u64, moment: &TimedFeatures) {
+        if let Some(passage) = self.passage_mut(passage) {
+            passage.features.push(moment);
+        }
+    }
+
+    /// Notes what follows the track that is decoded, if that is known and another one.
+    pub fn set_next(&mut self, next: Option<Arc<TrackInfo>>) {
+        self.next = next;
+    }
+
+    /// What was noted last.
+    pub fn next(&self) -> Option<Arc<TrackInfo>> {
+        self.next.clone()
+    }
+
+    /// Where `audible` is in its track, `ahead` seconds later (never after the segment's end). None for a segment
+    /// that is not remembered.
+    pub fn place(&self, audible: Audible, ahead: f64) -> Option<SongPlace> {
+        let (passage, time) = self.passage_at(audible, ahead)?;
+        let index = passage.anchors.partition_point(|anchor| anchor.segment_time <= time).saturating_sub(1);
+        let anchor = passage.anchors.get(index)?;
+        Some(SongPlace {
+            song_time: (anchor.song_time + time - anchor.segment_time).max(0.0),
+            lap: anchor.lap,
+            passage: passage.id,
+            track: passage.track.id,
+            features: passage.features.at(passage.start + time - passage.segment_time),
+        })
+    }
+
+    /// The frame of segment `to` that is at the same time of the same track as `from`, negative before that segment's
+    /// start. None if there was a seek, a skip or another track between them.
+    pub fn carry(&self, from: Audible, to: u64) -> Option<f64> {
+        let (passage, _) = self.passage_at(from, 0.0)?;
+        let (before, after) = (self.find(from.segment)?, self.find(to)?);
+        let first = after.passages.front()?;
+        if before.run != after.run || !Arc::ptr_eq(&passage.track, &first.track) {
+            return None;
+        }
+        let (time, anchor) = (self.place(from, 0.0)?.song_time, first.anchors.front()?);
+        Some((time - anchor.song_time + anchor.segment_time) * f64::from(after.rate))
+    }
+
+    /// The track that `audible` is in.
+    pub fn track(&self, audible: Audible) -> Option<Arc<TrackInfo>> {
+        Some(self.passage_at(audible, 0.0)?.0.track.clone())
+    }
+
+    /// The passage that is audible `ahead` seconds after `audible`, and the segment time at that point.
+    fn passage_at(&self, audible: Audible, ahead: f64) -> Option<(&Passage, f64)> {
+        let segment = self.find(audible.segment)?;
+        let rate = f64::from(segment.rate);
+        let end = segment.end_frame.map_or(f64::INFINITY, |frame| frame as f64 / rate);
+        let time = (audible.frame / rate + ahead).min(end);
+        let passages = &segment.passages;
+        let index = passages.partition_point(|passage| passage.segment_time <= time).saturating_sub(1);
+        Some((passages.get(index)?, time))
+    }
+
+    /// The sound of the same place, with its tables.
+    pub fn sound(&self, audible: Audible, ahead: f64) -> Option<Sound> {
+        let (passage, time) = self.passage_at(audible, ahead)?;
+        Some(passage.features.sound_at(passage.start + time - passage.segment_time))
+    }
+
+    /// Whether `audible` is the end of a segment that nothing follows.
+    pub fn is_end(&self, audible: Audible) -> bool {
+        let newest = self.segments.back();
+        newest.is_some_and(|segment| {
+            segment.id == audible.segment && segment.end_frame.is_some_and(|end| audible.frame >= end as f64)
+        })
+    }
+
+    fn find(&self, id: u64) -> Option<&SegmentNotes> {
+        self.segments.iter().rev().find(|segment| segment.id == id)
+    }
+
+    fn find_mut(&mut self, id: u64) -> Option<&mut SegmentNotes> {
+        self.segments.iter_mut().rev().find(|segment| segment.id == id)
+    }
+
+    fn passage_mut(&mut self, id: u64) -> Option<&mut Passage> {
+        let passages = self.segments.iter_mut().rev().flat_map(|segment| segment.passages.iter_mut().rev());
+        passages.into_iter().find(|passage| passage.id == id)
+    }
+}
+
+impl Passage {
+    fn new(id: u64, track: Arc<TrackInfo>, segment_time: f64, start: f64, lap: u32) -> Self {
+        let anchors = VecDeque::from([Anchor { segment_time, song_time: start, lap }]);
+        let features = FeatureTrack::new(LIMITS.latency_ms_max / 1000.0 + TRACK_RESERVE);
+        Self { id, track, segment_time, start, anchors, features }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::track::Track;
+
+    /// Begins a segment with a track of its own, under the segment's number.
+    fn begin(audible_segments: &mut AudibleSegments, id: u64, rate: u32, start: f64) {
+        audible_segments.begin(id, id, rate, id, start, Track::silence(id as usize, 9).info);
+    }
+
+    fn at(segment: u64, frame: f64) -> Audible {
+        Audible { segment, frame }
+    }
+
+    fn song_time(audible_segments: &AudibleSegments, segment: u64, frame: f64) -> Option<(f64, u32)> {
+        audible_segments.place(at(segment, frame), 0.0).map(|place| (place.song_time, place.lap))
+    }
+
+    #[test]
+    fn laps_and_seeks_are_told_apart() {
+        let mut audible_segments = AudibleSegments::default();
+        begin(&mut audible_segments, 1, 100, 7.0);
+        audible_segments.begin_lap(1, 3.0, 0.0);
+        audible_segments.begin_lap(1, 13.0, 0.0);
+        begin(&mut audible_segments, 2, 200, 2.0);
+        assert_eq!(song_time(&audible_segments, 1, 150.0), Some((8.5, 0)));
+        assert_eq!(song_time(&audible_segments, 1, 300.0), Some((0.0, 1)));
+        assert_eq!(song_time(&audible_segments, 1, 1350.0), Some((0.5, 2)));
+        assert_eq!(song_time(&audible_segments, 2, 150.0), Some((2.75, 0)));
+        assert_eq!(song_time(&audible_segments, 3, 0.0), None);
+        audible_segments.discard(2);
+        assert_eq!(song_time(&audible_segments, 2, 150.0), None);
+    }
+
+    #[test]
+    fn features_belong_to_their_segment() {
+        let mut audible_segments = AudibleSegments::default();
+        let moment = |time: f64, volume| {
+            let features = Features { volume: [volume; 2], ..Features::default() };
+            TimedFeatures::new(time, (100.0 * time) as u64, features)
+        };
+        begin(&mut audible_segments, 1, 100, 5.0);
+        audible_segments.push_features(1, &moment(5.0, 0.25));
+        begin(&mut audible_segments, 2, 100, 5.0);
+        audible_segments.push_features(2, &moment(5.0, 0.75));
+        audible_segments.push_features(2, &moment(7.0, 0.25));
+        let volume = |segment, frame, ahead| {
+            audible_segments.place(at(segment, frame), ahead).map(|place| place.features.volume[0])
+        };
+        assert_eq!(volume(1, 10.0, 0.0), Some(0.25));
+        assert_eq!(volume(2, 0.0, 0.0), Some(0.75));
+        assert_eq!(volume(2, 100.0, 0.0), Some(0.5));
+        assert_eq!(volume(2, 0.0, 1.0), Some(0.5));
+    }
+
+    #[test]
+    fn what_is_past_is_forgotten_and_the_end_is_known() {
+        let mut audible_segments = AudibleSegments::default();
+        begin(&mut audible_segments, 1, 100, 0.0);
+        (1..1000).for_each(|n| audible_segments.begin_lap(1, f64::from(n), f64::from(n) - 2.0));
+        assert!(audible_segments.segments[0].passages[0].anchors.len() <= 4);
+        assert_eq!(song_time(&audible_segments, 1, 99_950.0), Some((0.5, 999)));
+        assert!(!audible_segments.is_end(at(1, 99_950.0)));
+        audible_segments.finish(1, 99_950);
+        assert!(audible_segments.is_end(at(1, 99_950.0)));
+        assert_eq!(song_time(&audible_segments, 1, 120_000.0), Some((0.5, 999)));
+    }
+
+    #[test]
+    fn tracks_follow_each_other_with_their_own_times_and_features() {
+        let mut audible_segments = AudibleSegments::default();
+        begin(&mut audible_segments, 1, 100, 8.0);
+        audible_segments.begin_lap(1, 2.0, 0.0);
+        audible_segments.begin_track(1, 12.0, 0.0, 2, Track::silence(2, 9).info);
+        let moment = |time: f64, volume| {
+            let features = Features { volume: [volume; 2], ..Features::default() };
+            TimedFeatures::new(time, (100.0 * time) as u64, features)
+        };
+        // The analysis comes after the decoding: late features of the first track stay with it.
+        audible_segments.push_features(1, &moment(19.0, 0.25));
+        audible_segments.push_features(2, &moment(0.0, 0.5));
+        audible_segments.push_features(1, &moment(20.0, 0.75));
+        let reported = |audible_segments: &AudibleSegments, frame| {
+            let place = audible_segments.place(at(1, frame), 0.0).unwrap();
+            let entry = audible_segments.track(at(1, frame)).unwrap().entry;
+            (place.song_time, place.lap, entry, place.features.volume[0])
+        };
+        assert_eq!(reported(&audible_segments, 199.0), (9.99, 0, 1, 0.25));
+        assert_eq!(reported(&audible_segments, 1199.0).1, 1);
+        assert_eq!(reported(&audible_segments, 1150.0), (9.5, 1, 1, 0.5));
+        assert_eq!(reported(&audible_segments, 1200.0), (0.0, 2, 2, 0.5));
+        for n in 3..1000_u32 {
+            audible_segments.begin_track(1, f64::from(n) * 12.0, 0.0, n.into(), Track::silence(5, 9).info);
+        }
+        assert_eq!(audible_segments.segments[0].passages.len(), PASSAGES_KEPT);
+        audible_segments.begin_track(1, 12_000.0, 11_990.0, 2000, Track::silence(7, 9).info);
+        assert_eq!(audible_segments.segments[0].passages.len(), 2);
+        assert_eq!(audible_segments.track(at(1, 1_200_000.0)).unwrap().entry, 7);
+    }
+}

@@ -1,0 +1,177 @@
+//! Parts of the song that nobody heard because devices went and came.
+//!
+//! What passed between the last frame of one device and the first of the next, including the time on the silent
+//! clock, was not heard. It is reported once there is sound again. What a lost device still had in its buffer counts
+//! as heard, because nobody can know.
+//!
+//! **The song does not wait for devices.** A device that falls silent takes no time away: the song runs on from the
+//! last frame that the device was handed. The segment for the next output, or for the silent clock, is due from the
+//! moment at which that output came, and its callback drops the frames that it gets too late. So the position never
+//! steps and never stands, what is heard after a fault matches the picture, and what nobody heard is reported by this
+//! module. If a device merely went on late, nothing is lost: `clock::Clock` then runs a fifth slower (or faster)
+//! until it agrees with what is heard. A process that was stopped goes on where it was: a gap in which nobody looked
+//! and no device called is not time of the song. `cargo bench --bench device_faults` counts steps through 200 faults.
+
+use std::fmt;
+use std::sync::Arc;
+
+use crate::clock::{Audible, SpanHistory};
+
+/// Anything shorter than this, in seconds, is not reported.
+const REPORTED_FROM: f64 = 0.05;
+
+/// Stretches of the song that were not heard; in words, only the last one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MissedAudio {
+    /// How many there were.
+    pub count: u64,
+    /// How long the last one was, in seconds.
+    pub seconds: f64,
+    /// The output after it.
+    pub after: SilenceEnd,
+}
+
+/// The output that ended a stretch without sound.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SilenceEnd {
+    /// Another device.
+    #[default]
+    AnotherDevice,
+    /// The same device. It had failed, or had stopped asking for samples.
+    SameDevice,
+}
+
+impl fmt::Display for MissedAudio {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let decimals = if self.seconds < 1.0 { 2 } else { 1 };
+        let why = match self.after {
+            SilenceEnd::AnotherDevice => "the sound device changed",
+            SilenceEnd::SameDevice => "the sound device had stopped and was opened again",
+        };
+        write!(f, "{:.decimals$} s of the song were not heard: {why}", self.seconds)
+    }
+}
+
+/// Looks at the outputs one after the other.
+#[derive(Default)]
+pub(super) struct MissedAudioWatch {
+    history: Option<Arc<SpanHistory>>,
+    /// Seconds of song since there was last sound; none before there was any.
+    pending: Option<f64>,
+    /// The id of the device that sounded last.
+    device: Option<String>,
+    reported: MissedAudio,
+}
+
+impl MissedAudioWatch {
+    /// Notes the current output. `carry` maps a place in an earlier segment to a frame of a later one, unless a seek or
+    /// another track separates them.
+    pub(super) fn look(
+        &mut self,
+        history: &Arc<SpanHistory>,
+        carry: impl FnOnce(Audible, u64) -> Option<f64>,
+    ) {
+        if self.history.as_ref().is_some_and(|before| Arc::ptr_eq(before, history)) {
+            return;
+        }
+        if let Some(before) = self.history.replace(history.clone()) {
+            let gap = before.end().zip(history.first()).and_then(|(end, first)| {
+                Some((first.frame - carry(end, first.segment)?) / f64::from(history.rate()))
+            });
+            let gap = gap.map_or(0.0, |seconds| seconds.max(0.0));
+            let silent = if before.is_silent() { before.moved() } else { 0.0 };
+            let heard_before = self.pending.is_some() || !before.is_silent();
+            self.pending = heard_before.then(|| self.pending.unwrap_or(0.0) + silent + gap);
+        }
+        if history.is_silent() {
+            return;
+        }
+        let before = std::mem::replace(&mut self.device, history.device().map(str::to_owned));
+        if let Some(seconds) = self.pending.replace(0.0).filter(|seconds| *seconds >= REPORTED_FROM) {
+            let is_same = before.is_some() && before == self.device;
+            let after = if is_same { SilenceEnd::SameDevice } else { SilenceEnd::AnotherDevice };
+            self.reported = MissedAudio { count: self.reported.count + 1, seconds, after };
+        }
+    }
+
+    /// What there is to report.
+    pub(super) fn reported(&self) -> MissedAudio {
+        self.reported
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clock::{Span, SpanWriter};
+
+    /// A history that begins with `frame` of `segment`, in thousandths of a second of a song, and lasts `frames`.
+    fn output(segment: u64, frame: u64, frames: u32, moving: bool) -> (SpanWriter, Arc<SpanHistory>) {
+        let (mut writer, history) = SpanHistory::new(1000);
+        writer.push(Span { start_ns: 0, segment, frame, frames, moving });
+        (writer, history)
+    }
+
+    /// All segments count the same frames.
+    fn together(from: Audible, _: u64) -> Option<f64> {
+        Some(from.frame)
+    }
+
+    #[test]
+    fn what_nobody_heard_between_two_devices_is_told_once_there_is_sound() {
+        let mut watch = MissedAudioWatch::default();
+        let (_first, first) = output(1, 0, 2000, true);
+        let (_silent, silent) = output(2, 2100, 1000, true);
+        silent.set_silent();
+        let (_second, second) = output(3, 3300, 2000, true);
+        first.set_device("speakers");
+        second.set_device("headphones");
+        watch.look(&first, together);
+        watch.look(&silent, together);
+        assert_eq!(watch.reported().count, 0);
+        watch.look(&second, together);
+        watch.look(&second, together);
+        assert_eq!(watch.reported().count, 1);
+        assert_eq!(
+            watch.reported().to_string(),
+            "1.3 s of the song were not heard: the sound device changed"
+        );
+        // A change without a gap, during a pause or with a seek loses nothing.
+        let (_third, third) = output(4, 5320, 500, false);
+        let (_fourth, fourth) = output(5, 5320, 500, true);
+        let (_fifth, fifth) = output(6, 90_000, 500, true);
+        watch.look(&third, together);
+        watch.look(&fourth, together);
+        watch.look(&fifth, |_, _| None);
+        assert_eq!(watch.reported().count, 1);
+    }
+
+    #[test]
+    fn a_song_that_begins_without_a_device_has_lost_nothing_when_one_comes() {
+        let mut watch = MissedAudioWatch::default();
+        let (_silent, silent) = output(1, 0, 1000, true);
+        silent.set_silent();
+        let (_first, first) = output(2, 1500, 1000, true);
+        watch.look(&silent, together);
+        watch.look(&first, together);
+        assert_eq!(watch.reported(), MissedAudio::default());
+    }
+
+    #[test]
+    fn a_device_that_had_stopped_was_said_to_have_changed() {
+        let mut watch = MissedAudioWatch::default();
+        let (_first, first) = output(1, 0, 2000, true);
+        let (_silent, silent) = output(2, 2000, 3200, true);
+        silent.set_silent();
+        let (_second, second) = output(3, 5200, 2000, true);
+        first.set_device("speakers");
+        second.set_device("speakers");
+        watch.look(&first, together);
+        watch.look(&silent, together);
+        watch.look(&second, together);
+        assert_eq!(
+            watch.reported().to_string(),
+            "3.2 s of the song were not heard: the sound device had stopped and was opened again"
+        );
+    }
+}

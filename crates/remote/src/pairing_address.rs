@@ -1,0 +1,122 @@
+//! The address that a phone opens, and its picture for the phone's camera.
+
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
+
+use qrcode::{EcLevel, QrCode};
+
+use crate::token::Token;
+
+/// Addresses of documentation (RFC 5737, RFC 3849): nothing is sent to them, the system only says by which of its own
+/// addresses it would be.
+const FAR_V4: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::new(192, 0, 2, 1)), 9);
+const FAR_V6: SocketAddr = SocketAddr::new(IpAddr::V6(Ipv6Addr::new(0x2001, 0xdb8, 0, 0, 0, 0, 0, 1)), 9);
+
+/// What a phone needs to know.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PairingAddress {
+    /// The address.
+    pub url: String,
+    /// The same as a code of squares.
+    pub code: Option<Code>,
+    /// Whether only this computer can open it.
+    pub is_local: bool,
+}
+
+impl PairingAddress {
+    /// The one to a server that listens there; `name` is what the user called it by, if that is a name.
+    pub(crate) fn new(listens: SocketAddr, name: Option<&str>, token: &Token) -> Self {
+        let address = reachable(listens.ip());
+        let host = match name {
+            Some(name) => format!("{name}:{}", listens.port()),
+            None => SocketAddr::new(address, listens.port()).to_string(),
+        };
+        let url = format!("http://{host}/{}/", token.as_str());
+        Self { code: Code::of(&url), url, is_local: address.is_loopback() }
+    }
+}
+
+/// By which address others reach a server that listens there: of all addresses the one of the way to the world.
+fn reachable(listens: IpAddr) -> IpAddr {
+    if !listens.is_unspecified() {
+        return listens;
+    }
+    let (own, far, local) = match listens {
+        IpAddr::V4(_) => ("0.0.0.0:0", FAR_V4, IpAddr::V4(Ipv4Addr::LOCALHOST)),
+        IpAddr::V6(_) => ("[::]:0", FAR_V6, IpAddr::V6(Ipv6Addr::LOCALHOST)),
+    };
+    let asked = UdpSocket::bind(own).and_then(|socket| {
+        socket.connect(far)?;
+        socket.local_addr()
+    });
+    asked.map(|address| address.ip()).ok().filter(|address| !address.is_unspecified()).unwrap_or(local)
+}
+
+/// A code of squares (QR), without the white edge around it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Code {
+    side: usize,
+    dark: Vec<bool>,
+}
+
+impl Code {
+    /// Squares that have to be white on each side.
+    pub const EDGE: usize = 4;
+
+    /// A code of a text; none of one that is too long.
+    pub fn of(text: &str) -> Option<Self> {
+        let code = QrCode::with_error_correction_level(text, EcLevel::M).ok()?;
+        let dark = code.to_colors().into_iter().map(|color| color == qrcode::Color::Dark).collect();
+        Some(Self { side: code.width(), dark })
+    }
+
+    /// How many squares it has to a side.
+    pub fn side(&self) -> usize {
+        self.side
+    }
+
+    /// Where dark squares are, from the left and from the top.
+    pub fn dark(&self) -> impl Iterator<Item = (usize, usize)> {
+        let side = self.side.max(1);
+        self.dark.iter().enumerate().filter(|(_, dark)| **dark).map(move |(at, _)| (at % side, at / side))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_address_is_the_one_that_it_listens_on_with_the_token() {
+        let token = Token::new().unwrap();
+        let pairing_address =
+            |listens: &str, name| PairingAddress::new(listens.parse().unwrap(), name, &token);
+        let local = pairing_address("127.0.0.1:8080", None);
+        assert_eq!(local.url, format!("http://127.0.0.1:8080/{}/", token.as_str()));
+        assert!(local.is_local);
+        assert_eq!(
+            pairing_address("[fe80::1]:1", None).url,
+            format!("http://[fe80::1]:1/{}/", token.as_str())
+        );
+        let named = pairing_address("192.168.0.7:80", Some("studio.local"));
+        assert!(named.url.starts_with("http://studio.local:80/") && !named.is_local);
+        // Of all addresses it is one that a phone can open, whatever network this computer is in.
+        for listens in ["0.0.0.0:8080", "[::]:8080"] {
+            let host = pairing_address(listens, None).url;
+            let host: SocketAddr = host["http://".len()..].split('/').next().unwrap().parse().unwrap();
+            assert!(!host.ip().is_unspecified() && host.port() == 8080, "{host}");
+        }
+    }
+
+    #[test]
+    fn a_code_is_a_square_with_its_three_marks() {
+        let code = Code::of("http://192.168.100.100:65535/0123456789abcdefghjkmnpqrs/").unwrap();
+        assert!((21..=37).contains(&code.side()), "{} squares are hard to see", code.side());
+        let dark: std::collections::BTreeSet<_> = code.dark().collect();
+        let last = code.side() - 1;
+        for corner in [(0, 0), (last, 0), (0, last), (3, 3)] {
+            assert!(dark.contains(&corner), "{corner:?}");
+        }
+        assert!(!dark.contains(&(1, 1)) && dark.iter().all(|(x, y)| *x <= last && *y <= last));
+        assert_eq!(Code::of(&"x".repeat(5_000)), None);
+    }
+}

@@ -1,0 +1,191 @@
+//! A conversation with one phone: what it says goes among the wishes, and it is told what is new of the show.
+
+use std::io::{self, Write};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+use tungstenite::handshake::derive_accept_key;
+use tungstenite::protocol::frame::coding::CloseCode;
+use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
+use tungstenite::{Error, Message, WebSocket};
+
+use crate::heartbeat::{Due, Heartbeat};
+use crate::http;
+use crate::message::{Asked, Refused, understand};
+use crate::server::Shared;
+use crate::state_delta::SentState;
+
+/// What is sent when there is nothing to tell, so that the page knows that somebody is there.
+const ALIVE: &str = "{}";
+/// Room for what is read at once.
+const READ_BYTES: usize = 4 << 10;
+
+/// Says that a conversation begins.
+///
+/// # Errors
+/// The phone has gone.
+pub(crate) fn accept(mut stream: &TcpStream, key: &str, within: Duration) -> io::Result<()> {
+    stream.set_write_timeout(Some(within))?;
+    // A slider that waits for more to be sent lags.
+    stream.set_nodelay(true)?;
+    let key = derive_accept_key(key.as_bytes());
+    stream.write_all(
+        format!(
+            "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+             Sec-WebSocket-Accept: {key}\r\n\r\n"
+        )
+        .as_bytes(),
+    )
+}
+
+/// See the module.
+pub(crate) struct PhoneSession<'a> {
+    socket: WebSocket<TcpStream>,
+    shared: &'a Shared,
+    reported: SentState,
+    heartbeat: Heartbeat,
+    /// Since when something waits to be taken by the phone.
+    unread: Option<Instant>,
+}
+
+/// Why a conversation ends.
+type End = String;
+
+impl<'a> PhoneSession<'a> {
+    /// A conversation that has begun, of which this was read already.
+    pub(crate) fn new(stream: TcpStream, rest: Vec<u8>, shared: &'a Shared) -> Self {
+        let limits = shared.limits;
+        let config = WebSocketConfig::default()
+            .read_buffer_size(READ_BYTES)
+            .max_message_size(Some(limits.message_bytes_max))
+            .max_frame_size(Some(limits.message_bytes_max));
+        let socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
+        let heartbeat = Heartbeat::new(limits, Instant::now());
+        Self { socket, shared, reported: SentState::default(), heartbeat, unread: None }
+    }
+
+    /// Goes on until the phone goes or is sent away; says why.
+    pub(crate) fn go_on(mut self) -> End {
+        let _ = self.socket.get_ref().set_write_timeout(Some(self.shared.limits.delta_interval));
+        let mut due = Instant::now();
+        let end = loop {
+            if let Err(end) = self.tell_if_due(&mut due).and_then(|()| self.listen(due)) {
+                break end;
+            }
+        };
+        http::part(self.socket.get_ref());
+        end
+    }
+
+    /// Tells the news, if it is time.
+    fn tell_if_due(&mut self, due: &mut Instant) -> Result<(), End> {
+        let now = Instant::now();
+        if now < *due {
+            return Ok(());
+        }
+        *due = now + self.shared.limits.delta_interval;
+        if self.shared.is_over() {
+            return Err(self.close(CloseCode::Away, "Mariana has ended"));
+        }
+        if let Some(since) = self.unread {
+            if now.saturating_duration_since(since) >= self.shared.limits.unread_time_max {
+                return Err("it reads nothing".to_owned());
+            }
+            // What it has not taken is not added to: when it has, it gets what is newest then.
+            return self.flush();
+        }
+        let state_delta = self.reported.state_delta(&self.shared.board.newest(), self.shared.album.count());
+        match (self.heartbeat.due(now), state_delta) {
+            (Due::GiveUp, _) => Err(self.close(CloseCode::Policy, "nothing was heard for too long")),
+            (Due::Ask, state_delta) => {
+                self.say(Message::Ping(Default::default()))?;
+                self.say(Message::text(state_delta.unwrap_or_else(|| ALIVE.to_owned())))
+            }
+            (Due::Nothing, Some(state_delta)) => self.say(Message::text(state_delta)),
+            (Due::Nothing, None) => Ok(()),
+        }
+    }
+
+    fn say(&mut self, message: Message) -> Result<(), End> {
+        match self.socket.write(message) {
+            Ok(()) => self.flush(),
+            Err(Error::Io(error)) if is_patience(&error) => {
+                self.unread.get_or_insert_with(Instant::now);
+                Ok(())
+            }
+            Err(error) => Err(error.to_string()),
+        }
+    }
+
+    fn flush(&mut self) -> Result<(), End> {
+        match self.socket.flush() {
+            Ok(()) => {
+                self.unread = None;
+                Ok(())
+            }
+            Err(Error::Io(error)) if is_patience(&error) => {
+                self.unread.get_or_insert_with(Instant::now);
+                Ok(())
+            }
+            Err(error) => Err(error.to_string()),
+        }
+    }
+
+    /// Takes what the phone says until a moment, or the first of it.
+    fn listen(&mut self, until: Instant) -> Result<(), End> {
+        let left = until.saturating_duration_since(Instant::now()).max(Duration::from_millis(1));
+        let _ = self.socket.get_ref().set_read_timeout(Some(left));
+        let message = match self.socket.read() {
+            Ok(message) => message,
+            Err(Error::Io(error)) if is_patience(&error) => return Ok(()),
+            Err(Error::Capacity(_)) => return Err(self.close(CloseCode::Size, "a message is too large")),
+            Err(Error::Utf8(_)) => return Err(self.close(CloseCode::Invalid, "a message is no text")),
+            Err(Error::Protocol(error)) => {
+                let end = error.to_string();
+                self.close(CloseCode::Protocol, "this is no WebSocket");
+                return Err(end);
+            }
+            Err(error) => return Err(error.to_string()),
+        };
+        if !self.heartbeat.note_heard(Instant::now()) {
+            self.shared.input_queue.refuse(|refusals| refusals.too_many += 1);
+            return Err(self.close(CloseCode::Policy, "too many messages"));
+        }
+        match message {
+            Message::Text(text) => {
+                self.take(&text);
+                Ok(())
+            }
+            Message::Binary(_) => {
+                self.shared.input_queue.refuse(|refusals| refusals.rubbish += 1);
+                Err(self.close(CloseCode::Unsupported, "messages are texts"))
+            }
+            Message::Ping(_) | Message::Pong(_) | Message::Close(_) | Message::Frame(_) => Ok(()),
+        }
+    }
+
+    fn take(&self, text: &str) {
+        let input_queue = &self.shared.input_queue;
+        input_queue.count();
+        match understand(text, self.shared.actions) {
+            Ok(Asked::Turn(change)) => input_queue.turn(change),
+            Ok(Asked::Act(action)) => input_queue.act(action),
+            Ok(Asked::Nothing) => {}
+            Err(Refused::Rubbish) => input_queue.refuse(|refusals| refusals.rubbish += 1),
+            Err(Refused::Unknown) => input_queue.refuse(|refusals| refusals.unknown += 1),
+            Err(Refused::NotANumber) => input_queue.refuse(|refusals| refusals.not_numbers += 1),
+        }
+    }
+
+    /// Ends the conversation with a reason.
+    fn close(&mut self, code: CloseCode, reason: &'static str) -> End {
+        let _ = self.socket.close(Some(CloseFrame { code, reason: reason.into() }));
+        let _ = self.socket.flush();
+        reason.to_owned()
+    }
+}
+
+/// Whether nothing came, or nothing was taken, for a while.
+fn is_patience(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted)
+}

@@ -1,0 +1,300 @@
+//! What a request is: for the page, for a conversation, or to be refused. Reads no clock and no network.
+
+use std::net::IpAddr;
+
+use crate::http::Head;
+use crate::page::{Asset, PICTURE_PATH, SESSION_PATH, asset};
+use crate::token::Token;
+
+/// What a request with the right token is for.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum Route {
+    /// A text; with the host that it is asked of.
+    Text(&'static Asset, String),
+    /// The page, without the slash by which it finds its parts.
+    Slash,
+    /// The picture of the scene with this title.
+    Picture(String),
+    /// A conversation, which this key begins.
+    PhoneSession(String),
+}
+
+/// Why a request is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Refusal {
+    /// Something is to be changed by it.
+    Method,
+    /// It is asked of a name that is not known to be this computer's.
+    Host,
+    /// Nothing is there.
+    Nothing,
+    /// The token is wrong.
+    WrongToken,
+    /// It comes from another page.
+    Origin,
+    /// There is only a conversation there.
+    TalkOnly,
+    /// It begins no conversation of the one kind that there is.
+    Upgrade,
+}
+
+impl Refusal {
+    /// The status, and a sentence. Nothing of the request stands in it.
+    pub(crate) fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Method => ("405 Method Not Allowed", "this page can only be read: ask with GET"),
+            Self::Host => ("403 Forbidden", "ask by the address that Mariana's window shows, not by a name"),
+            Self::Nothing => {
+                ("404 Not Found", "nothing is here: open the address that Mariana's window shows")
+            }
+            Self::WrongToken => (
+                "403 Forbidden",
+                "this address is not valid any more: open the one that Mariana's window shows",
+            ),
+            Self::Origin => ("403 Forbidden", "another page has no business here"),
+            Self::TalkOnly => ("426 Upgrade Required", "only a WebSocket is here"),
+            Self::Upgrade => ("400 Bad Request", "this begins no WebSocket of version 13"),
+        }
+    }
+}
+
+/// The path behind the token, if the token is right.
+fn behind_token<'a>(path: &'a str, token: &Token) -> Result<Option<&'a str>, Refusal> {
+    let path = path.split('?').next().unwrap_or_default().trim_start_matches('/');
+    let (guess, rest) = path.split_once('/').map_or((path, None), |(guess, rest)| (guess, Some(rest)));
+    // What browsers and people ask for by themselves is no guess.
+    if ["", "favicon.ico", "robots.txt"].contains(&guess) {
+        return Err(Refusal::Nothing);
+    }
+    if !token.is(guess) {
+        return Err(Refusal::WrongToken);
+    }
+    Ok(rest)
+}
+
+/// What a request asks for, besides what the token says.
+///
+/// # Errors
+/// [`Refusal`].
+pub(crate) fn admit<'a>(head: &'a Head, own_name: Option<&str>) -> Result<&'a str, Refusal> {
+    if head.method != "GET" {
+        return Err(Refusal::Method);
+    }
+    head.field("Host").filter(|host| is_this_computer(host, own_name)).ok_or(Refusal::Host)
+}
+
+/// What a request with a known host is for.
+///
+/// # Errors
+/// [`Refusal`].
+pub(crate) fn route(head: &Head, host: &str, token: &Token) -> Result<Route, Refusal> {
+    let Some(rest) = behind_token(&head.path, token)? else { return Ok(Route::Slash) };
+    if let Some(scene) = rest.strip_prefix(PICTURE_PATH) {
+        return unescaped(scene).map(Route::Picture).ok_or(Refusal::Nothing);
+    }
+    if rest != SESSION_PATH {
+        return asset(rest).map(|asset| Route::Text(asset, host.to_owned())).ok_or(Refusal::Nothing);
+    }
+    let says = |name: &str, word: &str| {
+        let mut words = head.field(name).unwrap_or_default().split(',');
+        words.any(|one| one.trim().eq_ignore_ascii_case(word))
+    };
+    if !head.has("Upgrade") {
+        return Err(Refusal::TalkOnly);
+    }
+    // Pages of other places say where they are from, and browsers let none of them say otherwise.
+    let origin = head.field("Origin").unwrap_or_default();
+    if !origin.eq_ignore_ascii_case(&format!("http://{host}")) {
+        return Err(Refusal::Origin);
+    }
+    let key = head.field("Sec-WebSocket-Key").filter(|key| is_key(key));
+    match key {
+        Some(key)
+            if says("Upgrade", "websocket")
+                && says("Connection", "upgrade")
+                && head.field("Sec-WebSocket-Version") == Some("13") =>
+        {
+            Ok(Route::PhoneSession(key.to_owned()))
+        }
+        _ => Err(Refusal::Upgrade),
+    }
+}
+
+/// A part of a path as it was before signs of it were written as `%` and two digits; none if that gives no text.
+fn unescaped(part: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(part.len());
+    let mut rest = part.bytes();
+    while let Some(byte) = rest.next() {
+        bytes.push(match byte {
+            b'%' => {
+                let mut digit = || char::from(rest.next()?).to_digit(16);
+                (16 * digit()? + digit()?) as u8
+            }
+            byte => byte,
+        });
+    }
+    String::from_utf8(bytes).ok()
+}
+
+/// Whether a host is an address, this computer's own name for itself, or the name that the user gave: whoever owns any
+/// other name could let it lead here, and read what it answers under theirs.
+fn is_this_computer(host: &str, own_name: Option<&str>) -> bool {
+    let (name, port) = match host.rsplit_once(':') {
+        Some((name, port)) if !host.ends_with(']') => (name, Some(port)),
+        _ => (host, None),
+    };
+    let is_port = port.is_none_or(|port| !port.is_empty() && port.bytes().all(|byte| byte.is_ascii_digit()));
+    let bare = name.strip_prefix('[').and_then(|name| name.strip_suffix(']'));
+    let is_address = match bare {
+        Some(bare) => bare.parse::<std::net::Ipv6Addr>().is_ok(),
+        None => name.parse::<IpAddr>().is_ok_and(|address| address.is_ipv4()),
+    };
+    let mut own_names = ["localhost"].into_iter().chain(own_name);
+    is_port && (is_address || own_names.any(|own| name.eq_ignore_ascii_case(own)))
+}
+
+/// 16 bytes in base 64.
+fn is_key(key: &str) -> bool {
+    let letters = key.strip_suffix("==").unwrap_or_default();
+    letters.len() == 22 && letters.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"+/".contains(&byte))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HOST: &str = "192.168.0.7:8080";
+
+    fn head(method: &str, path: &str, fields: &str) -> Head {
+        Head::parse(format!("{method} {path} HTTP/1.1\r\n{fields}\r\n").as_bytes(), 16).unwrap().unwrap()
+    }
+
+    fn judged(method: &str, path: &str, fields: &str, token: &Token) -> Result<Route, Refusal> {
+        let head = head(method, path, fields);
+        let host = admit(&head, Some("studio.local"))?;
+        route(&head, host, token)
+    }
+
+    fn upgrade(host: &str, origin: &str) -> String {
+        format!(
+            "Host: {host}\r\nOrigin: {origin}\r\nConnection: keep-alive, Upgrade\r\nUpgrade: websocket\r\n\
+             Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+        )
+    }
+
+    #[test]
+    fn the_page_is_where_the_token_is_and_nothing_else_is_anywhere() {
+        let token = Token::new().unwrap();
+        let ask = |path: &str| judged("GET", path, &format!("Host: {HOST}\r\n"), &token);
+        let at = |rest: &str| format!("/{}{rest}", token.as_str());
+        assert_eq!([ask(&at("")), ask(&at("?x"))], [Ok(Route::Slash), Ok(Route::Slash)]);
+        for path in [at("/"), at("/?x=y"), at("/page.js"), at("/style.css")] {
+            assert!(matches!(ask(&path), Ok(Route::Text(_, host)) if host == HOST), "{path}");
+        }
+        assert_eq!(ask(&at("/hands")), Err(Refusal::TalkOnly));
+        for path in [at("/../page.js"), at("//etc/passwd"), at("/%2e%2e/x"), at("/page.js/"), at("/x")] {
+            assert_eq!(ask(&path), Err(Refusal::Nothing), "{path}");
+        }
+        for path in ["/", "/favicon.ico", "//", "/?x", "/robots.txt"] {
+            assert_eq!(ask(path), Err(Refusal::Nothing), "{path}");
+        }
+        for path in ["/etc/passwd", "/x", "/page.js", "/hands", "/%00", "*", "http://x/"] {
+            assert_eq!(ask(path), Err(Refusal::WrongToken), "{path}");
+        }
+    }
+
+    #[test]
+    fn a_picture_is_asked_for_by_the_title_of_its_scene() {
+        let token = Token::new().unwrap();
+        let ask = |rest: &str| {
+            judged(
+                "GET",
+                &format!("/{}/picture/{rest}", token.as_str()),
+                &format!("Host: {HOST}\r\n"),
+                &token,
+            )
+        };
+        let is = |title: &str| Ok(Route::Picture(title.to_owned()));
+        assert_eq!(ask("orb"), is("orb"));
+        assert_eq!(ask("first%5Fsteps?3"), is("first_steps"));
+        assert_eq!(ask("gr%C3%B6%C3%9fe"), is("größe"));
+        // A title and no path: whoever has no scene of that name has nothing.
+        assert_eq!(ask("..%2F..%2fetc/passwd"), is("../../etc/passwd"));
+        for rest in ["%", "%4", "%zz", "%ff", "%+1"] {
+            assert_eq!(ask(rest), Err(Refusal::Nothing), "{rest}");
+        }
+    }
+
+    #[test]
+    fn only_reading_is_possible() {
+        let token = Token::new().unwrap();
+        for method in ["POST", "HEAD", "PUT", "DELETE", "OPTIONS", "get"] {
+            let path = format!("/{}/", token.as_str());
+            assert_eq!(judged(method, &path, &format!("Host: {HOST}\r\n"), &token), Err(Refusal::Method));
+        }
+    }
+
+    #[test]
+    fn names_of_others_for_this_computer_are_refused() {
+        let token = Token::new().unwrap();
+        let path = format!("/{}/", token.as_str());
+        let ask = |host: &str| judged("GET", &path, &format!("Host: {host}\r\n"), &token);
+        for host in
+            ["127.0.0.1", "10.0.0.1:80", "localhost:9", "[fe80::1]:8080", "[::1]", "Studio.local:8080"]
+        {
+            assert!(ask(host).is_ok(), "{host}");
+        }
+        for host in [
+            "example.org",
+            "127.0.0.1.example.org",
+            "localhost.example.org:80",
+            "",
+            "10.0.0.1:",
+            "[x]",
+            "::1",
+        ] {
+            assert_eq!(ask(host), Err(Refusal::Host), "{host}");
+        }
+        assert_eq!(judged("GET", &path, "", &token), Err(Refusal::Host), "none is named");
+        assert_eq!(judged("GET", &path, "Host: a\r\nHost: 10.0.0.1\r\n", &token), Err(Refusal::Host));
+        assert_eq!(judged("GET", &path, "Host: 10.0.0.1:8;x\r\n", &token), Err(Refusal::Host));
+    }
+
+    #[test]
+    fn only_the_page_itself_begins_a_conversation() {
+        let token = Token::new().unwrap();
+        let path = format!("/{}/hands", token.as_str());
+        let ask = |fields: &str| judged("GET", &path, fields, &token);
+        let own = format!("http://{HOST}");
+        assert_eq!(ask(&upgrade(HOST, &own)), Ok(Route::PhoneSession("dGhlIHNhbXBsZSBub25jZQ==".to_owned())));
+        for origin in [
+            "http://example.org",
+            "null",
+            "",
+            "http://192.168.0.7",
+            "http://192.168.0.7:80801",
+            "https://192.168.0.7:8080",
+        ] {
+            assert_eq!(ask(&upgrade(HOST, origin)), Err(Refusal::Origin), "{origin}");
+        }
+        let whole = upgrade(HOST, &own);
+        assert_eq!(ask(&whole.replace("Origin", "X-Origin")), Err(Refusal::Origin));
+        for (part, other) in [
+            ("websocket", "h2c"),
+            ("keep-alive, Upgrade", "close"),
+            ("Version: 13", "Version: 8"),
+            ("dGhlIHNhbXBsZSBub25jZQ==", "short=="),
+            ("dGhlIHNhbXBsZSBub25jZQ==", "dGhlIHNhbXBsZSBub25j\u{1}Q=="),
+        ] {
+            // httparse refuses control characters by itself.
+            let fields = whole.replace(part, other);
+            let text = format!("GET {path} HTTP/1.1\r\n{fields}\r\n");
+            if let Ok(Some(_)) = Head::parse(text.as_bytes(), 16) {
+                assert_eq!(ask(&fields), Err(Refusal::Upgrade), "{other}");
+            }
+        }
+        let wrong = Token::new().unwrap();
+        let head = head("GET", &path, &whole);
+        assert_eq!(route(&head, HOST, &wrong), Err(Refusal::WrongToken), "the token comes first");
+    }
+}

@@ -1,0 +1,165 @@
+//! A worker's context: makes programs there, from what was kept of them or from their texts, and draws with each once.
+//!
+//! **What a driver made is kept** from run to run ([`crate::gpu::program_store`]): from the second start on it is only handed
+//! to the driver again. A driver that dies of its own form of a program compiles it the next time; an interpreter that
+//! it refuses, or dies of twice, is not tried again, because the scene can be drawn in other ways.
+
+use std::time::{Duration, Instant};
+
+use super::{ProgramJob, Sources, texts_of};
+use crate::faults::{self, Fault};
+use crate::frame::block::FrameBlock;
+use crate::frame::picture::Picture;
+use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
+use crate::gpu::program::{Program, ProgramBinary, ReadyProgram};
+use crate::gpu::program_store::{ProgramKey, Work};
+use crate::gpu::renderer::{Counting, Renderer};
+use crate::gpu::scene_program::SCENE_SHADER;
+use crate::gpu::shader_source::ShaderLibrary;
+use crate::gpu::stand_ins::{SceneShape, StandIns};
+
+/// Size of the pictures that warm a program up: no power of two, because those of windows are none either (see
+/// [`crate::gpu::stand_ins`]).
+const WARM_UP_SIZE: (u32, u32) = (18, 14);
+
+/// How long a driver takes that a test makes slow.
+const SLOW_COMPILER: Duration = Duration::from_secs(2);
+/// How long one takes that a test makes endless, and for programs of how many bytes.
+const ENDLESS_COMPILER: Duration = Duration::from_secs(3600);
+const LONG_PROGRAM: usize = 200_000;
+
+/// The picture that warms a program up.
+struct Asked {
+    block: FrameBlock,
+    picture: Picture,
+    scene: SceneShape,
+    draws_views: bool,
+}
+
+/// Everything of a worker's context.
+pub(super) struct CompileWorker {
+    gl: Gl,
+    renderer: Renderer,
+    stand_ins: StandIns,
+}
+
+/// A program that was made.
+pub(super) struct Made {
+    pub(super) program: ReadyProgram,
+    /// What is to be kept of it, and by which key; none if that is kept already.
+    pub(super) to_keep: Option<(ProgramKey, Vec<u8>)>,
+}
+
+impl CompileWorker {
+    /// For the current context.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn new(gl: Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+        let renderer = Renderer::new(&gl, library, Counting::Off)?;
+        let stand_ins = StandIns::new(&gl)?;
+        Ok(Self { gl, renderer, stand_ins })
+    }
+
+    /// Makes a program: from what was kept of it or else from its texts.
+    ///
+    /// # Errors
+    /// What the driver refuses, and [`GpuError::GivenUp`] for what it failed at before.
+    pub(super) fn make(&mut self, sources: &Sources, job: ProgramJob) -> Result<Made, GpuError> {
+        let Sources { library, cache } = sources;
+        let is_interpreter = job.can_be_given_up;
+        if faults::strikes(Fault::SlowCompiler) || is_interpreter && faults::strikes(Fault::SlowInterpreter) {
+            std::thread::sleep(SLOW_COMPILER);
+        }
+        let texts = texts_of(library, job.variant, self.gl.info())?;
+        if texts.len() > LONG_PROGRAM && faults::strikes(Fault::EndlessCompiler) {
+            std::thread::sleep(ENDLESS_COMPILER);
+        }
+        let key = texts.key(self.gl.info());
+        let asked =
+            Asked { block: job.block, picture: job.picture, scene: job.scene, draws_views: job.draws_views };
+        let died = cache.death(key);
+        if is_interpreter {
+            if died == Some(Work::Compiling) {
+                cache.note_died(key);
+            }
+            if let Some((why, mark)) = cache.given_up(key) {
+                return Err(GpuError::GivenUp { why, mark });
+            }
+        }
+        if died.is_some() {
+            cache.discard(key);
+        }
+        if self.gl.info().program_binaries
+            && let Some(bytes) = cache.load(key)
+        {
+            let _attempt = cache.attempt(key, Work::Taking);
+            let start = Instant::now();
+            let taken = match ProgramBinary::from_bytes(&bytes) {
+                Some(binary) => Program::take(&self.gl, &binary)?.map(|program| (program, binary)),
+                None => None,
+            };
+            if let Some((program, binary)) = taken {
+                self.warm_up(&program, &asked)?;
+                tracing::info!(
+                    "a kept program is there after {:.0} ms",
+                    1000.0 * start.elapsed().as_secs_f64()
+                );
+                return Ok(Made { program: ReadyProgram::new(texts, Some(binary)), to_keep: None });
+            }
+            tracing::info!("the driver does not take a program that was kept: it compiles it again");
+            cache.discard(key);
+        }
+        let _attempt = cache.attempt(key, Work::Compiling);
+        if is_interpreter && faults::strikes(Fault::DeadlyInterpreter) {
+            std::process::abort();
+        }
+        let start = Instant::now();
+        let compiled = match Program::of(&self.gl, &texts) {
+            _ if is_interpreter && faults::strikes(Fault::NoInterpreter) => Err(GpuError::Compile {
+                name: SCENE_SHADER.to_owned(),
+                log: "a fault that a test causes".to_owned(),
+            }),
+            compiled => compiled,
+        };
+        if is_interpreter && matches!(compiled, Err(GpuError::Compile { .. })) {
+            cache.note_refused(key);
+        }
+        let compiled = compiled?;
+        if is_interpreter {
+            cache.note_compiled(key);
+        }
+        let ready = compiled.ready(texts);
+        // The window's context makes the program from this form, and Mesa's software renderers find its machine code
+        // only if it was made from the same one.
+        let again = match ready.binary() {
+            Some(binary) => Program::take(&self.gl, binary)?,
+            None => None,
+        };
+        self.warm_up(again.as_ref().unwrap_or(&compiled), &asked)?;
+        tracing::info!("a program is compiled after {:.0} ms", 1000.0 * start.elapsed().as_secs_f64());
+        let to_keep = ready.binary().map(|binary| (key, binary.to_bytes()));
+        Ok(Made { program: ready, to_keep })
+    }
+
+    /// Draws with a program, so that the driver has nothing left to do. Afterwards it can be dropped, with everything
+    /// that the driver keeps for it in this context.
+    fn warm_up(&mut self, program: &Program, asked: &Asked) -> Result<(), GpuError> {
+        let scene = self.stand_ins.names(&asked.scene)?;
+        let blocks = (&asked.block, &asked.picture);
+        let drawn = if asked.draws_views {
+            let view = [[0.0, 1.0, 0.0, 0.0]; 2];
+            self.renderer.draw_view_block(WARM_UP_SIZE, blocks, &scene, program, &view)
+        } else {
+            self.renderer.draw_block(WARM_UP_SIZE, blocks, &scene, program)
+        };
+        // The program is usable all the same.
+        if let Err(error) = drawn {
+            tracing::debug!("warming up a program: {error}");
+        }
+        self.gl.finish();
+        program.unbind();
+        Ok(())
+    }
+}

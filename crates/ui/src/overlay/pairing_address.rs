@@ -1,0 +1,92 @@
+//! The invitation of phones: a code for their cameras, and the same in words.
+
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{Color32, Mesh, Painter, Pos2, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
+
+use super::style;
+use mariana_remote::{Code, PairingAddress};
+
+/// Widest code with its white edge, in points, and as a share of the panel.
+const SIDE_MAX: f32 = 190.0;
+const FRACTION_MAX: f32 = 0.45;
+/// Height of the words, where there is no code.
+const LINES_HEIGHT: f32 = 90.0;
+/// Between the code and the words.
+const GAP: f32 = 14.0;
+/// Around the whole.
+const AROUND: f32 = 6.0;
+
+/// Draws an invitation over the whole width.
+pub(super) fn show(ui: &mut Ui, pairing_address: &PairingAddress, about: &str) -> Response {
+    let width = ui.available_width();
+    let pixel = 1.0 / ui.pixels_per_point();
+    let square = pairing_address
+        .code
+        .as_ref()
+        .map_or(0.0, |code| square(code, SIDE_MAX.min(FRACTION_MAX * width), pixel));
+    let side = pairing_address.code.as_ref().map_or(LINES_HEIGHT, |code| square * squares(code) as f32);
+    let height = side + 2.0 * AROUND;
+    let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
+    let drawn = match &pairing_address.code {
+        Some(code) => draw_code(ui.painter(), code, rect.min + vec2(0.0, AROUND), square, pixel),
+        None => Rect::from_min_size(rect.min, vec2(0.0, 0.0)),
+    };
+    let left = drawn.right() + GAP;
+    let width = (rect.right() - left - AROUND).max(1.0);
+    let lines = [
+        ("Phone", style::HEADING_SIZE, style::TEXT),
+        ("Scan the code with its camera, or open", style::SMALL_SIZE, style::DIM),
+        (&*pairing_address.url, style::SMALL_SIZE, style::TEXT),
+        (about, style::SMALL_SIZE, style::DIM),
+    ];
+    let mut at = pos2(left, drawn.top());
+    for (text, size, color) in lines {
+        let galley = wrapped(ui.painter(), text, size, color, width);
+        let next = at.y + galley.size().y + 5.0;
+        ui.painter().galley(at, galley, color);
+        at.y = next;
+    }
+    let words = format!("a phone can open {}: {about}", pairing_address.url);
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, &words));
+    response
+}
+
+/// Text in lines of a width, broken within words where they are longer.
+fn wrapped(
+    painter: &Painter,
+    text: &str,
+    size: f32,
+    color: Color32,
+    width: f32,
+) -> std::sync::Arc<egui::Galley> {
+    let mut job = LayoutJob::simple(text.to_owned(), style::proportional(size), color, width);
+    job.wrap = TextWrapping { break_anywhere: text.starts_with("http"), ..job.wrap };
+    painter.layout_job(job)
+}
+
+/// How many squares a code has to a side, with its white edge.
+fn squares(code: &Code) -> usize {
+    code.side() + 2 * Code::EDGE
+}
+
+/// Points to a square of a code in at most `side` of them: whole pixels.
+fn square(code: &Code, side: f32, pixel: f32) -> f32 {
+    (side / squares(code) as f32 / pixel).floor().max(1.0) * pixel
+}
+
+/// Draws a code as a camera wants it: dark on white.
+fn draw_code(painter: &Painter, code: &Code, from: Pos2, square: f32, pixel: f32) -> Rect {
+    let from = pos2((from.x / pixel).round() * pixel, (from.y / pixel).round() * pixel);
+    let place = |(x, y): (usize, usize)| {
+        let at = from + square * vec2((x + Code::EDGE) as f32, (y + Code::EDGE) as f32);
+        Rect::from_min_size(at, vec2(square, square))
+    };
+    let ground = Rect::from_min_size(from, vec2(square, square) * squares(code) as f32);
+    let mut mesh = Mesh::default();
+    mesh.add_colored_rect(ground, Color32::WHITE);
+    for dark in code.dark() {
+        mesh.add_colored_rect(place(dark), Color32::BLACK);
+    }
+    painter.add(mesh);
+    ground
+}

@@ -1,0 +1,105 @@
+// Rays through formulas that are not signed distance fields, in the variant NON_LIPSCHITZ: replaces `trace` of
+// sphere_tracing.glsl. Each cell of the tree (regions.glsl) knows how steep the formula may be inside
+// (crates/field/src/region/gradient.rs). That gives a step that cannot pass a surface: the value divided by the rate
+// at which it can fall along the ray, or up to the cell's face.
+
+// Bounds of the gradient.
+struct Slopes {
+    vec3 low;
+    vec3 high;
+};
+
+// The bounds in the words .z and .w of a cell: shares of one scale, whole numbers over 128.
+Slopes unpack_slopes(uvec2 words) {
+    ivec2 signed_words = ivec2(words);
+    float unit = uintBitsToFloat(words.y & 0xFFFF0000u) / 128.0;
+    vec3 low = vec3((signed_words.x << 24) >> 24, (signed_words.x << 16) >> 24, (signed_words.x << 8) >> 24);
+    vec3 high = vec3(signed_words.x >> 24, (signed_words.y << 24) >> 24, (signed_words.y << 16) >> 24);
+    return Slopes(low * unit, high * unit);
+}
+
+// The largest rate at which the value can fall along a direction.
+float slope_towards(Slopes slopes, vec3 direction) {
+    vec3 falls = max(-slopes.low * direction, -slopes.high * direction);
+    return falls.x + falls.y + falls.z;
+}
+
+// The part of the ray where cells may hold a surface.
+vec2 non_lipschitz_span(vec3 origin, vec3 direction) {
+    vec2 span = traced_span(origin, direction, 0.0);
+    vec2 tree = box_span(origin, direction, region_low.xyz, region_low.xyz + ROOT_SIDE / region_scale.xyz);
+    return vec2(max(span.x, tree.x), min(span.y, tree.y));
+}
+
+// The step with which a ray at t reaches its end in `left` steps that grow with the distance.
+float even_step(int left, float t, float end) {
+    float from = max(t, NON_LIPSCHITZ_NEAR);
+    return from * (pow(end / from, 1.0 / float(left)) - 1.0);
+}
+
+// First surface along the ray: where the sign changes. `cone` is the radius of the pixel's cone at t = 0 and `spread`
+// its growth.
+Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
+    Hit behind = trace_planes(origin, direction, start);
+    vec2 span = non_lipschitz_span(origin, direction);
+    float end = min(span.y, behind.t);
+    float t = max(past(span.x), start);
+    if (t >= end) return behind;
+    Walk walk = walk_of(origin, direction);
+    // The last point outside with its value (unless that is only known to be above 0), and the first point inside.
+    float outside = t;
+    float above = 0.0;
+    float inside = -1.0;
+    float below = 0.0;
+    int closings = 0;
+    for (int i = 0; i < NON_LIPSCHITZ_STEPS_MAX; i++) {
+        int left = steps_left(NON_LIPSCHITZ_STEPS_MAX - i, trace_rounds(reflected));
+        if (left <= 0) break;
+        Cell cell;
+        vec3 q;
+        for (int skip = 0; skip < SKIPS_MAX; skip++) {
+            q = place_on(walk, t);
+            cell = cell_at(q);
+            COUNT(lookups);
+            if (!(cell.bound > 0.0) || inside >= 0.0) break;
+            outside = t;
+            above = 0.0;
+            t = max(past(t), exit_of(cell, walk, q, t));
+            if (t >= end) break;
+        }
+        if (t >= end) return behind;
+        float value = scene_distance(cell, origin + t * direction, 0.0).x;
+#ifdef COUNT_EVALUATIONS
+        if (reflected) { COUNT(reflection); } else { COUNT(primary); }
+        if (i == NON_LIPSCHITZ_STEPS_MAX - 1) COUNT(capped);
+#endif
+        float radius = cone + spread * max(t, NON_LIPSCHITZ_NEAR);
+        // NaN counts as inside, too.
+        if (value > 0.0) {
+            outside = t;
+            above = value;
+        } else {
+            inside = t;
+            below = value;
+        }
+        if (inside >= 0.0) {
+            bool close = inside - outside < CLOSE_ENOUGH * radius;
+            if (!(above > 0.0) || close || closings == CLOSINGS_MAX) return Hit(inside, NOTHING, true);
+            closings++;
+            // The secant, kept away from both ends so that both close in.
+            t = mix(outside, inside, clamp(above / (above - below), 0.1, 0.9));
+        } else {
+            // crates/field/src/rays.rs, steep_step.
+            float slope = slope_towards(unpack_slopes(cell.slopes), direction);
+            float safe = slope > 0.0 ? value / slope : FAR;
+            float leaves = max(past(t), exit_of(cell, walk, q, t)) - t;
+            float least = (NON_LIPSCHITZ_STEP_MIN + NON_LIPSCHITZ_STEP_GROWTH * float(i)) * radius;
+            if (left <= NON_LIPSCHITZ_STEPS_MAX - NON_LIPSCHITZ_STEPS_MANY) least = max(least, even_step(left, t, end));
+            // A point that rounding put outside the tree has no cell to leave.
+            t += cell.side > 0.0 ? max(min(safe, leaves), least) : past(least);
+        }
+    }
+    // The steps ended while the ray closed in on a surface.
+    if (inside >= 0.0) return Hit(inside, NOTHING, true);
+    return behind;
+}

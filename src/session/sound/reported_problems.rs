@@ -1,0 +1,60 @@
+//! Messages about the input and the audio devices.
+
+use std::collections::BTreeSet;
+
+use crate::export::print::tell;
+use mariana_player::device_list::ListedDevice;
+use mariana_player::input::LiveStatus;
+
+/// Hints about the live input.
+#[derive(Default)]
+pub(super) struct Hints {
+    /// The hint over the picture.
+    pub(super) shown: Option<String>,
+    /// A device that has a signal.
+    pub(super) suggestion: Option<ListedDevice>,
+    /// The last reason for silence on the terminal.
+    reported: Option<String>,
+}
+
+impl Hints {
+    /// Updates the hints from the input's state. Prints a new reason for silence.
+    pub(super) fn take(&mut self, status: &LiveStatus) {
+        self.suggestion.clone_from(&status.suggestion);
+        self.shown = status.silent.clone().or_else(|| status.refused.clone()).or_else(|| status.flat.clone());
+        if self.reported != status.silent {
+            if let Some(reason) = &status.silent {
+                tell(&format!("nothing is heard: {reason}"));
+            }
+            self.reported.clone_from(&status.silent);
+        }
+    }
+
+    /// Clears the hints after a change of the source.
+    pub(super) fn forget(&mut self) {
+        (self.shown, self.reported) = (None, None);
+    }
+}
+
+/// Problems with settings or devices, each reported once.
+#[derive(Default)]
+pub(super) struct ReportedProblems {
+    all: BTreeSet<String>,
+    /// Not shown over the picture yet.
+    unsaid: Vec<String>,
+}
+
+impl ReportedProblems {
+    /// Prints a problem on the terminal and queues it for the picture.
+    pub(super) fn add(&mut self, text: &str) {
+        if self.all.insert(text.to_owned()) {
+            tell(text);
+            self.unsaid.push(text.to_owned());
+        }
+    }
+
+    /// Returns the problems since the last call.
+    pub(super) fn take(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.unsaid)
+    }
+}

@@ -1,0 +1,363 @@
+//! A plan with the scenes it needs: where they come from, and what is wrong with any of them.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::scene_facts::{facts_of, refusal, source_of};
+use crate::scenes::{SceneBlend, SceneSource, SeenScene};
+use mariana_field::world::BlendKind;
+use mariana_music::SongStructure;
+use mariana_show::limits::LIMITS as SHOW_LIMITS;
+use mariana_show::{Clip, CueListError, Moment, SceneCard, Show, TimedTransition, Timeline};
+
+/// See [`ShowSource::Demo`].
+const DEMO_SHOW: &str = include_str!("../../assets/demo.show");
+const DEMO_NAME: &str = "demo.show";
+
+/// Where a show comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ShowSource {
+    /// The director's choice among scenes.
+    Auto,
+    /// The show that was made for the demo track.
+    Demo,
+    /// A file.
+    File(PathBuf),
+}
+
+/// Why there is no show.
+#[derive(Debug, thiserror::Error)]
+pub enum ShowError {
+    /// The file cannot be read.
+    #[error("the show {} cannot be read ({reason}): check the path", .path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The file is larger than shows may be.
+    #[error("the show {} is larger than {max} bytes: make several shows of it", .path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// The limit.
+        max: usize,
+    },
+    /// The file is not text.
+    #[error("the show {} is not text: byte {position} is not UTF-8; save it as UTF-8", .path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// The first byte that is none.
+        position: usize,
+    },
+    /// The text is no show for the song.
+    #[error(transparent)]
+    CueList(#[from] CueListError),
+    /// Every entry is a cue, but only a window has the key for cues.
+    #[error(
+        "every entry of the show waits for a key (`at cue`), which only a window has: write `at start` and a scene \
+         above them"
+    )]
+    WaitsForKeys,
+    /// The director has no scene without mistakes.
+    #[error("there is no scene to show: name one without mistakes by --scene")]
+    NoScenes,
+}
+
+/// See the module.
+#[derive(Debug, Clone, Default)]
+pub struct PreparedShow {
+    show: Show,
+    scenes: BTreeMap<String, SceneSource>,
+    chosen_by: ChosenBy,
+}
+
+/// Who chose the scenes of a show.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum ChosenBy {
+    /// The user, in a show file or on the command line.
+    #[default]
+    User,
+    /// The director.
+    Director,
+    /// The author of the demo track's show.
+    Demo,
+}
+
+impl PreparedShow {
+    /// The same scenes by another plan.
+    pub(super) fn with_timeline(&self, timeline: Option<Timeline>) -> Self {
+        Self { show: self.show.with_timeline(timeline), ..self.clone() }
+    }
+
+    /// Whether the director made it.
+    pub fn is_directed(&self) -> bool {
+        self.chosen_by == ChosenBy::Director
+    }
+
+    /// True if the user chose the scenes.
+    pub fn is_by_user(&self) -> bool {
+        self.chosen_by == ChosenBy::User
+    }
+
+    /// Replaces the `refused` scenes. Returns `None` if every scene is refused, or if the user chose the scenes.
+    pub fn without(&self, refused: &[SceneSource]) -> Option<Self> {
+        if self.is_by_user() {
+            return None;
+        }
+        let is_refused = |scene: &str| self.source(scene).is_some_and(|source| refused.contains(source));
+        Some(Self { show: self.show.without(is_refused)?, ..self.clone() })
+    }
+
+    /// Descriptions of the scenes; for the director, of all that it may choose.
+    pub(super) fn cards(&self) -> &[SceneCard] {
+        self.show.cards()
+    }
+
+    /// Scenes that are cut from one to the next at these moments, in seconds.
+    pub fn of_cuts(scenes: impl IntoIterator<Item = (f64, SceneSource)>) -> Self {
+        let mut prepared_show = Self::default();
+        let mut clips = Vec::new();
+        for (start, source) in scenes {
+            let scene = name_of(&source);
+            prepared_show.scenes.insert(scene.clone(), source);
+            clips.push(Clip {
+                start,
+                scene,
+                camera: None,
+                transition: TimedTransition::CUT,
+                moves: Vec::new(),
+            });
+        }
+        prepared_show.with_timeline(Timeline::new(clips))
+    }
+
+    /// The show of a song: from a file, or the director's choice among `scenes`. Scenes that are broken are no choice.
+    ///
+    /// # Errors
+    /// [`ShowError`]; what the song does not have is no error but is told as text.
+    pub fn of_song(
+        source: &ShowSource,
+        song: &SongStructure,
+        scenes: &[SceneSource],
+    ) -> Result<(Self, Option<String>), ShowError> {
+        match source {
+            ShowSource::Auto => Ok((Self::directed(song, scenes)?, None)),
+            ShowSource::Demo => {
+                let (prepared_show, reported) = Self::of_text(DEMO_NAME, DEMO_SHOW, Path::new(""), song)?;
+                Ok((Self { chosen_by: ChosenBy::Demo, ..prepared_show }, reported))
+            }
+            ShowSource::File(path) => {
+                let folder = path.parent().unwrap_or(Path::new(""));
+                Self::of_text(&path.display().to_string(), &read(path)?, folder, song)
+            }
+        }
+    }
+
+    fn directed(song: &SongStructure, scenes: &[SceneSource]) -> Result<Self, ShowError> {
+        let (mut known, mut sources) = (BTreeMap::new(), BTreeMap::new());
+        for source in scenes {
+            match facts_of(source) {
+                Ok(facts) => {
+                    known.insert(name_of(source), facts);
+                    sources.insert(name_of(source), source.clone());
+                }
+                Err(error) => tracing::warn!("not shown: {error}"),
+            }
+        }
+        let show = Show::directed(song, &known).ok_or(ShowError::NoScenes)?;
+        Ok(Self { show, scenes: sources, chosen_by: ChosenBy::Director })
+    }
+
+    /// The show that a text describes for a song, and a report of the entries that do not fit the song. Scenes are shipped
+    /// ones or files in `folder`. Messages call the text `name`.
+    ///
+    /// # Errors
+    /// [`ShowError::CueList`].
+    pub fn of_text(
+        name: &str,
+        text: &str,
+        folder: &Path,
+        song: &SongStructure,
+    ) -> Result<(Self, Option<String>), ShowError> {
+        let mut scenes = BTreeMap::new();
+        let (show, reported) = Show::of_text(name, text, song, |scene| {
+            let source = source_of(scene, folder).map_err(refusal)?;
+            let facts = facts_of(&source).map_err(refusal)?;
+            scenes.insert(scene.to_owned(), source);
+            Ok(facts)
+        })?;
+        Ok((Self { show, scenes, chosen_by: ChosenBy::User }, reported))
+    }
+
+    /// The same show where the key was pressed at these moments, in seconds, for which entries wait.
+    pub fn with_cues(&self, song: &SongStructure, cues: &[f64]) -> Self {
+        Self { show: self.show.with_cues(song, cues), ..self.clone() }
+    }
+
+    /// The scenes that wait for a key, in their order.
+    pub fn cues(&self) -> Vec<&str> {
+        self.show.cues()
+    }
+
+    /// What is on when; `None` as long as every entry waits for a key.
+    pub fn timeline(&self) -> Option<&Timeline> {
+        self.show.timeline()
+    }
+
+    /// What is on at `time` seconds; `None` without a plan.
+    pub fn at(&self, time: f64) -> Option<Moment<'_>> {
+        self.timeline().map(|timeline| timeline.at(time))
+    }
+
+    /// The stays in their order; none without a plan.
+    pub fn clips(&self) -> &[Clip] {
+        self.show.clips()
+    }
+
+    /// Where a scene of the plan comes from.
+    pub fn source(&self, scene: &str) -> Option<&SceneSource> {
+        self.scenes.get(scene)
+    }
+
+    /// One stay's scene on its way into another's, which follows it; none if either is not of this show.
+    pub fn blend(&self, from: &Clip, to: &Clip, kind: BlendKind) -> Option<SceneBlend> {
+        let seen = |clip: &Clip| {
+            Some(SeenScene { source: self.source(&clip.scene)?.clone(), camera: clip.camera.clone() })
+        };
+        let aligned_at = (1000.0 * (to.start + 0.5 * to.transition.seconds)).max(0.0) as u64;
+        Some(SceneBlend { from: seen(from)?, to: seen(to)?, kind, aligned_at })
+    }
+
+    /// The scenes of the plan in the order in which they are on for the first time.
+    pub fn sources(&self) -> Vec<&SceneSource> {
+        let mut names: Vec<&str> = Vec::new();
+        for clip in self.clips() {
+            if !names.contains(&clip.scene.as_str()) {
+                names.push(&clip.scene);
+            }
+        }
+        names.into_iter().filter_map(|name| self.source(name)).collect()
+    }
+
+    /// The text of a show file that is this show, below lines of comment.
+    pub fn text(&self, comments: &[String]) -> String {
+        self.show.text(comments)
+    }
+}
+
+/// What a show calls a scene.
+pub fn name_of(source: &SceneSource) -> String {
+    match source {
+        SceneSource::Shipped(name) => name.clone(),
+        SceneSource::File(path) => path.display().to_string(),
+        SceneSource::Formula(text) => text.clone(),
+        SceneSource::Blend(blend) => name_of(&blend.to.source),
+    }
+}
+
+fn read(path: &Path) -> Result<String, ShowError> {
+    let unreadable =
+        |error: std::io::Error| ShowError::Unreadable { path: path.to_owned(), reason: error.to_string() };
+    // Checked before it is opened, because opening a pipe waits for somebody who writes.
+    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
+        let reason = "it is no regular file".to_owned();
+        return Err(ShowError::Unreadable { path: path.to_owned(), reason });
+    }
+    let max = SHOW_LIMITS.bytes_max;
+    let bytes = crate::scenes::read_at_most(path, max).map_err(unreadable)?;
+    let bytes = bytes.ok_or_else(|| ShowError::TooLarge { path: path.to_owned(), max })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let position = error.utf8_error().valid_up_to();
+        ShowError::NotText { path: path.to_owned(), position }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mariana_music::{Section, SongBeat};
+
+    /// 32 bars of two seconds, all of them the section A.
+    fn song() -> SongStructure {
+        let beat = |index: usize| SongBeat {
+            time: 0.5 + 0.5 * index as f64,
+            of_bar: (index % 4) as u8 + 1,
+            tempo: 120.0,
+        };
+        let section = Section { start: 0.0, end: 64.5, letter: "A".to_owned(), energy: 0.5 };
+        SongStructure {
+            seconds: 64.5,
+            tempo: Some(120.0),
+            beats: (0..128).map(beat).collect(),
+            sections: vec![section],
+            ..SongStructure::default()
+        }
+    }
+
+    fn file(text: &str) -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(
+            folder.path().join("own.scene"),
+            "param size = 1 in 0 .. 2\ncamera near { }\nlength(p) - size",
+        )
+        .unwrap();
+        std::fs::write(folder.path().join("bare.scene"), "length(p) - 1").unwrap();
+        let path = folder.path().join("my.show");
+        std::fs::write(&path, text).unwrap();
+        (folder, path)
+    }
+
+    #[test]
+    fn a_show_finds_its_scenes_beside_it_and_among_the_shipped_ones() {
+        let (folder, path) = file("at start own.scene camera near\n set size = 0.5\nat bar 3 orb");
+        let (prepared_show, reported) = PreparedShow::of_song(&ShowSource::File(path), &song(), &[]).unwrap();
+        assert_eq!(reported, None);
+        let sources: Vec<SceneSource> = prepared_show.sources().into_iter().cloned().collect();
+        assert_eq!(
+            sources,
+            [SceneSource::File(folder.path().join("own.scene")), SceneSource::Shipped("orb".to_owned())]
+        );
+        assert_eq!(prepared_show.clips().len(), 2);
+    }
+
+    #[test]
+    fn each_refusal_says_what_is_missing() {
+        for (text, wanted) in [
+            ("at start none.scene", "none.scene"),
+            ("at start orbb", "orbb"),
+            ("at start own.scene camera far", "its cameras are near"),
+            ("at start bare.scene camera far", "no cameras with names"),
+            ("at start own.scene\nset swell = 1", "its parameters are size"),
+            ("at start own.scene flyy", "my.show:1:20"),
+            ("at section Z orb\nat drop 9 orb", "nothing of the show is in this song"),
+        ] {
+            let (_folder, path) = file(text);
+            let error = PreparedShow::of_song(&ShowSource::File(path), &song(), &[]).unwrap_err().to_string();
+            assert!(error.contains(wanted), "{text}: {error}");
+        }
+        let (folder, path) = file("at start own.scene\nat section Z orb");
+        let (_, reported) = PreparedShow::of_song(&ShowSource::File(path.clone()), &song(), &[]).unwrap();
+        assert!(reported.unwrap().contains("the song has no section Z"));
+        std::fs::write(&path, [b'a', 0xff]).unwrap();
+        let refused =
+            |path: PathBuf| PreparedShow::of_song(&ShowSource::File(path), &song(), &[]).unwrap_err();
+        assert!(matches!(refused(path.clone()), ShowError::NotText { position: 1, .. }));
+        std::fs::write(&path, vec![b'#'; SHOW_LIMITS.bytes_max + 1]).unwrap();
+        assert!(matches!(refused(path), ShowError::TooLarge { .. }));
+        assert!(matches!(refused(folder.path().join("none.show")), ShowError::Unreadable { .. }));
+        // A device, and a pipe would be the same: reading one may never end.
+        assert!(matches!(refused(PathBuf::from("/dev/zero")), ShowError::Unreadable { .. }));
+    }
+
+    #[test]
+    fn the_director_passes_over_broken_scenes() {
+        let broken = SceneSource::Formula("length(".to_owned());
+        let good = SceneSource::Shipped("orb".to_owned());
+        let (prepared_show, _) =
+            PreparedShow::of_song(&ShowSource::Auto, &song(), &[broken, good.clone()]).unwrap();
+        assert_eq!(prepared_show.sources(), [&good]);
+    }
+}

@@ -1,0 +1,419 @@
+//! Hands from outside: OSC through a real socket, MIDI through ports that say that they are fake.
+
+#![cfg(target_os = "linux")]
+
+use crate::support::apart::apart;
+use std::fs;
+use std::net::UdpSocket;
+use std::os::unix::net::UnixDatagram;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use crate::support::osc::{Sender, message, padded};
+use crate::support::session::{self, App};
+
+const SIZE: &str = "160x90";
+
+/// A wall whose red and green are parameters.
+pub(crate) const WALL: &str = "param red = 0 in 0 .. 2\nparam green = 1 in 0 .. 1\n\
+    material paint { color = 0  roughness = 1  emission = vec3(red, green, 0) }\n\
+    object wall { shape = 5 - p.z  material = paint }\n\
+    light none { direction = vec3(0, -1, 0)  color = 0 }\n\
+    camera { position = vec3(0)  target = vec3(0, 0, 5) }\nsky { color = 0  ambient = 0 }\n";
+
+/// Writes the wall, and one of another colour; returns where the wall is.
+pub(crate) fn write_wall(place: &session::Place) -> PathBuf {
+    place.save("wool.scene", &WALL.replace("vec3(red, green, 0)", "vec3(0, 0, 1)"));
+    place.save("wall.scene", WALL)
+}
+
+/// A folder with the walls, a quiet song and devices.
+struct Place {
+    inner: session::Place,
+    song: PathBuf,
+    scene: PathBuf,
+}
+
+impl Place {
+    fn new() -> Self {
+        let inner = session::Place::new();
+        let (song, scene) = (inner.quiet_song("quiet.wav", 60), write_wall(&inner));
+        Self { inner, song, scene }
+    }
+
+    fn open(&self, options: &[&str]) -> App {
+        let size: &[&str] = if options.contains(&"--size") { &[] } else { &["--size", SIZE] };
+        let scene = ["--scene", self.scene.to_str().unwrap()];
+        self.inner.open(&self.song, &[&scene[..], size, options].concat())
+    }
+
+    fn port(&self, name: &str) -> PathBuf {
+        self.inner.path(&format!("midi/{name}.port"))
+    }
+
+    /// Plugs a device in.
+    fn plug(&self, name: &str) {
+        fs::write(self.port(name), "").unwrap();
+    }
+
+    /// Pulls a device.
+    fn pull(&self, name: &str) {
+        fs::remove_file(self.port(name)).unwrap();
+    }
+
+    /// Sends bytes from a device, if it is heard.
+    fn play(&self, name: &str, bytes: &[u8]) {
+        let socket = UnixDatagram::unbound().unwrap();
+        let _ = socket.send_to(bytes, self.port(name).with_extension("socket"));
+    }
+
+    /// What is remembered of knobs.
+    fn knobs(&self) -> PathBuf {
+        self.inner.path("config/knobs.toml")
+    }
+
+    /// Learns in the panel what turns the first parameter: a knob, which is moved until it is learned.
+    fn learn_first(&self, app: &App, name: &str, knob: &[u8]) {
+        let before = fs::read_to_string(self.knobs()).unwrap_or_default();
+        begin_to_learn(app);
+        app.wait_until("what was learned", |_| {
+            self.play(name, knob);
+            fs::read_to_string(self.knobs()).is_ok_and(|text| text != before)
+        });
+        app.press(&["j"]);
+    }
+}
+
+/// Asks until the answer to `address` is as wanted; gives its bytes.
+pub(crate) fn ask(app: &App, osc: &Sender, address: &str, wanted: impl Fn(&[u8]) -> bool) -> Vec<u8> {
+    let mut answer = None;
+    app.wait_until(&format!("the wanted answer to {address}"), |_| {
+        osc.send(address, &[]);
+        answer = std::iter::from_fn(|| osc.receive()).find(|bytes| wanted(bytes));
+        answer.is_some()
+    });
+    answer.unwrap()
+}
+
+/// Begins to learn in the panel what turns the first parameter. Each key is seen in the picture, which stands otherwise.
+fn begin_to_learn(app: &App) {
+    for key in ["j", "Down", "Return"] {
+        let before = app.picture();
+        app.press(&[key]);
+        app.wait_for(key, |picture| *picture != before);
+    }
+}
+
+/// The first number of a message with the tags `tags`.
+fn number_in(bytes: &[u8], address: &str, tags: &str) -> Option<f32> {
+    let rest = bytes.strip_prefix(&padded(address)[..])?.strip_prefix(&padded(tags)[..])?;
+    rest.first_chunk::<4>().map(|bytes| f32::from_be_bytes(*bytes))
+}
+
+fn colour(app: &App) -> [bool; 3] {
+    let [red, green, blue, _] = app.picture().get_pixel(20, 80).0;
+    [red, green, blue].map(|channel| channel > 120)
+}
+
+/// Waits until the wall has this colour: which channels are bright.
+pub(crate) fn wait_for_colour(app: &App, what: &str, wanted: [bool; 3]) {
+    app.wait_until(what, |app| colour(app) == wanted);
+}
+
+#[test]
+fn messages_turn_parameters_and_the_last_hand_wins() {
+    apart!();
+    let place = Place::new();
+    let osc = Sender::new();
+    let app = place.open(&["--osc", &osc.port.to_string(), "--size", "320x180"]);
+    app.wait_until_reported(&format!("OSC is heard on 127.0.0.1:{}", osc.port));
+    wait_for_colour(&app, "green", [false, true, false]);
+    osc.send("/param/red", &[2.0]);
+    wait_for_colour(&app, "yellow", [true, true, false]);
+    osc.send("/share/green", &[0.0]);
+    wait_for_colour(&app, "red", [true, false, false]);
+    let of_red = |bytes: &[u8]| number_in(bytes, "/param/red", ",ffffs");
+    let answer = ask(&app, &osc, "/param/red", |bytes| of_red(bytes) == Some(2.0));
+    assert!(answer.ends_with(&padded("OSC")), "{answer:?}");
+    // The slider takes it over, to the right end and beyond: one of the rows is the first one's rail.
+    osc.send("/param/red", &[0.5]);
+    app.press(&["Tab"]);
+    let mut rows = (26..46).step_by(4).cycle();
+    app.wait_until("what the slider is moved to", |app| {
+        let row = rows.next().unwrap();
+        app.drag((230, row), (318, row));
+        let answer = ask(app, &osc, "/param/red", |bytes| of_red(bytes).is_some());
+        of_red(&answer) == Some(2.0) && answer.ends_with(&padded("slider"))
+    });
+    app.press(&["Tab"]);
+    // And the message takes it from the slider.
+    osc.send("/param/red", &[0.0]);
+    ask(&app, &osc, "/param/red", |bytes| of_red(bytes) == Some(0.0) && bytes.ends_with(&padded("OSC")));
+    wait_for_colour(&app, "black", [false, false, false]);
+    app.quit_by_key();
+}
+
+#[test]
+fn messages_go_to_scenes_and_what_was_turned_is_found_again() {
+    apart!();
+    let place = Place::new();
+    let osc = Sender::new();
+    let app = place.open(&["--osc", &osc.port.to_string()]);
+    app.wait_until_reported("OSC is heard");
+    wait_for_colour(&app, "green", [false, true, false]);
+    osc.send("/param/red", &[2.0]);
+    wait_for_colour(&app, "yellow", [true, true, false]);
+    osc.send("/scene/wool", &[]);
+    app.wait_for_title("the scene that was asked for", |title| title.contains("(wool"));
+    wait_for_colour(&app, "blue", [false, false, true]);
+    osc.send("/previous", &[1.0]);
+    osc.send("/previous", &[0.0]);
+    app.wait_for_title("the scene before", |title| title.contains("(wall"));
+    wait_for_colour(&app, "yellow again", [true, true, false]);
+    osc.send("/pause", &[1.0]);
+    osc.send("/pause", &[1.0]);
+    app.wait_for_title("a pause", |title| title.contains("paused"));
+    ask(&app, &osc, "/query/pause", |bytes| bytes.starts_with(b"/pause\0\0,i\0\0\0\0\0\x01"));
+    osc.send("/tempo", &[98.0]);
+    osc.send("/volume", &[0.5]);
+    app.wait_for_title("the volume", |title| title.contains("volume 50 %"));
+    app.quit_by_key();
+}
+
+#[test]
+fn rubbish_is_ignored_and_the_show_goes_on() {
+    apart!();
+    let place = Place::new();
+    let osc = Sender::new();
+    let app = place.open(&["--osc", &osc.port.to_string()]);
+    app.wait_until_reported("OSC is heard");
+    let nested = (0..2_000).rev().fold(message("/param/red", &[2.0]), |inner, _| {
+        if inner.len() > 60_000 {
+            return inner;
+        }
+        let size = u32::try_from(inner.len()).unwrap().to_be_bytes();
+        [&b"#bundle\0\0\0\0\0\0\0\0\x01"[..], &size, &inner].concat()
+    });
+    osc.send_bytes(&nested);
+    osc.send_bytes(&[&padded("/param/red")[..], b",", &b"[".repeat(20_000), &b"]".repeat(20_003)].concat());
+    osc.send_bytes(&[0xff; 1_000]);
+    osc.send_bytes(b"");
+    osc.send("/param/red", &[f32::NAN]);
+    osc.send("/param/red", &[f32::INFINITY]);
+    osc.send("/param/nothing", &[1.0]);
+    osc.send("/scene/nothing", &[]);
+    osc.send("/nothing", &[]);
+    let answer = ask(&app, &osc, "/param/red", |bytes| number_in(bytes, "/param/red", ",ffffs").is_some());
+    assert_eq!(number_in(&answer, "/param/red", ",ffffs"), Some(0.0));
+    wait_for_colour(&app, "green", [false, true, false]);
+    osc.send("/param/red", &[2.0]);
+    wait_for_colour(&app, "yellow", [true, true, false]);
+    app.quit_by_key();
+}
+
+#[test]
+fn a_port_that_is_taken_costs_a_sentence_and_no_show() {
+    apart!();
+    let place = Place::new();
+    let taken = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port().to_string();
+    let app = place.open(&["--osc", &port]);
+    app.wait_until_reported("OSC is not heard: another program has 127.0.0.1:");
+    wait_for_colour(&app, "green", [false, true, false]);
+    drop(taken);
+    app.wait_until_reported(&format!("OSC is heard on 127.0.0.1:{port}"));
+    app.quit_by_key();
+}
+
+#[test]
+fn what_is_heard_is_sent() {
+    apart!();
+    let place = Place::new();
+    let lights = UdpSocket::bind("127.0.0.1:0").unwrap();
+    lights.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+    let port = lights.local_addr().unwrap().port();
+    let app = place.open(&["--osc-send", &format!("127.0.0.1:{port}"), "--osc-rate", "60"]);
+    let mut buffer = [0; 2_048];
+    let (length, _) = app.meanwhile(|| lights.recv_from(&mut buffer)).unwrap();
+    let packet = &buffer[..length];
+    assert!(packet.starts_with(b"#bundle\0"), "{packet:?}");
+    for address in ["/sound/bands", "/sound/bass", "/sound/beat", "/sound/energy"] {
+        let address = padded(address);
+        assert!(packet.windows(address.len()).any(|part| part == address), "{address:?} is not sent");
+    }
+    app.quit_by_key();
+}
+
+/// A knob at a value: the first of the first channel.
+fn turned(value: u8) -> [u8; 3] {
+    [0xb0, 1, value]
+}
+
+#[test]
+fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
+    apart!();
+    let place = Place::new();
+    place.plug("desk");
+    let app = place.open(&[]);
+    app.wait_until_reported("MIDI is heard from desk (fake port)");
+    wait_for_colour(&app, "green", [false, true, false]);
+    place.learn_first(&app, "desk", &turned(127));
+    let text = fs::read_to_string(place.knobs()).unwrap();
+    for line in [
+        "device = \"desk (fake port)\"",
+        "turned = \"cc 1 on channel 1\"",
+        "param = \"red\"",
+        "scene = \"wall\"",
+    ] {
+        assert!(text.contains(line), "{line} is not in\n{text}");
+    }
+    // It stands elsewhere than the parameter: nothing jumps before it has passed.
+    place.play("desk", &turned(90));
+    wait_for_colour(&app, "green, as before", [false, true, false]);
+    place.play("desk", &turned(0));
+    app.wait_until("the knob's hold", |_| {
+        place.play("desk", &turned(127));
+        colour(&app) == [true, true, false]
+    });
+    app.quit_by_key();
+    // The next show knows it.
+    let app = place.open(&[]);
+    app.wait_until_reported("MIDI is heard from desk (fake port)");
+    wait_for_colour(&app, "green", [false, true, false]);
+    app.wait_until("yellow", |_| {
+        place.play("desk", &turned(0));
+        app.run_for(Duration::from_millis(30));
+        place.play("desk", &turned(127));
+        app.run_for(Duration::from_millis(100));
+        colour(&app) == [true, true, false]
+    });
+    app.quit_by_key();
+}
+
+#[test]
+fn a_device_that_is_pulled_while_learning_is_said_and_learning_goes_on_when_it_is_back() {
+    apart!();
+    let place = Place::new();
+    place.plug("desk");
+    let app = place.open(&[]);
+    app.wait_until_reported("MIDI is heard from desk (fake port)");
+    // The parameters are there with the picture.
+    wait_for_colour(&app, "green", [false, true, false]);
+    begin_to_learn(&app);
+    place.pull("desk");
+    app.wait_until_reported("desk (fake port) was pulled; learning goes on");
+    place.plug("desk");
+    // A pad this time, which has no way to pass: it jumps.
+    app.wait_until("what was learned", |_| {
+        place.play("desk", &[0x99, 36, 127]);
+        place.knobs().exists()
+    });
+    app.press(&["Escape"]);
+    app.wait_until("yellow", |_| {
+        place.play("desk", &[0x99, 36, 127]);
+        colour(&app) == [true, true, false]
+    });
+    place.play("desk", &[0x89, 36, 0]);
+    wait_for_colour(&app, "green", [false, true, false]);
+    app.quit_by_key();
+}
+
+#[test]
+fn floods_of_rubbish_from_a_device_leave_the_show_alone() {
+    apart!();
+    let place = Place::new();
+    place.plug("desk");
+    let app = place.open(&[]);
+    app.wait_until_reported("MIDI is heard from desk (fake port)");
+    wait_for_colour(&app, "green", [false, true, false]);
+    place.learn_first(&app, "desk", &turned(0));
+    let exclusive: Vec<u8> = std::iter::once(0xf0).chain((0..60_000_u32).map(|n| (n % 128) as u8)).collect();
+    for _ in 0..50 {
+        place.play("desk", &exclusive);
+        place.play("desk", &[0xff; 500]);
+        place.play("desk", &[0xb0, 1]);
+    }
+    app.wait_until("yellow", |_| {
+        place.play("desk", &turned(0));
+        app.run_for(Duration::from_millis(30));
+        // Running status, and a clock in the middle.
+        place.play("desk", &[0xb0, 1, 126, 1, 0xf8, 127]);
+        app.run_for(Duration::from_millis(100));
+        colour(&app) == [true, true, false]
+    });
+    app.quit_by_key();
+}
+
+#[test]
+fn a_damaged_file_of_knobs_is_said_and_kept_aside() {
+    apart!();
+    let place = Place::new();
+    place.plug("desk");
+    fs::create_dir_all(place.knobs().parent().unwrap()).unwrap();
+    fs::write(place.knobs(), "[[knob]]\ndevice = 7\n").unwrap();
+    let app = place.open(&[]);
+    app.wait_until_reported("knobs.toml cannot be understood");
+    app.wait_until_reported("MIDI is heard from desk (fake port)");
+    wait_for_colour(&app, "green", [false, true, false]);
+    place.learn_first(&app, "desk", &turned(5));
+    let kept = fs::read_to_string(place.knobs().with_extension("toml.broken")).unwrap();
+    assert_eq!(kept, "[[knob]]\ndevice = 7\n");
+    app.quit_by_key();
+}
+
+#[test]
+fn the_clock_of_a_device_sets_the_tempo_until_it_ends() {
+    apart!();
+    let place = Place::new();
+    place.plug("drums");
+    let osc = Sender::new();
+    let app = place.open(&["--osc", &osc.port.to_string()]);
+    app.wait_until_reported("MIDI is heard from drums (fake port)");
+    app.wait_until_reported("OSC is heard");
+    let tempo = |bytes: &[u8]| number_in(bytes, "/tempo", ",f");
+    ask(&app, &osc, "/query/tempo", |bytes| tempo(bytes) == Some(0.0));
+    place.play("drums", &[0xfa]);
+    let mut seen = 0.0;
+    app.wait_until("a tempo of the clock", |app| {
+        place.play("drums", &[0xf8]);
+        app.run_for(Duration::from_millis(20));
+        osc.send("/query/tempo", &[]);
+        if let Some(bytes) = osc.receive() {
+            seen = tempo(&bytes).unwrap_or_default();
+        }
+        seen > 0.0
+    });
+    assert!((5.0..400.0).contains(&seen), "{seen}");
+    ask(&app, &osc, "/query/tempo", |bytes| tempo(bytes) == Some(0.0));
+    app.quit_by_key();
+}
+
+#[test]
+fn a_hand_takes_a_parameter_from_a_show_which_takes_it_back_with_its_next_movement() {
+    apart!();
+    let place = Place::new();
+    let osc = Sender::new();
+    let show = place.inner.path("own.show");
+    // A show that begins after the song has: seeks go to its movements.
+    fs::write(&show, "at start wall.scene\n set red = 2\n set red = 1 after 30 s\n").unwrap();
+    let port = osc.port.to_string();
+    let app = place.open(&["--osc", &port, "--show", show.to_str().unwrap()]);
+    app.wait_until_reported("OSC is heard");
+    let of_red = |bytes: &[u8]| number_in(bytes, "/param/red", ",ffffs");
+    let held = |value: f32, hand: &'static str| {
+        move |bytes: &[u8]| of_red(bytes) == Some(value) && bytes.ends_with(&padded(hand))
+    };
+    ask(&app, &osc, "/param/red", held(2.0, "show"));
+    wait_for_colour(&app, "yellow", [true, true, false]);
+    osc.send("/pause", &[1.0]);
+    app.wait_for_title("a pause", |title| title.contains("paused"));
+    osc.send("/param/red", &[0.0]);
+    ask(&app, &osc, "/param/red", held(0.0, "OSC"));
+    wait_for_colour(&app, "green", [false, true, false]);
+    // The next movement is the show's again, and before it the hand still has the parameter.
+    osc.send("/position", &[0.9]);
+    ask(&app, &osc, "/param/red", held(1.0, "show"));
+    osc.send("/position", &[0.1]);
+    ask(&app, &osc, "/param/red", held(0.0, "OSC"));
+    app.quit_by_key();
+}

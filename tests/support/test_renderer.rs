@@ -1,0 +1,170 @@
+//! A renderer without a window, a scene on it, and sound to show.
+
+use std::sync::Arc;
+
+use crate::support::drawing::Context;
+use image::RgbaImage;
+use mariana::frame::Frame;
+use mariana::frame::picture::Picture;
+use mariana::gpu::error::GpuError;
+use mariana::gpu::gl::GlInfo;
+use mariana::gpu::program::Program;
+use mariana::gpu::renderer::{Counting, Renderer};
+use mariana::gpu::scene_program::{Mode, link_scene, variant_of};
+use mariana::gpu::scene_resources::SceneResources;
+use mariana::gpu::shader_source::{ShaderLibrary, Variant};
+use mariana::scenes::{ReadyScene, SceneSource};
+use mariana_field::world::World;
+use mariana_music::{Features, HISTORY_POINTS, SPECTRUM_POINTS, Sound, Tables, WAVEFORM_POINTS};
+
+/// The thesis' speakers: the scene that is also written by hand, in GLSL.
+pub(crate) fn speakers() -> SceneSource {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/oracle/speakers.scene");
+    SceneSource::find(path).unwrap()
+}
+
+/// A scene ready to be drawn; fails with what is wrong with it.
+pub(crate) fn ready(scene: &SceneSource) -> ReadyScene {
+    scene.ready().unwrap_or_else(|error| panic!("{}: {error}", scene.name()))
+}
+
+/// A driver that nobody has, with no more than OpenGL 3.3 promises.
+pub(crate) fn driver(software: bool) -> GlInfo {
+    GlInfo {
+        vendor: String::new(),
+        renderer: String::new(),
+        version: String::new(),
+        shading_language: String::new(),
+        texture_side_max: 1024,
+        texture_buffer_texels_max: 65_536,
+        anisotropy_max: 1.0,
+        program_binaries: false,
+        software,
+    }
+}
+
+/// A renderer with its context, a scene, and a program that draws it.
+pub(crate) struct TestRenderer {
+    // Before the context that their objects live in.
+    pub renderer: Renderer,
+    pub program: Program,
+    pub resources: SceneResources,
+    /// Changes how the picture is made of the scene's light.
+    pub adjust: fn(&mut Picture),
+    pub context: Context,
+}
+
+impl TestRenderer {
+    /// The thesis' speakers, compiled.
+    pub(crate) fn new() -> Self {
+        Self::of(&speakers(), Mode::Compiled, Counting::Off)
+    }
+
+    /// Another scene and mode, or the counting variant.
+    pub(crate) fn of(scene: &SceneSource, mode: Mode, counting: Counting) -> Self {
+        Self::of_ready(ready(scene), mode, counting)
+    }
+
+    /// The same of a scene that is ready.
+    pub(crate) fn of_ready(scene: ReadyScene, mode: Mode, counting: Counting) -> Self {
+        let ReadyScene { world, buffers, plan, .. } = scene;
+        let context = Context::new();
+        let gl = context.gl();
+        let renderer =
+            Renderer::new(gl, &ShaderLibrary::embedded(), counting).unwrap_or_else(|error| panic!("{error}"));
+        let variant = variant_of(&world, &buffers, &plan, mode, gl.info(), counting)
+            .unwrap_or_else(|error| panic!("{}, {mode}: {error}", world.name));
+        let program = link(&context, &ShaderLibrary::embedded(), &variant);
+        let resources = SceneResources::upload(gl, world, buffers, plan).unwrap();
+        Self { renderer, program, resources, adjust: |_| {}, context }
+    }
+
+    /// The program of the scene in a mode, for [`TestRenderer::program`].
+    pub(crate) fn program_of(&self, mode: Mode, counting: Counting) -> Program {
+        let (world, buffers, plan) = (self.world(), self.resources.buffers(), self.resources.plan());
+        let variant = variant_of(world, buffers, plan, mode, self.context.gl().info(), counting)
+            .unwrap_or_else(|error| panic!("{}, {mode}: {error}", world.name));
+        self.link(&ShaderLibrary::embedded(), &variant)
+    }
+
+    /// A program in the studio's context.
+    pub(crate) fn link(&self, library: &ShaderLibrary, variant: &Variant) -> Program {
+        link(&self.context, library, variant)
+    }
+
+    /// The scene.
+    pub(crate) fn world(&self) -> &World {
+        self.resources.world()
+    }
+
+    /// The frame of one moment.
+    pub(crate) fn frame(&self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Frame {
+        let mut frame = Frame::new(self.world(), time, sound, size);
+        (self.adjust)(&mut frame.picture);
+        frame
+    }
+
+    /// The finished picture of one moment.
+    pub(crate) fn picture(&mut self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> RgbaImage {
+        self.try_picture(time, sound, size).unwrap_or_else(|error| panic!("{size:?} at {time} s: {error}"))
+    }
+
+    /// The same, or why there is none.
+    pub(crate) fn try_picture(
+        &mut self,
+        time: f64,
+        sound: impl Into<Sound>,
+        size: (u32, u32),
+    ) -> Result<RgbaImage, GpuError> {
+        let frame = self.frame(time, sound, size);
+        self.renderer.draw(&frame, &self.resources, &self.program)?;
+        let bytes = self.renderer.read();
+        Ok(RgbaImage::from_raw(size.0, size.1, bytes).expect("a finished picture has four bytes a pixel"))
+    }
+}
+
+fn link(context: &Context, library: &ShaderLibrary, variant: &Variant) -> Program {
+    link_scene(context.gl(), library, variant).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// No sound.
+pub(crate) fn silence() -> Features {
+    Features::default()
+}
+
+/// Loud music: much bass, less treble, a little louder on the left.
+pub(crate) fn loud_music() -> Features {
+    let bands = std::array::from_fn(|i| {
+        let slope = 0.95 - 0.018 * i as f32;
+        slope * (0.75 + 0.25 * (1.7 * i as f32).sin())
+    });
+    let (bass, mid, treble) = (0.8, 0.55, 0.3);
+    let rhythm = Features { beat: 0.6, tempo: 120.0, phase: 0.3, bass_drive: 2.5, ..Features::default() };
+    let volumes = Features { volume: [0.28, 0.22], volume_mid: 0.25, volume_side: 0.06, ..rhythm };
+    Features { bands, bass, mid, treble, peak_hz: 110.0, ..volumes }
+}
+
+/// The same with curves: a hilly spectrum that wanders, a wave.
+pub(crate) fn loud_sound() -> Sound {
+    let points = |count: usize, of: &dyn Fn(f32) -> f32| -> Arc<[f32]> {
+        (0..count).map(|index| of(index as f32 / (count - 1) as f32)).collect()
+    };
+    let height = |u: f32, row: f32| (0.8 - 0.5 * u) * (0.6 + 0.4 * (25.0 * u + 0.21 * row).sin());
+    let rows = (0..240).flat_map(|row| {
+        (0..HISTORY_POINTS).map(move |column| height(column as f32 / (HISTORY_POINTS - 1) as f32, row as f32))
+    });
+    let tables = Tables {
+        spectrum: Some(points(SPECTRUM_POINTS, &|u| height(u, 0.4))),
+        waveform: Some(points(WAVEFORM_POINTS, &|u| 0.7 * (19.0 * u).sin() - 0.2 * (83.0 * u).cos())),
+        history: Some(rows.collect()),
+        history_offset: 1.4,
+        history_span: 234.375,
+    };
+    Sound { features: loud_music(), tables, ..Sound::default() }
+}
+
+/// Music of medium loudness.
+pub(crate) fn soft_music() -> Features {
+    let loud = loud_music();
+    Features { volume: loud.volume.map(|v| 0.3 * v), bands: loud.bands.map(|b| 0.6 * b), ..loud }
+}
