@@ -1,18 +1,18 @@
 # shellcheck shell=bash
-# How the scripts build Mariana. To be sourced after setup.sh.
+# Builds Mariana for the other scripts. Source it after setup.sh.
 
-# Makes a release build; $binary is the program then. Everything it says goes to stderr.
+# Makes a release build and sets $binary to its path. All output goes to stderr.
 build_release() {
-    # Where cargo puts things: a relative folder counts from the root, where cargo is started.
+    # Cargo's target folder. A relative path starts at the root, where cargo runs.
     local target=${CARGO_TARGET_DIR:-${CARGO_BUILD_TARGET_DIR:-target}} quiet=(--quiet)
-    # shellcheck disable=SC2154 # setup.sh sets it.
+    # shellcheck disable=SC2154 # Set by setup.sh.
     [[ $target == /* ]] || target=$root/$target
     binary=$target/release/mariana
-    # On a terminal cargo's own progress tells that it takes long. Elsewhere one line has to.
+    # A terminal shows cargo's progress. Elsewhere, print one line.
     if [[ -t 2 ]]; then
         quiet=()
     elif [[ ! -x $binary ]]; then
-        say "Building Mariana; the first time this takes a few minutes."
+        say "Building Mariana. The first build takes a few minutes."
     fi
     (cd "$root" && cargo build --release ${quiet[@]+"${quiet[@]}"} --bin mariana) </dev/null >&2
 }

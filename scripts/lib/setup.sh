@@ -1,15 +1,15 @@
 # shellcheck shell=bash
-# What Mariana needs from the system, and how to get it. To be sourced; everything it says goes to stderr.
+# Installs the system packages and the Rust toolchain that Mariana needs. Source it. All output goes to stderr.
 #
-#   mariana_setup build run [test]    makes sure that these groups of needs are met, or ends the script with 1
+#   mariana_setup build run [test]    installs missing packages of these groups; exits with 1 if it cannot
 #
-# MARIANA_SETUP=dry-run says what would be installed and ends the script; MARIANA_SETUP=skip looks for nothing.
+# MARIANA_SETUP=dry-run prints the packages without installing them, and exits; MARIANA_SETUP=skip checks nothing.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
 
-# One row per need: group, how to see that it is met, and the package of each manager (- where there is none to install).
-#   cmd:NAME a command · header:NAME a C header · pc:NAME a pkg-config file · lib:NAME a shared library · dri:NAME a Mesa driver
-#   libexec:NAME a program that only other programs start · browser:NAME a browser under any of its commands' names
+# One requirement per row: its group, its check, and its package for each package manager (- if no package is needed).
+#   cmd:NAME a command · header:NAME a C header · pc:NAME a pkg-config file · lib:NAME a shared library
+#   dri:NAME a Mesa driver · libexec:NAME a helper program in libexec · browser:NAME a browser, by any command name
 needs() {
     cat <<'TABLE'
 # group check                     apt                dnf                  pacman            zypper               brew
@@ -50,7 +50,7 @@ test    cmd:zbarimg               zbar-tools         zbar                 zbar  
 test    cmd:glslangValidator      glslang-tools      glslang              glslang           glslang-devel        glslang
 TABLE
 }
-# The run-time library of ALSA comes with its development package; Opus is built into the program (by cmake).
+# ALSA's development package includes its run-time library. Opus is linked statically and built with cmake.
 
 say() { printf '%s\n' "$*" >&2; }
 fail() {
@@ -74,7 +74,7 @@ package_manager() {
     echo none
 }
 
-# Whether a need is met, told from what is there, whoever put it there.
+# Succeeds if a requirement is met, even if the package manager did not install it.
 is_met() {
     local name=${1#*:}
     case $1 in
@@ -88,7 +88,7 @@ is_met() {
     esac
 }
 
-# Whether the package manager has the package already: the last word on what is_met could not find.
+# Succeeds if the package manager has the package installed. Used when is_met finds nothing.
 is_installed() {
     case $1 in
         apt) [[ $(dpkg-query -W -f='${db:Status-Status}' "$2" 2>/dev/null) == installed ]] ;;
@@ -98,7 +98,7 @@ is_installed() {
     esac >/dev/null 2>&1
 }
 
-# The command that installs the packages; nothing that is there is ever removed for it.
+# Prints the package manager's install command. It never removes packages.
 install_command() {
     case $1 in
         apt) echo "env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 install -y --no-install-recommends --no-remove" ;;
@@ -119,9 +119,9 @@ install_with() {
         return
     fi
     if [[ $manager == brew ]]; then
-        have brew || fail "Mariana needs the packages $*: install Homebrew, or install them by other means, then start this again."
+        have brew || fail "Mariana needs the packages $*. Install Homebrew or these packages, then run this again."
     elif [[ $EUID -ne 0 ]]; then
-        have sudo || fail "Mariana needs the packages $*: ask someone with administrator rights to install them, then start this again."
+        have sudo || fail "Mariana needs the packages $*. Ask an administrator to install them, then run this again."
         as_root=(sudo)
     fi
     say "Installing with $manager${as_root[*]+ and sudo}: $*"
@@ -131,10 +131,10 @@ install_with() {
     esac
     if [[ ${#renew[@]} -gt 0 ]]; then
         ${as_root[@]+"${as_root[@]}"} "${renew[@]}" </dev/null >&2 ||
-            say "The package lists could not be updated; trying with the present ones."
+            say "Cannot update the package lists; using the current ones."
     fi
     ${as_root[@]+"${as_root[@]}"} "${command[@]}" "$@" </dev/null >&2 ||
-        fail "$manager could not install these packages: $*. See its message above, or install them by hand and set MARIANA_SETUP=skip."
+        fail "$manager could not install these packages: $*. See its message above, or install them yourself and set MARIANA_SETUP=skip."
 }
 
 install_packages() {
@@ -143,7 +143,7 @@ install_packages() {
     if [[ $(uname -s) == Linux ]]; then
         shared_libraries=$(PATH="$PATH:/usr/sbin:/sbin" ldconfig -p 2>/dev/null) || true
     fi
-    # The columns bear the managers' names, by which ${!manager} picks one.
+    # Each column has its manager's name, so ${!manager} is the package.
     # shellcheck disable=SC2034
     while read -r group check apt dnf pacman zypper brew; do
         [[ $groups == *" $group "* ]] || continue
@@ -153,12 +153,12 @@ install_packages() {
         [[ " ${missing[*]-} " == *" $package "* ]] || is_installed "$manager" "$package" || missing+=("$package")
     done < <(needs)
     if [[ $manager == none && ${#unmet[@]} -gt 0 ]]; then
-        fail "Mariana needs ${unmet[*]}, and there is no package manager that this script knows (apt, dnf, pacman, zypper, brew): install them, or set MARIANA_SETUP=skip if they are somewhere this script does not look."
+        fail "Mariana needs ${unmet[*]}, but this script found no package manager that it supports (apt, dnf, pacman, zypper, brew). Install them yourself, or set MARIANA_SETUP=skip if they are installed where this script does not look."
     fi
     if [[ ${#missing[@]} -gt 0 ]]; then install_with "$manager" "${missing[@]}"; fi
 }
 
-# version_at_least FOUND WANTED, of dotted numbers: 1.100 is more than 1.95.
+# version_at_least FOUND WANTED compares dotted numbers: 1.100 is greater than 1.95.
 version_at_least() {
     local found wanted i
     IFS=. read -ra found <<<"${1%%[!0-9.]*}"
@@ -168,7 +168,7 @@ version_at_least() {
     done
 }
 
-# The packages of a whole Rust toolchain; the first one's version is Rust's.
+# Prints the packages of the Rust toolchain. The first one has Rust's version.
 rust_packages() {
     case $1 in
         apt) echo rustc cargo rustfmt rust-clippy ;;
@@ -178,7 +178,7 @@ rust_packages() {
     esac
 }
 
-# The version of Rust that the package manager offers; empty where it has none.
+# Prints the package manager's version of Rust, if it has one.
 offered_rust() {
     case $1 in
         apt) apt-cache policy rustc | awk '$1 == "Candidate:" { print $2 }' ;;
@@ -189,7 +189,7 @@ offered_rust() {
     esac 2>/dev/null
 }
 
-# ensure_rust MANAGER GROUP...: cargo of the age that Cargo.toml asks for, for tests with rustfmt and clippy.
+# ensure_rust MANAGER GROUP...: installs or requires the Rust version in Cargo.toml, for tests with rustfmt and clippy.
 ensure_rust() {
     local manager=$1 wanted found offered packages
     wanted=$(sed -n 's/^rust-version *= *"\([0-9.]*\)".*/\1/p' "$root/Cargo.toml")
@@ -199,22 +199,22 @@ ensure_rust() {
     found=$(cd "$root" && cargo --version 2>/dev/null | awk '{ print $2 }') || found=""
     if ! version_at_least "${found:-0}" "$wanted"; then
         if have rustup; then
-            fail "Mariana needs Rust $wanted or newer, but rustup has ${found:-none selected}: run 'rustup default stable && rustup update stable', then start this again."
+            fail "Mariana needs Rust $wanted or newer, but rustup has ${found:-none selected}. Run 'rustup default stable && rustup update stable', then run this again."
         fi
         offered=$(offered_rust "$manager") || offered=""
         if [[ -n $found ]] || ! version_at_least "${offered:-0}" "$wanted"; then
-            fail "Mariana needs Rust $wanted or newer, but this computer has ${found:-none}: install it with rustup, the Rust project's installer, then start this again."
+            fail "Mariana needs Rust $wanted or newer, but this computer has ${found:-none}. Install Rust with rustup (https://rustup.rs), then run this again."
         fi
         read -ra packages <<<"$(rust_packages "$manager")"
         install_with "$manager" "${packages[@]}"
     fi
     if [[ " $* " == *" test "* && ${MARIANA_SETUP:-} != dry-run ]]; then
         (cd "$root" && cargo fmt --version && cargo clippy --version) >/dev/null 2>&1 ||
-            fail "The tests need rustfmt and clippy: run 'rustup component add rustfmt clippy', or install your system's packages of the same names, then start this again."
+            fail "The tests need rustfmt and clippy. Run 'rustup component add rustfmt clippy', or install your system's packages of the same names, then run this again."
     fi
 }
 
-# Unpacks mesa-drm-shim from the backports of this Debian into target/, without touching the system's lists.
+# Unpacks mesa-drm-shim from this Debian's backports into target/. The system's package lists stay unchanged.
 unpack_gpu_shim() {
     local folder=$root/target/mesa-drm-shim options codename uri
     codename=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
@@ -228,8 +228,8 @@ unpack_gpu_shim() {
         dpkg -x "$folder"/mesa-drm-shim_*.deb "$folder"
 }
 
-# What lets Mesa compile for GPUs that are not there, for `cargo xtask gpu`. Where it cannot be had, the tests say so and
-# compare nothing.
+# Gets mesa-drm-shim, which lets Mesa compile for GPUs that are not installed (`cargo xtask gpu`). Without it, the tests
+# print a note and compare nothing.
 get_gpu_shim() {
     if [[ $1 != apt || $(uname -m) != x86_64 || ${MARIANA_SETUP:-} == dry-run ]] || is_installed apt mesa-drm-shim ||
         compgen -G "$root/target/mesa-drm-shim/usr/lib/*/libamdgpu_noop_drm_shim.so" >/dev/null; then
@@ -238,7 +238,7 @@ get_gpu_shim() {
     if apt-cache show mesa-drm-shim >/dev/null 2>&1; then
         install_with apt mesa-drm-shim
     else
-        unpack_gpu_shim </dev/null >&2 || say "mesa-drm-shim cannot be had: programs for GPUs are not compared."
+        unpack_gpu_shim </dev/null >&2 || say "mesa-drm-shim is not available: GPU programs are not compared."
     fi
 }
 
@@ -247,14 +247,14 @@ mariana_setup() {
     case ${MARIANA_SETUP:-} in
         "" | dry-run) ;;
         skip) return ;;
-        *) fail "MARIANA_SETUP is '$MARIANA_SETUP': use dry-run or skip, or leave it unset." ;;
+        *) fail "MARIANA_SETUP is '$MARIANA_SETUP'. Use dry-run or skip, or unset it." ;;
     esac
     manager=$(package_manager)
     install_packages "$manager" "$@"
     ensure_rust "$manager" "$@"
     if [[ " $* " == *" test "* ]]; then get_gpu_shim "$manager"; fi
     if [[ ${MARIANA_SETUP:-} == dry-run ]]; then
-        say "That is all: nothing was installed."
+        say "Dry run: nothing was installed."
         exit 0
     fi
 }
