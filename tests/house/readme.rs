@@ -19,7 +19,7 @@ fn page(name: &str) -> String {
 
 /// The Markdown files in `docs/`.
 fn pages() -> Vec<PathBuf> {
-    let files = fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let files = fs::read_dir(root().join("docs")).into_iter().flatten().flatten().map(|entry| entry.path());
     files.filter(|path| path.extension().is_some_and(|extension| extension == "md")).collect()
 }
 
@@ -73,7 +73,7 @@ fn links_have_targets() {
         let text = read(&file);
         for link in links(&text).filter(|link| !link.starts_with("http")) {
             let (path, anchor) = link.split_once('#').unwrap_or((link, ""));
-            let target = if path.is_empty() { file.clone() } else { file.with_file_name("").join(path) };
+            let target = if path.is_empty() { file.clone() } else { file.parent().unwrap().join(path) };
             assert!(target.exists(), "{} links to {link}, which does not exist", file.display());
             let exists = anchor.is_empty() || anchors(&read(&target)).iter().any(|known| known == anchor);
             assert!(exists, "{} links to {link}, but there is no such heading", file.display());
