@@ -67,8 +67,8 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
 const INTRO: &str = "\
 # Gallery
 
-The scenes that come with Mariana, at four moments of the demo track; the large picture shows the loudest. Each is a text
-in `assets/scenes`, and `mariana --scene NAME` shows it. This page is drawn by `cargo xtask gallery`.
+Choose a scene to play with `mariana --scene NAME`, or to copy from `assets/scenes`. The images show each scene at four
+moments of the demo track; the large one is the loudest. `cargo xtask gallery` generates this page.
 
 # Music
 ";
@@ -76,11 +76,11 @@ in `assets/scenes`, and `mariana --scene NAME` shows it. This page is drawn by `
 const TABLE_HEAD: &str = "
 # Figures
 
-Distance evaluations of a pixel, clauses that the interpreter runs for one, and those of materials and light, at the
-loudest moment, 1280x720. Moved: pixels that differ visibly between that moment and silence, 320x180. Black and white:
-the largest shares of pixels that are one or the other at the four moments.
+Cost per pixel at the loudest moment, 1280x720: distance evaluations, clauses that the interpreter runs for distances,
+and clauses for materials and light. Moved: pixels that differ visibly between this moment and silence, 320x180. Black
+and white: the largest fraction of black or white pixels at any of the four moments.
 
-| scene | evaluations | clauses | of materials and light | moved | black | white |
+| scene | evaluations | distance clauses | material and light clauses | moved | black | white |
 |---|---|---|---|---|---|---|
 ";
 
