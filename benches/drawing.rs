@@ -1,7 +1,8 @@
-//! The compiled speakers beside the same scene in GLSL by hand: frame by frame in turns, CPU time.
+//! Compares the CPU time of the compiled speakers scene with the same scene in handwritten GLSL.
 //!
-//! `cargo bench --bench drawing` prints medians and their ratio. (Not criterion: the two take turns, so that both meet the
-//! same disturbances, and what counts is the time of all processor cores, since Mesa draws on all of them.)
+//! `cargo bench --bench drawing` prints medians and their ratio. It does not use criterion, because the two scenes
+//! alternate frame by frame, so that disturbances affect both, and because the time of all processor cores counts: Mesa
+//! draws on all of them.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,7 +1,7 @@
-//! What limiting flashes costs a picture on this machine's renderer: CPU time of all cores.
+//! Measures the cost of flash limiting per frame on this machine's renderer: CPU time of all cores.
 //!
-//! `cargo bench --bench flashes` prints medians for a calm picture and for a strobe. (Not criterion, for the same
-//! reasons as `drawing`.)
+//! `cargo bench --bench flashes` prints medians for a calm image and for a strobe. It does not use criterion, for the
+//! reasons given in `drawing`.
 
 #![allow(clippy::unwrap_used)]
 
@@ -45,10 +45,10 @@ fn main() {
                 gl.finish();
                 times.push(start.elapsed().as_secs_f64() * 1000.0);
             }
-            // Nothing is limited in the first second.
+            // The limiter changes nothing in the first second.
             let mut times = times.split_off(FPS as usize);
             times.sort_by(f64::total_cmp);
-            let place = if window { "decided" } else { "decided and drawn into a copy" };
+            let place = if window { "decided" } else { "decided and drawn to a copy" };
             println!("{name}, {}x{}: {:.2} ms of CPU, {place}", SIZE.0, SIZE.1, times[times.len() / 2]);
         }
     }

@@ -1,9 +1,10 @@
-//! Transitions beside the two scenes that they lie between: the CPU time of each frame of two seconds, with the tree
-//! that is made for it, over the sum of both scenes' medians.
+//! Compares transitions with their two scenes: the CPU time of each frame in a transition of two seconds, including its
+//! region tree, relative to the sum of both scenes' medians.
 //!
-//! `cargo bench --bench transitions` measures each shipped scene on its way into the next one, in all kinds of blends;
-//! `-- speakers:heart` that pair. (Not criterion: what counts is the longest of frames that differ, in the time of all
-//! processor cores, since Mesa draws on all of them.) The three take turns, so that all meet the same disturbances.
+//! `cargo bench --bench transitions` measures the transition from each shipped scene to the next, with all kinds of
+//! blends; `-- speakers:heart` measures one pair. It does not use criterion, because the longest of differing frames
+//! counts, in the time of all processor cores: Mesa draws on all of them. The three measurements alternate, so that
+//! disturbances affect all of them.
 
 #![allow(clippy::unwrap_used)]
 
@@ -26,13 +27,13 @@ use mariana_field::world::{Alignment, BlendKind, blended_params};
 use mariana_music::Sound;
 
 const SIZE: (u32, u32) = (320, 180);
-/// The moment of the demo track at which transitions begin, and how long they take, in seconds.
+/// Start of the transitions in the demo track and their duration, in seconds.
 const START: f64 = 20.0;
 const SECONDS: f64 = 2.0;
-/// Frames of a transition. The pure scenes at either end are none of them.
+/// Frames of a transition, without the pure scenes at its ends.
 const FRAMES: usize = 24;
 
-/// What draws a scene.
+/// A scene's program and resources.
 struct Model {
     resources: SceneResources,
     program: Program,
@@ -48,7 +49,7 @@ impl Model {
         Self { resources, program }
     }
 
-    /// Draws a moment; returns the CPU time in ms.
+    /// Draws a frame; returns the CPU time in ms.
     fn draw(&self, renderer: &mut Renderer, (time, sound): (f64, &Sound), params: &[f32]) -> f64 {
         let held = HeldInputs::default();
         let frame_options = FrameOptions { params, held: &held, camera: None };
@@ -68,7 +69,7 @@ fn median(times: &[f64]) -> f64 {
     times.get(times.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The pairs that the command line names, or each shipped scene with the next one.
+/// The pairs given on the command line, or each shipped scene with the next one.
 fn pairs() -> Vec<(String, String)> {
     let named: Vec<(String, String)> = std::env::args()
         .filter_map(|arg| arg.split_once(':').map(|(from, to)| (from.to_owned(), to.to_owned())))
@@ -115,7 +116,7 @@ fn main() {
                 let params = blended_params((&a.world.scene, &[]), (&b.world.scene, &[]), *fraction);
                 let models = [(&pure[0], &[][..]), (&pure[1], &[]), (&blended, &params)];
                 for ((model, params), times) in models.into_iter().zip(&mut times) {
-                    // What a driver does once it does while transitions are prepared.
+                    // Drivers do one-time work while transitions are prepared.
                     if number == 0 {
                         model.draw(&mut renderer, (*time, sound), params);
                     }
@@ -135,7 +136,7 @@ fn main() {
     }
     worst.sort_by(f64::total_cmp);
     println!(
-        "the longest frames over their sums: median {:.2}, worst {:.2}",
+        "longest frame / sum: median {:.2}, worst {:.2}",
         median(&worst),
         worst.last().unwrap()
     );

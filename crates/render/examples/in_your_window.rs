@@ -1,6 +1,6 @@
-//! A scene in a window of your own: hand in the functions of its OpenGL context, then draw and show.
+//! Draws a scene into your own window: load the functions of its OpenGL context, then draw and show.
 //! `cargo run -p mariana-render --example in_your_window -- "sphere(p, 1 + 0.3 * sin(t))"`
-#![expect(unsafe_code, clippy::expect_used, reason = "glutin is unsafe, and an example may panic")]
+#![expect(unsafe_code, clippy::expect_used, reason = "glutin's calls are unsafe, and an example may panic")]
 
 use glutin::{config::ConfigTemplateBuilder, context::ContextAttributesBuilder};
 use glutin::{display::GetGlDisplay, prelude::*};
@@ -22,17 +22,17 @@ fn open(events: &ActiveEventLoop, text: &str) -> Result<Drawing, Box<dyn Error>>
     let (window, display) = (window.ok_or("no window")?, config.display());
     let context = ContextAttributesBuilder::new().build(Some(window.window_handle()?.as_raw()));
     let surface = window.build_surface_attributes(Default::default())?;
-    // SAFETY: the window is dropped after both.
+    // SAFETY: the closure below drops the window after the surface and the context.
     let surface = unsafe { display.create_window_surface(&config, &surface)? };
     let context = unsafe { display.create_context(&config, &context)? }.make_current(&surface)?;
     let gl = Gl::load(|name| display.get_proc_address(name), false)?;
     let (mut scene, begun) = (SceneRenderer::new(&gl, World::parse("a text", text)?)?, Instant::now());
     Ok(Box::new(move || {
-        // What it holds is dropped in this order.
+        // The closure drops its captures in this order.
         let (scene, context, surface, window) = (&mut scene, &context, &surface, &window);
         let (time, size) = (begun.elapsed().as_secs_f64(), window.inner_size().into());
-        scene.draw(time, Features::SILENCE, size).and_then(|()| scene.show(size)).expect("a picture");
-        surface.swap_buffers(context).expect("a surface");
+        scene.draw(time, Features::SILENCE, size).and_then(|()| scene.show(size)).expect("drawing the scene");
+        surface.swap_buffers(context).expect("swapping the buffers");
         window.request_redraw();
     }))
 }

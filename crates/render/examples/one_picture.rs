@@ -1,5 +1,5 @@
-//! Draws the text of a scene to a PNG: `cargo run -p mariana-render --example one_picture -- "sphere(p, 1)" ball.png`.
-//! A text that names a file is read from it.
+//! Draws a scene to a PNG: `cargo run -p mariana-render --example one_picture -- "sphere(p, 1)" ball.png`. The scene is
+//! a text, or the name of a file that contains it.
 
 use std::error::Error;
 

@@ -1,32 +1,32 @@
-//! Faults that tests cause: failures of drivers and what takes too long, at a moment that a test chooses.
+//! Fault injection for tests: driver failures and slow work at a chosen time.
 //!
-//! In builds with debug assertions the variable `MARIANA_FAULT` names a fault and after how many seconds it strikes,
-//! `context-lost@3`; most strike once. In other builds none of this is compiled.
+//! In builds with debug assertions, the variable `MARIANA_FAULT` names a fault and the seconds until it occurs, such as
+//! `context-lost@3`. Most faults occur once. Other builds never inject any.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// What goes wrong.
+/// A fault that a test can inject.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
-    /// The driver reports that the context is lost, as after a reset of the GPU.
+    /// The driver reports a lost context, as after a reset of the GPU.
     ContextLost,
     /// The driver has no memory for a render target.
     NoTarget,
     /// Every pixel seems to take 0.1 ms.
     DearPixels,
-    /// The driver refuses an interpreter.
+    /// The driver rejects an interpreter.
     NoInterpreter,
-    /// The driver takes the process along while it compiles an interpreter.
+    /// The driver crashes the process while it compiles an interpreter.
     DeadlyInterpreter,
-    /// The driver compiles a program for seconds, and that is told after a fraction of one.
+    /// The driver takes seconds to compile a program, and is reported as slow after a fraction of a second.
     SlowCompiler,
-    /// The same, of an interpreter.
+    /// Like [`Fault::SlowCompiler`], for an interpreter.
     SlowInterpreter,
-    /// The driver compiles a long program for an hour.
+    /// The driver takes an hour to compile a long program.
     EndlessCompiler,
-    /// The first tree of regions of a changed text takes longer than anyone waits, and that of the last text did not.
+    /// The first region tree of a changed text takes longer than the wait for it; that of the previous text did not.
     SlowTree,
 }
 
@@ -47,21 +47,21 @@ impl Fault {
     }
 }
 
-/// The fault that is to strike, and when.
+/// The requested fault and its time.
 static WANTED: OnceLock<Option<(Fault, Instant)>> = OnceLock::new();
 static STRUCK: AtomicBool = AtomicBool::new(false);
 
-/// Whether a fault strikes here and now. The seconds count from the first call.
+/// True if a fault that occurs once occurs now. The seconds count from the first call.
 pub fn strikes(fault: Fault) -> bool {
     lasts(fault) && !STRUCK.swap(true, Ordering::Relaxed)
 }
 
-/// Whether a fault that strikes again and again does so now.
+/// True if a lasting fault is in effect now.
 pub fn lasts(fault: Fault) -> bool {
     due_of(fault).is_some_and(|due| Instant::now() >= due)
 }
 
-/// Whether a fault strikes in this run, now or at another time.
+/// True if this run injects the fault, now or later.
 pub fn is_wanted(fault: Fault) -> bool {
     due_of(fault).is_some()
 }
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn faults_are_named_with_their_moment() {
+    fn faults_are_parsed_with_their_time() {
         assert_eq!(wanted("context-lost@2").map(|(fault, _)| fault), Some(Fault::ContextLost));
         assert_eq!(wanted("no-target@0.5").map(|(fault, _)| fault), Some(Fault::NoTarget));
         assert_eq!(wanted("slow-compiler@0").map(|(fault, _)| fault), Some(Fault::SlowCompiler));

@@ -1,11 +1,12 @@
-//! Draws worlds of signed distance functions with OpenGL 3.3: a world, the sound and a size in, a picture out.
+//! Draws scenes of signed distance functions with OpenGL 3.3: takes a world, the sound and a size, and returns an
+//! image.
 //!
 //! ```text
 //! world, time, sound ─► frame ─► gpu: samples, edges, more samples, light, picture ─► pixels | a window's framebuffer
 //! ```
 //!
-//! [`SceneRenderer`] is the short way in. It draws in the current context: your window's, or a [`Headless`] one without a
-//! window:
+//! [`SceneRenderer`] is the simplest way to draw. It uses the current OpenGL context: your window's, or a [`Headless`]
+//! one.
 //!
 //! ```
 //! use mariana_field::world::World;
@@ -24,12 +25,12 @@
 //!
 //! // Four bytes per pixel, the top row first.
 //! assert_eq!(quiet.len(), 4 * 64 * 48);
-//! assert_ne!(quiet, loud, "the ball has grown");
+//! assert_ne!(quiet, loud, "the ball grows with the bass");
 //! # drop(scene);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A [`Frame`] holds everything that one picture shows, as plain numbers. Change it before you draw it:
+//! A [`Frame`] holds all inputs of one image as plain numbers. Change it before you draw it:
 //!
 //! ```
 //! # use mariana_field::world::World;
@@ -38,14 +39,14 @@
 //!
 //! let world = World::parse("ball", "sphere(p, 1)")?;
 //! let mut frame = Frame::new(&world, 2.5, Features::SILENCE, (640, 360));
-//! // Fewer details, for a window on a slow GPU.
+//! // Less detail, for a window on a slow GPU.
 //! frame.quality = 0.5;
 //! # Ok::<(), mariana_field::world::WorldError>(())
 //! ```
 //!
-//! `examples/one_picture.rs` draws a scene to a file, `examples/in_your_window.rs` into a window. [`Renderer`] draws several
-//! scenes and splits long pictures into parts. [`gpu::background`] compiles on other threads, [`gpu::program_store`] keeps
-//! compiled programs.
+//! `examples/one_picture.rs` draws a scene to a file, `examples/in_your_window.rs` draws into a window. [`Renderer`]
+//! draws several scenes and splits expensive frames into parts. [`gpu::background`] compiles on other threads, and
+//! [`gpu::program_store`] stores compiled programs on disk.
 
 pub mod faults;
 pub mod flash;

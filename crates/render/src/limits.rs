@@ -1,20 +1,19 @@
-//! Every limit of the renderer.
+//! The renderer's limits.
 //!
-//! A limit is data: code that applies one reads it here, an error that reports one gives the number defined here, and
-//! a test reaches it.
+//! Code, error messages and tests all read them from [`LIMITS`].
 
-/// Limits on what comes from outside and on what the renderer allocates for it.
+/// Limits on input from outside and on the memory that the renderer allocates for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Largest shader source after its includes were resolved, in bytes.
+    /// Largest shader source in bytes, with all includes resolved.
     pub shader_bytes_max: usize,
-    /// Most texels of a frame's regions (4 Mi: 64 MiB); cells beyond that use the whole tape.
+    /// Most texels of a frame's regions (4 Mi: 64 MiB). Cells beyond that use the whole tape.
     pub region_texels_max: usize,
-    /// Most fonts of the system that are taken for letters that the program's own fonts lack.
+    /// Most system fonts loaded for letters that the program's own fonts lack.
     pub system_fonts_max: usize,
-    /// Most bytes that they have together (128 MiB: one of all Chinese letters has some 20 MiB).
+    /// Most bytes of these fonts together (128 MiB; a font with all Chinese letters takes about 20 MiB).
     pub system_fonts_bytes_max: u64,
-    /// Time in seconds after which it is told that a driver is still compiling.
+    /// Time in seconds after which a compilation is reported as slow.
     pub compile_seconds_reported: f64,
 }
 

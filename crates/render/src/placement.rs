@@ -1,31 +1,32 @@
-//! Where a finished picture lies on a screen: which part of it shows, mirrored or not, in which four corners.
+//! Placement of a finished image on a screen: cropped, mirrored and mapped to four corners.
 //!
-//! It is told to the last copy, into a window: neither the picture nor what is exported knows of it. What shows fills the
-//! corners, so a picture that loses a part is drawn larger beforehand ([`Placement::picture_size`]), never stretched.
+//! Only the final copy into a window applies it. The image and exports do not change. The visible part fills the four
+//! corners without stretching: a cropped image is rendered larger ([`Placement::picture_size`]).
 
 use serde::{Deserialize, Serialize};
 
-/// A projective map of places: rows of a matrix that a place `(x, y, 1)` is multiplied by.
+/// A projective map: a 3×3 matrix, by rows, that is multiplied by `(x, y, 1)`.
 pub type Map = [[f64; 3]; 3];
 
-/// Most that two opposite edges lose together, in percent: something must be left.
+/// Largest crop of two opposite edges together, in percent.
 pub const CROP_MAX: f64 = 90.0;
-/// How far outside the screen a corner may lie, as a share of the screen.
+/// Largest distance of a corner outside the screen, as a fraction of the screen.
 pub const CORNER_OUTSIDE_MAX: f64 = 1.0;
-/// Least area of the quadrilateral on each side of its diagonals, as a share of the screen: less is a line.
+/// Smallest area of the quadrilateral on each side of its diagonals, as a fraction of the screen. Less is almost a
+/// line.
 const AREA_MIN: f64 = 1e-3;
 
-/// Which way a picture is mirrored.
+/// Mirroring of the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Flip {
-    /// Not at all.
+    /// No mirroring.
     #[default]
     Off,
-    /// Left and right change places, as for a screen that is lit from behind.
+    /// Swaps left and right, for rear projection.
     Horizontal,
-    /// Top and bottom change places.
+    /// Swaps top and bottom.
     Vertical,
-    /// Both, as for a projector that hangs from the ceiling.
+    /// Swaps both, for a projector mounted on the ceiling.
     Both,
 }
 
@@ -35,7 +36,7 @@ impl Flip {
     }
 }
 
-/// What the edges of a picture lose, in percent of its width and height: left, top, right, bottom.
+/// The parts cut off an image's edges, in percent of its width and height: left, top, right, bottom.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(try_from = "[f64; 4]", into = "[f64; 4]")]
 pub struct Crop([f64; 4]);
@@ -49,7 +50,7 @@ impl TryFrom<[f64; 4]> for Crop {
         if is_fraction && left + right <= CROP_MAX && top + bottom <= CROP_MAX {
             Ok(Self(percent))
         } else {
-            Err("opposite edges lose from 0 to 90 percent together")
+            Err("opposite edges can be cropped by 0 to 90 percent together")
         }
     }
 }
@@ -61,14 +62,14 @@ impl From<Crop> for [f64; 4] {
 }
 
 impl Crop {
-    /// Left, top, right and bottom edge of what is left, as shares of the picture.
+    /// The left, top, right and bottom edge of the remaining part, as fractions of the image.
     fn rest(self) -> [f64; 4] {
         let [left, top, right, bottom] = self.0.map(|percent| percent / 100.0);
         [left, top, 1.0 - right, 1.0 - bottom]
     }
 }
 
-/// Where the corners of what shows lie on the screen, as shares of its width and height to the right and down: upper
+/// The corners of the visible part on the screen, as fractions of its width and height to the right and down: upper
 /// left, upper right, lower right, lower left.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "[[f64; 2]; 4]", into = "[[f64; 2]; 4]")]
@@ -89,17 +90,17 @@ impl TryFrom<[[f64; 2]; 4]> for Corners {
     fn try_from(corners: [[f64; 2]; 4]) -> Result<Self, Self::Error> {
         let near = -CORNER_OUTSIDE_MAX..=1.0 + CORNER_OUTSIDE_MAX;
         if !corners.as_flattened().iter().all(|fraction| near.contains(fraction)) {
-            return Err("a corner lies at most one screen beside the screen");
+            return Err("a corner can be at most one screen size outside the screen");
         }
         let turn = |i: usize| {
             let [a, b, c] = [i, i + 1, i + 2].map(|i| corners[i % 4]);
             (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
         };
-        // Clockwise at each corner: otherwise the picture would lie on its back, or be folded.
+        // Clockwise at each corner: otherwise the image would be mirrored or folded.
         if (0..4).all(|i| turn(i) > AREA_MIN) {
             Ok(Self(corners))
         } else {
-            Err("the corners go round clockwise from the upper left, and none of them is bent inwards")
+            Err("the corners must be in clockwise order from the upper left and form a convex shape")
         }
     }
 }
@@ -111,7 +112,7 @@ impl From<Corners> for [[f64; 2]; 4] {
 }
 
 impl Corners {
-    /// The same with one corner elsewhere; none if that could not be drawn.
+    /// Moves one corner. Returns `None` if the result could not be drawn.
     pub fn with(self, corner: usize, place: [f64; 2]) -> Option<Self> {
         let mut corners = self.0;
         *corners.get_mut(corner)? = place;
@@ -119,39 +120,40 @@ impl Corners {
     }
 }
 
-/// See the module.
+/// The crop, mirroring and corners of an image on a screen.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Placement {
-    /// What the edges lose.
+    /// Parts cut off the edges.
     pub crop: Crop,
-    /// Which way it is mirrored.
+    /// Mirroring.
     pub flip: Flip,
-    /// Where the corners lie.
+    /// Corners on the screen.
     pub corners: Corners,
 }
 
 impl Placement {
-    /// Whether the whole picture lies on the whole screen as it is.
+    /// True if the whole image covers the whole screen unchanged.
     pub fn is_plain(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The size of the picture of which a screen of `screen` pixels shows what is left, pixel for pixel.
+    /// The size of the image whose visible part covers a screen of `screen` pixels, pixel for pixel.
     pub fn picture_size(&self, screen: (u32, u32)) -> (u32, u32) {
         let [left, top, right, bottom] = self.crop.rest();
         let side = |side: u32, fraction: f64| (f64::from(side) / fraction).round().clamp(1.0, 1e6) as u32;
         (side(screen.0, right - left), side(screen.1, bottom - top))
     }
 
-    /// The size of what is left of a picture of `size` pixels.
+    /// The size of the visible part of an image of `size` pixels.
     pub fn rest_of(&self, size: (u32, u32)) -> (u32, u32) {
         let [left, top, right, bottom] = self.crop.rest();
         let side = |side: u32, fraction: f64| (f64::from(side) * fraction).round().max(1.0) as u32;
         (side(size.0, right - left), side(size.1, bottom - top))
     }
 
-    /// Leads from a place on the screen to the place in the picture that shows there, both as shares to the right and
-    /// down. Where the third number is not positive, or the place is outside the part that shows, nothing does.
+    /// Maps a position on the screen to the position in the image that is shown there, both as fractions to the right
+    /// and down. If the third number is not positive, or the position is outside the visible part, nothing is shown
+    /// there.
     pub fn map(&self) -> Map {
         let [left, top, right, bottom] = self.crop.rest();
         let (turns_x, turns_y) = self.flip.turns();
@@ -161,31 +163,31 @@ impl Placement {
         product(&part, &inverse(&square_to(self.corners.0)))
     }
 
-    /// Left, top, right and bottom edge of the part of the picture that shows.
+    /// The left, top, right and bottom edge of the visible part of the image.
     pub fn part(&self) -> [f64; 4] {
         self.crop.rest()
     }
 }
 
-/// A rectangle as shares of a window: left, top, right, bottom.
+/// A rectangle as fractions of a window: left, top, right, bottom.
 pub type Area = [f64; 4];
-/// All of it.
+/// The whole window.
 pub const WHOLE: Area = [0.0, 0.0, 1.0, 1.0];
 
-/// The greatest area in the middle of a window of `window` pixels that has the shape of `shape` pixels. The whole window
-/// if their shapes differ by less than a pixel.
+/// The largest centred area in a window of `window` pixels with the aspect ratio of `shape`. Returns the whole window
+/// if the difference is less than a pixel.
 pub fn fitted(shape: (u32, u32), window: (u32, u32)) -> Area {
     let [width, height] = [shape.0, shape.1].map(|side| f64::from(side.max(1)));
     let [across, down] = [window.0, window.1].map(|side| f64::from(side.max(1)));
     let scale = (across / width).min(down / height);
-    // On whole pixels, so that its edges are sharp.
+    // On whole pixels, so that the area's edges are sharp.
     let margin = |room: f64, side: f64| ((room - side * scale) / 2.0).round() / room;
     let (x, y) = (margin(across, width), margin(down, height));
     [x, y, 1.0 - x, 1.0 - y]
 }
 
-/// Leads from a place in a window to the place in an area of it, both as shares; an area whose bottom is above its top is
-/// upside down.
+/// Restricts a map to an area of the window: positions become fractions of the area. An area whose bottom is above its
+/// top is upside down.
 pub fn within(area: Area, map: &Map) -> Map {
     let [left, top, right, bottom] = area;
     let extent = |from: f64, to: f64| if to == from { 1e-9 } else { to - from };
@@ -193,7 +195,7 @@ pub fn within(area: Area, map: &Map) -> Map {
     product(map, &[[1.0 / width, 0.0, -left / width], [0.0, 1.0 / height, -top / height], [0.0, 0.0, 1.0]])
 }
 
-/// The place that a map leads to; none where it leads nowhere.
+/// Applies a map to a position. `None` if the third number is not positive.
 pub fn led(map: &Map, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let [u, v, w] = map.map(|[a, b, c]| a * x + b * y + c);
     (w > 0.0).then(|| [u / w, v / w])
@@ -209,7 +211,7 @@ fn square_to([[x0, y0], [x1, y1], [x2, y2], [x3, y3]]: [[f64; 2]; 4]) -> Map {
     [[x1 - x0 + g * x1, x3 - x0 + h * x3, x0], [y1 - y0 + g * y1, y3 - y0 + h * y3, y0], [g, h, 1.0]]
 }
 
-/// The way back, whose third number is positive where the map itself leads.
+/// The inverse map. Its third number is positive wherever the map itself is defined.
 pub fn inverse(m: &Map) -> Map {
     let [[a, b, c], [d, e, f], [g, h, i]] = *m;
     let adjugate = [
@@ -221,7 +223,7 @@ pub fn inverse(m: &Map) -> Map {
     adjugate.map(|row| row.map(|value| value / determinant))
 }
 
-/// Leads where `a` leads from where `b` leads.
+/// The map that applies `b`, then `a`.
 pub fn product(a: &Map, b: &Map) -> Map {
     a.map(|row| std::array::from_fn(|j| (0..3).map(|k| row[k] * b[k][j]).sum()))
 }
@@ -234,11 +236,11 @@ mod tests {
     fn assert_led(placement: &Placement, screen: [f64; 2], picture: [f64; 2]) {
         let found = led(&placement.map(), screen).unwrap();
         let apart = (found[0] - picture[0]).hypot(found[1] - picture[1]);
-        assert!(apart < 1e-9, "{screen:?} leads to {found:?}, not to {picture:?}");
+        assert!(apart < 1e-9, "{screen:?} maps to {found:?} instead of {picture:?}");
     }
 
     #[test]
-    fn a_plain_placement_leads_everywhere_to_itself() {
+    fn the_default_placement_is_the_identity() {
         let plain = Placement::default();
         assert!(plain.is_plain());
         assert_led(&plain, [0.25, 0.75], [0.25, 0.75]);
@@ -246,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_fills_the_screen_unstretched_and_mirrored() {
+    fn the_visible_part_fills_the_screen_unstretched_and_mirrored() {
         let crop = Crop::try_from([10.0, 0.0, 40.0, 20.0]).unwrap();
         let placement = Placement { crop, flip: Flip::Horizontal, ..Placement::default() };
         assert_led(&placement, [0.0, 0.0], [0.6, 0.0]);
@@ -258,14 +260,14 @@ mod tests {
     }
 
     #[test]
-    fn corners_lead_to_corners_straight_lines_stay_straight_and_the_middle_moves() {
+    fn corners_map_to_corners_and_straight_lines_stay_straight() {
         let places = [[0.1, 0.2], [0.95, 0.0], [0.8, 0.9], [0.0, 1.0]];
         let corners = Corners::try_from(places).unwrap();
         let placement = Placement { corners, ..Placement::default() };
         for (place, corner) in places.into_iter().zip(OF_SCREEN) {
             assert_led(&placement, place, corner);
         }
-        // Where the diagonals cross is the picture's middle.
+        // The diagonals cross at the centre of the image.
         let [a, b, c, d] = places;
         let cross = |u: [f64; 2], v: [f64; 2]| u[0] * v[1] - u[1] * v[0];
         let (ac, bd, ab) =
@@ -276,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_that_fold_the_picture_and_edges_that_leave_nothing_are_refused() {
+    fn folded_corners_and_complete_crops_are_refused() {
         for corners in [
             [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]],
             [[1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [1.0, 1.0]],
@@ -298,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shape_fits_into_a_window_with_bars_on_whole_pixels() {
+    fn letterbox_bars_end_on_whole_pixels() {
         assert_eq!(fitted((1920, 1080), (640, 360)), [0.0, 0.0, 1.0, 1.0]);
         assert_eq!(fitted((1920, 1080), (400, 600)), [0.0, 188.0 / 600.0, 1.0, 1.0 - 188.0 / 600.0]);
         assert_eq!(fitted((100, 200), (300, 200)), [100.0 / 300.0, 0.0, 1.0 - 100.0 / 300.0, 1.0]);

@@ -1,11 +1,11 @@
-//! From sRGB to linear light, by IEC 61966-2-1. The way back is the shaders' (`shaders/encode.glsl`).
+//! Conversion of sRGB to linear light (IEC 61966-2-1). The shaders convert back (`shaders/encode.glsl`).
 
-/// Linear light, 0..1, of an encoded value, 0..1.
+/// Converts an encoded value, 0..1, to linear light, 0..1.
 pub fn linear(encoded: f32) -> f32 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Linear light of each byte.
+/// The linear light of each byte value.
 pub fn linear_of_bytes() -> [f32; 256] {
     std::array::from_fn(|byte| linear(byte as f32 / 255.0))
 }

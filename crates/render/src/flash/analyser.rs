@@ -1,18 +1,18 @@
-//! Counts the flashes of a moving picture.
+//! Counts the flashes of a video, frame by frame.
 
 use super::fields;
 use super::grid::{CELLS, Grid, luminance};
 use super::swing::{DEFINED, LightSwing, RedSwing, Times};
 
-/// Flashes that cover no more than this share of a field of view do not count.
+/// Flashes that cover at most this fraction of a field of view do not count.
 const AREA: f64 = 0.25;
 
-/// The most flashes in one second.
+/// The most flashes within one second.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Flashes {
-    /// Of luminance.
+    /// Flashes of luminance.
     pub general: usize,
-    /// To or from a saturated red.
+    /// Flashes to or from a saturated red.
     pub red: usize,
 }
 
@@ -23,7 +23,7 @@ struct Cell {
     red_changes: Times,
 }
 
-/// Counts the flashes of a moving picture, frame by frame.
+/// A flash counter that is fed frame by frame.
 pub struct Analyser {
     cells: Vec<Cell>,
     worst: Flashes,
@@ -42,7 +42,7 @@ impl Default for Analyser {
 }
 
 impl Analyser {
-    /// Takes the next frame, which is shown at `time` seconds, later than the one before.
+    /// Adds the frame that is shown at `time` seconds, which must be later than the previous frame's.
     pub fn note(&mut self, time: f64, frame: &Grid) {
         for (cell, color) in self.cells.iter_mut().zip(frame.colors()) {
             let changes = [
@@ -71,7 +71,7 @@ impl Analyser {
         };
     }
 
-    /// Flashes in the worst second so far.
+    /// The flashes of the worst second so far.
     pub fn worst(&self) -> Flashes {
         self.worst
     }
@@ -82,7 +82,7 @@ mod tests {
     use super::super::grid::{COLUMNS, ROWS};
     use super::*;
 
-    /// The flashes of four seconds in which a colour is on for half of each period, in some of the cells.
+    /// The flashes in four seconds of a colour that is on for half of each period, in some of the cells.
     fn flashes(hz: f64, fps: u32, on: [f32; 3], off: [f32; 3], lit: fn(usize) -> bool) -> Flashes {
         let mut analyser = Analyser::default();
         for frame in 0..4 * fps {
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_strobe_has_as_many_flashes_as_it_has_hertz() {
+    fn a_strobe_has_one_flash_per_period() {
         for (hz, fps) in [(1.0, 30), (3.0, 30), (4.0, 60), (10.0, 60), (30.0, 60), (5.0, 1000)] {
             let seen = flashes(hz, fps, [1.0; 3], [0.0; 3], |_| true);
             assert_eq!(seen, Flashes { general: hz as usize, red: 0 }, "{hz} Hz at {fps} fps");
@@ -102,16 +102,16 @@ mod tests {
     }
 
     #[test]
-    fn red_counts_by_itself_and_so_does_light() {
+    fn red_and_luminance_count_separately() {
         let (red, black) = ([1.0, 0.0, 0.0], [0.0; 3]);
         assert_eq!(flashes(6.0, 60, red, black, |_| true), Flashes { general: 6, red: 6 });
-        // Equally bright, and dimmer than a flash.
+        // Equal luminance, with less difference than a flash.
         assert_eq!(flashes(6.0, 60, red, [0.2126; 3], |_| true), Flashes { general: 0, red: 6 });
         assert_eq!(flashes(6.0, 60, [0.4, 0.0, 0.0], black, |_| true), Flashes { general: 0, red: 6 });
     }
 
     #[test]
-    fn what_is_small_does_not_count() {
+    fn small_flashes_do_not_count() {
         let (on, off) = ([1.0; 3], [0.0; 3]);
         let quarter = |cell: usize| cell % COLUMNS < COLUMNS / 6 && cell / COLUMNS < ROWS / 6;
         let more = |cell: usize| cell % COLUMNS < COLUMNS / 6 + 1 && cell / COLUMNS < ROWS / 6;

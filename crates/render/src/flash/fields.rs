@@ -1,17 +1,17 @@
-//! Ten degrees of the field of view: every rectangle of a third of the picture's width and height, wherever it lies.
+//! Ten degrees of the field of view: every rectangle of a third of the image's width and height, at any position.
 
 use super::grid::{CELLS, COLUMNS, ROWS};
 
 pub(super) const WIDTH: usize = COLUMNS / 3;
 pub(super) const HEIGHT: usize = ROWS / 3;
 const _: () = assert!(COLUMNS.is_multiple_of(3) && ROWS.is_multiple_of(3), "a field has whole cells");
-/// Cells of one field.
+/// Cells per field.
 const FIELD: usize = WIDTH * HEIGHT;
 
-/// Sums over all cells above and to the left of a place, with one more column per row.
+/// Sums over all cells above and to the left of a position, with one more column per row (a summed-area table).
 type Sums = Vec<u32>;
 
-/// Calls `see` with the place of the first cell of each field and the share of its cells that are marked, 0..1.
+/// Calls `see` with the first cell of each field and the fraction of its cells that are marked, 0..1.
 fn look(marked: impl Fn(usize) -> bool, mut see: impl FnMut(usize, f64)) {
     let sums = summed(|cell| u32::from(marked(cell)));
     let at = |x: usize, y: usize| sums.get(y * (COLUMNS + 1) + x).copied().unwrap_or(0);
@@ -36,14 +36,14 @@ fn summed(value: impl Fn(usize) -> u32) -> Sums {
     sums
 }
 
-/// The largest share of marked cells in any field, 0..1.
+/// The largest fraction of marked cells in any field, 0..1.
 pub(super) fn largest_fraction(marked: impl Fn(usize) -> bool) -> f64 {
     let mut largest: f64 = 0.0;
     look(marked, |_, fraction| largest = largest.max(fraction));
     largest
 }
 
-/// The cells in any field of which more than `fraction` is marked. Empty if there is no such field.
+/// Marks the cells in any field of which more than `fraction` is marked. Empty if there is no such field.
 pub(super) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool> {
     let mut first = vec![0; CELLS];
     let mut any = false;
@@ -57,7 +57,7 @@ pub(super) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool
     if !any {
         return Vec::new();
     }
-    // A cell is in a field that begins at the cell or before it, less than a field away.
+    // A cell is in the fields that begin less than a field's size to the left of or above it.
     let sums = summed(|cell| first.get(cell).copied().unwrap_or(0));
     let at = |x: usize, y: usize| sums.get(y * (COLUMNS + 1) + x).copied().unwrap_or(0);
     let covered = (0..CELLS).map(|cell| {
@@ -72,28 +72,28 @@ pub(super) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool
 mod tests {
     use super::*;
 
-    /// Whether a cell is in a rectangle.
+    /// True if a cell is in a rectangle.
     fn within(cell: usize, x: std::ops::Range<usize>, y: std::ops::Range<usize>) -> bool {
         x.contains(&(cell % COLUMNS)) && y.contains(&(cell / COLUMNS))
     }
 
     #[test]
-    fn shares_are_of_the_fullest_field_wherever_it_is() {
+    fn the_largest_fraction_is_found_at_any_position() {
         assert_eq!(largest_fraction(|_| true), 1.0);
         assert_eq!(largest_fraction(|_| false), 0.0);
         for (x, y) in [(0, 0), (17, 11), (COLUMNS - 8, ROWS - 6)] {
             assert_eq!(largest_fraction(|cell| within(cell, x..x + 8, y..y + 6)), 0.25);
         }
-        // Two places that no field contains together.
+        // Two positions that no field contains together.
         let apart = |cell| within(cell, 0..4, 0..6) || within(cell, 40..48, 30..36);
         assert_eq!(largest_fraction(apart), 0.25);
     }
 
     #[test]
-    fn crowded_cells_are_those_of_crowded_fields() {
+    fn all_cells_of_crowded_fields_are_crowded() {
         assert!(crowded(|cell| within(cell, 0..8, 0..6), 0.25).is_empty());
         let cells = crowded(|cell| within(cell, 0..9, 0..6), 0.25);
-        // Only fields that contain the whole place: those in the corner.
+        // Only fields that contain the whole rectangle: those in the corner.
         for (cell, crowded) in cells.iter().enumerate() {
             assert_eq!(*crowded, within(cell, 0..WIDTH, 0..HEIGHT), "{cell}");
         }

@@ -1,21 +1,21 @@
 //! The grid of cells in which flashes are counted.
 
-/// Cells of a picture from left to right; a field of view has a third of them.
+/// Cells from left to right; a field of view has a third of them.
 pub const COLUMNS: usize = 48;
-/// Cells of a picture from top to bottom.
+/// Cells from top to bottom.
 pub const ROWS: usize = 36;
-/// Cells of a picture.
+/// Cells of a grid.
 pub const CELLS: usize = COLUMNS * ROWS;
 
 /// Most flashes of a kind in one second.
 pub const FLASHES_MAX: usize = 3;
 
-/// The mean colour of each cell of a picture: linear RGB, 0..1, row by row.
+/// The mean colour of each cell of an image: linear RGB, 0..1, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid(Vec<[f32; 3]>);
 
 impl Grid {
-    /// A grid of the colours of [`CELLS`] cells; missing ones and values that are not numbers are black.
+    /// Builds a grid from the colours of [`CELLS`] cells. Missing colours and values that are not finite become black.
     pub fn new(colors: impl IntoIterator<Item = [f32; 3]>) -> Self {
         let unit = |value: f32| if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
         let mut cells: Vec<[f32; 3]> = colors.into_iter().take(CELLS).map(|color| color.map(unit)).collect();
@@ -23,12 +23,12 @@ impl Grid {
         Self(cells)
     }
 
-    /// The cells of a finished picture: sRGB, four bytes per pixel, row by row.
+    /// The grid of a finished image: sRGB, four bytes per pixel, row by row.
     pub fn of_picture(rgba: &[u8], (width, height): (u32, u32)) -> Self {
         let linear = crate::srgb::linear_of_bytes();
         let light = |byte: u8| f64::from(linear.get(usize::from(byte)).copied().unwrap_or(0.0));
         let (width, height) = (width as usize, height as usize);
-        // A picture with fewer pixels than cells gives each cell the nearest one.
+        // If the image has fewer pixels than cells, each cell takes the nearest pixel.
         let span = |cell: usize, cells: usize, side: usize| {
             let first = cell * side / cells;
             first..((cell + 1) * side / cells).max(first + 1)
@@ -50,7 +50,6 @@ impl Grid {
         Self::new((0..CELLS).map(mean))
     }
 
-    /// The colours of the cells.
     pub(super) fn colors(&self) -> &[[f32; 3]] {
         &self.0
     }
@@ -68,7 +67,7 @@ mod tests {
     #[test]
     fn cells_are_means_of_linear_light_and_a_pixel_fills_them_all() {
         let mut rgba = vec![255; 96 * 72 * 4];
-        // The first cell: half of it black.
+        // Half of the first cell is black.
         for at in [0, 96] {
             rgba[4 * at..4 * at + 3].fill(0);
         }
@@ -76,7 +75,7 @@ mod tests {
         assert_eq!(grid.colors()[..2], [[0.5; 3], [1.0; 3]]);
         let one = Grid::of_picture(&[188, 0, 0, 255], (1, 1));
         assert!(one.colors().iter().all(|[r, g, b]| (r - 0.503).abs() < 1e-3 && (*g, *b) == (0.0, 0.0)));
-        // Fewer bytes than pixels, and values that are not numbers.
+        // Fewer bytes than pixels, and values that are not finite.
         assert_eq!(Grid::of_picture(&[], (9, 9)), Grid::new([[f32::NAN; 3]]));
     }
 }

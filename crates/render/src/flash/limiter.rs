@@ -1,75 +1,75 @@
-//! Keeps the flashes of a picture few: the light that would be the fourth flash within a second is dimmed.
+//! Limits the flashes of a video: dims the light that would be the fourth flash within a second.
 //!
-//! Each cell counts the changes of the picture as it comes in and as it is shown. A rise that could begin a fourth
-//! flash marks the cell for limiting, for as long as such rises come and a second more. Marked cells are limited
-//! where they cover more than a certain share of a field. A limited cell gets a ceiling: its darkest moment of the last
-//! second plus a little, so that a flash continues as a flicker too faint to count. Afterwards the ceiling rises slowly.
-//! Red that flashes loses saturation instead.
+//! Each cell counts the changes of the incoming and of the displayed frames. A rise that could begin a fourth flash
+//! marks the cell until a second after the last such rise. Marked cells are limited if they cover more than a certain
+//! fraction of a field. A limited cell gets a ceiling: its lowest luminance of the last second plus a small margin, so
+//! that a flash continues as a flicker too faint to count. After the flashes end, the ceiling rises slowly. Flashing
+//! red loses saturation instead.
 //!
-//! **No cell has an edge.** Ceilings spread over the cells around them, higher with the square of the distance, and are
-//! interpolated between cells. No pixel is brighter than the ceiling at its place, so no cell is brighter than its own
-//! ceiling on average, and a pixel depends on nothing but its own light and on ceilings, which rise slowly: what is dimmed
-//! beside a flash does not flicker with it.
+//! **Limits have no visible edges.** Ceilings spread over neighbouring cells, higher with the square of the distance,
+//! and are interpolated between cells. No pixel exceeds the interpolated ceiling, so a cell's mean does not exceed the
+//! cell's own ceiling. A pixel depends only on its own light and on ceilings, which rise slowly, so dimmed pixels next
+//! to a flash do not flicker with it.
 //!
-//! **What is counted is what is shown.** The mean colours of the dimmed picture are measured again
-//! ([`Limiter::note_shown`]), and the ceilings of the next frame follow from those.
+//! **The displayed frames are counted.** The mean colours of the dimmed frame are measured again
+//! ([`Limiter::note_shown`]), and the next frame's ceilings follow from them.
 //!
-//! Light is measured roughly and drawn in whole bytes. Thresholds are therefore lower than those of the definition, and
-//! a change that hardly counts is dated as late as possible. A rise that is too early by less than a frame or so is only
-//! put off until it is not: three flashes a second that follow the frames would otherwise be limited now and then.
+//! Measured light is approximate, and drawn light is rounded to bytes. Thresholds are therefore lower than the
+//! definition's, and a borderline change is dated as late as possible. A rise that comes about a frame too early is
+//! only delayed by that frame. Otherwise three flashes a second in step with the frames would be limited now and then.
 
 use super::fields;
 use super::grid::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, luminance};
 use super::swing::{CAUTIOUS, Change, LightSwing, ROUNDING, RedSwing, Times};
 
-/// Share of a field from which on flashes are limited: somewhat less than the share that counts.
+/// Fraction of a field above which flashes are limited; a little less than the fraction that counts.
 pub(super) const AREA: f64 = 0.2;
-/// Changes within a second; if the last of this many is a rise, it begins one flash too many.
+/// If the last of this many changes within a second is a rise, it begins one flash too many.
 const CHANGES: usize = 2 * FLASHES_MAX + 1;
-/// For how many seconds a cell stays marked for limiting.
+/// Seconds for which a cell stays marked.
 pub(super) const HOLD: f64 = 1.0;
-/// How much brighter than its darkest moment a limited cell may be: somewhat less than counts as a flash.
+/// Margin of a limited cell above its lowest luminance; a little less than the change that counts as a flash.
 pub(super) const SWING: f32 = 0.07;
-/// Half of the time for which a darkest moment is remembered, in seconds.
+/// Half of the time for which lows are remembered, in seconds.
 const MEMORY: f64 = 0.6;
-/// How fast a ceiling rises when the darkest moments have become brighter, and after the last flash, in luminance per
-/// second.
+/// The ceiling's rise, in luminance per second: `FOLLOW` when the lows have become brighter, `RELEASE` after the last
+/// flash.
 pub(super) const FOLLOW: f32 = 0.25;
 pub(super) const RELEASE: f32 = 0.5;
-/// Share of grey in a limited red: with this much grey no red is saturated.
+/// Fraction of grey in a limited red. With this much grey no red is saturated.
 pub(super) const GREY: f32 = 0.6;
-/// How fast a limited red recovers, in share of grey per second.
+/// Recovery of a limited red, in fraction of grey per second.
 pub(super) const RED_RELEASE: f32 = 0.6;
-/// A rise that comes early by at most this many seconds is only put off: a frame, of 30 or more a second.
+/// A rise that comes at most this many seconds too early is only delayed: one frame at 30 or more a second.
 pub(super) const EARLY: f64 = 0.035;
 
-/// A ceiling this high dims nothing.
+/// A ceiling of this height dims nothing.
 pub(super) const OPEN: f32 = 1.25;
-/// Share of the ceiling up to which light stays as it is; brighter light approaches the ceiling.
+/// Fraction of the ceiling below which light does not change. Brighter light approaches the ceiling.
 pub(super) const KNEE: f32 = 0.8;
-/// How far a ceiling spreads, in cells; the cells next to its own have it, too.
+/// Range of a ceiling in cells. Adjacent cells get the ceiling unchanged.
 pub(super) const REACH: usize = 7;
-/// How much a ceiling rises, and a share of grey falls, with the square of the distance beyond the next cell.
+/// Rise of a ceiling, and fall of a fraction of grey, per squared distance beyond the adjacent cell.
 pub(super) const CEILING_RISE: f32 = OPEN / ((REACH - 1) * (REACH - 1)) as f32;
 
-/// How the light of a cell is limited, at its centre; interpolated linearly between the centres of cells.
+/// The limit on the light at a cell's centre; interpolated linearly between centres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correction {
     /// Luminance that no pixel exceeds, up to 1.25, which dims nothing.
     pub ceiling: f32,
-    /// Share of the colour that becomes grey, 0..1.
+    /// Fraction of the colour that becomes grey, 0..1.
     pub grey: f32,
 }
 
 impl Correction {
     const NONE: Self = Self { ceiling: OPEN, grey: 0.0 };
 
-    /// Whether pixels at this place may change.
+    /// True if pixels at this cell may change.
     pub fn limits(&self) -> bool {
         self.ceiling < OPEN || self.grey > 0.0
     }
 
-    /// The linear light that is shown in place of `color`.
+    /// Limits a linear colour.
     pub fn apply(&self, color: [f32; 3]) -> [f32; 3] {
         let light = luminance(color);
         let gain = if light > 0.0 { below_ceiling(light, self.ceiling) / light } else { 1.0 };
@@ -77,7 +77,7 @@ impl Correction {
     }
 }
 
-/// The luminance that is shown of `light`: at most the ceiling.
+/// Compresses a luminance so that it stays below the ceiling.
 fn below_ceiling(light: f32, ceiling: f32) -> f32 {
     let (knee, rest) = (KNEE * ceiling, (1.0 - KNEE) * ceiling);
     if light > knee { ceiling - rest * (-(light - knee) / rest).exp() } else { light }
@@ -88,18 +88,18 @@ struct Cell {
     light: LightSwing,
     light_changes: Times,
     light_until: f64,
-    /// The luminance that was shown, with its changes.
+    /// The displayed luminance, with its changes.
     shown: LightSwing,
     shown_changes: Times,
     red: RedSwing,
     red_changes: Times,
     red_until: f64,
-    /// The red that is shown, with its changes: dimmed, it does not change when the red that comes does.
+    /// The displayed red, with its changes. After dimming it may change at other times than the incoming red.
     shown_red: RedSwing,
     shown_red_changes: Times,
-    /// Darkest luminance that was shown in the present part of the memory, and in the part before.
+    /// Lowest displayed luminance in the current part of the memory, and in the previous part.
     lows: [f32; 2],
-    /// Highest luminance; infinite if the cell is not limited.
+    /// Largest luminance; infinite if the cell is not limited.
     ceiling: f32,
     grey: f32,
 }
@@ -123,12 +123,12 @@ impl Cell {
         }
     }
 
-    /// The highest luminance of a limited cell.
+    /// The target ceiling of a limited cell.
     fn highest(&self) -> f32 {
         self.lows[0].min(self.lows[1]) + SWING
     }
 
-    /// Moves the ceiling of the luminance to where it belongs `seconds` later.
+    /// Moves the ceiling towards its target for a time of `seconds`.
     fn move_ceiling(&mut self, limited: bool, seconds: f32) {
         self.ceiling = match limited {
             true => self.highest().min(self.ceiling + FOLLOW * seconds),
@@ -139,21 +139,21 @@ impl Cell {
         }
     }
 
-    /// Whether showing this luminance would begin one flash too many.
+    /// True if displaying this luminance would begin one flash too many.
     fn is_too_much(&self, light: f32, now: f64, early: f64) -> bool {
         let mut shown = self.shown;
         shown.step(light, &CAUTIOUS) == Some(Change::Up)
             && self.shown_changes.count(now, early) + 1 >= CHANGES
     }
 
-    /// The same of a red.
+    /// Like `is_too_much`, for red.
     fn is_too_much_red(&self, color: [f32; 3], now: f64, early: f64) -> bool {
         let mut shown = self.shown_red;
         shown.step(color, &CAUTIOUS) == Some(Change::Up)
             && self.shown_red_changes.count(now, early) + 1 >= CHANGES
     }
 
-    /// Notes what is shown.
+    /// Records the displayed colour.
     fn show(&mut self, light: f32, color: [f32; 3], now: f64) {
         let renews = self.shown.may_count_only_at(light, &CAUTIOUS);
         if self.shown.step(light, &CAUTIOUS).is_some() {
@@ -170,29 +170,29 @@ impl Cell {
     }
 }
 
-/// Whether a cell that is marked until then is so only because a rise is put off.
+/// True if a cell that is marked until `until` only delays a rise.
 fn is_put_off(until: f64, now: f64) -> bool {
     until > now && until - now <= EARLY + ROUNDING
 }
 
-/// What the time between two frames means for the limiter.
+/// The limiter's inputs about the time between two frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// Seconds since the frame before.
+    /// Seconds since the previous frame.
     pub seconds: f64,
-    /// Whether a part of the memory of dark moments ends.
+    /// True if a part of the memory of lows ends.
     pub forgets: bool,
 }
 
-/// Makes [`Step`]s of the times between frames.
+/// Computes [`Step`]s from the times between frames.
 #[derive(Debug, Clone, Default)]
 pub struct Steps {
-    /// Seconds since the present part of the memory began.
+    /// Seconds since the current part of the memory began.
     memory: f64,
 }
 
 impl Steps {
-    /// The step to a frame that is shown `seconds` after the last one.
+    /// The step to a frame that is shown `seconds` after the previous one.
     pub fn next(&mut self, seconds: f64) -> Step {
         let seconds = if seconds.is_finite() { seconds.clamp(0.0, 60.0) } else { 0.0 };
         self.memory += seconds;
@@ -204,8 +204,7 @@ impl Steps {
     }
 }
 
-/// Keeps the flashes of a picture few, frame by frame, on the processor: what `gpu::flash_pass` does on the GPU, to
-/// compare it with.
+/// The flash limiter on the CPU: a reference for `gpu::flash_pass`, which does the same on the GPU.
 pub struct Limiter {
     cells: Vec<Cell>,
     now: f64,
@@ -227,8 +226,8 @@ impl Default for Limiter {
 }
 
 impl Limiter {
-    /// Takes the frame that is shown next, `seconds` after the last one, and returns what to do to its cells. What is
-    /// then shown goes to [`Limiter::note_shown`].
+    /// Takes the next frame, shown `seconds` after the previous one, and returns the corrections of its cells. Pass the
+    /// corrected frame to [`Limiter::note_shown`].
     pub fn limit(&mut self, seconds: f64, frame: &Grid) -> &[Correction] {
         self.step = self.steps.next(seconds);
         let seconds = self.step.seconds;
@@ -270,7 +269,7 @@ impl Limiter {
         &self.corrections
     }
 
-    /// Takes the mean colours of the frame as it is shown, after [`Limiter::limit`].
+    /// Records the mean colours of the displayed frame. Call it after [`Limiter::limit`].
     pub fn note_shown(&mut self, shown: &Grid) {
         for (cell, color) in self.cells.iter_mut().zip(shown.colors()) {
             if self.step.forgets {
@@ -282,7 +281,7 @@ impl Limiter {
         }
     }
 
-    /// Finds the changes, and those that would be too many, `seconds` after the last frame.
+    /// Finds the changes, and those that would be too many, `seconds` after the previous frame.
     fn follow(&mut self, frame: &Grid, seconds: f64) {
         let now = self.now;
         for (cell, color) in self.cells.iter_mut().zip(frame.colors()) {
@@ -298,7 +297,7 @@ impl Limiter {
                     *until = now + HOLD;
                 }
             }
-            // At most as bright, and at most as red, as it may be shown.
+            // Upper bounds of the displayed brightness and redness.
             let shown = light.min(cell.ceiling + RELEASE * seconds as f32);
             for (early, hold) in [(0.0, EARLY), (EARLY, HOLD)] {
                 if cell.is_too_much(shown, now, early) {
@@ -312,12 +311,12 @@ impl Limiter {
     }
 }
 
-/// What a cell itself asks for, before it spreads.
+/// The limits of a cell before they spread.
 #[derive(Debug, Clone, Copy)]
 struct Own {
-    /// See [`Cell::ceiling`].
+    /// Copy of [`Cell::ceiling`].
     ceiling: f32,
-    /// The highest luminance while a rise is put off. It lasts a frame or two, so only the next cells have it, too.
+    /// The largest luminance while a rise is delayed. It lasts one or two frames, so it only spreads to adjacent cells.
     highest: f32,
     grey: f32,
 }
@@ -330,7 +329,7 @@ impl Own {
     }
 }
 
-/// Spreads what cells ask for along one axis: the steps to a cell at some distance from -7 to 7.
+/// Spreads limits along one axis. `step` is the offset of a cell at a distance from -7 to 7.
 fn spread(own: &[Own], step: impl Fn(isize) -> (isize, isize)) -> Vec<Own> {
     let reach = REACH as isize;
     let spread = |place: usize| {
@@ -354,7 +353,7 @@ fn marked(marks: &[bool], cell: usize) -> bool {
     marks.get(cell).copied().unwrap_or(false)
 }
 
-/// The cell beside another one; at the picture's edge the last cell in that direction.
+/// The cell at an offset; at the image's edge the last cell in that direction.
 fn neighbour(place: usize, (right, down): (isize, isize)) -> usize {
     let column = (place % COLUMNS).saturating_add_signed(right).min(COLUMNS - 1);
     let row = (place / COLUMNS).saturating_add_signed(down).min(ROWS - 1);

@@ -13,17 +13,17 @@ fn small(cell: usize) -> bool {
     cell % COLUMNS < 6 && cell / COLUMNS < 6
 }
 
-/// A frame below its ceilings, a pixel for each cell.
+/// A frame below its ceilings, with a pixel per cell.
 fn shown_of(frame: &Grid, corrections: &[Correction]) -> Grid {
     Grid::new(frame.colors().iter().zip(corrections).map(|(color, correction)| correction.apply(*color)))
 }
 
-/// A picture as the limiter shows it: `color` in the cells that are `lit`, black elsewhere.
+/// A frame as the limiter shows it: `color` in the `lit` cells, black elsewhere.
 struct Show {
     limiter: Limiter,
     analyser: Analyser,
     time: f64,
-    /// Number of frames that were changed.
+    /// Number of changed frames.
     touched: usize,
 }
 
@@ -72,19 +72,19 @@ fn no_strobe_has_more_than_three_flashes_a_second() {
         show.strobe((hz, fps, 3.0), [on, off], everywhere);
         let worst = show.worst();
         assert!(worst.general <= 3 && worst.red <= 3, "{on:?} {off:?} {hz} Hz, {fps} fps: {worst:?}");
-        assert!(show.touched > 0, "{hz} Hz at {fps} fps goes untouched");
+        assert!(show.touched > 0, "no frame is limited at {hz} Hz and {fps} fps");
     }
 }
 
 #[test]
-fn bursts_that_begin_and_end_have_no_more_either() {
+fn bursts_have_at_most_three_flashes_a_second() {
     let mut random = 7_u32;
     for _ in 0..4 {
         let mut show = Show::new();
         for _ in 0..600 {
             random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let (bits, seconds) = (random >> 16, f64::from(random >> 28) / 400.0 + 0.004);
-            // Ten seconds of arbitrary levels, some held for long.
+            // Ten seconds of random levels, some held for long.
             let level = if show.time % 3.0 < 1.6 { (bits & 7) as f32 / 7.0 } else { 0.5 };
             show.frame(seconds, [level; 3], everywhere);
         }
@@ -93,7 +93,7 @@ fn bursts_that_begin_and_end_have_no_more_either() {
 }
 
 #[test]
-fn light_that_comes_back_while_flashes_are_remembered_is_none() {
+fn light_that_returns_after_flashes_is_no_flash() {
     for hold in 35..65 {
         let mut show = Show::new();
         // The flashes are at the end of a part of the memory.
@@ -113,10 +113,10 @@ fn light_that_comes_back_while_flashes_are_remembered_is_none() {
 fn a_change_to_red_that_is_too_dim_to_count_does_not_hide_a_later_one() {
     let mut show = Show::new();
     show.strobe((10.0, 60.0, 0.8), [WHITE, BLACK], everywhere);
-    // From cyan to red: far enough as they come, but not as they are shown, because of the limited light.
+    // From cyan to red: large enough as input, but not as displayed, because the luminance is limited.
     show.frame(0.02, [0.0, 1.0, 1.0], everywhere);
     show.frame(0.02, [1.0, 0.15, 0.05], everywhere);
-    // Four flashes of red end more than a second later, and they all begin later than that change.
+    // Four red flashes, which begin after that change and end more than a second after it.
     show.frame(0.3, BLACK, everywhere);
     for _ in 0..4 {
         show.frame(0.12, RED, everywhere);
@@ -126,15 +126,15 @@ fn a_change_to_red_that_is_too_dim_to_count_does_not_hide_a_later_one() {
 }
 
 #[test]
-fn what_is_slow_or_small_or_seldom_passes_untouched() {
-    /// The name, the flashes per second, both colours, and which cells are lit.
+fn slow_small_and_rare_changes_pass_unchanged() {
+    /// The name, the flashes per second, both colours, and the lit cells.
     type Case = (&'static str, f64, [[f32; 3]; 2], fn(usize) -> bool);
     let cases: [Case; 6] = [
         ("three flashes a second", 3.0, [WHITE, BLACK], everywhere),
         ("three red flashes a second", 3.0, [RED, BLACK], everywhere),
         ("one a second", 1.0, [BLACK, WHITE], everywhere),
         ("a faint flicker", 15.0, [[0.4; 3], [0.49; 3]], everywhere),
-        ("a flicker of what is bright", 15.0, [[0.81; 3], WHITE], everywhere),
+        ("a bright flicker", 15.0, [[0.81; 3], WHITE], everywhere),
         ("a small lamp", 10.0, [WHITE, BLACK], small),
     ];
     for (name, hz, colors, lit) in cases {
@@ -144,7 +144,7 @@ fn what_is_slow_or_small_or_seldom_passes_untouched() {
             assert_eq!(show.touched, 0, "{name} at {fps} fps");
         }
     }
-    // A swell, and a step that stays.
+    // A swell, and a step.
     let mut show = Show::new();
     for frame in 0..600 {
         let time = frame as f32 / 60.0;
@@ -155,7 +155,7 @@ fn what_is_slow_or_small_or_seldom_passes_untouched() {
 }
 
 #[test]
-fn three_hertz_pass_though_frames_come_at_uneven_times() {
+fn three_hertz_pass_at_uneven_frame_times() {
     let mut show = Show::new();
     for frame in 0..600_u32 {
         // A few milliseconds early or late; the flash follows the frames.
@@ -167,18 +167,18 @@ fn three_hertz_pass_though_frames_come_at_uneven_times() {
 }
 
 #[test]
-fn three_hertz_at_a_rate_of_frames_that_is_no_multiple_are_put_off_by_a_frame_now_and_then() {
+fn three_hertz_at_a_frame_rate_that_is_no_multiple_are_sometimes_delayed_by_a_frame() {
     for colors in [[WHITE, BLACK], [RED, BLACK]] {
         let mut show = Show::new();
         show.strobe((3.0, 60.0 / 1.001, 20.0), colors, everywhere);
         // Each of the few flashes that begin a frame early loses that frame.
-        assert!((1..=12).contains(&show.touched), "{} frames are changed", show.touched);
+        assert!((1..=12).contains(&show.touched), "{} frames changed", show.touched);
         assert!(show.worst().general <= 3 && show.worst().red <= 3, "{:?}", show.worst());
     }
 }
 
 #[test]
-fn the_fourth_flash_itself_is_dimmed_and_the_picture_neither_pumps_nor_jumps() {
+fn the_fourth_flash_is_dimmed_without_pumping_or_jumps() {
     let mut show = Show::new();
     // Off, on, off, on: three frames each. The fourth flash begins at frame 21.
     let seen = show.strobe((10.0, 60.0, 4.0), [[0.2; 3], WHITE], everywhere);
@@ -186,20 +186,20 @@ fn the_fourth_flash_itself_is_dimmed_and_the_picture_neither_pumps_nor_jumps() {
     for (frame, light) in seen.iter().enumerate().skip(18) {
         assert!((0.199..0.271).contains(light), "frame {frame} has {light}");
     }
-    // The strobe ends: no jump.
+    // The strobe ends without a jump.
     let mut last = *seen.last().unwrap();
     for frame in 0..240 {
         let light = show.frame(1.0 / 60.0, WHITE, everywhere);
         assert!(light >= last - 1e-6 && light - last <= 0.075, "frame {frame}: from {last} to {light}");
         last = light;
     }
-    assert_eq!(last, 1.0, "it never lets go");
+    assert_eq!(last, 1.0, "the limit is never released");
     show.touched = 0;
     show.strobe((2.0, 60.0, 2.0), [WHITE, BLACK], everywhere);
     assert_eq!(show.touched, 0);
 }
 
-/// Shows frames at 60 Hz for three seconds, with a flash every six frames, and returns how many had limits.
+/// Shows frames at 60 Hz for three seconds, with a flash every six frames, and returns the number of limited frames.
 fn flashing(cell_of: impl Fn(usize, bool) -> [f32; 3], mut look: impl FnMut(&Grid, &[Correction])) -> usize {
     let mut limiter = Limiter::default();
     let mut limited = 0;
@@ -217,7 +217,7 @@ fn flashing(cell_of: impl Fn(usize, bool) -> [f32; 3], mut look: impl FnMut(&Gri
 }
 
 #[test]
-fn what_is_far_from_a_flash_stays_as_it_is() {
+fn cells_far_from_a_flash_do_not_change() {
     let half = |cell: usize| cell % COLUMNS < COLUMNS / 2;
     let color = |cell: usize, on: bool| {
         if !half(cell) {
@@ -237,7 +237,8 @@ fn what_is_far_from_a_flash_stays_as_it_is() {
     assert!(limited > 60);
 }
 
-/// Unlimited neighbours of a limited cell kept all of their light, so that the edge between them was seen.
+/// Regression: unlimited neighbours of a limited cell kept all of their light, so that the edge between them was
+/// visible.
 #[test]
 fn a_flash_beside_steady_light_was_limited_with_an_edge_that_flickers() {
     let half = |cell: usize| cell % COLUMNS < COLUMNS / 2;
@@ -253,7 +254,7 @@ fn a_flash_beside_steady_light_was_limited_with_an_edge_that_flickers() {
                 assert!((pair[1] - pair[0]).abs() < 0.45, "frame {frames}: {row:?}");
             }
         }
-        // After the first dimmed frames steady light is steady.
+        // After the first dimmed frames steady light stays steady.
         if let Some(last) = last.replace(lights.clone()).filter(|_| frames > 12) {
             for (cell, (before, now)) in last.iter().zip(&lights).enumerate().filter(|(cell, _)| !half(*cell))
             {
@@ -265,7 +266,7 @@ fn a_flash_beside_steady_light_was_limited_with_an_edge_that_flickers() {
 }
 
 #[test]
-fn a_light_that_fades_over_the_picture_is_limited_without_an_edge() {
+fn a_gradient_is_limited_without_an_edge() {
     let lamp = |cell: usize| 0.5 * (-((cell % COLUMNS) as f32 / 14.0)).exp();
     let color = |cell: usize, on: bool| [0.1 + if on { lamp(cell) } else { 0.0 }; 3];
     let limited = flashing(color, |shown, _| {
@@ -280,7 +281,7 @@ fn a_light_that_fades_over_the_picture_is_limited_without_an_edge() {
 }
 
 #[test]
-fn no_frame_times_and_no_colours_break_it() {
+fn every_frame_time_and_colour_is_accepted() {
     let mut limiter = Limiter::default();
     for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9, 1e9] {
         for color in [f32::NAN, f32::INFINITY, -1.0, 1e9] {

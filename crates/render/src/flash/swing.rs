@@ -1,15 +1,15 @@
-//! The changes of one cell between peaks and valleys, of luminance and of red.
+//! Finds the changes of one cell's luminance and red between peaks and valleys.
 
 use std::collections::VecDeque;
 
-/// Which changes count.
+/// The changes that count.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Thresholds {
-    /// Smallest change of luminance, as a share of the maximum.
+    /// Smallest change of luminance, as a fraction of the maximum.
     pub light_change: f32,
-    /// If the darker state has this luminance or more, no change counts.
+    /// No change counts if the darker state has at least this luminance.
     pub light_darker: f32,
-    /// A colour is a saturated red if red has at least this share, in linear light.
+    /// A colour is a saturated red if red is at least this fraction of its linear light.
     pub red_fraction: f32,
     /// Smallest change of a red's chromaticity, in the CIE 1976 UCS diagram.
     pub red_change: f32,
@@ -18,15 +18,15 @@ pub(super) struct Thresholds {
 /// The definition's thresholds.
 pub(super) const DEFINED: Thresholds =
     Thresholds { light_change: 0.1, light_darker: 0.8, red_fraction: 0.8, red_change: 0.2 };
-/// What may count, for one who measures light roughly and draws it in whole bytes.
+/// Conservative thresholds, for approximate measurements and 8-bit images.
 pub(super) const CAUTIOUS: Thresholds =
     Thresholds { light_change: 0.095, light_darker: 0.805, red_fraction: 0.78, red_change: 0.19 };
-/// What counts even if it is measured roughly: as far from the definition on the other side.
+/// Thresholds of changes that count despite measurement errors: as far from the definition on the other side.
 pub(super) const SURE_CHANGE: f32 = 0.105;
 pub(super) const SURE_DARKER: f32 = 0.795;
 pub(super) const SURE_RED_FRACTION: f32 = 0.82;
 pub(super) const SURE_RED_CHANGE: f32 = 0.21;
-/// Light that a screen reflects in any case: because of it, what is nearly black has no colour.
+/// Light that a screen always reflects. Because of it, almost black pixels have no colour.
 pub(super) const FLARE: f32 = 0.01;
 /// Chromaticity of sRGB's red.
 pub(super) const RED: [f32; 2] = [0.4507, 0.5229];
@@ -36,17 +36,17 @@ pub(super) const RED: [f32; 2] = [0.4507, 0.5229];
 pub(super) enum Change {
     /// To the brighter state, or to red.
     Up,
-    /// To the darker one, or away from red.
+    /// To the darker state, or away from red.
     Down,
 }
 
-/// Finds the changes of a luminance, each when it has become large enough.
+/// Finds the changes of a luminance, each as soon as it is large enough.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LightSwing {
     last: Option<Change>,
-    /// The darkest luminance since the last change; if that was a rise, the valley from which it rose.
+    /// The lowest luminance since the last change; if that was a rise, the valley before it.
     low: f32,
-    /// The brightest luminance since the last change; if that was a fall, the peak from which it fell.
+    /// The highest luminance since the last change; if that was a fall, the peak before it.
     high: f32,
 }
 
@@ -80,7 +80,7 @@ impl LightSwing {
         self.high - light >= counts.light_change && light < counts.light_darker
     }
 
-    /// Whether the last change was so small until now that it may be this luminance that makes it count.
+    /// True if the last change was so small that it may only count from this luminance on.
     pub(super) fn may_count_only_at(&self, light: f32, counts: &Thresholds) -> bool {
         let sure = self.high - self.low >= SURE_CHANGE && self.low < SURE_DARKER;
         let still = match self.last {
@@ -91,7 +91,7 @@ impl LightSwing {
         still && !sure
     }
 
-    /// The darkest luminance since the last change, if that was a fall.
+    /// The lowest luminance since the last change, if that was a fall.
     pub(super) fn low(&self) -> f32 {
         self.low
     }
@@ -100,11 +100,11 @@ impl LightSwing {
 /// Finds the changes to and from a saturated red.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RedSwing {
-    /// Whether the last change led to red.
+    /// True if the last change was to red.
     red: bool,
-    /// The chromaticity since then that is farthest from where the next change leads.
+    /// The chromaticity since the last change that is farthest from the next change's direction.
     extreme: Option<[f32; 2]>,
-    /// Whether the last change counts even if it is measured roughly.
+    /// True if the last change counts despite measurement errors.
     sure: bool,
 }
 
@@ -131,7 +131,7 @@ impl RedSwing {
         None
     }
 
-    /// Whether the last change was so small that it may be this colour that makes it count.
+    /// True if the last change was so small that it may only count from this colour on.
     pub(super) fn may_count_only_at(&self, color: [f32; 3], counts: &Thresholds) -> bool {
         !self.sure && is_saturated_red(color, counts.red_fraction) == self.red
     }
@@ -141,7 +141,7 @@ fn is_saturated_red([r, g, b]: [f32; 3], fraction: f32) -> bool {
     r > 0.0 && r >= fraction * (r + g + b)
 }
 
-/// The chromaticity in the CIE 1976 UCS diagram, as a screen in a room shows it.
+/// The chromaticity in the CIE 1976 UCS diagram, with the light that the screen reflects.
 fn chromaticity(color: [f32; 3]) -> [f32; 2] {
     let [r, g, b] = color.map(|value| value + FLARE);
     let x = 0.4124 * r + 0.3576 * g + 0.1805 * b;
@@ -155,10 +155,10 @@ fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Tolerance for comparing times, in seconds: frames come at rounded times.
+/// Tolerance for comparing frame times, which are rounded, in seconds.
 pub(super) const ROUNDING: f64 = 1e-6;
 
-/// The times of the changes of the last second.
+/// The times of the changes within the last second.
 #[derive(Debug, Clone)]
 pub(super) struct Times(VecDeque<f64>);
 
@@ -177,14 +177,14 @@ impl Times {
         }
     }
 
-    /// Forgets changes that are more than a second old.
+    /// Forgets changes older than a second.
     pub(super) fn forget(&mut self, now: f64) {
         while self.0.front().is_some_and(|time| *time <= now - 1.0 + ROUNDING) {
             self.0.pop_front();
         }
     }
 
-    /// The number of changes, less those that will be forgotten within `soon` seconds.
+    /// The number of changes, without those that will be forgotten within `soon` seconds.
     pub(super) fn count(&self, now: f64, soon: f64) -> usize {
         self.0.iter().filter(|time| **time > now - 1.0 + soon + ROUNDING).count()
     }
@@ -214,18 +214,18 @@ mod tests {
         // Slowly up and down again: one change each.
         let ramp = (0..200).map(|i| if i < 100 { i as f32 / 100.0 } else { 2.0 - i as f32 / 100.0 });
         assert_eq!(light_changes(&ramp.collect::<Vec<_>>()), 2);
-        // From peak to valley, however many small steps there are on the way.
+        // From peak to valley, in any number of small steps.
         assert_eq!(light_changes(&[0.0, 0.5, 0.45, 0.55, 0.5, 0.6, 0.0]), 2);
     }
 
     #[test]
-    fn a_change_that_hardly_counts_may_count_later() {
+    fn a_borderline_change_may_count_later() {
         let mut swing = LightSwing::NEW;
         swing.step(0.2, &CAUTIOUS);
         assert_eq!(swing.step(0.297, &CAUTIOUS), Some(Change::Up));
         assert!(swing.may_count_only_at(0.3, &CAUTIOUS) && !swing.may_count_only_at(0.29, &CAUTIOUS));
         assert_eq!(swing.step(0.31, &CAUTIOUS), None);
-        assert!(!swing.may_count_only_at(0.32, &CAUTIOUS), "it has counted");
+        assert!(!swing.may_count_only_at(0.32, &CAUTIOUS), "the change has counted");
         assert_eq!(swing.step(0.213, &CAUTIOUS), Some(Change::Down));
         assert!(swing.may_count_only_at(0.209, &CAUTIOUS) && !swing.may_count_only_at(0.23, &CAUTIOUS));
     }
@@ -237,14 +237,14 @@ mod tests {
             assert_eq!(red_changes(&[red, other, red]), 2, "{other:?}");
         }
         assert_eq!(red_changes(&[white, black, white, green, white]), 0);
-        assert_eq!(red_changes(&[[0.5, 0.2, 0.2], black, [0.5, 0.2, 0.2]]), 0, "that red is not saturated");
-        // Hardly any light, and two saturated reds.
+        assert_eq!(red_changes(&[[0.5, 0.2, 0.2], black, [0.5, 0.2, 0.2]]), 0, "the red is not saturated");
+        // Almost no light, and two saturated reds.
         assert_eq!(red_changes(&[[0.005, 0.0, 0.0], black, [0.005, 0.0, 0.0]]), 0);
         assert_eq!(red_changes(&[red, [0.9, 0.1, 0.0], red]), 0);
     }
 
     #[test]
-    fn a_change_to_a_hardly_saturated_red_may_count_later() {
+    fn a_change_to_a_borderline_red_may_count_later() {
         let (hardly, red, black) = ([0.8, 0.1, 0.1], [1.0, 0.0, 0.0], [0.0; 3]);
         for (color, may) in [(hardly, true), (red, false)] {
             let mut swing = RedSwing::NEW;
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_a_second_ago_is_forgotten() {
+    fn changes_older_than_a_second_are_forgotten() {
         let mut times = Times::NEW;
         for i in 0..30 {
             times.note(f64::from(i) / 30.0);

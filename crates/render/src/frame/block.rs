@@ -1,5 +1,4 @@
-//! A frame as the numbers of the shaders' `FrameBlock` (std140: all members are vec4, see
-//! `shaders/frame_block.glsl`).
+//! Packs a frame into the shaders' `FrameBlock` (std140: all members are vec4, see `shaders/frame_block.glsl`).
 
 use super::Frame;
 use mariana_field::graph::SoundInput;
@@ -11,9 +10,9 @@ use mariana_music::{BAND_COUNT, HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS
 
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
 
-/// Vectors before the arrays of the block.
+/// Vectors before the block's arrays.
 const HEAD: usize = 12;
-/// Vectors of a light.
+/// Vectors per light.
 const LIGHT: usize = 4;
 const LIGHTS_MAX: usize = FIELD_LIMITS.scene_lights_max;
 const HEARD_QUADS: usize = SoundInput::ALL.len().div_ceil(4);
@@ -27,7 +26,7 @@ pub const FRAME_BLOCK_VECTORS: usize =
 /// The block of one frame.
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
 
-/// The lengths of the block's arrays and of the sound's tables, as the defines that `shaders/frame_block.glsl` needs.
+/// The defines of `shaders/frame_block.glsl`: the lengths of the block's arrays and of the sound tables.
 pub fn block_defines() -> [String; 9] {
     [
         format!("PLANES_MAX {PLANES_MAX}"),
@@ -42,30 +41,29 @@ pub fn block_defines() -> [String; 9] {
     ]
 }
 
-/// Where the tree of regions of a frame is, and what holds if it has no cells.
+/// The position of a frame's region tree, with the bounds and the tape that apply without cells.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RegionTree {
-    /// Lower corner of its box.
+    /// Lower corner of the tree's box.
     pub low: [f32; 3],
-    /// Extent of its box; 0 where there are no cells.
+    /// Extent of the box; 0 without cells.
     pub size: [f32; 3],
-    /// Lower and upper corner of a box around all surfaces of the frame, if the tree knows a tighter one than the
-    /// world.
+    /// Lower and upper corner of a box around all surfaces of the frame, if it is tighter than the world's.
     pub bounds: Option<([f32; 3], [f32; 3])>,
-    /// First texel of the tape that holds everywhere; below 2^24, so that a float holds it exactly.
+    /// First texel of the tape that is valid everywhere. It is below 2^24, so that a float holds it exactly.
     pub whole_tape: u32,
 }
 
-/// The shader divides by the reach of ambient light.
+/// The shader divides by the reach of ambient light, so it must not be 0.
 const REACH_MIN: f32 = 1e-4;
 
 impl Frame {
-    /// Packs the frame of a world for the shaders. Every number is finite.
+    /// Packs the frame for the shaders. Every number is finite.
     pub fn block(&self, world: &World, tree: &RegionTree) -> FrameBlock {
         let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
         let camera = &self.camera;
         let (right, up) = (camera.right * camera.tan_half.0, camera.up * camera.tan_half.1);
-        // Half the width of a pixel at distance 1: the radius of its cone.
+        // The radius of a pixel's cone at distance 1.
         let pixel_radius = camera.tan_half.1 / height;
         let inputs = &self.inputs;
         let xyz = |v: glam::DVec3, w: f64| [v.x, v.y, v.z, w].map(|value| value as f32);
@@ -88,7 +86,7 @@ impl Frame {
             xyz(up, 0.0),
             xyz(camera.forward, 0.0),
             [inputs.time, self.values.lights.len() as f32, first_row, row_span],
-            // Whether anything is traced at all, and whether its box is known.
+            // The last components are flags: anything to trace, and known bounds.
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
             [high[0], high[1], high[2], if bounds.is_some() { 1.0 } else { 0.0 }],
             plane_objects,
@@ -110,8 +108,8 @@ impl Frame {
         block
     }
 
-    /// Planes as a unit normal and the distance of the origin from them. A plane that does not exist in this frame
-    /// has the normal 0.
+    /// The planes as unit normal and distance of the origin. A plane that does not exist in this frame has the normal
+    /// 0.
     fn planes(&self) -> impl Iterator<Item = [f32; 4]> {
         self.values.planes.iter().take(PLANES_MAX).map(|plane| {
             let [a, b, c, d] = plane.map(f64::from);
@@ -122,7 +120,7 @@ impl Frame {
     }
 }
 
-/// The kinds of lights, as the defines that `shaders/light.glsl` needs.
+/// The numbers of the kinds of lights, as defines for `shaders/light.glsl`.
 pub fn light_defines() -> impl Iterator<Item = String> {
     let kinds = LightKind::ALL.into_iter().map(|(kind, name)| format!("LIGHT_{name} {:?}", number_of(kind)));
     kinds.chain([format!("LIGHT_KINDS {}", LightKind::ALL.len())])
@@ -133,7 +131,7 @@ fn number_of(kind: LightKind) -> f32 {
     kind as u8 as f32 + 1.0
 }
 
-/// A light as `frame_block.glsl` describes it.
+/// Packs a light as `frame_block.glsl` describes it.
 fn light(light: &Light<f32>) -> [[f32; 4]; LIGHT] {
     let ([x, y, z], kind) = (light.place(), number_of(light.kind));
     let ([r, g, b], [rx, ry, rz], [ux, uy, uz]) = (light.color, light.right, light.up);
@@ -161,7 +159,7 @@ mod tests {
     use mariana_music::Features;
 
     #[test]
-    fn everything_arrives_in_its_place_and_nothing_is_non_finite() {
+    fn all_members_are_packed_in_order_and_finite() {
         let text = "param a = 0.5 in 0 .. 1\nparam b = 2 in 0 .. 4\n\
                     object floor { shape = 2 * p.y - 1 }\nobject ball { shape = sphere(p, 1) }\n\
                     light sun { direction = vec3(0, -1, 0) color = vec3(exp(99 + t), 2, 0) }";
@@ -177,17 +175,17 @@ mod tests {
         let block = block.block(&world, &tree);
         assert!(block.as_flattened().iter().all(|value| value.is_finite()));
         assert_eq!(block[0], [1.0, 7.0, 1.0, 1.0 / 7.0]);
-        assert_eq!(block[5], [0.0, 1.0, 0.0, 0.0], "the time, the lights, the history's rows");
+        assert_eq!(block[5], [0.0, 1.0, 0.0, 0.0], "time, number of lights, rows of the history");
         assert_eq!((block[6][3], block[7][3]), (1.0, 1.0));
         assert_eq!(block[9..11], [[1.0; 4], [8.0, 4.0, 2.0, 9.0]]);
         assert_eq!(block[HEAD], [0.0, 1.0, 0.0, -0.5]);
         let lights = HEAD + PLANES_MAX;
         assert_eq!(block[lights], [0.0, -1.0, 0.0, 2.0]);
         assert_eq!(block[lights + 1][1], 2.0);
-        assert_eq!(block[lights + 3], [0.0, 0.0, 0.0, 1.0], "nothing is said of its shadow");
+        assert_eq!(block[lights + 3], [0.0, 0.0, 0.0, 1.0], "the scene does not set the shadow");
         assert_eq!(block[lights + LIGHT][3], 0.0, "there is no second light");
         let bands = lights + LIGHT * LIGHTS_MAX;
-        assert_eq!(block[bands][..2], [0.25, 0.0], "the volumes");
+        assert_eq!(block[bands][..2], [0.25, 0.0], "volumes");
         let bands = bands + HEARD_QUADS;
         assert_eq!(block[bands + 3], [3.0 / 32.0, 0.0, 0.0, 0.0]);
         assert_eq!(block[bands + 7][0], 0.0);

@@ -1,45 +1,44 @@
-//! The camera of a frame: where the scene's expressions put it, adapted to the window.
+//! A frame's camera: placed by the scene's expressions and adapted to the window.
 
 use glam::{DQuat, DVec3};
 
 use super::orbit_controls::OrbitControls;
 use mariana_field::lang;
 
-/// A pinhole camera. The axes are of unit length and at right angles.
+/// A pinhole camera. Its axes are orthonormal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// The eye.
+    /// Position of the eye.
     pub position: DVec3,
-    /// To the right in the picture.
+    /// Axis to the right of the image.
     pub right: DVec3,
-    /// Up in the picture.
+    /// Axis upwards in the image.
     pub up: DVec3,
-    /// Into the picture.
+    /// Axis into the image.
     pub forward: DVec3,
     /// Tangents of half the field of view, horizontal and vertical.
     pub tan_half: (f64, f64),
-    /// How far away the target is.
+    /// Distance to the target.
     pub to_target: f64,
-    /// How much further away than the scene says, so that all of it is seen.
+    /// Distance added to the scene's own, so that all of the scene is in view.
     pub stepped_back: f64,
 }
 
 /// Range of the vertical field of view, in degrees.
 const FOV: (f64, f64) = (1.0, 170.0);
-/// Coordinates beyond this are no useful place for an eye.
+/// Coordinates are clamped to this range.
 const PLACE_MAX: f64 = 1e7;
 
 impl Camera {
-    /// The camera that a scene asks for, for a picture of `aspect` (width over height).
+    /// The camera that a scene requests, for an image of `aspect` (width over height).
     ///
-    /// If the picture at the target would be narrower than the scene's `keep`, the eye steps back along its line of
-    /// sight until it is not. Values that are not finite are taken as 0; a field of view is clamped to 1..170
-    /// degrees.
+    /// If the image at the target would be narrower than the scene's `keep`, the eye steps back along its line of
+    /// sight. Values that are not finite count as 0; the field of view is clamped to 1..170 degrees.
     pub fn of(asked: &lang::Camera<f32>, aspect: f64) -> Self {
         Self::by_hand(asked, aspect, &OrbitControls::OFF)
     }
 
-    /// The same, moved by hand.
+    /// Like [`Camera::of`], then moved by the user.
     pub fn by_hand(asked: &lang::Camera<f32>, aspect: f64, orbit: &OrbitControls) -> Self {
         let target = place(asked.target);
         let mut eye = place(asked.position);
@@ -55,7 +54,7 @@ impl Camera {
         let (eye, forward) = orbit.place(eye, target);
         let to_target = (target - eye).length();
         let stepped_back = to_target - away.length();
-        // Looking straight up or down, no picture is upright: any will do.
+        // Straight up or down, any direction can be level.
         let level = DVec3::Y.cross(forward).normalize_or(DVec3::X);
         let roll = if asked.roll.is_finite() { f64::from(asked.roll) } else { 0.0 };
         let right = DQuat::from_axis_angle(forward, roll) * level;
@@ -63,7 +62,7 @@ impl Camera {
         Self { position: eye, right, up, forward, tan_half, to_target, stepped_back }
     }
 
-    /// Where `point` is in the picture, each axis -1..1 from edge to edge; none if it is behind the eye.
+    /// Projects `point` into the image, where each axis is -1..1 from edge to edge. `None` if it is behind the eye.
     pub fn project(&self, point: DVec3) -> Option<(f64, f64)> {
         let offset = point - self.position;
         let depth = offset.dot(self.forward);
@@ -89,9 +88,9 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn both_speakers_stay_in_the_picture_at_every_window_shape() {
+    fn both_speakers_are_in_view_at_every_window_shape() {
         let world = world_of(SPEAKERS);
-        // From 1:40 to 40:1.
+        // Aspect ratios from 1:40 to 40:1.
         for shape in (-16..=16).map(|tenth| 10_f64.powf(f64::from(tenth) / 10.0)) {
             let size =
                 if shape < 1.0 { (100, (100.0 / shape) as u32) } else { ((100.0 * shape) as u32, 100) };
@@ -107,14 +106,14 @@ mod tests {
                         "{point} is at {seen:?}, {time} s, {size:?}"
                     );
                 }
-                assert!(camera.position.y > 0.5, "the eye goes through the floor");
+                assert!(camera.position.y > 0.5, "the eye is below the floor");
             }
         }
     }
 
     proptest! {
         #[test]
-        fn the_axes_are_orthonormal_whatever_the_scene_says(
+        fn the_axes_are_orthonormal_for_every_input(
             position in prop::array::uniform3(any::<f32>()),
             target in prop::array::uniform3(any::<f32>()),
             [fov, roll, keep] in prop::array::uniform3(any::<f32>()),
@@ -132,13 +131,13 @@ mod tests {
     }
 
     #[test]
-    fn the_picture_is_not_mirrored_and_rolls_clockwise() {
+    fn the_image_is_not_mirrored_and_rolls_clockwise() {
         let asked = lang::Camera { target: [0.0, 0.0, 1.0], fov: 60.0, ..lang::Camera::of([]) };
         let camera = Camera::of(&asked, 1.6);
         let (right, _) = camera.project(DVec3::new(0.5, 0.0, 1.0)).unwrap();
         let (_, high) = camera.project(DVec3::new(0.0, 0.5, 1.0)).unwrap();
         assert!(right > 0.0 && high > 0.0);
-        // What was up goes to the right.
+        // The axis that pointed up now points right.
         let rolled = Camera::of(&lang::Camera { roll: 0.5, ..asked }, 1.6);
         let (turned, _) = rolled.project(DVec3::new(0.0, 0.5, 1.0)).unwrap();
         assert!(turned > 0.0, "{turned}");

@@ -1,4 +1,4 @@
-//! Inputs of a scene that are held at a value, whatever the music does: what `--set` asks for.
+//! Scene inputs that `--set` holds at a fixed value, whatever the music does.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,10 +6,10 @@ use std::str::FromStr;
 use mariana_field::graph::{BAND_COUNT, FrameInputs, SoundInput};
 use mariana_field::lang::Scene;
 
-/// An input by its name, and the value at which it is held; finite.
+/// The name of an input and the finite value that it is held at.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
-    /// The name as the language writes it: `t`, `volume.x`, `band(3)`, or a parameter of the scene.
+    /// The name in the scene language: `t`, `volume.x`, `band(3)`, or a parameter of the scene.
     pub name: String,
     /// The value.
     pub value: f32,
@@ -18,34 +18,34 @@ pub struct Setting {
 impl FromStr for Setting {
     type Err = String;
 
-    /// Reads `NAME=VALUE`.
+    /// Parses `NAME=VALUE`.
     fn from_str(text: &str) -> Result<Self, String> {
-        let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE, such as volume.x=0.3")?;
+        let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE, for example volume.x=0.3")?;
         let number = value.trim().parse().ok().filter(|number: &f32| number.is_finite());
         let value = number.ok_or_else(|| format!("'{}' is not a number", value.trim()))?;
         Ok(Self { name: name.trim().to_owned(), value })
     }
 }
 
-/// A value that its input cannot have, since the bounds of a scene's shapes hold within its range only.
+/// A value outside its input's range. The bounds of a scene's shapes are only valid within that range.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("--set {name}={value}: {name} is from {least} to {most}, so choose a value in between")]
+#[error("--set {name}={value}: {name} ranges from {least} to {most}; choose a value in this range")]
 pub struct OutOfRange {
-    /// The input.
+    /// The input's name.
     pub name: String,
-    /// What it should be.
+    /// The requested value.
     pub value: f32,
-    /// The least value that it can have.
+    /// The smallest value allowed.
     pub least: f32,
-    /// The greatest one.
+    /// The largest value allowed.
     pub most: f32,
 }
 
-/// Inputs of one scene that are held, each at a value within its range.
+/// The held inputs of one scene, each with a value within its range.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HeldInputs(Vec<(Place, f32)>);
 
-/// Where an input stands in a frame.
+/// The position of an input in a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
     Time,
@@ -55,10 +55,10 @@ enum Place {
 }
 
 impl HeldInputs {
-    /// Holds an input of `scene` from now on; false if the scene has none of that name.
+    /// Holds an input of `scene` from now on. Returns `false` if the scene has no input of that name.
     ///
     /// # Errors
-    /// [`OutOfRange`].
+    /// [`OutOfRange`] if the input cannot have that value.
     pub fn hold(&mut self, scene: &Scene, setting: &Setting) -> Result<bool, OutOfRange> {
         let Some(place) = place_of(scene, &setting.name) else { return Ok(false) };
         let (least, most) = match place {
@@ -77,7 +77,8 @@ impl HeldInputs {
         Ok(true)
     }
 
-    /// Those of two scenes together, for a scene that has the parameters of the second behind the `params` of the first.
+    /// Joins the held inputs of two scenes, for a scene that appends the second's parameters to the `params` of the
+    /// first.
     pub fn followed_by(&self, second: &Self, params: usize) -> Self {
         let moved = second.0.iter().map(|&(place, value)| match place {
             Place::Param(number) => (Place::Param(params + number), value),
@@ -86,7 +87,7 @@ impl HeldInputs {
         Self(self.0.iter().copied().chain(moved).collect())
     }
 
-    /// Puts the values into a frame of the scene.
+    /// Writes the held values into a frame of the scene.
     pub fn apply(&self, inputs: &mut FrameInputs) {
         for &(place, value) in &self.0 {
             let to = match place {
@@ -102,7 +103,7 @@ impl HeldInputs {
     }
 }
 
-/// A parameter of a scene may hide a number of the song, and has the name of no other input.
+/// Finds an input by name. A scene's own parameter may hide a number of the song; it has no other input's name.
 fn place_of(scene: &Scene, name: &str) -> Option<Place> {
     if name == "t" {
         return Some(Place::Time);
@@ -120,7 +121,7 @@ fn place_of(scene: &Scene, name: &str) -> Option<Place> {
     None
 }
 
-/// The names of the inputs of scenes, for a sentence.
+/// Formats the input names of scenes as a list.
 pub struct InputNames<'a>(pub &'a [&'a Scene]);
 
 impl fmt::Display for InputNames<'_> {
@@ -143,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_are_a_name_and_a_finite_number() {
+    fn settings_have_a_name_and_a_finite_number() {
         assert_eq!(" size = 0.5".parse(), Ok(Setting { name: "size".into(), value: 0.5 }));
         for (text, part) in [("size", "NAME=VALUE"), ("size=", "not a number"), ("t=nan", "not a number")] {
             let message = text.parse::<Setting>().unwrap_err();
@@ -152,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_scene_lacks_is_not_held_and_nothing_leaves_its_range() {
+    fn unknown_inputs_are_not_held_and_values_out_of_range_are_refused() {
         let text = "param size = 2 in 0.5 .. 3\nparam key = 20 in 0 .. 30\nobject ball { shape = length(p) - size }\n";
         let scene =
             mariana_field::lang::compile("own", text, &mut mariana_field::lang::no_includes).scene.unwrap();

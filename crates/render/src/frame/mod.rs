@@ -1,6 +1,6 @@
-//! `Frame`: everything the GPU needs for one picture of a world, from time, sound and camera.
+//! [`Frame`]: the inputs of one image of a world, computed from time, sound and camera.
 //!
-//! Plain numbers, no OpenGL: a frame is the same for a window, a still and a video.
+//! A frame is plain numbers without OpenGL, and is the same for a window, a still and a video.
 
 pub mod block;
 pub mod camera;
@@ -21,44 +21,43 @@ pub use mariana_music::Sound;
 use orbit_controls::OrbitControls;
 use picture::Picture;
 
-/// What one picture shows.
+/// The inputs of one image.
 #[derive(Debug, Clone)]
 pub struct Frame {
-    /// Width and height of the picture in pixels, each at least 1.
+    /// Width and height of the image in pixels, each at least 1.
     pub size: (u32, u32),
-    /// What the scene's expressions read: time, sound, parameters. Every number is finite.
+    /// Inputs of the scene's expressions: time, sound, parameters. Every number is finite.
     pub inputs: FrameInputs,
-    /// Where the picture is seen from.
+    /// The camera.
     pub camera: Camera,
-    /// What the picture may cost apart from its number of pixels, 0..1: the shaders' `frame_quality`.
+    /// Level of detail, 0..1: the shaders' `frame_quality`. The number of pixels does not depend on it.
     pub quality: f32,
     /// Lights and planes.
     pub values: FrameValues,
-    /// What happens to the scene's light on its way to the screen.
+    /// Exposure, bloom, tone mapping and lens.
     pub picture: Picture,
-    /// How the camera was moved by hand.
+    /// The user's changes to the camera.
     orbit: OrbitControls,
 }
 
-/// What somebody decides about a picture besides its world and its moment.
+/// The choices for a frame that do not follow from its world, time and sound.
 #[derive(Debug, Clone, Copy)]
 pub struct FrameOptions<'a> {
-    /// The scene's parameters; missing ones are as the scene's text sets them.
+    /// Values of the scene's parameters; missing ones have the defaults of the scene's text.
     pub params: &'a [f32],
-    /// Inputs that are held, whatever the parameters say.
+    /// Held inputs, which override the parameters.
     pub held: &'a HeldInputs,
-    /// The camera, by its number among those with names; none is the scene's own.
+    /// Index of a named camera; `None` is the scene's main camera.
     pub camera: Option<usize>,
 }
 
 impl Frame {
-    /// The frame of a world at `time` seconds with the sound that is audible then; its parameters are as the scene's
-    /// text sets them.
+    /// The frame of a world at `time` seconds, with the sound audible then and the parameters' defaults.
     pub fn new(world: &World, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Self {
         Self::with_params(world, time, sound, size, &[])
     }
 
-    /// The same with other parameters; missing ones are as the scene's text sets them.
+    /// Like [`Frame::new`], with other parameters; missing ones have their defaults.
     pub fn with_params(
         world: &World,
         time: f64,
@@ -69,7 +68,7 @@ impl Frame {
         Self::of_inputs(world, inputs_of(world, time, sound.into(), params), size)
     }
 
-    /// The same as [`Frame::new`] as it is staged.
+    /// Like [`Frame::new`], with the given options.
     pub fn staged(
         world: &World,
         time: f64,
@@ -96,7 +95,7 @@ impl Frame {
     }
 }
 
-/// What a world's expressions read; missing parameters are as the scene's text sets them.
+/// The inputs of a world's expressions; missing parameters have the defaults of the scene's text.
 fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInputs {
     let Sound { features, tables, song } = sound;
     let number = |name: &str| features.number(name).or_else(|| song.number(name)).unwrap_or(0.0);
@@ -121,7 +120,7 @@ fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInp
 }
 
 impl Frame {
-    /// The same moment seen by another camera of the scene; none, or one that there is not, is its own.
+    /// Switches to another camera of the scene. `None` or an unknown index means the main camera.
     pub fn seen_by(&mut self, world: &World, camera: Option<usize>) {
         if let Some(camera) = camera.and_then(|camera| self.values.cameras.get(camera)) {
             self.values.camera = camera.clone();
@@ -129,60 +128,59 @@ impl Frame {
         }
     }
 
-    /// The point that the camera looks at, finite.
+    /// The point that the camera looks at; finite.
     pub fn target(&self) -> glam::DVec3 {
         camera::place(self.values.camera.target)
     }
 
-    /// The same as it is drawn for a window of this width over height, whatever its number of pixels, at a quality.
+    /// Adapts the frame to a window of the given aspect (width over height) and quality, without changing its size.
     pub fn in_window(mut self, world: &World, aspect: f64, quality: f32) -> Self {
         self.quality = quality;
         self.see_from(world, aspect, self.orbit);
         self
     }
 
-    /// The same moment in a picture of another size.
+    /// Changes the size of the image.
     pub fn resized(mut self, world: &World, size: (u32, u32)) -> Self {
         self.size = (size.0.max(1), size.1.max(1));
         self.see_from(world, aspect(self.size), self.orbit);
         self
     }
 
-    /// The same moment with the camera moved by hand.
+    /// Moves the camera by the user's controls.
     pub fn by_hand(mut self, world: &World, orbit: OrbitControls) -> Self {
         self.see_from(world, aspect(self.size), orbit);
         self
     }
 
-    /// Puts the camera in its place, and gives its place to the expressions.
+    /// Places the camera and passes its position to the expressions.
     fn see_from(&mut self, world: &World, aspect: f64, orbit: OrbitControls) {
         (self.orbit, self.camera) = (orbit, Camera::by_hand(&self.values.camera, aspect, &orbit));
         self.picture = Picture::of(&self.values, &self.camera, world.features.lens);
         let eye = self.camera.position.as_vec3().to_array();
-        // What is computed once per frame depends on nothing else here.
+        // Hoisted values depend on the eye and on inputs that do not change here.
         if self.inputs.eye != eye || self.inputs.hoisted.is_empty() {
             self.inputs.eye = eye;
             self.inputs.hoisted = world.hoisted.values(&self.inputs);
         }
     }
 
-    /// How far the scene's own camera is above its target, in radians.
+    /// The angle of the scene's own camera above its target, in radians.
     pub fn own_pitch(&self) -> f64 {
         OrbitControls::pitch_of(camera::place(self.values.camera.position), self.target())
     }
 }
 
-/// Width over height.
 fn aspect(size: (u32, u32)) -> f64 {
     f64::from(size.0) / f64::from(size.1)
 }
 
-/// Makes a value finite: nothing else reaches a scene's inputs.
+/// Replaces values that are not finite by 0. All inputs of a scene pass through here.
 fn finite(value: f32) -> f32 {
     if value.is_finite() { value } else { 0.0 }
 }
 
-/// The language promises levels of 0..1, but samples beyond full scale measure more.
+/// Clamps a level to the 0..1 that the language promises. Samples beyond full scale measure more.
 fn unit(value: f32) -> f32 {
     finite(value).clamp(0.0, 1.0)
 }
@@ -192,14 +190,14 @@ mod tests {
     use mariana_field::graph::SoundInput;
     use mariana_music::{Features, SongMoment};
 
-    /// An input that the analysis does not know would silently read 0.
+    /// An input that the analysis does not compute would silently read 0.
     #[test]
-    fn every_number_of_the_sound_that_scenes_read_is_heard() {
+    fn the_analysis_or_the_song_provides_every_sound_input() {
         for input in SoundInput::ALL {
             let (name, of_song) = (input.name(), input.is_of_song());
             let heard = Features::SILENCE.number(name).is_some();
             let known = SongMoment::UNKNOWN.number(name).is_some();
-            assert_eq!((heard, known), (!of_song, of_song), "who hears `{name}`?");
+            assert_eq!((heard, known), (!of_song, of_song), "exactly one of analysis and song must provide `{name}`");
         }
         assert_eq!(mariana_field::graph::BAND_COUNT, mariana_music::BAND_COUNT);
     }

@@ -1,32 +1,31 @@
-//! A camera that is moved by hand: what is added to the scene's own camera, which may go on moving.
+//! Orbit controls: the user turns and zooms the view around the point that the scene's camera looks at.
 //!
-//! **The hand adds to the scene's camera.** A drag and the wheel turn and move the eye around the point that the
-//! scene's camera looks at, wherever that goes (`frame::orbit_controls`): regions, bounds and planes do not depend on
-//! it. In materials and the sky, `eye` is where the eye really is. A scene's own formulas for the camera's path do
-//! not see the hand.
+//! The controls add to the scene's camera, which may keep moving. Regions, bounds and planes do not depend on them. In
+//! materials and the sky, `eye` is the real position of the eye. The formulas of the scene's camera path do not see the
+//! controls.
 
 use glam::DVec3;
 
-/// A turn around the point that the camera looks at, and a change of the distance to it.
+/// A rotation around the camera's target and a change of the distance to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrbitControls {
-    /// Turn around the vertical, in degrees: how far the eye goes to the left.
+    /// Rotation around the vertical in degrees; positive values move the eye to the left.
     yaw: f32,
-    /// Turn upwards, in degrees.
+    /// Upward rotation in degrees.
     pitch: f32,
-    /// What the distance is multiplied by.
+    /// Factor of the distance.
     zoom: f32,
 }
 
-/// Degrees for a drag as long as the picture is high.
+/// Degrees per drag of one image height.
 const TURN: f64 = 180.0;
-/// The eye keeps away from straight above and below: largest angle from the horizon, in degrees.
+/// Largest angle from the horizon in degrees. It keeps the eye away from the poles.
 const PITCH_MAX: f64 = 0.49 * 180.0;
-/// The distance is multiplied by e to this power for each notch of a wheel.
+/// Each notch of the wheel multiplies the distance by e to this power.
 const NOTCH: f64 = 0.12;
 /// Range of [`OrbitControls::zoom`].
 const ZOOM: (f64, f64) = (1.0 / 64.0, 64.0);
-/// Movements of the pointer of this size or more are ignored.
+/// Pointer movements of this size or more are ignored.
 const WAY_MAX: f64 = 1e6;
 /// Largest distance from the target.
 const REACH_MAX: f64 = 1e7;
@@ -38,11 +37,11 @@ impl Default for OrbitControls {
 }
 
 impl OrbitControls {
-    /// The scene's own camera.
+    /// The scene's own camera, unchanged.
     pub const OFF: Self = Self { yaw: 0.0, pitch: 0.0, zoom: 1.0 };
 
-    /// Turns by a movement of the pointer to the right and downwards, in heights of the picture, as if the target was
-    /// dragged. `own` is the pitch of the scene's camera ([`OrbitControls::pitch_of`]).
+    /// Rotates by a pointer movement to the right and downwards, in image heights, as if the target was dragged. `own`
+    /// is the pitch of the scene's camera ([`OrbitControls::pitch_of`]).
     pub fn drag(&mut self, (right, down): (f64, f64), own: f64) {
         if !(right.abs() < WAY_MAX && down.abs() < WAY_MAX) {
             return;
@@ -53,7 +52,7 @@ impl OrbitControls {
         self.pitch = pitch.clamp(-PITCH_MAX - own, PITCH_MAX - own) as f32;
     }
 
-    /// Comes nearer by this many notches of a wheel.
+    /// Zooms in by this many notches of a wheel.
     pub fn zoom(&mut self, notches: f64) {
         if notches.is_finite() {
             let zoom = f64::from(self.zoom) * (-NOTCH * notches).exp();
@@ -61,24 +60,25 @@ impl OrbitControls {
         }
     }
 
-    /// Turns to the left and upwards in degrees, and what the distance to the target is multiplied by.
+    /// Yaw and pitch in degrees, and the factor of the distance.
     pub fn turns(&self) -> [f32; 3] {
         [self.yaw, self.pitch, self.zoom]
     }
 
-    /// The controls of such numbers, within their ranges; what is no number turns nothing.
+    /// Builds controls from [`OrbitControls::turns`], clamped to their ranges. Numbers that are not finite have no
+    /// effect.
     pub fn of_turns([yaw, pitch, zoom]: [f32; 3]) -> Self {
         let turn = |turn: f32| if turn.is_finite() { turn % 360.0 } else { 0.0 };
         let zoom = if zoom.is_finite() { zoom.clamp(ZOOM.0 as f32, ZOOM.1 as f32) } else { 1.0 };
         Self { yaw: turn(yaw), pitch: turn(pitch).clamp(-180.0, 180.0), zoom }
     }
 
-    /// How far above its target a camera is, in radians.
+    /// The angle of a camera above its target, in radians.
     pub fn pitch_of(eye: DVec3, target: DVec3) -> f64 {
         (eye - target).normalize_or(DVec3::NEG_Z).y.clamp(-1.0, 1.0).asin()
     }
 
-    /// Where the eye is and the direction of its view, for a scene's eye and target. If both are the same point, the
+    /// The position of the eye and its direction of view, for a scene's eye and target. If both are the same point, the
     /// camera looks around.
     pub(super) fn place(&self, eye: DVec3, target: DVec3) -> (DVec3, DVec3) {
         let away = eye - target;
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_near_follows_the_pointer_and_the_target_stays() {
+    fn near_points_follow_the_pointer_and_the_target_stays() {
         let target = DVec3::new(0.5, 1.0, 2.0);
         let near = target + 0.2 * (DVec3::new(1.0, 2.0, -6.0) - target);
         let before = seen(&OrbitControls::OFF, near);
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wheel_comes_nearer_smoothly_and_within_its_limits() {
+    fn the_wheel_zooms_smoothly_and_within_its_limits() {
         let reach = |orbit: &OrbitControls| {
             (Camera::by_hand(&asked(), 1.6, orbit).position - DVec3::new(0.5, 1.0, 2.0)).length()
         };
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drag_that_reached_the_pole_comes_back_at_once() {
+    fn a_drag_beyond_the_pole_returns_without_delay() {
         let eye = DVec3::new(0.0, 3.0, -3.0);
         let own = OrbitControls::pitch_of(eye, DVec3::ZERO);
         let mut orbit = OrbitControls::OFF;
@@ -170,7 +170,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn whatever_is_done_the_camera_stays_one(
+        fn every_input_gives_a_valid_camera(
             position in prop::array::uniform3(any::<f32>()),
             target in prop::array::uniform3(any::<f32>()),
             moves in prop::collection::vec((any::<f64>(), any::<f64>(), any::<f64>()), 0..6),

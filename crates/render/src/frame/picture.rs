@@ -1,5 +1,4 @@
-//! How a picture is made from the scene's light: the numbers of the shaders' `PictureBlock` (see
-//! `shaders/picture_block.glsl`).
+//! Post-processing settings of a frame: the numbers of the shaders' `PictureBlock` (see `shaders/picture_block.glsl`).
 
 use super::camera::Camera;
 use mariana_field::world::{FrameValues, ToneMap};
@@ -10,35 +9,35 @@ pub const PICTURE_BLOCK_VECTORS: usize = 2;
 /// The block of one frame.
 pub type PictureBlock = [[f32; 4]; PICTURE_BLOCK_VECTORS];
 
-/// What happens to the scene's light on its way to the screen. Every number is finite and in its range.
+/// Exposure, bloom, tone mapping and lens of a frame. Every number is finite and in its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Picture {
-    /// The factor by which light is multiplied, 0..1000.
+    /// Factor applied to the light, 0..1000.
     pub exposure: f32,
-    /// Share of the light that is scattered around where it belongs, 0..1.
+    /// Fraction of the light that bloom scatters, 0..1.
     pub bloom: f32,
-    /// Share of the light that the corners lose, 0..1.
+    /// Fraction of the light that the corners lose, 0..1.
     pub vignette: f32,
     /// Strength of the grain in steps of 1/255, 0..16.
     pub grain: f32,
-    /// How light becomes a colour of the screen.
+    /// Conversion of light to screen colours.
     pub tone_map: ToneMap,
-    /// The lens, if the scene has one that is not sharp everywhere at all times.
+    /// The lens, if the scene's lens can blur at any time.
     pub lens: Option<Lens>,
 }
 
 /// A thin lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
-    /// Its radius, 0 where everything is sharp.
+    /// Radius; 0 keeps everything sharp.
     pub radius: f32,
-    /// 1 / distance at which the picture is sharp.
+    /// 1 / distance of focus.
     pub nearness: f32,
 }
 
 impl Picture {
-    /// The picture that a scene asks for in a frame; `has_lens` is [`mariana_field::world::SceneFeatures::lens`]. A
-    /// value that is not a number is replaced by that of scenes that do not set it.
+    /// The settings that a scene requests in a frame. `has_lens` is [`mariana_field::world::SceneFeatures::lens`]. NaN
+    /// is replaced by the value of scenes that do not set it.
     pub fn of(values: &FrameValues, camera: &Camera, has_lens: bool) -> Self {
         let picture = &values.picture;
         let lens = || {
@@ -57,24 +56,23 @@ impl Picture {
         }
     }
 
-    /// Packs it for the shaders.
+    /// Packs the settings for the shaders.
     pub fn block(&self) -> PictureBlock {
         let lens = self.lens.unwrap_or(Lens { radius: 0.0, nearness: 0.0 });
         [[self.exposure, self.bloom, self.vignette, self.grain], [lens.radius, lens.nearness, BLUR_MAX, 0.0]]
     }
 }
 
-/// The largest radius of a blurred point, in heights of the picture: a larger one takes more samples than there is
-/// time for.
+/// Largest radius of a blurred point, in image heights. Larger ones would need too many samples.
 pub const BLUR_MAX: f32 = 0.04;
-/// Ten stops: nobody needs more.
+/// Ten stops.
 const EXPOSURE_MAX: f32 = 1000.0;
 const GRAIN_MAX: f32 = 16.0;
 const LENS_RADIUS_MAX: f32 = 1e6;
-/// Range of the distance at which the picture is sharp.
+/// Range of the distance of focus.
 const FOCUS: (f32, f32) = (1e-3, 1e7);
 
-/// The value clamped to its range; `otherwise` if it is not a number.
+/// Clamps a value to its range; NaN becomes `otherwise`.
 fn within(value: f32, low: f32, high: f32, otherwise: f32) -> f32 {
     if value.is_nan() { otherwise } else { value.clamp(low, high) }
 }
@@ -100,7 +98,7 @@ mod tests {
         assert_eq!((all.exposure, all.bloom, all.vignette, all.grain), (2.0, 1.0, 0.0, 16.0));
         assert_eq!(all.tone_map, ToneMap::Aces);
 
-        // The difference of two infinities is not a number.
+        // The difference of two infinities is NaN.
         let nan = "exp(99 * t) - exp(98 * t)";
         let none = picture(&format!("picture {{ exposure = {nan}  bloom = {nan}  grain = {nan} }}"));
         assert_eq!((none.exposure, none.bloom, none.grain), (1.0, 0.0, 1.0));

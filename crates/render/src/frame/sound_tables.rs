@@ -1,19 +1,18 @@
-//! The sound's tables as the shaders read them: spectrum, waveform, rows of the history
-//! (`shaders/scene_inputs.glsl`).
+//! Packs the sound tables for the shaders: spectrum, waveform, rows of the history (`shaders/scene_inputs.glsl`).
 
 use mariana_field::graph::{FrameInputs, Op, TableData};
 use mariana_field::world::World;
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
-/// Whether any expression of a world reads the tables.
+/// True if any expression of the world reads the tables.
 pub fn are_read_by(world: &World) -> bool {
     let roots: Vec<_> = world.roots.all().collect();
-    // A world's graph has been checked.
+    // The graph of a world has been checked.
     let used = world.graph.inputs_used(&roots).unwrap_or_default();
     Op::CURVES.iter().any(|table| used.tables.contains(table))
 }
 
-/// The texels: the polynomial of each piece. A table of another shape than the shaders expect is replaced by silence.
+/// The texels: one polynomial per piece. A table of an unexpected length is replaced by silence.
 pub fn texels(inputs: &FrameInputs) -> Vec<[f32; 4]> {
     const HISTORY_PIECES: usize = HISTORY_POINTS - 1;
     let mut texels = Vec::new();
@@ -21,12 +20,12 @@ pub fn texels(inputs: &FrameInputs) -> Vec<[f32; 4]> {
     append(&mut texels, &inputs.waveform, WAVEFORM_POINTS - 1);
     let rows = inputs.history.rows_of_pieces().filter(|row| row.len() == HISTORY_PIECES);
     texels.extend(rows.flatten().map(polynomial));
-    // Shaders read four rows, even where there are none.
+    // Shaders always read four rows.
     texels.resize(texels.len().max(SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + 4 * HISTORY_PIECES), [0.0; 4]);
     texels
 }
 
-/// Appends a table's first row, if it has so many pieces, or zeros.
+/// Appends the first row of a table, or zeros if the row has another number of pieces.
 fn append(texels: &mut Vec<[f32; 4]>, table: &TableData, pieces: usize) {
     let end = texels.len() + pieces;
     let row = table.rows_of_pieces().next().filter(|row| row.len() == pieces);
@@ -34,8 +33,8 @@ fn append(texels: &mut Vec<[f32; 4]>, table: &TableData, pieces: usize) {
     texels.resize(end, [0.0; 4]);
 }
 
-/// The coefficients of the cubic with these Bézier points, from the constant one on: shaders evaluate them in fewer
-/// registers.
+/// The coefficients of the cubic with these Bézier points, constant term first. Shaders need fewer registers for this
+/// form.
 fn polynomial(&[a, b, c, d]: &[f32; 4]) -> [f32; 4] {
     [a, 3.0 * (b - a), 3.0 * (a - 2.0 * b + c), d - a + 3.0 * (b - c)]
 }
@@ -45,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_table_stands_where_the_shaders_look() {
+    fn tables_are_packed_in_the_shaders_order() {
         let inputs = FrameInputs {
             spectrum: TableData::row(vec![0.25; SPECTRUM_POINTS]),
             waveform: TableData::row(vec![9.0; 3]),
@@ -56,15 +55,15 @@ mod tests {
         let (spectrum, rest) = texels.split_at(SPECTRUM_POINTS - 1);
         let (waveform, history) = rest.split_at(WAVEFORM_POINTS - 1);
         assert!(spectrum.iter().all(|piece| *piece == [0.25, 0.0, 0.0, 0.0]));
-        assert!(waveform.iter().all(|points| *points == [0.0; 4]), "a table of three points is none");
-        assert_eq!(history.len(), 6 * (HISTORY_POINTS - 1), "one row before, two behind");
+        assert!(waveform.iter().all(|points| *points == [0.0; 4]), "a table of three points is replaced by silence");
+        assert_eq!(history.len(), 6 * (HISTORY_POINTS - 1), "one row before, two after");
         assert!(history.iter().all(|piece| *piece == [0.5, 0.0, 0.0, 0.0]));
         let silence = super::texels(&FrameInputs::default());
         assert_eq!(silence.len(), SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + 4 * (HISTORY_POINTS - 1));
     }
 
     #[test]
-    fn a_polynomial_is_the_curve_of_its_points() {
+    fn the_polynomial_equals_the_bezier_curve() {
         let points = [0.1, 0.7, -0.4, 0.9];
         let [a, b, c, d] = polynomial(&points);
         for x in [0.0_f32, 0.25, 0.5, 1.0] {
@@ -76,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn worlds_without_tables_read_none() {
+    fn only_worlds_that_use_tables_read_them() {
         use crate::frame::testing::world_of;
         for (text, read) in [
             ("length(p) - 1 - band(3)", false),

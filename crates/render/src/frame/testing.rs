@@ -5,7 +5,7 @@ use mariana_field::world::World;
 /// The thesis' speakers.
 pub(crate) const SPEAKERS: &str = include_str!("../../../../tests/oracle/speakers.scene");
 
-/// The world of a text.
+/// Parses a world.
 pub(crate) fn world_of(text: &str) -> World {
     World::parse("test", text).unwrap()
 }
