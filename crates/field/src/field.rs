@@ -1,4 +1,4 @@
-//! The entrance to the crate: a field from a text, and everything that is known of it.
+//! A field compiled from text, with shortcuts to the rest of the crate: evaluation, bounds, tape, GLSL and region tree.
 
 use crate::graph::{FrameInputs, Interval};
 use crate::region::{RegionOptions, RegionPlan, Regions};
@@ -13,12 +13,11 @@ pub struct Field {
 }
 
 impl Field {
-    /// The field of a formula, or of a whole scene that includes no other scene. The field of a scene is the distance
-    /// to the nearest of its objects.
+    /// Compiles a formula, or a whole scene that includes no files. The field of a scene is the distance to its nearest
+    /// object.
     ///
     /// # Errors
-    /// Mistakes in the text, each with its place and a hint; or more expressions than the [`limits`](crate::limits)
-    /// allow.
+    /// Mistakes in the text, each with its location and a hint; or a text that exceeds the [`limits`](crate::limits).
     pub fn parse(text: &str) -> Result<Self, WorldError> {
         let world = World::parse("field", text)?;
         let scene = &world.scene;
@@ -27,14 +26,14 @@ impl Field {
         Ok(Self { world, tape })
     }
 
-    /// The values at the given points, for one moment of time and sound.
+    /// Returns the values at the given points, for one moment of time and sound.
     pub fn eval(&self, points: &[[f32; 3]], frame: &FrameInputs) -> Vec<f32> {
         let [x, y, z] = [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).collect::<Vec<_>>());
         let points = Points { position: [&x, &y, &z], normal: None };
         Batch::new(&self.tape, frame).run(points).pop().unwrap_or_default()
     }
 
-    /// Bounds of the values over a box: they hold every value in it.
+    /// Returns bounds that hold every value in a box.
     pub fn bounds(&self, low: [f32; 3], high: [f32; 3], frame: &FrameInputs) -> Interval {
         let position = std::array::from_fn(|axis| Interval::new(low[axis], high[axis]));
         let nothing = [Interval::point(0.0); 3];
@@ -42,12 +41,12 @@ impl Field {
         bounds.unwrap_or(Interval::ANY)
     }
 
-    /// The clauses that compute the field. They print as a table.
+    /// The clauses that compute the field. The tape prints as a table.
     pub fn tape(&self) -> &Tape {
         &self.tape
     }
 
-    /// The field's functions in GLSL, validated by naga.
+    /// Returns the field's functions in GLSL, validated by naga.
     ///
     /// # Errors
     /// A limit is exceeded, or the generator has a fault.
@@ -55,7 +54,8 @@ impl Field {
         self.world.compiled_glsl()
     }
 
-    /// The tree of cells over the surfaces of a frame, each with a bound of the distance and a shortened tape.
+    /// Builds the tree of cells over the surfaces of a frame. Each cell has a lower bound of the distance and a
+    /// shortened tape.
     pub fn tree(&self, frame: &FrameInputs) -> Regions {
         RegionPlan::new(&self.world).build(frame, &RegionOptions::default())
     }

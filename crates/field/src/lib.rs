@@ -1,12 +1,12 @@
-//! Signed distance functions as text, and everything that can be known of them without a window or a GPU.
+//! Compiles signed distance functions from text and analyzes them, without a window or a GPU.
 //!
 //! ```text
 //! text ─ lang ─► graph ─┬─► tape: clauses of four bytes, evaluated at points and over intervals
 //!                       └─► world: bounds, planes, programs, GLSL ─► region: a tree of bounds and short tapes
 //! ```
 //!
-//! [`Field`] is the short way in. A formula becomes a graph in which equal expressions are stored once, a tape of
-//! clauses, bounds over a box, GLSL, and a tree of cells:
+//! [`Field`] is the shortest way in. It turns a formula into a graph in which equal expressions are stored once, and
+//! from there into a tape of clauses, bounds over a box, GLSL, and a tree of cells:
 //!
 //! ```
 //! use mariana_field::Field;
@@ -18,23 +18,23 @@
 //! // The distance at points.
 //! assert_eq!(field.eval(&[[2.0, 0.0, 0.0], [0.0; 3]], &silence), [0.5, -1.0]);
 //!
-//! // Bounds over a box that hold every value in it: no surface is in there.
+//! // Bounds that hold every value in a box. Both are positive, so the box contains no surface.
 //! let bounds = field.bounds([5.0, 5.0, 5.0], [6.0, 6.0, 6.0], &silence);
 //! assert!(bounds.lo > 4.0 && bounds.hi < 10.0);
 //!
-//! // The clauses that compute it, and the same for a shader.
+//! // The clauses that compute the field, and the same as GLSL.
 //! assert!(field.tape().clauses().len() < 40);
 //! println!("{}", field.tape());
 //! assert!(field.glsl()?.contains("float"));
 //!
-//! // A tree of cells: between the two shapes, the tape of each cell knows one of them.
+//! // A tree of cells. A cell near one of the two shapes has a tape without the other.
 //! let tree = field.tree(&silence);
 //! let cell = tree.cell_at([0.0, 0.9, 0.0]).expect("the tree holds all surfaces");
 //! assert_eq!(cell.bound, 0.0, "a surface may be in this cell");
 //! # Ok::<(), mariana_field::world::WorldError>(())
 //! ```
 //!
-//! Mistakes are reported with their place and a hint:
+//! Mistakes are reported with their location and a hint:
 //!
 //! ```
 //! let mistake = mariana_field::Field::parse("spere(p, 1)").unwrap_err();

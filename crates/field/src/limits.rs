@@ -1,9 +1,9 @@
-//! Every ceiling of this crate, in one place.
+//! All limits of this crate.
 //!
-//! A limit is data: code that is bound by one reads it here, an error that reports one names the number that is given
-//! here, and a test reaches it.
+//! Code reads its limits from here, errors name the number that they exceed, and tests pass smaller limits to reach
+//! them.
 
-/// Ceilings on the text of a scene and on what is made of it.
+/// Upper limits on the text of a scene and on everything built from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Deepest nesting of shader includes.
@@ -12,23 +12,23 @@ pub struct Limits {
     pub graph_nodes_max: usize,
     /// Most clauses of a tape (four bytes each, and 40 while it is built).
     pub tape_clauses_max: usize,
-    /// Most outputs of a tape; each keeps a slot until the end.
+    /// Most outputs of a tape. Each keeps its slot until the end of the tape.
     pub tape_outputs_max: usize,
     /// Most memory slots that the values of one tape are spilled to.
     pub tape_memory_max: usize,
-    /// Most bytes of a scene's text, its includes counted.
+    /// Most bytes of a scene's text, including the files that it includes.
     pub scene_bytes_max: usize,
-    /// Most words and signs of a scene, its includes counted.
+    /// Most tokens of a scene, including the files that it includes.
     pub scene_tokens_max: usize,
     /// Deepest nesting of expressions in a scene's text.
     pub scene_nesting_max: usize,
-    /// Deepest nesting of expressions after functions have been expanded where they are called.
+    /// Deepest nesting of expressions after function calls have been expanded.
     pub scene_depth_max: usize,
-    /// Most operations to which functions and loops expand a scene, before equal operations are merged.
+    /// Most operations after functions and loops have been expanded, before equal operations are merged.
     pub scene_expansion_max: usize,
-    /// Most rounds of one loop.
+    /// Most iterations of one loop.
     pub scene_loop_max: usize,
-    /// Most mistakes that are reported at once.
+    /// Most mistakes reported at once.
     pub scene_diagnostics_max: usize,
     /// Most files that a scene includes, each counted once; [`Limits::include_depth_max`] limits their depth.
     pub scene_includes_max: usize,
@@ -42,14 +42,14 @@ pub struct Limits {
     pub scene_materials_max: usize,
     /// Most lights of a scene.
     pub scene_lights_max: usize,
-    /// Most cameras with names of a scene.
+    /// Most named cameras of a scene.
     pub scene_cameras_max: usize,
-    /// Most values that are computed once per frame instead of at every point; further ones are computed at every
-    /// point.
+    /// Most values that are computed once per frame instead of at every point. Values beyond this number are computed
+    /// at every point.
     pub hoisted_max: usize,
 }
 
-/// The limits that apply.
+/// The limits of the program.
 pub const LIMITS: Limits = Limits {
     include_depth_max: 16,
     graph_nodes_max: 1 << 21,

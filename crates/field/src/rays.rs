@@ -1,11 +1,12 @@
-//! The numbers with which the shaders trace rays and with which tests follow those rays on the CPU. They are defined
-//! here once, and shaders get them as defines, so that a test always judges the tracer that is shipped.
+//! Constants of ray tracing, shared by the shaders and by the tests that trace the same rays on the CPU.
+//!
+//! Shaders get them as defines, so that a test always checks the tracer that is shipped.
 
 macro_rules! rays {
     ($($(#[doc = $doc:literal])+ $name:ident: $kind:ty = $value:literal;)+) => {
         $($(#[doc = $doc])+ pub const $name: $kind = $value;)+
 
-        /// Each number as `NAME value` in GLSL.
+        /// The constants as `NAME value`, for defines in GLSL.
         pub fn defines() -> impl Iterator<Item = String> {
             [$(format!(concat!(stringify!($name), " {:?}"), $name)),+].into_iter()
         }
@@ -15,58 +16,60 @@ macro_rules! rays {
 rays! {
     /// Most evaluations along a ray through a distance field.
     STEPS_MAX: u32 = 128;
-    /// Share of a pixel's cone that counts as the surface.
+    /// A ray hits when the distance is below this fraction of the pixel cone's radius.
     HIT_FRACTION: f32 = 0.25;
-    /// How much that share grows with each step beyond [`STEPS_MANY`], so that a ray that creeps along a surface ends
-    /// there.
+    /// Growth of the hit fraction per step beyond [`STEPS_MANY`], so that a ray that creeps along a surface ends there.
     HIT_FRACTION_GROWTH: f32 = 0.03;
-    /// From this number of steps on, the share grows.
+    /// Number of steps from which the hit fraction grows.
     STEPS_MANY: u32 = 32;
-    /// How far rays go where a scene has no bounds.
+    /// Length of rays in a scene without bounds.
     FAR: f32 = 1000.0;
     /// Most evaluations along a ray through a formula that is not a distance field, grazing rays included.
     NON_LIPSCHITZ_STEPS_MAX: u32 = 512;
-    /// Evaluations after which such a ray takes steps long enough to reach its end with those that are left.
+    /// Evaluations after which such a ray takes steps that are long enough to reach its end with the remaining
+    /// evaluations.
     NON_LIPSCHITZ_STEPS_MANY: u32 = 64;
-    /// Pixels' cones count as at least as wide as at this distance from the eye: smaller steps would use up a ray
-    /// before it has left the lens.
+    /// Pixel cones are at least as wide as at this distance from the eye. Smaller steps would use up a ray before it
+    /// has left the lens.
     NON_LIPSCHITZ_NEAR: f32 = 0.1;
-    /// Rounds that close in on the place where the sign of such a formula changes.
+    /// Most rounds that narrow down the point where such a formula changes its sign.
     CLOSINGS_MAX: u32 = 6;
-    /// The smallest step through such a formula, as a share of the radius of the pixel's cone: nothing visible is
-    /// thinner. See [`non_lipschitz_step`].
+    /// The smallest step through such a formula, as a fraction of the pixel cone's radius: nothing visible is thinner.
+    /// Used by [`non_lipschitz_step`].
     NON_LIPSCHITZ_STEP_MIN: f32 = 0.5;
-    /// How much the smallest step grows with each step, so that a ray that grazes a surface ends.
+    /// Growth of the smallest step with each step, so that a ray that grazes a surface ends.
     NON_LIPSCHITZ_STEP_GROWTH: f32 = 0.04;
-    /// The place of a change of sign is known well enough within this share of the same radius.
+    /// Precision with which a change of sign is located, as a fraction of the pixel cone's radius.
     CLOSE_ENOUGH: f32 = 0.05;
     /// Cells of the tree's root along each axis.
     ROOT_SIDE: f32 = 16.0;
-    /// Texels that are read to find a cell: one in the root, one in a brick.
+    /// Texels read to find a cell: one in the root, one in a brick.
     REGION_LEVELS: u32 = 2;
-    /// The number that replaces that of the nearest object where a cell holds several.
+    /// The object number of a cell that holds several objects.
     SEVERAL: u32 = 255;
-    /// The most cells that a ray passes through without an evaluation.
+    /// Most cells that a ray passes through without an evaluation.
     SKIPS_MAX: u32 = 1024;
-    /// Each step of a ray is at least this long, and at least this share of the way so far.
+    /// The smallest step of a ray: this length plus this fraction of the distance travelled.
     PAST_FACE: f32 = 4e-7;
-    /// Rays look for their cell this much further on, in root cells, so that none gets stuck at a face.
+    /// Rays look up the cell this far ahead, in root cells, so that none gets stuck at a face.
     AHEAD: f32 = 1e-5;
-    /// And further by this share of the distance at which they began.
+    /// Added to [`AHEAD`], as a fraction of the largest coordinate of the ray's start.
     AHEAD_OF_FAR: f32 = 5e-7;
 }
 
-/// The share of a pixel's cone that counts as the surface at step `step`, from 0.
+/// Returns the fraction of the pixel cone's radius below which a distance counts as a hit, at step `step`, from 0.
 pub fn hit_fraction(step: u32) -> f32 {
     HIT_FRACTION + HIT_FRACTION_GROWTH * step.saturating_sub(STEPS_MANY) as f32
 }
 
-/// The step at `t` of a ray that ends at `end` and has taken `step` steps through a formula that is no distance field.
-/// `value` is the formula's there, which falls by at most `slope` for each unit of the way up to `leaves` from `t`, where
-/// the ray leaves its cell. `radius` is that of the pixel's cone, at [`NON_LIPSCHITZ_NEAR`] where `t` is less.
+/// Returns the step at `t` of a ray that ends at `end` and has taken `step` steps through a formula that is no distance
+/// field. `value` is the formula's value at `t`. It falls by at most `slope` per unit of length until the ray leaves
+/// its cell, `leaves` from `t`. `radius` is the radius of the pixel's cone at `t`, or at [`NON_LIPSCHITZ_NEAR`] if `t`
+/// is less.
 ///
-/// No step passes a surface, unless the smallest step is longer. From [`NON_LIPSCHITZ_STEPS_MANY`] steps on the smallest step
-/// grows with the distance so that the steps left reach the end: a ray never stops in the middle of nowhere.
+/// No step passes a surface, unless the smallest step is longer than the distance to it. From
+/// [`NON_LIPSCHITZ_STEPS_MANY`] steps on, the smallest step grows with the distance so that the remaining steps reach
+/// the end of the ray.
 pub fn non_lipschitz_step(
     step: u32,
     (value, slope): (f32, f32),
@@ -83,7 +86,7 @@ pub fn non_lipschitz_step(
     safe.min(leaves).max(least)
 }
 
-/// A little further on than `t`.
+/// Returns a point on the ray slightly beyond `t`.
 pub fn past(t: f32) -> f32 {
     t * (1.0 + PAST_FACE) + PAST_FACE
 }
@@ -91,7 +94,7 @@ pub fn past(t: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     #[test]
-    fn numbers_are_told_as_glsl_reads_them() {
+    fn defines_are_glsl_literals() {
         let all: Vec<String> = super::defines().collect();
         for define in ["STEPS_MAX 128", "FAR 1000.0", "PAST_FACE 4e-7", "SEVERAL 255"] {
             assert!(all.iter().any(|one| one == define), "{define} is not in {all:?}");

@@ -1,10 +1,10 @@
-//! Builders: how expressions get into the graph.
+//! Builders of expressions.
 //!
-//! The helpers compose operators and say which value they build; none of them is an operator of its own.
+//! The helpers combine operators. None of them is an operator itself.
 
 use super::{Graph, Input, Node, NodeId, Op};
 
-/// Largest magnitude of a constant whole exponent that [`Graph::pow`] writes as a product.
+/// Largest magnitude of a constant integer exponent that [`Graph::pow`] writes as a product.
 pub const PRODUCT_EXPONENT_MAX: f32 = 64.0;
 
 impl Graph {
@@ -15,7 +15,7 @@ impl Graph {
         self.intern(Node::Constant(value))
     }
 
-    /// A number from outside.
+    /// An input.
     #[inline]
     pub fn input(&mut self, input: Input) -> NodeId {
         self.intern(Node::Input(input))
@@ -33,13 +33,13 @@ impl Graph {
         if op.arity() == 2 { self.simplified_binary(op, a, b) } else { self.simplified_unary(op, a) }
     }
 
-    /// The node as it is given, without any simplification; for tests of the rules.
+    /// The node without any simplification, for tests of the rules.
     pub fn raw(&mut self, node: Node) -> NodeId {
         self.intern(node)
     }
 
-    /// One channel (0 red, 1 green, 2 blue, 3 alpha; higher ones are taken modulo 4) of a texture of the
-    /// scene at (u, v).
+    /// One channel of a texture of the scene at (u, v): 0 red, 1 green, 2 blue, 3 alpha; higher numbers are taken
+    /// modulo 4.
     pub fn texture(&mut self, texture: u16, channel: u8, u: NodeId, v: NodeId) -> NodeId {
         self.intern(Node::Texture { texture, channel: channel & 3, u, v })
     }
@@ -104,9 +104,11 @@ impl Graph {
         self.simplified_unary(Op::Square, a)
     }
 
-    /// a to the power of b. A constant whole exponent up to ±[`PRODUCT_EXPONENT_MAX`] means the product, for
-    /// any base (`x^2` is x * x; a negative one is 1 over the product, 0 where that is 0); any other exponent
-    /// means [`Op::Pow`], which is 0 for a negative base.
+    /// a to the power of b.
+    ///
+    /// A constant integer exponent up to ±[`PRODUCT_EXPONENT_MAX`] means a product, for any base: `x^2` is x * x. A
+    /// negative exponent means 1 over the product, or 0 if the product is 0. Any other exponent means [`Op::Pow`],
+    /// which is 0 for a negative base.
     pub fn pow(&mut self, a: NodeId, b: NodeId) -> NodeId {
         match self.as_constant(b) {
             Some(n) if n.fract() == 0.0 && n.abs() <= PRODUCT_EXPONENT_MAX => {
@@ -149,8 +151,8 @@ impl Graph {
         self.simplified_unary(Op::Not, c)
     }
 
-    /// a where c is not 0, else b: MASK(c, a) + MASK(NOT c, b). This is exact: the side that is not taken is masked
-    /// out to +0 whatever its value is, even a NaN.
+    /// a where c is not 0, else b: MASK(c, a) + MASK(NOT c, b). This is exact: MASK turns the other side into +0 for
+    /// any value, NaN included.
     pub fn select(&mut self, c: NodeId, a: NodeId, b: NodeId) -> NodeId {
         if a == b {
             return a;
@@ -190,8 +192,8 @@ impl Graph {
         self.mul(squared, rest)
     }
 
-    /// The sum of the products of the components, beginning with the first; 0 for empty slices. The longer slice is
-    /// cut.
+    /// The scalar product, summed from the first component; 0 for empty slices. Components without a partner are
+    /// ignored.
     pub fn dot(&mut self, a: &[NodeId], b: &[NodeId]) -> NodeId {
         let mut sum = None;
         for (&a, &b) in a.iter().zip(b) {

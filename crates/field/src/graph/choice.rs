@@ -1,14 +1,14 @@
-//! Which operand of a minimum or maximum decides.
+//! The choice of a minimum, maximum or mask between its operands over an interval. Pruning removes the other operand.
 
 use super::interval::Interval;
 use super::op::{Op, Properties};
 use super::rules;
 
-/// Which operand decides an operator all over an interval.
+/// The operand that is the value of an operator all over an interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum Choice {
-    /// Either operand may.
+    /// Unknown: either operand may be the value.
     #[default]
     Both,
     /// The value is operand a everywhere; for MASK: 0 everywhere.
@@ -18,13 +18,13 @@ pub enum Choice {
 }
 
 impl Op {
-    /// Whether [`Op::choice`] can return anything but [`Choice::Both`].
+    /// True if [`Op::choice`] can return anything but [`Choice::Both`].
     pub const fn chooses(self) -> bool {
         self.properties().has(Properties::CHOOSES)
     }
 
-    /// Which operand decides for every a and b in the given intervals. An operand that may be a NaN never loses a
-    /// comparison, so the choice holds for NaNs, too.
+    /// Returns the operand that is the value for every a and b in the given intervals. An operand that may be a NaN
+    /// never loses a comparison, so the choice also holds for NaNs.
     #[inline]
     pub fn choice(self, a: Interval, b: Interval) -> Choice {
         let (left, right) = match self {

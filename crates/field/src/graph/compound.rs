@@ -1,14 +1,14 @@
 //! Compounds: several operators as one clause of the interpreter.
 //!
-//! An interpreter pays for each clause. A clause has two registers and a number, but most operators use two of these
-//! three; a compound uses all of them for several operators where nothing else reads the values between.
+//! The interpreter's time grows with the number of clauses. A clause has two registers and a number, but most operators
+//! use only two of these three. A compound uses all three for several operators whose intermediate values nothing else
+//! reads.
 //!
-//! **Defined by their parts.** A compound has no meaning of its own: its value, and the GLSL of it, are those of its
-//! parts, each rounded as if it stood alone. Bounds and slopes are never asked of one, because compounds are made when
-//! a tape is written for the interpreter, behind everything that reasons about the distance: what pruning decided is
-//! gone by then, so a compound may hold minima and hides no choice.
+//! **Defined by their parts.** The value and the GLSL of a compound follow from its parts, each rounded separately.
+//! Compounds have no rules for bounds and slopes: they are made when a tape is written for the interpreter, after
+//! pruning and all other analysis. A compound may therefore contain minima without hiding a choice from pruning.
 //!
-//! **Numbers.** 96..128, behind the two-operand operators: two registers and the clause's immediate.
+//! **Numbers.** 96..128, after the two-operand operators: two registers and the clause's immediate.
 
 use std::fmt::Write as _;
 
@@ -22,7 +22,7 @@ pub(crate) const PARTS_MAX: usize = 6;
 /// The first number of a compound.
 pub const FIRST_COMPOUND: u8 = 96;
 
-/// What a part reads.
+/// An operand of a part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Reads {
     /// The first register.
@@ -33,13 +33,13 @@ enum Reads {
     C,
     /// A quarter over the clause's number.
     QuarterOverC,
-    /// A number that is always the same.
+    /// A constant of the compound itself.
     Always(f32),
     /// The value of an earlier part.
     Part(usize),
 }
 
-/// One of the operators that a compound consists of. One-operand operators read `a` alone.
+/// One of a compound's operators. One-operand operators read only `a`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Part {
     op: Op,
@@ -57,8 +57,8 @@ const fn one(op: Op, a: Reads) -> Part {
 
 macro_rules! compounds {
     ($( $(#[doc = $doc:literal])+ $id:ident = $number:literal $name:literal [$($part:expr),+]; )+) => {
-        /// Several operators on two registers a and b and a number c; the module's documentation says what holds for
-        /// all of them.
+        /// Several operators on two registers a and b and a number c. The module's documentation states their common
+        /// properties.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
         pub enum Compound { $( $(#[doc = $doc])+ $id = $number, )+ }
@@ -79,7 +79,7 @@ macro_rules! compounds {
 
             const fn parts(self) -> &'static [Part] {
                 use Reads::{A, Always, B, C, Part as Earlier, QuarterOverC};
-                // Not every row reads all of these.
+                // Keeps the imports used, even if no row reads one of them.
                 const _: [Reads; 6] = [A, B, C, QuarterOverC, Always(0.0), Earlier(0)];
                 match self { $( Compound::$id => const { &[$($part),+] }, )+ }
             }
@@ -142,7 +142,7 @@ impl Compound {
         self as u8
     }
 
-    /// How many operators it stands for.
+    /// The number of operators that it replaces.
     pub const fn operators(self) -> usize {
         self.parts().len()
     }
@@ -151,7 +151,7 @@ impl Compound {
         1 << (self.number() - FIRST_COMPOUND)
     }
 
-    /// The value for two registers and a number: bit for bit what its operators give one after another.
+    /// The value for two registers and a number, with the same bits as the separate operators give.
     pub fn value(self, a: f32, b: f32, c: f32, frame: &FrameInputs) -> f32 {
         let mut values = [0.0; PARTS_MAX];
         let mut last = 0.0;
@@ -172,7 +172,7 @@ impl Compound {
         last
     }
 
-    /// Its operators as nodes of a graph; gives the last one.
+    /// Adds the operators to a graph and returns the last node.
     pub fn nodes(self, graph: &mut Graph, a: NodeId, b: NodeId, c: f32) -> NodeId {
         let mut nodes: Vec<NodeId> = Vec::with_capacity(PARTS_MAX);
         for part in self.parts() {
@@ -191,8 +191,8 @@ impl Compound {
         nodes.last().copied().unwrap_or_default()
     }
 
-    /// Writes GLSL: declarations of the values between, which are put before the statement that reads them, and the
-    /// expression of the compound. The operands are called `a`, `b` and `c`.
+    /// Writes GLSL: the declarations of the intermediate values, which precede the statement that reads them, and the
+    /// compound's expression. The operands are called `a`, `b` and `c`.
     pub(crate) fn glsl(
         self,
         fill: impl Fn(&mut String, &str, &str, &str),
@@ -227,7 +227,7 @@ pub struct Compounds(u32);
 impl Compounds {
     /// No compound.
     pub const NONE: Self = Self(0);
-    /// All of them.
+    /// All compounds.
     pub const ALL: Self = {
         let (mut all, mut place) = (0, 0);
         while place < Compound::ALL.len() {
@@ -237,7 +237,7 @@ impl Compounds {
         Self(all)
     };
 
-    /// Whether every one of the other set is in this one.
+    /// True if this set contains `other`.
     pub const fn covers(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
@@ -252,12 +252,12 @@ impl Compounds {
         self.0 |= compound.bit();
     }
 
-    /// Those that save at least one clause in forty. The others would cost more than they save: a renderer that never
-    /// skips a branch computes every operator of a variant for every clause. `count` finds, with these compounds, how
-    /// often each is used, by its place in [`Compound::ALL`], and of how many operators.
+    /// The compounds that save at least one clause in forty. Other compounds would cost more than they save: a renderer
+    /// that does not skip branches computes every operator of a variant for every clause. `count` returns how often
+    /// each compound of a set is used, and the number of operators.
     pub(crate) fn that_pay(count: impl Fn(Self) -> Uses) -> Self {
         let mut kept = Self::ALL;
-        // What one compound loses another may gain.
+        // A second round, because the uses of a removed compound may go to another one.
         for _ in 0..2 {
             let uses = count(kept);
             let mut paying = Self::NONE;
@@ -273,14 +273,14 @@ impl Compounds {
     }
 }
 
-/// Of this many clauses a compound must save one.
+/// A compound must save one clause of this many.
 const CLAUSES_PER_SAVED: usize = 40;
 
-/// How often compounds are used.
+/// The number of uses of each compound.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Uses {
     counts: [usize; 32],
-    /// Operators in all.
+    /// All operators.
     pub(crate) operators: usize,
 }
 
@@ -303,7 +303,7 @@ impl Uses {
 pub(crate) enum Arg {
     /// The value with this number.
     Value(u32),
-    /// A number that is the same wherever the tape runs.
+    /// A number that is constant on the tape.
     Number(f32),
 }
 
@@ -317,9 +317,9 @@ pub(crate) struct Operation {
 
 /// The values of a tape.
 pub(crate) trait Values {
-    /// The operation that gives a value; `None` for inputs and what else is no operator.
+    /// The operation that computes a value; `None` for inputs and everything else that is no operator.
     fn operation(&self, value: u32) -> Option<Operation>;
-    /// Whether a value is read exactly once.
+    /// True if a value is read exactly once.
     fn is_own(&self, value: u32) -> bool;
 }
 
@@ -327,7 +327,7 @@ pub(crate) trait Values {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Found {
     pub(crate) compound: Compound,
-    /// The values in its registers; both are the same if it reads one.
+    /// The values in its registers, which are equal if it reads only one.
     pub(crate) registers: [u32; 2],
     pub(crate) number: f32,
     absorbed: [u32; PARTS_MAX],
@@ -335,13 +335,13 @@ pub(crate) struct Found {
 }
 
 impl Found {
-    /// The values between, which nothing else reads.
+    /// The intermediate values, which nothing else reads.
     pub(crate) fn absorbed(&self) -> &[u32] {
         self.absorbed.get(..self.absorbed_count).unwrap_or(&[])
     }
 }
 
-/// What the operands of a compound are while it is compared with a tape.
+/// The operands found so far while a compound is compared with a tape.
 #[derive(Debug, Clone, Copy, Default)]
 struct Bound {
     a: Option<u32>,
@@ -352,7 +352,7 @@ struct Bound {
     absorbed_count: usize,
 }
 
-/// By operator number: the compounds whose last part it may be.
+/// The compounds that may end with an operator, by operator number.
 const ROOTED: [u32; 128] = {
     let mut rooted = [0; 128];
     let mut place = 0;
@@ -364,7 +364,8 @@ const ROOTED: [u32; 128] = {
     rooted
 };
 
-/// By operator number: the compounds of which it may be an operand of the last part. Every one has such an operand.
+/// The compounds in which an operator may be an operand of the last part, by operator number. Every compound has such
+/// an operand.
 const BEFORE_LAST: [u32; 128] = {
     let mut before = [0; 128];
     let mut place = 0;
@@ -382,10 +383,10 @@ const BEFORE_LAST: [u32; 128] = {
     before
 };
 
-/// Notes a compound of which an operator is a part.
+/// Adds a compound to the entry of an operator.
 const fn note(table: &mut [u32; 128], op: Op, compound: Compound) {
     table[op.number() as usize] |= compound.bit();
-    // A sum of a negative number or product stands as a difference, and the other way round.
+    // A sum with a negative number or product is stored as a difference, and the other way round.
     if matches!(op, Op::Add | Op::Sub) {
         table[Op::Add.number() as usize] |= compound.bit();
         table[Op::Sub.number() as usize] |= compound.bit();
@@ -441,8 +442,8 @@ fn find_among(mut candidates: u32, values: &impl Values, last: Operation) -> Opt
     best
 }
 
-/// Compares a part with an operation: what its operands must be, added to what is known of them. A `negated` part
-/// stands for the operation with the opposite number.
+/// Compares a part with an operation, and adds what it requires of the operands to `bound`. With `negated`, the part
+/// must equal the operation with the opposite number.
 fn fit(
     values: &impl Values,
     parts: &[Part],
@@ -569,7 +570,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_read_twice_and_other_numbers_stay() {
+    fn shared_values_and_other_numbers_are_not_merged() {
         let mut graph = Graph::new();
         let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
         let number = graph.constant(0.75);
@@ -584,7 +585,7 @@ mod tests {
     }
 
     #[test]
-    fn a_compound_pays_from_one_clause_in_forty_on() {
+    fn a_compound_must_save_one_clause_in_forty() {
         let count = |operators: usize| {
             Compounds::that_pay(|compounds| {
                 let mut uses = Uses::default();

@@ -6,11 +6,10 @@ use super::node::{Node, NodeId};
 use super::{Graph, GraphError};
 
 impl Graph {
-    /// The nodes that a root needs, as a `digraph` in the language of Graphviz: a box per node, edges from operands
-    /// to users.
+    /// Returns the nodes that a root needs as a Graphviz `digraph`: a box per node, edges from operands to users.
     ///
     /// # Errors
-    /// Those of [`Graph::check`].
+    /// [`GraphError::TooManyNodes`] if the graph has reached its limit.
     pub fn to_dot(&self, root: NodeId) -> Result<String, GraphError> {
         let mut text = String::from("digraph expression {\n  node [shape=box];\n");
         for id in self.order(&[root])?.nodes {

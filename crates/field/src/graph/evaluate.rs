@@ -1,11 +1,11 @@
-//! The graph's own evaluator: a plain one, with which the others are compared.
+//! A simple evaluator of graphs. Tests compare the fast evaluators with it.
 
 use super::frame_inputs::FrameInputs;
 use super::node::{Input, Node, NodeId};
 use super::order::Order;
 use super::{Graph, GraphError};
 
-/// Where an expression is evaluated.
+/// The point at which an expression is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Point {
     /// Position in world space.
@@ -28,10 +28,10 @@ impl Point {
 }
 
 impl Graph {
-    /// The values of the roots at a point.
+    /// Returns the values of the roots at a point.
     ///
     /// # Errors
-    /// Those of [`Graph::check`].
+    /// [`GraphError::TooManyNodes`] if the graph has reached its limit.
     pub fn evaluate(
         &self,
         roots: &[NodeId],
@@ -41,7 +41,7 @@ impl Graph {
         Ok(self.evaluate_in(&self.order(roots)?, roots, point, frame))
     }
 
-    /// The same in an order that [`Graph::order`] gave for this graph and these roots.
+    /// Like [`Graph::evaluate`], in an order that [`Graph::order`] returned for this graph and these roots.
     pub fn evaluate_in(
         &self,
         order: &Order,

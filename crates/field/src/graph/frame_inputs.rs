@@ -1,4 +1,4 @@
-//! The data that a frame gives to every point: the sound's features, the scene's parameters and the tables.
+//! The inputs that are the same at every point of a frame: time, sound, the scene's parameters, tables and textures.
 
 use std::sync::Arc;
 
@@ -7,13 +7,13 @@ use super::node::Input;
 use super::table::{TableData, unit};
 use super::{BAND_COUNT, SoundInputs};
 
-/// Reads the scene's textures on the CPU.
+/// Reads a scene's textures on the CPU.
 pub trait TextureReader: std::fmt::Debug + Send + Sync {
-    /// The channel (0 red .. 3 alpha) of a texture at (u, v), in 0..1.
+    /// Returns a channel (0 red .. 3 alpha) of a texture at (u, v), in 0..1.
     fn read(&self, texture: u16, channel: u8, u: f32, v: f32) -> f32;
 }
 
-/// The frame that constant folding passes to operators, none of which reads it.
+/// The frame that constant folding passes to operators. None of the folded operators reads it.
 pub(super) static SILENT: FrameInputs = FrameInputs {
     time: 0.0,
     sound: SoundInputs::SILENCE,
@@ -33,7 +33,7 @@ pub(super) static SILENT: FrameInputs = FrameInputs {
 pub struct FrameInputs {
     /// Time in seconds.
     pub time: f32,
-    /// The numbers of the sound.
+    /// The sound's numbers.
     pub sound: SoundInputs,
     /// The frequency bands, low to high.
     pub bands: [f32; BAND_COUNT],
@@ -43,24 +43,24 @@ pub struct FrameInputs {
     pub params: Vec<f32>,
     /// The values that were computed once for this frame, by number; missing ones are 0.
     pub hoisted: Vec<f32>,
-    /// The spectrum, low to high.
+    /// The spectrum, from low to high frequencies.
     pub spectrum: TableData,
-    /// The waveform, old to new.
+    /// The waveform, from old to new samples.
     pub waveform: TableData,
-    /// The history of the spectrum: a row per age, the newest first.
+    /// The history of the spectrum, one row per age, the newest first.
     pub history: TableData,
-    /// The scene's textures; without a reader every texture is 0.
+    /// The scene's textures. Without a reader, every texture is 0.
     pub textures: Option<Arc<dyn TextureReader>>,
-    /// The ranges of the parameters; set only where nothing else is known of them ([`FrameInputs::any`]).
+    /// The ranges of the parameters; set only by [`FrameInputs::any`].
     pub ranges: Option<Arc<[Interval]>>,
 }
 
-/// Longest time in seconds for which the bounds for every frame hold: a day.
+/// Largest time, in seconds, for which bounds for every frame hold: a day.
 const TIME_MAX: f32 = 86_400.0;
 
 impl FrameInputs {
-    /// The inputs of all frames at once: any sound, any time, parameters within their ranges. Bounds over them hold
-    /// for every frame; values computed with them are those of silence.
+    /// Returns the inputs of all frames at once: any sound, any time, parameters within their ranges. Bounds computed
+    /// with them hold for every frame; a value computed with them is the value in silence.
     pub fn any(params: impl IntoIterator<Item = (f32, f32)>) -> Self {
         Self {
             spectrum: TableData::within(0.0, 1.0),
@@ -71,7 +71,7 @@ impl FrameInputs {
         }
     }
 
-    /// Bounds of an input: a single value, unless these are the inputs of every frame ([`FrameInputs::any`]).
+    /// Returns bounds of an input: a single value, unless these are the inputs of all frames ([`FrameInputs::any`]).
     pub fn bounds(&self, input: Input) -> Interval {
         let Some(params) = &self.ranges else { return Interval::point(self.value(input)) };
         match input {
@@ -87,7 +87,7 @@ impl FrameInputs {
         }
     }
 
-    /// The value of an input that is the same all over the frame; 0 for the inputs of a point.
+    /// Returns the value of an input that is the same all over the frame; 0 for inputs of a point.
     pub fn value(&self, input: Input) -> f32 {
         match input {
             Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => 0.0,
@@ -102,7 +102,7 @@ impl FrameInputs {
         }
     }
 
-    /// The band with the number floor(index), clamped to the existing bands; band 0 for a NaN.
+    /// Returns the band with the number floor(index), clamped to the existing bands; band 0 for a NaN.
     pub fn band(&self, index: f32) -> f32 {
         self.bands[Self::band_number(index)]
     }

@@ -1,26 +1,27 @@
-//! Fewer clauses: a pair of operators becomes one operator where nothing else reads the value between them.
+//! Fused operators: a pair of operators becomes one operator if nothing else reads the value between them.
 //!
-//! **Fused operators.** Most of a distance consists of lengths, boxes and balls, in which squares, sums, differences
-//! and roots follow each other. An interpreter pays for each clause, so a distance with a third fewer clauses takes a
-//! third less time; only the interpreter gets fused operators. Compounds (`compound.rs`) put more of them together when
-//! a tape is written, behind pruning. Fusing is bit-exact: the result is rounded as the two
-//! operators rounded it. Cells use the whole tape far from surfaces, where no ray asks for a distance, and where no
-//! room is left.
+//! Most distances consist of lengths, boxes and balls, in which squares, sums, differences and roots follow each other.
+//! The time of an interpreter grows with the number of clauses, so a distance with a third fewer clauses takes a third
+//! less time. Only the interpreter gets fused operators. Later, when a tape is written, compounds (`compound.rs`)
+//! combine more operators, after pruning.
+//!
+//! Fusing is bit-exact: the result is rounded as the two operators rounded it. Cells use the whole tape far from
+//! surfaces, where no ray asks for a distance, and where no room is left for a shortened one.
 
 use super::node::{Node, NodeId};
 use super::op::Op;
 use super::{Graph, GraphError};
 
 impl Graph {
-    /// The nodes that the roots need, as a new graph with pairs of operators fused. The roots become nodes of that
-    /// graph.
+    /// Returns the nodes that the roots need as a new graph with fused pairs of operators. The roots become nodes of
+    /// the new graph.
     ///
     /// # Errors
-    /// Those of [`Graph::check`]; the roots are then unchanged.
+    /// [`GraphError::TooManyNodes`] if a graph has reached its limit; the roots are then unchanged.
     pub fn fused(&self, roots: &mut [NodeId]) -> Result<Graph, GraphError> {
         let order = self.order(roots)?.nodes;
         let fusing = Fusing::new(self, &order, roots);
-        // From the roots down: which nodes are still read, and as which operator.
+        // From the roots down, find which nodes are still read, and as which operator.
         let mut tiles: Vec<Option<Node>> = vec![None; self.len()];
         let mut read = vec![false; self.len()];
         for root in roots.iter() {
@@ -64,10 +65,10 @@ impl Graph {
     }
 }
 
-/// A graph whose operators are fused, and who reads its nodes.
+/// A graph with the number of readers of its nodes.
 struct Fusing<'a> {
     graph: &'a Graph,
-    /// How often each node is read: 0, 1, or 2 for more often and for roots.
+    /// The number of readers of each node: 0, 1, or 2 for several and for roots.
     readers: Vec<u8>,
 }
 
@@ -86,15 +87,15 @@ impl<'a> Fusing<'a> {
         Self { graph, readers }
     }
 
-    /// The largest operator that has this node as its result.
+    /// Returns the largest operator whose result is this node.
     fn tile(&self, id: NodeId) -> Node {
-        // A node that only this one reads.
+        // A node that only `id` reads.
         let own = |id: NodeId| (self.readers[id.index()] == 1).then(|| self.graph.node(id));
         let own_square = |id: NodeId| match own(id) {
             Some(Node::Unary(Op::Square, a)) => Some(a),
             _ => None,
         };
-        // The operands a and 0 of a max(a, 0) that only this node reads.
+        // The operands a and 0 of a max(a, 0) that only `id` reads.
         let own_outside = |id: NodeId| match own(id) {
             Some(Node::Binary(Op::Max, a, b)) if self.graph.as_constant(b) == Some(0.0) => Some((a, b)),
             Some(Node::Binary(Op::Max, a, b)) if self.graph.as_constant(a) == Some(0.0) => Some((b, a)),
@@ -142,7 +143,6 @@ fn is_input_of_point(node: Node) -> bool {
     matches!(node, Node::Input(input) if input.of_point().is_some())
 }
 
-/// The operands of a node.
 fn operands(node: Node) -> impl Iterator<Item = NodeId> {
     let (a, b) = match node {
         Node::Constant(_) | Node::Input(_) => (None, None),
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_read_twice_stays() {
+    fn shared_values_are_not_fused() {
         let mut g = Graph::new();
         let x = g.input(Input::X);
         let one = g.constant(1.0);

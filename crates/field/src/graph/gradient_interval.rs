@@ -1,17 +1,17 @@
-//! Bounds of a value and of its gradient over a box, by forward accumulation (Moore, Kearfott and Cloud 2009, section 6.4;
-//! Griewank and Walther 2008, chapter 3).
+//! Bounds of a value and of its gradient over a box, by forward accumulation (Moore, Kearfott and Cloud 2009, section
+//! 6.4; Griewank and Walther 2008, chapter 3).
 
 use super::frame_inputs::FrameInputs;
 use super::interval::Interval;
 use super::op::Op;
 use super::rules;
 
-/// Bounds of a value and of its derivatives by x, y and z over a whole box; at a kink they hold the slopes of both
-/// sides. Jumps have no slope (see `slope_rules.rs`).
+/// Bounds of a value and of its derivatives by x, y and z over a box. At a kink they hold the slopes of both sides.
+/// Jumps have no slope (see `slope_rules.rs`).
 ///
-/// **Lengths.** The slope of a square root is unbounded at 0, but that of a length is not. With s = Σ aᵢ² and r = √s,
-/// ∂r/∂x = Σ (aᵢ/r) ∂aᵢ/∂x. Since Σ (aᵢ/r)² = 1, Cauchy and Schwarz give |∂r/∂x| ≤ √(Σ (∂aᵢ/∂x)²). A sum of squares
-/// therefore carries Σ (∂aᵢ/∂x)² along until its root is taken.
+/// **Lengths.** The slope of a square root is unbounded at 0, but the slope of a length is not. With s = Σ aᵢ² and r =
+/// √s, ∂r/∂x = Σ (aᵢ/r) ∂aᵢ/∂x. Since Σ (aᵢ/r)² = 1, the Cauchy-Schwarz inequality gives |∂r/∂x| ≤ √(Σ (∂aᵢ/∂x)²). A
+/// sum of squares therefore carries Σ (∂aᵢ/∂x)² along until its root is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GradientInterval {
     /// The value.
@@ -19,12 +19,12 @@ pub struct GradientInterval {
     /// The gradient.
     pub gradient: [Interval; 3],
     /// For each axis an upper bound of the sum of the squared derivatives of the squared terms, if the value is known
-    /// to be a sum of squares (a constant that is not negative counts as one); infinite otherwise.
+    /// to be a sum of squares (a non-negative constant counts as one); infinite otherwise.
     squares: [f32; 3],
 }
 
 const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
-/// Exceeds all rounding errors of a sum of squares, of its root and of both slopes.
+/// Exceeds all rounding errors of a sum of squares, its root and both slopes.
 const LENGTH_ERROR: f32 = 1.0 + 1e-4;
 
 impl GradientInterval {
@@ -53,8 +53,7 @@ impl GradientInterval {
             Op::Sqrt => {
                 for (change, square) in gradient.iter_mut().zip(a.squares) {
                     let most = (square * LENGTH_ERROR).sqrt();
-                    // Where the root's slope is unbounded and its operand's slope is a NaN, nothing is known of the
-                    // change.
+                    // If the root's slope is unbounded and its operand's slope is a NaN, the change is unknown.
                     if most.is_finite() {
                         let (lo, hi) = (change.lo.max(-most), change.hi.min(most));
                         *change = Interval { lo: lo.min(most), hi: hi.max(-most) };
@@ -83,7 +82,8 @@ impl GradientInterval {
         Self { value, gradient: [0, 1, 2].map(each), squares }
     }
 
-    /// A two-operand operator, which is taken apart if it was fused: a sum of squares is known by its parts alone.
+    /// A two-operand operator. A fused one is split into its parts, because sums of squares are recognized only from
+    /// the separate operators.
     pub fn in_parts(op: Op, a: &Self, b: &Self, frame: &FrameInputs) -> Self {
         let one = |op: Op, a: &Self| Self::unary(op, a, frame);
         let two = |op: Op, a: &Self, b: &Self| Self::binary(op, a, b, frame);
@@ -102,8 +102,8 @@ impl GradientInterval {
         }
     }
 
-    /// A minimum, maximum or mask has the slopes of the operand it takes; where it may take either, the bounds hold
-    /// those of both. (The chain rule alone would allow any weighted sum of both.)
+    /// A minimum, maximum or mask has the slopes of the operand that it chooses. If it may choose either, the bounds
+    /// hold the slopes of both. (The chain rule alone would allow any weighted sum of both.)
     fn chosen(operands: [(&Self, Interval); 2], value: Interval) -> Self {
         let may_be = operands.iter().filter(|(_, fraction)| fraction.hi > 0.0).map(|(operand, _)| **operand);
         let surely = operands.iter().any(|(_, fraction)| fraction.lo > 0.0)
@@ -113,8 +113,8 @@ impl GradientInterval {
         Self { value, ..chosen }
     }
 
-    /// Where a one-operand operator jumps inside a box, if it does so on one plane across one axis: the axis and the
-    /// coordinate.
+    /// Returns the axis and the coordinate at which a one-operand operator jumps inside a box, if it jumps on a single
+    /// plane across one axis.
     pub fn jump(op: Op, a: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
         let offset = match op {
             Op::Floor | Op::Ceil | Op::Trunc | Op::Fract => 0.0,
@@ -125,7 +125,7 @@ impl GradientInterval {
         a.place_of(place, sides)
     }
 
-    /// The same for a two-operand operator.
+    /// Like [`GradientInterval::jump`], for a two-operand operator.
     pub fn jump_of_two(op: Op, a: &Self, b: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
         if !matches!(op, Op::Less | Op::LessEqual | Op::Step) {
             return None;
@@ -134,8 +134,8 @@ impl GradientInterval {
         Self { value: rules::sub(a.value, b.value), gradient, ..*a }.place_of(0.0, sides)
     }
 
-    /// The place inside the box where the value is `wanted`, if it changes evenly along one axis alone and stays
-    /// below `wanted` + 1, so that no further jump lies in the box.
+    /// Returns the axis and the coordinate inside the box at which the value is `wanted`, if the value changes linearly
+    /// along only one axis and stays below `wanted` + 1, so that the box contains no further jump.
     fn place_of(&self, wanted: f32, sides: [Interval; 3]) -> Option<(usize, f32)> {
         let inside = self.value.lo < wanted && wanted < self.value.hi && self.value.hi < wanted + 1.0;
         let mut along = (0..3).filter(|axis| !rules::is_zero(self.gradient[*axis]));
@@ -149,7 +149,7 @@ impl GradientInterval {
         (sides[axis].lo < place && place < sides[axis].hi).then_some((axis, place))
     }
 
-    /// The bounds that hold both.
+    /// The smallest bounds that hold both.
     pub fn hull(&self, other: &Self) -> Self {
         Self {
             value: self.value.hull(other.value),
@@ -159,22 +159,22 @@ impl GradientInterval {
     }
 }
 
-/// A box, cut where parts of a formula jump. In each piece the slopes are those of one side of the jump, so they are
-/// bounded far more closely than over the whole box. Noise is the reason: it is smooth, but its parts jump at its
-/// cells.
+/// A box that is cut where parts of a formula jump. In each piece the slopes belong to one side of the jump, so their
+/// bounds are much tighter than over the whole box. This is for noise: it is smooth, but its parts jump at its cells.
 #[derive(Debug, Clone, Default)]
 pub struct Pieces {
     cuts: Vec<(usize, f32)>,
     boxes: Vec<[Interval; 3]>,
 }
 
-/// Most pieces of a box; cuts that would make more are left out.
+/// Most pieces of a box. Cuts beyond this number are ignored.
 const PIECES_MAX: usize = 32;
-/// This share of the coordinate is left out on both sides of a jump, so that rounding cannot reach across it.
+/// The gap left on both sides of a jump, as a fraction of the coordinate, so that rounding cannot reach across the
+/// jump.
 const JUMP_WIDTH: f32 = 2e-6;
 
 impl Pieces {
-    /// Forgets all jumps.
+    /// Removes all jumps.
     pub fn clear(&mut self) {
         self.cuts.clear();
     }
@@ -187,7 +187,7 @@ impl Pieces {
         }
     }
 
-    /// The pieces into which the jumps found cut the box; empty if there were no jumps.
+    /// Returns the pieces into which the jumps cut the box; empty if there are no jumps.
     pub fn of(&mut self, sides: [Interval; 3]) -> &[[Interval; 3]] {
         self.boxes.clear();
         if self.cuts.is_empty() {
@@ -210,13 +210,13 @@ impl Pieces {
     }
 }
 
-/// Whether a sum of squares may be multiplied by this.
+/// True if a sum of squares stays one when multiplied by this.
 fn is_factor(a: &GradientInterval) -> bool {
     a.gradient == [ZERO; 3] && a.value.lo >= 0.0 && a.value.hi < f32::INFINITY
 }
 
-/// The chain rule. A constant operand contributes nothing, however steep the function is; and where the function is
-/// flat, no change of the operand matters.
+/// The chain rule. A constant operand contributes nothing, even if the function's slope is infinite. Where the function
+/// is flat, no change of the operand matters.
 #[inline(always)]
 fn along(slope: Interval, change: Interval) -> Interval {
     if rules::is_zero(slope) || rules::is_zero(change) {

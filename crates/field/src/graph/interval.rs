@@ -1,9 +1,9 @@
 //! Intervals of f32.
 
-/// Either all f32 from `lo` to `hi`, infinities included but no NaN, or [`Interval::ANY`].
+/// All f32 from `lo` to `hi`, infinities included but no NaN; or [`Interval::ANY`].
 ///
-/// An interval bounds the values that the CPU computes, with their rounding to nearest: the endpoints of plain
-/// arithmetic are rounded as the values are, and those of library functions are widened by [`LIBRARY_ERROR`].
+/// An interval bounds the values that the CPU computes with rounding to nearest. The ends of plain arithmetic are
+/// rounded as the values are. The ends of library functions are widened by [`LIBRARY_ERROR`].
 #[derive(Debug, Clone, Copy)]
 pub struct Interval {
     /// Lower end.
@@ -20,10 +20,10 @@ impl Interval {
     pub const ANY: Self = Self { lo: f32::NAN, hi: f32::NAN };
     /// Any value but a NaN.
     pub const ALL: Self = Self { lo: f32::NEG_INFINITY, hi: f32::INFINITY };
-    /// 0 and 1 and what lies between.
+    /// From 0 to 1.
     pub const UNIT: Self = Self { lo: 0.0, hi: 1.0 };
 
-    /// From `lo` to `hi`; [`Interval::ANY`] if these are not the ends of an interval.
+    /// From `lo` to `hi`; [`Interval::ANY`] unless `lo <= hi`.
     #[inline(always)]
     pub fn new(lo: f32, hi: f32) -> Self {
         if lo <= hi { Self { lo, hi } } else { Self::ANY }
@@ -35,25 +35,25 @@ impl Interval {
         Self { lo: value, hi: value }
     }
 
-    /// Whether this is [`Interval::ANY`].
+    /// True if this is [`Interval::ANY`].
     #[inline(always)]
     pub fn is_any(self) -> bool {
         self.lo.is_nan()
     }
 
-    /// Whether a value may be one that this interval bounds.
+    /// True if the interval holds a value.
     #[inline(always)]
     pub fn contains(self, value: f32) -> bool {
         self.is_any() || (self.lo <= value && value <= self.hi)
     }
 
-    /// Whether an end is infinite.
+    /// True if an end is infinite, or for [`Interval::ANY`].
     #[inline(always)]
     pub fn is_unbounded(self) -> bool {
         !(self.lo > f32::NEG_INFINITY && self.hi < f32::INFINITY)
     }
 
-    /// Whether 0 is in it.
+    /// True if the interval holds 0.
     #[inline(always)]
     pub fn has_zero(self) -> bool {
         self.contains(0.0)
@@ -68,13 +68,13 @@ impl Interval {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
-    /// The bounds of a function that never decreases and is rounded correctly.
+    /// The bounds of a non-decreasing function that is rounded correctly.
     #[inline(always)]
     pub fn map_rising(self, f: impl Fn(f32) -> f32) -> Self {
         Self { lo: f(self.lo), hi: f(self.hi) }
     }
 
-    /// Wider by [`LIBRARY_ERROR`] on both sides.
+    /// Widened by [`LIBRARY_ERROR`] on both sides.
     #[inline(always)]
     pub(super) fn widened(self) -> Self {
         if self.is_any() {
@@ -87,7 +87,7 @@ impl Interval {
         Self::new(below, above)
     }
 
-    /// Cut to the range of a function.
+    /// Clamped to the range of a function.
     #[inline(always)]
     pub(super) fn clamped(self, low: f32, high: f32) -> Self {
         if self.is_any() { self } else { Self { lo: self.lo.clamp(low, high), hi: self.hi.clamp(low, high) } }

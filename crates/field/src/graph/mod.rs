@@ -1,12 +1,11 @@
 //! The expression graph: scalar nodes, each distinct one stored once.
 //!
-//! A [`Graph`] is an arena in which operands stand before the nodes that use them. Building a node that exists
-//! already returns the existing one (hash-consing), so that a common subexpression is computed once. While nodes are
-//! built, constants are folded, and algebra that is exact in floating point is applied; `simplify.rs` states every
-//! rule.
+//! A [`Graph`] is an arena in which operands precede the nodes that use them. Building a node that already exists
+//! returns the existing one (hash-consing), so that a common subexpression is computed once. Builders also fold
+//! constants and apply algebra that is exact in floating point; `simplify.rs` lists the rules.
 //!
-//! Builders never fail in the middle of an expression. A graph that has reached its limit remembers it and answers
-//! with an arbitrary node; [`Graph::check`] and everything that reads the graph report it. All traversals are
+//! Builders never fail in the middle of an expression. A graph that has reached its limit returns arbitrary nodes and
+//! remembers the error, which [`Graph::check`] and everything that reads the graph then return. All traversals are
 //! iterative.
 
 mod build;
@@ -53,12 +52,12 @@ mod tests;
 
 use crate::limits::{LIMITS, Limits};
 
-/// Why a graph cannot be used.
+/// An error that makes a graph unusable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum GraphError {
-    /// More distinct nodes than the limit.
+    /// The graph needs more distinct nodes than the limit.
     #[error(
-        "the expression needs more than {max} distinct operations; make the scene smaller or repeat less"
+        "the expression needs more than {max} distinct operations; make the scene smaller or repeat fewer parts"
     )]
     TooManyNodes {
         /// [`Limits::graph_nodes_max`].
@@ -70,8 +69,8 @@ pub enum GraphError {
 #[derive(Debug, Clone)]
 pub struct Graph {
     nodes: Vec<Node>,
-    /// Open addressing: 1 + a node's index, or 0 if free. The number of places is a power of two; at most half are
-    /// taken.
+    /// Open addressing: 1 + a node's index, or 0 for a free slot. The number of slots is a power of two; at most half
+    /// are taken.
     places: Vec<u32>,
     nodes_max: usize,
     full: bool,
@@ -99,7 +98,7 @@ impl Graph {
         }
     }
 
-    /// Whether another graph was built of the same nodes in the same order.
+    /// True if the other graph has the same nodes in the same order.
     pub fn is_same(&self, other: &Self) -> bool {
         self.nodes == other.nodes
     }
@@ -109,12 +108,12 @@ impl Graph {
         self.nodes.len()
     }
 
-    /// Whether nothing was built yet.
+    /// True if the graph has no nodes.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 
-    /// Whether a node takes a clause of a tape: numbers and inputs do not.
+    /// True if a node becomes a clause of a tape. Constants and inputs do not.
     pub fn is_clause(&self, id: NodeId) -> bool {
         !matches!(self.node(id), Node::Constant(_) | Node::Input(_))
     }
@@ -125,13 +124,13 @@ impl Graph {
         self.nodes[id.index()]
     }
 
-    /// All nodes built so far, used or not; operands stand before the nodes that use them.
+    /// All nodes built so far, used or not. Operands precede the nodes that use them.
     pub(crate) fn nodes(&self) -> impl Iterator<Item = Node> + '_ {
         self.nodes.iter().copied()
     }
 
-    /// Whether any expression built so far, used or not, reads the time, a number of the song or a table of the sound:
-    /// all of them may change while the sound's features stay the same.
+    /// True if any node, used or not, reads the time, a number of the song or a table of the sound. All of them may
+    /// change while the sound's features stay the same.
     pub fn moves_by_itself(&self) -> bool {
         self.nodes.iter().any(|node| match node {
             Node::Input(input) => *input == Input::T || input.is_of_song(),
@@ -140,29 +139,29 @@ impl Graph {
         })
     }
 
-    /// Whether any expression built so far, used or not, reads a number of the whole song.
+    /// True if any node, used or not, reads a number of the whole song.
     pub fn reads_song(&self) -> bool {
         self.nodes.iter().any(|node| matches!(node, Node::Input(input) if input.is_of_song()))
     }
 
-    /// Whether any expression built so far, used or not, reads one of [`Op::CURVES`].
+    /// True if any node, used or not, reads one of [`Op::CURVES`].
     pub fn reads_curves(&self) -> bool {
         self.nodes
             .iter()
             .any(|node| matches!(node, Node::Unary(op, _) | Node::Binary(op, ..) if Op::CURVES.contains(op)))
     }
 
-    /// The value of a node that is a constant.
+    /// The value of a constant node.
     #[inline(always)]
     pub fn as_constant(&self, id: NodeId) -> Option<f32> {
         self.node(id).as_constant()
     }
 
-    /// Whether everything that was requested has been built.
+    /// Checks that every requested node has been built.
     ///
     /// # Errors
-    /// [`GraphError::TooManyNodes`] once a builder has reached the limit; the nodes that it gave since then mean
-    /// nothing.
+    /// [`GraphError::TooManyNodes`] once a builder has reached the limit. The nodes returned since then are
+    /// meaningless.
     pub fn check(&self) -> Result<(), GraphError> {
         if self.full { Err(GraphError::TooManyNodes { max: self.nodes_max }) } else { Ok(()) }
     }
@@ -176,7 +175,7 @@ impl Graph {
         }
     }
 
-    /// The node that equals `node`; built if it does not exist yet.
+    /// Returns the node that equals `node`, and builds it if necessary.
     // Inlined because callers know the kind of node.
     #[inline(always)]
     fn intern(&mut self, node: Node) -> NodeId {
@@ -192,7 +191,7 @@ impl Graph {
         self.push(node, place)
     }
 
-    /// A new node, which is found by the given place from now on.
+    /// Adds a node and stores it in the given slot of the hash table.
     fn push(&mut self, node: Node, place: usize) -> NodeId {
         if self.nodes.len() >= self.nodes_max {
             self.full = true;
@@ -206,7 +205,7 @@ impl Graph {
         NodeId(self.nodes.len() as u32 - 1)
     }
 
-    /// Distributes the nodes over `count` places, a power of two.
+    /// Distributes the nodes over `count` slots, a power of two.
     #[cold]
     fn grow(&mut self, count: usize) {
         let mask = count - 1;
@@ -222,7 +221,7 @@ impl Graph {
     }
 }
 
-/// Mixes a node's key; every bit of the key reaches the low bits of the result.
+/// Hashes a node's key. Every bit of the key affects the low bits of the result.
 #[inline(always)]
 fn hash([head, a, b]: [u32; 3]) -> u32 {
     let operands = u64::from(a) | u64::from(b) << 32;
@@ -232,5 +231,5 @@ fn hash([head, a, b]: [u32; 3]) -> u32 {
     folded as u32 ^ (folded >> 32) as u32
 }
 
-/// Keeps the mix of small keys (most keys are small) from being 0.
+/// Keeps the hash of small keys (most keys are small) from being 0.
 const SEED: u64 = 0xA076_1D64_78BD_642F;

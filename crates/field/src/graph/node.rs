@@ -8,21 +8,21 @@ use super::op::Op;
 pub struct NodeId(pub(super) u32);
 
 impl NodeId {
-    /// Position of the node in its graph; operands always stand before the nodes that use them.
+    /// Position of the node in its graph. Operands precede the nodes that use them.
     pub const fn index(self) -> usize {
         self.0 as usize
     }
 
-    /// The node at a position; the last possible one beyond that.
+    /// The node at a position; the last possible one if the position exceeds 32 bits.
     pub(crate) fn at(position: usize) -> Self {
         Self(u32::try_from(position).unwrap_or(u32::MAX))
     }
 }
 
-/// How many frequency bands scenes can read.
+/// Number of frequency bands that scenes can read.
 pub const BAND_COUNT: usize = 32;
 
-/// A number that comes from outside the expression.
+/// A number that an expression reads from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Input {
     /// Position, x.
@@ -51,7 +51,7 @@ pub enum Input {
     EyeZ,
     /// A parameter of the scene, by its number.
     Param(u16),
-    /// A value that is computed once per frame from the inputs above (see `world`).
+    /// A value that is computed once per frame from the inputs above (see [`World`](crate::world::World)).
     Hoisted(u16),
 }
 
@@ -59,7 +59,7 @@ impl Input {
     /// The inputs that differ from point to point, in the order in which a tape reads them.
     pub const OF_POINT: [Input; 6] = [Input::X, Input::Y, Input::Z, Input::NX, Input::NY, Input::NZ];
 
-    /// Place in [`Input::OF_POINT`]; `None` for inputs that are the same all over a frame.
+    /// Index in [`Input::OF_POINT`]; `None` for inputs that are the same all over a frame.
     pub const fn of_point(self) -> Option<usize> {
         match self {
             Input::X => Some(0),
@@ -72,12 +72,12 @@ impl Input {
         }
     }
 
-    /// Whether it is a number of the whole song.
+    /// True for a number of the whole song.
     pub const fn is_of_song(self) -> bool {
         matches!(self, Input::Sound(input) if input.is_of_song())
     }
 
-    /// A number of its own for every input.
+    /// A unique number for every input.
     const fn code(self) -> u32 {
         match self {
             Input::X => 0,
@@ -120,18 +120,18 @@ impl std::fmt::Display for Input {
     }
 }
 
-/// A node: a number, or an operator on nodes that stand before it.
+/// A node: a number, or an operator on earlier nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Node {
     /// A constant; never -0, and always the same NaN.
     Constant(f32),
-    /// A number from outside.
+    /// An input.
     Input(Input),
     /// A one-operand operator.
     Unary(Op, NodeId),
     /// A two-operand operator.
     Binary(Op, NodeId, NodeId),
-    /// One channel of a texture of the scene at the coordinates (u, v), repeated beyond 0..1.
+    /// One channel of a texture of the scene at the coordinates (u, v). The texture repeats beyond 0..1.
     Texture {
         /// The texture's number in the scene.
         texture: u16,
@@ -159,7 +159,7 @@ impl Node {
         }
     }
 
-    /// Whether the keys of both nodes are equal ([`Node::key`]): constants compare by their bits, so that NaN equals
+    /// True if the keys of both nodes are equal ([`Node::key`]). Constants compare by their bits, so that NaN equals
     /// NaN.
     #[inline(always)]
     pub(super) fn is(self, other: Self) -> bool {
@@ -181,7 +181,7 @@ impl Node {
         a.into_iter().chain(b)
     }
 
-    /// The value of a constant.
+    /// The value of a constant node; `None` for other nodes.
     #[inline(always)]
     pub const fn as_constant(self) -> Option<f32> {
         match self {

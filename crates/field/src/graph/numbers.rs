@@ -1,11 +1,12 @@
-//! Functions of numbers, total where GLSL's are not: the meaning of operators on the CPU (see `op.rs`).
+//! Scalar functions with which `op.rs` defines the operators on the CPU. They are defined for all operands, unlike
+//! GLSL's.
 
-/// The smallest operand of a logarithm and of a power's base: the smallest normal f32. GPUs flush smaller numbers to
-/// 0.
+/// The smallest operand of a logarithm and the smallest base of a power: the smallest normal f32. GPUs flush smaller
+/// numbers to 0.
 pub const SMALLEST: f32 = f32::MIN_POSITIVE;
-/// Operands of TANH are clamped to this magnitude, where its value is 1 in f32; drivers overflow far beyond it.
+/// TANH clamps its operand to this magnitude, where its value is 1 in f32. Drivers overflow for much larger operands.
 pub const TANH_MAX: f32 = 10.0;
-/// Largest f32 below 2^31: cell numbers are clamped to it before they become integers.
+/// Largest f32 below 2^31. Cell numbers are clamped to it before they become integers.
 pub const CELL_MAX: f32 = 2_147_483_520.0;
 
 #[inline(always)]
@@ -66,12 +67,11 @@ pub(super) fn atan2(a: f32, b: f32) -> f32 {
     if a == 0.0 { if b < 0.0 { std::f32::consts::PI } else { 0.0 } } else { a.atan2(b) }
 }
 
-/// A random-looking number in 0..1, a multiple of 2^-24, of the cell (floor(a), floor(b)).
+/// A pseudo-random number in 0..1, a multiple of 2^-24, for the cell (floor(a), floor(b)).
 ///
 /// The cell's numbers become 32-bit integers (clamped to ±[`CELL_MAX`]; 0 for a NaN). They are mixed by
-/// multiplications, shifts and exclusive ors of unsigned integers, which give the same bits on every machine; the
-/// upper 24 bits are the result. More dimensions are had by chaining: `cell_hash(cell_hash(x, y) * 16777216, z)`
-/// loses nothing.
+/// multiplications, shifts and exclusive ors of unsigned integers, which give the same bits on every machine. The upper
+/// 24 bits are the result. For more dimensions, chain calls: `cell_hash(cell_hash(x, y) * 16777216, z)` loses no bits.
 #[inline(always)]
 pub fn cell_hash(a: f32, b: f32) -> f32 {
     let whole = |v: f32| (v.floor().clamp(-CELL_MAX, CELL_MAX) as i32) as u32;
@@ -84,7 +84,7 @@ pub fn cell_hash(a: f32, b: f32) -> f32 {
     (h >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// GLSL of [`cell_hash`], for the head of a shader.
+/// GLSL source of [`cell_hash`].
 pub const CELL_HASH_GLSL: &str = "\
 float cell_hash(float a, float b) {
     uint i = uint(int(clamp(floor(a), -2147483520.0, 2147483520.0))) * 0x9E3779B1u;

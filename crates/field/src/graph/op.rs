@@ -1,20 +1,20 @@
-//! The operators: one table defines each of them once.
+//! The operators, each defined once by a row of one table.
 //!
-//! A row gives the number, the printed name, the properties, the meaning on the CPU, the interval rule (`rules.rs`),
-//! the partial derivatives, their interval rule (`slope_rules.rs`) and the GLSL expression. The CPU evaluators, the
-//! interpreter's switch and the compiled source are all derived from the table, so that they cannot drift apart.
+//! A row gives the number, the printed name, the properties, the value on the CPU, the interval rule (`rules.rs`), the
+//! partial derivatives, their interval rule (`slope_rules.rs`) and the GLSL expression. The CPU evaluators, the
+//! interpreter's switch and the compiled source all follow from the table, so they cannot differ from each other.
 //!
-//! **Numbers.** One-operand operators have numbers 16..64, two-operand operators 64..128; the tape adds the form of
-//! the operands on top (see `tape`). Encoded words keep their meaning only as long as these numbers stay the same.
+//! **Numbers.** One-operand operators have numbers 16..64, two-operand operators 64..128. The tape adds the form of the
+//! operands (see `tape`). Encoded words keep their meaning only while these numbers stay the same.
 //!
-//! **Total.** Every operator is defined for all operands, also for those for which GLSL leaves the result undefined:
-//! square roots of negative numbers are 0, logarithms are taken of at least [`SMALLEST`], operands of arcs are
-//! clamped, x / 0 is 0, mod(x, 0) is x, and pow of a negative base is 0. For finite operands an operator never gives
-//! NaN; an overflow gives an infinity, and infinities may combine to a NaN as in IEEE 754. MIN and MAX of a NaN and a
-//! number are the number.
+//! **Total.** Every operator is defined for all operands, including those for which GLSL leaves the result undefined:
+//! square roots of negative numbers are 0, logarithms are taken of at least [`SMALLEST`], operands of arcs are clamped,
+//! x / 0 is 0, mod(x, 0) is x, and pow of a negative base is 0. For finite operands an operator never returns a NaN. An
+//! overflow gives an infinity, and infinities may combine to a NaN as in IEEE 754. MIN and MAX of a NaN and a number
+//! return the number.
 //!
-//! **One zero.** No operator distinguishes -0 from +0, so the sign of a zero is not part of a value. That makes `x +
-//! 0 = x` exact. Evaluators add +0 to the values they return, so that these are exact bit for bit, too.
+//! **One zero.** No operator distinguishes -0 from +0, so the sign of a zero is not part of a value. That makes `x + 0
+//! = x` exact. Evaluators add +0 to the values they return, so that results are equal bit for bit.
 //!
 //! **Agreement.** Plain arithmetic, rounding, comparisons and HASH are correctly rounded on the CPU and on GPUs that
 //! follow IEEE 754. Division, roots and transcendental functions agree to a few units in the last place, and GPUs may
@@ -28,7 +28,7 @@ use super::numbers::{
 use super::rules;
 use super::slope_rules as slopes;
 
-/// Properties of an operator besides the functions of its row: a set of the constants below.
+/// A set of properties of an operator that its functions do not state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Properties(u8);
 
@@ -43,9 +43,10 @@ impl Properties {
     pub const WHOLE: Self = Self(4);
     /// The result depends on the frame's tables; it cannot be folded.
     pub const READS_FRAME: Self = Self(8);
-    /// It costs several times an addition: the interpreter's clauses of it stand second in a texel.
+    /// Costs several times as much as an addition. The interpreter's clauses of such an operator come second in a
+    /// texel.
     pub const EXPENSIVE: Self = Self(32);
-    /// Over a box one operand may decide alone, so that the other is not needed there.
+    /// Over a box one operand alone may be the value, so that the other is not needed there ([`Op::choice`]).
     pub const CHOOSES: Self = Self(64);
     /// The result is 0 or 1.
     pub const TRUTH: Self = Self(16 | 2 | 4);
@@ -54,24 +55,22 @@ impl Properties {
         Self(self.0 | other.0)
     }
 
-    /// Whether every property of `other` holds.
+    /// True if every property of `other` holds.
     pub const fn has(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
 }
 
-/// A computation that is instantiated for each operator's meaning, so that the meaning is inlined into a loop over
+/// A computation that is instantiated for each operator's function, so that the function is inlined into a loop over
 /// points.
 pub trait Kernel {
-    /// Runs with the operator's meaning: operands a and b (b is ignored by one-operand operators) and the
-    /// frame.
+    /// Runs with the operator's function of the operands a and b and the frame. One-operand operators ignore b.
     fn run(&mut self, meaning: impl Fn(f32, f32, &FrameInputs) -> f32 + Copy);
 }
 
-/// The same for an operator's interval rule.
+/// A [`Kernel`] for interval rules instead of values.
 pub trait BoundsKernel {
-    /// Runs with the operator's interval rule: bounds of the operands a and b (b is ignored by one-operand operators)
-    /// and the frame.
+    /// Runs with the operator's interval rule for the operands a and b and the frame. One-operand operators ignore b.
     fn run(&mut self, rule: impl Fn(Interval, Interval, &FrameInputs) -> Interval + Copy);
 }
 
@@ -82,7 +81,7 @@ macro_rules! operators {
             value $value:expr, bounds $bounds:expr, slopes $slopes:expr, slope_bounds $slope_bounds:expr,
             glsl $glsl:literal;
     )+) => {
-        /// An operator of the expression graph; the module's documentation says what holds for all of them.
+        /// An operator of the expression graph. The module's documentation states their common properties.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
         pub enum Op { $( $(#[doc = $doc])+ $id = $number, )+ }
@@ -101,8 +100,8 @@ macro_rules! operators {
                 match self { $( Op::$id => $properties, )+ }
             }
 
-            /// GLSL expression of the operator, with `$a` and `$b` for its operands. These must be simple (names or
-            /// literals) because they may occur more than once.
+            /// GLSL expression of the operator, with `$a` and `$b` for its operands. The operands must be names or
+            /// literals because they may occur more than once.
             pub const fn glsl(self) -> &'static str {
                 match self { $( Op::$id => $glsl, )+ }
             }
@@ -112,7 +111,7 @@ macro_rules! operators {
                 match number { $( $number => Some(Op::$id), )+ _ => None }
             }
 
-            /// The value for the operands a and b; b is ignored by one-operand operators.
+            /// Returns the value for the operands a and b. One-operand operators ignore b.
             #[inline(always)]
             pub fn value(self, a: f32, b: f32, frame: &FrameInputs) -> f32 {
                 #[inline(always)]
@@ -122,13 +121,13 @@ macro_rules! operators {
                 match self { $( Op::$id => call($value, a, b, frame), )+ }
             }
 
-            /// Runs a kernel with the operator's meaning.
+            /// Runs a kernel with the operator's function.
             #[inline(always)]
             pub fn with_value(self, kernel: &mut impl Kernel) {
                 match self { $( Op::$id => kernel.run($value), )+ }
             }
 
-            /// An interval that holds the value for every a and b of the given intervals.
+            /// Returns an interval that holds the value for every a and b of the given intervals.
             #[inline(always)]
             pub fn bounds(self, a: Interval, b: Interval, frame: &FrameInputs) -> Interval {
                 #[inline(always)]
@@ -147,8 +146,8 @@ macro_rules! operators {
                 match self { $( Op::$id => kernel.run($bounds), )+ }
             }
 
-            /// The partial derivatives by a and by b, where `r` is the value. Where there is no derivative (at a jump
-            /// or a kink) it is that of one side; where the operator's value was made total it is 0.
+            /// Returns the partial derivatives by a and by b, where `r` is the value. At a jump or a kink this is the
+            /// derivative of one side. It is 0 where the operator is defined only because it is total.
             #[inline(always)]
             pub fn slopes(self, a: f32, b: f32, r: f32, frame: &FrameInputs) -> (f32, f32) {
                 #[inline(always)]
@@ -161,9 +160,9 @@ macro_rules! operators {
                 match self { $( Op::$id => call($slopes, a, b, r, frame), )+ }
             }
 
-            /// Intervals that hold the partial derivatives by a and by b for all a and b in the given intervals,
-            /// where `r` bounds the value: those that [`Op::slopes`] gives, and at kinks those of both sides. Jumps
-            /// have no slope (see `slope_rules.rs`).
+            /// Returns intervals that hold the partial derivatives by a and by b for all a and b in the given
+            /// intervals, where `r` bounds the value. They hold the results of [`Op::slopes`], and at kinks the slopes
+            /// of both sides. Jumps have no slope (see `slope_rules.rs`).
             #[inline(always)]
             pub fn slope_bounds(
                 self, a: Interval, b: Interval, r: Interval, frame: &FrameInputs,
@@ -218,7 +217,7 @@ operators! {
         value |a, _, _| a.ceil(), bounds |a, _, _| a.map_rising(f32::ceil), slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "ceil($a)";
-    /// floor(a + 0.5): halves go up. (GLSL leaves the direction of round to the driver.)
+    /// floor(a + 0.5): halves are rounded up. (In GLSL the direction depends on the driver.)
     Round = 21 "ROUND" WHOLE,
         value |a, _, _| round(a), bounds |a, _, _| a.map_rising(round), slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
@@ -282,13 +281,13 @@ operators! {
         value |a, _, _| a.tan(), bounds |a, _, _| rules::tan(a), slopes |_, _, r, _| (1.0 + r * r, 0.0),
         slope_bounds |_, _, r, _| slopes::tan(r),
         glsl "tan($a)";
-    /// The arc sine of a clamped to -1..1; 0 for a NaN. (GLSL's own is off by 4e-4 in Mesa.)
+    /// The arc sine of a clamped to -1..1; 0 for a NaN. (GLSL's asin has an error of 4e-4 in Mesa.)
     Asin = 33 "ASIN" EXPENSIVE,
         value |a, _, _| unit(a).asin(), bounds |a, _, _| rules::asin(a),
         slopes |a, _, _, _| (arc_slope(a), 0.0),
         slope_bounds |a, _, _, _| slopes::first(slopes::arc(a)),
         glsl "atan(clamp($a, -1.0, 1.0), sqrt(max((1.0 - $a) * (1.0 + $a), 0.0)))";
-    /// The arc cosine of a clamped to -1..1; that of 0 for a NaN.
+    /// The arc cosine of a clamped to -1..1; π/2 for a NaN.
     Acos = 34 "ACOS" NEVER_NEGATIVE.and(EXPENSIVE),
         value |a, _, _| unit(a).acos(), bounds |a, _, _| rules::acos(a),
         slopes |a, _, _, _| (-arc_slope(a), 0.0),
@@ -354,7 +353,7 @@ operators! {
         value |a, b, _| a * b, bounds |a, b, _| rules::mul(a, b), slopes |a, b, _, _| (b, a),
         slope_bounds |a, b, _, _| (b, a),
         glsl "($a * $b)";
-    /// a / b; 0 where b is 0, so that normalizing a vector of length 0 gives 0.
+    /// a / b; 0 where b is 0, so that the normalized vector of length 0 is 0.
     Div = 67 "DIV" NONE,
         value |a, b, _| div(a, b), bounds |a, b, _| rules::div(a, b),
         slopes |_, b, r, _| if b == 0.0 { (0.0, 0.0) } else { (b.recip(), -r / b) },
@@ -419,8 +418,7 @@ operators! {
         slopes |a, _, _, _| (0.0, truth(a != 0.0)),
         slope_bounds |a, b, _, _| slopes::chosen(Op::Mask, a, b),
         glsl "($a == 0.0 ? 0.0 : $b)";
-    /// A random-looking number in 0..1, a multiple of 2^-24, of the cell (floor(a), floor(b)); see
-    /// [`cell_hash`].
+    /// A pseudo-random number in 0..1, a multiple of 2^-24, for the cell (floor(a), floor(b)); see [`cell_hash`].
     Hash = 78 "HASH" NEVER_NEGATIVE.and(EXPENSIVE),
         value |a, b, _| cell_hash(a, b), bounds |a, b, _| rules::hash(a, b), slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
@@ -433,7 +431,7 @@ operators! {
         slope_bounds |a, b, _, frame| frame.history.slope_bounds(a, b),
         glsl "table_history($a, $b)";
 
-    // Two operators fused into one; only `fuse.rs` makes these. Each rounds as the two operators did.
+    // Two operators fused into one. Only `fuse.rs` makes these. Each rounds as the two operators do.
 
     /// a * a + b.
     SquareAdd = 80 "SQUARE_ADD" NONE,
@@ -441,7 +439,7 @@ operators! {
         slopes |a, _, _, _| (2.0 * a, 1.0),
         slope_bounds |a, _, _, _| (slopes::square(a).0, slopes::ONE),
         glsl "($a * $a + $b)";
-    /// max(a, 0)^2 + b: the share of one axis in the distance to a box's corner.
+    /// max(a, 0)^2 + b: the part of one axis in the distance to a box's corner.
     OutsideAdd = 81 "OUTSIDE_ADD" NONE,
         value |a, b, _| { let a = a.max(0.0); a * a + b },
         bounds |a, b, _| rules::add(rules::square(rules::max(a, Interval::point(0.0))), b),
@@ -484,7 +482,7 @@ operators! {
 pub const FIRST_BINARY: u8 = 64;
 
 impl Op {
-    /// The operators that read a curve of the sound; frames hold these curves for them alone.
+    /// The operators that read a curve of the sound. Frames hold these curves only for them.
     pub const CURVES: [Op; 3] = [Op::Spectrum, Op::Waveform, Op::History];
 
     /// The operator's number.
@@ -497,7 +495,7 @@ impl Op {
         if self.number() < FIRST_BINARY { 1 } else { 2 }
     }
 
-    /// GLSL expression for a constant second operand that is not 0: the same meaning without the guard against 0.
+    /// GLSL expression for a constant second operand that is not 0, without the guard against 0.
     pub const fn glsl_by_constant(self) -> &'static str {
         match self {
             Op::Div => "($a / $b)",

@@ -1,4 +1,4 @@
-//! The order in which a graph's nodes are evaluated, and what they read.
+//! The order in which a graph's nodes are evaluated, and the inputs that they read.
 
 use std::collections::BTreeSet;
 
@@ -6,18 +6,18 @@ use super::node::{Input, Node, NodeId};
 use super::op::{Op, Properties};
 use super::{Graph, GraphError};
 
-/// Nodes in an order in which operands stand before their users, each once.
+/// Nodes in an order in which operands precede their users, each once.
 ///
-/// The inputs of the point that are used come first. Then the tree is walked from the first root to the last,
-/// operands before users. Of two operands, the one that needs more values at once comes first (Sethi and Ullman 1970,
-/// treating the graph as if it were a tree); the left one if both need equally many.
+/// The inputs of the point come first. Then the tree is walked from the first root to the last, operands before users.
+/// Of two operands, the one that needs more values at once comes first (Sethi and Ullman 1970, treating the graph as if
+/// it were a tree); the left one if both need equally many.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Order {
     /// The nodes.
     pub nodes: Vec<NodeId>,
 }
 
-/// What an expression reads from outside.
+/// The inputs, tables and textures that an expression reads.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct InputsUsed {
     /// Inputs, each once.
@@ -28,14 +28,14 @@ pub struct InputsUsed {
     pub textures: BTreeSet<u16>,
 }
 
-/// Marks an entry of the walk's stack whose operands are done.
+/// Marks an entry of the stack whose operands are done.
 const OPERANDS_DONE: u32 = 1 << 31;
 
 impl Graph {
-    /// The order of evaluation of everything that the roots need.
+    /// Returns the order of evaluation of everything that the roots need.
     ///
     /// # Errors
-    /// Those of [`Graph::check`].
+    /// [`GraphError::TooManyNodes`] if the graph has reached its limit.
     pub fn order(&self, roots: &[NodeId]) -> Result<Order, GraphError> {
         self.check()?;
         let Some(last) = roots.iter().max() else { return Ok(Order::default()) };
@@ -74,10 +74,10 @@ impl Graph {
         Ok(Order { nodes })
     }
 
-    /// What the roots read.
+    /// Returns the inputs, tables and textures that the roots read.
     ///
     /// # Errors
-    /// Those of [`Graph::check`].
+    /// [`GraphError::TooManyNodes`] if the graph has reached its limit.
     pub fn inputs_used(&self, roots: &[NodeId]) -> Result<InputsUsed, GraphError> {
         let mut used = InputsUsed::default();
         for id in self.order(roots)?.nodes {
@@ -100,7 +100,7 @@ impl Graph {
     }
 }
 
-/// How many values each node needs at once, if nothing were shared.
+/// The number of values that each node needs at once if nothing is shared.
 fn needs(nodes: &[Node]) -> Vec<u8> {
     let mut needs: Vec<u8> = Vec::with_capacity(nodes.len());
     for node in nodes {

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use super::{FrameInputs, Graph, Input, Node, NodeId, Op, TableData, TextureReader};
 
-/// Numbers at which arithmetic goes wrong.
+/// Numbers at which arithmetic is likely to fail.
 pub(crate) const SPECIALS: [f32; 24] = [
     0.0,
     -0.0,
@@ -35,7 +35,7 @@ pub(crate) const SPECIALS: [f32; 24] = [
     std::f32::consts::PI,
 ];
 
-/// One step in building an expression: what to build, and from which earlier steps.
+/// One step in building an expression: an operation and its operands, which are earlier steps.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Step {
     /// A constant.
@@ -84,7 +84,7 @@ const INPUTS: [Input; 12] = [
     Input::X,
 ];
 
-/// Builds the steps, with or without simplification; the last step is the root.
+/// Builds the steps, with or without simplification. The last step is the root.
 pub(crate) fn build(graph: &mut Graph, steps: &[Step], simplify: bool) -> Vec<NodeId> {
     let mut built: Vec<NodeId> = Vec::new();
     for &step in steps {
@@ -128,7 +128,7 @@ impl TextureReader for Stripes {
     }
 }
 
-/// A frame with sound in it.
+/// A frame with sound.
 pub(crate) fn frame() -> FrameInputs {
     let wave = |count: usize, step: f32| (0..count).map(|i| (i as f32 * step).sin()).collect::<Vec<_>>();
     FrameInputs {
@@ -152,7 +152,7 @@ pub(crate) fn frame() -> FrameInputs {
     }
 }
 
-/// Whether two values are the same: equal bits, or both NaN.
+/// True if two values have equal bits, or are both NaN.
 pub(crate) fn same(a: f32, b: f32) -> bool {
     a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
 }

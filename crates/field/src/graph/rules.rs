@@ -1,23 +1,23 @@
-//! The interval rules of the operators: for all values in the operands' intervals, the result holds the value that
-//! the CPU computes.
+//! The interval rules of the operators: for all values in the operands' intervals, the result holds the value that the
+//! CPU computes.
 //!
-//! Sums, products, quotients and roots are rounded to nearest, which never reverses an order; endpoints computed in
-//! f32 therefore bound every value computed in f32. Library functions need not be monotonic everywhere where the true
-//! function is, so their endpoints are widened by more than their error ([`super::interval::LIBRARY_ERROR`]).
-//! Interval arithmetic: Moore, Kearfott and Cloud, Introduction to Interval Analysis (2009), chapters 2 and 5.
+//! Sums, products, quotients and roots are rounded to nearest, which never reverses an order. Ends computed in f32
+//! therefore bound every value computed in f32. Library functions need not be monotonic everywhere where the true
+//! function is, so their ends are widened by more than their error ([`super::interval::LIBRARY_ERROR`]). Interval
+//! arithmetic: Moore, Kearfott and Cloud, Introduction to Interval Analysis (2009), chapters 2 and 5.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use super::interval::{Interval, LIBRARY_ERROR};
 use super::numbers::{self, SMALLEST};
 
-/// Up to this angle in radians f64 still knows the place in the period well; beyond it sines are bounded by -1..1
-/// only.
+/// Largest angle in radians for which f64 is precise enough to find the position in the period. Sines of larger angles
+/// are bounded by -1..1 only.
 const ANGLE_MAX: f32 = 1e5;
-/// Beyond this magnitude of an operand or of its quotient MOD may overflow.
+/// MOD may overflow if an operand or the quotient exceeds this magnitude.
 const MODULO_MAX: f32 = 1e30;
 
-/// Whether the value is 0 everywhere.
+/// True if the value is 0 everywhere.
 #[inline(always)]
 pub(super) fn is_zero(a: Interval) -> bool {
     a.lo == 0.0 && a.hi == 0.0
@@ -105,7 +105,7 @@ pub(super) fn cos(a: Interval) -> Interval {
     wave(a, f32::cos, 0.0)
 }
 
-/// A sine whose crests lie at `crest` + 2πk, with its troughs half a period after them.
+/// A sine with its maxima at `crest` + 2πk, and its minima half a period after them.
 fn wave(a: Interval, f: fn(f32) -> f32, crest: f64) -> Interval {
     use std::f64::consts::{PI, TAU};
     if a.is_any() || a.is_unbounded() {
@@ -171,7 +171,7 @@ pub(super) fn tanh(a: Interval) -> Interval {
     a.map_rising(numbers::tanh).widened().clamped(-1.0, 1.0)
 }
 
-/// 0, 1 or both, depending on whether the condition is known to be true or known to be false.
+/// 0, 1 or both, if the condition is surely true, never true, or unknown.
 #[inline(always)]
 fn truth(surely: bool, never: bool) -> Interval {
     if surely {
@@ -254,7 +254,7 @@ pub(super) fn mul(a: Interval, b: Interval) -> Interval {
     hull_of([a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi])
 }
 
-/// A quotient by exactly 0 is 0; near 0 quotients grow without bound.
+/// A quotient by exactly 0 is 0. Near 0, quotients are unbounded.
 #[inline(always)]
 pub(super) fn div(a: Interval, b: Interval) -> Interval {
     if a.is_any() || b.is_any() || (a.is_unbounded() && b.is_unbounded()) {
@@ -288,8 +288,8 @@ pub(super) fn max(a: Interval, b: Interval) -> Interval {
     neg(min(neg(a), neg(b)))
 }
 
-/// If both ends lie in one period, the value increases with a. Otherwise it lies between 0 and b, up to the rounding
-/// of the quotient, the product and the difference, each relative to an operand.
+/// If both ends are in one period, the value increases with a. Otherwise it is between 0 and b, up to the rounding of
+/// the quotient, the product and the difference, each relative to an operand.
 pub(super) fn modulo(a: Interval, b: Interval) -> Interval {
     if a.is_unbounded() || b.is_unbounded() {
         return Interval::ANY;
@@ -311,7 +311,7 @@ pub(super) fn modulo(a: Interval, b: Interval) -> Interval {
     Interval { lo: b.lo.min(0.0) - error, hi: b.hi.max(0.0) + error }
 }
 
-/// For positive bases the extremes lie at the corners.
+/// For positive bases the extremes are at the corners.
 pub(super) fn pow(a: Interval, b: Interval) -> Interval {
     if b.is_any() {
         return Interval::ANY;
@@ -337,7 +337,7 @@ pub(super) fn pow(a: Interval, b: Interval) -> Interval {
     hull.unwrap_or(Interval::ANY)
 }
 
-/// a is the operand of the sine, b that of the cosine. The jump lies on a = 0, b < 0, where the value is π.
+/// a is the sine's coordinate, b the cosine's. The jump is at a = 0, b < 0, where the value is π.
 pub(super) fn atan2(a: Interval, b: Interval) -> Interval {
     if a.is_any() || b.is_any() {
         return Interval::ANY;

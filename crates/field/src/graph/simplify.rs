@@ -1,8 +1,9 @@
 //! Simplification while nodes are built: constant folding, and algebra that is exact in floating point.
 //!
-//! Exact means: for all operands, infinities and NaNs included, the value is the same number, or both values are NaN.
-//! (The sign of a zero is not part of a value, see [`super::Op`].) What holds for real numbers but not for rounded
-//! ones, such as reassociation, x - x = 0 or sqrt(x²) = |x|, is not done. Each rule is stated in a comment.
+//! Exact means that for all operands, infinities and NaNs included, the value is the same number, or both values are
+//! NaN. (The sign of a zero is not part of a value, see [`super::Op`].) Identities that hold for real numbers but not
+//! for rounded ones, such as reassociation, x - x = 0 or sqrt(x²) = |x|, are not applied. Each rule is stated in a
+//! comment.
 
 use super::Graph;
 use super::frame_inputs::{FrameInputs, SILENT};
@@ -70,7 +71,7 @@ impl Graph {
         {
             return self.constant(folded);
         }
-        // A canonical order of the operands: constants last, the rest by age.
+        // Put the operands in a canonical order: constants last, the rest by age.
         if op.properties().has(Properties::COMMUTATIVE) && (first.is_some() || (second.is_none() && b < a)) {
             std::mem::swap(&mut a, &mut b);
             std::mem::swap(&mut first, &mut second);
@@ -84,9 +85,9 @@ impl Graph {
             Op::Mask => self.masked(a, b, first, second),
             // mod(x, 0) = x
             Op::Mod if second == Some(0.0) => Some(a),
-            // x < x is false, for a NaN too
+            // x < x is false, even for a NaN
             Op::Less if a == b => Some(self.constant(0.0)),
-            // step(x, x) = 1, for a NaN too
+            // step(x, x) = 1, even for a NaN
             Op::Step if a == b => Some(self.constant(1.0)),
             _ => None,
         };

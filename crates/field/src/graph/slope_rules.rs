@@ -1,14 +1,14 @@
 //! Interval rules of the partial derivatives: for all values in the operands' intervals, the result holds the slopes
-//! that [`super::Op::slopes`] gives, and at a kink those of both sides.
+//! that [`super::Op::slopes`] returns, and at a kink the slopes of both sides.
 //!
-//! **Jumps.** FLOOR, LESS, HASH and their like have slope 0 on both sides of a jump, and so they have here, although
-//! nothing bounds the change across it. Formulas use these operators for parts that jump but that together form a
-//! value that does not: noise is smooth across its cells, a repeated shape across its seams. For such a value the
-//! mean value theorem holds: between two points of a box it changes by no more than the slopes on all pieces allow. A
-//! value that does jump is bounded only from one jump to the next.
+//! **Jumps.** FLOOR, LESS, HASH and similar operators have slope 0 on both sides of a jump, and slope 0 here, although
+//! nothing bounds the change across the jump. Formulas use these operators for parts that jump but whose combination
+//! does not: noise is smooth across its cells, a repeated shape across its seams. For such a value the mean value
+//! theorem holds: between two points of a box it changes by no more than the slopes on all pieces allow. A value that
+//! does jump is bounded only from one jump to the next.
 //!
-//! **Rounding.** As in `rules.rs`: the slopes are computed by the operations of [`super::Op::slopes`] in the same
-//! order, rounded to nearest, which never reverses an order; library functions are widened.
+//! **Rounding.** As in `rules.rs`, slopes are computed by the same operations as in [`super::Op::slopes`], in the same
+//! order and rounded to nearest, which never reverses an order. Library functions are widened.
 
 use super::choice::Choice;
 use super::interval::Interval;
@@ -33,7 +33,7 @@ pub(super) const fn first(by_a: Interval) -> (Interval, Interval) {
     (by_a, ZERO)
 }
 
-/// The values that both intervals hold; the first interval if rounding leaves none.
+/// The intersection of two intervals; the first one if rounding leaves it empty.
 fn meet(a: Interval, b: Interval) -> Interval {
     if a.is_any() || b.is_any() {
         return if a.is_any() { b } else { a };
@@ -42,7 +42,7 @@ fn meet(a: Interval, b: Interval) -> Interval {
     if both.is_any() { a } else { both }
 }
 
-/// The bounds of a function that never increases.
+/// The bounds of a non-increasing function.
 fn map_falling(a: Interval, f: impl Fn(f32) -> f32) -> Interval {
     Interval { lo: f(a.hi), hi: f(a.lo) }
 }
@@ -88,7 +88,7 @@ pub(super) fn exp2(r: Interval) -> (Interval, Interval) {
     first(r.map_rising(|r| r * std::f32::consts::LN_2))
 }
 
-/// The slope of a logarithm; `scale` is its slope at 1.
+/// The slope of a logarithm whose slope at 1 is `scale`.
 pub(super) fn log(a: Interval, scale: f32) -> (Interval, Interval) {
     if a.lo > SMALLEST {
         return first(map_falling(a, |v| scale / v));
@@ -146,7 +146,7 @@ pub(super) fn modulo(a: Interval, b: Interval) -> (Interval, Interval) {
     (ONE, rules::neg(rules::div(a, b).map_rising(f32::floor)))
 }
 
-/// The slopes of an operator that takes one of its operands; both may be taken where either may be or where they
+/// The slopes of an operator that chooses one of its operands. The choice is unknown if either may be chosen or if they
 /// touch.
 #[inline(always)]
 pub(super) fn chosen(op: Op, a: Interval, b: Interval) -> (Interval, Interval) {
@@ -160,9 +160,9 @@ pub(super) fn chosen(op: Op, a: Interval, b: Interval) -> (Interval, Interval) {
     }
 }
 
-/// Up to this exponent slopes are also computed from a power of their own, not only from a quotient of the power.
+/// Largest exponent for which slopes are also computed from a separate power, not only from a quotient of the power.
 const OWN_POWER_MAX: f32 = 64.0;
-/// Values below this may come from denormal numbers, whose rounding is too coarse for bounding them in two ways.
+/// Values below this may come from denormal numbers, whose rounding is too coarse for the second bound.
 const ROUNDED_BADLY: f32 = 1e-3;
 
 pub(super) fn pow(a: Interval, b: Interval, r: Interval) -> (Interval, Interval) {
@@ -194,7 +194,7 @@ pub(super) fn atan2(a: Interval, b: Interval) -> (Interval, Interval) {
     if !positive {
         return (Interval::ALL, Interval::ALL);
     }
-    // The slope is at most one over the distance from the origin.
+    // The slope is at most 1 divided by the distance from the origin.
     let most = if d.lo > SMALLEST / f32::EPSILON { d.lo.sqrt().recip() * 1.001 } else { f32::INFINITY };
     let most = Interval { lo: -most, hi: most };
     (meet(rules::div(b, d), most), meet(rules::neg(rules::div(a, d)), most))

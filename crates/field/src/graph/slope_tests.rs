@@ -1,4 +1,4 @@
-//! The bounds of slopes hold every slope, operator by operator.
+//! Tests that the bounds of slopes hold every slope, operator by operator.
 
 use proptest::prelude::*;
 
@@ -10,7 +10,7 @@ fn config() -> ProptestConfig {
     ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
 }
 
-/// Whether the slopes at (a, b) lie in the bounds over the intervals.
+/// Checks that the slopes at the points are in the bounds over the intervals.
 fn check(op: Op, a: Interval, b: Interval, points: &[(f32, f32)]) -> Result<(), String> {
     check_in(&frame(), op, a, b, points)
 }
@@ -66,7 +66,8 @@ fn bounds_hold_slopes_at_specials() {
         SPECIALS.into_iter().flat_map(pairs).filter(|interval| !interval.is_any()).collect();
     for &op in Op::ALL {
         for (count, &a) in intervals.iter().enumerate() {
-            // One operand: all other intervals. Two operands: every seventh, beginning elsewhere each time.
+            // One-operand operators ignore b, so one is enough. For two operands, every seventh b, with a different
+            // start each time.
             let step = if op.arity() == 1 { intervals.len() } else { 7 };
             for &b in intervals.iter().skip(count % 7).step_by(step) {
                 let within = |i: Interval| SPECIALS.into_iter().filter(move |&v| i.contains(v));
@@ -77,7 +78,7 @@ fn bounds_hold_slopes_at_specials() {
     }
 }
 
-/// The slope of a quotient by a NaN is a NaN, too, but was once given bounds.
+/// The slope of a quotient by a NaN is a NaN, but once had bounds.
 #[test]
 fn bounds_hold_slopes_at_operands_that_are_no_numbers() {
     let values = || SPECIALS.into_iter().chain([f32::NAN]);
@@ -93,7 +94,7 @@ fn bounds_hold_slopes_at_operands_that_are_no_numbers() {
     }
 }
 
-/// Every second one-operand operator, beginning with `first`, between neighbours of a dense sweep over all
+/// Checks every second one-operand operator, beginning with `first`, between neighbours of a dense sweep over all
 /// magnitudes.
 fn sweep(first: usize) {
     let sweep: Vec<f32> = (0..=u32::MAX).step_by(8_191).map(f32::from_bits).filter(|v| !v.is_nan()).collect();
@@ -109,7 +110,7 @@ fn sweep(first: usize) {
     }
 }
 
-// Two tests, so that they run side by side: as one they would take longer than all others together.
+// Two tests, so that they run in parallel. A single one would take longer than all others together.
 #[test]
 fn bounds_hold_slopes_densely_for_one_operand() {
     sweep(0);
@@ -120,12 +121,11 @@ fn bounds_hold_slopes_densely_for_every_other_operator() {
     sweep(1);
 }
 
-/// Where an operator is smooth, its bounds over a short interval are close to its slope: they are tight enough to
-/// use.
+/// Where an operator is smooth, the bounds of its slope over a short interval are tight enough to be useful.
 #[test]
 fn bounds_of_slopes_are_close() {
     let frame = frame();
-    // A table's slope is that of one piece, or 0 beyond its ends.
+    // A table's slope is constant on one piece, or 0 beyond its ends.
     for &op in Op::ALL.iter().filter(|op| !op.properties().has(Properties::READS_FRAME)) {
         for (x, y) in [(0.3f32, 0.7f32), (0.61, 1.7), (0.23, 2.3), (-0.4, 0.6)] {
             let around = |v: f32| Interval::new(v - 1e-3, v + 1e-3);

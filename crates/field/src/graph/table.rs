@@ -1,11 +1,12 @@
 //! Tables of the sound, read as smooth curves and surfaces.
 //!
-//! A row of entries c is the uniform cubic B-spline Σ cᵢ B(x - i) (de Boor 1978): slope and curvature are continuous, and
-//! no value leaves the range of the four entries around it. Rows are blended by the same spline. Entries beyond an end
-//! are mirrored, which makes the curve level there: it meets the constant beyond without a kink.
+//! A row of entries c is the uniform cubic B-spline Σ cᵢ B(x - i) (de Boor 1978). Its slope and curvature are
+//! continuous, and every value is in the range of the four entries around it. Rows are blended by the same spline.
+//! Entries beyond an end are mirrored, so the curve is level there and meets the constant beyond without a kink.
 //!
-//! The stretch between two entries, a piece, is kept as its four Bézier points. A shader reads it with one fetch, and
-//! the points bound the piece (Farin 2002): values lie in their hull, slopes in the hull of their differences.
+//! The curve between two entries, called a piece, is stored as its four Bézier points. A shader reads it with one
+//! fetch, and the points bound the piece (Farin 2002): values are in their hull, slopes in the hull of their
+//! differences.
 
 use std::array;
 use std::sync::{Arc, OnceLock};
@@ -16,21 +17,21 @@ use super::table_extremes::TableExtremes;
 /// Four Bézier points, or four weights that sum to 1.
 type Points = [f32; 4];
 
-/// A table that is read with coordinates in 0..1. The first entry lies at 0 and the last at 1, unless the rows scroll
-/// ([`TableData::scrolling`]). Without entries it is 0 everywhere. Cheap to clone.
+/// A table that is read with coordinates in 0..1. The first entry is at 0 and the last at 1, unless the rows scroll
+/// ([`TableData::scrolling`]). A table without entries is 0 everywhere. Cloning is cheap.
 #[derive(Debug, Clone, Default)]
 pub struct TableData {
     columns: usize,
     rows: usize,
     values: Option<Arc<[f32]>>,
-    /// If the rows scroll: the row at coordinate 0, and the number of rows from there to coordinate 1.
+    /// For scrolling rows, the row at coordinate 0 and the number of rows from there to coordinate 1.
     scroll: Option<(f32, f32)>,
-    /// Bounds of the entries, if the entries themselves are not known.
+    /// Bounds of the entries, if the entries themselves are unknown.
     unknown: Option<(f32, f32)>,
     derived: Option<Arc<Derived>>,
 }
 
-/// Numbers computed from the entries on first use.
+/// Data computed from the entries on first use.
 #[derive(Debug, Default)]
 struct Derived {
     pieces: OnceLock<Vec<Points>>,
@@ -70,13 +71,13 @@ fn bezier([a, b, c, d]: [f32; 4]) -> Points {
     [(a + 4.0 * b + c) / 6.0, (2.0 * b + c) / 3.0, (b + 2.0 * c) / 3.0, (b + 4.0 * c + d) / 6.0]
 }
 
-/// The weights of Bézier points at `x` in 0..1.
+/// The weights of the Bézier points at `x` in 0..1.
 fn bernstein(x: f32) -> Points {
     let s = 1.0 - x;
     [s * s * s, 3.0 * s * s * x, 3.0 * s * x * x, x * x * x]
 }
 
-/// The weights of the four entries around a place, `x` of the way from the second to the third.
+/// The weights of the four entries around a point at the fraction `x` between the second and the third.
 fn spline(x: f32) -> Points {
     let s = 1.0 - x;
     let inner = |x: f32| 2.0 / 3.0 - 0.5 * x * x * (2.0 - x);
@@ -87,7 +88,7 @@ fn dot(a: Points, b: Points) -> f32 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }
 
-/// The entry that stands for number `index`, which may lie one before the first or two behind the last.
+/// The index of the entry for `index`, mirrored at the ends. `index` is in -1..=`count` + 1.
 fn mirrored(index: isize, count: usize) -> usize {
     let last = count.saturating_sub(1);
     let index = index.unsigned_abs();
@@ -99,7 +100,7 @@ fn around(first: usize, count: usize) -> [usize; 4] {
     array::from_fn(|index| mirrored(first as isize + index as isize - 1, count))
 }
 
-/// The number of pieces between so many entries. A single entry is one constant piece.
+/// The number of pieces between `count` entries. A single entry is one constant piece.
 fn pieces_between(count: usize) -> usize {
     count.saturating_sub(1).max(1)
 }
@@ -116,7 +117,7 @@ impl TableData {
         Self::rows(values, columns)
     }
 
-    /// A table of rows with `columns` entries each; entries of an incomplete last row are not read.
+    /// A table of rows with `columns` entries each. Entries of an incomplete last row are ignored.
     pub fn rows(values: impl Into<Arc<[f32]>>, columns: usize) -> Self {
         let values = values.into();
         let rows = values.len().checked_div(columns).unwrap_or(0);
@@ -125,13 +126,13 @@ impl TableData {
         Self { columns, rows, values, derived, ..Self::EMPTY }
     }
 
-    /// The same, with coordinate 0 at row `first` and coordinate 1 at row `first + span`, both clamped to the
-    /// existing rows.
+    /// Like [`TableData::rows`], with coordinate 0 at row `first` and coordinate 1 at row `first + span`, both clamped
+    /// to the existing rows.
     pub fn scrolling(values: impl Into<Arc<[f32]>>, columns: usize, first: f32, span: f32) -> Self {
         Self { scroll: Some((first.max(0.0), span.max(0.0))), ..Self::rows(values, columns) }
     }
 
-    /// A table of which only the bounds of its entries are known. Reading it gives 0.
+    /// A table with bounds of its entries, but unknown entries. Reading it returns 0.
     pub(super) fn within(low: f32, high: f32) -> Self {
         Self { unknown: Some((low, high)), ..Self::EMPTY }
     }
@@ -146,8 +147,8 @@ impl TableData {
         self.scroll.unwrap_or((0.0, self.rows.saturating_sub(1) as f32))
     }
 
-    /// The Bézier points of each row's pieces, for shaders: a mirrored row before the first, every row, two mirrored
-    /// rows behind the last. None without entries.
+    /// Returns the Bézier points of each row's pieces, for shaders: a mirrored row before the first, every row, two
+    /// mirrored rows after the last. Empty without entries.
     pub fn rows_of_pieces(&self) -> impl Iterator<Item = &[[f32; 4]]> {
         let width = pieces_between(self.columns);
         let rows = if self.values.is_some() { -1..self.rows as isize + 2 } else { 0..0 };
@@ -166,7 +167,7 @@ impl TableData {
         })
     }
 
-    /// The piece at a coordinate, and how far along it the coordinate lies, 0..1.
+    /// The piece at a coordinate, and the coordinate's position in the piece, 0..1.
     #[inline]
     fn place(coordinate: f32, count: usize, (first, span): (f32, f32)) -> (usize, f32) {
         let along = (first + unit(coordinate) * span).min((count - 1) as f32);
@@ -191,7 +192,7 @@ impl TableData {
         around(row, self.rows).map(|row| pieces[row * width + piece])
     }
 
-    /// The value at column coordinate u and row coordinate v, both clamped to 0..1.
+    /// Returns the value at column coordinate u and row coordinate v, both clamped to 0..1.
     pub fn at(&self, u: f32, v: f32) -> f32 {
         if self.values.is_none() {
             return 0.0;
@@ -204,7 +205,7 @@ impl TableData {
         dot(bernstein(x), blended(self.strips(row, piece), spline(y)))
     }
 
-    /// The slopes by u and by v; 0 beyond the ends.
+    /// Returns the slopes by u and by v; 0 beyond the ends.
     pub fn slopes(&self, u: f32, v: f32) -> (f32, f32) {
         if self.values.is_none() {
             return (0.0, 0.0);
@@ -226,18 +227,18 @@ impl TableData {
         (if inside(u) { by_u() } else { 0.0 }, if inside(v) { by_v() } else { 0.0 })
     }
 
-    /// The slope by u where neighbouring Bézier points differ by 1.
+    /// The slope by u if neighbouring Bézier points differ by 1.
     fn columns_scale(&self) -> f32 {
         3.0 * self.columns.saturating_sub(1) as f32
     }
 
-    /// The slope by v where neighbouring Bézier points differ by 1.
+    /// The slope by v if neighbouring Bézier points differ by 1.
     fn rows_scale(&self) -> f32 {
         if self.rows > 1 { 3.0 * self.scroll().1 } else { 0.0 }
     }
 
-    /// Bounds of [`TableData::slopes`] over intervals of the coordinates. They contain the 0 beyond an end if the
-    /// interval reaches beyond it.
+    /// Returns bounds of [`TableData::slopes`] over intervals of the coordinates. They include the slope 0 beyond an
+    /// end if the interval reaches that far.
     pub fn slope_bounds(&self, u: Interval, v: Interval) -> (Interval, Interval) {
         if self.unknown.is_some() {
             return (Interval::ALL, Interval::ALL);
@@ -269,7 +270,7 @@ impl TableData {
         )
     }
 
-    /// Bounds of the value over intervals of the coordinates: the extremes of the Bézier points that count there.
+    /// Returns bounds of the value over intervals of the coordinates: the extremes of the Bézier points that affect it.
     pub fn bounds(&self, u: Interval, v: Interval) -> Interval {
         let bounds = match (self.unknown, self.touched(u, v)) {
             (Some((lo, hi)), _) => Interval { lo, hi },
@@ -280,13 +281,13 @@ impl TableData {
             return bounds;
         }
         let error = bounds.lo.abs().max(bounds.hi.abs()) * ROUNDING + f32::MIN_POSITIVE;
-        // Weights are never negative, so neither is the value of points that are not.
+        // Weights are never negative, so non-negative points give a non-negative value.
         let lo = if bounds.lo >= 0.0 { (bounds.lo - error).max(0.0) } else { bounds.lo - error };
         Interval { lo, hi: bounds.hi + error }
     }
 
-    /// The extremes, and the first and last column and row of the patches that can be read. None for a table without
-    /// entries.
+    /// Returns the extremes, and the first and last column and row of the patches that can be read. `None` for a table
+    /// without entries.
     fn touched(&self, u: Interval, v: Interval) -> Option<Touched<'_>> {
         let derived = self.derived.as_ref()?;
         let touched = |coordinate: Interval, count: usize, place: &dyn Fn(f32) -> (usize, f32)| {
@@ -307,8 +308,8 @@ impl TableData {
         Extremes { values: of(0), across: of(1), down: of(2) }
     }
 
-    /// The ranges of a patch's 4 x 4 Bézier points and of their differences along columns and rows, the latter widened
-    /// by their rounding. NaN if an entry is not finite.
+    /// The ranges of a patch's 4 x 4 Bézier points and of their differences along columns and rows. The differences are
+    /// widened by their rounding. NaN if an entry is not finite.
     fn patch(&self, row: usize, piece: usize) -> [(f32, f32); 3] {
         let strips = self.strips(row, piece);
         let points: [Points; 4] = array::from_fn(|k| match self.rows {
@@ -330,7 +331,7 @@ fn blended(strips: [Points; 4], weights: Points) -> Points {
     array::from_fn(|k| dot(weights, strips.map(|points| points[k])))
 }
 
-/// The least and the greatest number, or NaN if one is not finite.
+/// The least and the greatest number; NaN if one is not finite.
 fn range(numbers: impl Iterator<Item = f32>) -> (f32, f32) {
     numbers.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), number| match number.is_finite() {
         true if low.is_nan() => (low, high),
@@ -345,7 +346,7 @@ mod tests {
 
     use super::*;
 
-    /// The cubic B-spline, 1 unit between knots (de Boor 1978).
+    /// The cubic B-spline, with 1 unit between knots (de Boor 1978).
     fn cubic(x: f64) -> f64 {
         let x = x.abs();
         match x {
@@ -387,7 +388,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn sound_tables_had_facets_and_are_cubic_splines(
+        fn sound_tables_are_cubic_splines(
             columns in 1_usize..12,
             rows in 1_usize..12,
             seed in prop::collection::vec(-1.0_f32..1.0, 144),
@@ -444,7 +445,7 @@ mod tests {
     }
 
     #[test]
-    fn curves_end_level_and_go_on_as_constants() {
+    fn curves_end_level_and_continue_as_constants() {
         let table = TableData::row(vec![0.0, 1.0, 2.0, 3.0]);
         for end in [0.0, 1.0] {
             assert!(table.slopes(end, 0.0).0.abs() < 1e-5);

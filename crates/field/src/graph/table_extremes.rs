@@ -1,8 +1,8 @@
-//! The least and the greatest number in any rectangle of a table, without looking at each.
+//! The least and the greatest number in any rectangle of a table, without visiting every entry.
 //!
-//! Bounds of a whole tree of cells ask for rectangles of thousands of entries, thousands of times for each frame. A
-//! segment tree over the columns, whose nodes are segment trees over the rows, answers from at most four times
-//! log2(rows) times log2(columns) nodes, exactly.
+//! Building a tree of cells asks for rectangles of thousands of entries, thousands of times per frame. A segment tree
+//! over the columns, whose nodes are segment trees over the rows, gives the exact answer from at most four times
+//! log2(rows) times log2(columns) nodes.
 
 use super::interval::Interval;
 
@@ -11,13 +11,13 @@ use super::interval::Interval;
 pub(super) struct TableExtremes {
     columns: usize,
     rows: usize,
-    /// Node `column * 2 * rows + row`: both indices count as in a segment tree, whose root is 1 and whose leaves begin at
-    /// the number of entries. Those of a column lie together, because cells that are looked at one after the other often ask
-    /// for the same one. An entry that is not finite has no bounds.
+    /// Node `column * 2 * rows + row`. Both indices count as in a segment tree, whose root is 1 and whose leaves begin
+    /// at the number of entries. The nodes of a column are adjacent, because consecutive cells often ask for the same
+    /// column. An entry that is not finite has no bounds.
     nodes: Vec<(f32, f32)>,
 }
 
-/// The bounds of nothing.
+/// The bounds of an empty rectangle.
 const NONE: (f32, f32) = (f32::INFINITY, f32::NEG_INFINITY);
 
 fn hull(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
@@ -25,7 +25,8 @@ fn hull(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
 }
 
 impl TableExtremes {
-    /// Those of a table of rows with `columns` entries each, of which the bounds are given, row after row.
+    /// Builds the trees of a table of rows with `columns` entries each. `entries` are the bounds of the entries, row
+    /// after row.
     pub(super) fn of(entries: impl ExactSizeIterator<Item = (f32, f32)>, columns: usize) -> Self {
         let rows = entries.len().checked_div(columns).unwrap_or(0);
         let height = 2 * rows;
@@ -51,8 +52,8 @@ impl TableExtremes {
         Self { columns, rows, nodes }
     }
 
-    /// The extremes in these columns and rows, the ends included; [`Interval::ANY`] if an entry there is not finite. An
-    /// empty rectangle has the bounds of nothing.
+    /// Returns the extremes in these columns and rows, the ends included; [`Interval::ANY`] if an entry there is not
+    /// finite. An empty rectangle has `lo > hi`.
     pub(super) fn within(&self, columns: (usize, usize), rows: (usize, usize)) -> Interval {
         let mut found = NONE;
         each_node(self.columns, columns, |column| {
@@ -66,7 +67,7 @@ impl TableExtremes {
     }
 }
 
-/// The nodes of a segment tree over `count` entries that make up the range, its ends included.
+/// Visits the nodes of a segment tree over `count` entries that make up the range, its ends included.
 fn each_node(count: usize, (first, last): (usize, usize), mut visit: impl FnMut(usize)) {
     if count == 0 {
         return;
@@ -94,7 +95,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn extremes_are_those_of_the_entries(
+        fn extremes_match_a_search_of_all_entries(
             columns in 1_usize..9,
             rows in 1_usize..9,
             seed in prop::collection::vec(-100.0_f32..100.0, 81),
@@ -124,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_without_entries_has_none() {
+    fn a_table_without_entries_has_empty_bounds() {
         for empty in [4, 0].map(|columns| TableExtremes::of([].into_iter(), columns)) {
             assert!(empty.within((0, 3), (0, 0)).lo > empty.within((0, 3), (0, 0)).hi);
         }

@@ -1,4 +1,4 @@
-//! What the graph promises: exactness, soundness, sharing, limits, depth.
+//! Tests of the graph's guarantees: exactness, soundness, sharing, limits, depth.
 
 use proptest::prelude::*;
 
@@ -69,8 +69,8 @@ proptest! {
     }
 }
 
-/// Every operator on every other, in the arrangements that rules look for, at points where rounding and infinities
-/// matter.
+/// Applies every operator to every other, in the arrangements that rules look for, at points where rounding and
+/// infinities matter.
 #[test]
 fn every_pair_of_operators_is_simplified_exactly() {
     let frame = frame();
@@ -118,7 +118,7 @@ fn every_pair_of_operators_is_simplified_exactly() {
     }
 }
 
-/// Intervals with special ends, tried at all special numbers within them; also where only one end is NaN.
+/// Tries intervals with special ends at all special numbers within them, also if only one end is NaN.
 #[test]
 fn bounds_hold_specials() {
     let frame = frame();
@@ -172,7 +172,7 @@ fn bounds_hold_specials() {
     }
 }
 
-/// One-operand rules on intervals between neighbours of a dense sweep over all magnitudes.
+/// Checks one-operand rules on intervals between neighbours of a dense sweep over all magnitudes.
 #[test]
 fn bounds_hold_densely_for_one_operand() {
     let frame = frame();
@@ -193,7 +193,7 @@ fn bounds_hold_densely_for_one_operand() {
 }
 
 #[test]
-fn no_operator_tells_zeros_apart() {
+fn no_operator_distinguishes_zeros() {
     let frame = frame();
     for &op in Op::ALL {
         for other in SPECIALS {
@@ -201,7 +201,7 @@ fn no_operator_tells_zeros_apart() {
                 (op.value(0.0, other, &frame), op.value(-0.0, other, &frame)),
                 (op.value(other, 0.0, &frame), op.value(other, -0.0, &frame)),
             ] {
-                assert!(same(plus + 0.0, minus + 0.0), "{op:?} beside {other:?}: {plus:?} {minus:?}");
+                assert!(same(plus + 0.0, minus + 0.0), "{op:?} with {other:?}: {plus:?} {minus:?}");
             }
         }
     }
@@ -220,7 +220,7 @@ fn no_operator_makes_a_nan_of_finite_numbers() {
     }
 }
 
-/// The properties on which simplification relies, on every pair of special numbers.
+/// Checks the properties that simplification relies on, for every pair of special numbers.
 #[test]
 fn properties_hold() {
     let frame = frame();
@@ -247,9 +247,9 @@ fn properties_hold() {
     }
 }
 
-/// Slopes compared with central differences, where the operators are smooth.
+/// Compares slopes with central differences, where the operators are smooth.
 #[test]
-fn slopes_are_those_of_the_values() {
+fn slopes_match_differences() {
     let frame = frame();
     let step = 1.0 / 256.0;
     for &op in Op::ALL {
@@ -273,7 +273,7 @@ fn slopes_are_those_of_the_values() {
 }
 
 #[test]
-fn table_slopes_are_those_of_the_values() {
+fn table_slopes_match_differences() {
     let frame = frame();
     for i in 0..15 {
         let (u, v, step) = ((i as f32 + 0.5) / 15.0, 0.4, 1e-3);
@@ -314,13 +314,13 @@ fn equal_expressions_are_one_node() {
     assert_eq!(graph.len(), before + 1);
     let (zero, minus_zero) = (graph.constant(0.0), graph.constant(-0.0));
     assert_eq!(zero, minus_zero);
-    // The table of nodes keeps all nodes when it grows.
+    // The hash table keeps all nodes when it grows.
     let constants: Vec<NodeId> = (0..5_000).map(|i| graph.constant(i as f32 + 0.5)).collect();
     let again: Vec<NodeId> = (0..5_000).map(|i| graph.constant(i as f32 + 0.5)).collect();
     assert_eq!(constants, again);
 }
 
-/// The purpose of the rules: the shortest form comes out.
+/// The rules produce the shortest form.
 #[test]
 fn rules_apply() {
     let mut g = Graph::new();
@@ -357,7 +357,7 @@ fn rules_apply() {
 }
 
 #[test]
-fn select_takes_one_side_whatever_the_other_is() {
+fn select_ignores_the_other_side() {
     let mut g = Graph::new();
     let (x, y, z) = (g.input(Input::X), g.input(Input::Y), g.input(Input::Z));
     let root = g.select(x, y, z);
@@ -373,7 +373,7 @@ fn select_takes_one_side_whatever_the_other_is() {
 }
 
 #[test]
-fn helpers_mean_what_they_say() {
+fn helpers_match_their_definitions() {
     let mut g = Graph::new();
     let (x, y, z) = (g.input(Input::X), g.input(Input::Y), g.input(Input::Z));
     let roots = [
@@ -390,7 +390,7 @@ fn helpers_mean_what_they_say() {
 }
 
 #[test]
-fn a_full_graph_says_so() {
+fn a_full_graph_returns_an_error() {
     let limits = Limits { graph_nodes_max: 10, ..LIMITS };
     let mut graph = Graph::with_limits(&limits);
     let mut node = graph.input(Input::X);
@@ -443,7 +443,7 @@ fn dot_names_nodes_and_edges() {
 }
 
 #[test]
-fn inputs_used_are_those_that_the_root_needs() {
+fn inputs_used_include_only_those_of_the_root() {
     let mut g = Graph::new();
     let (x, y, t) = (g.input(Input::X), g.input(Input::Y), g.input(Input::T));
     let spectrum = g.unary(Op::Spectrum, x);
@@ -455,7 +455,7 @@ fn inputs_used_are_those_that_the_root_needs() {
     assert_eq!(used.textures.into_iter().collect::<Vec<_>>(), [3]);
 }
 
-/// Neighbouring cells share no pattern: mean and spread of the hash are those of a uniform random number.
+/// Neighbouring cells are independent: the hash has the mean, variance and correlation of a uniform random number.
 #[test]
 fn hash_is_spread_evenly() {
     let count = 100 * 100;
