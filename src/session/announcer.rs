@@ -1,4 +1,4 @@
-//! What there is to report about the tracks: sentences that appear over the picture, one after the other.
+//! Notices about tracks, shown over the frame one after another.
 
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -9,27 +9,27 @@ use crate::ui::overlay::{Notice, NowPlaying};
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_player::{MissedAudio, PlayerStatus, TrackErrors};
 
-/// Most sentences that wait; if there are more, the oldest are dropped.
+/// The most waiting notices; above this the oldest are dropped.
 const WAITING_MAX: usize = 3;
 
-/// See the module.
+/// The notice that is shown, and those that wait.
 #[derive(Default)]
 pub(crate) struct Announcer {
     waiting: VecDeque<String>,
     shown: Option<Sentence>,
     track_errors: u64,
     missed_audio: u64,
-    /// The id and the name of the track that was looked at last.
+    /// Id and name of the last track that was looked at.
     track: Option<(u64, String)>,
 }
 
-/// What shows.
+/// A notice that is shown.
 struct Sentence {
     text: String,
-    /// Drawn below the text, 0..1.
+    /// Length of the bar below the text, 0..1.
     fraction: Option<f32>,
     since: Instant,
-    /// Whether it tells where in the track we are, and goes on doing so.
+    /// True for the position in the track, which is updated while shown.
     is_position: bool,
 }
 
@@ -40,7 +40,7 @@ impl Sentence {
 }
 
 impl Announcer {
-    /// Shows `text` as soon as the present sentence is gone.
+    /// Shows `text` after the current notices.
     pub(crate) fn say(&mut self, text: String) {
         if self.waiting.len() == WAITING_MAX {
             self.waiting.pop_front();
@@ -48,36 +48,36 @@ impl Announcer {
         self.waiting.push_back(text);
     }
 
-    /// Shows `text` at once, in place of what shows.
+    /// Shows `text` at once, replacing the current notice.
     pub(crate) fn answer(&mut self, text: String) {
         self.answer_fraction(text, None);
     }
 
-    /// The same, with a share below the text, 0..1.
+    /// Shows `text` at once, with a bar of length 0..1 below it.
     pub(crate) fn answer_fraction(&mut self, text: String, fraction: Option<f32>) {
         self.shown = Some(Sentence::new(text, fraction, clock::now()));
     }
 
-    /// Shows at once where in the track we are, and follows it for as long as it shows.
+    /// Shows the position in the track at once, and updates it while shown.
     pub(crate) fn answer_position(&mut self, playing: &NowPlaying) {
         let since = clock::now();
         self.shown = Some(Sentence { is_position: true, ..position(playing, since) });
     }
 
-    /// Brings up to date what shows.
+    /// Updates a shown position.
     pub(crate) fn follow(&mut self, playing: &NowPlaying) {
         if let Some(shown) = self.shown.as_mut().filter(|shown| shown.is_position) {
             *shown = Sentence { is_position: true, ..position(playing, shown.since) };
         }
     }
 
-    /// Reports what is new: problems and what was not heard (on the terminal too), and a change of track.
+    /// Reports new track errors and missed audio (also on the terminal), and a change of track.
     pub(crate) fn look(&mut self, status: &PlayerStatus) {
         self.look_at_track_errors(&status.track_errors);
         self.look_at_missed_audio(status.missed_audio);
         let track = (status.track.id, status.track.name.clone());
         if self.track.as_ref() != Some(&track) {
-            // The first words tell which track plays at the start.
+            // At the start the scene's first notice names the track.
             if self.track.is_some() {
                 self.answer(described(&status.track));
             }
@@ -91,7 +91,7 @@ impl Announcer {
         self.track_errors = track_errors.count;
         let text = match new {
             1 => last.clone(),
-            _ => format!("{new} problems with tracks, the last one: {last}"),
+            _ => format!("{new} track errors, the last one: {last}"),
         };
         tell(&text);
         self.say(text);
@@ -106,21 +106,21 @@ impl Announcer {
         }
     }
 
-    /// Makes room for the sentences that wait.
+    /// Shows the next waiting notice once the current one has faded.
     pub(crate) fn update(&mut self, now: Instant) {
         if self.notice().is_none_or(|notice| notice.is_gone(now)) {
             self.shown = self.waiting.pop_front().map(|text| Sentence::new(text, None, now));
         }
     }
 
-    /// What shows.
+    /// The current notice.
     pub(crate) fn notice(&self) -> Option<Notice<'_>> {
         let shown = self.shown.as_ref()?;
         Some(Notice { text: &shown.text, fraction: shown.fraction, since: shown.since })
     }
 }
 
-/// Where in the track we are, in words; of an input, whether it is listened to.
+/// The position in the track as text; for an input, its state.
 fn position(playing: &NowPlaying, since: Instant) -> Sentence {
     let words = match (playing.live, playing.paused) {
         (false, false) => playing.times(),
@@ -131,7 +131,7 @@ fn position(playing: &NowPlaying, since: Instant) -> Sentence {
     Sentence::new(words, playing.fraction().filter(|_| !playing.live), since)
 }
 
-/// A track in words: its name, and its place among several.
+/// A track as text: its name, and its position among several.
 fn described(track: &TrackInfo) -> String {
     match track.count {
         0 | 1 => track.name.clone(),
@@ -148,16 +148,16 @@ pub(crate) fn next_repeat(repeat: Repeat) -> Repeat {
     }
 }
 
-/// In which order tracks play.
+/// The order in which tracks play.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct TrackOrder {
-    /// What follows the last track, and each one.
+    /// The repeat mode after each track and after the last one.
     pub repeat: Repeat,
-    /// Whether the order is random.
+    /// True if the order is random.
     pub shuffled: bool,
 }
 
-/// A change of order in words: the repeat mode or the random order, whichever is new.
+/// The text for a change of order: the repeat mode or the random order, whichever is new.
 pub(crate) fn words_of(before: TrackOrder, after: TrackOrder) -> &'static str {
     match (before.shuffled, after.shuffled) {
         (false, true) => "tracks in random order",
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_heard_is_told_once() {
+    fn missed_audio_is_reported_once() {
         let mut announcer = Announcer::default();
         let missed_audio = |count, seconds| MissedAudio { count, seconds, ..MissedAudio::default() };
         announcer.look_at_missed_audio(missed_audio(0, 0.0));
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn a_position_that_was_asked_for_goes_on_and_a_newer_answer_replaces_it() {
+    fn a_requested_position_is_updated_until_a_newer_answer_replaces_it() {
         let mut announcer = Announcer::default();
         let mut playing = NowPlaying { position: 83.0, duration: Some(225.0), ..Default::default() };
         announcer.answer_position(&playing);
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn sentences_wait_for_each_other_and_floods_are_counted() {
+    fn notices_wait_for_each_other_and_many_errors_become_one_notice() {
         let mut announcer = Announcer::default();
         let track_errors = |count| TrackErrors { count, last: Some("x is gone".into()) };
         announcer.look_at_track_errors(&track_errors(1));
@@ -223,7 +223,7 @@ mod tests {
         assert_eq!(text(&announcer), Some("x is gone"));
         now += Duration::from_secs(10);
         announcer.update(now);
-        assert_eq!(text(&announcer), Some("399 problems with tracks, the last one: x is gone"));
+        assert_eq!(text(&announcer), Some("399 track errors, the last one: x is gone"));
         (0..9).for_each(|n| announcer.say(n.to_string()));
         now += Duration::from_secs(10);
         announcer.update(now);

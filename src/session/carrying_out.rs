@@ -1,4 +1,4 @@
-//! The one place that carries out commands, whoever sent them.
+//! Carries out the commands of all senders.
 
 use super::{Interface, Playback, Session};
 use crate::commands::{Command, Panel, SceneName, Sender, SetSetting, ShowState};
@@ -9,7 +9,7 @@ use crate::session::screen::Screen;
 use mariana_control::midi::Target;
 
 impl Session {
-    /// Carries out a command. Does nothing if it asks a switch for the state that it has already.
+    /// Carries out a command. Does nothing if a switch already has the requested state.
     pub(crate) fn carry_out(&mut self, command: Command, sender: Sender) {
         if command.row().is_on.is_some() && command.is_done_already(&self.state()) {
             return self.playback.hurry_reports();
@@ -26,7 +26,7 @@ impl Session {
             Command::SeekTo(seconds) => self.playback.with_song(|player| player.seek_to(seconds)),
             Command::Position(fraction) => self.playback.seek_to_fraction(&mut *self.screen, fraction),
             Command::VolumeBy(delta) => self.playback.change_volume(|player| player.change_volume(delta)),
-            // The rail of the bar shows the volume by itself.
+            // The volume slider of the bar already shows the volume.
             Command::Volume(volume) if sender == Sender::Window => self.playback.with_song(|player| {
                 player.set_volume(volume);
                 if player.status().muted {
@@ -130,20 +130,20 @@ impl Session {
             }
             Command::Leave => self.leave(),
             Command::ToggleHelp => self.interface.ui_state.panels.toggle_help(),
-            // The loop ends before it comes here.
+            // The loop ends before this command arrives here.
             Command::Quit => {}
         }
         self.playback.hurry_reports();
     }
 
-    /// Carries out commands of keys and panels.
+    /// Carries out the commands of keys and panels.
     pub(super) fn carry_out_all(&mut self, commands: impl IntoIterator<Item = Command>) {
         for command in commands {
             self.carry_out(command, Sender::Window);
         }
     }
 
-    /// The state of the show, for those who display or control it.
+    /// The state of the show, for displays and controllers.
     pub(super) fn state(&mut self) -> ShowState {
         let song = self.playback.listening.with_song(|player| player.status());
         let playing = self.playback.reports.playing();
@@ -167,13 +167,14 @@ impl Session {
 }
 
 impl Playback {
-    /// Shows the scene of this title, or of this number from 1, marked ones first.
+    /// Shows the scene with this title or number. Numbers start at 1, with the favourite scenes
+    /// first.
     fn show_scene_named(&mut self, name: SceneName) {
         match name {
             SceneName::Title(title) => {
                 match self.scene.library().all_sources().into_iter().find(|scene| scene.title() == title) {
                     Some(scene) => self.scene.show_source(scene),
-                    None => self.reports.answer(format!("there is no scene '{title}': B shows them all")),
+                    None => self.reports.answer(format!("there is no scene '{title}': press B for a list")),
                 }
             }
             SceneName::Number(number) => self.show_scene_number(number),
@@ -182,7 +183,7 @@ impl Playback {
 }
 
 impl Interface {
-    /// Turns the camera by a movement of the pointer, in pixels.
+    /// Turns the camera by a movement of the pointer in pixels.
     fn turn_camera(&mut self, playback: &mut Playback, screen: &mut dyn Screen, way: [f64; 2]) {
         if !self.is_for_picture(screen, self.input.began()) {
             return;
@@ -192,14 +193,14 @@ impl Interface {
         playback.scene.move_camera(|orbit, own| orbit.drag((way[0] / height, way[1] / height), own));
     }
 
-    /// Moves the camera nearer by notches of the wheel.
+    /// Zooms the camera by notches of the wheel.
     fn zoom_camera(&mut self, playback: &mut Playback, screen: &mut dyn Screen, notches: f64) {
         if self.is_for_picture(screen, self.input.began()) {
             playback.scene.move_camera(|orbit, _| orbit.zoom(notches));
         }
     }
 
-    /// Shows the present scene in an editor that is open.
+    /// Shows the current scene in the editor, if it is open.
     fn show_scene_in_editor(&mut self, playback: &mut Playback) {
         if let Some(editor) =
             self.ui_state.editor.as_mut().filter(|_| self.ui_state.panels.open() == Some(Panel::Editor))

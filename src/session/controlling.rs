@@ -1,4 +1,4 @@
-//! What hands from outside do on the stage.
+//! Input of external controllers, and the panel that shows them.
 
 use std::time::Instant;
 
@@ -14,7 +14,7 @@ use mariana_control::midi::{Outcome, Target};
 use mariana_control::{InputBatch, Present};
 
 impl Session {
-    /// Turns what hands wish to turn, and returns what they wish to be done.
+    /// Applies the parameter changes of controllers, and returns their other actions.
     pub(super) fn take_input(&mut self) -> Vec<Action> {
         if let Some((sentence, is_bad)) = self.playback.controllers.news() {
             tell(&sentence);
@@ -47,7 +47,7 @@ impl Session {
         if self.playback.scene.revision() != before {
             self.playback.controllers.note_turned(since, self.playback.scene.revision());
         } else if self.playback.scene.shown_parameters().are_turning() {
-            // It begins where it was, and the next picture shows it a little further.
+            // The parameter starts from its old value, and the next frame shows the first step.
             self.playback.controllers.note_turned(since, before + 1);
         }
         self.playback.answer(learned);
@@ -56,7 +56,7 @@ impl Session {
         actions
     }
 
-    /// Puts up how the show stands for those who ask, if it is time.
+    /// Publishes the show's state for controllers, if it is due.
     fn put_up_board(&mut self, turned: bool, now: Instant) {
         if !self.playback.controllers.board_is_due(turned, now) {
             return;
@@ -81,29 +81,29 @@ impl Session {
 }
 
 impl Playback {
-    /// How long it took from messages to the frames that show them, for the log.
+    /// Time from messages to the frames that show them, for the log.
     pub(super) fn message_times(&self) -> &FrameTimes {
         self.controllers.times()
     }
 
-    /// When there is something to do for hands.
+    /// The time of the controllers' next task.
     pub(super) fn controllers_due(&self) -> Option<Instant> {
         self.controllers.due()
     }
 
-    /// Whether scenes follow the song.
+    /// True if scenes follow the song.
     pub(crate) fn follows(&self) -> bool {
         self.direction.follows(self.listening.playing())
     }
 
-    /// Lets a fade from scene to scene by hand take so many seconds.
+    /// Sets the duration of manual fades in seconds.
     pub(super) fn set_fade(&mut self, seconds: f32) {
         let seconds = f64::from(seconds).clamp(0.0, SETTING_LIMITS.fade_seconds_max);
         let words = self.scene.composer_mut().fading_mut().set_seconds(seconds);
         self.reports.answer(words);
     }
 
-    /// Goes to a share of the track, 0..1.
+    /// Seeks to a fraction of the track, 0..1.
     pub(super) fn seek_to_fraction(&mut self, screen: &mut dyn Screen, fraction: f32) {
         self.with_song(|player| {
             if let Some(duration) = player.status().track.duration {
@@ -115,7 +115,7 @@ impl Playback {
 }
 
 impl Interface {
-    /// Opens the panel of knobs from outside, or closes it; then nothing is learned any more.
+    /// Opens or closes the controllers panel. Closing it stops learning.
     pub(super) fn show_controllers(&mut self, playback: &mut Playback, open: bool) {
         if open {
             self.ui_state.controllers.get_or_insert_default();
@@ -125,7 +125,7 @@ impl Interface {
         }
     }
 
-    /// Brings the panel up to date, if it is open.
+    /// Updates the panel, if it is open.
     pub(super) fn update_controllers(&mut self, playback: &mut Playback) {
         if self.ui_state.controllers.is_some() && playback.controllers.panel_is_due(clock::now()) {
             self.put_up_controllers(playback);
@@ -139,12 +139,12 @@ impl Interface {
         }
     }
 
-    /// Learns which knob turns something, or stops learning it.
+    /// Starts or stops learning the knob for `target`.
     pub(super) fn learn(&mut self, playback: &mut Playback, target: Target) {
         if let Some(why) = playback.controllers.midi_trouble() {
             return playback
                 .reports
-                .answer(format!("no knob can be learned, because there is no MIDI: {why}"));
+                .answer(format!("cannot learn a knob, because MIDI is not available: {why}"));
         }
         playback.controllers.learn(target);
         self.update_controllers(playback);

@@ -1,4 +1,4 @@
-//! The entries of a show file that wait for a key, and when it was pressed.
+//! The cues of a show file, which wait for a key, and the times of the key presses.
 
 use std::sync::Arc;
 
@@ -7,39 +7,39 @@ use crate::session::direction::OfTrack;
 use crate::show::PreparedShow;
 use mariana_music::SongStructure;
 
-/// See the module.
+/// The cues of the current show and track.
 #[derive(Default)]
 pub(super) struct Cues {
-    /// The track that they were pressed in.
+    /// The track of the key presses.
     track: OfTrack,
-    /// The show before any was pressed, and the song it is for.
+    /// The show without key presses, and its song.
     show: Option<(Arc<PreparedShow>, Arc<SongStructure>)>,
-    /// When the key was pressed, in seconds of the song, rising.
+    /// Times of the key presses in seconds of the song, ascending.
     pressed: Vec<f64>,
 }
 
-/// What a press of the key does.
+/// The result of a key press.
 #[derive(Debug)]
 pub(super) enum Pressed {
-    /// No entry of the show waits for it.
+    /// The show has no cues.
     NoCues,
-    /// All of them have come.
+    /// All cues have been used.
     NoneLeft,
-    /// Another scene comes.
+    /// The next cue is used.
     Cue {
-        /// The show with it.
+        /// The show including it.
         prepared_show: Arc<PreparedShow>,
-        /// Which cue it is, from 1.
+        /// Number of the cue, from 1.
         number: usize,
-        /// How many there are.
+        /// Number of cues.
         of: usize,
-        /// The scene, as the show calls it.
+        /// The scene's name in the show.
         scene: String,
     },
 }
 
 impl Cues {
-    /// Takes a show for a track, or the same one after its file has changed: what was pressed stays.
+    /// Sets the show of a track. Key presses stay valid if only the show's file has changed.
     pub(super) fn take(
         &mut self,
         track: OfTrack,
@@ -53,13 +53,14 @@ impl Cues {
         self.show = show.map(|show| (show, song.unwrap_or_default()));
     }
 
-    /// The show with what was pressed; none if nothing was.
+    /// The show with the key presses so far; `None` without any.
     pub(super) fn prepared_show(&self) -> Option<Arc<PreparedShow>> {
         let (show, song) = self.show.as_ref().filter(|_| !self.pressed.is_empty())?;
         Some(Arc::new(show.with_cues(song, &self.pressed)))
     }
 
-    /// The key is pressed at `time` seconds of the song. Who went back in the song presses anew what came later.
+    /// Notes a key press at `time` seconds of the song. After a seek back, later presses are
+    /// forgotten.
     pub(super) fn press(&mut self, time: f64) -> Pressed {
         let Some((show, song)) = &self.show else { return Pressed::NoCues };
         let cues = show.cues();
@@ -77,7 +78,7 @@ impl Cues {
         }
     }
 
-    /// What the next press brings.
+    /// The scene of the next key press.
     pub(super) fn next(&self) -> Option<SceneSource> {
         let (show, _) = self.show.as_ref()?;
         show.source(show.cues().get(self.pressed.len())?).cloned()
@@ -90,7 +91,7 @@ mod tests {
     use crate::show::ShowSource;
 
     #[test]
-    fn a_press_brings_the_next_cue_and_after_a_seek_back_the_same_again() {
+    fn a_press_takes_the_next_cue_and_after_a_seek_back_the_same_cue_again() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("my.show");
         std::fs::write(&path, "at start orb\nat cue city cut\nat 30 s gyroid\nat cue letters cut\n").unwrap();
@@ -109,11 +110,11 @@ mod tests {
         assert_eq!(on(cues.press(10.0), 10.0), (1, "city".to_owned()));
         assert_eq!(on(cues.press(40.0), 40.0), (2, "letters".to_owned()));
         assert!(matches!(cues.press(50.0), Pressed::NoneLeft));
-        // The show's own entries stay where they are.
+        // The show's timed entries keep their times.
         assert_eq!(cues.prepared_show().unwrap().at(35.0).unwrap().clip.scene, "gyroid");
         assert_eq!(on(cues.press(20.0), 25.0), (2, "letters".to_owned()));
         assert_eq!(on(cues.press(5.0), 8.0), (1, "city".to_owned()));
-        // A save of the file keeps what was pressed, another track does not.
+        // Saving the file keeps the key presses, another track does not.
         cues.take(Some(7), Some(Arc::new(show.clone())), None);
         assert!(cues.prepared_show().is_some());
         cues.take(Some(8), Some(Arc::new(show)), None);

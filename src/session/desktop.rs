@@ -1,13 +1,14 @@
-//! Media keys and the desktop's controls for players, as a session sees them.
+//! The interface of a session to media keys and the desktop's media controls.
 
 use crate::commands::Command;
 use mariana_player::PlayerStatus;
 
-/// See the module.
+/// Media keys and the desktop's media controls.
 pub(crate) trait DesktopControls {
-    /// Returns the next command that the desktop has sent, if any.
+    /// Returns the next command from the desktop, if any.
     fn poll(&self) -> Option<Command>;
 
-    /// Reports the state of playback to the desktop. A song that has not `started` waits for the first picture.
+    /// Reports the state of playback to the desktop. A song that has not `started` waits for the
+    /// first frame.
     fn show(&self, status: &PlayerStatus, started: bool, fullscreen: bool);
 }

@@ -1,4 +1,4 @@
-//! Lets the scenes follow the song, as the director or a show file says.
+//! The control of scenes by a show: the director's or one from a file.
 
 use super::cues::Pressed;
 use super::{Playback, Session};
@@ -11,15 +11,15 @@ use mariana_player::Moment;
 use std::sync::Arc;
 
 /// The answer to key A when it starts a show.
-const FOLLOWS: &str = "the scenes follow the song: K keeps one, A ends it";
+const FOLLOWS: &str = "the scenes follow the song: press K to keep a scene, A to stop";
 
 impl Session {
-    /// Lets the scenes follow the songs, or stay as they are.
+    /// Toggles if scenes follow the songs.
     pub(super) fn toggle_follow(&mut self) {
         let playing = self.playback.listening.playing();
         let (follow, words) = match (self.playback.direction.follows(playing), playing) {
-            (true, _) => (FollowChoice::Off, "the scene stays: A lets the scenes follow the song"),
-            // Not `On`: a scene on the next command line has to stay.
+            (true, _) => (FollowChoice::Off, "the scene stays: press A to let scenes follow the song"),
+            // Not `On`: a scene named on the next command line must stay.
             (false, Playing::Song | Playing::Demo) => (FollowChoice::Songs, FOLLOWS),
             (false, Playing::Input) => (FollowChoice::On, FOLLOWS),
         };
@@ -29,12 +29,12 @@ impl Session {
 }
 
 impl Playback {
-    /// Brings the scene on that the show has at a moment.
+    /// Requests the show's scene for a moment.
     pub(super) fn direct(&mut self, moment: Option<Moment>) {
         let Some(moment) = moment else { return };
         self.controllers.note_sound(&moment.features, &moment.song, clock::now());
         let (track, playing) = (self.listening.track_of(moment), self.listening.playing());
-        // Of an input nothing is known before it is heard.
+        // The structure of an input is unknown in advance.
         let song = track.map_or_else(|| Some(Arc::default()), |track| self.listening.structure(track));
         let scene = &self.scene;
         match self.direction.update(track, playing, song.clone(), || scene.library().all_sources()) {
@@ -75,17 +75,15 @@ impl Playback {
         self.follow_master_output(moment.song_time);
     }
 
-    /// Brings what a show file holds for a key.
+    /// Takes the next cue of the show file.
     pub(super) fn next_cue(&mut self) {
         let words = match self.listening.now() {
             _ if !self.scene.show().has_prepared_show() => {
-                "no show is on: A lets the scenes follow the song".to_owned()
+                "no show is running: press A to let scenes follow the song".to_owned()
             }
             None => return,
             Some(moment) => match self.cues.press(moment.song_time) {
-                Pressed::NoCues => {
-                    "this show has no cues: `at cue SCENE` in a show file waits for Enter".to_owned()
-                }
+                Pressed::NoCues => "this show has no cues: add `at cue SCENE` to the show file".to_owned(),
                 Pressed::NoneLeft => "that was the last cue of the show".to_owned(),
                 Pressed::Cue { prepared_show, number, of, scene } => {
                     self.scene.show_mut().extend_prepared_show(prepared_show, self.cues.next());
@@ -96,10 +94,10 @@ impl Playback {
         self.reports.answer(words);
     }
 
-    /// Keeps the scene that is on until this is called again.
+    /// Locks the current scene until the next call.
     pub(super) fn toggle_keep(&mut self) {
         let words = match self.scene.show().has_prepared_show() {
-            false => "the scenes do not follow the song: A lets them",
+            false => "the scenes do not follow the song: press A first",
             true if self.scene.show_mut().toggle_lock() => "this scene stays until K is pressed again",
             true => "the scenes follow the song again",
         };

@@ -1,4 +1,4 @@
-//! Makes the show of the track that plays, on a thread of its own, and makes it again when its file changes.
+//! Creates the show of the current track on its own thread, and again when the show's file changes.
 
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -8,23 +8,23 @@ use crate::scenes::{Loader, SceneSource};
 use crate::show::{PreparedShow, ShowError, ShowSource};
 use mariana_music::SongStructure;
 
-/// The number of the track that plays; none for an input.
+/// Id of the playing track; `None` for an input.
 pub(crate) type OfTrack = Option<u64>;
 
-/// What there is to say of a show.
+/// News about a show.
 pub(crate) enum ShowNotice {
-    /// This is the show now, or there is none.
+    /// The current show; `None` if there is none.
     PreparedShow(Option<Arc<PreparedShow>>),
-    /// Parts of a show file do not fit the song, or the file has mistakes: what was on goes on.
+    /// The show file has mistakes; the previous show continues.
     Problem {
-        /// What is wrong, in a line.
+        /// One-line summary.
         heading: String,
-        /// Where, and what to do.
+        /// The place of the mistake, and how to fix it.
         text: String,
     },
 }
 
-/// What a show is made for.
+/// The inputs that a show is made from.
 #[derive(Default)]
 struct Asked {
     track: OfTrack,
@@ -32,7 +32,7 @@ struct Asked {
     scenes: Vec<SceneSource>,
 }
 
-/// A show that was made for a track; and what of it does not fit the song.
+/// A show made for a track, and a message about the parts that do not fit the song.
 struct Made {
     track: OfTrack,
     show: Result<(PreparedShow, Option<String>), ShowError>,
@@ -41,7 +41,7 @@ struct Made {
 /// The source of the sound.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) enum Playing {
-    /// An input. Before the first song also nothing.
+    /// An input, or nothing before the first song.
     #[default]
     Input,
     /// A song of the user.
@@ -50,16 +50,16 @@ pub(crate) enum Playing {
     Demo,
 }
 
-/// See the module.
+/// The choice of the show, and the thread that creates it.
 pub(crate) struct Direction {
     loader: Loader<Made>,
     asked: Arc<Mutex<Asked>>,
-    /// A show that the command line names.
+    /// A show named on the command line.
     named: Option<ShowSource>,
     follow: FollowChoice,
-    /// Whether the command line names a scene, which then stays.
+    /// True if the command line names a scene, which then stays.
     names_scene: bool,
-    /// What was asked for last, and for which track.
+    /// The last requested show and its track.
     of: Option<(ShowSource, OfTrack)>,
 }
 
@@ -67,7 +67,7 @@ impl Direction {
     /// Starts the thread, which calls `wake` for each show.
     ///
     /// # Errors
-    /// What the system says about threads.
+    /// The thread cannot be started.
     pub(crate) fn start(
         named: Option<ShowSource>,
         follow: FollowChoice,
@@ -92,7 +92,7 @@ impl Direction {
         Ok(Self { loader, asked, named, follow, names_scene, of: None })
     }
 
-    /// Lets the show follow the song as it is chosen from now on.
+    /// Sets the user's choice of when scenes follow the song.
     pub(crate) fn set_follow(&mut self, follow: FollowChoice) {
         self.follow = follow;
         self.names_scene = false;
@@ -118,7 +118,8 @@ impl Direction {
         }
     }
 
-    /// Takes note of what plays, and what is known of it. `scenes` are those among which the director chooses.
+    /// Updates the track and its song structure. The director chooses among `scenes`. Returns news
+    /// about the show.
     pub(crate) fn update(
         &mut self,
         track: OfTrack,
@@ -146,7 +147,8 @@ impl Direction {
                     self.of = Some((source, track));
                     self.loader.request(key);
                 } else if self.of.take().is_some() {
-                    // The show of the last track is over; what is on stays until this one is known.
+                    // The show of the last track is over. The current scene stays until this track
+                    // is known.
                     return Some(ShowNotice::PreparedShow(None));
                 }
             }
@@ -158,7 +160,7 @@ impl Direction {
         }
         match made.show {
             Ok((prepared_show, None)) => {
-                // In a song without sections the director has no reason to change the scene.
+                // The director has no reason to change scenes in a song without sections.
                 let is_live = made.track.is_none();
                 let says_something = is_live || self.named.is_some() || prepared_show.clips().len() > 1;
                 says_something.then(|| ShowNotice::PreparedShow(Some(Arc::new(prepared_show))))
@@ -167,12 +169,12 @@ impl Direction {
                 tracing::warn!("parts of the show do not fit the song:\n{text}");
                 Some(ShowNotice::PreparedShow(Some(Arc::new(prepared_show))))
             }
-            // Each broken scene is reported where it is loaded.
+            // Each broken scene is reported by its loader.
             Err(ShowError::NoScenes) => Some(ShowNotice::PreparedShow(None)),
             Err(error) => {
                 tracing::warn!("{error}");
                 Some(ShowNotice::Problem {
-                    heading: "the show has mistakes; what was on goes on".to_owned(),
+                    heading: "the show has mistakes; the previous show continues".to_owned(),
                     text: error.to_string(),
                 })
             }
@@ -185,13 +187,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_single_song_had_no_show() {
+    fn songs_are_followed_by_default_and_inputs_on_request() {
         let of = |follow, names_scene| Direction::start(None, follow, names_scene, || {}).unwrap();
         let untouched = of(FollowChoice::default(), false);
         assert!(untouched.follows(Playing::Song) && untouched.follows(Playing::Demo));
         assert!(!untouched.follows(Playing::Input), "inputs are followed on request");
         let mut named = of(FollowChoice::default(), true);
-        assert!(!named.follows(Playing::Song), "the scene that was named is kept");
+        assert!(!named.follows(Playing::Song), "a scene named on the command line is kept");
         named.set_follow(FollowChoice::Songs);
         assert!(named.follows(Playing::Song), "A was pressed");
         assert!(!of(FollowChoice::Off, false).follows(Playing::Song));

@@ -1,6 +1,6 @@
-//! A show without a window, a sound card or a desktop: it prepares scenes, listens, composes pictures, lays panels over
-//! them and carries out commands. Whoever runs it hands in a [`screen::Screen`], which gives an OpenGL context and input
-//! and shows the pictures.
+//! The session: it prepares scenes, listens, composes frames, draws panels over them and carries
+//! out commands. It needs no window, sound card or desktop: its owner passes a [`screen::Screen`],
+//! which provides an OpenGL context and input, and presents the frames.
 
 mod announcer;
 mod carrying_out;
@@ -86,35 +86,35 @@ use crate::ui::pointer_rest::PointerRest;
 use crate::ui::user_input::UserInput;
 use mariana_player::Player;
 
-/// How often a show that stands still looks for changes.
+/// How often an idle session looks for changes.
 const IDLE_INTERVAL: Duration = Duration::from_millis(250);
-/// How often it does so while it waits for a sound that it could show.
+/// The same while the session waits for sound that would change the frame.
 const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
 
-/// See the module.
+/// A running session and everything that it owns.
 pub(crate) struct Session {
     playback: Playback,
     interface: Interface,
-    /// What was chosen, for this run.
+    /// The choices of this run, from the command line and the settings.
     choices: Choices,
-    /// Whether the command line says what songs play on.
+    /// True if the command line names the audio output of songs.
     names_output: bool,
-    /// Whether an output was chosen since the start.
+    /// True if the user has chosen an output since the start.
     chose_output: bool,
-    /// When the words of a window without a picture were last shown, and in which size.
+    /// When, and in which size, the texts of a window without a frame were last shown.
     waited: Option<(Instant, (u32, u32))>,
-    /// The state that was written for the next show.
+    /// State saved for the next run.
     legacy: leaving::Legacy,
-    // Last: everything above that holds OpenGL objects is dropped first.
+    // Last, so that everything above that holds OpenGL objects is dropped first.
     screen: Box<dyn Screen>,
 }
 
-/// What is heard and seen, whoever controls it: the sound, the scenes with their show, and the pictures.
+/// Sound, scenes with their show, and frames, however they are controlled.
 pub(crate) struct Playback {
     listening: Listening,
     scene: SceneSession,
     direction: Direction,
-    /// Chooses scenes while an input is listened to.
+    /// Chooses scenes while an audio input plays.
     live: Option<LiveDirector>,
     cues: Cues,
     /// Controllers: MIDI, OSC and phones.
@@ -122,46 +122,46 @@ pub(crate) struct Playback {
     renderer: Renderer,
     shaders: ShaderLibrary,
     pace: DrawingPace,
-    /// Brightness, blackout, and whether the picture is held.
+    /// Brightness, blackout, and the freeze of the frame.
     master_output: MasterOutput,
-    /// How long after nothing the first picture is shown, until the limiter of flashes has taken it.
+    /// Time from black to the first frame, in seconds, until the flash limiter has taken it.
     first_shown_after: Option<f64>,
-    /// The scene that comes next, as a small picture.
+    /// The next scene, drawn as a small frame.
     preview: Preview,
-    /// Where pictures are sent.
+    /// The receivers of frames outside this window.
     frame_senders: FrameSenders,
-    /// What is recorded of the show.
+    /// The recording of the show's events.
     recording: Recording,
     reports: Reports,
 }
 
-/// What a user has in front of him: panels, the pointer, the editor.
+/// The user interface: panels, pointer and editor.
 pub(crate) struct Interface {
     overlay: Overlay,
     ui_state: UiState,
     input: UserInput,
     pointer_rest: PointerRest,
-    /// What was done in panels during the last picture.
+    /// Events in panels since the last frame.
     ui_events: Vec<UiEvent>,
-    /// Texts that are edited, for those that load scenes.
+    /// Texts that are being edited, for the scene loaders.
     drafts: Drafts,
-    /// What looks into pictures for the editor.
+    /// Reads values from the frame for the editor.
     probing: inspecting::Probing,
-    /// How long keys of the editor took.
+    /// The response times of the editor's keys.
     typing_times: TypingTimes,
-    /// What finds the pictures of the list of scenes.
+    /// Finds the thumbnails of the scene list.
     thumbnails: Option<Thumbnails>,
     /// When to request thumbnails of the folder's scenes; `None` once requested.
     thumbnails_ahead: Option<Instant>,
-    /// The folder in which something was last picked.
+    /// The folder in which a file was last picked.
     last_folder: Option<PathBuf>,
-    /// Where things of the user are kept.
+    /// The user's folders for settings and data.
     folders: Folders,
     waker: Waker,
 }
 
 impl Session {
-    /// Takes input. Returns the command that a key or the mouse sends, if no panel takes it.
+    /// Takes input. Returns the command of a key or the mouse if no panel consumes the input.
     pub(crate) fn take(&mut self, input: &Input) -> Option<Command> {
         self.interface.pointer_rest.take(input, clock::now());
         if self.interface.overlay.on_input(input) {
@@ -173,7 +173,7 @@ impl Session {
         self.interface.input.take(input, clock::now())
     }
 
-    /// Hands a key to the panel that is open. Returns whether it was meant for it.
+    /// Passes a key to the open panel. Returns `true` if the panel consumed it.
     fn take_for_panels(&mut self, input: &Input) -> bool {
         let Some((key, held)) = self.interface.input.typed(input) else { return false };
         let command_key = held.control_key() || held.super_key();
@@ -210,10 +210,10 @@ impl Session {
         taken
     }
 
-    /// Title and messages. Returns whether a song that plays once is over.
+    /// Updates the title and the messages. Returns `true` when a song that plays once has ended.
     ///
     /// # Errors
-    /// The only song cannot be played on.
+    /// The only song can no longer be played.
     pub(super) fn look_at_status(&mut self, settings: &PlaySettings) -> Result<bool, SessionError> {
         if !self.playback.reports.is_due(clock::now()) {
             return Ok(false);
@@ -250,11 +250,11 @@ impl Session {
         Ok(status.ended && settings.once)
     }
 
-    /// Takes in what other threads have finished, requests a picture if one is due, and returns when to look again if
-    /// nothing happens before.
+    /// Takes the results of other threads and requests a frame if one is due. Returns when to look
+    /// again if nothing happens earlier.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver reports an error.
     pub(super) fn look_around(&mut self) -> Result<Instant, SessionError> {
         let dropped = self.interface.input.take_dropped();
         if !dropped.is_empty() {
@@ -279,7 +279,7 @@ impl Session {
         }
         let to_send = self.playback.send(&mut *self.screen, now)?;
         let edited = self.playback.scene.saves_samples(now);
-        // A picture that was begun is not begun again because the text rests.
+        // A frame in progress is finished even if the edited text comes to rest.
         if edited || !self.playback.scene.composer().is_drawing() {
             self.playback.pace.set_edited(edited);
         }
@@ -305,20 +305,20 @@ impl Session {
         if self.playback.holds_picture() {
             self.playback.record_again(now);
         }
-        // A picture that is held changes no more.
+        // A frozen frame does not change.
         let changes =
             (moves || self.playback.could_be_better(&*self.screen, now)) && !self.playback.holds_picture();
         let moving = changes
             || self.playback.is_dimming(now)
             || self.screen.is_stale()
             || overlay_due.is_some_and(|due| due <= now);
-        // The first picture starts the song, seen or not.
+        // The first frame starts the song, visible or not.
         let seen = self.screen.is_seen()
             || self.playback.pace.shown().is_none()
             || self.playback.frame_senders.are_any();
         if !moving || !seen {
-            // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
-            // any time.
+            // Paused, ended or covered: nothing to draw until something happens. In silence, sound
+            // may start at any time.
             if seen {
                 self.update_preview(now, None)?;
             }
@@ -339,7 +339,6 @@ impl Session {
 }
 
 impl Playback {
-    /// Pauses the sound or lets it run.
     pub(crate) fn set_paused(&mut self, paused: bool) {
         self.listening.want_paused(paused);
         if self.pace.shown().is_some() {
@@ -347,12 +346,12 @@ impl Playback {
         }
     }
 
-    /// Does something with the song, if it is what is listened to.
+    /// Applies `act` to the song, if a song is the current source.
     pub(crate) fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
         let _ = self.listening.with_song(act);
     }
 
-    /// Changes the volume of the song or whether it is muted, and tells how loud it is then.
+    /// Changes the song's volume or mute, and shows the new volume.
     pub(super) fn change_volume(&mut self, act: impl FnOnce(&mut Player)) {
         let after = self.listening.with_song(|player| {
             act(player);
@@ -364,20 +363,18 @@ impl Playback {
             Some((volume, false)) => {
                 self.reports.answer_fraction(format!("volume {:.0} %", 100.0 * volume), Some(volume));
             }
-            None => {
-                self.reports.answer("the volume is that of the song, and an input is listened to".to_owned())
-            }
+            None => self.reports.answer("no song is playing: an audio input has no volume here".to_owned()),
         }
     }
 
-    /// Shows where in the track we are.
+    /// Shows the position in the track.
     pub(crate) fn answer_position(&mut self, screen: &mut dyn Screen) {
-        // What was done a moment ago shows at once.
+        // Update first, so that a change made just now is included.
         self.note_playing(screen);
         self.reports.answer_position();
     }
 
-    /// Changes the order of the tracks; does nothing while another source is listened to.
+    /// Changes the order of the tracks. Does nothing while another source plays.
     pub(crate) fn set_order(&mut self, change: impl FnOnce(TrackOrder) -> TrackOrder) {
         let words = self.listening.set_order(change);
         self.answer(words);
@@ -389,24 +386,25 @@ impl Playback {
         }
     }
 
-    /// Shows the next view or the one before. Its colours stand for numbers, so the change must not be dimmed as a
-    /// flash. The key does not repeat: only single presses by hand escape the limiter.
+    /// Shows the next or the previous view. The flash limiter is reset, because it would distort
+    /// the colours of a view, which encode numbers. The key does not repeat: only single key
+    /// presses bypass the limiter.
     pub(super) fn go_view(&mut self, forward: bool) {
         self.scene.go_view(forward);
         self.renderer.forget_flashes();
     }
 
-    /// The next command of media keys and the desktop, if any.
+    /// The next command from media keys or the desktop, if any.
     pub(crate) fn command_of_desktop(&self) -> Option<Command> {
         self.reports.command_of_desktop()
     }
 
-    /// Looks at the state of the sound at once, because something was changed.
+    /// Updates the reports at once, because the state of the sound has changed.
     pub(super) fn hurry_reports(&mut self) {
         self.reports.hurry();
     }
 
-    /// Notes what plays at this moment.
+    /// Updates the reports with the current playback.
     fn note_playing(&mut self, screen: &mut dyn Screen) {
         let fullscreen = screen.is_fullscreen();
         if let Some(live) = self.listening.live_status() {
@@ -422,19 +420,19 @@ impl Playback {
         }
     }
 
-    /// How long a show that stands still sleeps: in silence it listens.
+    /// How long an idle session sleeps. In silence it listens more often.
     fn idle_interval(&self, seen: bool) -> Duration {
         if seen && !self.listening.is_paused() { LISTEN_INTERVAL } else { IDLE_INTERVAL }
     }
 
-    /// How long frames took, for the log.
+    /// Frame times, for the log.
     pub(super) fn frame_times(&self) -> &FrameTimes {
         self.pace.times()
     }
 }
 
 impl Interface {
-    /// Enters full screen or leaves it.
+    /// Toggles full screen.
     pub(super) fn toggle_fullscreen(&mut self, screen: &mut dyn Screen) {
         let full = !screen.is_fullscreen();
         screen.set_fullscreen(full);
@@ -443,7 +441,8 @@ impl Interface {
         }
     }
 
-    /// Passes a key to the controls if they have the focus or get it; returns `true` if the key was used.
+    /// Passes a key to the controls if they have the focus or get it. Returns `true` if they used
+    /// the key.
     fn go_through_controls(&mut self, screen: &mut dyn Screen, key: &Key, held: Modifiers) -> bool {
         let begins = *key == Key::Named(NamedKey::Tab)
             && (held.shift_key() || self.overlay.is_assisted())
@@ -461,13 +460,13 @@ impl Interface {
         taken
     }
 
-    /// Does what assistive technology asks for, before anything else is drawn.
+    /// Carries out requests of assistive technology before the next frame is drawn.
     pub(super) fn assist(&mut self, screen: &mut dyn Screen, assistance: Assistance) {
         self.overlay.assist(assistance);
         screen.request_redraw();
     }
 
-    /// How long keys of the editor took to be seen, for the log.
+    /// The response times of the editor's keys, for the log.
     pub(super) fn typing_times(&self) -> &TypingTimes {
         &self.typing_times
     }

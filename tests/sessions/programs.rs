@@ -148,7 +148,7 @@ fn an_interpreter_that_the_driver_refuses_is_not_tried_again_and_a_smaller_one_d
         "MARIANA_FAULT" = "no-interpreter@0"
     );
     let place = Place::new();
-    let sentence = "this driver has no interpreter for all scenes: each scene gets its own";
+    let sentence = "this driver cannot compile the universal interpreter: each scene gets its own";
     // A fault strikes once: the first session only.
     let app = place.open(&[]);
     app.wait_until_reported(sentence);
@@ -230,7 +230,7 @@ fn a_driver_that_compiles_for_long_is_told_once_and_the_show_goes_on() {
     let app = place.open(&["--sdf", "compiled"]);
     wait_for_channel(&app, 0);
     let reported = app.quit_content();
-    let [words, rest] = ["the driver is still compiling", " own: nothing can be shown before"];
+    let [words, rest] = ["the driver is still compiling", " own: the window stays empty until then"];
     let reported: Vec<&str> =
         reported.lines().filter(|line| line.contains(" WARN ") && line.contains(words)).collect();
     assert!(matches!(reported[..], [only] if only.ends_with(&format!("{words}{rest}"))), "{reported:?}");
@@ -243,7 +243,7 @@ fn a_scene_goes_on_while_another_program_takes_long() {
     let app = place.open(&["--sdf", "compiled"]);
     wait_for_channel(&app, 0);
     app.press(&["c"]);
-    app.wait_until_reported("the driver is still compiling an interpreter: the show goes on without it");
+    app.wait_until_reported("the driver is still compiling an interpreter: the current scene stays until then");
     app.wait_for_title("interpreted", |title| title.contains("interpreted"));
     wait_for_channel(&app, 0);
     app.quit_content();

@@ -290,14 +290,14 @@ fn r_changes_whether_regions_are_used_but_not_the_picture() {
         app.press(&["Left"]);
         let before = app.wait_until_still();
         app.press(&["r"]);
-        app.wait_until_reported(if first == "on" { "told: no regions" } else { "told: regions" });
+        app.wait_until_reported(if first == "on" { "message: no regions" } else { "message: regions" });
         if first == "off" {
             // The compiled program was made without code for cells.
             app.wait_until_reported("own is requested, compiled, with cells");
         }
         let after = app.wait_until_still();
         assert_alike(&format!("window-{mode}-regions-not-{first}"), &after, &before, TIGHT);
-        let back = if first == "on" { "told: regions" } else { "told: no regions" };
+        let back = if first == "on" { "message: regions" } else { "message: no regions" };
         app.wait_until(back, |app| {
             // If trees came too late to be used, the key means regions once more.
             app.press(&["r"]);

@@ -487,14 +487,14 @@ impl App {
 
 /// Returns `true` if the log holds a sentence that the program prints on standard error.
 fn complains(reported: &str) -> bool {
-    reported.lines().any(|line| line.trim_start().starts_with("DEBUG told: "))
+    reported.lines().any(|line| line.trim_start().starts_with("DEBUG message: "))
 }
 
 /// Sentences for the user, warnings and errors in what was told and logged.
 pub(crate) fn reported_problems(reported: &str) -> Vec<String> {
     let is_complaint = |line: &&str| {
         let line = line.trim_start();
-        line.starts_with("DEBUG told: ") || line.starts_with("WARN") || line.starts_with("ERROR")
+        line.starts_with("DEBUG message: ") || line.starts_with("WARN") || line.starts_with("ERROR")
     };
     reported.lines().filter(is_complaint).map(str::to_owned).collect()
 }

@@ -1,40 +1,40 @@
-//! What a show does with the parameters of a scene at a moment.
+//! The clips of a show that move a scene's parameters at one moment.
 
 use super::knobs::Knob;
 use crate::show::{Clip, Moved};
 use mariana_control::Directed;
 
-/// The stays that move a scene's parameters at a moment; in a blend one for each of the two worlds.
+/// The active clips of a scene; in a blend, one for each of its two worlds.
 #[derive(Default)]
 pub(super) struct ActiveClips<'a> {
-    /// That of the scene, or in a blend of the scene that goes.
+    /// The clip of the scene; in a blend, of the outgoing scene.
     pub first: Option<&'a Clip>,
-    /// In a blend that of the scene that comes.
+    /// In a blend, the clip of the incoming scene.
     pub second: Option<&'a Clip>,
 }
 
-/// The values that a show gives parameters at a moment, by their names.
+/// The parameter values that a show sets at one moment, by name.
 pub(super) struct Moves<'a> {
     first: Vec<Moved<'a>>,
     second: Vec<Moved<'a>>,
 }
 
 impl<'a> ActiveClips<'a> {
-    /// The moves at `time` seconds of the song.
+    /// The values at `time` seconds of the song.
     pub(super) fn moves(&self, time: f64) -> Moves<'a> {
         let of = |clip: Option<&'a Clip>| clip.map(|clip| clip.moved_at(time)).unwrap_or_default();
         Moves { first: of(self.first), second: of(self.second) }
     }
 
-    /// That of the scene which is seen, in a blend of the one that comes.
+    /// The clip of the visible scene; in a blend, of the incoming scene.
     pub(super) fn last(&self) -> Option<&'a Clip> {
         self.second.or(self.first)
     }
 }
 
 impl Moves<'_> {
-    /// What the show does with the parameter of a knob, in a scene of which `split` parameters belong to the scene that
-    /// goes.
+    /// The show's value for the parameter of a knob. The first `split` parameters of the scene
+    /// belong to the outgoing scene.
     pub(super) fn of(&self, knob: &Knob, name: &str, split: usize) -> Option<Directed> {
         let moves = if knob.place < split { &self.first } else { &self.second };
         let moved = moves.iter().find(|moved| moved.name == name)?;

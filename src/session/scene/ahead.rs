@@ -1,9 +1,10 @@
-//! The next and the previous scene, prepared while the present one is shown, so that a change to them takes one
-//! picture.
+//! The next and the previous scene, prepared while the current one is shown, so that a change to
+//! them takes one frame.
 //!
-//! They come after everything else: one at a time, when the present scene is complete and the compilers have nothing
-//! to do. Each has a loader of its own, which watches its files, so what is prepared is as new as the files. A scene
-//! that is gone to takes its loader along; the one that was shown stays prepared on the other side.
+//! They have the lowest priority: one at a time, when the current scene is complete and the
+//! compilers are idle. Each has its own loader, which watches its files, so that prepared scenes
+//! are always up to date. When a prepared scene is shown, its loader goes with it; the scene shown
+//! until then stays prepared on the other side.
 
 use std::sync::Arc;
 
@@ -20,20 +21,20 @@ use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
 use mariana_field::world::World;
 use mariana_music::Features;
 
-/// Size of the picture that nobody sees: no power of two, because those of windows are none either, and large enough
-/// to tell what a pixel costs.
+/// Size of the hidden frame. Not a power of two, as windows are not either, and large enough to
+/// measure the cost of a pixel.
 const REHEARSAL_SIZE: (u32, u32) = (90, 54);
 /// Approximate bytes of a scene's program.
 const PROGRAM_BYTES: u64 = 20 << 20;
-/// Approximate bytes of a picture's texel: decoded, and on the GPU with its mip levels.
+/// Approximate bytes of an image's texel: decoded, and on the GPU with its mip levels.
 const TEXEL_BYTES: u64 = 15;
 
-/// See the module.
+/// The scenes prepared ahead.
 #[derive(Default)]
 pub(super) struct PreparedAhead {
-    /// The next scene and the previous one; none if nothing is prepared.
+    /// The next and the previous scene; `None` if preparation is off.
     neighbours: Option<[Neighbour; 2]>,
-    /// What decided which they are.
+    /// The selection that `neighbours` were set for.
     of: Option<WantedAhead>,
 }
 
@@ -43,39 +44,36 @@ struct Neighbour {
     state: State,
 }
 
-/// Which scenes are prepared.
+/// The selection of scenes to prepare.
 #[derive(Debug, PartialEq)]
 pub(super) enum WantedAhead {
-    /// Those beside a scene in the list.
+    /// The neighbours of a scene in the list.
     Neighbours(SceneSource),
-    /// What a show has next.
+    /// The next scenes of a show.
     Upcoming([Option<SceneSource>; 2]),
 }
 
-/// What the neighbour lacks that is being prepared.
+/// The missing part of a neighbour, to be prepared next.
 pub(super) struct Lacking {
-    /// The scene.
     pub id: u64,
-    /// A program of this mode.
+    /// Mode of the missing program.
     pub program: Option<Mode>,
-    /// Its first tree of regions.
+    /// True if its first region tree is missing.
     pub tree: bool,
 }
 
 enum State {
-    /// Nobody has asked for it.
+    /// Not requested yet.
     Unasked,
-    /// It is being loaded.
     Loading,
-    /// It is loaded.
     Loaded {
         scene: Box<PreparedScene>,
-        /// Whether its first tree was requested.
+        /// True if its first tree was requested.
         has_asked: bool,
-        /// Whether it was drawn.
+        /// True if it was drawn once.
         is_rehearsed: bool,
     },
-    /// It is prepared when somebody goes there, if that is possible.
+    /// Preparation failed or was abandoned; the scene is prepared when it is shown.
     Left,
 }
 
@@ -86,13 +84,13 @@ impl State {
 }
 
 impl PreparedAhead {
-    /// Prepares with these loaders; without them nothing.
+    /// Uses these loaders. `None` turns preparation off.
     pub(super) fn with(loaders: Option<[SceneLoader; 2]>) -> Self {
         let vacant = |loader| Neighbour { loader, source: None, state: State::Unasked };
         Self { neighbours: loaders.map(|loaders| loaders.map(vacant)), of: None }
     }
 
-    /// The loaders, for another session.
+    /// Returns the loaders, for another session.
     pub(super) fn into_loaders(self) -> Option<[SceneLoader; 2]> {
         self.neighbours.map(|neighbours| neighbours.map(|neighbour| neighbour.loader))
     }
@@ -105,12 +103,12 @@ impl PreparedAhead {
         self.neighbours.iter_mut().flatten()
     }
 
-    /// The scenes that are loaded.
+    /// The loaded scenes.
     pub(super) fn scenes(&self) -> impl Iterator<Item = &PreparedScene> {
         self.all().filter_map(Neighbour::scene)
     }
 
-    /// The same, to be changed.
+    /// The loaded scenes, mutable.
     pub(super) fn scenes_mut(&mut self) -> impl Iterator<Item = &mut PreparedScene> {
         self.all_mut().filter_map(|neighbour| match &mut neighbour.state {
             State::Loaded { scene, .. } => Some(&mut **scene),
@@ -118,7 +116,7 @@ impl PreparedAhead {
         })
     }
 
-    /// Gives up preparing the scene that a program was meant for, or all that need an interpreter.
+    /// Abandons the scene that a program was meant for, or all scenes that need an interpreter.
     pub(super) fn leave(&mut self, task: &Task) {
         self.leave_where(|scene| match task {
             Task::Compiled { id, .. } => *id == scene.id,
@@ -127,7 +125,7 @@ impl PreparedAhead {
         });
     }
 
-    /// Gives up preparing some scenes.
+    /// Abandons the scenes for which `is_left` is true.
     fn leave_where(&mut self, is_left: impl Fn(&PreparedScene) -> bool) {
         for neighbour in self.all_mut() {
             if neighbour.scene().is_some_and(&is_left) {
@@ -136,7 +134,7 @@ impl PreparedAhead {
         }
     }
 
-    /// Takes the first tree of a scene; without one it is no longer prepared.
+    /// Takes the first tree of a scene. Without a tree the scene is abandoned.
     pub(super) fn take_tree(&mut self, id: u64, tree: Option<Arc<BuiltRegions>>) {
         let Some(tree) = tree else { return self.leave_where(|scene| scene.id == id) };
         if let Some(scene) = self.scenes_mut().find(|scene| scene.id == id) {
@@ -145,7 +143,7 @@ impl PreparedAhead {
         }
     }
 
-    /// Trees that were requested have been forgotten, because another scene is coming.
+    /// Requests trees again: earlier requests are dropped when another scene comes.
     pub(super) fn ask_again_for_trees(&mut self) {
         for neighbour in self.all_mut() {
             if let State::Loaded { scene, has_asked, .. } = &mut neighbour.state {
@@ -154,7 +152,7 @@ impl PreparedAhead {
         }
     }
 
-    /// Keeps a scene that was shown, if it is a neighbour of the one that is.
+    /// Keeps a scene that was shown, if it is a neighbour of the current one.
     pub(super) fn keep(&mut self, shown: PreparedScene) {
         let has_room = self.has_room_for(shown.resources.world());
         let waits = |neighbour: &&mut Neighbour| {
@@ -165,8 +163,8 @@ impl PreparedAhead {
         }
     }
 
-    /// Prepares these from now on, and keeps what of them is there already. `neighbours_of` knows those beside a scene.
-    /// Returns whether they are others than before.
+    /// Sets the scenes to prepare and keeps those already prepared. `neighbours_of` returns the
+    /// neighbours of a scene. Returns `true` if the selection has changed.
     pub(super) fn want(
         &mut self,
         wanted: WantedAhead,
@@ -199,7 +197,7 @@ impl PreparedAhead {
         }
     }
 
-    /// Whether a source is prepared and was drawn once: it can be shown in the next picture.
+    /// True if a source is prepared and was drawn once, so that the next frame can show it.
     pub(super) fn has_rehearsed(&self, source: &SceneSource) -> bool {
         self.all().any(|neighbour| {
             neighbour.source.as_ref() == Some(source)
@@ -207,12 +205,12 @@ impl PreparedAhead {
         })
     }
 
-    /// What is prepared, the next one first.
+    /// The prepared sources, the next scene first.
     pub(super) fn next_sources(&self) -> impl Iterator<Item = &SceneSource> {
         self.all().filter_map(|neighbour| neighbour.source.as_ref())
     }
 
-    /// The scenes that were drawn once, the next one first.
+    /// The scenes that were drawn once, the next scene first.
     pub(super) fn rehearsed(&self) -> impl Iterator<Item = &PreparedScene> {
         self.all().filter_map(|neighbour| match &neighbour.state {
             State::Loaded { scene, is_rehearsed: true, .. } => Some(&**scene),
@@ -220,7 +218,7 @@ impl PreparedAhead {
         })
     }
 
-    /// Gives a source away that is prepared and was drawn once.
+    /// Removes and returns a scene that is prepared and was drawn once.
     pub(super) fn give(&mut self, source: &SceneSource) -> Option<PreparedScene> {
         let neighbour = self.all_mut().find(|neighbour| neighbour.source.as_ref() == Some(source))?;
         if !matches!(neighbour.state, State::Loaded { is_rehearsed: true, .. }) {
@@ -233,14 +231,14 @@ impl PreparedAhead {
         }
     }
 
-    /// Whether there is room for another scene.
+    /// True if the memory limit allows another scene.
     pub(super) fn has_room_for(&self, world: &World) -> bool {
         let taken: u64 = self.scenes().map(|scene| bytes_of(scene.resources.world())).sum();
         taken + bytes_of(world) <= LIMITS.prepared_bytes_max
     }
 
-    /// Takes the neighbour that is gone to, if it is loaded, and leaves the loader of the scene that was shown in
-    /// its place: the sides change.
+    /// Takes the neighbour that is to be shown, if it is loaded. The loader of the scene shown
+    /// until now takes its place, and the sides are swapped.
     pub(super) fn take(
         &mut self,
         to: &SceneSource,
@@ -260,7 +258,7 @@ impl PreparedAhead {
         Some(*scene)
     }
 
-    /// The scenes that were loaded meanwhile, each with its place here.
+    /// The scenes loaded meanwhile, each with its index.
     pub(super) fn poll(&self) -> Vec<(usize, Loaded<Result<ReadyScene, SceneError>>)> {
         let loaded = self.all().enumerate().filter_map(|(at, neighbour)| {
             let loaded = neighbour.loader.poll()?;
@@ -269,14 +267,15 @@ impl PreparedAhead {
         loaded.collect()
     }
 
-    /// Puts a loaded scene at its place; without one it is prepared when somebody goes there.
+    /// Stores a loaded scene at its index; `None` abandons it.
     pub(super) fn put(&mut self, at: usize, scene: Option<PreparedScene>) {
         if let Some(neighbour) = self.all_mut().nth(at) {
             neighbour.state = scene.map_or(State::Left, |scene| State::loaded(scene, false));
         }
     }
 
-    /// Goes on with the first one that is not ready: has it loaded, or returns what it lacks.
+    /// Continues with the first neighbour that is not ready: requests its load, or returns its
+    /// missing parts.
     pub(super) fn go_on(&mut self, sdf: SdfChoice) -> Option<Lacking> {
         for neighbour in self.all_mut() {
             match &mut neighbour.state {
@@ -303,7 +302,7 @@ impl PreparedAhead {
         None
     }
 
-    /// Draws a neighbour that is ready but for its first draw, where nobody sees it.
+    /// Draws a hidden frame of a neighbour for which nothing else is missing.
     pub(super) fn rehearse(&mut self, sdf: SdfChoice, renderer: &mut Renderer) {
         for neighbour in self.all_mut() {
             let State::Loaded { scene, is_rehearsed, .. } = &mut neighbour.state else { continue };
@@ -336,7 +335,7 @@ impl Neighbour {
     }
 }
 
-/// Approximate bytes of a scene that can be drawn.
+/// Approximate memory of a scene that can be drawn, in bytes.
 fn bytes_of(world: &World) -> u64 {
     let texels =
         world.pictures.iter().map(|picture| u64::from(picture.width()) * u64::from(picture.height()));
@@ -356,7 +355,7 @@ mod tests {
         ahead.want(WantedAhead::Upcoming(sources), |_| [None, None])
     }
 
-    /// Waits for the next one that is loaded; returns its place.
+    /// Waits for the next loaded scene; returns its index and `true` if it loaded without errors.
     fn loaded(ahead: &PreparedAhead) -> (usize, bool) {
         let mut found = Vec::new();
         wait_until("a neighbour", || {
@@ -368,13 +367,13 @@ mod tests {
     }
 
     #[test]
-    fn the_next_scene_is_prepared_before_the_previous_one_and_a_broken_one_keeps_nobody_waiting() {
+    fn the_next_scene_is_prepared_before_the_previous_one_and_a_broken_scene_is_skipped() {
         let context = Headless::new(false).unwrap();
         let sdf = SdfChoice::Compiled;
         let [broken, ball, box_] = ["sphere(p", "sphere(p, 1)", "box(p, 1)"].map(text);
         let mut ahead = PreparedAhead::with(Some([loader(), loader()]));
         assert!(wanted(&mut ahead, [&broken, &ball]) && !wanted(&mut ahead, [&broken, &ball]));
-        assert!(ahead.go_on(sdf).is_none(), "it is being loaded");
+        assert!(ahead.go_on(sdf).is_none(), "still loading");
         assert_eq!(loaded(&ahead), (0, false));
         ahead.put(0, None);
         assert!(ahead.go_on(sdf).is_none());
@@ -382,20 +381,20 @@ mod tests {
         ahead.put(1, Some(uploaded(context.gl(), 7, &ball)));
         let lacking = ahead.go_on(sdf).unwrap();
         assert_eq!((lacking.id, lacking.program, lacking.tree), (7, Some(Mode::Compiled), true));
-        assert!(!ahead.go_on(sdf).unwrap().tree, "it was asked for");
-        assert!(!ahead.has_rehearsed(&ball) && ahead.give(&ball).is_none(), "it was not drawn yet");
-        // The scene is the next one now: it stays, whatever else comes.
+        assert!(!ahead.go_on(sdf).unwrap().tree, "already requested");
+        assert!(!ahead.has_rehearsed(&ball) && ahead.give(&ball).is_none(), "not drawn yet");
+        // The scene is now the next one and stays, whatever else comes.
         assert!(wanted(&mut ahead, [&ball, &box_]));
         assert_eq!(ahead.scenes().map(|scene| scene.id).collect::<Vec<_>>(), [7]);
         assert_eq!(ahead.next_sources().next(), Some(&ball));
-        // Its tree takes too long: the other one is prepared.
+        // Its tree takes too long: the other scene is prepared.
         ahead.take_tree(7, None);
         assert!(ahead.go_on(sdf).is_none() && ahead.scenes().next().is_none());
         assert_eq!(loaded(&ahead), (1, true));
     }
 
     #[test]
-    fn who_goes_to_a_neighbour_finds_the_way_back_prepared() {
+    fn the_scene_left_for_a_neighbour_stays_prepared() {
         let context = Headless::new(false).unwrap();
         let [ball, box_] = ["sphere(p, 1)", "box(p, 1)"].map(text);
         let mut ahead = PreparedAhead::with(Some([loader(), loader()]));
@@ -404,7 +403,7 @@ mod tests {
         let mut shown = loader();
         let scene = ahead.take(&box_, ball.clone(), &mut shown).unwrap();
         assert_eq!(scene.id, 1);
-        // The scene that was shown is on the other side, and comes from there at once.
+        // The scene shown until now is on the other side, ready to be shown again.
         ahead.keep(uploaded(context.gl(), 0, &ball));
         assert!(ahead.has_rehearsed(&ball));
         assert_eq!(ahead.take(&ball, box_, &mut shown).map(|scene| scene.id), Some(0));

@@ -1,37 +1,39 @@
-//! From a key of the editor to the next picture: that picture waits a moment for the changed text.
+//! The wait of the next frame for an edited text, after a key in the editor.
 //!
-//! A picture that is begun while the text is read shows the old text, and takes the processors that read the new one on
-//! a software renderer. So the wait makes edits show one picture earlier, and costs the show less than a picture.
+//! A frame that begins while the text is being read shows the old text; with a software renderer it
+//! also takes CPU time from the loader. The wait shows edits one frame earlier and costs less than
+//! a frame.
 
 use std::time::{Duration, Instant};
 
-/// How long a picture waits for a text. Most scenes are read in half of it.
+/// How long a frame waits for a text. Most scenes are read in half of this time.
 const PATIENCE: Duration = Duration::from_millis(20);
-/// A text that took longer than this is not waited for the next time. Drawing beside it may have doubled its time.
+/// After a load slower than this, frames do not wait for the next text. Drawing at the same time
+/// may have doubled the load time.
 const SLOW: Duration = Duration::from_millis(60);
 
-/// What is known of the text that is being read.
+/// State of the text that is being read.
 #[derive(Debug, Default)]
 pub(super) struct AwaitedEdit {
-    /// When it was asked for; none if nothing is awaited.
+    /// Time of the request; `None` if no text is awaited.
     since: Option<Instant>,
-    /// Whether the last one took long.
+    /// True if the last load took longer than [`SLOW`].
     is_slow: bool,
 }
 
 impl AwaitedEdit {
-    /// Notes that a changed text is being read.
+    /// Notes a request for a changed text.
     pub(super) fn ask(&mut self, now: Instant) {
         self.since = Some(now);
     }
 
-    /// Notes a text that was read in so much time.
+    /// Notes that a text was read, and the time it took.
     pub(super) fn note_loaded(&mut self, took: Duration) {
         self.since = None;
         self.is_slow = took > SLOW;
     }
 
-    /// Until when the next picture waits, if it does at `now`.
+    /// The end of the wait, if the next frame waits at `now`.
     pub(super) fn until(&self, now: Instant) -> Option<Instant> {
         self.since.filter(|_| !self.is_slow).map(|since| since + PATIENCE).filter(|until| *until > now)
     }
@@ -42,22 +44,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_picture_waits_for_a_text_that_is_read_soon_and_for_no_other() {
+    fn a_frame_waits_only_for_a_text_that_loads_fast() {
         let start = Instant::now();
         let at = |ms| start + Duration::from_millis(ms);
         let mut edit = AwaitedEdit::default();
         assert_eq!(edit.until(start), None);
         edit.ask(start);
         assert_eq!(edit.until(at(3)), Some(at(20)));
-        assert_eq!(edit.until(at(20)), None, "the show goes on");
+        assert_eq!(edit.until(at(20)), None, "the wait is over");
         edit.note_loaded(Duration::from_millis(9));
-        assert_eq!(edit.until(at(9)), None, "it is there");
+        assert_eq!(edit.until(at(9)), None, "already loaded");
         edit.ask(at(100));
         edit.note_loaded(Duration::from_millis(300));
         edit.ask(at(500));
-        assert_eq!(edit.until(at(501)), None, "it would wait in vain");
+        assert_eq!(edit.until(at(501)), None, "the last load was slow");
         edit.note_loaded(Duration::from_millis(10));
         edit.ask(at(600));
-        assert_eq!(edit.until(at(601)), Some(at(620)), "it has become shorter");
+        assert_eq!(edit.until(at(601)), Some(at(620)), "loads are fast again");
     }
 }

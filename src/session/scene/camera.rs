@@ -1,14 +1,14 @@
-//! The user's hand at the camera of the scene.
+//! The user's control of the scene's camera.
 
 use super::active_clips::ActiveClips;
 use crate::frame::orbit_controls::OrbitControls;
 
-/// See the module.
+/// The camera of the current scene, as the user or a show moves it.
 pub(super) struct SceneCamera {
     orbit: OrbitControls,
-    /// How the camera was moved in the last picture, by the hand or by a show.
+    /// The camera's motion in the last frame, set by the user or a show.
     shown: OrbitControls,
-    /// How far above its target the scene's own camera was in the last picture, in radians.
+    /// The pitch of the scene's own camera above its target in the last frame, in radians.
     own_pitch: f64,
     /// Counts the moves.
     revision: u64,
@@ -21,7 +21,7 @@ impl Default for SceneCamera {
 }
 
 impl SceneCamera {
-    /// Moves it by hand, from where a show has it. Returns what is said of the first move.
+    /// Moves the camera by hand, starting from the show's motion. The first move returns a message.
     pub(super) fn move_by(&mut self, change: impl FnOnce(&mut OrbitControls, f64)) -> Option<&'static str> {
         let was_off = self.orbit == OrbitControls::OFF;
         if was_off {
@@ -33,24 +33,24 @@ impl SceneCamera {
             .then_some("you are moving the camera: press Home to return to the scene's own")
     }
 
-    /// Gives it back to the scene. Returns what is said.
+    /// Returns the camera to the scene. Returns a message.
     pub(super) fn give_back(&mut self) -> &'static str {
         self.orbit = OrbitControls::OFF;
         self.revision += 1;
         "the scene's own camera"
     }
 
-    /// Another scene shows, whose camera no hand has moved.
+    /// Resets the camera for another scene.
     pub(super) fn forget(&mut self) {
         self.orbit = OrbitControls::OFF;
     }
 
-    /// How the hand has moved it.
+    /// The motion by the user.
     pub(super) fn orbit(&self) -> OrbitControls {
         self.orbit
     }
 
-    /// How it is moved at `time` seconds of the song: by the hand, or else as a show turns it.
+    /// The motion at `time` seconds of the song: by the user, or otherwise by the show.
     pub(super) fn at(&self, clips: &ActiveClips<'_>, time: f64) -> OrbitControls {
         match clips.last() {
             Some(clip) if self.orbit == OrbitControls::OFF => OrbitControls::of_turns(clip.turns_at(time)),
@@ -58,12 +58,12 @@ impl SceneCamera {
         }
     }
 
-    /// Notes how it is moved in a picture that is begun.
+    /// Notes the motion in a frame that begins.
     pub(super) fn note_shown(&mut self, shown: OrbitControls) {
         self.shown = shown;
     }
 
-    /// Notes how far above its target the scene's own camera is, in radians.
+    /// Notes the pitch of the scene's own camera above its target, in radians.
     pub(super) fn note_own_pitch(&mut self, pitch: f64) {
         self.own_pitch = pitch;
     }
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_move_begins_where_a_show_has_the_camera_and_says_how_to_return() {
+    fn the_first_move_starts_from_the_shows_camera_and_explains_how_to_return() {
         let mut camera = SceneCamera::default();
         let turned = OrbitControls::of_turns([0.25, 0.0, 1.0]);
         camera.note_shown(turned);

@@ -1,4 +1,5 @@
-//! The picture: composed of the scene that shows and the one that fades out, drawn in as many goes as it takes.
+//! The composer of frames: draws the current scene and the one that fades out, in as many steps as
+//! needed.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -29,69 +30,67 @@ use crate::view::legend::LegendPicture;
 use mariana_music::Sound;
 use mariana_player::Moment;
 
-/// A fade that was joined so late, as a share of it, begins with the picture that was on.
+/// A fade joined later than this fraction of its length starts from the last frame instead of both
+/// scenes.
 const LATE_FRACTION: f32 = 0.35;
 
-/// The picture that should be shown next.
+/// The frame to show next.
 pub(crate) struct WantedPicture {
-    /// The moment of the song.
     pub moment: Moment,
-    /// What it sounds like.
+    /// The sound at this moment.
     pub sound: Sound,
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Width of the window for each of its height.
+    /// Aspect ratio of the window: width divided by height.
     pub aspect: f64,
     /// The shaders' `frame_quality`.
     pub quality: f32,
     /// Further samples of pixels at edges.
     pub edges: EdgeSamples,
-    /// Whether the song runs.
+    /// True if the song is running.
     pub runs: bool,
 }
 
-/// A picture that was finished.
+/// A finished frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drawn {
-    /// What it shows.
     pub shown: Shown,
-    /// How long it took.
+    /// Drawing time.
     pub spent: Duration,
 }
 
-/// What pictures are composed of.
+/// The inputs that frames are composed of.
 #[derive(Clone, Copy)]
 pub(super) struct Ingredients<'a> {
-    /// The scenes.
     pub scenes: &'a PreparedScenes,
-    /// What a show has on.
+    /// The show's state.
     pub show: &'a ShowFollower,
-    /// What hands have turned.
+    /// The values that controllers have set.
     pub parameters: &'a Parameters,
     /// How scenes are drawn.
     pub choice: DrawingChoice,
 }
 
-/// A picture that was begun.
+/// A frame in progress.
 struct Making {
     /// The scene, its mode and its view.
     of: (u64, Mode, Option<ViewChoice>),
-    /// Where the scene is found that is drawn first, because it fades out below it; none if that is done.
+    /// The outgoing scene while it is drawn, before the current one; `None` once that is done.
     below: Option<Place>,
     program: Rc<Program>,
     legend: Option<Arc<LegendPicture>>,
     shown: Shown,
-    /// How long it will take, in seconds, as far as is known.
+    /// Expected drawing time in seconds, once known.
     seconds: Option<f64>,
-    /// How long what lies below it took.
+    /// Drawing time of the outgoing scene.
     spent: Duration,
 }
 
-/// See the module.
+/// Draws frames and keeps everything that lasts from one frame to the next.
 pub(crate) struct SceneComposer {
     making: Option<Making>,
-    /// Whether the last picture that was begun was given up for another version of its scene: keys can come faster than
-    /// pictures.
+    /// True if the last frame in progress was abandoned for another version of its scene: keys can
+    /// come faster than frames.
     has_interrupted: bool,
     pub(super) pictures: SeenPictures,
     pub(super) regions: SceneRegions,
@@ -105,7 +104,7 @@ pub(crate) struct SceneComposer {
 }
 
 impl SceneComposer {
-    /// Nothing is drawn yet. Fades take so many seconds.
+    /// Starts without a frame. Fades take `fade` seconds.
     pub(super) fn new(mut regions: SceneRegions, view: Option<ViewChoice>, fade: f64) -> Self {
         regions.insist(view.is_some());
         Self {
@@ -122,12 +121,13 @@ impl SceneComposer {
         }
     }
 
-    /// Draws the scene that shows as it was at a moment for which its regions are built, or continues a picture that was
-    /// begun, for about as long as `go`. None if it is not finished. What `picture` needs is requested. `revision` is that
-    /// of the whole session. Scenes that neither show nor fade out any longer are kept only as neighbours.
+    /// Draws the current scene at a moment for which its regions are built, or continues the frame
+    /// in progress, for about `go`. Returns `None` if it is not finished. Requests missing
+    /// resources. `revision` is that of the whole session. Scenes that are neither shown nor fading
+    /// out are kept only as neighbours.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver reports an error.
     pub(super) fn draw(
         &mut self,
         scenes: &mut PreparedScenes,
@@ -146,7 +146,7 @@ impl SceneComposer {
         let of = Ingredients { scenes, show, parameters, choice };
         let drawn = self.go_on(of, renderer, picture, way)?;
         if let Some(drawn) = drawn.as_ref().filter(|_| of.scenes.before.is_some()) {
-            // The one before is kept for its fade, or as a neighbour.
+            // The previous scene is kept for its fade, or as a neighbour.
             let fades_out = self.fades_out(of, &drawn.shown.moment, Place::Before);
             match scenes.before.take() {
                 Some(before) if fades_out => scenes.fade_out(before),
@@ -157,7 +157,7 @@ impl SceneComposer {
         Ok(drawn)
     }
 
-    /// Whether the scene at a place fades out at a moment of the song.
+    /// True if the scene at `place` fades out at this moment of the song.
     fn fades_out(&self, of: Ingredients<'_>, moment: &Moment, place: Place) -> bool {
         self.outgoing(of, moment).is_some_and(|outgoing| outgoing.place == place)
     }
@@ -208,7 +208,8 @@ impl SceneComposer {
         Ok(Some(drawn))
     }
 
-    /// Gives up a picture that was begun and is not the one that is wanted. Returns whether there is none now.
+    /// Abandons a frame in progress that is not the wanted one. Returns `true` if no frame is in
+    /// progress now.
     fn give_up_another(&mut self, of: Ingredients<'_>, wanted: &WantedPicture) -> bool {
         let Some((id, mode)) = shown(of) else { return false };
         let now = (id, mode, self.views.choice());
@@ -224,7 +225,8 @@ impl SceneComposer {
         true
     }
 
-    /// Begins a picture of the scene that shows, or first of what fades out below it. None if its regions are awaited.
+    /// Begins a frame of the current scene, or first of the scene that fades out. Returns `None`
+    /// while its regions are being built.
     fn begin(
         &mut self,
         of: Ingredients<'_>,
@@ -239,7 +241,7 @@ impl SceneComposer {
         let time = wanted.moment.song_time;
         let outgoing = self.outgoing(of, &wanted.moment);
         let lit = self.change.lit().filter(|_| outgoing.is_some());
-        // What fades out is drawn first.
+        // The outgoing scene is drawn first.
         let below = outgoing.as_ref().filter(|_| lit.is_none());
         if below.is_some() {
             self.change.begin(wanted, sound.clone());
@@ -264,7 +266,8 @@ impl SceneComposer {
         let drawable = self.regions.drawable((scene.id, mode), &scene.resources, wanted, sound, draw_options);
         let Some((frame, shown)) = drawable else { return Ok(None) };
         if outgoing.is_some() && shown != wanted {
-            // An older tree has come; both scenes are drawn at one moment.
+            // The only tree there is belongs to an older moment. Both scenes must be drawn at the
+            // same moment.
             return Ok(None);
         }
         let frame = frame.in_window(scene.resources.world(), aspect, quality);
@@ -290,7 +293,8 @@ impl SceneComposer {
                 self.fading.begin_picture(renderer, Begun { now, moment: &wanted.moment, runs, is_live });
             }
         }
-        // Only now: another number of samples leaves no light of the last picture to be kept.
+        // Set the samples only now: another number of samples discards the kept light of the last
+        // frame.
         renderer.set_edge_samples(shown.edges);
         let begun = match self.views.program(scene, mode) {
             None => {
@@ -306,7 +310,7 @@ impl SceneComposer {
         Ok(begun)
     }
 
-    /// What fades out below the scene that shows at a moment of the song, if both are there.
+    /// The scene that fades out at a moment of the song, if both scenes are available.
     fn outgoing(&self, of: Ingredients<'_>, moment: &Moment) -> Option<Outgoing> {
         if self.views.choice().is_some() {
             return None;
@@ -318,7 +322,7 @@ impl SceneComposer {
         of.show.outgoing(moment.song_time, of.scenes, of.choice.sdf)
     }
 
-    /// Whether a fade that is entered now shows both scenes.
+    /// True if a fade that begins now shows both scenes.
     fn fades_with_both(&self, of: Ingredients<'_>) -> bool {
         if self.views.choice().is_some() || self.fading.goes_on() {
             return false;
@@ -327,18 +331,19 @@ impl SceneComposer {
         outgoing.is_some_and(|outgoing| outgoing.fraction > 1.0 - LATE_FRACTION || of.show.stands_still())
     }
 
-    /// How the camera of the scene that shows is moved at `time` seconds of the song.
+    /// The camera motion of the current scene at `time` seconds of the song.
     fn camera_at(&self, of: Ingredients<'_>, time: f64) -> OrbitControls {
         let clips = of.scenes.shown.as_ref().map(|scene| of.show.clips(scene, time).0);
         self.camera.at(&clips.unwrap_or_default(), time)
     }
 
-    /// Notes how the user or a show left a scene that another one takes the place of.
+    /// Saves how the user or a show left a scene that is being replaced.
     pub(super) fn note_left(&mut self, left: &PreparedScene, show: &ShowFollower, parameters: &Parameters) {
         self.change.note_left(left, self.pictures.took(), self.camera.orbit(), show, parameters);
     }
 
-    /// Lets the scene that goes fade into the one that comes. Views stand for numbers and are cut.
+    /// Starts a fade from the outgoing to the incoming scene. Views are cut, because their colours
+    /// encode numbers.
     pub(super) fn fade_if_it_can(&mut self, of: Ingredients<'_>) {
         if self.fades_with_both(of) {
             self.fading.cut();
@@ -347,8 +352,8 @@ impl SceneComposer {
         }
     }
 
-    /// Lets the picture that was held fade into what comes next, for so many seconds. Views, and what a show mixes by
-    /// itself, are cut.
+    /// Fades the frozen frame into the next one within `seconds`. Cuts if a view is shown or a
+    /// show's fade draws both scenes.
     pub(super) fn fade_from_held(&mut self, seconds: f64, of: Ingredients<'_>) {
         if self.views.choice().is_some() || self.fades_with_both(of) {
             self.fading.cut();
@@ -358,7 +363,7 @@ impl SceneComposer {
         self.revision += 1;
     }
 
-    /// Mixes this share of the picture that a show holds into what comes next, or none of it any more.
+    /// Mixes this fraction of the frame held by a show into the next frames; `None` ends it.
     pub(crate) fn mix_held(&mut self, fraction: Option<f32>) {
         if self.views.choice().is_none() {
             self.fading.mix_held(fraction);
@@ -366,7 +371,7 @@ impl SceneComposer {
         self.revision += 1;
     }
 
-    /// Shows a view from now on, or the picture.
+    /// Shows a view from now on; `None` returns to the frame.
     pub(super) fn show_view(&mut self, choice: Option<ViewChoice>) {
         self.views.choose(choice);
         if choice.is_some() {
@@ -375,10 +380,10 @@ impl SceneComposer {
         self.regions.insist(choice.is_some());
     }
 
-    /// Takes a program of views that was requested. If the driver refuses it, the picture shows instead.
+    /// Takes a requested view program. If the driver rejects it, the normal frame is shown instead.
     ///
     /// # Errors
-    /// What the driver says.
+    /// The driver's error.
     pub(super) fn take_views(
         &mut self,
         of: ViewsOf,
@@ -387,10 +392,10 @@ impl SceneComposer {
         self.views.take(of, program).inspect_err(|_| self.regions.insist(false))
     }
 
-    /// Takes note of how long a frame took.
+    /// Notes the time of a frame.
     pub(super) fn note_frame_time(&mut self, time: Duration, of: Ingredients<'_>) {
         let Some((scene, drawn)) = of.scenes.shown.as_ref().zip(shown(of)) else { return };
-        // Views are drawn by other programs, and during a fade two scenes are drawn.
+        // Views use other programs, and during a fade two scenes are drawn.
         if self.views.choice().is_some() || of.scenes.fading_out.is_some() {
             return;
         }
@@ -400,12 +405,12 @@ impl SceneComposer {
         }
     }
 
-    /// Whether a picture was begun and is not finished.
+    /// True while a frame is in progress.
     pub(crate) fn is_drawing(&self) -> bool {
         self.making.is_some()
     }
 
-    /// Whether the picture of this scene is finished and nothing about it changes by itself.
+    /// True if the frame of this scene is finished and does not change by itself.
     pub(super) fn rests_on(&self, scene: u64) -> bool {
         self.pictures.scene() == Some(scene)
             && self.making.is_none()
@@ -413,71 +418,71 @@ impl SceneComposer {
             && !self.fading.goes_on()
     }
 
-    /// Whether the picture that was begun must be finished, because it would be the second one in turn that a changed text
-    /// breaks off.
+    /// True if the frame in progress must be finished: an edit may cancel a frame, but never two in
+    /// a row.
     pub(super) fn must_finish(&self) -> bool {
         self.making.is_some() && self.has_interrupted
     }
 
-    /// Whether a picture of two scenes was begun: both are drawn with the same values.
+    /// True while a frame of two scenes is in progress. Both are drawn with the same values.
     pub(super) fn is_between_scenes(&self) -> bool {
         self.change.is_begun()
     }
 
-    /// How long the picture that was begun will take, in seconds, once that is known.
+    /// Expected drawing time of the frame in progress, in seconds, once known.
     pub(crate) fn seconds_of_picture(&self) -> Option<f64> {
         self.making.as_ref()?.seconds
     }
 
-    /// Gives up the picture that was begun, because the next one is to be drawn in another way.
+    /// Abandons the frame in progress, because the next one is drawn differently.
     pub(crate) fn give_picture_up(&mut self) {
         self.making = None;
     }
 
-    /// Whether the regions of a requested picture have come.
+    /// True if the regions of a requested frame are built.
     pub(crate) fn has_regions(&self) -> bool {
         self.regions.have_come()
     }
 
-    /// The pictures that were drawn.
+    /// The frames that were drawn.
     pub(crate) fn pictures(&self) -> &SeenPictures {
         &self.pictures
     }
 
-    /// How scenes fade into each other.
+    /// The fade between scenes.
     pub(crate) fn fading(&self) -> &Fading {
         &self.fading
     }
 
-    /// The same, to be changed.
+    /// The fade between scenes, mutable.
     pub(crate) fn fading_mut(&mut self) -> &mut Fading {
         &mut self.fading
     }
 
-    /// The view that was chosen; none is the picture.
+    /// The chosen view; `None` for the normal frame.
     pub(crate) fn view(&self) -> Option<ViewChoice> {
         self.views.choice()
     }
 
-    /// Notes that the same moment would look different.
+    /// Notes that the same moment would look different now.
     pub(crate) fn look_different(&mut self) {
         self.revision += 1;
     }
 
-    /// A number that changes whenever the same moment would look different because of how it is drawn.
+    /// A number that changes whenever the same moment would look different.
     pub(super) fn revision(&self) -> u64 {
         self.revision + self.views.revision() + self.camera.revision()
     }
 }
 
-/// The scene that shows and its mode.
+/// The current scene and its mode.
 fn shown(of: Ingredients<'_>) -> Option<(u64, Mode)> {
     let scene = of.scenes.shown.as_ref()?;
     Some((scene.id, scene.mode(of.choice.sdf)?))
 }
 
-/// The parameters of a scene at `time` seconds of the song, and its camera's number: as the show moves them, and else, or
-/// where another hand turned one, as that left it.
+/// The parameters of a scene at `time` seconds of the song, and the number of its camera. The
+/// show's value counts unless a controller has changed the parameter since.
 fn numbers_of(of: Ingredients<'_>, scene: &PreparedScene, time: f64) -> (Vec<f32>, Option<usize>) {
     let (clips, fraction) = of.show.clips(scene, time);
     let mut numbers = of.parameters.numbers(scene, &clips, time);

@@ -1,4 +1,4 @@
-//! What a session of scenes begins with, and what of it goes on when its context is lost and another one takes its place.
+//! The inputs of a scene session, and the state that survives the loss of its OpenGL context.
 
 use std::time::Instant;
 
@@ -9,45 +9,45 @@ use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
 use mariana_control::Model;
 
-/// What loads scenes.
+/// The loaders of scenes.
 pub(crate) struct SceneLoaders {
-    /// The one that was asked for.
+    /// The loader of the requested scene.
     pub shown: SceneLoader,
-    /// The next and the previous one, if they are prepared ahead.
+    /// The loaders of the next and the previous scene, if they are prepared ahead.
     pub ahead: Option<[SceneLoader; 2]>,
 }
 
-/// A scene that was loaded, and where it comes from.
+/// A loaded scene and its source.
 pub(crate) struct LoadedScene {
-    /// Where it comes from.
+    /// The source that was loaded.
     pub source: SceneSource,
-    /// What can be drawn.
+    /// The scene, ready to draw.
     pub scene: ReadyScene,
 }
 
-/// How scenes are drawn.
+/// The settings of how scenes are drawn.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DrawingWays {
     /// Interpreted, compiled or both.
     pub sdf: SdfChoice,
-    /// Whether cells of regions are used where they can be.
+    /// The use of region cells.
     pub cells: CellUse,
-    /// A view of how the picture is made, instead of the picture.
+    /// The view shown instead of the normal frame, if any.
     pub view: Option<ViewChoice>,
-    /// How long one scene fades into another, in seconds.
+    /// Duration of a fade between scenes in seconds.
     pub fade: f64,
 }
 
-/// What outlives the context that scenes are drawn in.
+/// The state that survives the loss of the OpenGL context.
 pub(crate) struct KeptScenes {
-    /// What loads scenes.
+    /// The loaders of scenes.
     pub loaders: SceneLoaders,
     /// The scene that was shown.
     pub shown: Option<LoadedScene>,
-    /// The scene that was last asked for.
+    /// The last requested scene.
     pub wanted: SceneSource,
-    /// What hands have turned, and the zero of its seconds.
+    /// The values that controllers have set, and the start of their clock.
     pub controllers: (Model, Instant),
-    /// How scenes are drawn.
+    /// The settings of how scenes are drawn.
     pub ways: DrawingWays,
 }

@@ -1,11 +1,12 @@
-//! How one scene gives way to another in the picture: it fades, or is cut. [`super::scene_change`] draws what goes on below the
-//! scene that comes, and the fades of a show.
+//! The change from one scene to another: a fade or a cut. [`super::scene_change`] draws the
+//! outgoing scene, and the fades of a show.
 //!
-//! Where the scene that goes cannot go on, its last picture is mixed into those of the one that comes
-//! ([`Renderer::keep_light`]); so is a picture that was held.
+//! If the outgoing scene cannot be drawn any more, its last frame is mixed into the frames of the
+//! incoming one ([`Renderer::keep_light`]). A frozen frame fades in the same way.
 //!
-//! **A fade goes with the song,** as those of shows do: what shows at a moment of a song follows from the moment, and a
-//! recording of it has the same fade. Only a fade that begins while nothing plays takes its time from the clock.
+//! **A fade follows the song's time,** as the fades of shows do: the frame at a moment of the song
+//! depends only on that moment, and a recording has the same fade. Only a fade that begins while
+//! nothing plays uses the clock.
 
 use std::time::{Duration, Instant};
 
@@ -13,66 +14,67 @@ use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
 use mariana_player::Moment;
 
-/// The most that one picture takes from a fade, so that a picture that takes long does not make a cut of it.
+/// The most time that one frame takes from a fade, so that a slow frame does not turn it into a
+/// cut.
 const STEP_MAX: Duration = Duration::from_millis(125);
 
-/// See the module.
+/// The state of the fade between scenes.
 pub(crate) struct Fading {
-    /// How long a fade takes; zero is a cut.
+    /// Usual duration of a fade; zero cuts.
     length: Duration,
-    /// Whether scenes are cut all the same.
+    /// True if scenes are cut regardless of `length`.
     cuts: bool,
-    /// How long the next one takes instead.
+    /// Duration of the next fade, if it differs from the usual one.
     next: Option<Duration>,
-    /// How long the one takes that goes on.
+    /// Duration of the current fade.
     going: Duration,
     from: From,
     state: State,
-    /// When the last picture was begun.
+    /// When the last frame was begun.
     begun: Option<Instant>,
-    /// The share of what goes in the last picture, of a fade that goes on.
+    /// The fraction of the outgoing scene in the last frame of a running fade.
     fraction: f32,
-    /// Whether it was announced.
+    /// True if the log has reported the fade.
     announced: bool,
 }
 
-/// What fades away.
+/// The source that fades out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum From {
-    /// The scene before.
+    /// The previous scene.
     Scene,
-    /// A picture that was held.
+    /// A frozen frame.
     HeldPicture,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum State {
     None,
-    /// The next picture is the first of another scene.
+    /// The next frame is the first of another scene.
     Wanted,
-    /// For how long it has faded.
+    /// A fade by the clock, and its elapsed time.
     Going(Duration),
-    /// Since when it fades, in seconds of the song, and what plays.
+    /// A fade in song time: its start in seconds, and the track and lap.
     WithSong(f64, (u64, u32)),
-    /// A show says how far it has come; whether the light of what goes is kept.
+    /// A fade whose fraction is set by a show; `true` if the light of the frozen frame is kept.
     ActionValue(f32, bool),
 }
 
-/// A picture that is begun.
+/// The frame that is beginning, as a fade needs to know it.
 #[derive(Clone, Copy)]
 pub(super) struct Begun<'a> {
-    /// When.
+    /// Current time.
     pub now: Instant,
-    /// What it shows.
+    /// The moment that the frame shows.
     pub moment: &'a Moment,
-    /// Whether the song runs.
+    /// True if the song is running.
     pub runs: bool,
-    /// Whether the scene that goes was drawn under it at the same moment.
+    /// True if the outgoing scene was drawn for the same moment.
     pub is_live: bool,
 }
 
 impl Fading {
-    /// Fades take this many seconds; 0 is a cut.
+    /// Fades take this many seconds; 0 cuts.
     pub(super) fn of(seconds: f64) -> Self {
         let length = Duration::from_secs_f64(seconds);
         let (from, state) = (From::Scene, State::None);
@@ -89,12 +91,12 @@ impl Fading {
         }
     }
 
-    /// How many seconds a fade takes.
+    /// Usual duration of a fade in seconds.
     pub(super) fn seconds(&self) -> f64 {
         self.length.as_secs_f64()
     }
 
-    /// From now on fades take this many seconds; 0 is a cut. Returns what is said.
+    /// Sets the duration of fades in seconds; 0 cuts. Returns a message.
     pub(crate) fn set_seconds(&mut self, seconds: f64) -> String {
         self.length = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         self.cuts = false;
@@ -104,12 +106,12 @@ impl Fading {
         }
     }
 
-    /// Whether scenes are cut.
+    /// True if scenes are cut.
     pub(crate) fn cuts(&self) -> bool {
         self.cuts || self.length.is_zero()
     }
 
-    /// From now on scenes are cut, or fade as they did before. Returns what is said.
+    /// Cuts scenes from now on, or restores the fades. Returns a message.
     pub(crate) fn set_cuts(&mut self, cuts: bool) -> String {
         self.cuts = cuts;
         match cuts {
@@ -118,7 +120,7 @@ impl Fading {
         }
     }
 
-    /// The next picture shows another scene.
+    /// Notes that the next frame shows another scene.
     pub(super) fn want(&mut self) {
         let usual = if self.cuts { Duration::ZERO } else { self.length };
         self.going = self.next.take().unwrap_or(usual);
@@ -126,14 +128,14 @@ impl Fading {
         self.state = if self.going.is_zero() { State::None } else { State::Wanted };
     }
 
-    /// The next picture comes after one that was held, and that one fades away for so many seconds.
+    /// Notes that the frozen frame is released and fades out within `seconds`.
     pub(super) fn release(&mut self, seconds: f64) {
         self.next_takes(seconds);
         self.want();
         self.from = From::HeldPicture;
     }
 
-    /// A picture that a show holds has this share of the next ones; without a share it is gone.
+    /// Sets the fraction of the frame held by a show in the next frames; `None` ends the fade.
     pub(super) fn mix_held(&mut self, fraction: Option<f32>) {
         match (fraction, self.state) {
             (Some(fraction), State::ActionValue(_, kept)) => self.state = State::ActionValue(fraction, kept),
@@ -145,49 +147,50 @@ impl Fading {
         }
     }
 
-    /// The show holds another picture than before: the last one that was drawn, in which the one before has its share.
+    /// The show holds another frame: the last one drawn, including the fraction of the one held
+    /// before.
     pub(crate) fn hold_anew(&mut self) {
         if let State::ActionValue(_, kept) = &mut self.state {
             *kept = false;
         }
     }
 
-    /// The next change takes this many seconds instead.
+    /// Sets the duration of the next change in seconds.
     pub(super) fn next_takes(&mut self, seconds: f64) {
         self.next = Some(Duration::try_from_secs_f64(seconds).unwrap_or_default());
     }
 
-    /// The next change takes as long as changes take.
+    /// Restores the usual duration for the next change.
     pub(super) fn next_takes_the_usual(&mut self) {
         self.next = None;
     }
 
-    /// What comes next does not fade.
+    /// Ends the fade and cuts the next change.
     pub(super) fn cut(&mut self) {
         (self.state, self.next) = (State::None, None);
     }
 
-    /// Whether the next picture may differ from this one because of a fade.
+    /// True if the next frame may differ because of a fade.
     pub(super) fn goes_on(&self) -> bool {
         self.state != State::None
     }
 
-    /// Whether the next picture differs from this one because of a fade, although the song stands still.
+    /// True if the next frame differs because of a fade even though the song is paused.
     pub(super) fn goes_on_by_itself(&self) -> bool {
         matches!(self.state, State::Wanted | State::Going(_))
     }
 
-    /// Whether a fade goes with the song.
+    /// True if a fade in song time is running.
     pub(super) fn follows_song(&self) -> bool {
         matches!(self.state, State::WithSong(..))
     }
 
-    /// Whether the next picture is the first one of a fade.
+    /// True if the next frame is the first one of a fade.
     pub(crate) fn is_to_begin(&self) -> bool {
         self.state == State::Wanted
     }
 
-    /// The share that the scene which goes has at a moment; none if no scene fades away then.
+    /// The fraction of the outgoing scene at a moment; `None` if no scene fades out then.
     pub(super) fn fraction_of_scene(&self, moment: &Moment) -> Option<f32> {
         match self.state {
             _ if self.from != From::Scene => None,
@@ -198,12 +201,13 @@ impl Fading {
         }
     }
 
-    /// The share of a picture that was held in the last picture.
+    /// The fraction of the frozen frame in the last frame.
     pub(crate) fn fraction_held(&self) -> f32 {
         if self.from == From::HeldPicture && self.goes_on() { self.fraction } else { 0.0 }
     }
 
-    /// How long a scene fades away with the song, and since when, in seconds; none if there is no such fade.
+    /// The duration and the start of a fade in song time between scenes, in seconds; `None` if
+    /// there is none.
     pub(super) fn of_scene_with_song(&self) -> Option<(f64, f64)> {
         match self.state {
             State::WithSong(start, _) if self.from == From::Scene => Some((self.going.as_secs_f64(), start)),
@@ -211,14 +215,14 @@ impl Fading {
         }
     }
 
-    /// Says in the log that a fade begins, once.
+    /// Logs the begin of a fade, once.
     pub(super) fn announce(&mut self) {
         if self.is_to_begin() && !std::mem::replace(&mut self.announced, true) {
             tracing::info!("a fade begins");
         }
     }
 
-    /// Tells the renderer, before a picture is begun, what of an older one is mixed into it.
+    /// Sets the renderer's fade before a frame is begun.
     pub(super) fn begin_picture(&mut self, renderer: &mut Renderer, begun: Begun<'_>) {
         let keeps = matches!(self.state, State::Wanted | State::ActionValue(_, false)) && !begun.is_live;
         if keeps {
@@ -236,7 +240,8 @@ impl Fading {
         renderer.set_fade(fraction);
     }
 
-    /// The share of what goes in a picture that is begun; none if there is no fade, or no longer.
+    /// The fraction of the outgoing scene in a frame that begins; `None` if there is no fade or it
+    /// has ended.
     fn step(&mut self, begun: Begun<'_>) -> Option<f32> {
         let since = self
             .begun
@@ -248,7 +253,8 @@ impl Fading {
             State::Wanted => {
                 self.announce();
                 let time = begun.moment.song_time;
-                // Texts tell moments to the millisecond; and the first picture is one of both.
+                // Cue lists store times in milliseconds, and the first frame must already mix both
+                // scenes.
                 let start = ((time * 1e3).floor() - 1.0) / 1e3;
                 self.state = match begun.runs && start >= 0.0 {
                     true => State::WithSong(start, of_what(begun.moment)),
@@ -274,7 +280,8 @@ impl Fading {
         fraction
     }
 
-    /// As [`crate::show::Plan::at`] has it, so that a recording has the same share.
+    /// The same formula as in [`crate::show::Timeline::at`], so that a recording has the same
+    /// fraction.
     fn fraction_in_song(&self, moment: &Moment) -> Option<f32> {
         let State::WithSong(start, of) = self.state else { return None };
         let gone = (moment.song_time - start) / self.going.as_secs_f64();
@@ -282,7 +289,7 @@ impl Fading {
     }
 }
 
-/// The track that plays, and for which time in turn.
+/// The track that plays, and its repetition.
 fn of_what(moment: &Moment) -> (u64, u32) {
     (moment.track, moment.lap)
 }
@@ -300,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fade_takes_its_time_and_slow_pictures_make_no_cut_of_it() {
+    fn a_fade_takes_its_time_and_slow_frames_do_not_cut_it() {
         let start = Instant::now();
         let mut fading = Fading::of(0.5);
         let stands = at(7.0);
@@ -309,24 +316,24 @@ mod tests {
         assert_eq!(fraction(&mut fading, 0), None);
         fading.want();
         assert!(fading.goes_on());
-        // The scene that goes stood for a while.
+        // The outgoing scene was shown for a while.
         assert_eq!(fraction(&mut fading, 9_000), Some(1.0));
         assert_eq!(fraction(&mut fading, 9_100), Some(0.8));
         assert_eq!(fraction(&mut fading, 9_200), Some(0.6));
-        // Seconds in one picture.
+        // Five seconds in one frame.
         assert_eq!(fraction(&mut fading, 14_200), Some(0.35));
         assert_eq!(fraction(&mut fading, 14_300), Some(0.15));
         assert_eq!((fraction(&mut fading, 14_400), fading.goes_on()), (None, false));
     }
 
     #[test]
-    fn while_a_song_plays_a_fade_goes_with_it() {
+    fn a_fade_follows_the_song_while_it_plays() {
         let now = Instant::now();
         let mut fading = Fading::of(2.0);
         fading.want();
         let fraction = fading.step(begun(now, &at(10.25), true));
         assert_eq!((fraction, fading.of_scene_with_song()), (Some(1.0 - 0.0005), Some((2.0, 10.249))));
-        // The song rests, and goes on; what shows follows from the moment.
+        // The song is paused and resumed; the fraction depends only on the moment.
         for (time, wanted) in [(11.249, Some(0.5)), (11.249, Some(0.5)), (10.749, Some(0.75))] {
             let found = fading.step(begun(now, &at(time), false));
             assert_eq!(found.map(|found| (found * 1e4).round() / 1e4), wanted);
@@ -355,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_that_was_held_is_no_scene_that_goes() {
+    fn a_frozen_frame_is_not_an_outgoing_scene() {
         let now = Instant::now();
         let mut fading = Fading::of(2.0);
         fading.release(1.0);
@@ -364,14 +371,10 @@ mod tests {
         fading.cut();
         assert_eq!(fading.fraction_held(), 0.0);
         fading.mix_held(Some(0.25));
-        assert_eq!(fading.step(begun(now, &at(4.0), true)), None, "no light of it is kept");
+        assert_eq!(fading.step(begun(now, &at(4.0), true)), None, "its light is not kept yet");
         fading.state = State::ActionValue(0.25, true);
         fading.hold_anew();
-        assert_eq!(
-            fading.state,
-            State::ActionValue(0.25, false),
-            "the light of another picture is to be kept"
-        );
+        assert_eq!(fading.state, State::ActionValue(0.25, false), "the light of another frame must be kept");
         fading.mix_held(None);
         assert!(!fading.goes_on());
     }

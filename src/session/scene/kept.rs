@@ -1,14 +1,14 @@
-//! Programs that serve more than one scene, kept for as long as they are useful.
+//! Programs that serve more than one scene, kept in a small cache.
 
 use std::rc::Rc;
 
 use crate::gpu::program::Program;
 use crate::limits::LIMITS;
 
-/// Programs by what they were made for; the least recently used one goes first. Each takes some 20 MiB of memory on a
-/// software renderer.
+/// Programs by their keys; the least recently used one is dropped first. Each takes some 20 MiB of
+/// memory with a software renderer.
 pub(super) struct KeptPrograms<K> {
-    /// The most recently used one is last.
+    /// In order of use, the most recently used last.
     programs: Vec<(K, Rc<Program>)>,
 }
 
@@ -19,12 +19,12 @@ impl<K> Default for KeptPrograms<K> {
 }
 
 impl<K> KeptPrograms<K> {
-    /// Whether there is one that `serves`.
+    /// True if a program `serves`.
     pub(super) fn has(&self, serves: impl Fn(&K) -> bool) -> bool {
         self.programs.iter().any(|(of, _)| serves(of))
     }
 
-    /// The one that `serves`; of several, the most recently used.
+    /// The program that `serves`; the most recently used of several.
     pub(super) fn find(&mut self, serves: impl Fn(&K) -> bool) -> Option<Rc<Program>> {
         let place = self.programs.iter().rposition(|(of, _)| serves(of))?;
         let found = self.programs.remove(place);
@@ -33,7 +33,7 @@ impl<K> KeptPrograms<K> {
         Some(program)
     }
 
-    /// Keeps another one.
+    /// Adds a program and drops the oldest ones above the limit.
     pub(super) fn add(&mut self, of: K, program: Program) {
         self.programs.push((of, Rc::new(program)));
         while self.programs.len() > LIMITS.programs_kept_max {
@@ -41,7 +41,7 @@ impl<K> KeptPrograms<K> {
         }
     }
 
-    /// Forgets those that are no longer useful.
+    /// Drops the programs that are no longer of use.
     pub(super) fn retain(&mut self, is_of_use: impl Fn(&K) -> bool) {
         self.programs.retain(|(of, _)| is_of_use(of));
     }

@@ -1,4 +1,4 @@
-//! The sliders of a scene, and which of its parameters each of them turns.
+//! The sliders of a scene and the parameters that they control.
 
 use std::rc::Rc;
 
@@ -6,11 +6,11 @@ use crate::scenes::SceneSource;
 use mariana_control::{ChangedBy, Param, Slider};
 use mariana_field::world::World;
 
-/// Which parameter a slider turns.
+/// The parameter that a slider controls.
 pub(super) struct Knob {
-    /// Its place among those of the world.
+    /// Index among the world's parameters.
     pub place: usize,
-    /// The title of the scene that it belongs to.
+    /// Title of the scene that the parameter belongs to.
     pub scene: Rc<str>,
 }
 
@@ -22,7 +22,7 @@ pub(super) struct SceneKnobs {
 }
 
 impl SceneKnobs {
-    /// Those of a scene; the ones of a blend belong to the two scenes that it mixes.
+    /// The sliders of a scene. Those of a blend belong to the two scenes that it mixes.
     pub(super) fn of(source: &SceneSource, world: &World) -> Self {
         let title: Rc<str> = source.title().into();
         let leaving: Option<(usize, Rc<str>)> = match (source, world.blended) {
@@ -46,32 +46,31 @@ impl SceneKnobs {
         Self { sliders, knobs }
     }
 
-    /// The sliders, in the order of the parameters.
+    /// Sliders, in the order of the parameters.
     pub(super) fn sliders(&self) -> &[Slider] {
         &self.sliders
     }
 
-    /// The same, to be moved.
     pub(super) fn sliders_mut(&mut self) -> &mut [Slider] {
         &mut self.sliders
     }
 
-    /// Each slider with its knob.
+    /// Iterates over sliders and their knobs.
     pub(super) fn iter(&self) -> impl Iterator<Item = (&Slider, &Knob)> {
         self.sliders.iter().zip(&self.knobs)
     }
 
-    /// The one at a place of the sliders.
+    /// The slider at an index, with its knob.
     pub(super) fn get(&self, place: usize) -> Option<(&Slider, &Knob)> {
         self.sliders.get(place).zip(self.knobs.get(place))
     }
 
-    /// The place of a slider by its name; in a blend, of the one of the scene that comes.
+    /// The index of a slider by name; in a blend, of the incoming scene's.
     pub(super) fn place_of(&self, name: &str) -> Option<usize> {
         self.sliders.iter().rposition(|slider| slider.name == name)
     }
 
-    /// The titles of the scenes that they belong to.
+    /// The titles of the scenes that the sliders belong to.
     pub(super) fn titles(&self) -> Vec<&str> {
         let mut titles: Vec<&str> = self.knobs.iter().map(|knob| &*knob.scene).collect();
         titles.dedup();
@@ -79,7 +78,7 @@ impl SceneKnobs {
     }
 }
 
-/// The parameter of a slider, as the control's model knows it.
+/// The parameter of a slider in the form of the control model.
 pub(super) fn param_of(slider: &Slider) -> Param<'_> {
     Param { name: &slider.name, min: slider.min, max: slider.max, default: slider.default }
 }

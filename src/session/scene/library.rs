@@ -1,4 +1,4 @@
-//! The scene that was asked for, and what loads it: the list of scenes, and a loader that watches files.
+//! The requested scene, the list of scenes, and the loader that watches the scene's files.
 
 use std::time::{Duration, Instant};
 
@@ -6,96 +6,96 @@ use super::awaited_edit::AwaitedEdit;
 use crate::clock;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
 
-/// Loads scenes on a thread.
+/// A loader of scenes on its own thread.
 pub(crate) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
 
-/// How long one go draws before the show looks whether anything has happened.
+/// How long one drawing step takes before the session looks for input.
 const GO: Duration = Duration::from_millis(100);
-/// The same while a text is written: a key is answered at once, even if the picture takes long.
+/// The same while a text is edited: a key is answered at once, even during a slow frame.
 const GO_OF_EDITOR: Duration = Duration::from_millis(10);
 
-/// See the module.
+/// The requested scene and its loader.
 pub(crate) struct SceneLibrary {
     loader: SceneLoader,
     list: SceneList,
-    /// What was asked for last: shown, or on its way.
+    /// The last requested scene: shown, or being loaded.
     wanted: SceneSource,
     edit: AwaitedEdit,
-    /// Whether somebody writes its text, so that mistakes come and go.
+    /// True while the scene's text is being edited, when mistakes come and go.
     is_written: bool,
 }
 
 impl SceneLibrary {
-    /// A scene is wanted, which `loader` watches.
+    /// Starts with the scene `wanted`, which `loader` watches.
     pub(super) fn new(loader: SceneLoader, wanted: SceneSource) -> Self {
         let list = SceneList::around(&wanted);
         Self { loader, list, wanted, edit: AwaitedEdit::default(), is_written: false }
     }
 
-    /// What was asked for last: shown, or on its way.
+    /// The last requested scene: shown, or being loaded.
     pub(crate) fn wanted(&self) -> &SceneSource {
         &self.wanted
     }
 
-    /// All scenes that the keys go through. Reads a folder.
+    /// All scenes of the list. Reads a folder.
     pub(crate) fn all_sources(&self) -> Vec<SceneSource> {
         self.list.all(&self.wanted)
     }
 
-    /// A scene's name with its place among those that the keys go through, such as "terrain, 3 of 17". Reads a folder.
+    /// A scene's name with its position in the list, such as "terrain, 3 of 17". Reads a folder.
     pub(crate) fn placed_name(&self, source: &SceneSource) -> String {
         let (at, count) = self.list.place(source);
         format!("{}, {} of {count}", source.title(), at + 1)
     }
 
-    /// The scenes after and before one in the list.
+    /// The next and the previous scene in the list.
     pub(super) fn neighbours_of(&self, source: &SceneSource) -> [Option<SceneSource>; 2] {
         [Some(self.list.next(source)), Some(self.list.previous(source))]
     }
 
-    /// The scene after the wanted one, or before it.
+    /// The next or the previous scene, relative to the requested one.
     pub(super) fn beside(&self, forward: bool) -> SceneSource {
         if forward { self.list.next(&self.wanted) } else { self.list.previous(&self.wanted) }
     }
 
-    /// Notes whether somebody writes the scene's text.
+    /// Notes if the scene's text is being edited.
     pub(crate) fn set_written(&mut self, written: bool) {
         self.is_written = written;
     }
 
-    /// Whether somebody writes the scene's text.
+    /// True while the scene's text is being edited.
     pub(super) fn is_written(&self) -> bool {
         self.is_written
     }
 
-    /// Loads the scene again, because its text has changed without its file.
+    /// Reloads the scene, because its draft has changed but its file has not.
     pub(crate) fn load_again(&mut self) {
         tracing::debug!("{} is loaded again for its draft", self.wanted.title());
         self.loader.load_again();
         self.edit.ask(clock::now());
     }
 
-    /// Until when the next picture waits for a changed text, if it does at `now`.
+    /// The end of the wait for a changed text, if the next frame waits at `now`.
     pub(super) fn awaits_edit(&self, now: Instant) -> Option<Instant> {
         self.edit.until(now)
     }
 
-    /// How long a picture is drawn before the show looks for keys.
+    /// How long a drawing step takes before the session looks for input.
     pub(super) fn length_of_go(&self) -> Duration {
         if self.is_written { GO_OF_EDITOR } else { GO }
     }
 
-    /// Wants a scene from now on, which somebody else has ready.
+    /// Sets the requested scene without loading it: it is already prepared.
     pub(super) fn want(&mut self, source: SceneSource) {
         self.wanted = source;
     }
 
-    /// Has the wanted scene loaded.
+    /// Loads the requested scene.
     pub(super) fn load(&self) {
         self.loader.request(self.wanted.clone());
     }
 
-    /// Goes on with a scene that was wanted elsewhere.
+    /// Continues with a scene that was requested elsewhere.
     pub(super) fn take_over(&mut self, wanted: SceneSource) {
         if wanted != self.wanted {
             self.list = SceneList::around(&wanted);
@@ -104,7 +104,7 @@ impl SceneLibrary {
         }
     }
 
-    /// The wanted scene, or what is wrong with it, once it is loaded or its files have changed.
+    /// The requested scene or its error, once it is loaded or its files have changed.
     pub(super) fn poll(&mut self) -> Option<Loaded<Result<ReadyScene, SceneError>>> {
         while let Some(loaded) = self.loader.poll() {
             if loaded.source == self.wanted {
@@ -115,12 +115,12 @@ impl SceneLibrary {
         None
     }
 
-    /// What watches the files of the wanted scene, to be exchanged for another one.
+    /// The loader that watches the requested scene, to be exchanged for another.
     pub(super) fn loader_mut(&mut self) -> &mut SceneLoader {
         &mut self.loader
     }
 
-    /// The loader, for another session.
+    /// Returns the loader and the requested source, for another session.
     pub(super) fn into_loader(self) -> (SceneLoader, SceneSource) {
         (self.loader, self.wanted)
     }

@@ -1,15 +1,15 @@
-//! Scenes: what is drawn, by which program, and what comes next.
+//! Scenes: the current scene, its program, and the scenes that come next.
 //!
 //! ```text
-//! SceneLibrary (what was asked for) ─► ScenePreparation ─► PreparedScenes ─► SceneComposer ─► picture
+//! SceneLibrary (requested scene) ───► ScenePreparation ─► PreparedScenes ─► SceneComposer ─► frame
 //!                  ▲                   programs, trees      shown, coming,    fades, views,
 //!             ShowFollower                                  fading out, next  camera
 //!             the user                                          ▲
 //!                                                           Parameters
 //! ```
 //!
-//! [`SceneSession`] is the door: it owns the parts and hands what one finds to the others. Each part owns its state, and
-//! gets the others' by arguments.
+//! [`SceneSession`] is the entry point: it owns the parts and passes results between them. Each
+//! part owns its state and receives the state of others as arguments.
 
 mod active_clips;
 mod ahead;

@@ -1,6 +1,7 @@
-//! The parameters of scenes, whoever turns them: all hands turn one model, and sliders and pictures read it.
+//! The parameters of scenes. All controllers change one model; sliders and frames read it.
 //!
-//! Pictures are drawn with the values of one moment: it is noted between two pictures, never within one.
+//! A frame is drawn with the values of one moment, which is set between frames and never during
+//! one.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -12,23 +13,23 @@ use super::prepared_scene::PreparedScene;
 use crate::clock;
 use mariana_control::{ChangedBy, Model, ParamChange, Reading, Turn};
 
-/// See the module.
+/// The values of parameters, and the moment at which they are read.
 pub(crate) struct Parameters {
     model: Model,
-    /// The zero of the model's seconds.
+    /// Start of the model's clock.
     begun: Instant,
-    /// The moment of what is shown, in those seconds.
+    /// The moment of the shown frame, in seconds of the model's clock.
     now: f64,
     /// The same in seconds of the song.
     song_time: f64,
-    /// The numbers of a text that a hand turns.
+    /// The numbers of a text that are being dragged.
     turned: Option<TurnedNumbers>,
     /// Counts the changes that make the same moment look different.
     revision: u64,
 }
 
-/// Numbers of a file's text, by where their digits begin in the text that was loaded. Their values go into the frame, and
-/// nothing is read or compiled.
+/// Values for numbers in a file's text, each with the offset of its digits in the loaded text. They
+/// only change the frame's inputs: nothing is parsed or compiled again.
 #[derive(Debug, Clone, PartialEq)]
 struct TurnedNumbers {
     file: PathBuf,
@@ -36,53 +37,53 @@ struct TurnedNumbers {
 }
 
 impl Parameters {
-    /// Those that hands have turned as `model` says, whose seconds began at `begun`.
+    /// Starts with the values of `model`, whose clock started at `begun`.
     pub(super) fn new(model: Model, begun: Instant) -> Self {
         let now = clock::since(begun).as_secs_f64();
         Self { model, begun, now, song_time: 0.0, turned: None, revision: 0 }
     }
 
-    /// What outlives the session: what hands have turned, and the zero of its seconds.
+    /// Returns the model and the start of its clock, for another session.
     pub(super) fn kept(self) -> (Model, Instant) {
         (self.model, self.begun)
     }
 
-    /// Goes on with what hands have turned elsewhere.
+    /// Continues with the values of another session.
     pub(super) fn take_over(&mut self, (model, begun): (Model, Instant)) {
         *self = Self { revision: self.revision, turned: self.turned.take(), ..Self::new(model, begun) };
     }
 
-    /// A number that changes whenever the same moment looks different because of parameters.
+    /// A number that changes whenever parameters make the same moment look different.
     pub(super) fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// The moment of what is shown, in seconds of the song.
+    /// The moment of the shown frame, in seconds of the song.
     pub(super) fn song_time(&self) -> f64 {
         self.song_time
     }
 
-    /// Goes on to this moment of the song.
+    /// Moves to this moment of the song.
     pub(super) fn go_to(&mut self, song_time: f64) {
         (self.now, self.song_time) = (clock::since(self.begun).as_secs_f64(), song_time);
     }
 
-    /// Notes that parameters are on their way to where hands have turned them.
+    /// Notes that parameters are moving towards their targets.
     pub(super) fn note_turning(&mut self) {
         self.revision += 1;
     }
 
-    /// Whether a parameter of a scene is on its way to where a hand has turned it.
+    /// True if a parameter of the scene is moving towards its target.
     pub(super) fn is_turning(&self, scene: &PreparedScene) -> bool {
         scene.knobs.titles().into_iter().any(|title| self.model.moves(title, self.now))
     }
 
-    /// Brings the sliders of a scene up to date, which shows in these stays.
+    /// Updates the sliders of a scene for these clips.
     pub(super) fn update_sliders(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>) {
         let readings = self.read(scene, clips, self.song_time);
         let mut is_turned = false;
         for (slider, reading) in scene.knobs.sliders_mut().iter_mut().zip(readings) {
-            // What a show moves is drawn anew in any case.
+            // A parameter that the show moves is redrawn in any case.
             is_turned |=
                 slider.value.to_bits() != reading.value.to_bits() && reading.changed_by != ChangedBy::Show;
             (slider.value, slider.changed_by) = (reading.value, reading.changed_by);
@@ -92,8 +93,8 @@ impl Parameters {
         }
     }
 
-    /// Turns a parameter of a scene by its name, if there is one; in a blend, the one of the scene that comes. Returns
-    /// whether there is.
+    /// Sets a parameter of a scene by name; in a blend, of the incoming scene. Returns `false` if
+    /// there is none of this name.
     pub(super) fn turn(
         &mut self,
         scene: &mut PreparedScene,
@@ -113,7 +114,7 @@ impl Parameters {
         place.is_some()
     }
 
-    /// Takes over what the user did to the sliders of a scene.
+    /// Takes the values that the user has set with the sliders of a scene.
     pub(super) fn note_moved(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>) {
         let before = self.read(scene, clips, self.song_time);
         let moved: Vec<(usize, f32)> = (scene.knobs.sliders().iter().zip(before).enumerate())
@@ -126,7 +127,8 @@ impl Parameters {
         self.revision += 1;
     }
 
-    /// Turns the parameter of a slider. One that is put back by hand to where the text has it is the text's again.
+    /// Sets the parameter of a slider. A slider moved back to the text's default follows the text
+    /// again.
     fn turn_at(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>, place: usize, turn: Turn) {
         let Some((slider, knob)) = scene.knobs.get(place) else { return };
         let param = param_of(slider);
@@ -139,7 +141,7 @@ impl Parameters {
         self.update_sliders(scene, clips);
     }
 
-    /// Where a parameter of a scene goes, or stands, and who holds it.
+    /// The target of a parameter of a scene, and the controller that set it.
     pub(super) fn target(
         &self,
         scene: &PreparedScene,
@@ -151,14 +153,14 @@ impl Parameters {
         Some((self.model.target(&knob.scene, &param_of(slider), directed), slider.changed_by))
     }
 
-    /// Moves sliders of the scene with this title as they were moved before, by their names.
+    /// Restores saved values of the scene with this title, by parameter name.
     pub(crate) fn remember(&mut self, title: &str, moved: &BTreeMap<String, f32>) {
         for (name, value) in moved {
             self.model.remember(title, name, *value);
         }
     }
 
-    /// The parameters of a scene that hands have turned, by their names.
+    /// The parameters of a scene that differ from its text, by name.
     pub(super) fn moved(&self, scene: &PreparedScene) -> BTreeMap<String, f32> {
         let title = scene.title();
         let turned = self.model.turned(&title).filter(|(name, value, _)| {
@@ -168,8 +170,8 @@ impl Parameters {
         turned.map(|(name, value, _)| (name.to_owned(), value)).collect()
     }
 
-    /// All parameters of a scene at `time` seconds of the song: those that hands can turn as they and the stays have them,
-    /// the others as in the text.
+    /// All parameters of a scene at `time` seconds of the song: values of controllers and clips
+    /// where they are set, otherwise defaults of the text.
     pub(super) fn numbers(&self, scene: &PreparedScene, clips: &ActiveClips<'_>, time: f64) -> Vec<f32> {
         let mut numbers: Vec<f32> =
             scene.resources.world().scene.params.iter().map(|param| param.default).collect();
@@ -191,20 +193,20 @@ impl Parameters {
         scene.knobs.iter().map(read).collect()
     }
 
-    /// Gives numbers of a text values, in a scene in which they have a range.
+    /// Sets values for the numbers of a text. Only numbers with a range change.
     pub(crate) fn turn_numbers(&mut self, file: &Path, values: Vec<(usize, f32)>) {
         self.turned = Some(TurnedNumbers { file: file.to_owned(), values });
         self.revision += 1;
     }
 
-    /// Puts the values of the numbers that a hand turns among the parameters of a scene, if they are some of them.
+    /// Applies the dragged numbers to the parameters of a scene that contains them.
     fn turn_in(&self, scene: &PreparedScene, numbers: &mut [f32]) {
         let world = scene.resources.world();
         let Some(turned) = &self.turned else { return };
         if world.blended.is_some() || scene.source.file() != Some(&turned.file) {
             return;
         }
-        // Once the hand has let go, the numbers have no range.
+        // After the drag the numbers have no range.
         for (digits, value) in &turned.values {
             let place = world.scene.params.iter().position(|param| {
                 param.is_number && param.span.start as usize == *digits && param.min < param.max
@@ -230,14 +232,14 @@ mod tests {
     }
 
     #[test]
-    fn what_a_hand_turns_is_in_the_next_picture_and_remembered_by_the_scenes_title() {
+    fn a_controlled_value_appears_in_the_next_frame_and_is_saved_by_scene_title() {
         let context = Headless::new(false).unwrap();
         let mut scene = uploaded(context.gl(), 0, &text(BALL));
         let mut parameters = Parameters::new(Model::default(), Instant::now());
         let clips = ActiveClips::default();
         assert!(
             !parameters.turn(&mut scene, &clips, &change("width", 2.0, ChangedBy::Midi)),
-            "there is none"
+            "no such parameter"
         );
         assert_eq!(parameters.revision(), 0);
         assert!(parameters.turn(&mut scene, &clips, &change("size", 2.5, ChangedBy::Midi)));
@@ -246,14 +248,14 @@ mod tests {
         assert!(parameters.revision() > 0, "the same moment looks different");
         let moved = parameters.moved(&scene);
         assert_eq!(moved.get("size"), Some(&2.5));
-        // A slider that is put back to where the text has it is the text's again.
+        // A slider moved back to the text's default follows the text again.
         if let Some(slider) = scene.knobs.sliders_mut().first_mut() {
             slider.value = slider.default;
         }
         parameters.note_moved(&mut scene, &clips);
         assert_eq!(parameters.target(&scene, &clips, "size"), Some((1.0, ChangedBy::Text)));
         assert!(parameters.moved(&scene).is_empty());
-        // In the next run.
+        // The next run restores the value.
         let mut again = Parameters::new(Model::default(), Instant::now());
         again.remember(&scene.title(), &moved);
         assert_eq!(again.numbers(&scene, &clips, 0.0), [2.5]);

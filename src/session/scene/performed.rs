@@ -1,4 +1,4 @@
-//! The scene that shows at a moment, to be recorded.
+//! The shown scene, in the form in which it is recorded.
 
 use super::camera::SceneCamera;
 use super::fading::Fading;
@@ -10,30 +10,29 @@ use crate::scenes::SceneSource;
 use crate::show::{Finish, Move, TimedTransition, Turned};
 use mariana_control::ChangedBy;
 
-/// The scene that shows at a moment, and how it is shown.
+/// The scene shown at a moment, and its state.
 pub(crate) struct Performed<'a> {
-    /// What it comes from.
     pub source: &'a SceneSource,
-    /// One of its cameras.
+    /// Name of the camera; `None` for the default one.
     pub camera: Option<&'a str>,
-    /// How it came and when that began, in seconds of the song, where a show says so.
+    /// The show's transition, and its start in seconds of the song, if the show controls the scene.
     pub directed: Option<(TimedTransition, f64)>,
-    /// How it came where no show says so, and when that began, in seconds of the song; none if it was cut.
+    /// Duration and start of a fade without a show, in seconds of the song; `None` for a cut.
     pub faded: Option<(f64, f64)>,
-    /// Whether another scene fades away in it.
+    /// True if another scene fades out.
     pub fades: bool,
-    /// Its parameters.
+    /// The values of its parameters.
     pub params: Vec<Turned<'a>>,
-    /// What a show does with them.
+    /// The show's moves of parameters.
     pub moves: &'a [Move],
-    /// How the camera is moved by hand.
+    /// The camera motion.
     pub orbit: OrbitControls,
-    /// What is done to the whole picture.
+    /// The effects applied to the whole frame.
     pub picture: Finish,
 }
 
 impl<'a> Performed<'a> {
-    /// What shows at `time` seconds of the song.
+    /// The state at `time` seconds of the song.
     pub(super) fn at(
         time: f64,
         scenes: &'a PreparedScenes,
@@ -45,7 +44,7 @@ impl<'a> Performed<'a> {
         let (clips, _) = show.clips(scene, time);
         let split = scene.resources.world().blended.unwrap_or(0);
         let staged = clips.last();
-        // The show goes on to turn a scene to which somebody came back, or which somebody keeps.
+        // The show still turns the camera of a scene that the user returned to or locked.
         let clip = staged.filter(|_| !show.is_overruled() && !show.is_locked());
         let params = scene.knobs.iter().filter(|(_, knob)| knob.place >= split);
         let params = params.map(|(slider, _)| Turned {

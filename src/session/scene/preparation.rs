@@ -1,13 +1,13 @@
-//! From a scene that was asked for to one that can be drawn.
+//! The path from a requested scene to one that can be drawn.
 //!
 //! ```text
-//! loader (text → world) → upload → interpreter that is there already → drawn in the next frame
-//!                                 → compiler threads → its own program → drawn when it is ready
+//! loader (text → world) → upload → available interpreter → drawn in the next frame
+//!                                → compiler threads → its own program → drawn when ready
 //! ```
 //!
-//! A new scene is prepared in parallel with what is shown, and takes its place only when a program can draw it: a
-//! scene that is broken or slow to compile never costs the present one. A scene in whose text numbers are being changed
-//! needs no compiler: it takes over the program of its last version.
+//! A new scene is prepared while the current one is shown, and replaces it only when a program can
+//! draw it: a broken or slow scene never affects the current one. While numbers in a scene's text
+//! are being changed, no compiler is needed: the new version uses the program of the last one.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -34,37 +34,35 @@ use crate::gpu::scene_program::Mode;
 use crate::gpu::scene_resources::BuiltRegions;
 use crate::scenes::{ReadyScene, SceneError, SceneSource};
 
-/// How long nobody changes a number before all of them become constants of a program again.
+/// Time without changes until the numbers of a text become constants of a program again.
 const REST: Duration = Duration::from_secs(10);
-/// Longest distance, in clauses, that `auto` shows interpreted on a software renderer while its own program is being
-/// made: there a frame of a longer one takes many times as long as compiling it.
+/// Longest distance, in clauses, that `auto` interprets with a software renderer while the scene is
+/// compiled. One frame of a longer distance takes many times the compile time.
 const SHOWN_AT_ONCE_BY_SOFTWARE_MAX: usize = 48;
-/// What is done about the first tree of a scene that is coming.
+/// The decision about the first tree of a new scene.
 pub(super) enum TreeVerdict {
-    /// It is there, or nobody needs it.
+    /// The tree is built or not needed.
     Fine,
-    /// The scene is drawn without one.
+    /// The scene is drawn without a tree.
     DrawnWithout(u64),
-    /// The scene cannot be shown.
     Refused(Refusal),
 }
 
-/// See the module.
+/// The preparation of scenes and its choices.
 pub(super) struct ScenePreparation {
     gl: Gl,
     choice: DrawingChoice,
-    /// What was asked for, and what loads it.
+    /// The requested scene and its loader.
     pub library: SceneLibrary,
     trials: TreeTrials,
     next_scene: u64,
-    /// The mode that the user asked for, until its program is there.
+    /// The mode that the user is waiting for.
     asked_mode: Option<Mode>,
-    // Last: its threads draw with what the fields above hold.
+    // Last, because its threads draw with what the fields above hold.
     pub programs: ProgramLibrary,
 }
 
 impl ScenePreparation {
-    /// Prepares nothing yet.
     pub(super) fn new(
         gl: &Gl,
         choice: DrawingChoice,
@@ -75,21 +73,21 @@ impl ScenePreparation {
         Self { gl: gl.clone(), choice, library, trials, next_scene: 0, asked_mode: None, programs }
     }
 
-    /// How scenes are drawn.
+    /// The settings of how scenes are drawn.
     pub(super) fn choice(&self) -> DrawingChoice {
         self.choice
     }
 
-    /// Uses cells of regions from now on, or not.
+    /// Sets the use of region cells.
     pub(super) fn set_cells(&mut self, cells: CellUse) {
         self.choice.cells = cells;
     }
 
-    /// Takes what was loaded of the wanted scene, and prepares it. Returns what keeps it from being shown; then the last
-    /// good scene stays.
+    /// Takes the loaded scene and prepares it. Returns the reason if it cannot be shown; the last
+    /// good scene stays then.
     ///
     /// # Errors
-    /// The driver refuses it, and there is nothing else to be shown.
+    /// The driver rejects it, and no other scene can be shown.
     pub(super) fn take_loaded(
         &mut self,
         ready: Result<ReadyScene, SceneError>,
@@ -124,7 +122,7 @@ impl ScenePreparation {
     /// Uploads a scene and requests its programs.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub(super) fn prepare(
         &mut self,
         source: SceneSource,
@@ -140,7 +138,7 @@ impl ScenePreparation {
         Ok(())
     }
 
-    /// Requests what a scene needs to be shown.
+    /// Requests everything that a scene needs to be shown.
     pub(super) fn bring(&mut self, scene: PreparedScene, scenes: &mut PreparedScenes) {
         scenes.coming = Some(scene);
         self.forget_obsolete(scenes);
@@ -188,13 +186,13 @@ impl ScenePreparation {
         Ok(scene)
     }
 
-    /// Whether `auto` waits for a scene's own program.
+    /// True if `auto` waits for the scene's own program.
     fn is_patient_with(&self, scene: &PreparedScene) -> bool {
         let long = scene.resources.buffers().cost.distance > SHOWN_AT_ONCE_BY_SOFTWARE_MAX;
         self.gl.info().software && long && scene.is_compiled_by_itself()
     }
 
-    /// Gives the scenes their interpreter.
+    /// Assigns available interpreters to the scenes.
     pub(super) fn give_interpreters(&mut self, scenes: &mut PreparedScenes) {
         let PreparedScenes { shown, coming, ahead, .. } = scenes;
         for scene in [shown, coming].into_iter().flatten().chain(ahead.scenes_mut()) {
@@ -204,7 +202,7 @@ impl ScenePreparation {
         }
     }
 
-    /// Whether the scene that is coming can be drawn in a mode that was asked for.
+    /// True if the new scene can be drawn in a requested mode.
     pub(super) fn can_show_coming(&self, scenes: &PreparedScenes) -> bool {
         let Some(coming) = &scenes.coming else { return false };
         let waits = match self.choice.sdf {
@@ -223,10 +221,10 @@ impl ScenePreparation {
         self.programs.forget_all_but(&scenes.ids());
     }
 
-    /// Takes a program that was requested for scenes, or the fact that it could not be made.
+    /// Takes a requested program for scenes, or the compile error.
     ///
     /// # Errors
-    /// There is nothing else to be shown.
+    /// No scene can be shown.
     pub(super) fn take_program(
         &mut self,
         task: &Task,
@@ -263,8 +261,7 @@ impl ScenePreparation {
         Ok(Vec::new())
     }
 
-    /// Handles a program that could not be made. The scenes that need it are drawn in the other mode, if there is
-    /// one.
+    /// Handles a compile error. The affected scenes are drawn in the other mode, if there is one.
     fn take_failure(
         &mut self,
         task: &Task,
@@ -280,7 +277,7 @@ impl ScenePreparation {
                 Task::Compiled { id, .. } if *id == scene.id => {
                     scene.programs.compilable = false;
                     if scene.programs.compiled.is_some() {
-                        // It is drawn by the program that it has.
+                        // Its existing program draws it.
                         continue;
                     }
                 }
@@ -301,7 +298,8 @@ impl ScenePreparation {
         if scenes.present().next().is_none() { Err(error) } else { Ok(refused) }
     }
 
-    /// Requests the mode that is left to draw a scene, and says why. Returns a scene for which there is none.
+    /// Requests the remaining mode for a scene and reports the reason. Returns a refusal if there
+    /// is none.
     fn fall_back(
         &mut self,
         id: u64,
@@ -322,7 +320,7 @@ impl ScenePreparation {
         } else {
             self.programs.request_interpreter(scene);
         }
-        // What was reported in an earlier run needs a line only.
+        // A failure already reported in an earlier run is shown as one line.
         if compilable && matches!(error, GpuError::GivenUp { .. }) {
             messages.answer(heading);
             return None;
@@ -336,12 +334,13 @@ impl ScenePreparation {
         None
     }
 
-    /// The first tree of a scene that has come, if there is one; no tree if it takes longer than anyone waits.
+    /// The id and the first tree of a new scene, once finished. The tree is `None` if it takes too
+    /// long.
     pub(super) fn poll_tree(&self) -> Option<(u64, Option<Arc<BuiltRegions>>)> {
         self.trials.poll()
     }
 
-    /// Takes the first tree of a scene that is coming, or the fact that there is none.
+    /// Takes the first tree of a new scene, or the fact that it takes too long.
     pub(super) fn take_tree(
         &mut self,
         id: u64,
@@ -361,7 +360,7 @@ impl ScenePreparation {
             scene.tree = FirstTree::There;
             return TreeVerdict::Fine;
         }
-        // The first scene is drawn however long it takes: there is nothing else to show.
+        // The very first scene is drawn however long it takes: there is no other.
         scene.tree = FirstTree::TooLong;
         if is_first {
             return TreeVerdict::Fine;
@@ -377,8 +376,9 @@ impl ScenePreparation {
         TreeVerdict::Refused(too_expensive(&expensive, TREE_TOO_LONG))
     }
 
-    /// Takes a scene that was shown in a mode and would take too long. If a program of the other mode is being made, the
-    /// scene comes back in that mode; else it is refused. `why` begins a sentence.
+    /// Takes a scene that proved too slow in `mode`. If its compiled program is available or being
+    /// made, the scene returns with that one; otherwise it is refused. `why` is the beginning of a
+    /// sentence.
     pub(super) fn take_back(
         &mut self,
         mut expensive: PreparedScene,
@@ -398,7 +398,7 @@ impl ScenePreparation {
         Some(too_expensive(&expensive, why))
     }
 
-    /// Requests a scene's own program, unless it is there or was requested.
+    /// Requests a scene's own program, unless it exists or was requested.
     fn request_compiled(&mut self, scene: &mut PreparedScene) {
         if scene.programs.compiled.is_none() && !self.programs.is_making(scene, Mode::Compiled) {
             scene.programs.compilable = true;
@@ -406,8 +406,8 @@ impl ScenePreparation {
         }
     }
 
-    /// Requests the program of the scene that shows once more, if it cannot look up cells and that is wanted. Until it
-    /// comes, the one that is there goes on.
+    /// Recompiles the shown scene with cell lookups, if its program has none and they are wanted.
+    /// The current program is used until then.
     pub(super) fn request_cells(&mut self, scenes: &PreparedScenes) {
         let drawable =
             |scene: &&PreparedScene| scene.programs.compiled.is_some() && scene.programs.compilable;
@@ -420,12 +420,12 @@ impl ScenePreparation {
         }
     }
 
-    /// Whether a scene's compiled program is to look up the cells of a tree.
+    /// True if the compiled program of the scene should look up the cells of a tree.
     fn wants_cells(&self, scene: &PreparedScene) -> bool {
         scene.resources.uses_cells(self.choice.cells, Mode::Compiled)
     }
 
-    /// Requests interpreters that no scene has needed so far, once there is nothing else to do, for edits to come.
+    /// Requests interpreters that no scene has needed yet, when idle. They speed up later edits.
     pub(super) fn prepare_for_edits(&mut self, scenes: &PreparedScenes) {
         let is_idle = self.programs.is_idle() && self.programs.has_shown();
         if let Some(shown) = scenes.shown.as_ref().filter(|_| is_idle)
@@ -435,7 +435,7 @@ impl ScenePreparation {
         }
     }
 
-    /// Goes on preparing what comes next. The present scene is complete.
+    /// Continues to prepare the next scenes. Called when the current scene is complete.
     pub(super) fn prepare_ahead(&mut self, wanted: WantedAhead, scenes: &mut PreparedScenes) {
         if scenes.ahead.want(wanted, |source| self.library.neighbours_of(source)) {
             self.forget_obsolete(scenes);
@@ -453,10 +453,10 @@ impl ScenePreparation {
         }
     }
 
-    /// Takes the scenes that were loaded to be prepared ahead.
+    /// Takes the neighbours that were loaded.
     pub(super) fn take_loaded_ahead(&mut self, scenes: &mut PreparedScenes) {
         for (at, loaded) in scenes.ahead.poll() {
-            // What is wrong with it is said when somebody goes there.
+            // Its errors are reported when it is requested.
             let ready = loaded.value.ok().filter(|ready| scenes.ahead.has_room_for(&ready.world));
             let scene = ready.and_then(|ready| {
                 let uploaded = self.upload(loaded.source, ready, scenes);
@@ -466,14 +466,14 @@ impl ScenePreparation {
         }
     }
 
-    /// Draws a neighbour that is ready but for its first draw, where nobody sees it.
+    /// Draws a hidden frame of a neighbour for which nothing else is missing.
     pub(super) fn rehearse(&self, renderer: &mut Renderer, scenes: &mut PreparedScenes) {
         scenes.ahead.rehearse(self.choice.sdf, renderer);
     }
 
-    /// Wants a scene from now on. One that is prepared ahead needs no loader: it comes at once. Returns whether it does.
+    /// Requests a scene. Returns `true` if it is already prepared and needs no loader.
     pub(super) fn ask_for(&mut self, source: SceneSource, scenes: &mut PreparedScenes) -> bool {
-        // Only the scene that is shown is kept in exchange.
+        // In exchange, only the shown scene is kept.
         let from = scenes.shown_source().filter(|shown| *shown == self.library.wanted()).cloned();
         let prepared = from.and_then(|from| scenes.ahead.take(&source, from, self.library.loader_mut()));
         self.library.want(source);
@@ -489,7 +489,7 @@ impl ScenePreparation {
         }
     }
 
-    /// Asks for the scene again when nobody has changed a number for a while.
+    /// Reloads the scene after its numbers have rested for a while.
     pub(super) fn settle_numbers(&self, scenes: &mut PreparedScenes) {
         let is_coming = scenes.coming.is_some();
         let Some(shown) = scenes.shown.as_mut().filter(|scene| scene.is_changing()) else { return };
@@ -500,8 +500,8 @@ impl ScenePreparation {
         }
     }
 
-    /// Changes between interpreted and compiled. A missing program is made; until then the picture stays. Returns the mode
-    /// that is wanted now.
+    /// Toggles between interpreted and compiled. A missing program is requested, and the current
+    /// one is used until then. Returns the mode that is wanted now.
     pub(super) fn toggle_mode(&mut self, shown: Mode, scenes: &mut PreparedScenes) -> Mode {
         let other = match shown {
             Mode::Interpreted => Mode::Compiled,
@@ -512,14 +512,14 @@ impl ScenePreparation {
             SdfChoice::Interpreted => Some(Mode::Interpreted),
             SdfChoice::Compiled => Some(Mode::Compiled),
         };
-        // A wish that is not fulfilled yet is withdrawn.
+        // A mode that is still being prepared is cancelled.
         let is_coming = scenes.shown.as_ref().is_some_and(|scene| self.programs.is_making(scene, other));
         let wanted = if waited_for == Some(other) && is_coming { shown } else { other };
         self.choice.sdf = match wanted {
             Mode::Interpreted => SdfChoice::Interpreted,
             Mode::Compiled => SdfChoice::Compiled,
         };
-        // The scene that is coming also waits for what is wanted now.
+        // The next scene also waits for the new mode.
         for scene in scenes.present_mut() {
             match wanted {
                 Mode::Interpreted => self.programs.request_interpreter(scene),
@@ -529,21 +529,21 @@ impl ScenePreparation {
         wanted
     }
 
-    /// Notes the mode that the user waits for, if one.
+    /// Sets the mode that the user is waiting for.
     pub(super) fn await_mode(&mut self, mode: Option<Mode>) {
         self.asked_mode = mode;
     }
 
-    /// Whether the user waited for this mode, which is there now; says so once.
+    /// True once if the user was waiting for this mode.
     pub(super) fn has_come(&mut self, mode: Mode) -> bool {
         self.asked_mode.take_if(|asked| *asked == mode).is_some()
     }
 
-    /// Says of each program that the driver is at for long that it is, once.
+    /// Reports each program that the driver has been compiling for a long time, once.
     pub(super) fn report_slow_programs(&self, scenes: &PreparedScenes, messages: &mut Messages) {
         for id in self.programs.slow() {
             let Some(task) = self.programs.task(id) else { continue };
-            // Nobody waits for what is prepared ahead.
+            // Nobody waits for scenes prepared ahead.
             let is_theirs =
                 |scene: &PreparedScene| matches!(task, Task::Compiled { id, .. } if *id == scene.id);
             if scenes.ahead.scenes().any(is_theirs) {
@@ -559,8 +559,8 @@ impl ScenePreparation {
             };
             let Some(what) = what else { continue };
             let meanwhile = match scenes.shown {
-                Some(_) => "the show goes on without it",
-                None => "nothing can be shown before",
+                Some(_) => "the current scene stays until then",
+                None => "the window stays empty until then",
             };
             let sentence = format!("the driver is still compiling {what}: {meanwhile}");
             tracing::warn!("{sentence}");
@@ -571,7 +571,7 @@ impl ScenePreparation {
         }
     }
 
-    /// True if the user requested the scene or mode that a task compiles for, or if the window is still empty.
+    /// True if the user is waiting for the result of `task`, or if the window is still empty.
     fn user_waits_for(&self, task: &Task, scenes: &PreparedScenes, is_scene_awaited: bool) -> bool {
         let coming = scenes.coming.as_ref().filter(|_| is_scene_awaited);
         let waits = match task {

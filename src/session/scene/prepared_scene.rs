@@ -15,71 +15,67 @@ use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode};
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::{ReadyScene, SceneSource};
 
-/// How all scenes are drawn.
+/// The settings of how all scenes are drawn.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawingChoice {
     /// Interpreted, compiled or both.
     pub sdf: SdfChoice,
-    /// Whether cells of regions are used where they can be.
+    /// The use of region cells.
     pub cells: CellUse,
 }
 
-/// The first tree of regions of a scene that is coming.
+/// The state of the first region tree of a new scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FirstTree {
-    /// It is being built.
+    /// Being built.
     Coming,
-    /// It is built with the first picture, because that of the last version of the text took no time.
+    /// Built together with the first frame, because the tree of the previous version was fast.
     Untried,
-    /// It is there.
     There,
-    /// It takes longer than anyone waits for a picture.
+    /// The build exceeds the limit for one frame.
     TooLong,
 }
 
 /// The programs of a scene.
 pub(super) struct ScenePrograms {
-    /// The variant of the interpreter that it needs; none if its tape does not fit the driver, or the driver refused
-    /// it.
+    /// The interpreter variant for the scene; `None` if the tape exceeds the driver's limits or the
+    /// driver rejected the program.
     pub interpreter: Option<Interpreter>,
-    /// The interpreter, once it is there.
+    /// The interpreter, once available.
     pub interpreted: Option<Rc<Program>>,
-    /// The scene's own program, once it is there.
+    /// The scene's own program, once available.
     pub compiled: Option<Rc<Program>>,
-    /// Whether that one can look up the cells of a tree.
+    /// True if the compiled program can look up the cells of a tree.
     pub has_cells: bool,
-    /// Whether no compiler has refused it so far.
+    /// False if a compile has failed.
     pub compilable: bool,
 }
 
-/// See the module.
+/// A scene with everything needed to draw it.
 pub(super) struct PreparedScene {
-    /// Its number: another one for each version of its text.
+    /// Unique number; each version of the text has its own.
     pub id: u64,
-    /// Where it comes from.
     pub source: SceneSource,
-    /// What the driver holds of it.
+    /// The scene's resources on the GPU.
     pub resources: SceneResources,
-    /// What draws it.
     pub programs: ScenePrograms,
-    /// Its first tree of regions.
+    /// State of the first region tree.
     pub tree: FirstTree,
-    /// Whether it also moves without sound.
+    /// True if the scene moves without sound.
     pub moves: bool,
-    /// Whether it reads curves of the sound.
+    /// True if the scene reads curves of the sound.
     pub hears_curves: bool,
-    /// Its sliders.
     pub knobs: SceneKnobs,
-    /// When it was loaded.
+    /// Time of the load.
     pub since: Instant,
-    /// Whether it is the scene that shows with its numbers as constants again.
+    /// True if this version only turns the numbers of the shown scene back into constants.
     pub settles: bool,
-    /// Whether it was asked for again, because its numbers are no longer changed.
+    /// True if the scene was reloaded because its numbers no longer change.
     pub is_resting: bool,
 }
 
 impl ScenePrograms {
-    /// The one that draws it in a mode.
+    /// The program for a mode.
     pub(super) fn of(&self, mode: Mode) -> Option<&Rc<Program>> {
         match mode {
             Mode::Interpreted => self.interpreted.as_ref(),
@@ -87,12 +83,12 @@ impl ScenePrograms {
         }
     }
 
-    /// From now on only its own program draws it.
+    /// Restricts the scene to its own program.
     pub(super) fn without_interpreter(&mut self) {
         (self.interpreter, self.interpreted) = (None, None);
     }
 
-    /// Whether it waits for an interpreter like this one.
+    /// True if the scene is waiting for an interpreter covered by this one.
     pub(super) fn lack(&self, interpreter: &Interpreter) -> bool {
         self.interpreted.is_none()
             && self.interpreter.as_ref().is_some_and(|needed| interpreter.covers(needed))
@@ -100,10 +96,10 @@ impl ScenePrograms {
 }
 
 impl PreparedScene {
-    /// Uploads a scene, which has no programs yet. Pictures that `last` has, too, are not uploaded again.
+    /// Uploads a scene, without programs. Images that `last` also has are reused.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub(super) fn upload(
         gl: &Gl,
         id: u64,
@@ -143,7 +139,7 @@ impl PreparedScene {
         })
     }
 
-    /// What another context can prepare it from.
+    /// The source and the data from which another context can prepare the scene.
     pub(super) fn into_ready(self) -> (SceneSource, ReadyScene) {
         let resources = &self.resources;
         let (world, buffers) = (resources.world().clone(), resources.buffers().clone());
@@ -151,17 +147,16 @@ impl PreparedScene {
         (self.source, ready)
     }
 
-    /// What people call it.
     pub(super) fn title(&self) -> String {
         self.source.title()
     }
 
-    /// The program that draws it in a mode.
+    /// The program for a mode.
     pub(super) fn program(&self, mode: Mode) -> Option<&Rc<Program>> {
         self.programs.of(mode)
     }
 
-    /// The mode in which it is drawn; none if no program can draw it.
+    /// The mode in which the scene is drawn now; `None` if there is no program.
     pub(super) fn mode(&self, sdf: SdfChoice) -> Option<Mode> {
         let order = match sdf {
             SdfChoice::Interpreted => [Mode::Interpreted, Mode::Compiled],
@@ -170,12 +165,12 @@ impl PreparedScene {
         order.into_iter().find(|mode| self.program(*mode).is_some())
     }
 
-    /// The mode in which it is to be shown in the end, if the program for that is not there.
+    /// The mode in which the scene should be shown finally, if its program is missing.
     pub(super) fn missing_mode(&self, sdf: SdfChoice) -> Option<Mode> {
         Some(self.wanted_mode(sdf)).filter(|mode| self.program(*mode).is_none())
     }
 
-    /// The mode in which it is to be shown in the end.
+    /// The mode in which the scene should be shown finally.
     pub(super) fn wanted_mode(&self, sdf: SdfChoice) -> Mode {
         let compiles = match sdf {
             SdfChoice::Interpreted => false,
@@ -189,12 +184,12 @@ impl PreparedScene {
         }
     }
 
-    /// Whether `auto` compiles it.
+    /// True if `auto` compiles the scene.
     pub(super) fn is_compiled_by_itself(&self) -> bool {
         self.resources.buffers().cost.total <= COMPILED_BY_ITSELF_MAX
     }
 
-    /// What a program must draw to show views of it.
+    /// The program that views of the scene need.
     pub(super) fn views(&self, mode: Mode) -> Option<ViewsOf> {
         match mode {
             Mode::Compiled => Some(ViewsOf::Compiled(self.id)),
@@ -202,24 +197,24 @@ impl PreparedScene {
         }
     }
 
-    /// Whether numbers of its text are read as inputs.
+    /// True if numbers of its text are inputs instead of constants.
     pub(super) fn is_changing(&self) -> bool {
         let world = self.resources.world();
-        // The share of a blend is no number of a text.
+        // The fraction of a blend is not a number of a text.
         world.blended.is_none() && world.scene.params.iter().any(|param| param.is_number)
     }
 
-    /// In a blend, how many of its parameters belong to the scene that goes; else more than there are.
+    /// In a blend, the number of parameters of the outgoing scene; otherwise `usize::MAX`.
     pub(super) fn split(&self) -> usize {
         self.resources.world().blended.unwrap_or(usize::MAX)
     }
 
-    /// Whether it is a scene on its way into another.
+    /// True if the scene is a blend of two scenes.
     pub(super) fn is_blend(&self) -> bool {
         matches!(self.source, SceneSource::Blend(_))
     }
 
-    /// Why its pixels are so expensive.
+    /// The reasons for the cost of its pixels, as text.
     pub(super) fn costs_in_words(&self) -> String {
         let world = self.resources.world();
         let mut what = vec![format!("its distance has {} clauses", self.resources.buffers().cost.distance)];

@@ -1,8 +1,8 @@
-//! A small picture of the scene that comes next, which is prepared already.
+//! A small preview frame of the next scene, which is already prepared.
 //!
-//! It is drawn at the moment that shows. A scene whose tree of regions belongs to a moment is drawn at the moment of its
-//! first tree at first, and then about once a second: a thread builds a tree for each such picture, unless that takes so
-//! long that the show would feel it. Then the picture stands still.
+//! The preview shows the current moment of the song. A scene that needs a region tree for each
+//! moment is first drawn at the moment of its first tree, and then about once a second with a tree
+//! built on a thread. If such a build would slow down the show, the preview stays still.
 
 use std::time::{Duration, Instant};
 
@@ -20,44 +20,45 @@ use crate::gpu::renderer::{Renderer, Sketch};
 use crate::gpu::scene_program::Mode;
 use mariana_music::{Features, Sound};
 
-/// How often a picture is drawn that needs a tree of its own.
+/// Interval of previews that need their own tree.
 const TREE_EVERY: Duration = Duration::from_secs(1);
-/// How long such a tree may take.
+/// Time limit for such a tree.
 const TREE_PATIENCE: Duration = Duration::from_millis(150);
 
-/// See the module.
+/// The preview of the next scene, and the builder of its trees.
 pub(super) struct NextPicture {
-    /// The scene for which a tree was requested last, and when.
+    /// The scene of the last tree request, and its time.
     asked: Option<(u64, Instant)>,
     /// The scene whose trees take too long.
     too_expensive: Option<u64>,
     builder: RegionBuilder<u64>,
 }
 
-/// A frame of the scene that comes next.
+/// The next preview frame.
 enum Next {
-    /// It can be drawn.
+    /// Can be drawn now.
     Now(Frame),
-    /// It is that of the scene's first tree, which is there.
+    /// Uses the scene's first tree, which is already built.
     First(Frame),
-    /// Its tree is needed first.
+    /// Needs a tree first.
     WithTree(Frame),
 }
 
 impl NextPicture {
-    /// Draws nothing yet. `wake` is called after each tree.
+    /// Starts the tree builder, which calls `wake` after each tree.
     ///
     /// # Errors
-    /// What the system says about threads.
+    /// The thread cannot be started.
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         Ok(Self { asked: None, too_expensive: None, builder: RegionBuilder::start(wake)? })
     }
 
-    /// Draws the scene that comes next as `parameters` has it, at `time` seconds of the song, where nobody sees it, and
-    /// sends its picture to `reader`. Returns its title; none if there is nothing to draw now.
+    /// Draws a hidden frame of the next scene with the values of `parameters` at `time` seconds of
+    /// the song, and sends it to `reader`. Returns its title, or `None` if there is nothing to draw
+    /// now.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub(super) fn draw(
         &mut self,
         (ahead, parameters, choice): (&PreparedAhead, &Parameters, DrawingChoice),
@@ -90,7 +91,7 @@ impl NextPicture {
                 match self.frame_of(scene, (mode, choice.cells), (time, sound, &params), reader.size()) {
                     Next::Now(frame) => frame,
                     Next::First(frame) => {
-                        // The next one in a second.
+                        // The next frame follows in a second.
                         self.asked = Some((id, clock::now()));
                         frame
                     }
@@ -126,14 +127,14 @@ impl NextPicture {
                 return Next::First(first);
             }
         }
-        // Without a tree it is right at any moment.
+        // Without a tree the frame is valid at any moment.
         let uses_cells = needs_tree && (world.non_lipschitz || cells != CellUse::Never);
         scene.resources.set_cells(uses_cells, mode);
         let frame = Frame::with_params(world, time, sound, size, params);
         if needs_tree { Next::WithTree(frame) } else { Next::Now(frame) }
     }
 
-    /// Whether a tree is to be requested for a scene now; then it is noted.
+    /// Returns `true` and notes the request if a tree should be requested now.
     fn asks(&mut self, id: u64, now: Instant) -> bool {
         let has_just =
             self.asked.is_some_and(|(of, at)| of == id && now.saturating_duration_since(at) < TREE_EVERY);
@@ -150,7 +151,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn trees_are_requested_once_a_second_and_not_again_where_they_take_too_long() {
+    fn trees_are_requested_once_a_second_unless_they_take_too_long() {
         let (mut sketching, now) = (NextPicture::start(|| {}).unwrap(), Instant::now());
         let at = |ms| now + Duration::from_millis(ms);
         assert!(sketching.asks(7, at(0)) && !sketching.asks(7, at(900)) && sketching.asks(7, at(1_000)));

@@ -1,7 +1,7 @@
-//! Programs for scenes: those that are being made, and the interpreters, which serve several scenes.
+//! Programs for scenes: pending compile tasks, and the interpreters shared by several scenes.
 //!
 //! ```text
-//! universal interpreter ─ refused ─► interpreter of the scene's own ─ refused ─► compiled only
+//! universal interpreter ─ rejected ─► the scene's own interpreter ─ rejected ─► compiled only
 //! ```
 
 use std::collections::HashMap;
@@ -22,23 +22,23 @@ use crate::gpu::scene_program::{Interpreter, Mode, as_views, compiled_drawing_va
 use crate::gpu::shader_source::Variant;
 use crate::gpu::stand_ins::SceneShape;
 
-/// See the module.
+/// The shared programs and the pending compile tasks.
 pub(super) struct ProgramLibrary {
     gl: Gl,
     universal: UniversalInterpreters,
-    /// Those that are scenes' own.
+    /// Interpreters made for particular scenes.
     interpreters: KeptPrograms<Interpreter>,
     tasks: HashMap<u64, Task>,
     next_task: u64,
-    /// Whether a picture was finished: the first one does not wait for the universal interpreter, because a scene's own
-    /// is compiled sooner.
+    /// True after the first frame. That frame does not wait for the universal interpreter, because
+    /// a scene's own one compiles faster.
     has_shown: bool,
-    // Last: its threads draw with what the fields above hold.
+    // Last, because its threads draw with what the fields above hold.
     compiler: BackgroundCompiler,
 }
 
 impl ProgramLibrary {
-    /// Starts the compiler's threads, which call `wake` after each program.
+    /// Starts the compiler threads, which call `wake` after each program.
     pub(super) fn start(
         gl: &Gl,
         contexts: Vec<WorkerContext>,
@@ -48,7 +48,7 @@ impl ProgramLibrary {
         let compiler = BackgroundCompiler::start(contexts, sources, gl.info(), wake);
         Self {
             gl: gl.clone(),
-            // Without threads it would be compiled between frames, which then come late.
+            // Without threads it would be compiled between frames and delay them.
             universal: UniversalInterpreters::new(!gl.info().software && compiler.has_threads()),
             interpreters: KeptPrograms::default(),
             tasks: HashMap::new(),
@@ -58,8 +58,8 @@ impl ProgramLibrary {
         }
     }
 
-    /// The next program that is made, or the reason why it could not be, with its purpose. Nobody else remembers the
-    /// purpose.
+    /// The next finished program or its compile error, together with its purpose. The purpose is
+    /// stored nowhere else.
     pub(super) fn poll(&mut self) -> Option<(Task, Result<Program, GpuError>)> {
         while let Some(finished) = self.compiler.poll() {
             if let Some(task) = self.tasks.remove(&finished.id) {
@@ -70,39 +70,39 @@ impl ProgramLibrary {
         None
     }
 
-    /// Notes that a picture was finished.
+    /// Notes that a frame was finished.
     pub(super) fn note_picture(&mut self) {
         self.has_shown = true;
     }
 
-    /// Whether a picture was finished.
+    /// True if a frame was finished.
     pub(super) fn has_shown(&self) -> bool {
         self.has_shown
     }
 
-    /// Whether nothing is being made.
+    /// True if no program is being compiled.
     pub(super) fn is_idle(&self) -> bool {
         self.tasks.is_empty()
     }
 
-    /// The purpose of a program that is being made.
+    /// The purpose of a pending program.
     pub(super) fn task(&self, id: u64) -> Option<&Task> {
         self.tasks.get(&id)
     }
 
-    /// The tasks that the driver is at for long, each once.
+    /// The tasks that the driver has worked on for a long time, each once.
     pub(super) fn slow(&self) -> Vec<u64> {
         self.compiler.slow()
     }
 
-    /// Takes an interpreter of a scene's own that is ready.
+    /// Adds a finished interpreter of a scene's own.
     pub(super) fn add_interpreter(&mut self, variant: Interpreter, program: Program) {
         tracing::info!("an interpreter is ready");
         self.interpreters.add(variant, program);
     }
 
-    /// Takes a universal interpreter, or the fact that the driver refuses it: then scenes get their own ones, and a
-    /// sentence that says so is returned.
+    /// Takes a universal interpreter or its error. After an error, each scene gets its own
+    /// interpreter; returns a message about that.
     pub(super) fn take_universal(
         &mut self,
         non_lipschitz: bool,
@@ -116,7 +116,8 @@ impl ProgramLibrary {
             }
             Err(error) => {
                 self.universal.give_up(non_lipschitz);
-                let sentence = "this driver has no interpreter for all scenes: each scene gets its own";
+                let sentence =
+                    "this driver cannot compile the universal interpreter: each scene gets its own";
                 match &error {
                     GpuError::GivenUp { .. } => tracing::warn!("{sentence}; {error}"),
                     _ => {
@@ -129,12 +130,12 @@ impl ProgramLibrary {
         }
     }
 
-    /// The interpreter that draws what needs this one, if it is there.
+    /// The interpreter that covers `needed`, if available.
     pub(super) fn interpreter_for(&mut self, needed: &Interpreter) -> Option<Rc<Program>> {
         self.universal.find(needed).or_else(|| self.interpreters.find(|known| known.covers(needed)))
     }
 
-    /// Whether a scene's program of that mode was requested and has not come.
+    /// True if a scene's program of that mode was requested and is not finished.
     pub(super) fn is_making(&self, scene: &PreparedScene, mode: Mode) -> bool {
         let needed = scene.programs.interpreter.as_ref();
         self.tasks.values().any(|task| match task {
@@ -149,7 +150,8 @@ impl ProgramLibrary {
         })
     }
 
-    /// Makes the program of one of these scenes for the scene `id` from now on: they are compiled alike.
+    /// Redirects the pending program of one of the scenes `alike` to the scene `id`: their programs
+    /// are identical.
     pub(super) fn make_for(&mut self, alike: &[u64], id: u64) {
         let is_theirs = |task: &&mut Task| matches!(task, Task::Compiled { id, .. } if alike.contains(id));
         if let Some(Task::Compiled { id: of, .. }) = self.tasks.values_mut().find(is_theirs) {
@@ -157,8 +159,8 @@ impl ProgramLibrary {
         }
     }
 
-    /// Drops requests for scenes that are no longer there. A program that is being made already is dropped when it
-    /// comes.
+    /// Drops requests for all other scenes. A program already being compiled is dropped when it is
+    /// finished.
     pub(super) fn forget_all_but(&mut self, kept: &[u64]) {
         self.tasks.retain(|_, task| match task {
             Task::Compiled { id, .. } | Task::Views(ViewsOf::Compiled(id)) => kept.contains(id),
@@ -167,7 +169,7 @@ impl ProgramLibrary {
         self.compiler.forget(|id| !self.tasks.contains_key(&id));
     }
 
-    /// Requests a scene's own program, which may be there already in another form.
+    /// Requests a scene's own program, even if one without cell lookups exists.
     pub(super) fn request_compiled(&mut self, scene: &PreparedScene, has_cells: bool) {
         let world = scene.resources.world().clone();
         let job = self.job(scene, move || compiled_drawing_variant(&world, has_cells));
@@ -176,7 +178,7 @@ impl ProgramLibrary {
         self.submit(job, Task::Compiled { id: scene.id, has_cells });
     }
 
-    /// Requests the interpreter that a scene needs, unless it is there or was requested.
+    /// Requests the interpreter that a scene needs, unless it exists or was requested.
     pub(super) fn request_interpreter(&mut self, scene: &PreparedScene) {
         let Some(needed) = scene.programs.interpreter.clone() else { return };
         let can_wait = self.has_shown || self.is_making(scene, Mode::Compiled);
@@ -201,8 +203,8 @@ impl ProgramLibrary {
         self.submit(job, Task::Interpreter(needed));
     }
 
-    /// Requests a universal interpreter that no scene has needed so far, if there is one. `scene` is what its first
-    /// picture shows.
+    /// Requests a universal interpreter that no scene has needed yet, if there is one. `scene` is
+    /// drawn in its first frame.
     pub(super) fn request_unneeded(&mut self, scene: &PreparedScene) {
         if let Some(non_lipschitz) = self.universal.unasked() {
             self.request_universal(non_lipschitz, scene);
@@ -262,9 +264,9 @@ impl ProgramLibrary {
     }
 }
 
-/// What the log adds for formulas that are no distances.
+/// Suffix of log messages about non-Lipschitz formulas.
 fn of_kind(non_lipschitz: bool) -> &'static str {
-    if non_lipschitz { ", for formulas that are no distances" } else { "" }
+    if non_lipschitz { ", for formulas that are not distances" } else { "" }
 }
 
 #[cfg(test)]
@@ -293,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn a_program_comes_with_its_purpose_and_one_that_was_forgotten_never_comes() {
+    fn a_program_arrives_with_its_purpose_and_a_forgotten_one_never_arrives() {
         let context = Headless::new(false).unwrap();
         let mut programs = library(context.gl());
         let [first, second] = [(3, "sphere(p, 1)"), (4, "box(p, 1)")]
@@ -303,7 +305,7 @@ mod tests {
         assert!(programs.is_making(&first, Mode::Compiled) && !programs.is_making(&first, Mode::Interpreted));
         programs.forget_all_but(&[4]);
         assert!(!programs.is_making(&first, Mode::Compiled) && programs.is_making(&second, Mode::Compiled));
-        // Another version of the second one is compiled alike.
+        // Another version of the second scene has the same program.
         programs.make_for(&[4], 9);
         let (task, program) = made(&mut programs);
         assert!(matches!(task, Task::Compiled { id: 9, has_cells: false }) && program.is_ok());
@@ -320,7 +322,7 @@ mod tests {
         programs.request_interpreter(&second);
         assert!(programs.is_making(&second, Mode::Interpreted));
         let (Task::Interpreter(variant), Ok(program)) = made(&mut programs) else { panic!("no interpreter") };
-        assert!(programs.is_idle(), "both wait for the same");
+        assert!(programs.is_idle(), "both scenes share one interpreter");
         programs.add_interpreter(variant, program);
         let needed = second.programs.interpreter.as_ref().unwrap();
         assert!(programs.interpreter_for(needed).is_some());

@@ -1,38 +1,38 @@
-//! The purposes of programs that are being made.
+//! The purposes of programs that are being compiled.
 
 use crate::gpu::scene_program::Interpreter;
 
-/// The purpose of a program that is being made.
+/// The purpose of a pending program.
 pub(super) enum Task {
-    /// It draws one scene.
+    /// Draws one scene.
     Compiled {
-        /// The scene.
+        /// Id of the scene.
         id: u64,
-        /// Whether it is to look up the cells of a tree.
+        /// True if the program looks up the cells of a tree.
         has_cells: bool,
     },
-    /// It draws every scene that this interpreter covers.
+    /// Draws every scene that this interpreter covers.
     Interpreter(Interpreter),
-    /// It draws nearly every scene.
+    /// Draws nearly every scene.
     Universal {
-        /// Whether it is for formulas that are no distances.
+        /// True for formulas that are not distances.
         non_lipschitz: bool,
     },
-    /// It draws views.
+    /// Draws views.
     Views(ViewsOf),
 }
 
-/// What a program of views draws.
+/// The scope of a view program.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum ViewsOf {
-    /// A scene, compiled.
+    /// One compiled scene.
     Compiled(u64),
     /// Every scene that this interpreter covers.
     Interpreted(Interpreter),
 }
 
 impl ViewsOf {
-    /// Whether a program for this draws what is wanted.
+    /// True if a program for `self` also draws `wanted`.
     pub(super) fn covers(&self, wanted: &Self) -> bool {
         match (self, wanted) {
             (ViewsOf::Compiled(id), ViewsOf::Compiled(wanted)) => id == wanted,

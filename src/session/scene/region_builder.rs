@@ -1,15 +1,15 @@
-//! Trees of regions, built in parallel with the frames on a thread of their own.
+//! Region trees, built on their own thread while frames are drawn.
 //!
-//! Only the latest request counts: it replaces one that was not begun. The tree comes back with the whole frame that
-//! it was requested for, so that a picture is drawn with the inputs of its tree. A tree that takes longer than it may
-//! is given up, and so is one that nobody waits for any more.
+//! Only the latest request counts: it replaces one that has not begun. The tree is returned
+//! together with the frame it was requested for. A build is cancelled when it exceeds its time
+//! limit or is no longer needed.
 //!
-//! **A picture is drawn with the inputs of its tree.** `Renderer::draw` builds the regions of a frame if nobody has:
-//! this is the only way for stills, videos and measurements. The window asks a thread for them (the latest request
-//! only) and draws a picture when its tree has come, whenever that is; if inputs take long, the picture follows the
-//! sound with fewer frames. If the compiled program draws faster than a tree is built, it draws without cells. An
-//! interpreter without cells takes tens of times as long as with them, longer than any tree takes. The line of key I
-//! says which is used.
+//! **A frame is drawn with the inputs of its tree.** `Renderer::draw` builds missing regions
+//! itself; stills, videos and measurements use only this path. The window requests trees from this
+//! thread and draws a frame when its tree is finished, even if late; with slow inputs, fewer frames
+//! follow the sound. If the compiled program draws faster than a tree is built, it draws without
+//! cells. An interpreter without cells takes tens of times as long as with them, which is longer
+//! than any tree takes. The line of key I shows which is used.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -19,37 +19,35 @@ use std::time::{Duration, Instant};
 use crate::frame::Frame;
 use crate::gpu::scene_resources::{BuiltRegions, RegionMaker, RegionRequest};
 
-/// A tree to be built.
+/// A request for a tree.
 pub(super) struct TreeJob<Tag> {
-    /// What the asker knows it by.
+    /// The caller's identifier of the request.
     pub tag: Tag,
-    /// The frame that is to be drawn with it.
+    /// The frame to draw with the tree.
     pub frame: Frame,
-    /// What builds it.
     pub maker: RegionMaker,
-    /// What it is built for.
     pub request: RegionRequest,
-    /// How long it may take.
+    /// Time limit of the build.
     pub patience: Duration,
 }
 
-/// A tree that is done.
+/// A finished tree.
 pub(super) struct BuiltTree<Tag> {
-    /// What the asker knows it by.
+    /// The caller's identifier of the request.
     pub tag: Tag,
-    /// The frame that is to be drawn with it.
+    /// The frame to draw with the tree.
     pub frame: Frame,
-    /// The tree; none if it would have taken longer than allowed.
+    /// The tree; `None` if the build exceeded its time limit.
     pub regions: Option<Arc<BuiltRegions>>,
 }
 
-/// How long the end of the program waits for a tree that is being built.
+/// The longest wait for the thread at exit.
 const END_WAIT: Duration = Duration::from_millis(200);
 
 struct State<Tag> {
     next: Option<TreeJob<Tag>>,
     done: Option<BuiltTree<Tag>>,
-    /// How often the requests were forgotten: a tree that was begun before is of no use.
+    /// Counts calls of `forget`: a build begun before the last one is obsolete.
     forgotten: u64,
     over: bool,
 }
@@ -65,7 +63,7 @@ impl<Tag> Shared<Tag> {
     }
 }
 
-/// The thread and the queue between it and the frames.
+/// The thread, and the queue between it and the frames.
 pub(super) struct RegionBuilder<Tag> {
     shared: Arc<Shared<Tag>>,
     thread: Option<JoinHandle<()>>,
@@ -75,7 +73,7 @@ impl<Tag: Send + 'static> RegionBuilder<Tag> {
     /// Starts the thread, which calls `wake` after each tree.
     ///
     /// # Errors
-    /// What the system says about threads.
+    /// The thread cannot be started.
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         let state = State { next: None, done: None, forgotten: 0, over: false };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
@@ -85,25 +83,25 @@ impl<Tag: Send + 'static> RegionBuilder<Tag> {
         Ok(Self { shared, thread: Some(thread) })
     }
 
-    /// Requests a tree in place of any that was not begun.
+    /// Requests a tree. Replaces a request that has not begun.
     pub(super) fn request(&self, job: TreeJob<Tag>) {
         self.shared.lock().next = Some(job);
         self.shared.changed.notify_one();
     }
 
-    /// The latest tree that is done, once.
+    /// Takes the latest finished tree.
     pub(super) fn poll(&self) -> Option<BuiltTree<Tag>> {
         self.shared.lock().done.take()
     }
 
-    /// Drops everything that was requested and not taken.
+    /// Drops all requests and results.
     pub(super) fn forget(&self) {
         let mut state = self.shared.lock();
         (state.next, state.done) = (None, None);
         state.forgotten += 1;
     }
 
-    /// Whether [`RegionBuilder::poll`] has something.
+    /// True if [`RegionBuilder::poll`] would return a tree.
     pub(super) fn has_built(&self) -> bool {
         self.shared.lock().done.is_some()
     }
@@ -116,14 +114,15 @@ impl<Tag> Drop for RegionBuilder<Tag> {
         state.next = None;
         drop(state);
         self.shared.changed.notify_one();
-        // A tree takes milliseconds; that of a scene too large to be drawn takes minutes, and nobody waits for it.
+        // A tree takes milliseconds. The tree of a scene too large to draw takes minutes and is not
+        // awaited.
         let until = Instant::now() + END_WAIT;
         let Some(thread) = self.thread.take() else { return };
         while !thread.is_finished() && Instant::now() < until {
             std::thread::sleep(Duration::from_millis(1));
         }
         if thread.is_finished() && thread.join().is_err() {
-            tracing::warn!("the thread of the regions ended with a panic");
+            tracing::warn!("the region thread panicked");
         }
     }
 }
@@ -143,7 +142,7 @@ fn work<Tag: Send>(shared: &Shared<Tag>, wake: &dyn Fn()) {
             let state = shared.lock();
             state.forgotten == forgotten && !state.over && begun.elapsed() < patience
         };
-        // After a panic the picture must not wait for ever: the next request is another chance.
+        // After a panic the frame must not wait for ever: the next request tries again.
         let built = catch_unwind(AssertUnwindSafe(|| maker.build_while(&frame, request, &is_wanted)));
         match built {
             Ok(regions) => {
@@ -154,7 +153,7 @@ fn work<Tag: Send>(shared: &Shared<Tag>, wake: &dyn Fn()) {
                     state.done = Some(BuiltTree { tag, frame, regions });
                 }
             }
-            Err(_) => tracing::error!("building the regions ended with a panic"),
+            Err(_) => tracing::error!("building the regions panicked"),
         }
         wake();
     }
@@ -178,7 +177,7 @@ mod tests {
         RegionMaker { plan, buffers, last: None }
     }
 
-    /// A builder, its wakes, and what it takes to ask it for a tree that is not built at once.
+    /// A builder, its wakes, and a request for a tree that takes a while to build.
     fn long_tree() -> (RegionBuilder<usize>, Receiver<()>, Frame, RegionMaker, RegionRequest) {
         let world = world("union(for i in 0..200: sphere(p - vec3(i, 0, 0), 0.3 + 0.01 * sin(t)))");
         let maker = maker_of(&world);
@@ -190,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_forgotten_while_it_is_built_does_not_come() {
+    fn a_request_forgotten_during_its_build_returns_nothing() {
         let (builder, wakes, frame, maker, request) = long_tree();
         builder.request(TreeJob { tag: 1, frame, maker, request, patience: Duration::MAX });
         while builder.shared.lock().next.is_some() {
@@ -202,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tree_that_takes_too_long_kept_others_waiting() {
+    fn a_tree_over_its_time_limit_is_given_up() {
         let (builder, wakes, frame, maker, request) = long_tree();
         builder.request(TreeJob { tag: 1, frame, maker, request, patience: Duration::ZERO });
         wakes.recv_timeout(Duration::from_secs(20)).unwrap();
@@ -238,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn programs_are_shortened_beside_the_tree_which_stays_where_only_they_change() {
+    fn a_tree_is_reused_if_only_the_shortened_programs_change() {
         let text = "material lit { emission = vec3(sum(for i in 1..9: sin(i * p.x - t))) * smoothstep(1, 0, abs(p.x)) }\n\
                     object wall { shape = box(p, 2) material = lit }";
         let world = world(text);
@@ -259,7 +258,7 @@ mod tests {
             let regions = builder.poll().unwrap().regions.unwrap();
             let [short, whole] = [&regions.programs, &Default::default()]
                 .map(|programs| maker.buffers.texels(&inputs, programs).len());
-            assert!(short > whole, "nothing was shortened");
+            assert!(short > whole, "the programs were not shortened");
             maker.last = Some(regions.clone());
             built.push(regions);
         }

@@ -1,8 +1,9 @@
-//! The regions of the scene that shows: requested in parallel with the frames, and what is drawn until they come.
+//! The regions of the shown scene: requests to the builder, and the choice between waiting for a
+//! tree and drawing without one.
 //!
-//! A picture is drawn with the inputs that its tree was built for. A tree that comes after its frame was due is drawn
-//! when it comes: the picture then follows the sound with fewer frames. If the compiled program draws faster than a
-//! tree is built, it draws without one; an interpreter would take much longer that way.
+//! A frame is drawn with the inputs of its tree. A late tree is still drawn when it is finished;
+//! fewer frames follow the sound then. If the compiled program draws faster than a tree is built,
+//! it draws without one; an interpreter would be much slower that way.
 
 use std::time::Duration;
 
@@ -18,10 +19,10 @@ use crate::limits::LIMITS;
 use mariana_music::Sound;
 use mariana_player::Moment;
 
-/// Trees that take no longer than this are waited for, even if a frame is drawn in less time.
+/// A build up to this time is always awaited, even if a frame takes less time.
 const WAITED_FOR: Duration = Duration::from_millis(17);
 
-/// What a picture shows.
+/// The identity of a frame: two frames with equal values look the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Shown {
     /// The moment of the song.
@@ -34,51 +35,51 @@ pub(crate) struct Shown {
     pub revision: u64,
 }
 
-/// How a picture is wanted besides its moment and its sound.
+/// The properties of a wanted frame besides its moment and sound.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawOptions<'a> {
     /// The scene's parameters.
     pub params: &'a [f32],
-    /// One of its cameras with names; none is its own.
+    /// Index of a named camera; `None` for the scene's own.
     pub camera: Option<usize>,
-    /// How the camera was moved by hand.
+    /// The camera motion by the user.
     pub orbit: OrbitControls,
-    /// Whether cells of regions are used where they can be.
+    /// The use of region cells.
     pub cells: CellUse,
-    /// The scene has never had a tree: a build that takes too long is given up.
+    /// True if the scene has never had a tree. A build over the time limit is cancelled then.
     pub is_untried: bool,
-    /// This is the outgoing picture of a fade.
+    /// True for the outgoing scene of a fade.
     pub fades_away: bool,
 }
 
 /// A requested tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct TreeRequest {
-    /// The scene.
+    /// Id of the scene.
     id: u64,
-    /// The picture.
+    /// The frame.
     shown: Shown,
-    /// It is the outgoing picture of a fade. Both pictures may have the same moment and scene, but each needs its own
-    /// tree: cameras and parameters differ.
+    /// True for the outgoing scene of a fade. Both frames of a fade may have the same moment and
+    /// scene, but each needs its own tree: cameras and parameters differ.
     fades_away: bool,
 }
 
-/// The builder's requests, and whether trees are waited for.
+/// The tree requests of the shown scene.
 pub(super) struct SceneRegions {
-    /// Whether a tree is waited for, however long it takes.
+    /// True if every tree is awaited, however long it takes.
     insists: bool,
     builder: RegionBuilder<TreeRequest>,
-    /// The last request, until its tree has come.
+    /// The last request, until its tree is finished.
     asked: Option<TreeRequest>,
-    /// The compiled scene that is drawn faster than its tree is built, and is therefore drawn without.
+    /// The compiled scene that is drawn without a tree, because drawing is faster than the build.
     late_for: Option<(u64, Mode)>,
-    /// The compiled scene that was no faster without its tree.
+    /// The compiled scene that was not faster without a tree.
     waited_for: Option<(u64, Mode)>,
-    /// Whether the last picture waited for its tree.
+    /// True if the last frame waited for its tree.
     waited: bool,
-    /// How long the last tree took.
+    /// Build time of the last tree.
     tree_time: Duration,
-    /// The scene whose picture was given up because its tree takes too long.
+    /// The scene whose frame was abandoned because its tree takes too long.
     given_up: Option<u64>,
 }
 
@@ -86,7 +87,7 @@ impl SceneRegions {
     /// Starts the builder, which calls `wake` after each tree.
     ///
     /// # Errors
-    /// What the system says about threads.
+    /// The thread cannot be started.
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         Ok(Self {
             insists: false,
@@ -100,8 +101,9 @@ impl SceneRegions {
         })
     }
 
-    /// A frame of the scene `id` that can be drawn now in a mode, and what it shows: `wanted`, which sounds like
-    /// `sound`, or an earlier picture whose tree has come by now. None if there is nothing new to draw.
+    /// A frame of the scene `id` that can be drawn now, and its identity: either `wanted` with
+    /// `sound`, or an earlier frame whose tree is now finished. `None` if there is nothing new to
+    /// draw.
     pub(super) fn drawable(
         &mut self,
         (id, mode): (u64, Mode),
@@ -117,8 +119,8 @@ impl SceneRegions {
         frame.seen_by(scene.world(), draw_options.camera);
         let frame = frame.by_hand(scene.world(), draw_options.orbit);
         let request = scene.region_request(&frame);
-        // Inputs that did not change cost nothing, and a tape without cells next to nothing. A scene's first picture
-        // waits for its tree, because the picture that was shown belongs to another scene.
+        // Unchanged inputs need no new tree; a tape without cells costs almost nothing. The first
+        // frame of a scene waits for its tree, because the tree of another scene cannot be used.
         if !cells || scene.regions().is_some_and(|built| built.request == request) {
             self.waited = false;
             if self.asked.take().is_some() {
@@ -128,7 +130,7 @@ impl SceneRegions {
         }
         let tag = TreeRequest { id, shown: wanted, fades_away: draw_options.fades_away };
         if self.asked.is_some_and(|asked| asked.id != id) {
-            // Nobody waits for another scene's, which may take long.
+            // The tree of another scene is no longer needed and might take long.
             self.builder.forget();
         }
         if self.asked != Some(tag) {
@@ -170,28 +172,28 @@ impl SceneRegions {
         scene.uses_cells(change, drawn.1)
     }
 
-    /// Whether a picture of this scene was given up because its tree takes too long; says so once.
+    /// True once if a frame of this scene was abandoned because its tree takes too long.
     pub(super) fn has_given_up(&mut self, id: u64) -> bool {
         self.given_up.take_if(|given_up| *given_up == id).is_some()
     }
 
-    /// Draws a compiled scene without a tree, from its first picture on.
+    /// Draws a compiled scene without a tree, starting with its first frame.
     pub(super) fn do_without(&mut self, id: u64) {
         self.late_for = Some((id, Mode::Compiled));
     }
 
-    /// Waits for trees from now on, however long they take, or not.
+    /// Sets if every tree is awaited, however long it takes.
     pub(super) fn insist(&mut self, insists: bool) {
         self.insists = insists;
     }
 
-    /// Whether a requested tree has come.
+    /// True if a requested tree is finished.
     pub(super) fn have_come(&self) -> bool {
         self.builder.has_built()
     }
 
-    /// Notes how long a frame of a scene and mode took that was drawn with `built`. Returns whether it should be
-    /// drawn in another way from now on.
+    /// Notes the time of a frame drawn with `built`. Returns `true` if the choice about trees has
+    /// changed.
     pub(super) fn note_frame_time(
         &mut self,
         drawn: (u64, Mode),
@@ -211,7 +213,7 @@ impl SceneRegions {
             }
             return late;
         }
-        // Drawn without a tree: was that a good choice?
+        // Drawn without a tree: go back if that was slower.
         let no_sooner = self.late_for == now && time > self.tree_time;
         if no_sooner {
             (self.late_for, self.waited_for) = (None, now);
@@ -219,7 +221,7 @@ impl SceneRegions {
         no_sooner
     }
 
-    /// Whether cells are to be used from now on: if the scene is drawn without any, and else not.
+    /// The opposite of the current use of cells.
     pub(super) fn toggle(
         &mut self,
         drawn: Option<((u64, Mode), &SceneResources)>,
@@ -233,14 +235,14 @@ impl SceneRegions {
         if used { CellUse::Never } else { CellUse::Always }
     }
 
-    /// What the line about the scene says of them.
+    /// The text about regions in the line of key I.
     pub(super) fn about(&self, drawn: (u64, Mode), last: Option<&BuiltRegions>, change: CellUse) -> String {
         match last {
             _ if change == CellUse::Never => "no regions".to_owned(),
             _ if self.late_for == Some(drawn) => {
                 format!("no regions: building a tree takes {:.0} ms", milliseconds(self.tree_time))
             }
-            Some(built) if !built.request.options.cells => "no regions: they would save nothing".to_owned(),
+            Some(built) if !built.request.options.cells => "no regions: they would not save time".to_owned(),
             Some(built) => {
                 let stats = &built.regions.stats;
                 let time = milliseconds(built.time);
@@ -251,7 +253,7 @@ impl SceneRegions {
     }
 }
 
-/// Longer than this nobody waits for a picture.
+/// The longest wait for one frame.
 pub(super) fn longest_wait() -> Duration {
     Duration::from_secs_f64(LIMITS.picture_seconds_max)
 }
@@ -270,13 +272,13 @@ mod tests {
     use mariana_field::world::World;
     use mariana_music::Features;
 
-    /// Balls without end: their tree follows the eye.
+    /// Infinitely repeated balls: their tree depends on the camera's position.
     const TWO_CAMERAS: &str = "camera near { position = vec3(0, 2, -5)  target = vec3(0) }\n\
                                camera far { position = vec3(0, 2, -95)  target = vec3(0) }\n\
                                object balls { shape = sphere(mod(p, 4) - 2, 0.5) }";
 
     #[test]
-    fn a_fade_between_two_cameras_of_one_scene_stood_still() {
+    fn both_cameras_of_a_fade_within_one_scene_get_a_tree() {
         let context = Headless::new(false).unwrap();
         let world = World::parse("test", TWO_CAMERAS).unwrap();
         let (buffers, plan) = (world.tape_buffers().unwrap(), RegionPlan::new(&world));

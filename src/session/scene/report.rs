@@ -1,4 +1,4 @@
-//! What there is to report of the scene that shows: for the title, and for the line of key I.
+//! Status texts about the shown scene, for the title and the line of key I.
 
 use super::composer::SceneComposer;
 use super::messages::Messages;
@@ -8,7 +8,7 @@ use super::program_library::ProgramLibrary;
 use super::show_follower::ShowFollower;
 use crate::scenes::SceneSource;
 
-/// See the module.
+/// The sources of the status texts.
 pub(crate) struct SceneReport<'a> {
     pub(super) scenes: &'a PreparedScenes,
     pub(super) show: &'a ShowFollower,
@@ -19,7 +19,7 @@ pub(crate) struct SceneReport<'a> {
 }
 
 impl SceneReport<'_> {
-    /// What the title says: the name of the scene, its mode, its view.
+    /// Parts of the title: the scene's name, mode and view.
     pub(crate) fn notes(&self) -> Vec<String> {
         let Some(scene) = &self.scenes.shown else { return Vec::new() };
         let Some(mode) = scene.mode(self.choice.sdf) else { return Vec::new() };
@@ -27,8 +27,8 @@ impl SceneReport<'_> {
         [scene.title(), mode.to_string()].into_iter().chain(view).collect()
     }
 
-    /// A line about the scene. First what people ask: its name, the rate and size of its pictures as `pictures` has them,
-    /// its mode. Then the numbers: clauses, regions, and `quality`. Then what the driver is at.
+    /// The status line of the scene: its name; the rate and size of its frames from `pictures`; its
+    /// mode; the numbers of clauses and regions; `quality`; and pending work.
     pub(crate) fn line(&self, pictures: &str, quality: &str) -> Option<String> {
         let scene = self.scenes.shown.as_ref()?;
         let mode = scene.mode(self.choice.sdf)?;

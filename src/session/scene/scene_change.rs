@@ -1,14 +1,14 @@
-//! The change from one scene to another, of a show and of the user: both scenes go on while one fades into the other, as
-//! in a video of the show.
+//! The change from one scene to another, by a show or the user. Both scenes keep moving during the
+//! fade, as in a video of the show.
 //!
 //! ```text
-//! the scene that goes, its light alone → kept → the scene that comes, with a share of that light
+//! outgoing scene, light only → kept → incoming scene, mixed with a fraction of that light
 //! ```
 //!
-//! Both are drawn at the same moment of the song, one after the other. Where the scene that goes is no longer there, or
-//! takes too long, its last picture fades instead ([`super::fading`]).
+//! Both are drawn one after the other for the same moment of the song. If the outgoing scene is
+//! gone or too slow, its last frame fades instead ([`super::fading`]).
 //!
-//! A scene that the user leaves goes on as hands left it: they turn the one that comes.
+//! A scene that the user leaves keeps its parameter values: controllers act on the incoming scene.
 
 use std::time::Duration;
 
@@ -24,41 +24,41 @@ use crate::show::Clip;
 use mariana_control::ChangedBy;
 use mariana_music::Sound;
 
-/// A scene whose picture takes longer than this stands still while it goes.
+/// An outgoing scene whose frame takes longer than this stands still.
 const LIVE_MAX: Duration = Duration::from_millis(100);
 
-/// See the module.
+/// The state of a change between two scenes.
 #[derive(Default)]
 pub(super) struct SceneChange {
-    /// The picture of which the scene that goes was begun.
+    /// The frame for which the outgoing scene has been started.
     begun: Option<Begun>,
-    /// How the scene was left that the user left.
+    /// The state of the scene that the user left.
     left: Option<LeftScene>,
-    /// How the camera was moved by hand in the scene that goes.
+    /// Camera motion in the outgoing scene.
     orbit: OrbitControls,
 }
 
-/// How a scene was left.
+/// A scene as it was left.
 struct LeftScene {
     source: SceneSource,
-    /// As a show had it on.
+    /// The show's clip.
     clip: Option<Clip>,
-    /// Its parameters.
+    /// The values of its parameters.
     numbers: Vec<f32>,
-    /// Places of those that the show moves on, with their names.
+    /// Indices and names of the parameters that the show still moves.
     moved: Vec<(usize, String)>,
 }
 
-/// A picture of two scenes.
+/// A frame of two scenes.
 struct Begun {
     shown: Shown,
     sound: Sound,
-    /// How long the light of the scene that goes took, once it is kept.
+    /// Drawing time of the outgoing scene, once its light is kept.
     lit: Option<Duration>,
 }
 
 impl SceneChange {
-    /// The picture that was begun for `wanted`, or before it and looks the same otherwise; else `wanted`.
+    /// The frame in progress if it differs from `wanted` at most by its moment; otherwise `wanted`.
     pub(super) fn resume(&mut self, wanted: Shown, sound: Sound) -> (Shown, Sound) {
         let goes_on = |begun: &Begun| begun.shown == Shown { moment: begun.shown.moment, ..wanted };
         match self.begun.as_ref().filter(|begun| goes_on(begun)) {
@@ -70,40 +70,40 @@ impl SceneChange {
         }
     }
 
-    /// How long the light of the scene that goes took, if it is kept for the picture that was begun.
+    /// Drawing time of the outgoing scene, if its light is kept for the frame in progress.
     pub(super) fn lit(&self) -> Option<Duration> {
         self.begun.as_ref().and_then(|begun| begun.lit)
     }
 
-    /// The scene that goes is drawn for a picture.
+    /// Notes that the outgoing scene is being drawn for a frame.
     pub(super) fn begin(&mut self, shown: Shown, sound: Sound) {
         self.begun = Some(Begun { shown, sound, lit: None });
     }
 
-    /// Its light is kept, which took so long.
+    /// Notes that the light of the outgoing scene is kept, and its drawing time.
     pub(super) fn note_light(&mut self, spent: Duration) {
         if let Some(begun) = &mut self.begun {
             begun.lit = Some(spent);
         }
     }
 
-    /// Whether a picture of two scenes was begun and is not finished.
+    /// True while a frame of two scenes is in progress.
     pub(super) fn is_begun(&self) -> bool {
         self.begun.is_some()
     }
 
-    /// The picture is finished or given up.
+    /// Notes that the frame is finished or abandoned.
     pub(super) fn end(&mut self) {
         self.begun = None;
     }
 
-    /// The scene that the user left, if it goes on.
+    /// The scene that the user left, if it keeps moving.
     pub(super) fn left(&self) -> Option<&SceneSource> {
         self.left.as_ref().map(|left| &left.source)
     }
 
-    /// Notes how the scene that goes was left, of which the last picture took so long, and whose camera was moved by
-    /// `orbit`.
+    /// Saves the state of the outgoing scene. `took` is the time of its last frame, `orbit` its
+    /// camera motion.
     pub(super) fn note_left(
         &mut self,
         scene: &PreparedScene,
@@ -123,7 +123,7 @@ impl SceneChange {
         let mut moved = Vec::new();
         for (slider, knob) in scene.knobs.iter() {
             if let Some(number) = numbers.get_mut(knob.place) {
-                // As they were in its last picture.
+                // As in its last frame.
                 *number = slider.value;
             }
             if slider.changed_by == ChangedBy::Show {
@@ -134,7 +134,8 @@ impl SceneChange {
         self.left = Some(LeftScene { source: scene.source.clone(), clip, numbers, moved });
     }
 
-    /// The parameters and the camera's number of what fades out, at `time` seconds of the song.
+    /// The parameters of the outgoing scene at `time` seconds of the song, and the number of its
+    /// camera.
     pub(super) fn numbers(
         &self,
         scene: &PreparedScene,
@@ -160,8 +161,8 @@ impl SceneChange {
         (numbers, left.clip.as_ref().and_then(camera))
     }
 
-    /// How the camera is moved of what fades out, at `time` seconds of the song: as it was left, or as the show turns it.
-    /// `orbit` is how the user has moved that of the scene that shows.
+    /// The camera motion of the outgoing scene at `time` seconds of the song: as it was left, or as
+    /// the show turns it. `orbit` is the user's motion in the shown scene.
     pub(super) fn camera(&self, outgoing: &Outgoing, time: f64, orbit: OrbitControls) -> OrbitControls {
         let by_hand = if outgoing.place == Place::Shown { orbit } else { self.orbit };
         let left = self.left.as_ref().and_then(|left| left.clip.as_ref());

@@ -1,4 +1,4 @@
-//! The picture that shows, for those who ask what is in it.
+//! The contents of the shown frame, for queries by the editor.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,18 +12,18 @@ use crate::scenes::SceneSource;
 use mariana_field::region::RegionOptions;
 use mariana_field::world::World;
 
-/// Why nobody can ask what is in the picture.
+/// The reason why the frame cannot be queried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum NoScenery {
-    /// There is none yet.
-    #[error("there is no picture yet")]
+    /// No frame has been drawn.
+    #[error("no frame has been drawn yet")]
     NoPicture,
-    /// It is between two scenes.
-    #[error("two scenes are mixed at the moment: ask again when the change is over")]
+    /// The frame shows two scenes.
+    #[error("two scenes are fading: try again after the fade")]
     Between,
 }
 
-/// What a picture shows, in whatever way it was drawn. It may outlive its scene.
+/// The inputs of a frame, independent of how it was drawn. May outlive its scene.
 pub(super) struct Pictured {
     source: SceneSource,
     world: Arc<World>,
@@ -33,7 +33,7 @@ pub(super) struct Pictured {
 }
 
 impl Pictured {
-    /// A picture of a scene.
+    /// A frame of a scene.
     pub(super) fn of(scene: &PreparedScene, frame: Frame) -> Self {
         let resources = &scene.resources;
         let options = RegionOptions { cells: true, ..resources.region_options(&frame) };
@@ -43,25 +43,25 @@ impl Pictured {
     }
 }
 
-/// The pictures that were drawn: the one that shows, and how long the last ones took.
+/// The drawn frames: the shown one, and the times of the last two.
 #[derive(Default)]
 pub(crate) struct SeenPictures {
-    /// The one that was begun last.
+    /// The frame that was begun last.
     begun: Option<Pictured>,
-    /// The one that shows.
+    /// The shown frame.
     seen: Option<Pictured>,
     count: u64,
-    /// The scene of the one that shows.
+    /// The scene of the shown frame.
     of: Option<u64>,
-    /// How long that took, and the one before it.
+    /// Times of the last two frames, the newest first.
     took: [Duration; 2],
 }
 
 impl SeenPictures {
-    /// The picture that shows.
+    /// The contents of the shown frame.
     ///
     /// # Errors
-    /// There is none, or it shows two scenes.
+    /// No frame is shown, or it shows two scenes.
     pub(crate) fn scenery(&self) -> Result<Scenery, NoScenery> {
         let Pictured { source, world, frame, maker, options } =
             self.seen.as_ref().ok_or(NoScenery::NoPicture)?;
@@ -77,23 +77,23 @@ impl SeenPictures {
         })
     }
 
-    /// From where the picture that shows is seen, if it shows one scene.
+    /// The camera of the shown frame, if it shows one scene.
     pub(crate) fn camera(&self) -> Option<Camera> {
         let picture = self.seen.as_ref()?;
         picture.world.blended.is_none().then_some(picture.frame.camera)
     }
 
-    /// How often the picture that shows was another one.
+    /// The number of finished frames.
     pub(crate) fn count(&self) -> u64 {
         self.count
     }
 
-    /// Notes a picture that is begun.
+    /// Notes a frame that begins.
     pub(super) fn begin(&mut self, picture: Pictured) {
         self.begun = Some(picture);
     }
 
-    /// Notes that the picture is finished, of the scene `of`, and how long it took.
+    /// Notes that the frame of the scene `of` is finished, and its time.
     pub(super) fn finish(&mut self, of: Option<u64>, took: Duration) {
         self.seen = self.begun.take();
         self.count += 1;
@@ -101,12 +101,13 @@ impl SeenPictures {
         self.took = [took, self.took[0]];
     }
 
-    /// The scene whose picture was finished last.
+    /// The scene of the last finished frame.
     pub(super) fn scene(&self) -> Option<u64> {
         self.of
     }
 
-    /// How long a picture takes, after the last two: a single one may have waited for a driver, or for the processors.
+    /// The shorter of the last two frame times: a single frame may have waited for the driver or
+    /// the processors.
     pub(super) fn took(&self) -> Duration {
         self.took[0].min(self.took[1])
     }

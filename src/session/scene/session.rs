@@ -1,4 +1,4 @@
-//! The door to everything about scenes: it hands what one part finds to the others.
+//! The entry point to everything about scenes: it passes the results of one part to the others.
 
 use std::time::{Duration, Instant};
 
@@ -43,17 +43,18 @@ pub(crate) struct SceneSession {
     messages: Messages,
     composer: SceneComposer,
     next_picture: NextPicture,
-    /// The scene that shows and its mode when they were last announced.
+    /// The scene and the mode that were announced last.
     announced: Option<(u64, Mode)>,
-    // Last: the compiler's threads draw with what the fields above hold.
+    // Last, because the compiler's threads draw with what the fields above hold.
     preparation: ScenePreparation,
 }
 
 impl SceneSession {
-    /// Prepares the first scene, which a loader watches. `wake` is called when a thread has something.
+    /// Prepares the first scene, which a loader watches. `wake` is called when a thread has a
+    /// result.
     ///
     /// # Errors
-    /// What the driver or the system refuses.
+    /// An error of the driver or the system.
     pub(crate) fn new(
         gl: &Gl,
         contexts: Vec<WorkerContext>,
@@ -87,7 +88,8 @@ impl SceneSession {
         Ok(session)
     }
 
-    /// Drops everything that belongs to its context, and returns what another session goes on with.
+    /// Drops everything that belongs to the OpenGL context, and returns the state for another
+    /// session.
     pub(crate) fn let_go(self) -> KeptScenes {
         let DrawingChoice { sdf, cells } = self.preparation.choice();
         let PreparedScenes { shown, coming, ahead, .. } = self.scenes;
@@ -104,33 +106,33 @@ impl SceneSession {
         }
     }
 
-    /// Goes on where another session ended, with what hands have turned and the scene that was asked for.
+    /// Continues where another session ended: with its parameter values and its requested scene.
     pub(crate) fn take_over(&mut self, controllers: (Model, Instant), wanted: SceneSource) {
         self.parameters.take_over(controllers);
         self.preparation.library.take_over(wanted);
     }
 
-    /// The scenes that can be drawn or soon can be.
+    /// The scenes that can be drawn now or soon.
     pub(crate) fn scenes(&self) -> &PreparedScenes {
         &self.scenes
     }
 
-    /// What was asked for, and the list of scenes.
+    /// The requested scene and the list of scenes.
     pub(crate) fn library(&self) -> &SceneLibrary {
         &self.preparation.library
     }
 
-    /// The same, to be changed.
+    /// The requested scene and the list of scenes, mutable.
     pub(crate) fn library_mut(&mut self) -> &mut SceneLibrary {
         &mut self.preparation.library
     }
 
-    /// What shows, and what is drawn.
+    /// The composer of frames.
     pub(crate) fn composer(&self) -> &SceneComposer {
         &self.composer
     }
 
-    /// The same, to be changed.
+    /// The composer of frames, mutable.
     pub(crate) fn composer_mut(&mut self) -> &mut SceneComposer {
         &mut self.composer
     }
@@ -140,29 +142,29 @@ impl SceneSession {
         &self.show
     }
 
-    /// The same, to be changed.
+    /// The show that the scenes follow, mutable.
     pub(crate) fn show_mut(&mut self) -> &mut ShowFollower {
         &mut self.show
     }
 
-    /// What hands turn.
+    /// The parameters that controllers change.
     pub(crate) fn parameters_mut(&mut self) -> &mut Parameters {
         &mut self.parameters
     }
 
-    /// The parameters of the scene that shows.
+    /// The parameters of the shown scene.
     pub(crate) fn shown_parameters(&self) -> ShownParameters<'_> {
         let (scene, show) = (self.scenes.shown.as_ref(), &self.show);
         ShownParameters { scene, show, parameters: &self.parameters }
     }
 
-    /// The same, to be turned.
+    /// The parameters of the shown scene, mutable.
     pub(crate) fn shown_parameters_mut(&mut self) -> TurnedParameters<'_> {
         let (scene, show) = (self.scenes.shown.as_mut(), &self.show);
         TurnedParameters { scene, show, parameters: &mut self.parameters }
     }
 
-    /// What there is to report of the scene that shows.
+    /// Status texts about the shown scene.
     pub(crate) fn report(&self) -> SceneReport<'_> {
         SceneReport {
             scenes: &self.scenes,
@@ -174,15 +176,15 @@ impl SceneSession {
         }
     }
 
-    /// What is said over the picture.
+    /// The messages over the frame.
     pub(crate) fn messages_mut(&mut self) -> &mut Messages {
         &mut self.messages
     }
 
-    /// Takes in what the loader and the compilers have finished.
+    /// Takes the results of the loader and the compilers.
     ///
     /// # Errors
-    /// The driver refuses what nothing else can stand in for.
+    /// The driver rejects a scene, and no other can be shown.
     pub(crate) fn update(&mut self) -> Result<(), GpuError> {
         while let Some(loaded) = self.preparation.library.poll() {
             self.take_loaded(loaded)?;
@@ -228,8 +230,8 @@ impl SceneSession {
         Ok(())
     }
 
-    /// Handles a scene that cannot be drawn. If the director chose it, the show takes another one without a message.
-    /// Otherwise the message appears over the picture.
+    /// Handles a scene that cannot be drawn. If the director chose it, the show silently takes
+    /// another one. Otherwise the message appears over the frame.
     fn refuse(&mut self, refusal: Refusal) {
         self.messages.set_hint(None);
         let Refusal { source, heading, text } = refusal;
@@ -241,7 +243,7 @@ impl SceneSession {
         }
     }
 
-    /// Brings the scene that is coming into the picture as soon as it can be drawn in a mode that was asked for.
+    /// Shows the coming scene as soon as it can be drawn in a requested mode.
     fn show_what_is_ready(&mut self) {
         self.preparation.give_interpreters(&mut self.scenes);
         let is_version = |scene: &PreparedScene| self.scenes.is_version_of_shown(scene);
@@ -267,12 +269,12 @@ impl SceneSession {
         if let Some(left) = replaced.as_ref().filter(|_| is_another) {
             self.composer.note_left(left, &self.show, &self.parameters);
         }
-        // There is no point in coming back to a scene that has shown nothing.
+        // A scene that was never drawn is not worth returning to.
         if self.composer.pictures().scene() == replaced.as_ref().map(|scene| scene.id) {
             self.scenes.before = replaced;
         }
         self.preparation.forget_obsolete(&self.scenes);
-        // Hands may have turned its parameters since the scene was asked for.
+        // Controllers may have changed its parameters since the request.
         self.shown_parameters_mut().update_sliders();
         self.messages.set_hint(None);
         if is_another {
@@ -286,7 +288,7 @@ impl SceneSession {
         }
     }
 
-    /// Says in the log what shows, and to the user that the mode is there which was waited for.
+    /// Logs the shown scene, and reports a mode that the user was waiting for.
     fn announce(&mut self) {
         let shown = self.scenes.shown.as_ref();
         let now = shown.map(|scene| scene.id).zip(self.mode());
@@ -310,18 +312,18 @@ impl SceneSession {
         }
     }
 
-    /// The composer, and what it composes pictures of.
+    /// The composer and its inputs.
     fn composing(&mut self) -> (&mut SceneComposer, Ingredients<'_>) {
         let (scenes, show, parameters) = (&self.scenes, &self.show, &self.parameters);
         let choice = self.preparation.choice();
         (&mut self.composer, Ingredients { scenes, show, parameters, choice })
     }
 
-    /// Draws the scene that shows as it was at a moment for which its regions are built, or continues a picture that was
-    /// begun. None if no picture was finished. What `picture` needs is requested.
+    /// Draws the shown scene at a moment for which its regions are built, or continues the frame in
+    /// progress. Returns `None` if no frame was finished. Requests missing resources.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub(crate) fn draw(
         &mut self,
         renderer: &mut Renderer,
@@ -341,8 +343,9 @@ impl SceneSession {
         Ok(drawn)
     }
 
-    /// Takes a scene out of the picture whose first one would take too long, and brings the previous one back, if there
-    /// is one. If a program of the other mode is being made, the scene is drawn in that mode. `why` begins a sentence.
+    /// Removes a shown scene whose first frame would take too long, and returns to the previous
+    /// scene, if there is one. If the scene's compiled program is available or being made, the
+    /// scene returns with that one. `why` is the beginning of a sentence.
     pub(crate) fn take_back(&mut self, why: &str) {
         let Some((mode, before)) = self.mode().zip(self.scenes.before.take()) else { return };
         let Some(expensive) = self.scenes.shown.replace(before) else { return };
@@ -356,18 +359,18 @@ impl SceneSession {
         }
     }
 
-    /// Draws what is prepared ahead for the first time, where nobody sees it.
+    /// Draws hidden first frames of scenes prepared ahead.
     pub(crate) fn rehearse(&mut self, renderer: &mut Renderer) {
         if self.is_complete() {
             self.preparation.rehearse(renderer, &mut self.scenes);
         }
     }
 
-    /// Draws the scene that comes next at a moment, where nobody sees it, and sends its picture to `reader`. Returns its
-    /// title; none if there is nothing to draw now.
+    /// Draws a hidden frame of the next scene at a moment, and sends it to `reader`. Returns its
+    /// title, or `None` if there is nothing to draw now.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub(crate) fn preview(
         &mut self,
         renderer: &mut Renderer,
@@ -382,7 +385,7 @@ impl SceneSession {
         self.next_picture.draw(of, renderer, sketch, reader, heard)
     }
 
-    /// Whether there is nothing left to do for the scene that was asked for.
+    /// True if nothing is left to do for the requested scene.
     fn is_complete(&self) -> bool {
         let PreparedScenes { shown: Some(shown), coming: None, before: None, .. } = &self.scenes else {
             return false;
@@ -392,19 +395,19 @@ impl SceneSession {
             && self.preparation.programs.is_idle()
     }
 
-    /// Asks for the next or the previous scene.
+    /// Requests the next or the previous scene.
     pub(crate) fn go(&mut self, forward: bool) {
         self.show_source(self.library().beside(forward));
     }
 
-    /// Asks for a scene because the user wants it.
+    /// Requests a scene for the user.
     pub(crate) fn show_source(&mut self, source: SceneSource) {
         self.show.overrule();
         self.composer.fading.next_takes_the_usual();
         self.ask_for(source);
     }
 
-    /// Asks for a scene, and announces it to a user who waits for it.
+    /// Requests a scene, and shows a hint if the user has to wait for it.
     fn ask_for(&mut self, source: SceneSource) {
         let is_prepared = self.preparation.ask_for(source, &mut self.scenes);
         let wanted = self.library().wanted();
@@ -417,7 +420,7 @@ impl SceneSession {
         }
     }
 
-    /// Asks for what the show has on at `time` seconds of the song.
+    /// Requests the scene that the show has at `time` seconds of the song.
     pub(crate) fn follow(&mut self, time: f64) {
         let known = self.scenes.ids();
         let now = Circumstances {
@@ -438,13 +441,13 @@ impl SceneSession {
         self.ask_for(source);
     }
 
-    /// What shows at `time` seconds of the song, to be recorded.
+    /// The state at `time` seconds of the song, for recording.
     pub(crate) fn performed(&self, time: f64) -> Option<Performed<'_>> {
         let how = (&self.composer.fading, &self.composer.camera);
         Performed::at(time, &self.scenes, &self.show, how, self.preparation.choice().sdf)
     }
 
-    /// Goes on to this moment of the song: sliders and the next picture are as hands and show have the parameters now.
+    /// Moves sliders and the next frame to this moment of the song.
     pub(crate) fn follow_controllers(&mut self, song_time: f64) {
         if self.composer.is_between_scenes() {
             return;
@@ -456,7 +459,8 @@ impl SceneSession {
         }
     }
 
-    /// Changes between interpreted and compiled. A missing program is made; until then the picture stays.
+    /// Toggles between interpreted and compiled. A missing program is requested, and the current
+    /// one is used until then.
     pub(crate) fn toggle_mode(&mut self) {
         let Some(mode) = self.mode() else { return };
         let wanted = self.preparation.toggle_mode(mode, &mut self.scenes);
@@ -468,12 +472,12 @@ impl SceneSession {
         self.messages.answer(match now {
             Some(now) if now == wanted => now.to_string(),
             _ if possible => format!("{wanted}: the driver is preparing it"),
-            _ => "the tape does not fit this driver: the scene stays compiled".to_owned(),
+            _ => "the tape exceeds this driver's limits: the scene stays compiled".to_owned(),
         });
         self.composer.look_different();
     }
 
-    /// Uses the cells of regions from now on, or the whole tape everywhere.
+    /// Toggles between region cells and the whole tape everywhere.
     pub(crate) fn toggle_regions(&mut self) {
         let drawn = self.scenes.shown.as_ref().zip(self.mode());
         let drawn = drawn.map(|(scene, mode)| ((scene.id, mode), &scene.resources));
@@ -484,12 +488,13 @@ impl SceneSession {
         self.composer.look_different();
     }
 
-    /// Shows the next view, or the one before; the plain picture is between the last and the first.
+    /// Shows the next or the previous view. The normal frame comes between the last and the first
+    /// view.
     pub(crate) fn go_view(&mut self, forward: bool) {
         self.show_view(self.composer.views.beside(forward));
     }
 
-    /// Shows the same view with a larger or smaller number.
+    /// Increases or decreases the number of the view.
     pub(crate) fn step_view(&mut self, larger: bool) {
         match self.composer.views.stepped(larger) {
             Ok(choice) => self.show_view(Some(choice)),
@@ -504,42 +509,42 @@ impl SceneSession {
         let ready = self.scenes.shown.as_ref().zip(mode);
         let ready = ready.and_then(|(scene, mode)| self.composer.views.program(scene, mode));
         self.messages.answer(match choice {
-            None => "the picture".to_owned(),
+            None => "views are off".to_owned(),
             Some(choice) if ready.is_some() => format!("view: {choice}"),
             Some(choice) => format!("view: {choice}; the driver is preparing it"),
         });
     }
 
-    /// Moves the camera by hand; the first move also tells the user how to return.
+    /// Moves the camera by hand. The first move also shows how to return.
     pub(crate) fn move_camera(&mut self, change: impl FnOnce(&mut OrbitControls, f64)) {
         if let Some(words) = self.composer.camera.move_by(change) {
             self.messages.answer(words.to_owned());
         }
     }
 
-    /// Gives the camera back to the scene.
+    /// Returns the camera to the scene.
     pub(crate) fn give_camera_back(&mut self) {
         self.messages.answer(self.composer.camera.give_back().to_owned());
     }
 
-    /// Lets the picture that was held fade into what comes next, for so many seconds.
+    /// Fades the frozen frame into the next one within `seconds`.
     pub(crate) fn fade_from_held(&mut self, seconds: f64) {
         let (composer, of) = self.composing();
         composer.fade_from_held(seconds, of);
     }
 
-    /// Until when the next picture waits for a changed text, if it does at `now`; the present one as well, which will
-    /// be given up.
+    /// The end of the wait for a changed text, if the next frame waits at `now`. The frame in
+    /// progress, which will be abandoned, waits too.
     pub(crate) fn awaits_edit(&self, now: Instant) -> Option<Instant> {
         self.library().awaits_edit(now).filter(|_| !self.composer.must_finish())
     }
 
-    /// Whether the scene that shows is being edited and drawn with fewer samples meanwhile.
+    /// True while the shown scene is being edited and therefore drawn with fewer samples.
     pub(crate) fn saves_samples(&self, now: Instant) -> bool {
         self.composer.edits.save_samples(self.mode(), now)
     }
 
-    /// Takes note of how long a frame took.
+    /// Notes the time of a frame.
     pub(crate) fn note_frame_time(&mut self, time: Duration) {
         let (composer, of) = self.composing();
         composer.note_frame_time(time, of);
@@ -550,7 +555,7 @@ impl SceneSession {
         self.composer.revision() + self.parameters.revision() + self.show.revision()
     }
 
-    /// Whether the scene that shows looks different from moment to moment also without sound.
+    /// True if the shown scene changes even without sound.
     pub(crate) fn moves_by_itself(&self) -> bool {
         let shown = self.scenes.shown.as_ref();
         self.show.has_prepared_show()
@@ -558,12 +563,12 @@ impl SceneSession {
             || shown.is_none_or(|scene| scene.moves || scene.is_blend())
     }
 
-    /// The mode of the scene that shows; none before there is one.
+    /// The mode of the shown scene; `None` before the first scene.
     fn mode(&self) -> Option<Mode> {
         self.scenes.shown.as_ref()?.mode(self.preparation.choice().sdf)
     }
 
-    /// What there is to say over the picture, and the sliders of the scene that shows.
+    /// The messages over the frame, and the sliders of the shown scene.
     pub(crate) fn words(&mut self) -> SceneWords<'_> {
         let sliders = self.scenes.shown.as_mut().map_or(&mut [][..], |scene| scene.knobs.sliders_mut());
         self.messages.with(sliders)

@@ -1,8 +1,9 @@
-//! Follows a show: which scene is asked for at a moment, what is prepared for the next one, and which of its stays move the
+//! Follows a show: selects the requested scene, the scenes to prepare, and the clips that move the
 //! parameters.
 //!
-//! A transition that mixes worlds is a scene of its own ([`SceneSource::Blend`]), prepared ahead like any other. Where
-//! it was not ready in time, or the machine cannot draw it, the scenes fade instead.
+//! A transition that mixes worlds is a scene of its own ([`SceneSource::Blend`]), prepared ahead
+//! like any other. If it is not ready in time, or the machine cannot draw it, the scenes fade
+//! instead.
 
 use std::sync::Arc;
 
@@ -14,14 +15,14 @@ use crate::config::SdfChoice;
 use crate::scenes::SceneSource;
 use crate::show::{Clip, Picture, PreparedShow};
 
-/// A scene that comes so much later than the show has it, in seconds, still comes as the show says.
+/// A scene requested up to this many seconds late is still introduced as the show specifies.
 const LATE: f64 = 0.5;
 
-/// See the module.
+/// A show and the progress in it.
 #[derive(Default)]
 pub(crate) struct ShowFollower {
     course: Course,
-    /// Whether the scene stays until the user says otherwise.
+    /// True if the scene stays until the user unlocks it.
     is_locked: bool,
     /// Scenes that this machine cannot draw.
     refused: Vec<SceneSource>,
@@ -29,61 +30,60 @@ pub(crate) struct ShowFollower {
     revision: u64,
 }
 
-/// A show, and how far it was followed.
+/// The progress in a show.
 #[derive(Default)]
 struct Course {
     prepared_show: Option<Arc<PreparedShow>>,
-    /// The stay in which the user went somewhere else.
+    /// Index of the clip in which the user chose another scene.
     overruled: Option<usize>,
-    /// Whether the scene stayed because its text was being written.
+    /// True if the scene stayed because its text was being edited.
     was_written: bool,
-    /// The stay that was entered last, and whether its transition mixes worlds.
+    /// Index of the clip entered last; `true` if its transition mixes worlds.
     entered: Option<(usize, bool)>,
-    /// What the show asked for last.
+    /// The show's last request.
     asked: Option<SceneSource>,
-    /// When the show was last followed, in seconds of the song.
+    /// Time of the last `follow`, in seconds of the song.
     last_time: Option<f64>,
-    /// Whether that was the same moment as the time before.
+    /// True if that was the same moment as in the call before.
     stands_still: bool,
-    /// What the next press of the key for cues brings.
+    /// The scene of the next cue key press.
     cue: Option<SceneSource>,
-    /// What comes next.
+    /// The next scenes.
     upcoming: [Option<SceneSource>; 2],
 }
 
-/// What goes on beside the show.
+/// The state of the session that affects a show.
 pub(super) struct Circumstances<'a> {
-    /// What was asked for last, by whomever.
+    /// The last requested scene, by the user or the show.
     pub wanted: &'a SceneSource,
-    /// Whether somebody writes its text.
+    /// True while its text is being edited.
     pub is_written: bool,
-    /// Whether the user waits for a scene.
+    /// True if the user is waiting for a scene.
     pub is_awaited: bool,
     /// How scenes are drawn.
     pub sdf: SdfChoice,
 }
 
-/// What a show asks for at a moment.
+/// A request of the show at one moment.
 pub(super) struct Step {
-    /// The scene.
     pub source: SceneSource,
-    /// How many seconds it takes to come; none as long as the user has changes take.
+    /// Duration of the change in seconds; `None` for the user's usual duration.
     pub seconds: Option<f64>,
 }
 
-/// The scene that fades out below the one that shows.
+/// The scene that fades out below the shown one.
 #[derive(Debug, Clone)]
 pub(super) struct Outgoing {
-    /// Where it is found.
     pub place: Place,
-    /// How a show has it on; none if the user left it.
+    /// The show's clip; `None` if the user left the scene.
     pub clip: Option<Clip>,
-    /// Its share of the picture, above 0; below 1 in a show's fade.
+    /// The fraction of the scene in the frame, above 0; below 1 in a show's fade.
     pub fraction: f32,
 }
 
 impl ShowFollower {
-    /// Follows a show from now on, or none. `cue` is what may come at any moment.
+    /// Follows a show from now on; `None` follows none. `cue` is a scene that may be requested at
+    /// any moment.
     pub(crate) fn set_prepared_show(
         &mut self,
         prepared_show: Option<Arc<PreparedShow>>,
@@ -95,7 +95,7 @@ impl ShowFollower {
         self.revision += 1;
     }
 
-    /// Follows a show that is the same as before up to this moment.
+    /// Replaces the show with one that is identical up to this moment.
     pub(crate) fn extend_prepared_show(
         &mut self,
         prepared_show: Arc<PreparedShow>,
@@ -106,24 +106,24 @@ impl ShowFollower {
         (self.course.entered, self.course.last_time, self.course.overruled) = (None, None, None);
     }
 
-    /// Whether there is a show.
+    /// True if a show is followed.
     pub(crate) fn has_prepared_show(&self) -> bool {
         self.course.prepared_show.is_some()
     }
 
-    /// Lets the scene stay until this is called again; tells whether it does.
+    /// Locks or unlocks the scene. Returns `true` if it is locked now.
     pub(crate) fn toggle_lock(&mut self) -> bool {
         self.is_locked = !self.is_locked;
         self.course.overruled = None;
         self.is_locked
     }
 
-    /// Whether the scene stays although there is a show.
+    /// True if the scene stays although there is a show.
     pub(crate) fn is_locked(&self) -> bool {
         self.is_locked
     }
 
-    /// The effects of the show on the whole picture at `time` seconds of the song.
+    /// The show's effects on the whole frame at `time` seconds of the song.
     pub(crate) fn picture_at(&self, time: f64) -> Picture {
         self.prepared_show()
             .and_then(PreparedShow::timeline)
@@ -147,12 +147,12 @@ impl ShowFollower {
         }
     }
 
-    /// Scenes that this machine cannot draw, and that the show does without.
+    /// The scenes that this machine cannot draw. The show replaces them.
     pub(super) fn refused(&self) -> &[SceneSource] {
         &self.refused
     }
 
-    /// The show does without a scene from now on, because this machine cannot draw it.
+    /// Excludes a scene that this machine cannot draw from the show.
     pub(super) fn refuse(&mut self, source: SceneSource) {
         if !self.refused.contains(&source) {
             self.refused.push(source);
@@ -162,39 +162,40 @@ impl ShowFollower {
         }
     }
 
-    /// Whether the director chose the scene that was asked for, not the user and no show that the user has written.
+    /// True if the director chose the requested scene, not the user or the user's own show.
     pub(super) fn is_own_choice(&self) -> bool {
         let is_by_program = self.prepared_show().is_some_and(|prepared_show| !prepared_show.is_by_user());
         is_by_program && self.course.asked.is_some()
     }
 
-    /// The user goes somewhere else: the show comes back with its next scene.
+    /// Notes that the user chose another scene. The show returns with its next scene.
     pub(super) fn overrule(&mut self) {
         self.course.overruled = self.course.entered.map(|(index, _)| index);
         (self.course.asked, self.course.upcoming) = (None, [None, None]);
     }
 
-    /// Whether the user went somewhere else in the stay that was entered last.
+    /// True if the user chose another scene in the current clip.
     pub(super) fn is_overruled(&self) -> bool {
         self.course.entered.is_some_and(|(index, _)| self.course.overruled == Some(index))
     }
 
-    /// When the show was last followed, in seconds of the song.
+    /// Time of the last `follow`, in seconds of the song.
     pub(super) fn last_time(&self) -> Option<f64> {
         self.course.last_time
     }
 
-    /// Whether the song stands still.
+    /// True if the song is paused.
     pub(super) fn stands_still(&self) -> bool {
         self.course.stands_still
     }
 
-    /// Whether this was asked for by the show.
+    /// True if the show's last request was this source.
     pub(super) fn asks_for(&self, source: &SceneSource) -> bool {
         self.course.asked.as_ref() == Some(source)
     }
 
-    /// What is prepared ahead: what the show has next, or else the neighbours of `wanted` in the list.
+    /// The scenes to prepare ahead: the next ones of the show, or otherwise the neighbours of
+    /// `wanted` in the list.
     pub(super) fn wanted_ahead(&self, wanted: &SceneSource) -> WantedAhead {
         if self.course.asked.is_some() {
             WantedAhead::Upcoming(self.course.upcoming.clone())
@@ -203,8 +204,8 @@ impl ShowFollower {
         }
     }
 
-    /// What the show asks for at `time` seconds of the song, if that is something new. A scene that it needs for a fade is
-    /// taken from those that are prepared.
+    /// The show's request at `time` seconds of the song, if it is new. A scene that the show needs
+    /// for a fade is taken from the prepared ones.
     pub(super) fn follow(
         &mut self,
         time: f64,
@@ -218,14 +219,15 @@ impl ShowFollower {
             return self.clip(moment.leaving.is_some() && !is_new, now);
         }
         if std::mem::take(&mut self.course.was_written) {
-            // What was written is looked at: the show comes back with its next scene.
+            // The user looks at the edited scene: the show returns with its next scene.
             self.course.overruled = Some(moment.index);
         }
         let clips = prepared_show.clips();
         let is_same_visit =
             self.course.overruled.is_some_and(|since| is_one_visit(clips, since, moment.index));
         if is_same_visit || (is_new && now.is_awaited) {
-            // Another camera is the same scene. A scene that is still being prepared for the user is not dropped.
+            // Another camera of the same scene is not a new scene. A scene still being prepared for
+            // the user is not dropped.
             self.course.overruled = Some(moment.index);
         }
         if self.course.overruled == Some(moment.index) {
@@ -235,7 +237,7 @@ impl ShowFollower {
         let scene = prepared_show.source(&moment.clip.scene).cloned()?;
         let blended = moment.leaving.and_then(|(from, _)| blend_of(&prepared_show, from, moment.clip));
         let blended = blended.filter(|blend| !self.refused.contains(blend));
-        // While the song stands still there is time for what was not prepared.
+        // While the song is paused, there is time to prepare missing scenes.
         let stands_still = self.course.last_time.replace(time) == Some(time);
         self.course.stands_still = stands_still;
         if is_new || (stands_still && blended.is_some()) {
@@ -255,21 +257,21 @@ impl ShowFollower {
             return None;
         }
         if self.asks_for(&wanted) && !is_new {
-            // It was asked for and could not be shown, or is on its way.
+            // Requested before: it could not be shown, or is still being loaded.
             return None;
         }
         let since = time - moment.clip.start;
         let seconds = if mixes || (moment.leaving.is_none() && since < LATE) {
             Some(0.0)
         } else {
-            // Without a fade, the show was joined in the middle of a stay, or this is a seek.
+            // Without a fade, the show was joined in the middle of a clip, or this is a seek.
             moment.leaving.map(|_| moment.clip.transition.seconds - since)
         };
         self.course.asked = Some(wanted.clone());
         Some(Step { source: wanted, seconds })
     }
 
-    /// Lets the scene stay, whatever the show has on. A transition that is under way comes to its end.
+    /// Keeps the scene regardless of the show. A transition in progress is completed.
     fn clip(&mut self, is_under_way: bool, now: &Circumstances<'_>) -> Option<Step> {
         self.course.was_written = now.is_written;
         match now.wanted {
@@ -282,7 +284,7 @@ impl ShowFollower {
         }
     }
 
-    /// Prepares the scene that goes, if it is not there although the song stands still in its fade.
+    /// Prepares the outgoing scene if it is missing while the song is paused in its fade.
     fn need_leaving(
         &mut self,
         prepared_show: &PreparedShow,
@@ -305,7 +307,8 @@ impl ShowFollower {
         }
     }
 
-    /// What fades out below the scene that shows at `time` seconds of the song, if the show has it so and both are there.
+    /// The scene that fades out at `time` seconds of the song, if the show has a fade then and both
+    /// scenes are available.
     pub(super) fn outgoing(&self, time: f64, scenes: &PreparedScenes, sdf: SdfChoice) -> Option<Outgoing> {
         let prepared_show = self.prepared_show()?;
         let moment = prepared_show.at(time)?;
@@ -318,7 +321,7 @@ impl ShowFollower {
         Some(Outgoing { place, clip: Some(clip.clone()), fraction: 1.0 - fraction })
     }
 
-    /// The stays that a scene is on in at `time` seconds of the song, and of a blend its share.
+    /// The clips of a scene at `time` seconds of the song, and the fraction of a blend.
     pub(super) fn clips(&self, scene: &PreparedScene, time: f64) -> (ActiveClips<'_>, Option<f32>) {
         let moment =
             self.prepared_show().and_then(|prepared_show| Some((prepared_show, prepared_show.at(time)?)));
@@ -336,13 +339,13 @@ impl ShowFollower {
     }
 }
 
-/// True if all stays from `since` to `until` show one scene.
+/// True if all clips from `since` to `until` show one scene.
 fn is_one_visit(clips: &[Clip], since: usize, until: usize) -> bool {
     let visit = clips.get(since..=until).unwrap_or_default();
     visit.first().is_some_and(|first| visit.iter().all(|clip| clip.scene == first.scene))
 }
 
-/// The source of a transition that mixes the worlds of two stays.
+/// The source of a transition that mixes the worlds of two clips.
 fn blend_of(prepared_show: &PreparedShow, from: &Clip, to: &Clip) -> Option<SceneSource> {
     if from.scene == to.scene {
         return None;
@@ -352,7 +355,7 @@ fn blend_of(prepared_show: &PreparedShow, from: &Clip, to: &Clip) -> Option<Scen
         .map(|blend| SceneSource::Blend(Arc::new(blend)))
 }
 
-/// The next two sources behind the one that is wanted now, in a stay, of which the first may be that of a cue.
+/// The next two sources after `wanted` in the clip at `index`. The first one may be that of a cue.
 fn upcoming(
     prepared_show: &PreparedShow,
     index: usize,
@@ -376,7 +379,7 @@ fn upcoming(
     }
     found.truncate(2);
     if let Some(cue) = cue.filter(|cue| *cue != wanted && !found.contains(cue)) {
-        // It may come sooner than anything else.
+        // The cue may come sooner than anything else.
         found.insert(0, cue.clone());
     }
     let mut found = found.into_iter();
@@ -396,7 +399,8 @@ mod tests {
         SceneSource::Shipped(name.to_owned())
     }
 
-    /// A follower of a show that the director has made of three scenes, and a moment in each of the first two stays.
+    /// A follower of a director's show with three scenes, and a moment in each of the first two
+    /// clips.
     fn follower() -> (ShowFollower, [(f64, SceneSource); 2]) {
         let section =
             |start: f64, energy| Section { start, end: start + 30.0, letter: format!("{start}"), energy };
@@ -404,7 +408,7 @@ mod tests {
         let song = SongStructure { seconds: 90.0, sections, ..SongStructure::default() };
         let (show, _) = PreparedShow::of_song(&ShowSource::Auto, &song, &SCENES.map(shipped)).unwrap();
         let [first, second, ..] = show.clips() else { panic!("{:?}", show.clips()) };
-        // Behind its transition.
+        // After its transition.
         let moments = [first, second].map(|clip| clip.start + clip.transition.seconds + 1.0);
         let moments = moments.map(|at| (at, show.source(&show.at(at).unwrap().clip.scene).unwrap().clone()));
         let mut follower = ShowFollower::default();
@@ -417,21 +421,21 @@ mod tests {
     }
 
     #[test]
-    fn a_show_asks_once_for_each_scene_and_leaves_those_alone_that_the_user_wants() {
+    fn a_show_requests_each_scene_once_and_respects_the_users_choice() {
         let (mut show, [(first, one), (second, other)]) = follower();
         let mut scenes = PreparedScenes::with(PreparedAhead::with(None));
         let elsewhere = shipped("elsewhere");
         assert_eq!(show.follow(first, &mut scenes, &now(&elsewhere)).unwrap().source, one);
         assert!(show.asks_for(&one) && show.is_own_choice());
-        assert!(show.follow(first + 0.1, &mut scenes, &now(&elsewhere)).is_none(), "it is on its way");
+        assert!(show.follow(first + 0.1, &mut scenes, &now(&elsewhere)).is_none(), "already requested");
         assert!(matches!(show.wanted_ahead(&one), WantedAhead::Upcoming([Some(_), _])));
-        // The user goes somewhere else; the show comes back with its next scene.
+        // After the user's choice, the show returns with its next scene.
         show.overrule();
         assert!(show.is_overruled() && !show.is_own_choice());
         assert_eq!(show.wanted_ahead(&elsewhere), WantedAhead::Neighbours(elsewhere.clone()));
         assert!(show.follow(first + 0.2, &mut scenes, &now(&elsewhere)).is_none());
         assert_eq!(show.follow(second, &mut scenes, &now(&elsewhere)).unwrap().source, other);
-        // A scene that is locked stays.
+        // A locked scene stays.
         assert!(show.toggle_lock());
         assert!(show.follow(first, &mut scenes, &now(&other)).is_none());
         assert!(!show.toggle_lock());
@@ -439,17 +443,17 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_that_is_refused_or_written_gives_way_to_no_show() {
+    fn a_show_skips_refused_scenes_and_keeps_an_edited_scene() {
         let (mut show, [(first, one), (second, other)]) = follower();
         let mut scenes = PreparedScenes::with(PreparedAhead::with(None));
         let written = Circumstances { is_written: true, ..now(&one) };
-        assert!(show.follow(second, &mut scenes, &written).is_none(), "its text is being written");
-        // What was written is looked at until the show has another scene.
+        assert!(show.follow(second, &mut scenes, &written).is_none(), "its text is being edited");
+        // The edited scene stays until the show has another one.
         assert!(show.follow(second, &mut scenes, &now(&one)).is_none());
         show.refuse(other.clone());
         assert_eq!(show.refused(), std::slice::from_ref(&other));
         assert_eq!(show.follow(first, &mut scenes, &now(&other)).unwrap().source, one);
         let step = show.follow(second, &mut scenes, &now(&one));
-        assert!(step.is_none_or(|step| step.source != other), "the show does without it");
+        assert!(step.is_none_or(|step| step.source != other), "the show skips it");
     }
 }

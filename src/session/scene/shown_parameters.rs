@@ -1,4 +1,4 @@
-//! The parameters of the scene that shows, to be read and to be turned.
+//! Read and write access to the parameters of the shown scene.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use super::prepared_scene::PreparedScene;
 use super::show_follower::ShowFollower;
 use mariana_control::{ChangedBy, ParamChange};
 
-/// The parameters of the scene that shows.
+/// Read access to the parameters of the shown scene.
 pub(crate) struct ShownParameters<'a> {
     pub(super) scene: Option<&'a PreparedScene>,
     pub(super) show: &'a ShowFollower,
@@ -15,25 +15,25 @@ pub(crate) struct ShownParameters<'a> {
 }
 
 impl ShownParameters<'_> {
-    /// Whether one of them is on its way to where a hand has turned it.
+    /// True if one of them is moving towards its target.
     pub(crate) fn are_turning(&self) -> bool {
         self.scene.is_some_and(|scene| self.parameters.is_turning(scene))
     }
 
-    /// Where one of them goes, or stands, and who holds it.
+    /// The target of a parameter, and the controller that set it.
     pub(crate) fn target(&self, name: &str) -> Option<(f32, ChangedBy)> {
         let scene = self.scene?;
         let (clips, _) = self.show.clips(scene, self.parameters.song_time());
         self.parameters.target(scene, &clips, name)
     }
 
-    /// Those that hands have turned, by their names.
+    /// The values that differ from the scene's text, by name.
     pub(crate) fn moved(&self) -> BTreeMap<String, f32> {
         self.scene.map(|scene| self.parameters.moved(scene)).unwrap_or_default()
     }
 }
 
-/// The same, to be turned.
+/// Write access to the parameters of the shown scene.
 pub(crate) struct TurnedParameters<'a> {
     pub(super) scene: Option<&'a mut PreparedScene>,
     pub(super) show: &'a ShowFollower,
@@ -41,7 +41,6 @@ pub(crate) struct TurnedParameters<'a> {
 }
 
 impl TurnedParameters<'_> {
-    /// Brings the sliders up to date.
     pub(super) fn update_sliders(self) {
         if let Some(scene) = self.scene {
             let (clips, _) = self.show.clips(scene, self.parameters.song_time());
@@ -49,14 +48,14 @@ impl TurnedParameters<'_> {
         }
     }
 
-    /// Turns one of them by its name, if there is one. Returns whether there is.
+    /// Sets a parameter by name. Returns `false` if there is none of this name.
     pub(crate) fn turn(self, change: &ParamChange) -> bool {
         let Some(scene) = self.scene else { return false };
         let (clips, _) = self.show.clips(scene, self.parameters.song_time());
         self.parameters.turn(scene, &clips, change)
     }
 
-    /// Takes over what the user did to the sliders.
+    /// Takes the values that the user has set with the sliders.
     pub(crate) fn note_moved(self) {
         if let Some(scene) = self.scene {
             let (clips, _) = self.show.clips(scene, self.parameters.song_time());

@@ -5,17 +5,17 @@ use super::prepared_scene::PreparedScene;
 use crate::gpu::gl::Gl;
 use crate::scenes::{Drafts, Loader, NumberEdits, SceneSource, TextureCache};
 
-/// A scene that has no programs yet.
+/// A scene without programs.
 pub(super) fn uploaded(gl: &Gl, id: u64, source: &SceneSource) -> PreparedScene {
     PreparedScene::upload(gl, id, source.clone(), source.ready().unwrap(), None).unwrap()
 }
 
-/// A scene of a text.
+/// A scene with this text.
 pub(super) fn text(text: &str) -> SceneSource {
     SceneSource::Formula(text.to_owned())
 }
 
-/// What loads scenes.
+/// A loader of scenes.
 pub(super) fn loader() -> SceneLoader {
     let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
     let texts = Drafts::default().texts();

@@ -1,4 +1,4 @@
-//! The session in a context without a window: requested scenes and messages.
+//! Tests of the session in a context without a window: requested scenes and messages.
 
 use std::fs;
 use std::path::Path;
@@ -21,17 +21,17 @@ use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::SceneSource;
 use crate::show::{PreparedShow, ShowSource};
 
-/// Names of scenes, and the energies for which they are made.
+/// Names of scenes, and the energies that they are made for.
 const SCENES: [(&str, &str); 3] = [("calm", "0 .. 0.3"), ("loud", "0.7 .. 1"), ("other", "0.5 .. 0.8")];
-/// Moments of the song in its calm and in its loud section.
+/// Moments in the calm and in the loud section of the song.
 const CALM: f64 = 5.0;
 const LOUD: f64 = 45.0;
 
-/// A session with a show of a song in which the calm scene comes first and then the loud one.
+/// A session with a show that has the calm scene first and then the loud one.
 struct Staged {
     session: SceneSession,
     folder: tempfile::TempDir,
-    // Last: the session draws in it.
+    // Last, because the session draws in it.
     context: Headless,
 }
 
@@ -48,7 +48,7 @@ impl Staged {
         Self::with(None, 0.0)
     }
 
-    /// With what prepares scenes ahead, and fades of so many seconds.
+    /// With these loaders for neighbours, and fades of `fade` seconds.
     fn with(ahead: Option<[SceneLoader; 2]>, fade: f64) -> Self {
         let folder = tempfile::tempdir().unwrap();
         for (number, (name, energy)) in SCENES.iter().enumerate() {
@@ -96,7 +96,7 @@ impl Staged {
         source(self.folder.path(), name)
     }
 
-    /// Waits until a scene shows, as if its picture had been drawn.
+    /// Waits until a scene is shown, as if its frame had been drawn.
     fn wait_for(&mut self, name: &str) {
         let session = &mut self.session;
         wait_until(name, || {
@@ -106,13 +106,13 @@ impl Staged {
         self.draws(true);
     }
 
-    /// Does as if a picture of the scene that shows had been drawn, or none yet.
+    /// Pretends that a frame of the shown scene has been drawn, or that none has.
     fn draws(&mut self, drawn: bool) {
         let id = self.session.scenes().shown_id().filter(|_| drawn);
         self.session.composer_mut().pictures.finish(id, Duration::ZERO);
     }
 
-    /// Draws a picture of a moment of the song, which plays.
+    /// Draws a frame at a moment of the playing song.
     fn draw(&mut self, renderer: &mut Renderer, song_time: f64) {
         let mut drawn = None;
         wait_until("a picture", || {
@@ -127,7 +127,7 @@ impl Staged {
         assert_eq!(drawn.map(|drawn| drawn.shown.moment.song_time), Some(song_time));
     }
 
-    /// The words over the picture.
+    /// The texts over the frame.
     fn words(&mut self) -> Vec<String> {
         let words = self.session.words();
         let (notice, problem) = (words.notice.map(|one| one.0), words.problem.map(|one| one.0));
@@ -136,7 +136,7 @@ impl Staged {
 }
 
 #[test]
-fn technical_words_stood_over_a_show_that_nobody_had_touched() {
+fn a_show_without_user_input_shows_no_messages() {
     let mut staged = Staged::new();
     staged.session.follow(LOUD);
     assert_eq!(
@@ -152,11 +152,11 @@ fn technical_words_stood_over_a_show_that_nobody_had_touched() {
 }
 
 #[test]
-fn a_show_stood_still_and_said_so_in_red_where_a_scene_was_too_much_for_the_machine() {
+fn a_show_silently_replaces_a_scene_that_is_too_slow() {
     let mut staged = Staged::new();
     staged.session.follow(LOUD);
     staged.wait_for("loud");
-    // Its first picture is too expensive, so the calm scene comes back.
+    // Its first frame is too expensive, so the calm scene returns.
     staged.draws(false);
     let before = staged.source("calm");
     staged.session.take_back("a picture of this window would take about 99 s");
@@ -177,7 +177,7 @@ fn a_show_stood_still_and_said_so_in_red_where_a_scene_was_too_much_for_the_mach
 }
 
 #[test]
-fn a_scene_that_somebody_asked_for_was_dropped_where_the_show_went_on() {
+fn a_scene_requested_by_the_user_is_kept_when_the_shows_next_scene_is_due() {
     let mut staged = Staged::new();
     let other = staged.source("other");
     staged.session.show_source(other.clone());
@@ -186,13 +186,17 @@ fn a_scene_that_somebody_asked_for_was_dropped_where_the_show_went_on() {
     assert_eq!(*staged.session.library().wanted(), other);
     staged.wait_for("other");
     staged.session.follow(LOUD + 1.0);
-    assert_eq!(*staged.session.library().wanted(), other, "it was to stay until the next scene of the show");
+    assert_eq!(
+        *staged.session.library().wanted(),
+        other,
+        "the user's scene stays until the next scene of the show"
+    );
     staged.session.follow(CALM);
     assert_eq!(*staged.session.library().wanted(), staged.source("calm"));
 }
 
 #[test]
-fn a_text_with_mistakes_leaves_the_last_good_scene_and_says_so_until_it_is_mended() {
+fn a_text_with_mistakes_keeps_the_last_good_scene_and_shows_a_message_until_fixed() {
     let mut staged = Staged::new();
     let other = staged.folder.path().join("other.scene");
     fs::write(&other, "object ball { shape = sphere(p }").unwrap();
@@ -209,7 +213,7 @@ fn a_text_with_mistakes_leaves_the_last_good_scene_and_says_so_until_it_is_mende
 }
 
 #[test]
-fn a_fade_by_hand_shows_both_scenes_by_the_time_of_the_song() {
+fn a_fade_by_the_user_follows_the_songs_time_and_shows_both_scenes() {
     let mut staged = Staged::with(None, 2.0);
     let mut renderer = Renderer::new(staged.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
     staged.draw(&mut renderer, 10.0);
@@ -227,7 +231,7 @@ fn a_fade_by_hand_shows_both_scenes_by_the_time_of_the_song() {
         let performed = staged.session.performed(time).unwrap();
         assert_eq!((performed.faded, performed.fades), (Some((2.0, 10.249)), true));
     }
-    // It is over, and the scene that went is there no longer.
+    // The fade has ended, and the outgoing scene is dropped.
     staged.draw(&mut renderer, 12.5);
     assert!(!staged.session.composer().fading().goes_on());
     staged.draw(&mut renderer, 12.6);
@@ -235,10 +239,10 @@ fn a_fade_by_hand_shows_both_scenes_by_the_time_of_the_song() {
 }
 
 #[test]
-fn the_neighbours_are_prepared_once_the_scene_is_complete_and_the_next_one_comes_first() {
+fn neighbours_are_prepared_after_the_scene_the_next_one_first() {
     let mut staged = Staged::with(Some([loader(), loader()]), 0.0);
     let mut renderer = Renderer::new(staged.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
-    // Without a show, those beside the scene in its folder.
+    // Without a show, the neighbours are those in the folder.
     staged.session.show_mut().set_prepared_show(None, None);
     staged.session.show_source(staged.source("loud"));
     staged.wait_for("loud");
@@ -255,7 +259,7 @@ fn the_neighbours_are_prepared_once_the_scene_is_complete_and_the_next_one_comes
         order.len() == 2
     });
     assert_eq!(order, ["other", "calm"]);
-    // A change to one of them takes no loader and no compiler.
+    // A change to a neighbour needs no loader and no compiler.
     staged.session.go(true);
     assert_eq!(staged.session.scenes().name().as_deref(), Some("other"));
 }

@@ -1,4 +1,4 @@
-//! The first trees of scenes that are coming: they show whether a scene can be drawn in time.
+//! The first trees of new scenes. They show if a scene can be drawn in time.
 
 use std::sync::Arc;
 
@@ -10,22 +10,22 @@ use crate::gpu::scene_program::Mode;
 use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
 use mariana_music::Features;
 
-/// Size of the picture for which a scene's first tree is built; only its shape matters.
+/// Size of the frame for a scene's first tree. Only its aspect ratio matters.
 const TRIAL_SIZE: (u32, u32) = (16, 9);
 
-/// See the module.
+/// The builder of first trees.
 pub(super) struct TreeTrials(RegionBuilder<u64>);
 
 impl TreeTrials {
     /// Starts the thread, which calls `wake` after each tree.
     ///
     /// # Errors
-    /// What the system says about threads.
+    /// The thread cannot be started.
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         RegionBuilder::start(wake).map(Self)
     }
 
-    /// Requests the first tree of the scene `id`, in place of any other scene's.
+    /// Requests the first tree of the scene `id`. Replaces the request for any other scene.
     pub(super) fn request(&self, id: u64, scene: &SceneResources, cells: CellUse) {
         scene.set_cells(cells != CellUse::Never || scene.world().non_lipschitz, Mode::Interpreted);
         let frame = Frame::new(scene.world(), 0.0, Features::SILENCE, TRIAL_SIZE);
@@ -35,7 +35,7 @@ impl TreeTrials {
         self.0.request(TreeJob { tag: id, frame, maker, request, patience });
     }
 
-    /// A tree that was requested, and its scene; no tree if it takes longer than anyone waits.
+    /// A finished tree and its scene. The tree is `None` if the build exceeded the time limit.
     pub(super) fn poll(&self) -> Option<(u64, Option<Arc<BuiltRegions>>)> {
         self.0.poll().map(|built| (built.tag, built.regions))
     }

@@ -1,13 +1,14 @@
-//! The interpreters that draw nearly every scene: one for distances, one for all other formulas. On a GPU they are there
-//! before anyone edits, so that no edit waits for a compiler. A software renderer, which never skips a branch, has
-//! interpreters of scenes' own only.
+//! The universal interpreters, which draw nearly every scene: one for distances and one for all
+//! other formulas. A GPU compiles them before the first edit, so that no edit waits for a compiler.
+//! A software renderer evaluates every branch, so it only uses interpreters made for particular
+//! scenes.
 
 use std::rc::Rc;
 
 use crate::gpu::program::Program;
 use crate::gpu::scene_program::Interpreter;
 
-/// Both of them.
+/// Both universal interpreters.
 pub(super) struct UniversalInterpreters([UniversalInterpreter; 2]);
 
 struct UniversalInterpreter {
@@ -16,18 +17,17 @@ struct UniversalInterpreter {
 }
 
 enum State {
-    /// Nobody has asked for it.
+    /// Not requested.
     Unasked,
-    /// It is being made.
+    /// Being compiled.
     Coming,
-    /// It is there.
     There(Rc<Program>),
-    /// There is none on this renderer, or the driver refused it.
+    /// Not used with this renderer, or rejected by the driver.
     None,
 }
 
 impl UniversalInterpreters {
-    /// None of them has been asked for; without `are_wanted` none ever is.
+    /// Starts without programs. `are_wanted` = false disables both interpreters.
     pub(super) fn new(are_wanted: bool) -> Self {
         Self([false, true].map(|non_lipschitz| UniversalInterpreter {
             variant: Interpreter::universal(non_lipschitz),
@@ -35,13 +35,14 @@ impl UniversalInterpreters {
         }))
     }
 
-    /// The one for this kind of formula.
+    /// The interpreter for a kind of formula.
     fn of(&mut self, non_lipschitz: bool) -> &mut UniversalInterpreter {
         let [of_distances, of_others] = &mut self.0;
         if non_lipschitz { of_others } else { of_distances }
     }
 
-    /// Marks the one for this kind of formula as requested and returns its variant, unless that was done.
+    /// Marks the interpreter for this kind of formula as requested and returns its variant. Returns
+    /// `None` if that was done before.
     pub(super) fn ask(&mut self, non_lipschitz: bool) -> Option<Interpreter> {
         let one = self.of(non_lipschitz);
         matches!(one.state, State::Unasked).then(|| {
@@ -50,8 +51,7 @@ impl UniversalInterpreters {
         })
     }
 
-    /// The kind of formula whose interpreter nobody has asked for, true for those that are no distances; none if both
-    /// were.
+    /// The `non_lipschitz` flag of an interpreter that was never requested; `None` if both were.
     pub(super) fn unasked(&self) -> Option<bool> {
         let [of_distances, of_others] = &self.0;
         let is_unasked = |one: &UniversalInterpreter| matches!(one.state, State::Unasked);
@@ -61,27 +61,27 @@ impl UniversalInterpreters {
             .map(|(non_lipschitz, _)| non_lipschitz)
     }
 
-    /// Takes the one for this kind of formula.
+    /// Stores the program for this kind of formula.
     pub(super) fn put(&mut self, non_lipschitz: bool, program: Program) {
         self.of(non_lipschitz).state = State::There(Rc::new(program));
     }
 
-    /// There is none for this kind of formula.
+    /// Notes that there is no program for this kind of formula.
     pub(super) fn give_up(&mut self, non_lipschitz: bool) {
         self.of(non_lipschitz).state = State::None;
     }
 
-    /// Whether one of them draws what needs this interpreter, now or once it has come.
+    /// True if one of them covers `needed` and is not disabled.
     pub(super) fn serve(&self, needed: &Interpreter) -> bool {
         self.0.iter().any(|one| !matches!(one.state, State::None) && one.variant.covers(needed))
     }
 
-    /// Whether the one that draws what needs this interpreter is being made.
+    /// True if one that covers `needed` is being compiled.
     pub(super) fn are_coming(&self, needed: &Interpreter) -> bool {
         self.0.iter().any(|one| matches!(one.state, State::Coming) && one.variant.covers(needed))
     }
 
-    /// The program that draws what needs this interpreter, if it is there.
+    /// The program that covers `needed`, if available.
     pub(super) fn find(&self, needed: &Interpreter) -> Option<Rc<Program>> {
         self.0.iter().find_map(|one| match &one.state {
             State::There(program) if one.variant.covers(needed) => Some(program.clone()),
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_kind_is_asked_for_once_and_serves_until_the_driver_refuses_it() {
+    fn each_kind_is_requested_once_and_serves_until_the_driver_rejects_it() {
         let mut universal = UniversalInterpreters::new(true);
         let needed = Interpreter::universal(true);
         assert!(universal.serve(&needed) && !universal.are_coming(&needed));

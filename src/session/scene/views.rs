@@ -1,5 +1,5 @@
-//! Views of the scene that shows: which one is chosen, and the programs that draw it. They are made in parallel with the
-//! picture when they are first asked for; until one is there the picture goes on.
+//! Views of the shown scene: the chosen one, and the programs that draw it. A program is compiled
+//! while the normal frame is shown.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -16,26 +16,27 @@ use crate::view::legend::{LegendPainter, LegendPicture};
 use crate::view::setup::ViewSetup;
 use crate::view::{View, ViewChoice};
 
-/// The view that is shown, and what there is to draw it.
+/// The chosen view and its resources.
 #[derive(Default)]
 pub(crate) struct Views {
     choice: Option<ViewChoice>,
     programs: KeptPrograms<ViewsOf>,
     legends: Option<LegendPainter>,
-    /// The number of the view that was drawn last.
+    /// The number of the view drawn last.
     number: Option<f32>,
     /// Counts the changes.
     revision: u64,
 }
 
 impl Views {
-    /// Shows this view from the start.
+    /// Starts with this view.
     pub(super) fn starting_with(choice: Option<ViewChoice>) -> Self {
         Self { choice, ..Self::default() }
     }
 
-    /// The chosen view of a scene, with a program that draws it and that program's mode: the given mode or, until its
-    /// program is there, the other one, so that a view stays when the mode changes.
+    /// The chosen view of a scene with a program and the program's mode. Prefers the given mode;
+    /// the other one is used until that program is ready, so that a view stays when the mode
+    /// changes.
     pub(super) fn program(
         &mut self,
         scene: &PreparedScene,
@@ -49,7 +50,7 @@ impl Views {
         })
     }
 
-    /// Forgets the programs of scenes that are none of these.
+    /// Drops the programs of all other scenes.
     pub(super) fn keep(&mut self, kept: &[u64]) {
         self.programs.retain(|of| match of {
             ViewsOf::Compiled(id) => kept.contains(id),
@@ -57,12 +58,12 @@ impl Views {
         });
     }
 
-    /// The view that was chosen; none is the picture.
+    /// The chosen view; `None` for the normal frame.
     pub(crate) fn choice(&self) -> Option<ViewChoice> {
         self.choice
     }
 
-    /// Begins a view of a frame, and returns the legend that is to be put over it.
+    /// Begins a view of a frame. Returns the legend to draw over it.
     pub(super) fn begin(
         &mut self,
         renderer: &mut Renderer,
@@ -78,7 +79,7 @@ impl Views {
         Ok(legend)
     }
 
-    /// The view after the chosen one, or the one before; the plain picture is between the last and the first.
+    /// The next or the previous view. The normal frame comes between the last and the first view.
     pub(super) fn beside(&self, forward: bool) -> Option<ViewChoice> {
         View::beside(self.choice.map(|choice| choice.view), forward).map(ViewChoice::from)
     }
@@ -86,7 +87,7 @@ impl Views {
     /// The same view with a larger or smaller number.
     ///
     /// # Errors
-    /// Why there is none, in words.
+    /// A message if no view is chosen or the view has no number.
     pub(super) fn stepped(&self, larger: bool) -> Result<ViewChoice, String> {
         let Some(choice) = self.choice else {
             return Err("only views have a number: press V for a view".to_owned());
@@ -97,7 +98,7 @@ impl Views {
         Ok(choice.stepped(choice.number.or(self.number), larger))
     }
 
-    /// Shows this view from now on.
+    /// Sets the view; `None` for the normal frame.
     pub(super) fn choose(&mut self, choice: Option<ViewChoice>) {
         self.choice = choice;
         if choice.is_some_and(|choice| choice.number.is_none()) {
@@ -106,16 +107,16 @@ impl Views {
         self.revision += 1;
     }
 
-    /// What a program must draw to show the chosen view of a scene in a mode, if there is none.
+    /// The program to request for the chosen view in a mode, if it is missing.
     pub(super) fn missing(&self, scene: &PreparedScene, mode: Mode) -> Option<ViewsOf> {
         self.choice?;
         scene.views(mode).filter(|wanted| !self.programs.has(|known| known.covers(wanted)))
     }
 
-    /// Takes a program of views that was requested. If the driver refuses it, the picture shows instead.
+    /// Takes a requested view program. If the driver rejects it, the view is turned off.
     ///
     /// # Errors
-    /// What the driver says.
+    /// The driver's error.
     pub(super) fn take(&mut self, of: ViewsOf, program: Result<Program, GpuError>) -> Result<(), GpuError> {
         self.revision += 1;
         match program {
@@ -132,7 +133,7 @@ impl Views {
         }
     }
 
-    /// A number that changes whenever the same moment looks different because of views.
+    /// A number that changes whenever views make the same moment look different.
     pub(super) fn revision(&self) -> u64 {
         self.revision
     }
@@ -143,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_picture_lies_between_the_last_view_and_the_first_and_has_no_number() {
+    fn the_normal_frame_comes_between_the_last_and_the_first_view() {
         let mut views = Views::default();
         assert!(views.stepped(true).is_err());
         let mut count = 0;
