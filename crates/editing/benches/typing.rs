@@ -1,11 +1,11 @@
-//! What a key costs in a long text, without a window: the change, and the colours of the lines that show.
+//! Benchmarks of typing in a long text without a window: the edit itself, and the colours of the visible lines.
 
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use mariana_editing::{Colors, Editing, Move, proposals};
 
-/// Lines that show at a time.
+/// Visible lines.
 const SHOWN: usize = 50;
 
 /// A text of 400 kB.
@@ -26,11 +26,11 @@ fn type_letters(criterion: &mut Criterion) {
             let shown: usize =
                 (middle..middle + SHOWN).map(|line| colors.words(editing.buffer(), line).len()).sum();
             editing.delete(Move::Left);
-            // The loader gets a copy.
+            // The loader gets a copy of the text.
             (shown, editing.buffer().bytes().to_vec())
         });
     });
-    criterion.bench_function("what may be written there", |bencher| {
+    criterion.bench_function("completion of a name", |bencher| {
         editing.insert(b"sph").unwrap();
         bencher.iter(|| proposals(editing.buffer(), &mut colors, editing.cursor(), false));
     });

@@ -1,34 +1,34 @@
-//! A text as bytes, with the places where its lines begin.
+//! The bytes of a text, with an index of its lines.
 
 use std::ops::Range;
 
-/// See the module. A line ends at `\n`; a `\r` before it belongs to the end.
+/// Bytes with an index of line starts. A line ends at `\n`; a `\r` before it belongs to the line end.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Buffer {
     bytes: Vec<u8>,
-    /// Where each line begins; the first is 0.
+    /// Byte offset of each line; the first is 0.
     starts: Vec<usize>,
 }
 
 impl Buffer {
-    /// A text.
+    /// Indexes the lines of `bytes`.
     pub fn new(bytes: Vec<u8>) -> Self {
         let mut starts = vec![0];
         starts.extend(line_starts(&bytes, 0));
         Self { bytes, starts }
     }
 
-    /// All bytes.
+    /// The whole text.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// The number of bytes.
+    /// Length in bytes.
     pub fn len(&self) -> usize {
         self.bytes.len()
     }
 
-    /// Whether there is no byte.
+    /// True if the text has no bytes.
     pub fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
@@ -38,13 +38,13 @@ impl Buffer {
         self.starts.len()
     }
 
-    /// The bytes of a part; what is outside of the text is left out.
+    /// The bytes of a range, clipped to the text.
     pub fn slice(&self, range: Range<usize>) -> &[u8] {
         let end = range.end.min(self.len());
         self.bytes.get(range.start.min(end)..end).unwrap_or_default()
     }
 
-    /// Where a line stands, without its end; behind the text if there is no such line.
+    /// The byte range of a line without its line end; empty at the end of the text if there is no such line.
     pub fn line_range(&self, line: usize) -> Range<usize> {
         let start = self.line_start(line);
         let Some(next) = self.starts.get(line + 1) else { return start..self.len() };
@@ -55,28 +55,28 @@ impl Buffer {
         start..end
     }
 
-    /// The bytes of a line without its end.
+    /// The bytes of a line without its line end.
     pub fn line(&self, line: usize) -> &[u8] {
         self.slice(self.line_range(line))
     }
 
-    /// Where a line begins; behind the text if there is no such line.
+    /// The byte offset of a line; the text's length if there is no such line.
     pub fn line_start(&self, line: usize) -> usize {
         self.starts.get(line).copied().unwrap_or(self.len())
     }
 
-    /// The line in which a byte stands, its end included.
+    /// The line that contains a byte offset. A line end belongs to the line before it.
     pub fn line_of(&self, offset: usize) -> usize {
         self.starts.partition_point(|start| *start <= offset).saturating_sub(1)
     }
 
-    /// What ends the lines of this text: what ends the first one.
+    /// The line end of the first line, for lines that are inserted; `\n` if there is only one line.
     pub fn line_end(&self) -> &'static [u8] {
         let first = self.starts.get(1).and_then(|next| self.bytes.get(next.checked_sub(2)?));
         if first == Some(&b'\r') { b"\r\n" } else { b"\n" }
     }
 
-    /// Puts `new` in the place of a part and gives what stood there. What is outside of the text is left out.
+    /// Replaces a range, clipped to the text, and returns the bytes that were there.
     pub fn replace(&mut self, range: Range<usize>, new: &[u8]) -> Vec<u8> {
         let end = range.end.min(self.len());
         let start = range.start.min(end);
@@ -92,7 +92,7 @@ impl Buffer {
     }
 }
 
-/// Where lines begin in `bytes`, of which the first stands at `base`.
+/// Offsets of the lines that begin within `bytes`, where `bytes` itself begins at `base`.
 fn line_starts(bytes: &[u8], base: usize) -> impl Iterator<Item = usize> {
     let ends = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
     ends.map(move |(at, _)| base + at + 1)

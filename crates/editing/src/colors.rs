@@ -1,23 +1,23 @@
-//! The kinds of the words of a line, found for the lines that show.
+//! Syntax colours: the word kinds of a line, computed only for the visible lines.
 
 use mariana_field::lang::{Word, words};
 
 use crate::buffer::Buffer;
 
-/// Whether a comment is open where lines begin, as far as that is known.
+/// A cache of the lexer's state at the start of each line: true if the line begins inside a block comment.
 #[derive(Debug, Clone, Default)]
 pub struct Colors {
-    /// Of each line from the first on.
+    /// One entry per line from the top; shorter than the text if later lines are not known yet.
     open: Vec<bool>,
 }
 
 impl Colors {
-    /// Notes that the text has changed from a line on.
+    /// Discards the cache below a changed line.
     pub fn forget_behind(&mut self, line: usize) {
         self.open.truncate(line + 1);
     }
 
-    /// The words of a line. What is not known of the lines before is found out.
+    /// The words of a line. Lexes the lines above it if their state is not cached.
     pub fn words(&mut self, buffer: &Buffer, line: usize) -> Vec<Word> {
         while self.open.len() <= line {
             let open = match self.open.len().checked_sub(1) {
@@ -34,7 +34,7 @@ fn read(buffer: &Buffer, line: usize, open: bool) -> (Vec<Word>, bool) {
     let bytes = buffer.line(line);
     match std::str::from_utf8(bytes) {
         Ok(text) => words(text, open),
-        // Each byte that is not UTF-8 becomes one that is no word, so that places stay.
+        // Each invalid byte becomes a control character, so that the byte offsets of the words stay right.
         Err(_) => {
             let mut text = String::with_capacity(bytes.len());
             for chunk in bytes.utf8_chunks() {
@@ -52,7 +52,7 @@ mod tests {
     use mariana_field::lang::WordKind;
 
     #[test]
-    fn a_comment_that_is_opened_far_above_reaches_down() {
+    fn a_comment_opened_far_above_colours_the_lines_below() {
         let text = format!("let a = 1\n{}b */ c", "let x = 2\n".repeat(50));
         let mut buffer = Buffer::new(text.into_bytes());
         let mut colors = Colors::default();
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_that_are_no_letters_keep_the_places_of_the_others() {
+    fn invalid_bytes_keep_the_offsets_of_the_words_around_them() {
         let buffer = Buffer::new(b"a \xff\xfe 5".to_vec());
         let words = Colors::default().words(&buffer, 0);
         assert_eq!(words.last().map(|word| (word.kind, word.start)), Some((WordKind::Number, 5)));

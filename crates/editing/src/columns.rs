@@ -1,27 +1,27 @@
-//! Letters of a line in columns of a fixed width: tabs take four, wide letters two, and what combines with the letter
-//! before takes none. Bytes that are not UTF-8 are shown by a sign and stay as they are.
+//! Maps the characters of a line to fixed-width columns. A tab takes four columns, a wide character two, and a
+//! combining mark none. Bytes that are not UTF-8 are displayed as U+FFFD and never changed.
 
 use mariana_field::lang::columns;
 
-/// What stands for bytes that are not UTF-8.
+/// Replacement character for bytes that are not UTF-8.
 const NO_LETTER: char = '\u{fffd}';
 
-/// A letter with what combines with it, or bytes that are none.
+/// A character with its combining marks, or a run of invalid bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cell {
-    /// Its first byte in the line.
+    /// Byte offset of its start in the line.
     pub start: usize,
-    /// The byte behind its last one.
+    /// Byte offset of its end in the line.
     pub end: usize,
-    /// Its first column.
+    /// First column.
     pub column: usize,
-    /// How many columns it takes.
+    /// Width in columns.
     pub width: usize,
-    /// Whether it is what was read; else a sign stands for it.
+    /// True for valid UTF-8; false if the replacement character is displayed.
     pub is_text: bool,
 }
 
-/// The cells of a line's bytes.
+/// Splits a line into cells.
 pub fn cells(line: &[u8]) -> impl Iterator<Item = Cell> {
     let mut letters = letters(line).peekable();
     let mut column = 0;
@@ -34,7 +34,7 @@ pub fn cells(line: &[u8]) -> impl Iterator<Item = Cell> {
         {
             end = next;
         }
-        // What combines with nothing has a place of its own, so that it can be deleted.
+        // A combining mark without a base character gets a column, so that it can be deleted.
         width = width.max(usize::from(start > 0 || letter != Some('\u{feff}')));
         let cell = Cell { start, end, column, width, is_text };
         column += width;
@@ -42,7 +42,7 @@ pub fn cells(line: &[u8]) -> impl Iterator<Item = Cell> {
     })
 }
 
-/// The letters of some bytes: first byte, the byte behind, and the letter unless it is not UTF-8.
+/// The start, the end and the character of each piece of `line`; a run of invalid bytes has no character.
 fn letters(line: &[u8]) -> impl Iterator<Item = (usize, usize, Option<char>)> {
     let mut at = 0;
     line.utf8_chunks().flat_map(move |chunk| {
@@ -57,12 +57,12 @@ fn letters(line: &[u8]) -> impl Iterator<Item = (usize, usize, Option<char>)> {
     })
 }
 
-/// How many columns a line takes.
+/// The width of a line in columns.
 pub fn width(line: &[u8]) -> usize {
     column_of(line, line.len())
 }
 
-/// The column of the cell in which a byte of a line stands; behind the line, how many columns it takes.
+/// The column of the cell that contains a byte of the line; the line's width if the offset is at its end.
 pub fn column_of(line: &[u8], offset: usize) -> usize {
     if line.is_ascii() && !line.iter().any(|byte| *byte < b' ' || *byte == 0x7f) {
         return offset.min(line.len());
@@ -77,7 +77,7 @@ pub fn column_of(line: &[u8], offset: usize) -> usize {
     behind
 }
 
-/// Where in a line the cell begins whose left edge is nearest to a column; the line's end behind its last one.
+/// The byte offset of the cell whose left edge is nearest to a column; the line's length to the right of the last cell.
 pub fn offset_of(line: &[u8], column: f32) -> usize {
     for cell in cells(line) {
         if column < cell.column as f32 + 0.5 * cell.width as f32 {

@@ -1,4 +1,5 @@
-//! What may be written at a place, and what is written there, with the documentation of the language's tables.
+//! Completion of names, and documentation of the name or call at the cursor. Both come from the language's own tables
+//! and from the declarations in the text.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -12,34 +13,34 @@ use crate::buffer::Buffer;
 use crate::colors::Colors;
 use crate::limits::LIMITS;
 
-/// A name with its documentation.
+/// Documentation of a name.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct About {
-    /// How it is written: a function with its parameters.
+    /// The name; for a function with its parameters.
     pub head: String,
-    /// What it is; may be empty.
+    /// One-sentence description; may be empty.
     pub text: String,
-    /// Whether it is exact or a bound, and where it comes from; may be empty.
+    /// Accuracy and source, as in "exact · Quilez"; may be empty.
     pub facts: String,
-    /// Whether it is called.
+    /// True for a function.
     pub is_function: bool,
 }
 
-/// A name that may be written.
+/// A completion candidate.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Proposal {
     /// The name.
     pub name: String,
-    /// What it is.
+    /// Its documentation.
     pub about: About,
 }
 
-/// Lines that declare names, by the words with which they begin.
+/// Keywords that declare a name at the start of a line.
 const DECLARING: [&str; 7] = ["fn", "let", "param", "material", "object", "light", "camera"];
 /// Longest head of a declaration, in bytes.
 const HEAD_MAX: usize = 110;
 
-/// All names of the language.
+/// Every name of the language, sorted. Of equal names, the documented one comes first.
 static LANGUAGE: LazyLock<Vec<Proposal>> = LazyLock::new(|| {
     let functions =
         entries().into_iter().map(|entry| Proposal { name: entry.name.to_owned(), about: of_entry(entry) });
@@ -52,7 +53,7 @@ static LANGUAGE: LazyLock<Vec<Proposal>> = LazyLock::new(|| {
         fields.iter().map(move |field| {
             let default = match (field.doc, field.default) {
                 (_, DefaultValue::Each(0.0)) | ("", _) => String::new(),
-                (_, default) => format!("; {default} if it is not given"),
+                (_, default) => format!("; {default} by default"),
             };
             let text = format!("{}{default}", field.doc);
             plain(field.name, format!("{section} {{ {} = }}", field.name), &text)
@@ -74,8 +75,8 @@ fn of_entry(entry: Entry) -> About {
     About { head: entry.signature, text: entry.doc, facts: facts.join(" · "), is_function: true }
 }
 
-/// What may be written in the place of the name that ends at `offset`, best first, and where that name stands. Without
-/// a name only what is `asked` for is proposed.
+/// Candidates for the name that ends at `offset`, best first, and the byte range that a candidate replaces. Unless
+/// `asked` (by Ctrl+Space), at least two letters must be typed.
 pub fn proposals(
     buffer: &Buffer,
     colors: &mut Colors,
@@ -123,14 +124,14 @@ pub fn proposals(
         .filter(|one| seen.insert(one.name.clone()))
         .take(LIMITS.proposals_max)
         .collect();
-    // What is written already needs no proposal.
+    // A completely typed name needs no proposal.
     if !asked && best.first().is_some_and(|one| one.name.to_lowercase() == typed) && best.len() == 1 {
         best.clear();
     }
     (range, best)
 }
 
-/// The names that a text declares. The declaration at `besides` is being written.
+/// The names declared in the text, except the declaration at `besides`, which is being written.
 fn own_names(buffer: &Buffer, besides: usize) -> Vec<Proposal> {
     let mut found = Vec::new();
     let mut seen = BTreeSet::new();
@@ -143,7 +144,7 @@ fn own_names(buffer: &Buffer, besides: usize) -> Vec<Proposal> {
     found
 }
 
-/// The name that a line declares, and where in it.
+/// The name that a line declares, and its offset in the line.
 fn declared(line: &[u8]) -> Option<(&str, usize)> {
     let indent = line.iter().position(|byte| !byte.is_ascii_whitespace())?;
     let text = line.get(indent..)?;
@@ -159,7 +160,7 @@ fn declared(line: &[u8]) -> Option<(&str, usize)> {
     Some((name, indent + word.len() + blanks))
 }
 
-/// What a text says of the name that a line declares: the line, and the comment above it.
+/// Documentation of the name that a line declares: the line itself, and the comment above it.
 fn declaration(buffer: &Buffer, line: usize) -> About {
     let text = String::from_utf8_lossy(buffer.line(line)).trim().to_owned();
     let is_function = text.starts_with("fn ");
@@ -176,10 +177,10 @@ fn declaration(buffer: &Buffer, line: usize) -> About {
         let Some(words) = text.strip_prefix('#') else { break };
         comment.insert(0, words.trim_start_matches('#').trim().to_owned());
     }
-    About { head, text: comment.join(" "), facts: "of this text".to_owned(), is_function }
+    About { head, text: comment.join(" "), facts: "declared in this scene".to_owned(), is_function }
 }
 
-/// What the text says of a name, or else the language.
+/// Documentation of a name: its declaration in the text, or else the language's entry.
 pub fn documentation(buffer: &Buffer, name: &str) -> Option<About> {
     let own = (0..buffer.line_count())
         .find(|line| declared(buffer.line(*line)).is_some_and(|(own, _)| own == name));
@@ -190,7 +191,8 @@ pub fn documentation(buffer: &Buffer, name: &str) -> Option<About> {
     LANGUAGE.get(place).filter(|one| one.name == name).map(|one| one.about.clone())
 }
 
-/// What is known of the name at `offset`, with its place; or of the function whose arguments stand there.
+/// Documentation of the name at `offset`, or else of the function whose arguments enclose it, with the byte range of
+/// that name.
 pub fn about(buffer: &Buffer, colors: &mut Colors, offset: usize) -> Option<(Range<usize>, About)> {
     let line = buffer.line_of(offset);
     let (start, text) = (buffer.line_start(line), buffer.line(line));
@@ -236,20 +238,20 @@ mod tests {
     }
 
     #[test]
-    fn the_library_is_proposed_by_its_first_letters_and_then_by_others() {
+    fn names_that_begin_with_the_typed_letters_come_first() {
         let found = names("object o { shape = smooth_u", false);
         assert_eq!(found.first().map(String::as_str), Some("smooth_union"));
         let found = names("object o { shape = box", false);
         assert_eq!(found.first().map(String::as_str), Some("box"));
         assert!(found.contains(&"round_box".to_owned()), "{found:?}");
         assert_eq!(names("material m { rough", false), ["roughness"]);
-        assert_eq!(names("x", false), [""; 0], "one letter is not enough unless asked");
+        assert_eq!(names("x", false), [""; 0], "one letter opens the list only on request");
         assert!(names("x", true).contains(&"x".to_owned()));
         assert_eq!(names("", true).len(), LIMITS.proposals_max);
     }
 
     #[test]
-    fn nothing_is_proposed_in_comments_texts_numbers_and_behind_points() {
+    fn comments_strings_numbers_and_components_get_no_proposals() {
         for text in ["# sph", "include \"sph", "1e", "p.xy", "/* sph"] {
             assert_eq!(names(text, false), [""; 0], "{text}");
         }
@@ -267,11 +269,11 @@ mod tests {
         );
         assert_eq!(documentation(&buffer, "spray").unwrap().head, "fn spray(p, amount: number)");
         assert_eq!(documentation(&buffer, "nowhere"), None);
-        assert_eq!(names("fn own", false), [""; 0], "what is being declared is not proposed");
+        assert_eq!(names("fn own", false), [""; 0], "a name that is being declared is not proposed");
     }
 
     #[test]
-    fn a_name_or_the_call_around_a_place_is_told() {
+    fn documentation_of_a_name_or_of_the_call_around_it_is_found() {
         let text = "object o { shape = sphere(p - vec3(0, 1, 0), 0.5) }";
         let buffer = Buffer::new(text.as_bytes().to_vec());
         let at = |part: &str| {
@@ -287,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn every_name_of_the_language_is_told_with_words() {
+    fn every_function_and_field_has_documentation() {
         for one in LANGUAGE.iter().filter(|one| one.about.is_function || one.about.head.contains('{')) {
             assert!(!one.about.text.is_empty(), "{} has no documentation", one.name);
         }

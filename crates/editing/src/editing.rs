@@ -1,4 +1,4 @@
-//! A text with a cursor, what is selected, and what can be undone.
+//! A text with a cursor, a selection, and undo.
 
 use std::ops::Range;
 
@@ -7,39 +7,39 @@ use crate::history::{Change, Followed, History, Joins, Step};
 use crate::limits::LIMITS;
 use crate::movement::{self, Move};
 
-/// Blanks of a step of indentation.
+/// One step of indentation.
 const INDENT: &[u8] = b"  ";
-/// What begins a line that is left out.
+/// Prefix of a line that is commented out.
 const COMMENT: &[u8] = b"# ";
 
-/// A text that is being edited. Places are bytes from 0.
+/// An edited text. All positions are byte offsets.
 #[derive(Debug, Clone)]
 pub struct Editing {
     buffer: Buffer,
     cursor: usize,
-    /// The other end of what is selected; the cursor if nothing is.
+    /// The fixed end of the selection; equals the cursor if the selection is empty.
     anchor: usize,
-    /// The column that ways up and down keep to.
+    /// The column that moves up and down try to keep.
     goal: Option<usize>,
     history: History,
     followed: Followed,
     version: u64,
-    /// The first byte that has changed since somebody asked.
+    /// First byte changed since the last [`Editing::take_changed_line`].
     changed_from: Option<usize>,
 }
 
-/// What cannot be put into a text.
+/// The text would become longer than a scene may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("a scene may have {max} bytes, and with these {bytes} it would have more: nothing was put in")]
+#[error("these {bytes} bytes do not fit: a scene may have at most {max} bytes. Nothing was inserted")]
 pub struct Refused {
-    /// How many bytes were to be put in.
+    /// Bytes to insert.
     pub bytes: usize,
-    /// How many a text may have.
+    /// Most bytes of a text.
     pub max: usize,
 }
 
 impl Editing {
-    /// A text as it was read.
+    /// Begins with the bytes of a file, with the cursor at its start.
     pub fn new(bytes: Vec<u8>) -> Self {
         Self {
             buffer: Buffer::new(bytes),
@@ -58,37 +58,37 @@ impl Editing {
         &self.buffer
     }
 
-    /// Where the cursor stands.
+    /// The cursor's byte offset.
     pub fn cursor(&self) -> usize {
         self.cursor
     }
 
-    /// What is selected; empty at the cursor if nothing is.
+    /// The selected range; an empty one at the cursor if there is no selection.
     pub fn selection(&self) -> Range<usize> {
         self.cursor.min(self.anchor)..self.cursor.max(self.anchor)
     }
 
-    /// The bytes that are selected.
+    /// The selected bytes.
     pub fn selected(&self) -> &[u8] {
         self.buffer.slice(self.selection())
     }
 
-    /// A number that grows with every change of the text.
+    /// A number that grows with every change.
     pub fn version(&self) -> u64 {
         self.version
     }
 
-    /// The line from which on the text has changed since the last call; none if it has not.
+    /// The first line that changed since the last call; `None` if there was no change.
     pub fn take_changed_line(&mut self) -> Option<usize> {
         self.changed_from.take().map(|at| self.buffer.line_of(at))
     }
 
-    /// Where a part of the text of an earlier version stands now; none if it was changed or nobody knows.
+    /// The present range of a part of an earlier version; `None` if that part was edited or the version is too old.
     pub fn place(&self, version: u64, range: Range<usize>) -> Option<Range<usize>> {
         self.followed.place(version, self.version, range)
     }
 
-    /// Puts the cursor at a place; with `select` everything from the anchor on is selected.
+    /// Moves the cursor to an offset. With `select`, extends the selection to it.
     pub fn go_to(&mut self, offset: usize, select: bool) {
         self.cursor = offset.min(self.buffer.len());
         self.goal = None;
@@ -98,26 +98,26 @@ impl Editing {
         self.history.close();
     }
 
-    /// Selects a part, with the cursor at its end.
+    /// Selects a range, with the cursor at its end.
     pub fn select(&mut self, range: Range<usize>) {
         self.go_to(range.start, false);
         self.go_to(range.end, true);
     }
 
-    /// Selects the word around a place.
+    /// Selects the word around an offset.
     pub fn select_word(&mut self, offset: usize) {
         self.select(movement::word_around(&self.buffer, offset));
     }
 
-    /// Selects a line with its end.
+    /// Selects a line with its line end.
     pub fn select_line(&mut self, line: usize) {
         self.select(self.buffer.line_start(line)..self.buffer.line_start(line + 1));
     }
 
-    /// Moves the cursor.
+    /// Moves the cursor. With `select`, extends the selection.
     pub fn go(&mut self, way: Move, select: bool) {
         let selection = self.selection();
-        // What was selected is left by its own end.
+        // Left and Right collapse a selection to its own start or end.
         let (cursor, goal) = match way {
             Move::Left if !select && !selection.is_empty() => (selection.start, None),
             Move::Right if !select && !selection.is_empty() => (selection.end, None),
@@ -127,26 +127,26 @@ impl Editing {
         self.goal = goal;
     }
 
-    /// Puts text in the place of what is selected. Its line ends become those of this text.
+    /// Replaces the selection with `text`, whose line ends become those of this text.
     ///
     /// # Errors
-    /// [`Refused`]; nothing has changed then.
+    /// [`Refused`] if the result is too long; the text is then unchanged.
     pub fn insert(&mut self, text: &[u8]) -> Result<(), Refused> {
         let typed = text.len() <= 4 && !text.contains(&b'\n') && self.selection().is_empty();
         let joins = if typed { Joins::Typing } else { Joins::Nothing };
         let text = self.with_own_line_ends(text);
         self.replace(self.selection(), &text, joins)?;
-        // Words are undone one by one.
+        // A blank ends an undo step, so that words are undone one by one.
         if text.iter().all(u8::is_ascii_whitespace) {
             self.history.close();
         }
         Ok(())
     }
 
-    /// Begins a line as far in as this one.
+    /// Starts a new line with the indentation of the present one, one step deeper after `{`.
     ///
     /// # Errors
-    /// [`Refused`].
+    /// [`Refused`] if the result is too long.
     pub fn insert_line(&mut self) -> Result<(), Refused> {
         let start = self.selection().start;
         let line = self.buffer.slice(self.buffer.line_start(self.buffer.line_of(start))..start);
@@ -159,7 +159,7 @@ impl Editing {
         self.replace(self.selection(), &text, Joins::Nothing)
     }
 
-    /// Takes away what is selected, or from the cursor to where a way leads.
+    /// Deletes the selection, or the text between the cursor and the target of a move.
     pub fn delete(&mut self, way: Move) {
         let mut range = self.selection();
         if range.is_empty() {
@@ -167,24 +167,24 @@ impl Editing {
             range = to.min(self.cursor)..to.max(self.cursor);
         }
         if !range.is_empty() {
-            // Less text is never refused.
+            // A deletion cannot exceed the limit.
             let _ = self.replace(range, b"", Joins::Deleting);
         }
     }
 
-    /// Puts `new` in the place of a part; what stands around it stays selected as it was, else the cursor is behind it.
+    /// Replaces a range and puts the cursor behind it.
     ///
     /// # Errors
-    /// [`Refused`].
+    /// [`Refused`] if the result is too long.
     pub fn replace_part(&mut self, range: Range<usize>, new: &[u8]) -> Result<(), Refused> {
         self.replace(range, new, Joins::Nothing)
     }
 
-    /// Puts others in the place of some parts, from the last to the first, as one change; the cursor stands behind the
-    /// first of them then.
+    /// Replaces several ranges as one undo step. The ranges are in descending order; afterwards the cursor is behind
+    /// the first range of the text.
     ///
     /// # Errors
-    /// [`Refused`]; nothing has changed then.
+    /// [`Refused`] if the result is too long; the text is then unchanged.
     pub fn replace_parts(&mut self, parts: &[(Range<usize>, Vec<u8>)]) -> Result<(), Refused> {
         let (max, bytes) = (LIMITS.text_bytes_max, parts.iter().map(|(_, new)| new.len()).sum());
         if self.buffer.len() + bytes > max {
@@ -202,29 +202,30 @@ impl Editing {
         Ok(())
     }
 
-    /// The same for a number that is turned: all of its values are undone together until [`Editing::settle`].
+    /// Like [`Editing::replace_part`], for a number that is being turned: all its values are undone together until
+    /// [`Editing::settle`].
     ///
     /// # Errors
-    /// [`Refused`].
+    /// [`Refused`] if the result is too long.
     pub fn turn(&mut self, range: Range<usize>, new: &[u8]) -> Result<(), Refused> {
         self.replace(range, new, Joins::Turning)
     }
 
-    /// Selects a number that is being turned, which goes on.
+    /// Selects a number without ending its turn.
     pub fn select_turned(&mut self, range: Range<usize>) {
         let end = range.end.min(self.buffer.len());
         (self.anchor, self.cursor, self.goal) = (range.start.min(end), end, None);
     }
 
-    /// What comes next is undone by itself.
+    /// Ends the undo step: the next change is undone separately.
     pub fn settle(&mut self) {
         self.history.close();
     }
 
-    /// Puts another text in the place of all, as one change that can be undone.
+    /// Replaces the whole text as one undo step.
     ///
     /// # Errors
-    /// [`Refused`].
+    /// [`Refused`] if the result is too long.
     pub fn replace_all(&mut self, text: &[u8]) -> Result<(), Refused> {
         let cursor = self.cursor;
         self.replace(0..self.buffer.len(), text, Joins::Nothing)?;
@@ -232,7 +233,7 @@ impl Editing {
         Ok(())
     }
 
-    /// Moves the selected lines in or out by a step.
+    /// Indents the selected lines by one step, or unindents them.
     pub fn indent(&mut self, deeper: bool) {
         self.edit_lines(|line| match deeper {
             true if line.is_empty() => None,
@@ -245,7 +246,7 @@ impl Editing {
         });
     }
 
-    /// Leaves the selected lines out as comments, or brings them back if all are left out.
+    /// Comments the selected lines out, or uncomments them if all of them are comments.
     pub fn toggle_comment(&mut self) {
         let is_blank = |line: &[u8]| line.iter().all(u8::is_ascii_whitespace);
         let lines = self.selected_lines();
@@ -264,18 +265,18 @@ impl Editing {
         });
     }
 
-    /// The lines in which something is selected, or the cursor's.
+    /// The lines of the selection, or the cursor's line.
     fn selected_lines(&self) -> Range<usize> {
         let selection = self.selection();
         let (first, mut last) = (self.buffer.line_of(selection.start), self.buffer.line_of(selection.end));
-        // A line that is only touched is not meant.
+        // Exclude a last line of which the selection contains no byte.
         if last > first && selection.end == self.buffer.line_start(last) {
             last -= 1;
         }
         first..last + 1
     }
 
-    /// Replaces the beginning of each selected line: so many bytes by others.
+    /// Replaces the first bytes of each selected line. `edit` returns their number and their replacement.
     fn edit_lines(&mut self, edit: impl Fn(&[u8]) -> Option<(usize, Vec<u8>)>) {
         let lines = self.selected_lines();
         let before = (self.anchor, self.cursor);
@@ -301,7 +302,7 @@ impl Editing {
         self.history.note(Step { changes, before, after: (anchor, cursor), joins: Joins::Nothing });
     }
 
-    /// Takes the last step back. Returns whether there was one.
+    /// Undoes the last step. Returns false if there is none.
     pub fn undo(&mut self) -> bool {
         let Some(step) = self.history.undo() else { return false };
         for change in step.changes.iter().rev() {
@@ -311,7 +312,7 @@ impl Editing {
         true
     }
 
-    /// Does again what was taken back. Returns whether there was something.
+    /// Redoes the last undone step. Returns false if there is none.
     pub fn redo(&mut self) -> bool {
         let Some(step) = self.history.redo() else { return false };
         for change in &step.changes {
@@ -397,7 +398,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_is_turned_is_undone_at_once() {
+    fn all_values_of_one_turn_are_undone_together() {
         let mut editing = Editing::new(b"a 0.5 b".to_vec());
         for (end, new) in [(5, "0.75"), (6, "1"), (3, "12.5")] {
             editing.turn(2..end, new.as_bytes()).unwrap();
@@ -413,7 +414,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_line_begins_where_this_one_does_and_ends_as_the_others() {
+    fn a_new_line_keeps_the_indentation_and_the_line_end() {
         let mut editing = with_cursor("object o {|\r\n}");
         editing.insert_line().unwrap();
         assert_eq!(shown(&editing), "object o {\r\n  |\r\n}");
@@ -427,7 +428,7 @@ mod tests {
         let refused = editing.insert(&vec![b'x'; 10 << 20]).unwrap_err();
         assert_eq!((refused.bytes, refused.max), (10 << 20, LIMITS.text_bytes_max));
         assert_eq!((editing.buffer().bytes(), editing.version()), (b"y".as_slice(), 0));
-        // Up to the limit it is taken.
+        // The limit itself is allowed.
         editing.insert(&vec![b'x'; LIMITS.text_bytes_max - 1]).unwrap();
         assert!(editing.insert(b"z").is_err());
         editing.delete(Move::Left);
@@ -435,7 +436,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_undone_has_a_limit_and_the_last_step_always_can_be() {
+    fn undo_memory_is_limited_but_the_last_step_is_always_kept() {
         let mut editing = Editing::new(Vec::new());
         let much = vec![b'x'; LIMITS.text_bytes_max];
         for _ in 0..2 * LIMITS.undo_bytes_max / LIMITS.text_bytes_max {
@@ -448,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn ways_lead_over_words_lines_and_wide_letters() {
+    fn moves_follow_words_lines_and_wide_letters() {
         let mut editing = with_cursor("  let r| = 5\n球球球球 end\n");
         editing.go(Move::LineStart, false);
         assert_eq!(shown(&editing), "  |let r = 5\n球球球球 end\n");
@@ -456,7 +457,7 @@ mod tests {
         editing.go(Move::WordRight, false);
         editing.go(Move::WordRight, false);
         assert_eq!(shown(&editing), "  let r| = 5\n球球球球 end\n");
-        // Column 7 lies in the fourth letter; on the way back it is kept.
+        // Column 7 is inside the fourth letter; moving back up keeps the column.
         editing.go(Move::Down(1), false);
         assert_eq!(shown(&editing), "  let r = 5\n球球球球| end\n");
         editing.go(Move::Down(1), false);
@@ -474,7 +475,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_moved_in_and_left_out_together() {
+    fn lines_are_indented_and_commented_out_together() {
         let mut editing = Editing::new(b"a\n\n  b\nc".to_vec());
         editing.select(0..7);
         editing.indent(true);
@@ -491,7 +492,7 @@ mod tests {
     }
 
     #[test]
-    fn places_of_earlier_versions_are_found_again() {
+    fn ranges_of_earlier_versions_are_found_again() {
         let mut editing = Editing::new(b"one two three".to_vec());
         let version = editing.version();
         editing.go_to(0, false);
@@ -505,6 +506,6 @@ mod tests {
         for _ in 0..LIMITS.followed_changes_max {
             editing.insert(b"x").unwrap();
         }
-        assert_eq!(editing.place(version, 0..1), None, "nobody knows any more");
+        assert_eq!(editing.place(version, 0..1), None, "the version is too old");
     }
 }

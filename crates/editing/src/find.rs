@@ -1,9 +1,9 @@
-//! Finding a part of a text.
+//! Text search.
 
 use std::ops::Range;
 
-/// The next place of `query` behind `from`, or the one before it; around the end if there is none. Capital letters count
-/// only if the query has some.
+/// The next match of `query` from `from` on, or with `forward` unset the previous one; wraps around. Ignores case
+/// unless the query has capital letters.
 pub fn find(text: &[u8], query: &str, from: usize, forward: bool) -> Option<Range<usize>> {
     let query = query.as_bytes();
     if query.is_empty() || query.len() > text.len() {
@@ -29,12 +29,12 @@ mod tests {
     use super::find;
 
     #[test]
-    fn places_are_found_in_both_ways_around_the_end() {
+    fn matches_are_found_in_both_directions_and_wrap_around() {
         let text = b"Box box\nboxes";
         let starts = |from, forward| find(text, "box", from, forward).map(|range| range.start);
         assert_eq!([0, 1, 5, 9].map(|from| starts(from, true)), [Some(0), Some(4), Some(8), Some(0)]);
         assert_eq!([0, 4, 8, 99].map(|from| starts(from, false)), [Some(8), Some(0), Some(4), Some(8)]);
-        assert_eq!(find(text, "Box", 1, true), Some(0..3), "with capitals it is meant so");
+        assert_eq!(find(text, "Box", 1, true), Some(0..3), "capitals match exactly");
         assert_eq!((find(text, "", 0, true), find(text, "nowhere", 0, true)), (None, None));
     }
 }

@@ -1,21 +1,21 @@
-//! What was done to a text, so that it can be undone, and so that places of earlier versions are found again.
+//! The undo history, and a log of recent changes that maps positions of earlier versions to the present text.
 
 use std::ops::Range;
 
 use crate::limits::LIMITS;
 
-/// A part of a text that was replaced.
+/// A replaced part of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Change {
-    /// Where it begins.
+    /// Byte offset of its start.
     pub at: usize,
-    /// What stood there.
+    /// The old bytes.
     pub removed: Vec<u8>,
-    /// What stands there now.
+    /// The new bytes.
     pub inserted: Vec<u8>,
 }
 
-/// What is selected: from the anchor to the cursor.
+/// Anchor and cursor.
 pub(crate) type Selection = (usize, usize);
 
 /// Changes that are undone together.
@@ -24,7 +24,7 @@ pub(crate) struct Step {
     pub changes: Vec<Change>,
     pub before: Selection,
     pub after: Selection,
-    /// What may still be added to it.
+    /// The kind of changes that may still be merged into this step.
     pub joins: Joins,
 }
 
@@ -33,7 +33,7 @@ impl Step {
         self.changes.iter().map(|change| change.removed.len() + change.inserted.len()).sum()
     }
 
-    /// Goes on with a step that follows.
+    /// Merges the step that follows.
     fn take(&mut self, step: Self) {
         self.after = step.after;
         match (self.changes.last_mut(), &step.changes[..], step.joins) {
@@ -44,19 +44,19 @@ impl Step {
     }
 }
 
-/// What is added to the last step instead of being one of its own.
+/// The kind of step, which decides if it is merged into the previous one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Joins {
     Nothing,
-    /// Letters that are typed one after the other.
+    /// Letters typed one after the other.
     Typing,
-    /// Letters that are taken away one after the other.
+    /// Letters deleted one after the other.
     Deleting,
-    /// The same number while it is turned.
+    /// Values of one number while it is turned.
     Turning,
 }
 
-/// Steps that can be undone, and those that can be done again.
+/// Steps to undo and to redo.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct History {
     done: Vec<Step>,
@@ -90,7 +90,7 @@ impl History {
         self.done.drain(..gone);
     }
 
-    /// Closes the last step: what follows is undone by itself.
+    /// Closes the last step: the next change starts its own step.
     pub(crate) fn close(&mut self) {
         if let Some(last) = self.done.last_mut() {
             last.joins = Joins::Nothing;
@@ -118,7 +118,7 @@ impl History {
     }
 }
 
-/// Whether a step goes on where the last one ended.
+/// True if `step` continues where `last` ended.
 fn follows(last: &Step, step: &Step) -> bool {
     let (Some(before), [now]) = (last.changes.last(), &step.changes[..]) else { return false };
     match step.joins {
@@ -129,10 +129,10 @@ fn follows(last: &Step, step: &Step) -> bool {
     }
 }
 
-/// The last changes of a text, by the version that each of them made.
+/// A bounded log of changes, by the version that each of them produced.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Followed {
-    /// Where, how many bytes were removed, and how many inserted.
+    /// The version, the offset, the removed bytes and the inserted bytes of each change.
     changes: std::collections::VecDeque<(u64, usize, usize, usize)>,
 }
 
@@ -144,7 +144,7 @@ impl Followed {
         self.changes.push_back((version, change.at, change.removed.len(), change.inserted.len()));
     }
 
-    /// Where a part of the text of an earlier version stands now; none if it has gone or nobody knows.
+    /// Maps a range of version `since` to version `now`; `None` if a change overlaps it or the log is too short.
     pub(crate) fn place(&self, since: u64, now: u64, range: Range<usize>) -> Option<Range<usize>> {
         let Range { mut start, mut end } = range;
         if since < now && self.changes.front().is_none_or(|(first, ..)| *first > since + 1) {
@@ -160,7 +160,7 @@ impl Followed {
             } else if at >= start && at + removed <= end {
                 end = moved(end);
             } else if at < end {
-                // It reaches into what was replaced.
+                // The change overlaps the range's edge.
                 return None;
             }
         }

@@ -1,21 +1,21 @@
-//! Every ceiling of this crate, in one place.
+//! The limits of this crate.
 
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
-/// Ceilings on what is edited.
+/// Limits on an edited text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Most bytes of a text: what the language takes.
+    /// Most bytes of a text, the same as the language's limit.
     pub text_bytes_max: usize,
-    /// Most bytes that are kept to undo changes; the oldest go first.
+    /// Most bytes of the undo history; the oldest steps are dropped first.
     pub undo_bytes_max: usize,
-    /// Most changes since a version of the text through which a place of that version is followed.
+    /// Most recent changes in the log that maps ranges of earlier versions.
     pub followed_changes_max: usize,
-    /// Most proposals for what may be written at a place.
+    /// Most completion candidates.
     pub proposals_max: usize,
 }
 
-/// The limits that apply.
+/// The limits in force.
 pub const LIMITS: Limits = Limits {
     text_bytes_max: FIELD_LIMITS.scene_bytes_max,
     undo_bytes_max: 16 << 20,

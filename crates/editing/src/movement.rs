@@ -1,41 +1,41 @@
-//! Where the cursor goes.
+//! Cursor movement.
 
 use crate::buffer::Buffer;
 use crate::columns::{cells, column_of, offset_of};
 
-/// A way of the cursor.
+/// A movement of the cursor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Move {
-    /// To the letter before.
+    /// To the previous letter.
     Left,
     /// To the next letter.
     Right,
-    /// To the beginning of a word before.
+    /// To the start of this or the previous word.
     WordLeft,
-    /// To the end of a word behind.
+    /// To the end of this or the next word.
     WordRight,
-    /// Up by so many lines.
+    /// Up by a number of lines.
     Up(usize),
-    /// Down by so many lines.
+    /// Down by a number of lines.
     Down(usize),
-    /// To the first letter of the line that is no blank; from there to the line's beginning.
+    /// To the first letter of the line that is not blank; from there to the line's start.
     LineStart,
     /// To the end of the line.
     LineEnd,
-    /// To the beginning of the text.
+    /// To the start of the text.
     Start,
     /// To the end of the text.
     End,
 }
 
-/// The place before `offset`.
+/// The cursor position before `offset`.
 pub(crate) fn before(buffer: &Buffer, offset: usize) -> usize {
     let line = buffer.line_of(offset);
     let range = buffer.line_range(line);
     if offset <= range.start {
         return if line == 0 { 0 } else { buffer.line_range(line - 1).end };
     }
-    // The cell that ends there, or in which it stands.
+    // The cell that contains the byte before the offset.
     let inside = offset.min(range.end) - range.start;
     let mut last = 0;
     for cell in cells(buffer.line(line)) {
@@ -47,7 +47,7 @@ pub(crate) fn before(buffer: &Buffer, offset: usize) -> usize {
     if offset > range.end { range.end } else { range.start + last }
 }
 
-/// The place behind `offset`.
+/// The cursor position after `offset`.
 pub(crate) fn behind(buffer: &Buffer, offset: usize) -> usize {
     let line = buffer.line_of(offset);
     let range = buffer.line_range(line);
@@ -59,12 +59,12 @@ pub(crate) fn behind(buffer: &Buffer, offset: usize) -> usize {
     next.map_or(range.end, |cell| range.start + cell.end)
 }
 
-/// What belongs to a word. Bytes beyond ASCII do.
+/// True for the bytes of a word: letters, digits, `_` and everything beyond ASCII.
 fn in_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_' || byte >= 0x80
 }
 
-/// The beginning of the word before `offset`.
+/// The start of the word before `offset`.
 pub(crate) fn word_before(buffer: &Buffer, offset: usize) -> usize {
     let at = |place: usize| buffer.bytes().get(place).copied().unwrap_or(b' ');
     let mut place = offset.min(buffer.len());
@@ -94,7 +94,7 @@ pub(crate) fn word_behind(buffer: &Buffer, offset: usize) -> usize {
     place
 }
 
-/// The word around `offset`: what a double click selects.
+/// The word around `offset`, for a double click.
 pub(crate) fn word_around(buffer: &Buffer, offset: usize) -> std::ops::Range<usize> {
     let range = buffer.line_range(buffer.line_of(offset));
     let line = buffer.slice(range.clone());
@@ -110,7 +110,7 @@ pub(crate) fn word_around(buffer: &Buffer, offset: usize) -> std::ops::Range<usi
     range.start + start..range.start + end
 }
 
-/// Where a way leads from `offset`, and the column that further ways up and down keep to.
+/// The target of a move from `offset`, and the column that further moves up and down keep.
 pub(crate) fn follow(
     buffer: &Buffer,
     offset: usize,

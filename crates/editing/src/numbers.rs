@@ -1,47 +1,47 @@
-//! Numbers of a text that are turned like knobs.
+//! Numbers of a text that can be turned like knobs.
 
 use std::ops::Range;
 
 use mariana_field::lang::{Word, WordKind, number_place};
 
-/// How far a number is turned by a movement of the hand: a factor, and how finely it is written.
+/// The speed of a turn: a factor on the pointer's movement, and the number of decimals written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TurnSpeed {
-    /// A tenth of the usual.
+    /// A tenth of the usual speed.
     Fine,
-    /// A hundred points of the hand are two steps of the number's first digit.
+    /// 100 points of pointer movement are two steps of the number's first digit.
     #[default]
     Usual,
-    /// Ten times the usual.
+    /// Ten times the usual speed.
     Coarse,
 }
 
-/// A number as it is written, with its sign if that belongs to it.
+/// A number literal, with its sign if the minus before it is one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Number {
-    /// Where it stands in its line.
+    /// Byte range in the line.
     pub range: Range<usize>,
-    /// Where its digits begin in its line: behind its sign.
+    /// Start of the digits in the line, behind the sign.
     pub digits: usize,
-    /// Its value.
+    /// Value.
     pub value: f64,
-    /// Digits behind the point.
+    /// Decimals as written.
     decimals: usize,
-    /// Whether it counts something, so that it stays whole.
+    /// True for a count, such as a range's end: it stays an integer.
     whole: bool,
 }
 
-/// Share of the number's decade that a point of the hand is.
+/// Change for one point of movement, as a fraction of the number's decade.
 const FRACTION_OF_POINT: f64 = 0.02;
-/// Points of the hand for a step of a number that stays whole.
+/// Points of movement for one step of an integer.
 const POINTS_OF_STEP: f64 = 12.0;
-/// Most digits behind the point.
+/// Most decimals.
 const DECIMALS_MAX: usize = 6;
-/// Largest magnitude that a number is turned to.
+/// Largest magnitude of a number that can be turned.
 const LARGEST: f64 = 1e6;
 
 impl TurnSpeed {
-    /// Points of the usual hand for a point of this one.
+    /// Factor on the pointer's movement.
     pub fn factor(self) -> f64 {
         match self {
             Self::Fine => 0.1,
@@ -52,7 +52,7 @@ impl TurnSpeed {
 }
 
 impl Number {
-    /// The number at a byte of a line, or that ends there, by the line's words.
+    /// The number that contains or ends at a byte of the line, given the line's words.
     pub fn at(line: &[u8], words: &[Word], at: usize) -> Option<Self> {
         let index = words
             .iter()
@@ -65,7 +65,7 @@ impl Number {
             Some((word.kind, line.get(word.start..word.end)?, word.end))
         };
         let before = text_of(index.checked_sub(1));
-        // A sign is the number's own where nothing stands from which it would be taken away.
+        // A minus is a sign if no operand precedes it.
         let is_sign = before.is_some_and(|(_, text, end)| text == b"-" && end == word.start)
             && match text_of(index.checked_sub(2)) {
                 None => true,
@@ -89,7 +89,7 @@ impl Number {
         })
     }
 
-    /// Its value when the hand has moved by so many points to the right ([`TurnSpeed::factor`]).
+    /// The value after a movement to the right by `points`, already scaled by [`TurnSpeed::factor`].
     pub fn turned(&self, points: f64, speed: TurnSpeed) -> f64 {
         if self.whole {
             return (self.value + (points / POINTS_OF_STEP).round()).clamp(0.0, LARGEST);
@@ -99,7 +99,7 @@ impl Number {
         ((turned / grain).round() * grain).clamp(-LARGEST, LARGEST)
     }
 
-    /// A value as it is written in its place.
+    /// Formats a value for the text, with no fewer decimals than the original.
     pub fn written(&self, value: f64, speed: TurnSpeed) -> String {
         if self.whole {
             return format!("{value:.0}");
@@ -116,8 +116,8 @@ impl Number {
         text.to_owned()
     }
 
-    /// From what to what the digits may be turned before the text is read again: never over 0, so that what is divided
-    /// by them stays finite.
+    /// The range in which the digits may be turned before the text must be parsed again. It never crosses 0, so that
+    /// divisions by the number stay finite.
     pub fn room(digits: f32) -> (f32, f32) {
         if digits == 0.0 {
             return (-1.0, 1.0);
@@ -126,7 +126,7 @@ impl Number {
         (ends.0.min(ends.1), ends.0.max(ends.1))
     }
 
-    /// The power of ten of its first digit.
+    /// The power of ten of the first digit.
     fn decade(&self) -> f64 {
         let of_digits = 10_f64.powi(-(self.decimals as i32));
         if self.value == 0.0 {
@@ -141,7 +141,7 @@ impl Number {
     }
 }
 
-/// The place among the numbers of a text, from 0, of the one whose digits begin at a byte.
+/// The index, from 0, of the number whose digits begin at a byte of the text, in the language's own order.
 pub fn numbers_before(text: &[u8], digits: usize) -> Option<usize> {
     number_place(std::str::from_utf8(text).ok()?, digits)
 }
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_turned_in_steps_of_their_size() {
+    fn steps_depend_on_the_size_of_the_number() {
         let turned = |text: &str, points: f64, speed: TurnSpeed| {
             let number = number(text, text).unwrap();
             number.written(number.turned(points * speed.factor(), speed), speed)
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn what_counts_stays_whole_and_signs_belong_to_numbers_or_not() {
+    fn counts_stay_integers_and_minus_is_a_sign_or_an_operator() {
         let of = |line, text| number(line, text).unwrap();
         for (line, text) in [("for i in 0..32: i", "32"), ("x^3", "3"), ("band(4)", "4")] {
             let number = of(line, text);
@@ -198,11 +198,11 @@ mod tests {
             assert_eq!((found.range.clone(), found.value), (range, value), "{line}");
         }
         assert_eq!(number("a + b", "a"), None);
-        assert_eq!(number("1e30", "1"), None, "nobody turns that");
+        assert_eq!(number("1e30", "1"), None, "too large to be turned");
     }
 
     #[test]
-    fn no_number_is_turned_over_nothing_without_being_read_again() {
+    fn the_range_before_parsing_again_never_crosses_zero() {
         for digits in [0.5_f32, -2.0, 1e-3, 4e5] {
             let (least, most) = Number::room(digits);
             assert!(least < digits && digits < most && least * most > 0.0, "{digits}: {least} .. {most}");

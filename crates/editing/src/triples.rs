@@ -1,4 +1,4 @@
-//! Three numbers in a `vec3`: colours and places.
+//! Colours and positions: a `vec3` of three number literals.
 
 use std::ops::Range;
 use std::sync::LazyLock;
@@ -9,52 +9,52 @@ use crate::buffer::Buffer;
 use crate::colors::Colors;
 use crate::numbers::Number;
 
-/// Lines above in which the field is looked for to which a line belongs.
+/// Most lines above that are searched for the field to which a line belongs.
 const LINES_ABOVE: usize = 24;
-/// Digits behind the point with which parts are written.
+/// Decimals of a written component.
 const DECIMALS: usize = 3;
 
-/// What the three numbers are, as far as the text around them tells.
+/// The meaning of the three numbers, guessed from the text around them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TripleKind {
-    /// A colour: a field that has one is being given.
+    /// The value of a colour field.
     Color,
-    /// A place, which is added to, taken away from something, or given by itself.
+    /// A position: added, subtracted, or given by itself.
     Place {
-        /// Whether it is on the other side of the origin: it is added to a point, as in `p + vec3(1, 2, 3)`.
+        /// True if the position is the negative of the numbers, as in `p + vec3(1, 2, 3)`.
         turned: bool,
     },
-    /// They are multiplied with something.
+    /// A factor.
     Other,
 }
 
-/// A `vec3` of three written numbers.
+/// A `vec3` of three number literals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Triple {
-    /// From its name to its bracket, in the line.
+    /// Byte range of the whole call in the line.
     pub range: Range<usize>,
-    /// Its name alone.
+    /// Byte range of the word `vec3`.
     pub word: Range<usize>,
     /// The numbers.
     pub numbers: [Number; 3],
-    /// What they are.
+    /// Their meaning.
     pub kind: TripleKind,
 }
 
 impl Triple {
-    /// The values of its numbers.
+    /// The values of the numbers.
     pub fn values(&self) -> [f64; 3] {
         self.numbers.each_ref().map(|number| number.value)
     }
 }
 
-/// Names of the fields that hold colours.
+/// Names of the colour fields.
 static COLORS: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
     let fields = section_fields().flat_map(|(_, fields)| fields.iter());
     fields.filter(|field| field.is_color()).map(|field| field.name).collect()
 });
 
-/// The `vec3`s of a line that are written in numbers.
+/// The `vec3`s of a line whose arguments are number literals.
 pub fn triples(buffer: &Buffer, colors: &mut Colors, line: usize) -> Vec<Triple> {
     let text = buffer.line(line);
     let words = colors.words(buffer, line);
@@ -80,7 +80,7 @@ pub fn triples(buffer: &Buffer, colors: &mut Colors, line: usize) -> Vec<Triple>
     triples
 }
 
-/// A part of a colour or a place as it is written.
+/// Formats one component of a colour or a position.
 pub fn written_part(value: f64) -> String {
     let text = format!("{value:.DECIMALS$}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
@@ -91,7 +91,7 @@ fn word_text<'a>(text: &'a [u8], word: &Word) -> &'a [u8] {
     text.get(word.start..word.end).unwrap_or_default()
 }
 
-/// The numbers of the `vec3` that begins with the first of `rest`, and how many words it is.
+/// The numbers of the `vec3` at the start of `rest`, and its length in words.
 fn numbers_of(text: &[u8], words: &[Word], rest: &[Word]) -> Option<([Number; 3], usize)> {
     let is = |at: usize, wanted: &[u8]| rest.get(at).is_some_and(|word| word_text(text, word) == wanted);
     if !is(0, b"vec3") {
@@ -112,7 +112,7 @@ fn numbers_of(text: &[u8], words: &[Word], rest: &[Word]) -> Option<([Number; 3]
     Some((numbers.try_into().ok()?, at + 1))
 }
 
-/// The last field or name that is given a value before a word.
+/// The last field or name before a word that is followed by `=`.
 fn field_before<'a>(text: &'a [u8], words: &[Word], at: usize) -> Option<&'a str> {
     let before = words.get(..at)?;
     let given = before.windows(2).rev().find_map(|pair| match pair {
@@ -122,7 +122,7 @@ fn field_before<'a>(text: &'a [u8], words: &[Word], at: usize) -> Option<&'a str
     std::str::from_utf8(word_text(text, given)).ok()
 }
 
-/// The last one in the lines above.
+/// The last such field in the lines above.
 fn field_above(buffer: &Buffer, colors: &mut Colors, line: usize) -> Option<String> {
     (line.saturating_sub(LINES_ABOVE)..line).rev().find_map(|above| {
         let words = colors.words(buffer, above);
@@ -138,7 +138,7 @@ fn kind_of(is_color: bool, text: &[u8], words: &[Word], at: usize, length: usize
     if matches!(of(Some(at + length)), Some(b"*" | b"/")) {
         return TripleKind::Other;
     }
-    // What is taken away from a point puts the origin there; what is added, on the other side.
+    // `p - v` moves the origin to v, and `p + v` moves it to -v.
     match of(at.checked_sub(1)) {
         Some(b"*" | b"/") => TripleKind::Other,
         Some(b"+") => TripleKind::Place { turned: true },
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_known_by_their_field_and_places_by_their_sign() {
+    fn fields_mark_colours_and_signs_mark_positions() {
         let text = "material m { color = mix(vec3(0.1, 0.2, .3), vec3(1,1,1), x) * 2  emission =\n  vec3(3, 2, 1) }\n\
                     object o { shape = sphere(p - vec3(1, -2, 3.5), 1) + box(p + vec3(1, 0, 0), 2 * vec3(1, 1, 1)) }\n\
                     camera { position = vec3(0, 2, -5)  target = -vec3(1, 2, 3) }";
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vec3_of_anything_but_three_numbers_is_none() {
+    fn a_vec3_of_other_expressions_is_ignored() {
         for text in
             ["vec3(1)", "vec3(1, 2)", "vec3(a, 1, 2)", "vec3(1, 2, 3", "vec3(1, 2 + 1, 3)", "vec2(1, 2, 3)"]
         {
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_are_written_as_people_write_them() {
+    fn components_have_no_superfluous_zeros() {
         let written = [0.5, 1.0, -0.0001, 12.34567, 0.0, -3.0].map(written_part);
         assert_eq!(written, ["0.5", "1", "0", "12.346", "0", "-3"]);
     }

@@ -1,5 +1,5 @@
-//! Whatever is done to a text: its bytes are those of a plain model, its lines are those of its bytes, and all of it can
-//! be undone and done again.
+//! Property tests: random edits keep the bytes of a plain `Vec`, the line index matches the bytes, and every edit can
+//! be undone and redone.
 
 #![allow(missing_docs, clippy::unwrap_used)]
 
@@ -33,7 +33,7 @@ fn ways() -> impl Strategy<Value = Move> {
     ]
 }
 
-/// Pieces with every kind of trouble: both line ends, tabs, wide letters, accents, and bytes that are no letters.
+/// Texts with both line ends, tabs, wide letters, accents and bytes that are not UTF-8.
 fn text() -> impl Strategy<Value = Vec<u8>> {
     let piece = prop_oneof![
         Just(b"a".to_vec()),
@@ -82,11 +82,11 @@ fn act(editing: &mut Editing, action: &Action) {
 
 proptest! {
     #[test]
-    fn all_that_is_done_is_undone_and_done_again(begin in text(), actions in actions()) {
+    fn all_edits_can_be_undone_and_redone(begin in text(), actions in actions()) {
         let mut editing = Editing::new(begin.clone());
         for action in &actions {
             act(&mut editing, action);
-            // The lines are those of the bytes, and the cursor stands in the text.
+            // The line index matches the bytes, and the cursor is within the text.
             prop_assert_eq!(editing.buffer(), &Buffer::new(editing.buffer().bytes().to_vec()));
             prop_assert!(editing.cursor() <= editing.buffer().len());
             prop_assert!(editing.selection().end <= editing.buffer().len());
@@ -99,7 +99,7 @@ proptest! {
     }
 
     #[test]
-    fn replacing_is_what_it_is_in_a_plain_text(begin in text(), new in text(), from in 0_usize..40, length in 0_usize..9) {
+    fn replacing_matches_a_plain_vec(begin in text(), new in text(), from in 0_usize..40, length in 0_usize..9) {
         let (mut buffer, mut model) = (Buffer::new(begin.clone()), begin);
         let (start, end) = (from.min(model.len()), (from + length).min(model.len()));
         let removed: Vec<u8> = model.splice(start..end, new.iter().copied()).collect();
@@ -123,7 +123,7 @@ proptest! {
     }
 
     #[test]
-    fn walking_to_the_right_and_back_meets_the_same_places(begin in text()) {
+    fn moving_right_and_back_visits_the_same_positions(begin in text()) {
         let mut editing = Editing::new(begin);
         let mut met = vec![0];
         while editing.cursor() < editing.buffer().len() {
@@ -138,7 +138,7 @@ proptest! {
     }
 
     #[test]
-    fn colours_after_a_change_are_those_of_the_new_text(begin in text(), new in text(), from in 0_usize..40) {
+    fn colours_after_an_edit_match_the_new_text(begin in text(), new in text(), from in 0_usize..40) {
         let mut buffer = Buffer::new(begin);
         let mut colors = Colors::default();
         let last = |buffer: &Buffer| buffer.line_count() - 1;
