@@ -1,15 +1,15 @@
-//! From the graph to clauses: which register holds which value at which time.
+//! Register allocation: turns the graph into clauses.
 
 use super::clause::{Clause, Instruction, Operand};
 use super::{TableEntry, Tape, TapeError, TapeOptions};
 use crate::graph::{Graph, Node, NodeId, Op, Properties};
 
-/// No register, no memory, no table entry, no further use.
+/// Marks a missing register, memory slot, table entry or next use.
 const NONE: u32 = u32::MAX;
-/// Entries of a page of the table.
+/// Entries per page of the table.
 pub(super) const PAGE: usize = 256;
 
-/// Builds a tape; see [`Tape::build`].
+/// Implements [`Tape::build`].
 pub(super) fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> Result<Tape, TapeError> {
     if !(2..=256).contains(&options.registers) {
         return Err(TapeError::RegisterCount { count: options.registers });
@@ -47,7 +47,7 @@ pub(super) fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> R
     Ok(tape)
 }
 
-/// For a node in the order: where its own value, its operand a and its operand b are used next.
+/// Next uses of a node's value and of its operands, seen from the node's position in the order.
 #[derive(Debug, Clone, Copy, Default)]
 struct NextUses {
     own: u32,
@@ -70,7 +70,7 @@ fn next_uses(graph: &Graph, order: &[NodeId], roots: &[NodeId]) -> Vec<NextUses>
             Node::Constant(_) | Node::Input(_) => {}
             Node::Unary(_, a) => entry.a = std::mem::replace(&mut upcoming[a.index()], position_word),
             Node::Binary(_, a, b) | Node::Texture { u: a, v: b, .. } => {
-                // Both operands are read before the next use, also if they are the same node.
+                // The node reads both operands before their next use, even if they are the same node.
                 (entry.a, entry.b) = (upcoming[a.index()], upcoming[b.index()]);
                 upcoming[a.index()] = position_word;
                 upcoming[b.index()] = position_word;
@@ -80,10 +80,10 @@ fn next_uses(graph: &Graph, order: &[NodeId], roots: &[NodeId]) -> Vec<NextUses>
     uses
 }
 
-/// Where a node's value can be found.
+/// Locations of a node's value.
 #[derive(Debug, Clone, Copy)]
 struct Place {
-    /// The register; for values of the table the entry.
+    /// The register, or the entry for values of the table.
     register_or_entry: u32,
     memory: u32,
 }
@@ -100,13 +100,13 @@ struct Allocator<'a> {
     tape: Tape,
     /// By node.
     places: Vec<Place>,
-    /// By register: the value in it.
+    /// The value in each register.
     held: [Option<NodeId>; 256],
-    /// By register: where its value is used next.
+    /// The next use of each register's value.
     next_use: [u32; 256],
-    /// Free registers, as bits.
+    /// A bit for each free register.
     free: [u64; 4],
-    /// Registers that must not be spilled now, as bits.
+    /// A bit for each register that must not be spilled now.
     pinned: [u64; 4],
     free_memory: Vec<u16>,
     /// First entry of the table's current page.
@@ -118,7 +118,7 @@ impl Allocator<'_> {
         self.tape.clauses.push(instruction.encode());
     }
 
-    /// Whether the value is an entry of the table.
+    /// True if the value is an entry of the table.
     fn in_table(&self, id: NodeId) -> bool {
         match self.graph.node(id) {
             Node::Constant(_) => true,
@@ -127,7 +127,8 @@ impl Allocator<'_> {
         }
     }
 
-    /// The entry of the current page that holds the value; must be requested right before the clause that uses it.
+    /// The entry of the current page that holds the value. Call this right before emitting the clause that uses it:
+    /// it may begin a new page.
     fn entry(&mut self, id: NodeId) -> u8 {
         let known = self.places[id.index()].register_or_entry;
         if known != NONE && known as usize >= self.page_start {
@@ -135,7 +136,7 @@ impl Allocator<'_> {
         }
         if self.tape.table.len() == self.page_start + PAGE {
             self.page_start += PAGE;
-            // A clause adds at most two entries, so the limit on clauses keeps the page's number far below 2^16.
+            // A clause adds at most two entries, so the limit on clauses keeps the page number far below 2^16.
             self.emit(Instruction::Page((self.page_start / PAGE) as u16));
         }
         let entry = match self.graph.node(id) {
@@ -167,7 +168,7 @@ impl Allocator<'_> {
         self.pinned[usize::from(register >> 6)] |= 1 << (register & 63);
     }
 
-    /// The lowest free register; if there is none, one is freed.
+    /// Takes the lowest free register; spills a value if all are in use.
     fn take_any(&mut self) -> Result<u8, TapeError> {
         let lowest = (0..4)
             .find(|&part| self.free[part] != 0)
@@ -185,7 +186,7 @@ impl Allocator<'_> {
         self.tape.registers = self.tape.registers.max(usize::from(register) + 1);
     }
 
-    /// Frees the register whose value has its next use farthest ahead.
+    /// Frees the register whose value has the farthest next use.
     #[cold]
     fn spill(&mut self) -> Result<u8, TapeError> {
         let mut farthest: Option<(u32, u8)> = None;
@@ -195,7 +196,7 @@ impl Allocator<'_> {
                 farthest = Some((self.next_use[register], register as u8));
             }
         }
-        // At most two operands are pinned, or all outputs but the one that is being fetched.
+        // At most two operands are pinned, or all outputs except the one being fetched.
         let Some((_, register)) = farthest else {
             return Err(TapeError::RegisterCount { count: self.options.registers });
         };
@@ -225,7 +226,7 @@ impl Allocator<'_> {
         Ok((self.tape.memory - 1) as u16)
     }
 
-    /// The register of a value, which is loaded into one if necessary; pinned.
+    /// Pins the value's register, loading the value if necessary.
     fn fetch(&mut self, id: NodeId) -> Result<u8, TapeError> {
         if self.in_table(id) { self.fetch_entry(id) } else { self.fetch_value(id) }
     }
@@ -238,7 +239,7 @@ impl Allocator<'_> {
         Ok(output)
     }
 
-    /// [`Allocator::fetch`] for a value that is not in the table.
+    /// Implements [`Allocator::fetch`] for a value that is not in the table.
     #[inline]
     fn fetch_value(&mut self, id: NodeId) -> Result<u8, TapeError> {
         let place = self.places[id.index()];
@@ -265,8 +266,8 @@ impl Allocator<'_> {
         self.places[id.index()].register_or_entry = u32::from(register);
     }
 
-    /// Frees the register of a value after its last use; a register that only carried an entry of the table is always
-    /// freed.
+    /// Frees the register after the last use of its value. A register that only carries an entry of the table is
+    /// always freed.
     fn used(&mut self, register: u8, next_use: u32) {
         self.next_use[usize::from(register)] = next_use;
         if next_use == NONE || self.held[usize::from(register)].is_none() {
@@ -274,7 +275,7 @@ impl Allocator<'_> {
         }
     }
 
-    /// A register for a result: that of operand b or a if it has become free.
+    /// A register for a result: operand b's or a's if it has become free.
     fn result(&mut self, a: Option<u8>, b: Option<u8>) -> Result<u8, TapeError> {
         self.pinned = [0; 4];
         for register in [b, a].into_iter().flatten() {
@@ -349,7 +350,7 @@ impl Allocator<'_> {
         Ok(output)
     }
 
-    /// Brings every root into a register.
+    /// Fetches every root into a register.
     fn finish(&mut self, roots: &[NodeId]) -> Result<(), TapeError> {
         self.pinned = [0; 4];
         for (place, &root) in roots.iter().enumerate() {
@@ -364,5 +365,5 @@ impl Allocator<'_> {
     }
 }
 
-/// The size that [`Clause`] promises.
+/// A clause must stay four bytes.
 const _: () = assert!(std::mem::size_of::<Clause>() == 4);

@@ -1,12 +1,12 @@
-//! Clauses: four bytes each, and what they mean.
+//! Clauses, their opcodes and their decoded form.
 
 use crate::graph::{FIRST_BINARY, Input, Op};
 
 /// Opcodes that are not operators.
 pub mod opcode {
-    /// The tape ends here.
+    /// Ends the tape.
     pub const END: u8 = 0;
-    /// From here on immediates index the page whose number is in the last two bytes.
+    /// Selects the page of the table that later immediates index; its number is in the last two bytes.
     pub const PAGE: u8 = 1;
     /// Copies an entry of the table's page into a register.
     pub const LOAD: u8 = 2;
@@ -20,9 +20,9 @@ pub mod opcode {
     pub const TEXTURE: u8 = 6;
     /// The first of the six inputs of the point, X.
     pub const FIRST_INPUT: u8 = 8;
-    /// Added to a two-operand operator's number where operand b is an immediate.
+    /// Added to the number of a two-operand operator whose operand b is an immediate.
     pub const REGISTER_IMMEDIATE: u8 = 64;
-    /// Added to a two-operand operator's number where operand a is an immediate.
+    /// Added to the number of a two-operand operator whose operand a is an immediate.
     pub const IMMEDIATE_REGISTER: u8 = 128;
 }
 
@@ -52,9 +52,9 @@ pub enum Operand {
 /// A decoded clause.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Instruction {
-    /// The tape ends here.
+    /// Ends the tape.
     End,
-    /// From here on immediates index this page of the table.
+    /// Selects the page of the table that later immediates index.
     Page(u16),
     /// register := table
     Load {
@@ -77,7 +77,7 @@ pub enum Instruction {
         /// Memory read.
         memory: u16,
     },
-    /// Selects what the TEXTURE clause right behind it reads.
+    /// Selects the texture and channel for the TEXTURE clause that follows.
     SelectTexture {
         /// Number of the texture in the scene.
         texture: u16,
@@ -93,11 +93,11 @@ pub enum Instruction {
         /// Register of v.
         v: u8,
     },
-    /// register := input of the point, by its place in [`Input::OF_POINT`]
+    /// register := input of the point, by its position in [`Input::OF_POINT`]
     Input {
         /// Register written.
         output: u8,
-        /// Place of the input, 0..6.
+        /// Position of the input, 0..6.
         place: u8,
     },
     /// register := op(register)
@@ -123,7 +123,7 @@ pub enum Instruction {
 }
 
 impl Clause {
-    /// The clause as a word; see the table of [`crate::tape`].
+    /// The clause as a word, in the layout of [`crate::tape`].
     #[inline]
     pub const fn word(self) -> u32 {
         u32::from_le_bytes([self.opcode, self.output, self.input_a, self.input_b])
@@ -135,7 +135,7 @@ impl Clause {
         Self { opcode, output, input_a, input_b }
     }
 
-    /// The meaning of the clause; `None` for an opcode that does not exist.
+    /// Decodes the clause; `None` for an unknown opcode.
     #[inline]
     pub const fn decode(self) -> Option<Instruction> {
         let Self { opcode, output, input_a, input_b } = self;
@@ -172,7 +172,7 @@ impl Clause {
 }
 
 impl Instruction {
-    /// The four bytes. There is no form with two immediates: the second is taken for a register.
+    /// Encodes the instruction. No form has two immediates: a second one becomes a register.
     #[inline]
     pub const fn encode(self) -> Clause {
         const fn wide(opcode: u8, output: u8, wide: u16) -> Clause {
@@ -208,7 +208,7 @@ impl Instruction {
     }
 }
 
-/// The input of the point with the given place.
+/// The input of the point at a position of [`Input::OF_POINT`].
 pub(super) fn input_of_place(place: u8) -> Input {
     Input::OF_POINT[usize::from(place) % Input::OF_POINT.len()]
 }

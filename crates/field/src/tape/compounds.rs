@@ -1,4 +1,4 @@
-//! Compounds in a tape whose registers are allocated already.
+//! Replaces clauses by compounds after register allocation.
 
 use super::allocate::PAGE;
 use super::interpreter::{IMMEDIATE, is_second};
@@ -7,35 +7,36 @@ use crate::graph::{Arg, Compounds, Found, Operation, Values};
 
 /// Registers at the start of a tape: the values 0..256.
 const INITIAL: usize = 256;
-/// The parts of a compound are looked for in as many clauses: else the search would take the square of a tape's length.
+/// Longest distance in clauses from a compound to its first part. It keeps the search linear in the tape's length.
 const REACH: usize = 64;
 
-/// A clause as the interpreter reads it.
+/// A clause in the interpreter's form.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Clause {
     pub(super) word: u32,
     pub(super) immediate: u32,
-    /// Whether it must stand second in its texel.
+    /// True if it must be the second clause of its texel.
     pub(super) second: bool,
     /// The register that it writes.
     output: Option<u8>,
     operation: Option<Operation>,
-    /// Whether a later clause does its work.
+    /// True if a later compound does its work.
     absorbed: bool,
 }
 
-/// The clauses of a tape that the interpreter runs, with their numbers.
+/// The clauses of a tape in the interpreter's form, and the values that they read.
 #[derive(Debug)]
 pub(super) struct RunClauses {
     clauses: Vec<Clause>,
-    /// By value (the registers at the start, then a value for each clause): how often it is read, at most 2.
+    /// Number of reads of each value, at most 2. The first values are the registers at the start, then each clause
+    /// has one.
     uses: Vec<u8>,
-    /// The values in the registers at the end.
+    /// The value in each register at the end.
     held: [u32; INITIAL],
 }
 
 impl RunClauses {
-    /// The clauses of a tape with the numbers of its table.
+    /// Converts a tape, given the numbers of its table.
     pub(super) fn of(tape: &Tape, table: &[f32]) -> Self {
         let count = tape.clauses().len();
         let mut uses = Vec::with_capacity(INITIAL + count);
@@ -104,7 +105,7 @@ impl RunClauses {
         run
     }
 
-    /// Counts that a clause reads a register; gives the value in it.
+    /// Counts a clause's read of a register and returns the register's value.
     fn read(&mut self, register: u8) -> u32 {
         let value = self.held[usize::from(register)];
         if let Some(uses) = self.uses.get_mut(value as usize) {
@@ -113,7 +114,7 @@ impl RunClauses {
         value
     }
 
-    /// Puts compounds of this set in the place of clauses. `outputs` are the registers of the results.
+    /// Replaces clauses by compounds of this set. `outputs` are the registers of the results.
     pub(super) fn compound(&mut self, compounds: Compounds, outputs: &[u8]) {
         for output in outputs {
             self.read(*output);
@@ -137,8 +138,8 @@ impl RunClauses {
         }
     }
 
-    /// The registers from which a compound in the place of the clause `last` reads, if they still hold there what its
-    /// parts read.
+    /// The registers that a compound at the position of the clause `last` reads; `None` if they no longer hold the
+    /// operands of its parts there.
     fn registers(&self, found: &Found, last: usize) -> Option<[u8; 2]> {
         let first = found.absorbed().iter().map(|value| *value as usize - INITIAL).min()?;
         if last - first > REACH {
@@ -162,7 +163,7 @@ impl RunClauses {
         Some(registers)
     }
 
-    /// The clauses that are left.
+    /// The clauses that compounds have not absorbed.
     pub(super) fn kept(&self) -> impl Iterator<Item = &Clause> {
         self.clauses.iter().filter(|clause| !clause.absorbed)
     }

@@ -1,13 +1,14 @@
-//! Tapes on the CPU: one machine that runs over numbers, batches of numbers, intervals or dual numbers.
+//! Evaluation of tapes on the CPU. One generic machine runs over numbers, batches of numbers, intervals or dual
+//! numbers.
 
 use super::Tape;
 use super::clause::{Instruction, Operand};
 use crate::graph::{Choice, FrameInputs, Interval, Kernel, Op, Point};
 
-/// Points that a batch evaluates at once.
+/// Points per batch.
 const LANES: usize = 64;
 
-/// The kind of values over which a tape is run.
+/// The kind of values that a tape computes.
 pub(super) trait Domain {
     type Value: Copy;
     /// The type of the table's entries.
@@ -19,10 +20,10 @@ pub(super) trait Domain {
     fn texture(&mut self, texture: u16, channel: u8, u: &Self::Value, v: &Self::Value) -> Self::Value;
 }
 
-/// The clauses, the registers, the memory and the table of one run.
+/// The decoded clauses and working memory of an evaluator.
 #[derive(Debug, Clone)]
 pub(super) struct Machine<V, E = f32> {
-    /// Decoded once: a tape is run at many places.
+    /// Decoded once, because a tape runs at many points.
     instructions: Vec<Instruction>,
     pub(super) registers: Vec<V>,
     memory: Vec<V>,
@@ -133,7 +134,7 @@ impl Domain for Numbers<'_> {
     }
 }
 
-/// Evaluates a tape at one point after another, within one frame.
+/// Evaluates a tape at single points, within one frame.
 #[derive(Debug, Clone)]
 pub struct PointEvaluator<'a> {
     tape: &'a Tape,
@@ -143,13 +144,13 @@ pub struct PointEvaluator<'a> {
 }
 
 impl<'a> PointEvaluator<'a> {
-    /// An evaluator of the tape with a frame's inputs.
+    /// Creates an evaluator of the tape with a frame's inputs.
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
         let outputs = vec![0.0; tape.outputs.len()];
         Self { tape, frame, machine: Machine::new(tape, frame, 0.0), outputs }
     }
 
-    /// The outputs at a point, bit for bit those of the graph.
+    /// The outputs at a point, bit for bit equal to the graph's.
     pub fn at(&mut self, point: &Point) -> &[f32] {
         let mut domain = Numbers { inputs: point.inputs(), frame: self.frame };
         self.machine.run(&mut domain);
@@ -160,12 +161,12 @@ impl<'a> PointEvaluator<'a> {
     }
 }
 
-/// Many points, with a slice per coordinate; the shortest slice decides how many there are.
+/// Many points, with a slice per coordinate. The shortest slice determines their number.
 #[derive(Debug, Clone, Copy)]
 pub struct Points<'a> {
     /// x, y and z of the positions.
     pub position: [&'a [f32]; 3],
-    /// x, y and z of the normals; `None` if they are 0.
+    /// x, y and z of the normals; `None` for zero normals.
     pub normal: Option<[&'a [f32]; 3]>,
 }
 
@@ -176,12 +177,12 @@ impl Points<'_> {
         slices.map(|slice| slice.len()).min().unwrap_or(0)
     }
 
-    /// Whether there are no points.
+    /// True if the shortest slice is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// One coordinate of the points from `start` on; 0 beyond the end.
+    /// One coordinate of the points from `start` on, padded with 0.
     fn lanes(&self, place: usize, start: usize) -> [f32; LANES] {
         let slice = match place {
             0..=2 => self.position[place],
@@ -252,12 +253,12 @@ pub struct Batch<'a> {
 }
 
 impl<'a> Batch<'a> {
-    /// An evaluator of the tape with a frame's inputs.
+    /// Creates an evaluator of the tape with a frame's inputs.
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
         Self { tape, frame, machine: Machine::new(tape, frame, [0.0; LANES]) }
     }
 
-    /// The values at the points, a vector per output of the tape; bit for bit those of [`PointEvaluator`].
+    /// The values at the points, a vector per output of the tape. They equal those of [`PointEvaluator`] bit for bit.
     pub fn run(&mut self, points: Points<'_>) -> Vec<Vec<f32>> {
         let count = points.len();
         let mut outputs: Vec<Vec<f32>> =
@@ -308,7 +309,7 @@ impl Domain for Intervals<'_> {
     }
 }
 
-/// Bounds a tape over boxes, within one frame.
+/// Computes bounds of a tape over boxes, within one frame.
 #[derive(Debug, Clone)]
 pub struct IntervalEvaluator<'a> {
     tape: &'a Tape,
@@ -319,15 +320,15 @@ pub struct IntervalEvaluator<'a> {
 }
 
 impl<'a> IntervalEvaluator<'a> {
-    /// An evaluator of the tape with the inputs of one frame, or with those of every frame ([`FrameInputs::any`]).
+    /// Creates an evaluator for the inputs of one frame, or of all frames ([`FrameInputs::any`]).
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
         let machine = Machine::with_table(tape, tape.table_bounds(frame), Interval::point(0.0));
         let outputs = vec![Interval::point(0.0); tape.outputs.len()];
         Self { tape, frame, machine, outputs, choices: Vec::new() }
     }
 
-    /// Bounds of the outputs over a box of positions and of normals: they hold every value that [`PointEvaluator`]
-    /// computes in it.
+    /// Bounds of the outputs over a box of positions and normals. They contain every value that [`PointEvaluator`]
+    /// computes in the box.
     pub fn over(&mut self, position: [Interval; 3], normal: [Interval; 3]) -> &[Interval] {
         let ([x, y, z], [nx, ny, nz]) = (position, normal);
         self.choices.clear();
@@ -340,7 +341,7 @@ impl<'a> IntervalEvaluator<'a> {
         &self.outputs
     }
 
-    /// For the last box: which operand decided, for each MIN, MAX and MASK in the order of the tape.
+    /// The operand that decided each MIN, MAX and MASK over the last box, in the order of the tape.
     pub fn choices(&self) -> &[Choice] {
         &self.choices
     }
@@ -387,13 +388,13 @@ impl Domain for Duals<'_> {
     }
 }
 
-/// The chain rule; a constant operand contributes nothing, however steep the function is.
+/// Applies the chain rule. A constant operand contributes nothing, even if the slope is infinite.
 #[inline(always)]
 fn along(slope: f32, change: f32) -> f32 {
     if change == 0.0 || slope == 0.0 { 0.0 } else { slope * change }
 }
 
-/// Evaluates a tape and its gradient by forward dual numbers, within one frame. Textures count as flat.
+/// Evaluates a tape and its gradient by forward-mode dual numbers, within one frame. Textures count as constant.
 #[derive(Debug, Clone)]
 pub struct GradientEvaluator<'a> {
     tape: &'a Tape,
@@ -403,7 +404,7 @@ pub struct GradientEvaluator<'a> {
 }
 
 impl<'a> GradientEvaluator<'a> {
-    /// An evaluator of the tape with a frame's inputs.
+    /// Creates an evaluator of the tape with a frame's inputs.
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
         let outputs = vec![Dual::default(); tape.outputs.len()];
         Self { tape, frame, machine: Machine::new(tape, frame, Dual::default()), outputs }

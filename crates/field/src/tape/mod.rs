@@ -1,19 +1,19 @@
 //! The tape: an expression as a list of four-byte clauses (Abt 2022, section 4.3; Keeter 2020, section 3).
 //!
-//! A clause is an opcode, an output and two inputs, each a byte. Registers hold values; the table holds the constants
-//! and the inputs that are the same all over a frame, which clauses take as immediates.
+//! A clause is an opcode, an output and two inputs, each a byte. Registers hold values. The table holds constants and
+//! the inputs that are constant within a frame; clauses take its entries as immediates. [`interpreter`] writes tapes
+//! for the GPU.
 //!
 //! **Words.** A clause is one `u32`, so that an RGBA32UI texel holds two clauses and their immediates.
-//! [`interpreter`] describes how clauses are arranged in texels, with END behind the last.
 //!
 //! | opcode | clause | bits 8..16 | bits 16..24 | bits 24..32 |
 //! |---|---|---|---|---|
 //! | 0 | END | 0 | 0 | 0 |
-//! | 1 | PAGE: immediates index `table[256 * page + byte]` from here on; page 0 at the start | 0 | page, low byte | page, high byte |
+//! | 1 | PAGE: later immediates index `table[256 * page + byte]`; starts at 0 | 0 | page, low byte | page, high byte |
 //! | 2 | LOAD: register := table | register | table | 0 |
 //! | 3 | STORE: memory := register | register | memory, low byte | memory, high byte |
 //! | 4 | RELOAD: register := memory | register | memory, low byte | memory, high byte |
-//! | 5 | SELECT_TEXTURE: what the next clause, always a TEXTURE, reads | channel | texture, low byte | texture, high byte |
+//! | 5 | SELECT_TEXTURE: for the TEXTURE clause that follows | channel | texture, low byte | texture, high byte |
 //! | 6 | TEXTURE: register := texture(u, v) | register | register of u | register of v |
 //! | 8..=13 | X, Y, Z, NX, NY, NZ: register := input of the point | register | 0 | 0 |
 //! | 16..64 | one-operand operator with this number | register | register a | 0 |
@@ -21,9 +21,8 @@
 //! | 128..160 | the operator with the number opcode - 64: op(register, table) | register | register a | table |
 //! | 192..224 | the operator with the number opcode - 128: op(table, register) | register | table | register b |
 //!
-//! Behind these opcodes stand those of compounds, 96..128, which the interpreter alone knows ([`Compound`]): several
-//! operators on two registers and the clause's immediate. They are put in the place of clauses when a tape is written
-//! for it.
+//! The opcodes 96..128 are compounds ([`Compound`]): several operators on two registers and the clause's immediate.
+//! Only the interpreter knows them. They replace clauses when a tape is written for it.
 //!
 //! [`Compound`]: crate::graph::Compound
 //!
@@ -32,9 +31,9 @@
 //!
 //! **Registers.** The inputs of the point are read first, in the order X, Y, Z, NX, NY, NZ; the rest follows the
 //! graph's order of evaluation. A register is free after the last use of its value. An output takes the register of
-//! operand b if that has become free, else that of operand a, else the lowest free one. If none is free, the value
-//! whose next use lies farthest ahead is spilled (Belady 1966) and read again when it is needed; inputs of the point
-//! are not stored but read anew.
+//! operand b if that has become free, else operand a's, else the lowest free one. If no register is free, the value
+//! with the farthest next use is spilled (Belady 1966) and reloaded when it is needed. Inputs of the point are never
+//! stored: they are read again.
 
 mod allocate;
 mod clause;
@@ -55,19 +54,19 @@ use std::collections::BTreeSet;
 use crate::graph::{FrameInputs, Graph, GraphError, Input, Interval, NodeId, Op};
 use crate::limits::{LIMITS, Limits};
 
-/// Why a tape could not be built.
+/// A reason for which a tape cannot be built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TapeError {
-    /// The graph cannot be used.
+    /// The graph is invalid.
     #[error(transparent)]
     Graph(#[from] GraphError),
-    /// The expression takes more clauses than the limit.
+    /// The expression needs more clauses than the limit.
     #[error("the tape needs more than {max} clauses; make the scene smaller")]
     TooManyClauses {
         /// [`Limits::tape_clauses_max`].
         max: usize,
     },
-    /// More outputs than the limit, or than there are registers.
+    /// More outputs than the limit or the number of registers.
     #[error(
         "a tape with {count} outputs was requested, but at most {max} can be kept at once; request fewer"
     )]
@@ -77,13 +76,13 @@ pub enum TapeError {
         /// Most outputs possible.
         max: usize,
     },
-    /// A number of registers that no tape can have.
+    /// A number of registers outside 2..=256.
     #[error("a tape cannot work with {count} registers; give it 2 to 256")]
     RegisterCount {
         /// Registers requested.
         count: usize,
     },
-    /// More values must be kept in memory than the limit.
+    /// More spilled values than the limit.
     #[error(
         "the tape must spill more than {max} values to memory; give it more registers or make the scene smaller"
     )]
@@ -93,12 +92,12 @@ pub enum TapeError {
     },
 }
 
-/// How a tape is built.
+/// Options for building a tape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TapeOptions {
     /// Number of registers, 2 to 256.
     pub registers: usize,
-    /// The ceilings.
+    /// The limits.
     pub limits: Limits,
 }
 
@@ -113,7 +112,7 @@ impl Default for TapeOptions {
 pub enum TableEntry {
     /// A constant.
     Constant(f32),
-    /// An input that is the same all over a frame.
+    /// An input that is constant within a frame.
     Input(Input),
 }
 
@@ -127,7 +126,7 @@ impl TableEntry {
     }
 }
 
-/// An expression, or several that share parts, as clauses.
+/// One or several expressions as clauses; they may share parts.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tape {
     clauses: Vec<Clause>,
@@ -138,10 +137,10 @@ pub struct Tape {
 }
 
 impl Tape {
-    /// The tape that computes the roots, in their order.
+    /// Builds the tape that computes the roots, in their order.
     ///
     /// # Errors
-    /// See [`TapeError`].
+    /// Returns a [`TapeError`] for an invalid graph or an exceeded limit.
     pub fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> Result<Self, TapeError> {
         allocate::build(graph, roots, options)
     }
@@ -156,12 +155,12 @@ impl Tape {
         self.clauses.iter().filter_map(|clause| clause.decode())
     }
 
-    /// The table that immediates index: pages of 256 entries, the last of which may be shorter.
+    /// The table that immediates index, in pages of 256 entries; the last page may be shorter.
     pub fn table(&self) -> &[TableEntry] {
         &self.table
     }
 
-    /// The table's numbers in a frame; they replace `values`.
+    /// Replaces `values` by the table's numbers in a frame.
     pub fn table_values(&self, frame: &FrameInputs, values: &mut Vec<f32>) {
         values.clear();
         values.extend(self.table.iter().map(|entry| match *entry {
@@ -170,7 +169,7 @@ impl Tape {
         }));
     }
 
-    /// Bounds of the table's numbers: single values, unless the inputs are those of every frame.
+    /// Bounds of the table's numbers: points, except for the inputs of [`FrameInputs::any`].
     fn table_bounds(&self, frame: &FrameInputs) -> Vec<Interval> {
         let bounds = self.table.iter().map(|entry| match *entry {
             TableEntry::Constant(value) => Interval::point(value),
@@ -194,7 +193,7 @@ impl Tape {
         self.memory
     }
 
-    /// The operators that occur; an interpreter's switch needs these.
+    /// The operators that occur.
     pub fn operators(&self) -> BTreeSet<Op> {
         self.instructions()
             .filter_map(|instruction| match instruction {

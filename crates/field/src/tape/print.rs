@@ -1,4 +1,4 @@
-//! The tape as text, in the form of Table 1 (Abt 2022, section 4.3).
+//! A tape as text, in the form of Table 1 (Abt 2022, section 4.3).
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use super::clause::{Instruction, Operand, input_of_place};
 use super::{TableEntry, Tape};
 
 impl fmt::Display for TableEntry {
-    /// A constant as `1.0f`, an input by its name.
+    /// Writes a constant as `1.0f` and an input as its name.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             TableEntry::Constant(value) => write!(f, "{value:?}f"),
@@ -16,14 +16,14 @@ impl fmt::Display for TableEntry {
 }
 
 impl fmt::Display for Tape {
-    /// A header and a line per clause: opcode, input_A, input_B, output.
+    /// Writes a header, then a line per clause: opcode, input_A, input_B, output.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut row = |opcode: &str, a: &str, b: &str, output: &str| {
             writeln!(f, "{opcode:<14} {a:<14} {b:<14} {output}")
         };
         row("opcode", "input_A", "input_B", "output")?;
         let mut page = 0;
-        // Table 1 calls them slots.
+        // The thesis calls registers slots.
         let register = |register: u8| format!("slot {register}");
         for instruction in self.instructions() {
             let immediate = |entry: u8| {

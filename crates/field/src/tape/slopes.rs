@@ -46,8 +46,8 @@ impl Domain for Slopes<'_> {
     }
 }
 
-/// Bounds a tape and its gradient by the position over boxes, within one frame. Textures count as flat, as for
-/// [`super::GradientEvaluator`]; jumps have no slope (see [`GradientInterval`]).
+/// Computes bounds of a tape and of its gradient by the position over boxes, within one frame. Textures count as
+/// constant, as in [`super::GradientEvaluator`]; jumps have no slope ([`GradientInterval`]).
 #[derive(Debug, Clone)]
 pub struct GradientIntervals<'a> {
     tape: &'a Tape,
@@ -58,15 +58,15 @@ pub struct GradientIntervals<'a> {
 }
 
 impl<'a> GradientIntervals<'a> {
-    /// An evaluator of the tape with the inputs of one frame, or with those of every frame ([`FrameInputs::any`]).
+    /// Creates an evaluator for the inputs of one frame, or of all frames ([`FrameInputs::any`]).
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
         let nothing = GradientInterval::flat(Interval::point(0.0));
         let machine = Machine::with_table(tape, tape.table_bounds(frame), nothing);
         Self { tape, frame, machine, outputs: vec![nothing; tape.outputs.len()], pieces: Pieces::default() }
     }
 
-    /// Bounds of the outputs and of their gradients over a box of positions and of normals. The box is cut where parts of
-    /// the tape jump.
+    /// Bounds of the outputs and of their gradients over a box of positions and normals. The box is cut where parts
+    /// of the tape jump.
     pub fn over(&mut self, position: [Interval; 3], normal: [Interval; 3]) -> &[GradientInterval] {
         let Self { tape, frame, machine, outputs, pieces } = self;
         pieces.clear();
@@ -78,7 +78,7 @@ impl<'a> GradientIntervals<'a> {
             machine.run(&mut Slopes { position, normal, frame, jumps: None });
             for (bounds, &register) in outputs.iter_mut().zip(&tape.outputs) {
                 let piece = machine.registers[usize::from(register)];
-                // The value is that of the whole box because no piece contains the jumps themselves.
+                // Keep the value of the whole box, because no piece contains the jumps themselves.
                 let value = bounds.value;
                 *bounds = if number == 0 { piece } else { bounds.hull(&piece) };
                 bounds.value = value;
