@@ -1,4 +1,5 @@
-//! The command line: every flag and subcommand, checked against the limits, and what each starts.
+//! The command line: all flags and subcommands. Values are checked against the limits in [`crate::limits`]; each
+//! subcommand has a module here that turns its arguments into a request for [`crate::export`] or the window.
 
 mod analyze;
 mod bench;
@@ -58,12 +59,12 @@ Examples:
   mariana music/ --shuffle        ... in random order
   mariana song.ogg --latency 180  ... over Bluetooth headphones that lag by 180 ms
   mariana song.flac --scene metaballs  ... in another scene
-  mariana my.scene song.ogg       ... in a scene of your own; 'mariana scenes' lists the shipped ones
+  mariana my.scene song.ogg       ... in your own scene; 'mariana scenes' lists the shipped ones
   mariana --system                show what the computer plays
   mariana --mic --device USB      show what a microphone hears
   mariana --scene \"min(y, length(p - vec3(0, 1, 0)) - 1)\"
   mariana still song.flac --at 12.5 --size 1280x720 -o frame.png
-  mariana help still              what a subcommand takes
+  mariana help still              show the flags of a subcommand
 
 Press H in the window to see the keys.";
 
@@ -71,17 +72,17 @@ Press H in the window to see the keys.";
 enum Command {
     /// Render one moment of a song to a PNG, JPEG or WebP, without a window or a sound card
     #[command(after_help = "Examples:\n  mariana still song.flac --at 12.5 --size 1280x720 -o frame.png\n  \
-                            mariana still --at 30 -o demo.png       of the demo track\n  \
+                            mariana still --at 30 -o demo.png       the demo track\n  \
                             mariana still --scene orb --set volume.x=0.5 -o - > orb.png")]
     Still(still::StillArguments),
-    /// Render a stretch of a song to a video (needs ffmpeg) or to numbered stills
+    /// Render a part of a song to a video (needs ffmpeg) or to numbered stills
     #[command(after_help = "Examples:\n  mariana video song.flac -o song.mp4\n  \
                             mariana video song.flac --start 60 --duration 10 --fps 30 --size 640x360 -o part.mp4\n  \
                             mariana video song.flac --for story --start 1:20 -o story.mp4\n  \
                             mariana video song.flac --scene orb --scene city@1:20 -o two.mp4\n  \
                             mariana video song.flac --show auto -o show.mp4\n  \
                             mariana video --duration 10 --fps 1 -o stills/    a folder: numbered PNGs\n  \
-                            mariana video song.flac -o - | mpv -              pictures without sound, as y4m")]
+                            mariana video song.flac -o - | mpv -              frames without sound, as y4m")]
     Video(video::VideoArguments),
     /// Print the features of a song, one line for each frame
     #[command(after_help = "Examples:\n  mariana analyze song.flac --json > song.jsonl\n  \
@@ -94,11 +95,11 @@ enum Command {
                       mariana bench --all --json > measured.json"
     )]
     Bench(bench::BenchArguments),
-    /// Check scenes: print every mistake with its place, or what the scene costs
+    /// Check scenes: print each mistake with its position, or the cost of the scene
     #[command(after_help = "Examples:\n  mariana check speakers\n  mariana check my/*.scene\n  \
                             mariana check my.scene --json    for editors: an object for each mistake")]
     Check(check::CheckArguments),
-    /// Print the tape of a scene's distance: the clauses that an interpreter runs
+    /// Print the tape of a scene's distance: the clauses that the interpreter runs
     #[command(after_help = "Examples:\n  mariana tape \"max(sqrt(x*x+y*y)-1, 0.5-sqrt(x*x+y*y))\"\n  \
                             mariana tape speakers --glsl\n  \
                             mariana tape \"min(y, length(p) - 1)\" --dot | dot -Tsvg > graph.svg")]
@@ -107,15 +108,15 @@ enum Command {
     #[command(after_help = "Examples:\n  mariana eval \"length(p) - 1\" --at 0,2,0\n  \
                             mariana eval speakers --points points.csv --set \"band(3)=0.5\" --set volume.x=0.2")]
     Eval(scene::EvalArguments),
-    /// Write down the show that follows a song, as a file to edit
+    /// Write the show that follows a song to a file that can be edited
     #[command(after_help = "Examples:\n  mariana show song.flac -o song.show\n  \
                             mariana video song.flac --show song.show -o song.mp4\n  \
-                            mariana show song.flac --scene orb --scene city    of these scenes alone")]
+                            mariana show song.flac --scene orb --scene city    only with these scenes")]
     Show(show::ShowArguments),
-    /// List the shipped scenes, with what each shows
-    #[command(after_help = "Examples:\n  mariana scenes\n  mariana --scene orb    shows one of them")]
+    /// List the shipped scenes with their descriptions
+    #[command(after_help = "Examples:\n  mariana scenes\n  mariana --scene orb    show one of them")]
     Scenes,
-    /// List the sound systems, inputs and outputs with what they support
+    /// List the sound systems with their inputs and outputs and what these support
     #[command(after_help = "Examples:\n  mariana devices\n  mariana devices --json\n  \
                             mariana song.flac --device \"USB\"       play on the first one with USB in its name")]
     Devices {
@@ -125,10 +126,10 @@ enum Command {
     },
 }
 
-/// Parses the arguments and does what they say.
+/// Parses the arguments and runs the command.
 ///
 /// # Errors
-/// What the job could not do; usage errors end the program with code 2 before that.
+/// The error of the command. Usage errors exit the program with code 2 instead.
 pub fn run() -> anyhow::Result<()> {
     #[cfg(target_os = "linux")]
     crate::gpu::driver_cache::leave_where_full();
@@ -144,22 +145,23 @@ pub fn run() -> anyhow::Result<()> {
     dispatch(Arguments::parse()).map_err(colored_on_a_terminal)
 }
 
-/// Parses the arguments of a show, such as `song.flac --scene orb`, without the program's name. What is remembered is in
-/// these folders.
+/// Parses the arguments of a show, such as `song.flac --scene orb`, without the program's name. Settings are read from
+/// `folders`.
 ///
 /// # Errors
-/// A usage error, or an argument that cannot be followed.
+/// A usage error, a subcommand, or an argument that is refused.
 pub fn prepare_show<T: Into<OsString> + Clone>(
     arguments: impl IntoIterator<Item = T>,
     folders: Folders,
 ) -> anyhow::Result<Prepared> {
     let named = arguments.into_iter().map(Into::into);
     let parsed = Arguments::try_parse_from(std::iter::once("mariana".into()).chain(named))?;
-    anyhow::ensure!(parsed.command.is_none(), "this is another command than a show");
+    anyhow::ensure!(parsed.command.is_none(), "a subcommand was given: give only the arguments of a show");
     play::prepare(parsed.play, folders)
 }
 
-/// A first argument that is no file but nearly a command, and that command. Other words are taken for songs.
+/// Returns the first argument and the command that was probably meant, if the argument is a misspelt command. Other
+/// words are songs.
 fn misspelt(first: Option<OsString>) -> Option<(String, String)> {
     let typed = first?.into_string().ok()?;
     let command = Arguments::command();
@@ -172,7 +174,7 @@ fn misspelt(first: Option<OsString>) -> Option<(String, String)> {
     Some((typed, meant))
 }
 
-/// A scene's mistakes in colour, if they are printed on a terminal.
+/// Colors a scene's diagnostics if standard error is a terminal.
 fn colored_on_a_terminal(error: anyhow::Error) -> anyhow::Error {
     let found = error.chain().find_map(|cause| match cause.downcast_ref() {
         Some(ExportError::Scene(error)) => Some(error),
@@ -212,7 +214,6 @@ fn run_devices(json: bool) -> anyhow::Result<()> {
     if json { print_json(&report) } else { Ok(print_line(report.to_string().trim_end())?) }
 }
 
-/// Prints a value as JSON, on several lines.
 fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
     Ok(print_line(&serde_json::to_string_pretty(value)?)?)
 }
@@ -226,9 +227,9 @@ mod tests {
         Arguments::command().debug_assert();
     }
 
-    /// Without a display it draws instead of what needs one.
+    /// scripts/run opens no window for these commands.
     #[test]
-    fn the_script_that_runs_the_program_knows_every_command_as_one_without_a_window() {
+    fn scripts_run_knows_every_command_without_a_window() {
         let cue_list = include_str!("../scripts/run");
         let listed =
             cue_list.lines().find(|line| line.trim_start().starts_with("still |")).unwrap_or_default();
@@ -243,7 +244,7 @@ mod tests {
     fn every_subcommand_shows_examples() {
         for command in Arguments::command().get_subcommands() {
             let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
-            assert!(help.contains("Examples:"), "{} has none", command.get_name());
+            assert!(help.contains("Examples:"), "the help of {} shows no examples", command.get_name());
         }
     }
 

@@ -18,25 +18,27 @@ use mariana_music::Gain;
 pub(super) struct AnalyzeArguments {
     /// The song, or '-' for standard input; if none is given, the built-in demo track
     file: Option<PathBuf>,
-    /// What the whole song is made of instead of its moments: tempo, bars, key, sections, builds, drops
+    /// Print the structure of the whole song instead of its moments: tempo, bars, key, sections, builds, drops
     #[arg(long, conflicts_with_all = ["gain", "fps", "start", "duration"])]
     structure: bool,
-    /// Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma, and the show that follows it
+    /// Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma, and the show
+    /// that follows it
     #[arg(long, value_name = "FILE.svg", conflicts_with_all = ["gain", "fps", "start", "duration"])]
     plot: Option<PathBuf>,
-    /// Print what is known of the whole song at each moment, too: bar, section, energy, build, drop, ...
+    /// Also print the position in the whole song at each moment: bar, section, energy, build, drop, ...
     #[arg(long, conflicts_with_all = ["structure", "plot"])]
     song: bool,
-    /// One JSON object per line: t, volume as [left, right], bands as 32 numbers, ...; with --structure one object
+    /// Print one JSON object per line: t, volume as [left, right], bands as 32 numbers, ...; with --structure a single
+    /// object
     #[arg(long)]
     json: bool,
-    /// Whether quiet and loud sound are levelled in the values from 0 to 1
+    /// Automatic gain: quiet and loud songs reach the same values from 0 to 1
     #[arg(long, value_name = "AUTO-OFF", default_value = Gain::default().name(), value_parser = choice::<Gain>())]
     gain: Gain,
     /// Lines per second
     #[arg(long, default_value = "60", value_parser = parse_fps, allow_negative_numbers = true)]
     fps: f64,
-    /// Where to start, as 80 or 1:20.5
+    /// Start, as 80 or 1:20.5
     #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     start: f64,
     /// Length, as 80 or 1:20.5 [default: to the end]

@@ -13,11 +13,11 @@ use crate::export::print::{print_line, tell};
 
 #[derive(Args)]
 pub(super) struct BenchArguments {
-    /// The song that drives the picture, or '-' for standard input; if none is given, the built-in demo track. A .scene
-    /// is shown
+    /// The song that drives the scene, or '-' for standard input; if none is given, the built-in demo track. A .scene
+    /// file is the scene to measure
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// The moment that is drawn, as 80 or 1:20.5
+    /// The moment of the song to draw, as 80 or 1:20.5
     #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     at: f64,
     /// Size in pixels
@@ -29,10 +29,10 @@ pub(super) struct BenchArguments {
     /// Measure all shipped scenes
     #[arg(long, conflicts_with = "scene")]
     all: bool,
-    /// With --all: only the scenes whose names contain this; may be given several times
+    /// With --all: measure only scenes whose names contain this; can be given more than once
     #[arg(long, value_name = "PART", requires = "all")]
     only: Vec<String>,
-    /// Also compare the picture at edges with one of 64 samples per pixel; slow
+    /// Also compare the frame at edges with one of 64 samples per pixel; slow
     #[arg(long)]
     edges: bool,
     /// Print JSON instead of text
@@ -51,7 +51,7 @@ pub(super) fn run(arguments: BenchArguments) -> anyhow::Result<()> {
     if arguments.all
         && let Some(scene) = &scene
     {
-        anyhow::bail!("--all measures the shipped scenes: give no {}", scene.display());
+        anyhow::bail!("--all measures the shipped scenes: leave out {} or --all", scene.display());
     }
     let request = BenchRequest {
         song,

@@ -1,4 +1,4 @@
-//! The subcommand `check`: the mistakes of scenes, or what they cost.
+//! The subcommand `check`: prints the mistakes of scenes, or their cost.
 
 use std::path::Path;
 
@@ -21,10 +21,10 @@ use mariana_field::world::World;
 
 #[derive(Args)]
 pub(super) struct CheckArguments {
-    /// Scenes: files, names of shipped ones, formulas, or '-' for standard input
+    /// Scenes: files, names of shipped scenes, formulas, or '-' for standard input
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<String>,
-    /// Print a JSON object for each mistake, one a line: file, line, column, end, severity, message, hint
+    /// Print one JSON object per line and mistake: file, line, column, end, severity, message, hint
     #[arg(long)]
     json: bool,
 }
@@ -65,7 +65,7 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     }
 }
 
-/// The error for so many scenes with mistakes, which are shown in some way.
+/// The error for `scenes` scenes with mistakes, which the user finds `shown`.
 fn refused(scenes: usize, shown: &str) -> anyhow::Result<()> {
     match scenes {
         1 => bail!("a scene has mistakes: correct what is {shown}"),
@@ -73,7 +73,7 @@ fn refused(scenes: usize, shown: &str) -> anyhow::Result<()> {
     }
 }
 
-/// Prints every mistake as an object. A scene that cannot be read has one in its first column.
+/// Prints each mistake as a JSON object. A scene that cannot be read gives one mistake at its first character.
 fn run_json(scenes: &[String]) -> anyhow::Result<()> {
     let mut wrong = 0;
     for argument in scenes {
@@ -108,14 +108,14 @@ fn run_json(scenes: &[String]) -> anyhow::Result<()> {
     if wrong == 0 { Ok(()) } else { refused(wrong, "listed") }
 }
 
-/// A mistake for editors.
+/// A mistake in the form that editors read.
 #[derive(Serialize)]
 struct Mistake {
-    /// Path of the file, from where the program was started.
+    /// Path relative to the current folder.
     file: String,
     #[serde(flatten)]
     start: Position,
-    /// Behind the last character.
+    /// The position after the last character.
     end: Position,
     severity: &'static str,
     message: String,
@@ -123,7 +123,7 @@ struct Mistake {
     hint: Option<String>,
 }
 
-/// A place in a text, counted in lines and characters from 1.
+/// A position in a text: line and column in characters, both from 1.
 #[derive(Clone, Copy, Serialize)]
 struct Position {
     line: usize,
@@ -140,7 +140,7 @@ fn mistake(one: &Diagnostic, sources: &Sources, scene: &SceneSource) -> Mistake 
         })
     };
     let name = place.map_or_else(|| scene.name(), |place| place.file.name.clone());
-    // Included files are named from the scene's folder.
+    // Names of included files are relative to the scene's folder.
     let included = scene.file().filter(|file| name != file.display().to_string()).and_then(Path::parent);
     Mistake {
         file: included.map_or(name.clone(), |folder| folder.join(&name).display().to_string()),
@@ -152,32 +152,31 @@ fn mistake(one: &Diagnostic, sources: &Sources, scene: &SceneSource) -> Mistake 
     }
 }
 
-/// Everything that is wrong with a scene.
+/// The diagnostics of a scene.
 struct Mistakes {
     diagnostics: Vec<Diagnostic>,
     sources: Sources,
 }
 
-/// The scene, or its mistakes.
+/// Compiles a scene. Missing texture files are mistakes too.
 fn compile(source: &SceneSource) -> Result<Result<Scene, Mistakes>, SceneError> {
     let Compiled { scene, diagnostics, sources, .. } = source.compile()?;
     let Some(scene) = scene else { return Ok(Err(Mistakes { diagnostics, sources })) };
-    // Missing pictures are mistakes too.
     Ok(match source.textures(&scene) {
         Ok(_) => Ok(scene),
         Err(diagnostics) => Err(Mistakes { diagnostics, sources }),
     })
 }
 
-/// The world of a scene that a window can draw: it fits an interpreter, or its own program is not too long.
+/// The world of a scene that a window can draw: it fits the interpreter, or its compiled program is short enough.
 fn drawable(source: &SceneSource, scene: Scene) -> anyhow::Result<World> {
     let world = World::new(&source.name(), scene, Vec::new())?;
     if !RegionPlan::new(&world).runs() {
         let variant = compiled_variant_of(&world, Counting::Off)?;
         ShaderLibrary::embedded().assemble(SCENE_SHADER, "", &variant).with_context(|| {
             format!(
-                "{} cannot be drawn: its distance keeps more than 256 values at once, so it needs a program of its own, \
-                 which is too long: use fewer parts",
+                "{} cannot be drawn: its distance needs more than 256 registers, so it must be compiled, and the \
+                 compiled program is too long: use fewer parts",
                 source.name()
             )
         })?;
@@ -185,7 +184,7 @@ fn drawable(source: &SceneSource, scene: Scene) -> anyhow::Result<World> {
     Ok(world)
 }
 
-/// What a scene costs, and what it listens to.
+/// Returns a line with the cost of a scene and the inputs that it reads.
 fn cost(scene: &Scene) -> anyhow::Result<String> {
     let tape = Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default())?;
     let mut roots = vec![scene.distance];
@@ -209,7 +208,7 @@ fn cost(scene: &Scene) -> anyhow::Result<String> {
     ))
 }
 
-/// What to do about a shape that is no distance; empty for a distance.
+/// Advice for a shape whose value is no distance; empty for a distance.
 fn advice(world: &World) -> String {
     match (world.non_lipschitz, world.slopes.distance_factor) {
         (false, _) => String::new(),
@@ -225,7 +224,7 @@ fn count(number: usize, what: &str) -> String {
     if number == 1 { format!("1 {what}") } else { format!("{number} {what}s") }
 }
 
-/// The inputs that the roots read, other than the point, as the language writes them.
+/// The inputs that the roots read, apart from the point, in the scene language.
 fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<String> {
     let used = graph.inputs_used(roots)?;
     let mut names: Vec<String> = used
@@ -234,13 +233,13 @@ fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<Stri
         .filter(|input| input.of_point().is_none())
         .map(|input| name_of(scene, *input))
         .collect();
-    // All of them are read where one is computed.
+    // The language has one name for all twelve classes.
     let classes = SoundInput::CHROMA.map(|class| name_of(scene, Input::Sound(class)));
     if classes.iter().all(|class| names.contains(class)) {
         names.retain(|name| !classes.contains(name));
         names.push("chroma".to_owned());
     }
-    // Tables that are read at a computed index.
+    // Tables that are read at a computed index are not in the list of inputs.
     names.extend(used.tables.iter().map(|table| match table {
         Op::Band => "bands".to_owned(),
         other => other.name().to_lowercase(),
@@ -249,7 +248,7 @@ fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<Stri
     Ok(if names.is_empty() { "nothing".into() } else { names.join(", ") })
 }
 
-/// An input as the language writes it.
+/// An input in the scene language.
 fn name_of(scene: &Scene, input: Input) -> String {
     match input {
         Input::Param(number) => scene

@@ -1,4 +1,4 @@
-//! What the command line chooses from, and what that means.
+//! Values of flags that are one of several names, and their conversion into the program's own types.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
@@ -11,11 +11,11 @@ pub(super) fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value =
         "" => PossibleValue::new(*name),
         meaning => PossibleValue::new(*name).help(meaning),
     });
-    let unknown = "it is none of the names";
+    let unknown = "unknown name";
     PossibleValuesParser::new(names.collect::<Vec<_>>()).try_map(move |name| T::named(&name).ok_or(unknown))
 }
 
-/// See [`SdfChoice`].
+/// The values of `--sdf`, for [`SdfChoice`].
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub(super) enum Sdf {
     Interpreted,
@@ -33,27 +33,27 @@ impl From<Sdf> for SdfChoice {
     }
 }
 
-/// See [`mariana_player::track::Repeat`].
+/// The values of `--repeat`, for [`mariana_player::track::Repeat`].
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub(super) enum RepeatChoice {
-    /// All tracks, again and again
+    /// All tracks, over and over
     All,
-    /// One track, again and again
+    /// One track, over and over
     One,
     /// Each track once; the window stays open
     Off,
 }
 
-/// See [`Codec`].
+/// The values of `--codec`, for [`Codec`].
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub(super) enum CodecChoice {
-    /// What everything plays
+    /// Plays everywhere
     H264,
-    /// Half of the bytes
+    /// Half the bytes of h264
     H265,
     /// For webm
     Vp9,
-    /// The smallest, and the slowest to make
+    /// The smallest files, and the slowest encoding
     Av1,
 }
 
@@ -68,15 +68,15 @@ impl From<CodecChoice> for Codec {
     }
 }
 
-/// See [`EncodingQuality`].
+/// The values of `--quality`, for [`EncodingQuality`].
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub(super) enum EncodingChoice {
     /// A small preview
     Low,
     Medium,
-    /// Hardly a difference is seen
+    /// Differences are hardly visible
     High,
-    /// For services that encode it once more
+    /// For services that encode the video again
     Best,
 }
 

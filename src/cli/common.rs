@@ -1,4 +1,4 @@
-//! What several subcommands take and do.
+//! Flags and helpers that several subcommands share.
 
 use std::ffi::{OsStr, OsString};
 use std::io::{IsTerminal, Write};
@@ -21,7 +21,8 @@ use crate::gpu::shader_source::ShaderLibrary;
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
 
-/// None is the scene's own. (A name, because an option of an option is a flag without a value to clap.)
+/// `None` is the scene's own tone map. The alias is needed because clap takes an `Option<Option<T>>` for a flag with an
+/// optional value.
 type WantedToneMap = Option<ToneMap>;
 
 #[derive(Args)]
@@ -29,26 +30,26 @@ pub(super) struct CommonArguments {
     /// How the scene's formulas are run; auto interprets at once and compiles in the background
     #[arg(long, value_name = "HOW", default_value = "auto")]
     sdf: Sdf,
-    /// Whether rays skip empty space and run tapes shortened for the place; the picture is the same [default: where
-    /// that costs less; bench measures both]
+    /// Skip empty space with a tree of cells and run shortened tapes in them; the image is the same [default: on where
+    /// that is faster; bench measures both]
     #[arg(long, value_name = "ON-OFF", value_parser = choice::<bool>())]
     pub(super) regions: Option<bool>,
-    /// How light is turned into screen colours [default: scene, or in a window what was chosen there]
+    /// How light becomes screen colors [default: the scene's own, or in a window the last choice there]
     #[arg(long, value_name = "MAP", value_parser = choice::<WantedToneMap>())]
     pub(super) tone_map: Option<WantedToneMap>,
-    /// Whether quiet and loud sound are levelled for the picture; values in decibels are as measured either way
-    /// [default: auto, or in a window what was chosen there]
+    /// Automatic gain: quiet and loud songs move the image alike; values in decibels are never changed [default: auto,
+    /// or in a window the last choice there]
     #[arg(long, value_name = "AUTO-OFF", value_parser = choice::<Gain>())]
     pub(super) gain: Option<Gain>,
     /// Read the shaders from this folder, to work on them
     #[arg(long, value_name = "DIR")]
     shaders: Option<PathBuf>,
-    /// Log what happens; twice for more
+    /// Log what the program does; twice for more
     #[arg(short, long, action = clap::ArgAction::Count)]
     verbose: u8,
 }
 
-/// The scene that is shown by default.
+/// The default scene.
 pub(super) const DEFAULT_SCENE: &str = "speakers";
 
 #[derive(Args)]
@@ -60,12 +61,12 @@ pub(super) struct OneScene {
 }
 
 impl OneScene {
-    /// Whether the flag is absent.
+    /// True if the flag is absent.
     pub(super) fn is_default(&self) -> bool {
         self.scene.is_none()
     }
 
-    /// The scene that was named, with the flag or as a file beside the songs.
+    /// The scene named by the flag or by `file`, or the default.
     pub(super) fn choose(
         &self,
         file: Option<PathBuf>,
@@ -90,12 +91,12 @@ pub(super) struct SetArguments {
     pub(super) set: Vec<Setting>,
 }
 
-/// Whether text on a stream is coloured: on a terminal, unless the variable NO_COLOR is set (no-color.org).
+/// True if text on a stream is coloured: on a terminal, unless NO_COLOR is set (no-color.org).
 pub(super) fn colors(stream: &impl IsTerminal) -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && stream.is_terminal()
 }
 
-/// Pictures on a terminal are of no use to anybody.
+/// Refuses to write images to a terminal.
 pub(super) fn refuse_a_terminal(output: &Output, example: &str) -> anyhow::Result<()> {
     if *output == Output::Standard && std::io::stdout().is_terminal() {
         bail!("standard output is a terminal: send it to a program or a file, such as '{example}'");
@@ -103,25 +104,26 @@ pub(super) fn refuse_a_terminal(output: &Output, example: &str) -> anyhow::Resul
     Ok(())
 }
 
-/// Lets Ctrl-C and similar signals end a job that writes files.
 pub(super) fn end_by_signals() {
     let answer = |signal: Signal| {
         ending::end_now(signal, || {
             if std::io::stderr().is_terminal() {
-                // After the number of the frame.
+                // The cursor is on the progress line.
                 let _ = writeln!(std::io::stderr());
             }
-            tell(&format!("{signal} ended the work: unfinished files are removed"));
+            tell(&format!("{signal} ended the work; unfinished files are removed"));
         })
     };
     if let Err(error) = ending::watch(answer) {
-        tracing::warn!("signals cannot be caught; the next run removes what they leave unfinished ({error})");
+        tracing::warn!(
+            "signals cannot be caught ({error}); if one ends this run, the next run removes its unfinished files"
+        );
     }
 }
 
 impl CommonArguments {
-    /// Starts the log on standard error: the program's own warnings; with -v what happens, and other libraries'
-    /// warnings; with -vv details.
+    /// Starts the log on standard error. Without -v: the program's own warnings. With -v: also its progress and the
+    /// libraries' warnings. With -vv: debug messages.
     pub(super) fn start_log(&self) {
         let (own, others) = match self.verbose {
             0 => (LevelFilter::WARN, LevelFilter::OFF),
@@ -136,7 +138,7 @@ impl CommonArguments {
         tracing_subscriber::registry().with(lines.with_filter(filter)).init();
     }
 
-    /// A scene, drawn as the flags say.
+    /// A scene, with the flags' choices of how to draw it.
     pub(super) fn scene(&self, scene: &OsStr) -> anyhow::Result<SceneChoice> {
         Ok(SceneChoice {
             source: scene_of(scene)?,

@@ -1,4 +1,4 @@
-//! The files that stand on the command line without a flag: songs and a scene.
+//! The files on the command line that have no flag: songs and at most one scene.
 
 use std::ffi::OsStr;
 use std::io::{IsTerminal, Read};
@@ -13,16 +13,16 @@ use crate::scenes::{SceneSource, is_scene_file};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_player::song::Song;
 
-/// Files by what they are.
+/// Positional files by kind.
 pub(super) struct Files {
-    /// Songs, and what leads to songs.
+    /// Songs, folders and playlists.
     pub(super) songs: Vec<PathBuf>,
     /// The scene.
     pub(super) scene: Option<PathBuf>,
 }
 
 impl Files {
-    /// Tells scenes, by their ending, from songs.
+    /// Separates scenes from songs by their extensions.
     pub(super) fn of(files: Vec<PathBuf>) -> anyhow::Result<Self> {
         let (scenes, songs): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
         if let [first, second, ..] = &scenes[..] {
@@ -31,7 +31,7 @@ impl Files {
         Ok(Self { songs, scene: scenes.into_iter().next() })
     }
 
-    /// The song, or the demo track; and the scene. For what is made of one song.
+    /// The song, or the demo track, and the scene; for commands that take one song.
     pub(super) fn song_and_scene(self) -> anyhow::Result<(Song, Option<PathBuf>)> {
         if let [first, second, ..] = &self.songs[..] {
             bail!("two songs are named, {} and {}: give one of them", first.display(), second.display());
@@ -40,12 +40,12 @@ impl Files {
     }
 }
 
-/// Whether a name stands for standard input.
+/// True if the name is `-`, standard input.
 pub(super) fn is_standard(path: &Path) -> bool {
     path.as_os_str() == STANDARD
 }
 
-/// The song of that name, or the demo track if there is none.
+/// Opens nothing yet: the named song, or the demo track without a name.
 pub(super) fn song_or_demo(file: Option<PathBuf>) -> anyhow::Result<Song> {
     match file {
         None => Ok(DEMO_TRACK),
@@ -54,14 +54,14 @@ pub(super) fn song_or_demo(file: Option<PathBuf>) -> anyhow::Result<Song> {
     }
 }
 
-/// Reads standard input to its end, which has to be kept: decoders jump back and forth.
+/// Reads a song from standard input into memory, because decoders seek in it.
 fn song_of_standard_input() -> anyhow::Result<Song> {
     let bytes = standard_input(LIMITS.standard_input_bytes_max, "a song", "mariana analyze - < song.ogg")?;
-    // It is read once, and needed until the program ends.
+    // Leaked once per run: the song is needed until the program ends.
     Ok(Song::Embedded { name: "standard input", bytes: bytes.leak() })
 }
 
-/// The scene that an argument names, or the one on standard input.
+/// The scene that an argument names; `-` reads it from standard input.
 pub(super) fn scene_of(argument: &(impl AsRef<OsStr> + ?Sized)) -> anyhow::Result<SceneSource> {
     if !is_standard(Path::new(argument)) {
         return Ok(SceneSource::find(argument)?);
@@ -75,7 +75,7 @@ pub(super) fn scene_of(argument: &(impl AsRef<OsStr> + ?Sized)) -> anyhow::Resul
     Ok(SceneSource::Formula(text))
 }
 
-/// Everything on standard input, at most `limit` bytes; `what` is expected there, as `example` sends it.
+/// Reads at most `limit` bytes from standard input. Messages name `what` is expected there, and an `example` command.
 fn standard_input(limit: u64, what: &str, example: &str) -> anyhow::Result<Vec<u8>> {
     let input = std::io::stdin();
     if input.is_terminal() {

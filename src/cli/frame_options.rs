@@ -1,4 +1,4 @@
-//! Flags of where pictures go: to which monitor, behind the windows of the desktop, to other programs.
+//! Flags for further outputs: a monitor, the desktop's wallpaper, other programs.
 
 use clap::Args;
 
@@ -11,41 +11,41 @@ use crate::sending::SenderTarget;
 
 #[derive(Args)]
 pub(super) struct StagingArguments {
-    /// Fill a monitor with the clean picture, by its name or number, while the window stays beside it; 'list' tells which
-    /// there are, 'off' fills none [default: what was chosen in the window]
+    /// Show the image without panels on a whole monitor, given by name or number, in addition to the window; 'list'
+    /// lists the monitors, 'off' uses none [default: the last choice in the window]
     #[arg(long, value_name = "MONITOR")]
     output: Option<String>,
-    /// Be the desktop's ground, on X11 or on Wayland with layer shell: below every window, on every monitor, for the eyes
-    /// alone; at most 30 frames a second unless --fps-cap says otherwise. It rests while nobody sees it, and on battery.
-    /// Media keys pause the song
+    /// Be the desktop's wallpaper, on X11 or on Wayland with layer shell: below all windows, on all monitors, without
+    /// input; at most 30 frames a second unless --fps-cap is given. Pauses drawing while covered and on battery. Media
+    /// keys pause the song
     #[arg(long, conflicts_with_all = ["output", "fullscreen", "size"])]
     wallpaper: bool,
-    /// Send the picture to another program: y4m:FIFO, y4m:- (standard output), mjpeg:PORT (HTTP on this machine, for OBS
+    /// Send the frames to another program: y4m:FIFO, y4m:- (standard output), mjpeg:PORT (HTTP on this machine, for OBS
     /// or a browser) or v4l2:/dev/videoN (a camera by v4l2loopback); can be given more than once
     #[arg(long, value_name = "TO")]
     send: Vec<SenderTarget>,
-    /// Size of the pictures that are sent [default: the window's at the start]
+    /// Size of the frames that are sent [default: the window's size at the start]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true, requires = "send")]
     send_size: Option<(u32, u32)>,
-    /// How many pictures are sent in a second
+    /// Frames sent per second
     #[arg(long, value_name = "FPS", value_parser = parse_fps, default_value = "30", allow_negative_numbers = true, requires = "send")]
     send_fps: f64,
 }
 
 impl StagingArguments {
-    /// Whether the monitors are to be listed.
+    /// True if `--output list` was given.
     pub(super) fn lists_monitors(&self) -> bool {
         self.output.as_deref() == Some("list")
     }
 
-    /// Notes in `settings` where pictures go.
+    /// Writes these flags into `settings`.
     ///
     /// # Errors
-    /// More places than there may be, or a terminal.
+    /// Too many targets, or a terminal as a target.
     pub(super) fn tell(&self, settings: &mut PlaySettings) -> anyhow::Result<()> {
         anyhow::ensure!(
             self.send.len() <= LIMITS.sends_max,
-            "pictures can be sent to at most {} places, not {}: give fewer",
+            "frames can be sent to at most {} targets, not {}: give --send less often",
             LIMITS.sends_max,
             self.send.len()
         );
@@ -58,7 +58,7 @@ impl StagingArguments {
         Ok(())
     }
 
-    /// The output of a run, if that of the last one was `remembered`.
+    /// The monitor to fill; without the flag the `remembered` one.
     pub(super) fn output(&self, remembered: Option<String>) -> Option<String> {
         match self.output.as_deref() {
             Some("off") => None,

@@ -1,4 +1,4 @@
-//! Flags that are numbers, checked against the limits.
+//! Parsers of flags with numbers, checked against the limits.
 
 use mariana_control::limits::LIMITS as CONTROL_LIMITS;
 use mariana_field::world::BlendKind;
@@ -24,7 +24,7 @@ pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) = (side(width)?, side(height)?);
     let pixels = u64::from(width) * u64::from(height);
     if pixels > LIMITS.picture_pixels_max {
-        return Err(format!("a picture can have at most {} pixels, not {pixels}", LIMITS.picture_pixels_max));
+        return Err(format!("an image can have at most {} pixels, not {pixels}", LIMITS.picture_pixels_max));
     }
     Ok((width, height))
 }
@@ -42,46 +42,44 @@ fn within(value: f64, low: f64, high: f64, unit: &str) -> Result<f64, String> {
     }
 }
 
-/// A whole number of something.
 fn parse_whole(text: &str, low: u16, high: u16, unit: &str) -> Result<u16, String> {
     let value: i64 = text.trim().parse().map_err(|_| format!("'{text}' is not a whole number"))?;
     let value = u16::try_from(value).ok().filter(|value| (low..=high).contains(value));
     value.ok_or_else(|| format!("it must be from {low} to {high} {unit}"))
 }
 
-/// A rate at which messages of OSC are sent.
+/// Parses the rate at which OSC messages are sent, in hertz.
 pub(super) fn parse_osc_rate(text: &str) -> Result<f64, String> {
     parse_within(text, CONTROL_LIMITS.osc_rate_min, CONTROL_LIMITS.osc_rate_max, "times a second")
 }
 
-/// A volume.
 pub(super) fn parse_percent(text: &str) -> Result<u8, String> {
     Ok(parse_whole(text, 0, 100, "percent")? as u8)
 }
 
-/// A kind of blend and the share of the second scene: `melt:0.5`.
+/// Parses a kind of blend and the fraction of the second scene: `melt:0.5`.
 pub(super) fn parse_blend(text: &str) -> Result<(BlendKind, f32), String> {
-    let (name, fraction) = text.split_once(':').ok_or("write it as KIND:SHARE, such as melt:0.5")?;
+    let (name, fraction) = text.split_once(':').ok_or("write it as KIND:FRACTION, such as melt:0.5")?;
     let kind = BlendKind::named(name.trim()).ok_or_else(|| {
         let names: Vec<&str> = BlendKind::ALL.iter().map(|(_, name, _)| *name).collect();
-        format!("'{}' is no kind of blend; there are {}", name.trim(), names.join(", "))
+        format!("'{}' is no kind of blend: choose one of {}", name.trim(), names.join(", "))
     })?;
     Ok((kind, parse_within(fraction, 0.0, 1.0, "of the second scene")? as f32))
 }
 
-/// The help of a flag that [`parse_blend`] reads.
+/// The help of the flag that [`parse_blend`] reads.
 pub(super) fn blend_help() -> String {
     let kinds = BlendKind::ALL.iter().map(|(_, name, meaning)| format!("{name}, where {meaning}"));
     let kinds: Vec<String> = kinds.collect();
-    format!("How it turns into that scene, and how far, 0 to 1: {}", kinds.join("; "))
+    format!("Kind of blend with that scene, and how far it has gone, 0 to 1: {}", kinds.join("; "))
 }
 
-/// How many frames are timed.
+/// Parses the number of frames to time.
 pub(super) fn parse_frames(text: &str) -> Result<u16, String> {
     parse_whole(text, 1, 10_000, "frames")
 }
 
-/// A time in a song: `80`, `1:20`, `1:20.5`, `1:02:03`. Only the largest unit counts on beyond 59.
+/// Parses a time in a song: `80`, `1:20`, `1:20.5`, `1:02:03`. Only the largest unit may exceed 59.
 pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
     let whole = |text: &str| text.parse::<u32>().ok().map(f64::from);
     let last = |text: &str| text.parse().ok().filter(|_| text.starts_with(|c: char| c.is_ascii_digit()));
@@ -115,19 +113,19 @@ pub(super) fn parse_fade(text: &str) -> Result<f64, String> {
     parse_within(text, 0.0, SETTING_LIMITS.fade_seconds_max, "seconds")
 }
 
-/// So many numbers with commas between.
+/// Parses `COUNT` numbers separated by commas.
 fn parse_numbers<const COUNT: usize>(text: &str, example: &str) -> Result<[f64; COUNT], String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
     let numbers = numbers.ok().and_then(|numbers| numbers.try_into().ok());
     numbers.ok_or_else(|| format!("write {COUNT} numbers with commas between, such as {example}"))
 }
 
-/// What a picture loses at its edges.
+/// Parses the crop at the edges of the output, in percent.
 pub(super) fn parse_crop(text: &str) -> Result<Crop, String> {
     Ok(Crop::try_from(parse_numbers::<4>(text, "10,0,10,0")?)?)
 }
 
-/// Where a picture's corners lie.
+/// Parses the corners of the output, in percent.
 pub(super) fn parse_corners(text: &str) -> Result<Corners, String> {
     if text.trim() == "off" {
         return Ok(Corners::default());

@@ -1,4 +1,4 @@
-//! Without a subcommand: the window.
+//! The command without a subcommand: plays and shows music in a window.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -34,81 +34,81 @@ pub(super) struct PlayArguments {
     /// built-in demo track plays
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Show what a microphone or another input hears, instead of a song
+    /// Show the sound of a microphone or another input, instead of a song
     #[arg(long, conflicts_with_all = ["files", "system", "silent", "once"])]
     mic: bool,
-    /// Show what the computer plays, instead of a song
+    /// Show the sound that the computer plays, instead of a song
     #[arg(long, conflicts_with_all = ["files", "silent", "once"])]
     system: bool,
     /// Play the tracks in random order
     #[arg(long)]
     shuffle: bool,
-    /// Which tracks are repeated
+    /// Tracks to repeat
     #[arg(long, value_name = "WHAT", default_value = "all")]
     repeat: RepeatChoice,
-    /// Output device, or input with --mic and --system: an id or name from 'mariana devices', or part of one, or
-    /// 'default' for the system's [default: what was chosen in the window, at first the system's]
+    /// Output device, or input with --mic and --system: an id or name from 'mariana devices', or a part of one, or
+    /// 'default' for the system's [default: the last choice in the window, at first the system's]
     #[arg(long, value_name = "NAME", conflicts_with = "silent")]
     device: Option<String>,
     /// Play without sound, in real time
     #[arg(long)]
     silent: bool,
-    /// End with the last track instead of starting over
+    /// Exit after the last track instead of starting over
     #[arg(long, conflicts_with = "repeat")]
     once: bool,
     /// Volume at the start, in percent [default: the last one, at first 100]
     #[arg(long, value_name = "PERCENT", value_parser = parse_percent, allow_negative_numbers = true)]
     volume: Option<u8>,
-    /// How much later the sound is heard than the device reports; negative for earlier [default: what [ and ] set last]
+    /// Additional delay of the sound, beyond the one that the device reports; negative for less [default: the last one
+    /// set with [ and ]]
     #[arg(long, value_name = "MS", value_parser = parse_latency, allow_negative_numbers = true)]
     latency: Option<f64>,
     /// Maximum frames per second [default: the monitor's rate]
     #[arg(long, value_name = "FPS", value_parser = parse_fps, allow_negative_numbers = true)]
     fps_cap: Option<f64>,
-    /// How many seconds one scene fades into another with N and P; 0 cuts
+    /// Duration of the fade between scenes with N and P, in seconds; 0 cuts
     #[arg(long, value_name = "SECONDS", default_value = "0.5", value_parser = parse_fade, allow_negative_numbers = true)]
     fade: f64,
-    /// Whether the next and the previous scene are prepared while one is shown
+    /// Prepare the next and the previous scene while one is shown
     #[arg(long, value_name = "ON-OFF", default_value = "on", overrides_with = "prepare_ahead", value_parser = choice::<bool>(), action = ArgAction::Set)]
     prepare_ahead: bool,
-    /// Whether programs that the driver has compiled are kept, in the user's folder for caches
+    /// Keep the driver's compiled programs in the user's cache folder
     #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
     program_cache: bool,
     /// Start in full screen
     #[arg(long)]
     fullscreen: bool,
-    /// Show nothing over the picture but what was asked for and what is wrong: no first words, answers or bar
+    /// Show only requested panels and errors over the image: no hints, messages or bar
     #[arg(long)]
     clean: bool,
     /// Size of the window in pixels [default: the last one, at first 1280x720]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     size: Option<(u32, u32)>,
-    /// Whether scenes follow the song: 'auto' or 'off', or a .show file [default: what was chosen in the window, at first
-    /// auto unless a scene is named]
+    /// Let a show change the scenes: 'auto' to follow the song, 'off', or a .show file [default: the last choice in the
+    /// window, at first auto unless a scene is named]
     #[arg(long, value_name = "AUTO-OFF-FILE")]
     show: Option<ShowChoice>,
-    /// Hear OSC messages on this port: of this computer alone, or with ADDRESS:PORT of that address; docs/osc.md tells
-    /// what they can do
+    /// Receive OSC messages on this port, from this computer only, or with ADDRESS:PORT on that address; docs/osc.md
+    /// lists the messages
     #[arg(long, value_name = "PORT")]
     osc: Option<Place>,
-    /// Send what is heard to another program or to lights, by OSC
+    /// Send the features of the sound to another program or to lights, by OSC
     #[arg(long, value_name = "HOST:PORT")]
     osc_send: Option<Place>,
-    /// How often a second it is sent
+    /// OSC messages sent per second
     #[arg(long, value_name = "HZ", default_value = "30", value_parser = parse_osc_rate, allow_negative_numbers = true, requires = "osc_send")]
     osc_rate: f64,
-    /// Whether MIDI devices are heard; J maps them
+    /// Listen to MIDI devices; J maps them
     #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
     midi: bool,
-    /// Let phones on the network steer the show by a page on this port, or with ADDRESS:PORT of that address alone: J
-    /// shows the code to scan; docs/remote.md tells what is protected
+    /// Serve a page on this port with which phones on the network control the show, or with ADDRESS:PORT on that
+    /// address only: J shows the code to scan; docs/remote.md describes the protection
     #[arg(long, value_name = "PORT")]
     remote: Option<RemotePlace>,
-    /// Begin anew instead of where the last show ended, and leave nothing to the next one; what was chosen in the
-    /// panel of settings still counts
+    /// Do not continue the last show, and do not save this one; choices from the settings panel still apply
     #[arg(long)]
     new: bool,
-    /// Print which OpenGL is available, and exit
+    /// Print the available OpenGL version, and exit
     #[arg(long)]
     gl_info: bool,
     #[command(flatten)]
@@ -126,7 +126,7 @@ pub(super) struct PlayArguments {
 /// Scale factors at which a window is still readable.
 const SCALE_FACTORS: std::ops::RangeInclusive<f64> = 0.1..=20.0;
 
-/// Refuses values at which winit, which reads this variable on X11, or egui panics.
+/// Refuses scale factors that make winit, which reads this variable on X11, or egui panic.
 fn check_scale_factor() -> anyhow::Result<()> {
     const NAME: &str = "WINIT_X11_SCALE_FACTOR";
     let value = std::env::var(NAME).unwrap_or_default();
@@ -149,13 +149,13 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
     shell::run(prepare(arguments, Folders::of_user())?)
 }
 
-/// What the arguments ask to be played and shown, with what is remembered in these folders.
+/// Combines the arguments with the settings that are saved in `folders`.
 ///
 /// # Errors
-/// An argument that cannot be followed: each says what to do.
+/// An argument that is refused.
 pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Result<Prepared> {
     let listen = listen_of(&arguments);
-    // What is wrong with the file is told when the window opens.
+    // An error in the settings file is reported when the window opens.
     let (file, trouble) = SettingsFile::among(&folders);
     let choices = choices_of(&arguments, &file.settings().choices);
     let common = arguments.common;
@@ -190,7 +190,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         sliders: BTreeMap::new(),
         remembered: !arguments.new && !arguments.gl_info,
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
-        // A window of another size might reach beyond the screen there.
+        // The position fits only the size that it was saved with.
         place: last.place.filter(|_| arguments.size.is_none()),
         wallpaper: false,
         sends: Vec::new(),
@@ -224,7 +224,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
                 settings.begin_at = begin_at;
                 Some(opened)
             } else {
-                tell("the tracks of the last show cannot be played any more: the demo track plays");
+                tell("the tracks of the last show can no longer be played: the demo track plays instead");
                 Some(open_songs(&songs, repeat, arguments.shuffle)?)
             }
         }
@@ -233,7 +233,6 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
     Ok(Prepared { tracks, settings, scene, memory: Memory { file, trouble, folders } })
 }
 
-/// What is listened to instead of a song.
 fn listen_of(arguments: &PlayArguments) -> Option<ListenChoice> {
     match (arguments.mic, arguments.system) {
         (true, _) => Some(ListenChoice::Microphone),
@@ -242,7 +241,7 @@ fn listen_of(arguments: &PlayArguments) -> Option<ListenChoice> {
     }
 }
 
-/// The settings of this run: those that were asked for, over those that are remembered.
+/// The settings of this run: flags override the saved ones.
 fn choices_of(arguments: &PlayArguments, remembered: &Choices) -> Choices {
     let mut choices = arguments.chosen.over(remembered);
     choices.tone_map = arguments.common.tone_map.unwrap_or(choices.tone_map);
@@ -253,8 +252,8 @@ fn choices_of(arguments: &PlayArguments, remembered: &Choices) -> Choices {
     choices
 }
 
-/// The tracks of the last show, and the second at which the first of them begins. Tracks that have gone meanwhile cost
-/// the list, never the start.
+/// The playlist of the last show, and the position in its first track in seconds. `None` if no track is playable any
+/// more.
 fn go_on(list: PathBuf, last: &LastShow, repeat: Repeat, shuffle: bool) -> Option<(Opened, f64)> {
     let repeat = last.repeat.as_deref().and_then(Repeat::named).unwrap_or(repeat);
     let opened = Playlist::open_at(&[list], repeat, last.shuffled || shuffle, Some(last.track)).ok()?;
@@ -274,28 +273,30 @@ fn list_monitors() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Size of the first window, in pixels.
+/// Default size of the window, in pixels.
 const SIZE: (u32, u32) = (1280, 720);
 
-/// Whether a size that was remembered is one that a window may have.
+/// True if a window can have this saved size.
 fn fits((width, height): (u32, u32)) -> bool {
     let sides = LIMITS.picture_side_min.max(64)..=LIMITS.picture_side_max;
     let pixels = u64::from(width) * u64::from(height);
     sides.contains(&width) && sides.contains(&height) && pixels <= LIMITS.picture_pixels_max
 }
 
-/// The scene of the last show, if it can still be shown; else the first one, and a sentence.
+/// The scene of the last show; if it can no longer be shown, reports that and returns the default.
 fn last_scene(name: &str, common: &CommonArguments) -> anyhow::Result<SceneChoice> {
     if let Ok(choice) = common.scene(name.as_ref())
         && choice.source.compile().is_ok_and(|compiled| compiled.scene.is_some())
     {
         return Ok(choice);
     }
-    tell(&format!("the scene of the last show, {name}, cannot be shown any more: {DEFAULT_SCENE} is shown"));
+    tell(&format!(
+        "the scene of the last show, {name}, can no longer be shown: {DEFAULT_SCENE} is shown instead"
+    ));
     common.scene(DEFAULT_SCENE.as_ref())
 }
 
-/// The list of the songs that were named.
+/// Opens the playlist of the named songs.
 fn open_songs(songs: &[PathBuf], repeat: Repeat, shuffle: bool) -> anyhow::Result<Opened> {
     let missing: Vec<String> = songs
         .iter()
@@ -313,12 +314,14 @@ fn open_songs(songs: &[PathBuf], repeat: Repeat, shuffle: bool) -> anyhow::Resul
         [] => Ok(Playlist::of_song(DEMO_TRACK, repeat)),
         [one] if is_standard(one) => {
             let song = song_or_demo(Some(one.clone()))?;
-            // For a single song its complete error is reported.
+            // Opened to report its complete error.
             song.open()?;
             Ok(Playlist::of_song(song, repeat))
         }
         several if several.iter().any(|song| is_standard(song)) => {
-            anyhow::bail!("standard input ('-') plays alone: give no other songs, or save it to a file")
+            anyhow::bail!(
+                "standard input ('-') cannot be combined with other songs: leave them out, or save it to a file"
+            )
         }
         files => Ok(Playlist::open(files, repeat, shuffle)?),
     }

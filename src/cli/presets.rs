@@ -1,45 +1,45 @@
-//! What places where videos are shown want of them.
+//! Presets of `--for`: the size, rate and length that video services want.
 
 use clap::ValueEnum;
 
-/// Where a video will be shown.
+/// A service or format for which a video is made.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Place {
     /// 1920x1080 at 60 frames a second
     Youtube,
-    /// Upright, 1080x1920 at 30 frames a second, the first 90 seconds
+    /// Portrait, 1080x1920 at 30 frames a second, the first 90 seconds
     Reel,
-    /// Upright, 1080x1920 at 30 frames a second, the first 60 seconds
+    /// Portrait, 1080x1920 at 30 frames a second, the first 60 seconds
     Story,
     /// 1080x1080 at 30 frames a second
     Square,
-    /// Upright, 1080x1920 at 30 frames a second; 8 seconds without sound, whose end fades into their beginning
+    /// Portrait, 1080x1920 at 30 frames a second; 8 seconds without sound whose end fades into the beginning
     Loop,
 }
 
-/// What a place wants, where no flag says otherwise.
+/// Defaults for a video, used where no flag is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Preset {
     /// Width and height in pixels.
     pub(super) size: (u32, u32),
     /// Frames per second.
     pub(super) fps: f64,
-    /// Length in seconds, if the place shows no more.
+    /// Maximal length in seconds; `None` for the whole song.
     pub(super) duration: Option<f64>,
-    /// Whether the song is heard.
+    /// True if the video has sound.
     pub(super) sound: bool,
-    /// The rate of the sound, in hertz.
+    /// Sample rate of the sound, in hertz; `None` keeps the song's.
     pub(super) sound_rate: Option<u32>,
-    /// How long the end fades into the beginning, in seconds.
+    /// Duration of the fade from the end into the beginning, in seconds; `None` for no loop.
     pub(super) seam: Option<f64>,
 }
 
-/// A video that is made for no place.
+/// The preset without `--for`.
 const PLAIN: Preset =
     Preset { size: (1280, 720), fps: 30.0, duration: None, sound: true, sound_rate: None, seam: None };
 
-/// What a place wants. The services encode what they get once more: H.264, which all of them take, and 48 kHz. A canvas
-/// behind a song, as Spotify shows it, has 3 to 8 seconds, is upright and silent, and begins again when it ends.
+/// The preset of a place. All services accept H.264 and 48 kHz, and encode the video again. `Loop` suits Spotify's
+/// Canvas: 3 to 8 seconds, portrait, silent, repeated.
 pub(super) fn preset(place: Option<Place>) -> Preset {
     let service = Preset { sound_rate: Some(48_000), ..PLAIN };
     let upright = Preset { size: (1080, 1920), ..service };

@@ -1,4 +1,4 @@
-//! How far a job is: a bar on a terminal, otherwise a line every ten seconds.
+//! Progress of a job: a bar on a terminal, otherwise a line every ten seconds.
 
 use std::fmt;
 use std::io::Write;
@@ -8,34 +8,34 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::export::print::tell;
 
-/// Where there is no terminal, so often a line tells how far it is.
+/// Time between lines if there is no terminal.
 const LINE_PERIOD: Duration = Duration::from_secs(10);
 
 const BAR: &str = "{bar:32} {percent:>3} %  frame {pos} of {len}, {rate} a second, {left} left";
-/// Where the number of frames is not known.
+/// The bar's template while the number of frames is unknown.
 const COUNT: &str = "frame {pos}, {rate} a second";
 
-/// Tells how many frames are done.
+/// Shows how many frames are done.
 pub(super) enum Progress {
-    /// On a terminal.
+    /// A bar on a terminal.
     Bar { bar: ProgressBar, has_length: bool },
-    /// Elsewhere.
+    /// Lines in a log or a pipe.
     Lines { since: Option<Since> },
-    /// To nobody.
+    /// No output.
     Quiet,
 }
 
-/// When the first frame was done.
+/// State of the lines since the first frame was done.
 pub(super) struct Since {
     begun: Instant,
-    /// How many were done then.
+    /// Frames done at the start.
     done: u64,
-    /// When the last line was told.
+    /// Time of the last line.
     reported: Instant,
 }
 
 impl Progress {
-    /// Begins, on standard error.
+    /// Starts a progress display on standard error.
     pub(super) fn begin(quiet: bool) -> Self {
         let target = ProgressDrawTarget::stderr();
         match (quiet, target.is_hidden()) {
@@ -48,7 +48,7 @@ impl Progress {
         }
     }
 
-    /// So many frames are done, of so many if that is known.
+    /// Reports that `done` frames are finished, `of` a total if it is known.
     pub(super) fn reach(&mut self, done: u64, of: Option<u64>) {
         match self {
             Self::Quiet => {}
@@ -61,7 +61,7 @@ impl Progress {
                 bar.set_position(done);
             }
             Self::Lines { since } => {
-                // Before the first frame shaders are compiled, which says nothing about the others.
+                // Not counted from the start: before the first frame, shaders are compiled.
                 let now = Instant::now();
                 let since = since.get_or_insert(Since { begun: now, done, reported: now });
                 if since.reported.elapsed() >= LINE_PERIOD {
@@ -73,17 +73,17 @@ impl Progress {
         }
     }
 
-    /// The job is over, done or not.
+    /// Ends the display, also after an error.
     pub(super) fn end(self) {
         if let Self::Bar { bar, .. } = self {
             bar.abandon();
-            // A terminal that is gone is no reason to stop.
+            // A closed terminal is no error.
             let _ = writeln!(std::io::stderr());
         }
     }
 }
 
-/// A line about how far it is, at so many frames a second.
+/// A line of progress; `rate` is in frames per second.
 fn line(done: u64, of: Option<u64>, rate: f64) -> String {
     match of.filter(|of| *of > 0) {
         Some(of) => format!(
@@ -109,7 +109,7 @@ fn style(template: &str) -> ProgressStyle {
     let left = |state: &ProgressState, to: &mut dyn fmt::Write| {
         let _ = to.write_str(&clock(state.eta().as_secs_f64()));
     };
-    // The templates are those above.
+    // The templates are constants, and a test checks them.
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     style.with_key("rate", rate).with_key("left", left).progress_chars("=> ")
 }
@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_tells_share_rate_and_time_left() {
+    fn a_line_shows_percent_rate_and_time_left() {
         assert_eq!(line(120, Some(900), 12.0), "frame 120 of 900, 13 %, 12.0 a second, 1:05 left");
         assert_eq!(line(5, None, 0.5), "frame 5, 0.5 a second");
         assert_eq!(line(1, Some(8000), 1.0), "frame 1 of 8000, 0 %, 1.0 a second, 2:13:19 left");

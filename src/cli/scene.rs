@@ -1,4 +1,4 @@
-//! The subcommands that work on the distance of a scene: `tape` and `eval`.
+//! The subcommands `tape` and `eval`, which work on the distance of a scene.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub(super) struct TapeArguments {
     /// Print the distance as GLSL instead
     #[arg(long, conflicts_with = "dot")]
     glsl: bool,
-    /// Print the expression graph in Graphviz's language instead
+    /// Print the expression graph in Graphviz's DOT language instead
     #[arg(long)]
     dot: bool,
 }
@@ -90,7 +90,7 @@ pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The scene; its diagnostics are an error.
+/// Compiles a scene; its diagnostics are an error.
 fn require(source: &SceneSource) -> anyhow::Result<Scene> {
     let compiled = source.compile()?;
     let diagnostics = compiled.render(colors(&std::io::stderr()));
@@ -103,7 +103,7 @@ fn require(source: &SceneSource) -> anyhow::Result<Scene> {
     })
 }
 
-/// Hands on each point of a file.
+/// Calls `take` with each point of a file.
 fn for_each_point(path: &Path, mut take: impl FnMut([f32; 3]) -> anyhow::Result<()>) -> anyhow::Result<()> {
     let (name, file): (String, Box<dyn BufRead>) = if is_standard(path) {
         ("standard input".into(), Box::new(std::io::stdin().lock()))

@@ -1,4 +1,4 @@
-//! The flags of settings, from their table. They hold for a run; what was chosen in the window holds otherwise.
+//! Flags for settings, generated from the table of settings. A flag holds for one run and overrides the saved setting.
 
 use clap::Args;
 
@@ -7,7 +7,7 @@ use super::parse::{parse_corners, parse_crop, parse_fade, parse_percent};
 use crate::config::{Choices, QualityChoice, Setting, with_settings};
 use crate::placement::{Corners, Crop, Flip};
 
-/// Makes the flags from the table: one for each row with brackets.
+/// Defines a flag for each row of the table that has brackets.
 macro_rules! define_flags {
     ($( $table:ident { $(
         $(#[$of_field:meta])* $field:ident: $type:ty = $default:expr, $variant:ident
@@ -22,11 +22,11 @@ macro_rules! define_flags {
         }
 
         impl SettingFlags {
-            /// Returns the settings of a run: those of the flags, and the `remembered` ones where there is no flag.
+            /// Returns the settings of a run: the flags' values, and the `remembered` ones where there is no flag.
             pub(super) fn over(&self, remembered: &Choices) -> Choices {
                 let mut choices = remembered.clone();
                 $($($(
-                    // Only rows with a flag.
+                    // Expands only for rows that have a flag.
                     let _ = $help;
                     if let Some(value) = self.$field {
                         choices.set(&Setting::$variant(value));

@@ -1,4 +1,4 @@
-//! The subcommand `show`, and the flag `--show` of others.
+//! The subcommand `show`, and the flag `--show` of other subcommands.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -15,15 +15,15 @@ use crate::export::showing::Showing;
 use crate::scenes::{SceneSource, shipped_names};
 use crate::show::ShowSource;
 
-/// What `--show` takes: nothing but scenes that somebody changes, or a show.
+/// The value of `--show`; `None` for `off`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct ShowChoice(Option<ShowSource>);
 
-/// The director's name on the command line.
+/// Makes the director choose the scenes.
 const AUTO: &str = "auto";
-/// The name of the demo track's show.
+/// Selects the demo track's show.
 const DEMO: &str = "demo";
-/// What stands for no show.
+/// Selects no show.
 const OFF: &str = "off";
 
 impl FromStr for ShowChoice {
@@ -40,23 +40,23 @@ impl FromStr for ShowChoice {
 }
 
 impl ShowChoice {
-    /// The show, for which the director chooses among these scenes, or among the shipped ones if there are none; none
-    /// for `off`.
+    /// The show for an export, `None` for `off`. The director chooses among `scenes`, or among the shipped ones if it
+    /// is empty.
     pub(super) fn showing(self, scenes: Vec<SceneSource>) -> Option<Showing> {
         Some(Showing::Show(self.0?, or_shipped(scenes)))
     }
 
-    /// Whether there is a show.
+    /// True unless `off` was given.
     pub(super) fn is_on(&self) -> bool {
         self.0.is_some()
     }
 
-    /// Whether the scenes of a window follow it.
+    /// The window's setting for this choice.
     pub(super) fn follow(&self) -> FollowChoice {
         if self.is_on() { FollowChoice::On } else { FollowChoice::Off }
     }
 
-    /// The show, if it is not the director's.
+    /// The show, unless it is `auto`.
     pub(super) fn into_named(self) -> Option<ShowSource> {
         self.0.filter(|source| *source != ShowSource::Auto)
     }
@@ -70,7 +70,7 @@ fn or_shipped(scenes: Vec<SceneSource>) -> Vec<SceneSource> {
 pub(super) struct ShowArguments {
     /// The song, or '-' for standard input; if none is given, the built-in demo track
     file: Option<PathBuf>,
-    /// A scene among which to choose; can be given more than once [default: all shipped scenes]
+    /// A scene from which to choose; can be given more than once [default: all shipped scenes]
     #[arg(long, value_name = "SCENE", allow_hyphen_values = true)]
     scene: Vec<std::ffi::OsString>,
     /// The show file to write; '-' is standard output

@@ -17,7 +17,8 @@ use mariana_field::world::BlendKind;
 
 #[derive(Args)]
 pub(super) struct StillArguments {
-    /// The song, or '-' for standard input; if none is given, the built-in demo track. A .scene is shown
+    /// The song, or '-' for standard input; if none is given, the built-in demo track. A .scene file is the scene to
+    /// show
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
     /// The moment, as 80 or 1:20.5
@@ -31,17 +32,17 @@ pub(super) struct StillArguments {
     output: PathBuf,
     #[command(flatten)]
     scene: OneScene,
-    /// Leave out the sky, so that the picture can be laid over another one: in PNG and WebP, for scenes whose sky has no
-    /// colour of its own
+    /// Leave out the sky, so that the image can be laid over another one: in PNG and WebP, for scenes whose sky has no
+    /// color
     #[arg(long, conflicts_with = "view")]
     alpha: bool,
-    /// Show the moment of a show instead of a scene: 'auto' for one that follows the song, or a .show file
+    /// Show this moment of a show instead of a scene: 'auto' for one that follows the song, or a .show file
     #[arg(long, value_name = "AUTO-OR-FILE", conflicts_with_all = ["alpha", "into", "scene"])]
     show: Option<ShowChoice>,
-    /// Show how the scene turns into this one
+    /// Show a blend of the scene with this one
     #[arg(long, value_name = "SCENE", allow_hyphen_values = true, conflicts_with = "alpha")]
     into: Option<OsString>,
-    #[arg(long, value_name = "KIND:SHARE", help = blend_help(), requires = "into", default_value = "melt:0.5", value_parser = parse_blend)]
+    #[arg(long, value_name = "KIND:FRACTION", help = blend_help(), requires = "into", default_value = "melt:0.5", value_parser = parse_blend)]
     blend: (BlendKind, f32),
     #[command(flatten)]
     set: SetArguments,

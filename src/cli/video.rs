@@ -22,55 +22,56 @@ use crate::export::video::{VideoRequest, write_video};
 
 #[derive(Args)]
 pub(super) struct VideoArguments {
-    /// The song, or '-' for standard input; if none is given, the built-in demo track. A .scene is shown
+    /// The song, or '-' for standard input; if none is given, the built-in demo track. A .scene file is the scene to
+    /// show
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Make it as a place wants it: its size, rate and length; other flags still count
+    /// Use the size, rate and length of a service; other flags override them
     #[arg(long = "for", value_name = "PLACE")]
     place: Option<Place>,
-    /// Where to start, as 80 or 1:20.5
+    /// Start, as 80 or 1:20.5
     #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     start: f64,
-    /// Length, as 80 or 1:20.5 [default: to the end, or as --for says]
+    /// Length, as 80 or 1:20.5 [default: to the end, or set by --for]
     #[arg(long, value_name = "TIME", value_parser = parse_duration, allow_negative_numbers = true)]
     duration: Option<f64>,
-    /// Frames per second [default: 30, or as --for says]
+    /// Frames per second [default: 30, or set by --for]
     #[arg(long, value_parser = parse_fps, allow_negative_numbers = true)]
     fps: Option<f64>,
-    /// Size in pixels [default: 1280x720, or as --for says]
+    /// Size in pixels [default: 1280x720, or set by --for]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     size: Option<(u32, u32)>,
-    /// How the picture is encoded [default: as the ending of the file's name says]
+    /// Video codec [default: chosen by the extension of the file's name]
     #[arg(long, value_name = "CODEC")]
     codec: Option<CodecChoice>,
-    /// How much of the picture the encoding keeps
+    /// Quality of the encoding
     #[arg(long, value_name = "HOW", default_value = "high")]
     quality: EncodingChoice,
-    /// Show the song's title and artist over the first five seconds
+    /// Show the song's title and artist during the first five seconds
     #[arg(long)]
     title_card: bool,
-    /// Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for
+    /// Dim flashes if there are more than three a second, as WCAG 2.3.1 requires
     #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
     flash_limiter: bool,
-    /// The scene to show, as for 'still'; several with the time in the song from which on each is shown, such as
-    /// --scene orb --scene city@1:20 [default: speakers]
+    /// The scene to show, as for 'still'; give several with the time in the song at which each begins, such as --scene
+    /// orb --scene city@1:20 [default: speakers]
     #[arg(long, value_name = "SCENE[@TIME]", allow_hyphen_values = true)]
     scene: Vec<OsString>,
-    /// Leave out the sky, so that the video can be laid over another one: in webm, mov, mkv, webp and PNGs, for scenes whose
-    /// sky has no colour of its own
+    /// Leave out the sky, so that the video can be laid over another one: in webm, mov, mkv, webp and PNGs, for scenes
+    /// whose sky has no color
     #[arg(long, conflicts_with_all = ["codec", "view", "show"])]
     alpha: bool,
-    /// A show instead of scenes: 'auto' for one that follows the song, made of all shipped scenes or of those that --scene
-    /// names; 'demo' for that of the demo track; or a .show file
+    /// A show instead of scenes: 'auto' for one that follows the song and uses the scenes of --scene, or all shipped
+    /// ones; 'demo' for the demo track's show; or a .show file
     #[arg(long, value_name = "AUTO-OR-FILE")]
     show: Option<ShowChoice>,
     #[command(flatten)]
     set: SetArguments,
-    /// The video to write (mp4, mkv, mov, webm, or gif and webp without sound), a folder ending in '/' for numbered PNGs, or '-' for y4m without sound
-    /// on standard output
+    /// The video to write (mp4, mkv, mov, webm, or gif and webp without sound), a folder ending in '/' for numbered
+    /// PNGs, or '-' for y4m without sound on standard output
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Tell nothing but mistakes
+    /// Print only errors
     #[arg(short, long)]
     quiet: bool,
     #[command(flatten)]
@@ -130,7 +131,8 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     Ok(print_line(&format!("{written} frames in {}", request.output))?)
 }
 
-/// The scenes and when each begins, in seconds, in their order. Among those of a choice the times do not matter.
+/// The scenes with their start times in seconds, sorted. If the director chooses among them (`is_choice`), times are
+/// ignored.
 fn timed(flags: &[OsString], file: Option<&Path>, is_choice: bool) -> anyhow::Result<Vec<(f64, OsString)>> {
     let mut scenes: Vec<(f64, OsString)> = flags.iter().map(|flag| with_time(flag)).collect();
     if is_choice {
@@ -159,7 +161,7 @@ fn timed(flags: &[OsString], file: Option<&Path>, is_choice: bool) -> anyhow::Re
     Ok(scenes)
 }
 
-/// A scene and when it begins. A file may have an @ in its name.
+/// A scene and its start time. A path that exists is not split at its @.
 fn with_time(flag: &OsStr) -> (f64, OsString) {
     let parts = flag.to_str().and_then(|text| text.rsplit_once('@'));
     let timed = parts.and_then(|(scene, time)| Some((parse_seconds(time).ok()?, scene.into())));

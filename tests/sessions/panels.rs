@@ -201,7 +201,7 @@ fn a_show_goes_on_where_the_last_one_ended() {
     std::fs::remove_dir_all(place.inner.path("music")).unwrap();
     let app = place.again(&[]);
     app.wait_for_title("the demo track", |title| title.contains("first_steps") && title.contains("90 %"));
-    app.wait_until_reported("the tracks of the last show cannot be played any more");
+    app.wait_until_reported("the tracks of the last show can no longer be played");
     app.quit();
 }
 
