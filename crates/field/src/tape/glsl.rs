@@ -1,16 +1,16 @@
-//! GLSL generated from the graph and the table of operators.
+//! GLSL functions generated from a graph and the table of operators.
 //!
-//! The text relies on declarations in the shader around it: `cell_hash` ([`crate::graph::CELL_HASH_GLSL`]), the
-//! frame's inputs ([`input_name`]), and, where they are used, `float table_band(float)`, `float
-//! table_spectrum(float)`, `float table_waveform(float)`, `float table_history(float, float)` and `vec4
-//! read_texture(int, float, float)`.
+//! The generated text relies on declarations in the surrounding shader: `cell_hash`
+//! ([`crate::graph::CELL_HASH_GLSL`]), the frame's inputs ([`input_name`]), and, if they are used, `float
+//! table_band(float)`, `float table_spectrum(float)`, `float table_waveform(float)`, `float table_history(float,
+//! float)` and `vec4 read_texture(int, float, float)`.
 
 use std::collections::HashSet;
 use std::fmt::Write as _;
 
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 
-/// A literal that is read back as the same f32. Negative ones are put in parentheses.
+/// A literal that GLSL reads back as the same f32. Negative numbers are put in parentheses.
 pub fn literal(value: f32) -> String {
     if value.is_finite() {
         if value.is_sign_negative() { format!("({value:?})") } else { format!("{value:?}") }
@@ -19,9 +19,9 @@ pub fn literal(value: f32) -> String {
     }
 }
 
-/// The name of an input in the generated code: `p` and `n` are the function's arguments, all others are uniforms.
+/// The name of an input in the generated code. `p` and `n` are arguments of the function, all others are uniforms.
 ///
-/// `frame_time` is a float. `frame_heard` holds the numbers of the sound, `frame_params` the parameters and
+/// `frame_time` is a float. `frame_heard` holds the sound's numbers, `frame_params` the parameters and
 /// `frame_hoisted` the values that are computed once per frame, four to a vec4. `frame_bands` is 32 vec4 with a band
 /// in x. `camera_position` is a vec4 with the eye in xyz.
 pub fn input_name(input: Input) -> String {
@@ -56,31 +56,33 @@ pub(super) fn fill(text: &mut String, template: &str, a: &str, b: &str) {
     text.push_str(rest);
 }
 
-/// How a generated function reads textures.
+/// The texture reads of a generated function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sampling {
-    /// It reads none, or reads them at their finest level: `vec4 read_texture(int, float, float)`.
+    /// No textures, or textures read at their finest level: `vec4 read_texture(int, float, float)`.
     None,
-    /// With the footprint of a pixel. The function has two more arguments, `vec3 dx, vec3 dy`: the changes of the
-    /// position one pixel to the right and one pixel up. It calls `vec4 sample_texture(int, vec2 uv, vec2 dx, vec2
-    /// dy)`.
+    /// Reads with the footprint of a pixel. The function has two more arguments, `vec3 dx, vec3 dy`: the changes of
+    /// the position one pixel to the right and one pixel up. It calls `vec4 sample_texture(int, vec2 uv, vec2 dx,
+    /// vec2 dy)`.
     AlongPosition,
-    /// The same with the changes of the normal (in the sky: of the direction).
+    /// Like [`Sampling::AlongPosition`], with the changes of the normal (in the sky: of the direction).
     AlongNormal,
 }
 
-/// One over a constant, if both are normal numbers. Drivers may divide that way anyway: OpenGL allows 2.5 ulp.
+/// The reciprocal of a constant, if both are normal numbers. Drivers may use it anyway: OpenGL allows an error of 2.5
+/// ulp.
 fn reciprocal(graph: &Graph, divisor: NodeId) -> Option<f32> {
     let reciprocal = graph.as_constant(divisor).filter(|value| value.is_normal())?.recip();
     reciprocal.is_normal().then_some(reciprocal)
 }
 
-/// A function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p, vec3 n, out
-/// float r0, out float r1, ..)`. It has one temporary per node, in the order of evaluation. With
-/// [`Sampling::AlongPosition`] and its like, functions `name_uv0` .. for texture coordinates precede it.
+/// Writes a function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p, vec3
+/// n, out float r0, out float r1, ..)`. It has a temporary per node, in the order of evaluation. With
+/// [`Sampling::AlongPosition`] or [`Sampling::AlongNormal`], functions `name_uv0` .. for texture coordinates precede
+/// it.
 ///
 /// # Errors
-/// Those of [`Graph::check`].
+/// Returns the error of [`Graph::check`].
 pub fn function(
     graph: &Graph,
     roots: &[NodeId],
@@ -88,7 +90,7 @@ pub fn function(
     sampling: Sampling,
 ) -> Result<String, GraphError> {
     let order = graph.order(roots)?.nodes;
-    // The p and n of a pixel's neighbours.
+    // p and n of the neighbouring pixels.
     let neighbours = match sampling {
         Sampling::None => None,
         Sampling::AlongPosition => Some(["p + dx, n", "p + dy, n"]),
@@ -107,15 +109,15 @@ pub fn function(
     Ok(writer.text)
 }
 
-/// Writes the statements of a function. Writing to a String cannot fail, so what `write!` returns is ignored.
+/// Writes the statements of a function. Writing to a String cannot fail, so the results of `write!` are ignored.
 struct Writer<'a> {
     graph: &'a Graph,
     text: String,
-    /// The coordinates of textures that have a function of their own, by number.
+    /// Texture coordinates that have their own function, by number.
     coordinates: Vec<(NodeId, NodeId)>,
-    /// The textures that were read so far, and where.
+    /// The textures read so far, with their coordinates.
     sampled: Vec<(u16, NodeId, NodeId)>,
-    /// The sums of squares found so far: their roots need no guard.
+    /// The sums of squares found so far: their square roots need no guard.
     squares: HashSet<NodeId>,
 }
 
@@ -124,7 +126,7 @@ impl<'a> Writer<'a> {
         Self { graph, text, coordinates: Vec::new(), sampled: Vec::new(), squares: HashSet::new() }
     }
 
-    /// A function for each pair of coordinates at which textures are read.
+    /// Writes a function for each pair of texture coordinates.
     fn coordinates(&mut self, order: &[NodeId], name: &str) -> Result<(), GraphError> {
         for id in order {
             if let Node::Texture { u, v, .. } = self.graph.node(*id)
@@ -138,7 +140,8 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// The signature with so many results, or with one that is returned; and the coordinates of the neighbours.
+    /// Writes the signature, with `results` out parameters or a return value, and the texture coordinates of the
+    /// neighbours.
     fn head(&mut self, name: &str, results: Option<usize>, neighbours: Option<[&str; 2]>) {
         let text = &mut self.text;
         let arguments =
@@ -174,7 +177,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The temporary of a node; constants and inputs have none.
+    /// Writes the temporary of a node; constants and inputs have none.
     fn statement(&mut self, id: NodeId) {
         let node = self.graph.node(id);
         let is_sum = match node {
@@ -212,7 +215,7 @@ impl<'a> Writer<'a> {
         self.text.push_str(";\n");
     }
 
-    /// The number of the sample of a texture. All four channels at one place are read at once.
+    /// The number of a texture sample, which reads all four channels at once.
     fn sample(&mut self, texture: u16, u: NodeId, v: NodeId) -> usize {
         if let Some(place) = self.sampled.iter().position(|&known| known == (texture, u, v)) {
             return place;
@@ -233,7 +236,7 @@ impl<'a> Writer<'a> {
         place
     }
 
-    /// The end of the function.
+    /// Writes the results and the end of the function.
     fn results(&mut self, roots: &[NodeId], single: bool) {
         for (place, root) in roots.iter().enumerate() {
             let result = self.operand(*root);

@@ -1,4 +1,4 @@
-//! Bounds of gradients hold the gradients, and bound how a value changes from point to point.
+//! Tests that bounds of gradients contain the gradients and limit the change between points.
 
 use proptest::prelude::*;
 
@@ -83,7 +83,7 @@ fn tape_of(steps: &[Step]) -> Tape {
     Tape::build(&graph, &[root], &TapeOptions { registers: 8, ..TapeOptions::default() }).unwrap()
 }
 
-/// The value of a tape, computed in 64 bits throughout.
+/// The value of a tape, computed with 64-bit numbers.
 fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
     let mut table = Vec::new();
     tape.table_values(frame, &mut table);
@@ -173,10 +173,10 @@ proptest! {
             let (from, to) = (at(two[0]), at(two[1]));
             let (before, after) = (precise(&tape, &frame, from), precise(&tape, &frame, to));
             let (least, most) = bounds.change([0, 1, 2].map(|axis| to[axis] - from[axis]));
-            // The table is known with 32 bits only.
+            // The table holds 32-bit numbers only.
             let slack = 1e-5 * (1.0 + before.abs() + after.abs());
             let change = after - before;
-            // Bounds are 32-bit numbers: nothing is known of values beyond their range.
+            // Bounds are 32-bit numbers, so values beyond their range are not checked.
             let is_held = [before, after, change].iter().all(|value| (*value as f32).is_finite());
             prop_assert!(
                 !is_held || least.is_nan() || most.is_nan() || (least - slack <= change && change <= most + slack),
@@ -201,7 +201,7 @@ fn assert_within(tape: &Tape, sides: [(f32, f32); 3], low: [f32; 3], high: [f32;
     }
 }
 
-/// No square root of a sum of squares is vertical anywhere: neither a ball's at its centre nor a box's at its corner.
+/// The square root of a sum of squares has a bounded slope everywhere, even at a ball's centre or a box's corner.
 #[test]
 fn lengths_have_bounds_through_their_centre() {
     let ball = shape(|g, p| g.length(&p));
@@ -232,7 +232,8 @@ fn lengths_have_bounds_through_their_centre() {
     assert_within(&squeezed, [(-1.0, 2.0); 3], [-0.501, 0.0, 0.0], [0.501, 0.0, 0.0]);
 }
 
-/// The gradient of a decided minimum is that of its operand; otherwise that of either operand, not of both at once.
+/// The gradient of a decided minimum is its operand's gradient. Otherwise it is the hull of both operands' gradients,
+/// not their sum.
 #[test]
 fn a_minimum_has_the_slopes_of_one_operand() {
     let two = shape(|g, [x, y, _]| {

@@ -1,4 +1,4 @@
-//! What tapes promise: Table 1, the words, values bit for bit, bounds, gradients, limits.
+//! Tests of tapes: Table 1, clause words, exact values, bounds, gradients and limits.
 
 use proptest::prelude::*;
 
@@ -50,7 +50,7 @@ fn table_1_of_the_thesis() {
 }
 
 #[test]
-fn words_are_those_of_the_module_s_table() {
+fn words_match_the_table_in_the_module_documentation() {
     let mut graph = Graph::new();
     let root = ring(&mut graph);
     let tape = tape_of(&graph, &[root], 256);
@@ -68,15 +68,15 @@ fn words_are_those_of_the_module_s_table() {
         0x01_00_01_45, // MAX = 69
     ];
     assert_eq!(words, expected);
-    // As texels: inputs that start in their registers are left out, immediates follow their clauses, END names the
-    // output.
+    // Texels leave out inputs that start in their registers, put immediates behind their clauses, and name the output
+    // in END.
     let mut texels = Vec::new();
     tape.append_texels(&[1.0, 0.5], Compounds::NONE, &mut texels);
     let [one, half] = [1.0_f32, 0.5].map(f32::to_bits);
     let pairs = [
         [expected[2], 0, expected[3], 0],
         [expected[4], 0, expected[5], 0],
-        // Immediates have the bit 0x80 in the place of their entry.
+        // The operand byte of an immediate is 0x80.
         [0x80_01_00_81, one, 0x01_80_01_C1, half],
         [expected[8], 0, 0x00_01_01_00, 0],
     ];
@@ -110,7 +110,7 @@ fn words_are_those_of_the_module_s_table() {
 }
 
 #[test]
-fn every_word_with_a_meaning_decodes_to_one_that_encodes_to_it() {
+fn every_valid_word_decodes_and_encodes_to_itself() {
     let mut meanings = 0;
     for opcode in 0..=255 {
         let clause = Clause { opcode, output: 1, input_a: 2, input_b: 3 };
@@ -124,7 +124,7 @@ fn every_word_with_a_meaning_decodes_to_one_that_encodes_to_it() {
 }
 
 #[test]
-fn every_tape_ends_with_end_in_second_place_and_rare_operators_stand_there() {
+fn end_and_rare_operators_are_second_in_their_texels() {
     let mut graph = Graph::new();
     let mut node = graph.input(Input::X);
     for length in 1..=9 {
@@ -133,7 +133,7 @@ fn every_tape_ends_with_end_in_second_place_and_rare_operators_stand_there() {
         tape.append_texels(&[], Compounds::NONE, &mut texels);
         let (last, others) = texels.split_last().unwrap();
         assert_eq!(*last, [0, 0, u32::from(tape.outputs()[0]) << 16, 0]);
-        // X starts in its register; every other clause is there.
+        // X starts in its register; every other clause is written.
         assert_eq!(others.len(), length - 1);
         assert!(others.iter().all(|texel| texel[0] == 0 && texel[2] & 255 == u32::from(Op::Sin.number())));
         node = graph.unary(Op::Sin, node);
@@ -149,7 +149,7 @@ proptest! {
     #![proptest_config(config(1_000))]
 
     #[test]
-    fn tapes_give_what_the_graph_gives_bit_for_bit(
+    fn tapes_equal_the_graph_bit_for_bit(
         steps in steps(120),
         values in proptest::collection::vec(proptest::array::uniform6(number()), 1..70),
         registers in prop_oneof![2usize..8, Just(256usize)],
@@ -220,7 +220,7 @@ fn choices_are_recorded_in_the_order_of_the_tape() {
     let zero = [Interval::point(0.0); 3];
     let i = Interval::new;
     evaluator.over([i(0.0, 1.0), i(2.0, 3.0), i(5.0, 6.0)], zero);
-    // The operands of MAX stand in the order of their age: first z, then the minimum.
+    // The operands of MAX are in the order of creation: z, then the minimum.
     assert_eq!(evaluator.choices(), [Choice::Left, Choice::Left]);
     let bounds = evaluator.over([i(0.0, 3.0), i(2.0, 4.0), i(2.5, 6.0)], zero)[0];
     assert_eq!((evaluator.choices(), bounds), (&[Choice::Both, Choice::Both][..], i(2.5, 6.0)));
@@ -228,9 +228,9 @@ fn choices_are_recorded_in_the_order_of_the_tape() {
     assert_eq!(evaluator.choices(), [Choice::Right, Choice::Right]);
 }
 
-/// A sphere's gradient is its direction; a gyroid's is known. Both also with spilled registers.
+/// Checks the gradients of a sphere and a gyroid, with and without spilled registers.
 #[test]
-fn gradients_are_known_ones() {
+fn gradients_match_known_ones() {
     let mut g = Graph::new();
     let p = [Input::X, Input::Y, Input::Z].map(|input| g.input(input));
     let length = g.length(&p);
@@ -264,7 +264,7 @@ fn gradients_are_known_ones() {
     }
 }
 
-/// The sum of x * c over many constants, checked against the graph and for how its immediates are addressed.
+/// A maximum of x * c over many constants, checked against its known value.
 fn with_constants(count: usize) -> Tape {
     let mut graph = Graph::new();
     let x = graph.input(Input::X);
@@ -441,7 +441,7 @@ fn glsl_is_written_from_the_operators() {
     );
     let values: String =
         cases.iter().map(|(number, value)| format!("    float v{number} = ({value});\n")).collect();
-    // They have the numbers 0 and 2.
+    // END and LOAD have the numbers 0 and 2.
     let unary = "mix(mix(a, a, HAS(word, 0, 1)), mix(v24, v25, HAS(word, 0, 0)), HAS(word, 0, 4))";
     let binary = "mix(mix(v64, v65, HAS(word, 0, 0)), v69, HAS(word, 0, 2))";
     let selection = format!("{values}    r = mix({unary}, {binary}, (word & 192u) != 0u);\n");
@@ -461,7 +461,7 @@ fn glsl_is_written_from_the_operators() {
 }
 
 #[test]
-fn glsl_guards_divisions_only_by_what_may_be_zero() {
+fn glsl_guards_divisions_only_if_the_divisor_may_be_zero() {
     let mut graph = Graph::new();
     let (x, y, three) = (graph.input(Input::X), graph.input(Input::Y), graph.constant(3.0));
     let (by_three, by_y) = (graph.div(x, three), graph.div(x, y));
@@ -475,7 +475,7 @@ fn glsl_guards_divisions_only_by_what_may_be_zero() {
 }
 
 #[test]
-fn glsl_guards_roots_of_what_may_be_negative() {
+fn glsl_guards_roots_of_possibly_negative_values() {
     let mut graph = Graph::new();
     let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
     let (xx, yy) = (graph.mul(x, x), graph.mul(y, y));
