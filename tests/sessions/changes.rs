@@ -9,16 +9,11 @@ use crate::walls::wait_for_channel;
 
 const AHEAD: [&str; 2] = ["--prepare-ahead", "on"];
 
-struct Place {
-    inner: session::Place,
-    song: PathBuf,
-}
+struct Place(session::Place);
 
 impl Place {
     fn new() -> Self {
-        let inner = session::Place::new();
-        let song = inner.quiet_song("quiet.wav", 60);
-        Self { inner, song }
+        Self(session::Place::with_song())
     }
 
     /// Saves a wall that shines in one of the colours red, green and blue, a little differently at each moment.
@@ -31,20 +26,20 @@ impl Place {
              camera {{ position = vec3(0) target = vec3(0, 0, 5) }}\n\
              sky {{ color = 0 ambient = 0 }}\n"
         );
-        self.inner.save(name, &text);
+        self.0.save(name, &text);
     }
 
     /// A session that compiles its programs on a thread.
     fn open_with_compiler(&self, name: &str, options: &[&str]) -> App {
-        let scene = self.inner.path(name);
+        let scene = self.0.path(name);
         let own = ["--scene", scene.to_str().unwrap(), "--sdf", "compiled"];
-        self.inner.open_with_compiler(&self.song, &[&own[..], options].concat())
+        self.0.open_with_compiler(&self.0.song(), &[&own[..], options].concat())
     }
 
     fn open(&self, name: &str, options: &[&str]) -> App {
-        let scene = self.inner.path(name);
+        let scene = self.0.path(name);
         let own = ["--size", "64x36", "--scene", scene.to_str().unwrap()];
-        let app = self.inner.open(&self.song, &[&own[..], options].concat());
+        let app = self.0.open(&self.0.song(), &[&own[..], options].concat());
         app.wait_for_title("the scene", |title| title.contains(" - Mariana (a, "));
         app
     }
@@ -58,7 +53,7 @@ fn count(text: &str, what: &str) -> usize {
 fn pictures_between(reported: &str, from: &str, to: &str) -> usize {
     let (_, after) = reported.split_once(from).unwrap();
     let (between, _) = after.split_once(to).unwrap();
-    count(between, "a picture in ")
+    count(between, "a frame took ")
 }
 
 #[test]
@@ -126,7 +121,7 @@ fn scenes_fade_and_a_fade_of_nothing_is_a_cut() {
     place.save_wall("b.scene", 1);
     for (options, fades) in [(&[][..], 1), (&["--fade", "0"], 0), (&["--view", "steps"], 0)] {
         let app = place.open("a.scene", options);
-        app.wait_until("a picture", |app| app.reported().contains("a picture in "));
+        app.wait_until("a picture", |app| app.reported().contains("a frame took "));
         app.press(&["n"]);
         app.wait_until_reported("b is shown");
         // Some pictures later.
@@ -173,7 +168,7 @@ fn a_driver_compiled_prepared_scenes_once_more_when_they_were_shown() {
     for (name, channel) in [("a.scene", 0), ("b.scene", 1), ("c.scene", 0)] {
         place.save_wall(name, channel);
         // It reads the sound's tables, too.
-        let path = place.inner.path(name);
+        let path = place.0.path(name);
         let text = fs::read_to_string(&path).unwrap();
         fs::write(path, text.replace("* sin(t)", "* sin(t) + 0.1 * spectrum(fract(p.x))")).unwrap();
     }

@@ -17,26 +17,22 @@ use mariana_testing::process::WAIT_LIMIT;
 const READY: &str = "the universal interpreter is ready\n";
 const READY_NON_LIPSCHITZ: &str = "the universal interpreter is ready, for formulas";
 
-const SONG: &str = "quiet.wav";
-
 /// A folder with a song and a scene.
 struct Place {
     inner: session::Place,
-    song: PathBuf,
     scene: PathBuf,
 }
 
 impl Place {
     fn new() -> Self {
-        let place = Self::of(session::Place::new());
-        place.inner.quiet_song(SONG, 60);
+        let place = Self::of(session::Place::with_song());
         place.save(0, "p.z - 5");
         place
     }
 
     fn of(inner: session::Place) -> Self {
-        let (song, scene) = (inner.path(SONG), inner.path("own.scene"));
-        Self { inner, song, scene }
+        let scene = inner.path("own.scene");
+        Self { inner, scene }
     }
 
     /// Saves a wall that shines in one of the colours red, green and blue.
@@ -55,7 +51,7 @@ impl Place {
     /// A session that compiles on a thread, when its scene shows.
     fn open(&self, options: &[&str]) -> App {
         let own = ["--size", "64x36", "--scene", self.scene.to_str().unwrap()];
-        let app = self.inner.open_with_compiler(&self.song, &[&own[..], options].concat());
+        let app = self.inner.open_with_compiler(&self.inner.song(), &[&own[..], options].concat());
         app.wait_for_title("the scene", |title| title.contains("(own, "));
         app
     }
@@ -104,7 +100,7 @@ fn edits_find_the_interpreter_and_the_next_start_finds_it_kept_unless_it_is_dama
     app.wait_until_reported(READY_NON_LIPSCHITZ);
     let reported = app.quit_content();
     assert_eq!(
-        (count(&reported, "a kept program is there"), count(&reported, "is compiled")),
+        (count(&reported, "loaded a stored program"), count(&reported, "compiled a program")),
         (3, 0),
         "{reported}"
     );
@@ -203,7 +199,7 @@ fn a_driver_that_takes_the_process_along_is_not_asked_for_that_again() {
     die(&place, &[]);
     assert!(!place.files("attempt").is_empty());
     let app = place.open(&[]);
-    app.wait_until_reported("Mariana ended while the driver compiled it before");
+    app.wait_until_reported("Mariana crashed while the driver compiled it before");
     wait_for_channel(&app, 0);
     app.wait_until_reported("an interpreter is ready");
     app.quit_content();
@@ -217,7 +213,7 @@ fn a_driver_that_takes_the_process_along_is_not_asked_for_that_again() {
     let options = ["--sdf", "interpreted"];
     die(&place, &options);
     let app = place.open(&options);
-    app.wait_until_reported("Mariana ended twice while the driver compiled it");
+    app.wait_until_reported("Mariana crashed twice while the driver compiled it");
     wait_for_channel(&app, 1);
     assert!(app.title().contains("compiled"), "{}", app.title());
     app.quit_content();
@@ -243,7 +239,9 @@ fn a_scene_goes_on_while_another_program_takes_long() {
     let app = place.open(&["--sdf", "compiled"]);
     wait_for_channel(&app, 0);
     app.press(&["c"]);
-    app.wait_until_reported("the driver is still compiling an interpreter: the current scene stays until then");
+    app.wait_until_reported(
+        "the driver is still compiling an interpreter: the current scene stays until then",
+    );
     app.wait_for_title("interpreted", |title| title.contains("interpreted"));
     wait_for_channel(&app, 0);
     app.quit_content();

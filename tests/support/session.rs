@@ -45,6 +45,18 @@ impl Place {
         Self { _own: Some(folder), ..Self::at(&path) }
     }
 
+    /// A new one with a minute of quiet music at [`Self::song`].
+    pub(crate) fn with_song() -> Self {
+        let place = Self::new();
+        place.quiet_song("quiet.wav", 60);
+        place
+    }
+
+    /// The song of [`Self::with_song`].
+    pub(crate) fn song(&self) -> PathBuf {
+        self.path("quiet.wav")
+    }
+
     /// An existing folder.
     pub(crate) fn at(folder: &Path) -> Self {
         Self { folder: folder.to_owned(), _own: None, drawer: env!("CARGO_BIN_EXE_mariana").into() }
@@ -97,7 +109,7 @@ impl Place {
         );
         let all = [&[song.to_str().unwrap()], &ALONE[..], options].concat();
         let app = self.start(&all, Offscreen::open_with_compiler);
-        assert!(!app.reported().contains("no context on the default display"), "{}", app.reported());
+        assert!(!app.reported().contains("cannot create a context on the default display"), "{}", app.reported());
         app
     }
 

@@ -1,14 +1,14 @@
-//! Programs compiled in parallel with the frame loop, on threads with contexts of their own.
+//! Compiles programs on worker threads with their own contexts, in parallel with the frame loop.
 //!
-//! A driver's work on a large shader takes from tens of milliseconds to many seconds, and part of it waits for the
-//! first draw. So a worker links the program and draws a small picture with it, in the same states and with textures
-//! of the same kinds that the renderer will use. The drawing thread gets values only, among them the driver's own
-//! form of the program; what the driver compiled at the draw it finds in its cache. No object is ever shared between
-//! two contexts, because drivers mishandle shared objects ([`super::program::ReadyProgram`]).
+//! A driver takes from tens of milliseconds to many seconds for a large shader, and does part of the work at the first
+//! draw. A worker therefore links the program and draws a small image with it, with the same states and kinds of
+//! textures that the renderer will use. The drawing thread receives plain values, among them the driver's binary of the
+//! program, and finds the code compiled at the draw in the driver's cache. Contexts never share objects, because
+//! drivers mishandle shared objects ([`super::program::ReadyProgram`]).
 //!
-//! What a driver made is kept from run to run (`compile_worker`).
+//! Compiled programs are stored between runs (`compile_worker`).
 
-#![expect(unsafe_code, reason = "creating contexts is unsafe in glutin")]
+#![expect(unsafe_code, reason = "glutin's functions that create contexts are unsafe")]
 
 mod compile_worker;
 
@@ -38,21 +38,21 @@ use crate::frame::picture::Picture;
 use crate::limits::LIMITS;
 use compile_worker::{CompileWorker, Made};
 
-/// A context for a worker, not current anywhere yet.
+/// A context for a worker; not current on any thread yet.
 pub struct WorkerContext {
     display: Display,
     context: NotCurrentContext,
 }
 
 impl WorkerContext {
-    /// A context of the driver `info` on the display, or on one of its own, that shares nothing with any other.
+    /// Creates a context of the driver `info` that shares nothing with others, on `display` or on a display of its own.
     ///
-    /// **llvmpipe's contexts stay apart.** Before it hands out memory of a texture or buffer, it looks through what all
-    /// contexts of the display still draw (`llvmpipe_flush_resource`), and Mesa 22.3 does that while their threads change
-    /// it: drawing in one context could crash another.
+    /// **llvmpipe gets a separate display.** Before llvmpipe hands out the memory of a texture or buffer, it checks
+    /// what all contexts of the display are still drawing (`llvmpipe_flush_resource`). Mesa 22.3 does that while the
+    /// contexts' threads change it, so drawing in one context could crash another.
     ///
     /// # Errors
-    /// What EGL says.
+    /// EGL's error.
     pub fn new(display: &Display, config: &Config, info: &GlInfo) -> glutin::error::Result<Self> {
         #[cfg(all(unix, not(target_os = "macos")))]
         if info.software
@@ -64,12 +64,13 @@ impl WorkerContext {
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
             .build(None);
-        // SAFETY: display and configuration are of one EGL library and alive.
+        // SAFETY: `display` is alive, and `config` comes from the same EGL library.
         let context = unsafe { display.create_context(config, &attributes) }?;
         Ok(Self { display: display.clone(), context })
     }
 
-    /// A context on EGL's default display; [`super::headless::Headless`] uses another one. `None` if EGL refuses it.
+    /// Creates a context on EGL's default display; [`super::headless::Headless`] uses another display. `None` if EGL
+    /// refuses.
     pub fn beside_headless() -> Option<Self> {
         #[cfg(target_os = "linux")]
         let made = super::headless::default_context();
@@ -82,7 +83,7 @@ impl WorkerContext {
         None
     }
 
-    /// Makes it current on this thread. Without a window only EGL can do that.
+    /// Makes the context current on this thread. Without a window only EGL supports that.
     fn make_current(self) -> Result<(Display, PossiblyCurrentContext), String> {
         let current = match self.context {
             #[cfg(any(windows, all(unix, not(target_os = "macos"))))]
@@ -96,44 +97,44 @@ impl WorkerContext {
     }
 }
 
-/// Makes the text of a shader, on the worker's thread.
+/// Generates the text of a shader on the worker's thread.
 pub type VariantMaker = Box<dyn FnOnce() -> Result<Variant, GpuError> + Send>;
 
-/// A program to be made.
+/// A program to compile.
 pub struct ProgramJob {
-    /// The caller's name for it.
+    /// The caller's identifier.
     pub id: u64,
-    /// Its text.
+    /// The shader text.
     pub variant: VariantMaker,
-    /// What the picture that warms it up shows.
+    /// The frame block of the warm-up image.
     pub block: FrameBlock,
-    /// What happens to its light.
+    /// Post-processing of the warm-up image.
     pub picture: Picture,
-    /// What that picture reads.
+    /// Textures and buffers that the warm-up image reads.
     pub scene: SceneShape,
-    /// Whether it is a program of views.
+    /// True for a program that draws views.
     pub draws_views: bool,
-    /// Whether it is not tried again once the driver has failed at it.
+    /// True if the program is not tried again after the driver has failed at it.
     pub can_be_given_up: bool,
 }
 
-/// A job that is done.
+/// A finished job.
 pub struct Finished {
-    /// The caller's name for it.
+    /// The caller's identifier.
     pub id: u64,
-    /// The program, as values.
+    /// The program as plain values.
     pub program: Result<ReadyProgram, GpuError>,
 }
 
-/// How long the end waits for drivers at work: a process that ends while one compiles may crash.
+/// Longest wait for busy drivers at exit. A process that exits while a driver compiles may crash.
 const END_WAIT: Duration = Duration::from_secs(4);
 
-/// The workers and their jobs.
+/// The queue of programs to compile and its worker threads.
 pub struct BackgroundCompiler {
     queue: Arc<Queue>,
     finished: Receiver<Finished>,
     threads: Vec<JoinHandle<()>>,
-    /// What the texts of programs are made from, if there are no threads.
+    /// Sources of the program texts, used without threads.
     library: ShaderLibrary,
     info: GlInfo,
 }
@@ -147,16 +148,16 @@ struct Queue {
 #[derive(Default)]
 struct State {
     jobs: VecDeque<ProgramJob>,
-    /// The jobs that threads are at.
+    /// The jobs in progress.
     begun: Vec<Begun>,
     over: bool,
 }
 
-/// A job that a thread is at.
+/// A job in progress.
 struct Begun {
     id: u64,
     since: Instant,
-    /// Whether it was told that it takes long.
+    /// True if the job was reported as slow.
     reported: bool,
 }
 
@@ -165,7 +166,7 @@ impl Queue {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The next job; none when the compiler ends.
+    /// Waits for the next job. `None` when the compiler ends.
     fn next(&self) -> Option<ProgramJob> {
         let mut state = self.lock();
         loop {
@@ -186,8 +187,8 @@ impl Queue {
 }
 
 impl BackgroundCompiler {
-    /// Starts a thread for each context of the driver `info`. `wake` is called after each job, on the worker's thread.
-    /// If there is no context or no thread, [`BackgroundCompiler::poll`] gives texts, which are linked between frames.
+    /// Starts a thread for each context of the driver `info`. Each worker calls `wake` after each job. Without contexts
+    /// or threads, [`BackgroundCompiler::poll`] returns texts, which the caller links between frames.
     pub fn start(
         contexts: Vec<WorkerContext>,
         sources: Sources,
@@ -204,19 +205,19 @@ impl BackgroundCompiler {
             match worker.spawn(move || work(context, &queue, &sender, &sources, &wake)) {
                 Ok(thread) => threads.push(thread),
                 Err(error) => {
-                    tracing::warn!("no thread to compile on ({error}); the others go on without it")
+                    tracing::warn!("cannot start a compiler thread ({error}): compiling with fewer threads")
                 }
             }
         }
         Self { queue, finished, threads, library: sources.library, info: info.clone() }
     }
 
-    /// Whether programs are made beside the frame loop.
+    /// True if programs are compiled in parallel with the frame loop.
     pub fn has_threads(&self) -> bool {
         !self.threads.is_empty()
     }
 
-    /// The jobs that a driver has been at for longer than [`crate::limits::Limits::compile_seconds_reported`], each once.
+    /// The jobs that take longer than [`crate::limits::Limits::compile_seconds_reported`]. Each is reported once.
     pub fn slow(&self) -> Vec<u64> {
         let mut state = self.queue.lock();
         let slow = state
@@ -230,18 +231,18 @@ impl BackgroundCompiler {
         .collect()
     }
 
-    /// Requests a program, after those that were requested before.
+    /// Adds a program to the end of the queue.
     pub fn submit(&self, job: ProgramJob) {
         self.queue.lock().jobs.push_back(job);
         self.queue.changed.notify_one();
     }
 
-    /// Drops the jobs that `obsolete` names and that were not begun.
+    /// Drops queued jobs for which `obsolete` returns true.
     pub fn forget(&self, obsolete: impl Fn(u64) -> bool) {
         self.queue.lock().jobs.retain(|job| !obsolete(job.id));
     }
 
-    /// A job that is done, if there is one; does not wait.
+    /// Returns a finished job, if any, without waiting.
     pub fn poll(&self) -> Option<Finished> {
         if self.threads.is_empty() {
             let job = self.queue.lock().jobs.pop_front()?;
@@ -264,32 +265,32 @@ impl Drop for BackgroundCompiler {
             while !thread.is_finished() && Instant::now() < until {
                 std::thread::sleep(Duration::from_millis(2));
             }
-            // A driver cannot be interrupted, and may need minutes for a large scene. Nothing in its context belongs
-            // to the window's, so the window's can go without it.
+            // A driver cannot be interrupted and may need minutes for a large scene. The worker's context is
+            // independent of the window's, so the window's can be dropped first.
             if !thread.is_finished() {
-                tracing::info!("a driver is still compiling: the program ends without it");
+                tracing::info!("a driver is still compiling: Mariana exits without waiting for it");
                 continue;
             }
             if thread.join().is_err() {
-                tracing::warn!("a compiling thread ended with a panic");
+                tracing::warn!("a compiler thread panicked");
             }
         }
     }
 }
 
-/// When it is told that a job takes long.
+/// The time after which a job is reported as slow.
 fn reported_after() -> Duration {
     let is_hurried = [Fault::SlowCompiler, Fault::SlowInterpreter].into_iter().any(faults::is_wanted);
     let seconds = if is_hurried { 0.2 } else { LIMITS.compile_seconds_reported };
     Duration::from_secs_f64(seconds)
 }
 
-/// What programs are made from.
+/// The inputs of compilation.
 #[derive(Clone)]
 pub struct Sources {
-    /// The shaders' files.
+    /// The shader files.
     pub library: ShaderLibrary,
-    /// What was kept from earlier runs, and where it is kept for later ones.
+    /// The store of programs from earlier runs.
     pub cache: Arc<dyn ProgramStore>,
 }
 
@@ -300,7 +301,7 @@ fn work(
     sources: &Sources,
     wake: &dyn Fn(),
 ) {
-    // Kept current to the end of the thread, until everything that was made in it is gone.
+    // The context stays current until everything made in it is dropped.
     let context = worker.make_current();
     let mut compile_worker = context.as_ref().map_err(Clone::clone).and_then(|(display, _current)| {
         let gl = Gl::load(|name| display.get_proc_address(name), false);
@@ -309,10 +310,10 @@ fn work(
     while let Some(job) = queue.next() {
         let id = job.id;
         let made = match &mut compile_worker {
-            // After a panic the caller must not wait for ever.
+            // Send a result after a panic too, because the caller waits for it.
             Ok(compile_worker) => catch_unwind(AssertUnwindSafe(|| compile_worker.make(sources, job)))
                 .unwrap_or_else(|_| {
-                    Err(GpuError::NoWorker { reason: "making a program ended with a panic".into() })
+                    Err(GpuError::NoWorker { reason: "compiling a program panicked".into() })
                 }),
             Err(reason) => Err(GpuError::NoWorker { reason: reason.clone() }),
         };
@@ -325,7 +326,7 @@ fn work(
             break;
         }
         wake();
-        // Nobody waits for a disk.
+        // Save after sending: writing to a disk may take long.
         if let Some((key, bytes)) = to_keep {
             sources.cache.save(key, &bytes);
         }
@@ -334,7 +335,7 @@ fn work(
     }
 }
 
-/// The texts of a scene's program.
+/// Assembles the texts of a scene's program.
 fn texts_of(library: &ShaderLibrary, variant: VariantMaker, info: &GlInfo) -> Result<ProgramTexts, GpuError> {
     Ok(ProgramTexts::assemble(library, SCENE_SHADER, &variant()?, info)?)
 }

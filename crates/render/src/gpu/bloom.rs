@@ -1,9 +1,9 @@
-//! Bloom: light that lens and eye scatter around its true place.
+//! Bloom: light that the lens and the eye scatter.
 //!
-//! The picture is halved in size again and again, then brought back up; each level is mixed with what came from the
-//! smaller ones (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014). Unlike there,
-//! nothing is added: every level is a mean of light, and the light that `present.frag` mixes in is taken away from
-//! its true place, so that the picture gets no brighter.
+//! The light is halved in size repeatedly, then enlarged again; each level is mixed with the enlarged smaller levels
+//! (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014). Unlike in that method, nothing
+//! is added: every level is a mean of light, and `present.frag` subtracts the scattered light from its origin, so that
+//! the image gets no brighter.
 
 use super::error::GpuError;
 use super::gl::Gl;
@@ -11,30 +11,30 @@ use super::passes::Passes;
 use super::program::{LazyProgram, unit_of};
 use super::target::{Target, Texel};
 
-/// Most levels: the smallest is then a 256th of the picture.
+/// Most levels: the smallest is then a 256th of the image.
 const LEVELS_MAX: u32 = 8;
 /// Approximate height of the smallest level, in pixels.
 const SMALLEST: u32 = 6;
-/// The weight of each level relative to the one twice as large.
+/// The weight of each level relative to the next larger one.
 const FADING: f32 = 0.85;
 
-/// The programs of its passes.
+/// The programs of the bloom passes.
 pub(super) struct Bloom {
     pub(super) first: LazyProgram,
     pub(super) down: LazyProgram,
     pub(super) up: LazyProgram,
 }
 
-/// Its levels, the largest first.
+/// The levels, largest first.
 pub(super) struct BloomTargets {
     levels: Vec<Target>,
 }
 
 impl Bloom {
-    /// Scatters light; the result is half as large.
+    /// Scatters light. The result has half the size.
     ///
     /// # Errors
-    /// What the driver says about malformed programs.
+    /// The driver's log, for a malformed program.
     pub(super) fn draw<'a>(
         &self,
         passes: &Passes,
@@ -59,15 +59,15 @@ impl Bloom {
     }
 }
 
-/// The share of the smaller levels when `levels` are left, so that all weights sum to 1 and each is smaller than the
-/// one before.
+/// The fraction of the smaller levels when `levels` remain. All weights sum to 1, and each is smaller than the previous
+/// one.
 fn fraction_of_smaller(levels: usize) -> f32 {
     let weights = |from: usize| (from..levels).map(|level| FADING.powi(level as i32)).sum::<f32>();
     weights(1) / weights(0)
 }
 
 impl BloomTargets {
-    /// For light of `size` pixels.
+    /// Creates levels for light of `size` pixels.
     ///
     /// # Errors
     /// As [`Target::new`].
@@ -77,7 +77,7 @@ impl BloomTargets {
     }
 }
 
-/// Sizes of the levels, the largest first: at least one.
+/// Sizes of the levels, largest first; at least one.
 fn level_sizes(size: (u32, u32)) -> Vec<(u32, u32)> {
     let mut sizes = vec![(size.0.div_ceil(2).max(1), size.1.div_ceil(2).max(1))];
     while let Some(&(width, height)) = sizes.last()
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn the_levels_weigh_one_in_all_and_each_less_than_the_one_before() {
+    fn the_weights_of_the_levels_sum_to_one_and_decrease() {
         for count in 1..=8 {
             let (mut left, mut weights) = (1.0, Vec::new());
             for index in 0..count {

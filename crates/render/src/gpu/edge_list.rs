@@ -1,9 +1,9 @@
-//! The pixels at edges as a list, so that their further samples are drawn densely.
+//! A list of the pixels at edges, so that their further samples can be drawn densely.
 //!
-//! A software renderer runs a shader for eight neighbours at once. If few of them are at an edge, most of that work
-//! is wasted: the further samples of 13 % of the pixels would cost more than the first samples of all. Their samples
-//! are therefore placed side by side in a target of their own, in a block for each pixel. Reading back which pixels
-//! those are costs nothing there; a GPU would have to wait for it, and uses the stencil instead.
+//! A software renderer runs a shader for eight neighbouring pixels at once. If few of them are at an edge, most of that
+//! work is wasted: further samples of 13 % of the pixels would cost more than the first samples of all. Their samples
+//! are therefore drawn side by side in a separate target, in a block for each pixel. A software renderer reads the
+//! marked pixels back at no cost. A GPU would have to wait for that, and uses the stencil instead.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -17,30 +17,30 @@ use super::program::unit_of;
 use super::target::{Target, Texel};
 use super::tiles::Part;
 
-/// Pixels are listed by squares with sides of this many pixels, so that pixels drawn together see similar things.
+/// Pixels are listed by squares with sides of this many pixels, so that pixels drawn together show similar surfaces.
 const TILE: usize = 8;
 
-/// The list of a picture, and the target of its samples.
+/// The list of edge pixels of an image, and the target of their samples.
 pub(super) struct EdgeList {
     gl: Gl,
     size: (u32, u32),
     texels: Vec<Texel>,
     /// Width and height of a block, in texels.
     block: (u32, u32),
-    /// Rows of blocks for which there is room.
+    /// Most rows of blocks.
     rows_max: u32,
-    /// 255 where an edge is.
+    /// 255 at edges.
     marks: Target,
     /// The pixel of each block of samples.
     pixels: Texture,
     /// The block of each pixel's samples, counted from 1; 0 for none.
     squares: Texture,
-    /// The samples, a block for each pixel. Grows.
+    /// The samples, in a block per pixel. The target grows as needed.
     samples: Target,
 }
 
 impl EdgeList {
-    /// For pictures of `size` pixels; the texels of the `samples` target are `texels`.
+    /// Creates a list for images of `size` pixels, with samples stored as `texels`.
     ///
     /// # Errors
     /// As [`Target::new`].
@@ -70,23 +70,21 @@ impl EdgeList {
         Ok(list)
     }
 
-    /// Where the marks of edges are drawn.
+    /// The target for the marks of edges.
     pub(super) fn marks(&self) -> &Target {
         &self.marks
     }
 
-    /// The target of the samples.
     pub(super) fn samples(&self) -> &Target {
         &self.samples
     }
 
-    /// Blocks in a row of the target.
+    /// Blocks per row of the target.
     fn row(&self) -> u32 {
         self.size.0.min(self.gl.info().texture_side_max / self.block.0).max(1)
     }
 
-    /// Makes room for this many rows of blocks, or for as many as the driver can hold; pixels beyond get no more
-    /// samples.
+    /// Reserves this many rows of blocks, or as many as the driver allows. Pixels beyond get no further samples.
     fn reserve(&mut self, rows: u32) -> Result<(), GpuError> {
         let rows = rows.clamp(1, self.rows_max);
         if self.samples.size().1 < self.block.1 * rows {
@@ -98,11 +96,11 @@ impl EdgeList {
         Ok(())
     }
 
-    /// Lists the marked pixels, each with how far its beam is free (`beams`, of all pixels), and returns the areas of
-    /// the target in which their samples are to be drawn; the rest of it is empty.
+    /// Lists the marked pixels, each with the free length of its beam (`beams`, for all pixels). Returns the areas of
+    /// the target to draw samples in; the rest of the target is empty.
     ///
     /// # Errors
-    /// No room for the samples.
+    /// No memory for the samples.
     pub(super) fn prepare(&mut self, beams: &[f32]) -> Result<Vec<Part>, GpuError> {
         let marks = self.marks.read_red();
         let listed = listed_pixels(&marks, self.size);
@@ -129,7 +127,7 @@ impl EdgeList {
         self.upload(&self.pixels, (row as u32, (pixels.len() / row) as u32), &pixels);
 
         self.samples.bind();
-        // SAFETY: plain state. Counts that the last picture left do not belong to this one.
+        // SAFETY: clears the target bound above, in the current context. It may hold counts of the previous image.
         unsafe { self.gl.clear(glow::COLOR_BUFFER_BIT) }
         let (rows, rest) = ((listed.len() / row) as u32, (listed.len() % row) as u32);
         let (across, down) = self.block;
@@ -139,20 +137,20 @@ impl EdgeList {
         ])
     }
 
-    /// Binds what the scene's shader reads. llvmpipe compiles the shader once for each kind of texture that is bound,
-    /// read or not, so this texture is bound from the first sample on.
+    /// Binds the texture that the scene's shader reads. llvmpipe compiles the shader for each kind of bound texture,
+    /// read or not, so bind this one from the first sample on.
     pub(super) fn bind_pixels(&self) {
         self.bind(&self.pixels, "edge_pixels");
     }
 
-    /// Binds what `resolve.frag` reads: the samples, and where those of each pixel are.
+    /// Binds the textures that `resolve.frag` reads: the samples and the blocks of the pixels.
     pub(super) fn bind_samples(&self) {
         self.samples.bind_color(0, unit_of("extra_samples"));
         self.bind(&self.squares, "edge_squares");
     }
 
     fn bind(&self, texture: &Texture, name: &str) {
-        // SAFETY: the texture is ours.
+        // SAFETY: binds a texture of this list in the current context.
         unsafe {
             self.gl.active_texture(glow::TEXTURE0 + unit_of(name));
             self.gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
@@ -162,7 +160,7 @@ impl EdgeList {
     fn upload<const N: usize>(&self, texture: &Texture, size: (u32, u32), texels: &[[u16; N]]) {
         let (_, format) = index_formats(N);
         let bytes: Vec<u8> = texels.as_flattened().iter().flat_map(|value| value.to_ne_bytes()).collect();
-        // SAFETY: the texture is ours, and there are as many texels as its size says.
+        // SAFETY: binds a texture of this list in the current context, and `texels` has as many texels as `size`.
         unsafe {
             self.gl.active_texture(glow::TEXTURE0 + unit_of("edge_pixels"));
             self.gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
@@ -182,22 +180,22 @@ impl EdgeList {
     }
 }
 
-/// A side of at least this many texels that is not a power of two. Software renderers compile programs once more for
-/// powers of two: what has sides that change in the middle of a show must not make it wait.
+/// Returns a side of at least this many texels that is no power of two. Software renderers compile a variant for powers
+/// of two. A side that changes during a show must not cause such a delay.
 fn no_power_of_two(side: u32) -> u32 {
     if side.is_power_of_two() { side + 1 } else { side }
 }
 
-/// The formats of texels of two or four 16-bit integers: as stored and as given.
+/// The internal and the transfer format of texels with two or four 16-bit integers.
 fn index_formats(numbers: usize) -> (u32, u32) {
     if numbers == 2 { (glow::RG16UI, glow::RG_INTEGER) } else { (glow::RGBA16UI, glow::RGBA_INTEGER) }
 }
 
-/// A texture with two or four integers in each texel.
+/// Creates a texture with two or four integers in each texel.
 fn index_texture(gl: &Gl, size: (u32, u32), numbers: usize) -> Result<Texture, GpuError> {
     let texture = Texture::new(gl)?;
     let (stored, format) = index_formats(numbers);
-    // SAFETY: the texture is ours.
+    // SAFETY: allocates storage for a texture that was just created in the current context; passes no data.
     unsafe {
         gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
         gl.tex_image_2d(
@@ -218,7 +216,7 @@ fn index_texture(gl: &Gl, size: (u32, u32), numbers: usize) -> Result<Texture, G
     Ok(texture)
 }
 
-/// The places of the marks, x and y, tile by tile.
+/// The positions of the marks, x and y, tile by tile.
 fn listed_pixels(marks: &[u8], size: (u32, u32)) -> Vec<[u16; 2]> {
     let (width, height) = (size.0 as usize, size.1 as usize);
     let mut listed = Vec::new();

@@ -1,31 +1,32 @@
-//! Where the further samples of pixels at edges are placed.
+//! The number and positions of further samples in pixels at edges.
 
-/// How many further samples a pixel at an edge gets.
+/// The number of further samples of a pixel at an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EdgeSamples {
-    /// For moving pictures of a scene that is being edited: enough for edges that are no stairs.
+    /// For frames of a scene in the editor. Edges are antialiased, if coarsely.
     Two,
-    /// For moving pictures.
+    /// For live frames.
     Four,
-    /// Twice as many.
+    /// For live frames of higher quality.
     Eight,
-    /// For pictures that are viewed at length.
+    /// For stills and exports.
     Sixteen,
 }
 
 impl EdgeSamples {
-    /// All of them.
+    /// All numbers of samples, in ascending order.
     pub const ALL: [EdgeSamples; 4] =
         [EdgeSamples::Two, EdgeSamples::Four, EdgeSamples::Eight, EdgeSamples::Sixteen];
 
-    /// How many there are.
+    /// The number of samples.
     pub fn count(self) -> usize {
         self.places().len()
     }
 
-    /// Offsets from the pixel's centre, in sixteenths of a pixel: no two share a row or a column, and they are spread
-    /// as evenly as possible (the standard patterns of Direct3D 11; of four, a rotated grid). Two lie on one line with
-    /// the centre, along which edges stay stairs: it is neither level, nor upright, nor a diagonal.
+    /// Offsets from the pixel's centre, in sixteenths of a pixel. No two share a row or a column, and they are spread
+    /// as evenly as possible (the standard patterns of Direct3D 11; the four are a rotated grid). The two samples lie
+    /// on one line with the centre. Edges along that line stay jagged, so it is neither horizontal, nor vertical, nor
+    /// diagonal.
     fn places(self) -> &'static [[i8; 2]] {
         match self {
             EdgeSamples::Two => &[[-5, 4], [5, -4]],
@@ -52,14 +53,14 @@ impl EdgeSamples {
         }
     }
 
-    /// The same in pixels, their mean at the centre.
+    /// The offsets in pixels, with their mean at the centre.
     pub fn offsets(self) -> impl Iterator<Item = [f32; 2]> {
-        // The sixteen begin at -8 and end at 7.
+        // The sixteen offsets range from -8 to 7.
         let middle = if self == EdgeSamples::Sixteen { 0.5 } else { 0.0 };
         self.places().iter().map(move |place| place.map(|at| (f32::from(at) + middle) / 16.0))
     }
 
-    /// Width and height, in texels, of the block into which they are drawn when they are placed side by side.
+    /// Width and height, in texels, of a pixel's block of samples when they are drawn side by side.
     pub fn block(self) -> (u32, u32) {
         match self {
             EdgeSamples::Two => (2, 1),
@@ -69,9 +70,8 @@ impl EdgeSamples {
         }
     }
 
-    /// The smallest difference between neighbours that gets more samples, in perceived brightness, 0..1: between
-    /// different surfaces, and on one surface, as at the edge of a shadow. (Textures are filtered by their mip
-    /// levels.)
+    /// The smallest contrast between neighbouring pixels that gets further samples, in perceived brightness, 0..1:
+    /// between different surfaces, and on one surface, as at the edge of a shadow. Mip levels filter textures.
     pub fn contrasts(self) -> [f32; 2] {
         match self {
             EdgeSamples::Two | EdgeSamples::Four => [0.03, 0.20],
@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn samples_share_no_row_and_no_column_and_fill_their_block() {
+    fn samples_share_no_row_or_column_and_fill_their_block() {
         for samples in EdgeSamples::ALL {
             let offsets: Vec<[f32; 2]> = samples.offsets().collect();
             let (width, height) = samples.block();

@@ -1,40 +1,40 @@
-//! What can go wrong on the way to a picture.
+//! Errors of the GPU side.
 
 use std::path::PathBuf;
 
 use super::program_store::GivenUp;
 use mariana_field::world::WorldError;
 
-/// An error of the GPU side. Each message says what, where and what to do.
+/// An error of the GPU side. Messages name the problem, its place and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
-    /// No OpenGL without a window on this system.
+    /// The system has no OpenGL without a window.
     #[error(
-        "OpenGL without a window is not available here ({reason}): install a driver with EGL \
+        "OpenGL without a window is not available on this system ({reason}): install a driver with EGL \
          (Debian: libegl1 and libgl1-mesa-dri, which also bring a software renderer)"
     )]
     NoHeadlessContext {
-        /// What the system said.
+        /// The system's error.
         reason: String,
     },
     /// The driver is older than OpenGL 3.3.
     #[error(
-        "OpenGL {found} is too old: Mariana needs 3.3 core; update the graphics driver, or set \
+        "OpenGL {found} is too old; Mariana needs OpenGL 3.3 core: update the graphics driver, or set \
          LIBGL_ALWAYS_SOFTWARE=1 to use Mesa's software renderer"
     )]
     TooOld {
         /// The driver's version string.
         found: String,
     },
-    /// Shader text is missing or malformed.
+    /// A shader text is missing or malformed.
     #[error(transparent)]
     Source(#[from] ShaderSourceError),
-    /// The driver refused a shader.
-    #[error("the driver rejects {name}: correct the lines that it names\n{log}")]
+    /// The driver rejected a shader.
+    #[error("the driver rejects {name}: correct the lines in its log\n{log}")]
     Compile {
-        /// The shader file, or the program.
+        /// The shader file or the program.
         name: String,
-        /// The driver's log, with the files' names.
+        /// The driver's log, with the names of the files.
         log: String,
     },
     /// The driver failed at a program in an earlier run.
@@ -42,49 +42,49 @@ pub enum GpuError {
     GivenUp {
         /// How it failed.
         why: GivenUp,
-        /// The file that remembers it.
+        /// The file with the record of the failure.
         mark: PathBuf,
     },
-    /// The scene cannot be made into a shader.
+    /// The scene cannot be translated into a shader.
     #[error(transparent)]
     World(#[from] WorldError),
-    /// The scene's tape is too large for the driver.
+    /// The scene's tape exceeds the driver's limits.
     #[error(transparent)]
     DoesNotFit(#[from] DoesNotFit),
-    /// The thread that compiles has no context.
+    /// The compiler thread has no context.
     #[error(
         "the driver provides no second context to compile in ({reason}): scenes are compiled between frames instead"
     )]
     NoWorker {
-        /// What the driver said.
+        /// The driver's error.
         reason: String,
     },
-    /// The driver could not make an object.
-    #[error("the driver could not make {what}: {reason}")]
+    /// The driver could not create an object.
+    #[error("the driver could not create {what}: {reason}")]
     Object {
-        /// What was asked for.
+        /// The kind of object.
         what: &'static str,
-        /// What the driver said.
+        /// The driver's error.
         reason: String,
     },
-    /// A picture beyond what the driver can hold.
+    /// An image beyond the driver's limits.
     #[error(
-        "a picture of {width}x{height} pixels is more than this driver allows ({limit} a side): choose a smaller one"
+        "an image of {width}x{height} pixels exceeds this driver's limit of {limit} a side: choose a smaller size"
     )]
     TooLarge {
-        /// Asked width in pixels.
+        /// Requested width in pixels.
         width: u32,
-        /// Asked height in pixels.
+        /// Requested height in pixels.
         height: u32,
         /// The driver's largest side.
         limit: u32,
     },
-    /// The driver was reset, or has lost the context for another reason.
+    /// The context is lost, for example because the GPU was reset.
     #[error(
-        "the driver has lost its context while {doing}: start Mariana again if the picture does not come back"
+        "the driver has lost its context while {doing}: restart Mariana if the picture does not come back"
     )]
     ContextLost {
-        /// What was being done.
+        /// The operation that failed.
         doing: &'static str,
     },
     /// The driver reported an error.
@@ -92,73 +92,74 @@ pub enum GpuError {
     Driver {
         /// The GL error.
         what: String,
-        /// What was being done.
+        /// The operation that failed.
         doing: &'static str,
     },
 }
 
-/// Why a scene cannot be interpreted by a driver.
+/// The reason why a driver cannot interpret a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum DoesNotFit {
-    /// Its programs are too long for a texture buffer.
+    /// The tapes are too long for a texture buffer.
     #[error(
         "the scene's tape needs {needed} texels of a texture buffer, but the driver has {available}: it is compiled \
          instead"
     )]
     Texels {
-        /// Texels that are needed.
+        /// Texels needed.
         needed: usize,
-        /// Texels that the driver reports.
+        /// Texels that the driver supports.
         available: usize,
     },
-    /// Its distance keeps more values at once than a tape has registers.
+    /// The distance needs more values at once than a tape has registers.
     #[error(
-        "the scene's distance keeps more than 256 values at once, which no region's tape can do: it is compiled instead"
+        "the scene's distance needs more than 256 values at once, but a region's tape has 256 registers: it is \
+         compiled instead"
     )]
     Registers,
 }
 
-/// Why shader text could not be put together.
+/// An error in the assembly of a shader's text.
 #[derive(Debug, thiserror::Error)]
 pub enum ShaderSourceError {
-    /// The folder of `--shaders` lacks a file, or it cannot be read.
+    /// The folder given with `--shaders` lacks a file, or the file cannot be read.
     #[error(
         "the shader file {path} cannot be read: give --shaders a folder that holds every file of shaders/"
     )]
     Unreadable {
-        /// The file that was looked for.
+        /// The missing or unreadable file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// No embedded file has that name.
+    /// No embedded shader has this name.
     #[error(
-        "there is no shader file '{name}' (included by {asked_by}): correct the name in the #include line"
+        "there is no shader file '{name}' (included in {asked_by}): correct the name in the #include line"
     )]
     Unknown {
-        /// The name as it was written.
+        /// The name in the include line.
         name: String,
-        /// The file and line that ask for it.
+        /// The file and line of the include.
         asked_by: String,
     },
     /// An include line that is not of the form `#include "name"`.
-    #[error("{file}:{line}: write the include as #include \"name.glsl\", just a name, without folders")]
+    #[error("{file}:{line}: write the include as #include \"name.glsl\", with a file name and no folder")]
     BadInclude {
         /// The file with the line.
         file: String,
-        /// Its line, from 1.
+        /// The line's number, from 1.
         line: usize,
     },
     /// Includes nested deeper than [`mariana_field::limits::Limits::include_depth_max`].
-    #[error("{file}: shader includes are nested deeper than {limit}: take some out")]
+    #[error("{file}: shader includes are nested deeper than {limit}: remove some")]
     TooDeep {
-        /// The file at which the limit was met.
+        /// The file at which the limit was exceeded.
         file: String,
         /// The limit.
         limit: usize,
     },
-    /// More text than [`crate::limits::Limits::shader_bytes_max`].
-    #[error("{file}: the shader is longer than {limit} bytes with its includes: take some out")]
+    /// A text longer than [`crate::limits::Limits::shader_bytes_max`].
+    #[error("{file}: the shader with its includes is longer than {limit} bytes: remove some of them")]
     TooLong {
         /// The shader.
         file: String,

@@ -1,15 +1,15 @@
-//! The counts of a counting renderer.
+//! Counts of distance evaluations and other work of a frame.
 
-/// Whether a renderer counts distance evaluations (slower) or not.
+/// The choice of counting a renderer's distance evaluations, which makes it slower.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Counting {
-    /// Pictures only.
+    /// Draw images only.
     Off,
-    /// Pictures and [`Evaluations`].
+    /// Draw images and count [`Evaluations`].
     On,
 }
 
-/// Distance evaluations of one picture, summed over its pixels and samples, by kind of ray.
+/// Distance evaluations of one image, summed over its pixels and samples, by kind of ray.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
 pub struct Evaluations {
     /// Along rays from the eye.
@@ -18,19 +18,19 @@ pub struct Evaluations {
     pub reflection: f64,
     /// For normals.
     pub normal: f64,
-    /// Along rays to the lamp.
+    /// Along rays to lights.
     pub shadow: f64,
     /// For ambient occlusion.
     pub occlusion: f64,
-    /// Rays that ended at their step cap.
+    /// Rays that stopped at the limit of steps.
     pub capped_rays: f64,
     /// Clauses of distances and objects that the interpreter ran; 0 for compiled scenes.
     pub clauses: f64,
-    /// The same for materials and light.
+    /// Clauses of materials and light that the interpreter ran; 0 for compiled scenes.
     pub surface_clauses: f64,
-    /// Searches for the cell of a point.
+    /// Lookups of a point's cell.
     pub lookups: f64,
-    /// Pixels that got the samples of an edge.
+    /// Pixels with further samples at edges.
     pub edge_pixels: f64,
 }
 
@@ -40,7 +40,7 @@ impl Evaluations {
         self.primary + self.reflection + self.normal + self.shadow + self.occlusion
     }
 
-    /// The same, divided by a number of pixels.
+    /// All counts divided by a number of pixels.
     pub fn per_pixel(&self, pixels: f64) -> Self {
         Self {
             primary: self.primary / pixels,

@@ -1,17 +1,16 @@
-//! Limits the flashes of finished pictures: measures their cells, decides which to dim, and dims them.
+//! Limits the flashes of finished images on the GPU: measures their cells, decides which to dim, and dims them.
 //!
-//! Everything stays on the GPU, so that no picture waits for what the GPU says about it, and yet the picture that
-//! shows the fourth flash is itself dimmed. What is known of each cell lies in textures of a texel for each, which two
-//! passes write anew for each picture; what depends on many cells, the crowded fields and the areas around flashes,
-//! is computed in rows of bits:
+//! Nothing is read back, so no frame waits for a result, and the frame with the fourth flash is itself dimmed. Textures
+//! with one texel per cell hold the state of the cells; two passes rewrite them for each frame. Decisions that depend
+//! on many cells, such as the crowded fields and the areas around flashes, are computed on rows of bits:
 //!
 //! 1. `cells.frag` takes the mean colours of the cells.
 //! 2. `flash_follow.frag` finds changes, and marks the cells that change too often.
-//! 3. `flash_rows.frag`, `flash_fields.frag` and `flash_areas.frag` find those that are limited.
-//! 4. `flash_decide.frag` gives cells ceilings, and `flash_spread.frag` spreads them over the cells around.
-//! 5. `cells.frag` takes the mean colours below those ceilings, and `flash_note.frag` remembers their changes.
-//! 6. `limit_flashes.frag` is drawn over the picture where it is shown, near limited cells alone. All other pixels stay
-//!    as they are, and a picture in which nothing is limited costs no pass over it.
+//! 3. `flash_rows.frag`, `flash_fields.frag` and `flash_areas.frag` find the cells to limit.
+//! 4. `flash_decide.frag` gives cells ceilings, and `flash_spread.frag` spreads them over neighbouring cells.
+//! 5. `cells.frag` takes the mean colours below those ceilings, and `flash_note.frag` records their changes.
+//! 6. `limit_flashes.frag` is drawn over the displayed image, near limited cells only. Other pixels do not change, and
+//!    an image without limited cells costs no pass over it.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -26,7 +25,7 @@ use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
 use crate::flash::{CELLS, COLUMNS, Correction, Grid, ROWS, Steps};
 
-/// The shader that places the cells to be dimmed.
+/// The vertex shader that places the cells to dim.
 pub const FLASH_VERTEX_SHADER: &str = "flash_cells.vert";
 /// The fragment shaders of the limiter and their defines.
 pub const FLASH_SHADERS: [(&str, &[&str]); 11] = [
@@ -43,26 +42,26 @@ pub const FLASH_SHADERS: [(&str, &[&str]); 11] = [
     ("limit_flashes.frag", &["ENLARGED"]),
 ];
 
-/// What `flash_follow.frag` writes, in the order of its outputs.
+/// The outputs of `flash_follow.frag`, in order.
 const FOLLOWED: [&str; 6] =
     ["light_swings", "red_swings", "light_ages", "light_rest", "red_ages", "red_rest"];
-/// What `flash_note.frag` writes.
+/// The outputs of `flash_note.frag`, in order.
 const NOTED: [&str; 6] =
     ["shown_swings", "shown_ages", "shown_rest", "shown_lows", "shown_red_swings", "shown_red_ages"];
-/// What is drawn for each picture, one after the other.
+/// Number of passes per frame.
 pub const PASSES: usize = 10;
-/// Cells of a rectangle of `flash_cells.vert`.
+/// Cells per rectangle of `flash_cells.vert`.
 const GROUP: usize = 16;
 
-/// The limiter, and what it needs on the GPU.
+/// The flash limiter and its GPU objects.
 pub struct FlashPass {
     programs: FlashPrograms,
     memory: FlashMemory,
     cells: CellDraws,
-    /// What the passes over cells read.
+    /// Numbers for the passes over cells.
     step_block: Block,
     steps: Steps,
-    /// Whether nothing is known of any picture before the next.
+    /// True before the first frame and after [`FlashPass::forget`].
     is_fresh: bool,
 }
 
@@ -81,16 +80,16 @@ struct FlashPrograms {
     limit_enlarged: Program,
 }
 
-/// The state of each cell.
+/// The state of the cells.
 struct FlashMemory {
     measured: Target,
-    /// What is remembered: of this picture, and of the one before.
+    /// States of this frame and of the previous one.
     followed: [Target; 2],
     noted: [Target; 2],
     marks: Target,
     covered: Target,
     areas: Target,
-    /// Ceilings of the cells themselves, spread along rows, and spread along both axes.
+    /// The cells' own ceilings, spread along rows, and spread along both axes.
     ceilings: [Target; 3],
     shown: Target,
 }
@@ -98,7 +97,7 @@ struct FlashMemory {
 /// Draws over cells.
 struct CellDraws {
     gl: Gl,
-    /// Numbers of a single pass.
+    /// Numbers for a single pass.
     place_block: Block,
     vertices: VertexArray,
 }
@@ -107,7 +106,7 @@ impl FlashPass {
     /// Compiles the shaders.
     ///
     /// # Errors
-    /// What the driver refuses, with its log.
+    /// The driver's log, if it rejects a shader.
     pub fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         let pass = Self {
             programs: FlashPrograms::new(gl, library)?,
@@ -125,14 +124,14 @@ impl FlashPass {
         Ok(pass)
     }
 
-    /// Starts afresh: what comes next is another kind of picture, which the user asked for.
+    /// Forgets all earlier frames, because the user switches to another kind of image.
     pub fn forget(&mut self) {
         self.is_fresh = true;
         self.steps = Steps::default();
     }
 
-    /// Draws once with each program, for as long as that `is_wanted`, so that the driver has nothing left to make when
-    /// pictures come. Nothing is seen, and nothing of it is known later.
+    /// Draws once with each program while `is_wanted` returns true, so that the driver completes its work in advance.
+    /// Nothing is visible, and the limiter forgets it.
     pub fn warm_up(&mut self, picture: &Target, is_wanted: &mut dyn FnMut() -> bool) {
         self.begin(0.0);
         let passes = (0..PASSES).take_while(|_| is_wanted());
@@ -140,21 +139,21 @@ impl FlashPass {
             self.cells.reset_state();
             self.pass(number, picture);
         });
-        // A picture after none is dimmed nowhere, so nothing of the window changes.
+        // The first frame is never dimmed, so this changes nothing in the window.
         let (width, height) = picture.size();
         let windows = [(width, height), (width + 1, height)].into_iter().take_while(|_| is_wanted());
         windows.for_each(|window| self.limit_in_window(picture, window));
         self.forget();
     }
 
-    /// Takes a finished picture that is shown `seconds` after the last one, and decides what to dim in it. In the first one
-    /// nothing is dimmed.
+    /// Measures a finished image that is shown `seconds` after the previous one, and decides which cells to dim. The
+    /// first image is never dimmed.
     pub fn take(&mut self, finished: &Target, seconds: f64) {
         self.begin(seconds);
         (0..PASSES).for_each(|number| self.pass(number, finished));
     }
 
-    /// Begins the passes of a picture.
+    /// Begins the passes of a frame.
     fn begin(&mut self, seconds: f64) {
         let step = self.steps.next(seconds);
         let flag = |is: bool| f32::from(u8::from(is));
@@ -165,7 +164,7 @@ impl FlashPass {
         self.cells.reset_state();
     }
 
-    /// One of the [`PASSES`] of a picture, which reads what the ones before have bound and drawn.
+    /// Draws one of the [`PASSES`]. Each relies on the bindings and targets of the previous ones.
     fn pass(&self, number: usize, finished: &Target) {
         let Self { programs, memory, cells, .. } = self;
         let [followed, followed_before] = &memory.followed;
@@ -220,20 +219,20 @@ impl FlashPass {
         self.cells.draw(&self.programs.spread, target);
     }
 
-    /// Draws over `target`, which shows the `finished` picture that was taken last, whatever is dimmed in it.
+    /// Dims cells in `target`, which shows the last `finished` image that was measured.
     pub fn limit(&self, finished: &Target, target: &Target) {
         target.bind();
         self.dim_cells(finished, target.size());
     }
 
-    /// The same over the window's framebuffer of `window` pixels.
+    /// Dims cells in the window's framebuffer of `window` pixels.
     pub fn limit_in_window(&self, finished: &Target, window: (u32, u32)) {
         self.cells.bind_window(window);
         self.dim_cells(finished, window);
     }
 
-    /// The cells of the picture that was taken last, what is done to them, and the cells as they are shown, the top row
-    /// first. Waits for the GPU: this is for comparing it with [`crate::flash::Limiter`].
+    /// The measured cells of the last image, their corrections, and the displayed cells, top row first. Waits for the
+    /// GPU; for comparisons with [`crate::flash::Limiter`].
     pub fn read(&self) -> (Grid, Vec<Correction>, Grid) {
         let grid = |target: &Target| {
             let colors = target.read_rgba32f(0);
@@ -245,7 +244,7 @@ impl FlashPass {
         (grid(&self.memory.measured), corrections, grid(&self.memory.shown))
     }
 
-    /// Draws the limited cells into the framebuffer of `size` pixels that is bound.
+    /// Draws the limited cells into the bound framebuffer of `size` pixels.
     fn dim_cells(&self, finished: &Target, size: (u32, u32)) {
         let FlashPrograms { limit, limit_enlarged, .. } = &self.programs;
         finished.bind_color(0, unit_of("picture"));
@@ -302,7 +301,7 @@ impl FlashMemory {
         })
     }
 
-    /// The ceilings that the picture is dimmed by.
+    /// The ceilings that dim the image.
     fn spread_ceilings(&self) -> &Target {
         let [.., spread] = &self.ceilings;
         spread
@@ -312,7 +311,7 @@ impl FlashMemory {
 impl CellDraws {
     /// Resets the state before a series of draws.
     fn reset_state(&self) {
-        // SAFETY: plain state; the vertices are ours.
+        // SAFETY: sets state of the current context and binds a vertex array of `self`.
         unsafe {
             for state in [
                 glow::SCISSOR_TEST,
@@ -330,34 +329,34 @@ impl CellDraws {
 
     /// Binds the window's framebuffer of `window` pixels.
     fn bind_window(&self, window: (u32, u32)) {
-        // SAFETY: plain state.
+        // SAFETY: sets state of the current context.
         unsafe {
             self.gl.bind_framebuffer(glow::FRAMEBUFFER, self.gl.window());
             self.gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
         }
     }
 
-    /// Draws over the whole of a target.
+    /// Draws over a whole target.
     fn draw(&self, program: &Program, target: &Target) {
         target.bind();
         program.bind();
-        // SAFETY: a plain draw on objects of ours, in the current context.
+        // SAFETY: draws without attributes into the target bound above, with objects of the current context.
         let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) };
         if target.colors() == 1 { self.gl.replacing(draw) } else { draw() }
     }
 
-    /// Draws rectangles over the limited cells of a framebuffer of `size` pixels.
+    /// Draws rectangles over the limited cells of the bound framebuffer of `size` pixels.
     fn draw_cells(&self, program: &Program, size: (u32, u32)) {
         self.reset_state();
         self.place_block.set(&[1.0 / size.0.max(1) as f32, 1.0 / size.1.max(1) as f32, 0.0, 0.0]);
         program.bind();
-        // SAFETY: a plain draw on objects of ours, in the current context.
+        // SAFETY: draws without attributes into the bound framebuffer, with objects of the current context.
         let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, (6 * CELLS / GROUP) as i32) };
         self.gl.replacing(draw);
     }
 }
 
-/// Links one of [`FLASH_SHADERS`].
+/// Links one of the [`FLASH_SHADERS`].
 fn linked(gl: &Gl, library: &ShaderLibrary, shader: &str, defines: &[&str]) -> Result<Program, GpuError> {
     let variant = Variant::of(defines);
     match shader {
@@ -369,7 +368,7 @@ fn linked(gl: &Gl, library: &ShaderLibrary, shader: &str, defines: &[&str]) -> R
     }
 }
 
-/// Makes the textures of a target readable under their names.
+/// Binds the colours of a target to the units of these textures.
 fn bind(target: &Target, names: &[&str]) {
     for (index, name) in names.iter().enumerate() {
         target.bind_color(index, unit_of(name));

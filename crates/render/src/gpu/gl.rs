@@ -1,4 +1,4 @@
-//! The context's functions, the driver's properties, and its errors.
+//! The functions of the current OpenGL context, the driver's properties, and its errors.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -14,9 +14,10 @@ use super::error::GpuError;
 use super::target::Target;
 use crate::faults::{self, Fault};
 
-/// The functions of the context that is current on this thread. Clones share it.
+/// The functions of the context that is current on this thread. Clones share the context.
 ///
-/// Objects made from it hold a clone, so that they can free themselves while the context lives.
+/// `Gl` is neither `Send` nor `Sync`, so it stays on the context's thread. The `unsafe` calls of this crate rely on the
+/// context staying current there. Objects hold a clone, to free themselves while the context exists.
 #[derive(Clone)]
 pub struct Gl {
     functions: Arc<glow::Context>,
@@ -25,11 +26,11 @@ pub struct Gl {
 
 struct ContextState {
     info: GlInfo,
-    /// The framebuffer that stands for the window's; `None` is the window's own.
+    /// The framebuffer that replaces the window's; `None` for the window's own.
     window: Cell<Option<glow::NativeFramebuffer>>,
 }
 
-/// What the driver reports about itself.
+/// Properties that the driver reports.
 #[derive(Debug, Clone, Serialize)]
 pub struct GlInfo {
     /// GL_VENDOR.
@@ -42,13 +43,13 @@ pub struct GlInfo {
     pub shading_language: String,
     /// Largest side of a texture, in texels.
     pub texture_side_max: u32,
-    /// Most texels of a texture buffer (OpenGL 3.3 guarantees 65,536).
+    /// Largest texture buffer in texels (OpenGL 3.3 guarantees 65,536).
     pub texture_buffer_texels_max: u32,
-    /// Highest anisotropy of texture filters; 1 if the driver has none.
+    /// Highest anisotropy of texture filters; 1 if the driver does not support it.
     pub anisotropy_max: f32,
-    /// Whether a program can be read back in the driver's own form (GL_ARB_get_program_binary, with a format).
+    /// True if the driver supports program binaries (GL_ARB_get_program_binary with at least one format).
     pub program_binaries: bool,
-    /// Whether the pictures are computed by the processor (llvmpipe and similar). GL timers are then meaningless.
+    /// True for software renderers (llvmpipe and similar). Their GL timers are meaningless.
     pub software: bool,
 }
 
@@ -68,21 +69,21 @@ impl std::fmt::Display for GlInfo {
 impl Gl {
     /// Loads the functions of the current context with `loader` and checks that it is OpenGL 3.3 or newer.
     ///
-    /// With `log_debug` the driver's debug output is logged, if it has any (KHR_debug).
+    /// With `log_debug`, the driver's debug output is logged, if the driver has any (KHR_debug).
     ///
     /// # Errors
-    /// [`GpuError::TooOld`] for anything older than 3.3, OpenGL ES included.
+    /// [`GpuError::TooOld`] for versions below 3.3 and for OpenGL ES.
     pub fn load(loader: impl FnMut(&CStr) -> *const c_void, log_debug: bool) -> Result<Self, GpuError> {
-        // SAFETY: the caller has made a context current on this thread, and the loader is that context's.
+        // SAFETY: the caller has made a context current on this thread, and `loader` returns that context's functions.
         let mut functions = unsafe { glow::Context::from_loader_function_cstr(loader) };
         let version = functions.version();
         if version.is_embedded || (version.major, version.minor) < (3, 3) {
-            // SAFETY: as above.
+            // SAFETY: the same context is current.
             let found = unsafe { functions.get_parameter_string(glow::VERSION) };
             return Err(GpuError::TooOld { found });
         }
         if log_debug && functions.supports_debug() {
-            // SAFETY: the callback only formats its arguments; it is owned by the context's wrapper.
+            // SAFETY: the callback only formats its arguments; the wrapper of the context owns it.
             unsafe {
                 functions.enable(glow::DEBUG_OUTPUT);
                 functions.debug_message_callback(|_source, kind, id, severity, message| {
@@ -99,34 +100,34 @@ impl Gl {
         Ok(Self { functions: Arc::new(functions), context: Rc::new(context) })
     }
 
-    /// The functions, for a library that also draws with them. They belong to this thread's context, as `self` does.
+    /// The functions, for another library that draws in this context. They must stay on this thread, as `self` does.
     pub fn shared(&self) -> Arc<glow::Context> {
         self.functions.clone()
     }
 
-    /// Lets everything that is for the window go into this target from now on, for contexts without a window; `None`
-    /// is the window again. The target must outlive what is drawn.
+    /// Redirects all drawing to the window into this target, for contexts without a window. `None` restores the window.
+    /// The target must outlive the redirected draws.
     pub fn replace_window(&self, target: Option<&Target>) {
         self.context.window.set(target.map(Target::native));
     }
 
-    /// The framebuffer of the window, or of what stands for it.
+    /// The framebuffer of the window, or its replacement.
     pub(super) fn window(&self) -> Option<glow::NativeFramebuffer> {
         self.context.window.get()
     }
 
-    /// What the driver reports about itself.
+    /// Properties that the driver reports.
     pub fn info(&self) -> &GlInfo {
         &self.context.info
     }
 
-    /// Calls `draw` in the state for passes that replace all of one colour attachment, without mixing anything in. llvmpipe
-    /// compiles such a pass twice, for squares inside of its triangle and for those at the triangle's edges, but once where
-    /// colours are mixed; so there its colours are mixed with nothing.
+    /// Calls `draw` in the state for passes that overwrite one colour attachment without blending. llvmpipe compiles
+    /// such a pass twice, for tiles inside a triangle and for tiles at its edges, but only once with blending. On
+    /// software renderers, blending is therefore enabled with factors that overwrite.
     pub(super) fn replacing<R>(&self, draw: impl FnOnce() -> R) -> R {
         let mixes = self.context.info.software;
         if mixes {
-            // SAFETY: plain state.
+            // SAFETY: sets state of the current context.
             unsafe {
                 self.functions.enable(glow::BLEND);
                 self.functions.blend_func(glow::ONE, glow::ZERO);
@@ -134,18 +135,18 @@ impl Gl {
         }
         let result = draw();
         if mixes {
-            // SAFETY: plain state.
+            // SAFETY: sets state of the current context.
             unsafe { self.functions.disable(glow::BLEND) }
         }
         result
     }
 
-    /// Fails if the driver has noted an error since the last check.
+    /// Fails if the driver has reported an error since the last check.
     ///
     /// # Errors
-    /// [`GpuError::Driver`] with the first error's name.
+    /// [`GpuError::Driver`] with the name of the first error, or [`GpuError::ContextLost`].
     pub fn check(&self, doing: &'static str) -> Result<(), GpuError> {
-        // SAFETY: the context is current on this thread (Gl is neither Send nor Sync).
+        // SAFETY: the context is current on this thread (`Gl` is neither `Send` nor `Sync`).
         let code = unsafe { self.functions.get_error() };
         let code = if faults::strikes(Fault::ContextLost) { glow::CONTEXT_LOST } else { code };
         let what = match code {
@@ -161,9 +162,9 @@ impl Gl {
         Err(GpuError::Driver { what, doing })
     }
 
-    /// Waits until the driver has done everything that it was asked to do.
+    /// Waits until the driver has executed all commands.
     pub fn finish(&self) {
-        // SAFETY: as in `check`.
+        // SAFETY: the context is current on this thread.
         unsafe { self.functions.finish() }
     }
 }
@@ -176,11 +177,11 @@ impl std::ops::Deref for Gl {
     }
 }
 
-/// GL_MAX_TEXTURE_MAX_ANISOTROPY, which core GL has only since 4.6.
+/// GL_MAX_TEXTURE_MAX_ANISOTROPY, part of core OpenGL only since 4.6.
 const MAX_ANISOTROPY: u32 = 0x84FF;
 
 fn read_info(gl: &glow::Context) -> GlInfo {
-    // SAFETY: the context is current; every name asked for writes one value.
+    // SAFETY: the context is current, and each of these names queries a single value.
     unsafe {
         let renderer = gl.get_parameter_string(glow::RENDERER);
         let lower = renderer.to_lowercase();

@@ -1,4 +1,4 @@
-//! Draws of another library in our context: it gets the window's framebuffer, and afterwards our state is restored.
+//! Drawing by another library in our context: it gets the window's framebuffer, then our state is restored.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -8,13 +8,13 @@ use super::error::GpuError;
 use super::gl::Gl;
 
 impl Gl {
-    /// Lets `draws` draw over what is in the window's framebuffer, and then restores the state that the renderer does
-    /// not set by itself: OpenGL's defaults, with conversion to sRGB off.
+    /// Lets `draws` draw over the window's framebuffer. Afterwards restores the state that the renderer does not set
+    /// itself: OpenGL's defaults, with conversion to sRGB off.
     ///
     /// # Errors
-    /// An error that the driver reports, caused by `draws` or by what came before.
+    /// An error that the driver reports, caused by `draws` or by earlier calls.
     pub fn lend_window<T>(&self, doing: &'static str, draws: impl FnOnce() -> T) -> Result<T, GpuError> {
-        // SAFETY: the window's framebuffer always exists; plain state.
+        // SAFETY: binds the window's framebuffer, or its replacement, which outlives its use ([`Gl::replace_window`]).
         unsafe { self.bind_framebuffer(glow::FRAMEBUFFER, self.window()) };
         let drawn = draws();
         self.reset_state();
@@ -22,13 +22,13 @@ impl Gl {
         Ok(drawn)
     }
 
-    /// Fills the window's framebuffer of `size` pixels with a colour as the screen has it, 0..1.
+    /// Fills the window's framebuffer of `size` pixels with an sRGB colour, 0..1.
     ///
     /// # Errors
     /// An error that the driver reports.
     pub fn clear_window(&self, size: (u32, u32), [red, green, blue]: [f32; 3]) -> Result<(), GpuError> {
         self.lend_window("clearing the window", || {
-            // SAFETY: plain state and a clear of what is bound.
+            // SAFETY: sets state and clears the bound framebuffer of the current context.
             unsafe {
                 self.viewport(0, 0, size.0.cast_signed(), size.1.cast_signed());
                 self.clear_color(red, green, blue, 1.0);
@@ -38,7 +38,7 @@ impl Gl {
     }
 
     fn reset_state(&self) {
-        // SAFETY: plain state; nothing is bound that could have been deleted.
+        // SAFETY: sets state of the current context; binds no object that could be deleted.
         unsafe {
             for switch in [
                 glow::BLEND,
@@ -54,10 +54,10 @@ impl Gl {
             self.blend_func(glow::ONE, glow::ZERO);
             self.color_mask(true, true, true, true);
             self.pixel_store_i32(glow::UNPACK_ALIGNMENT, 4);
-            // The renderer binds its textures to their units at each draw.
+            // The renderer binds its textures for each draw.
             self.active_texture(glow::TEXTURE0);
             self.bind_texture(glow::TEXTURE_2D, None);
-            // The vertex array first: the element array's binding belongs to it.
+            // First the vertex array, which owns the element buffer's binding.
             self.bind_vertex_array(None);
             self.bind_buffer(glow::ARRAY_BUFFER, None);
             self.bind_framebuffer(glow::FRAMEBUFFER, self.window());
@@ -90,7 +90,7 @@ mod tests {
     ];
 
     #[test]
-    fn a_guest_that_changes_everything_changes_no_picture() {
+    fn a_guest_that_changes_all_state_does_not_change_the_image() {
         let context = Headless::new(false).unwrap();
         let gl = context.gl();
         let library = ShaderLibrary::embedded();
@@ -106,7 +106,7 @@ mod tests {
         let before = renderer.read();
         let (texture, buffer) = (Texture::new(gl).unwrap(), Buffer::new(gl).unwrap());
         let vertices = VertexArray::new(gl).unwrap();
-        // SAFETY: plain state, and names that are ours.
+        // SAFETY: sets state of the current context; the names belong to this test.
         gl.lend_window("testing", || unsafe {
             SWITCHES.into_iter().for_each(|switch| gl.enable(switch));
             gl.scissor(3, 3, 5, 5);
@@ -122,7 +122,7 @@ mod tests {
             gl.bind_buffer(glow::ARRAY_BUFFER, Some(buffer.native()));
         })
         .unwrap();
-        // SAFETY: queries only.
+        // SAFETY: only queries state of the current context.
         unsafe {
             for switch in SWITCHES {
                 assert!(!gl.is_enabled(switch), "{switch:#06x} is still on");
@@ -141,6 +141,6 @@ mod tests {
             }
         }
         renderer.draw(&frame, &scene, &program).unwrap();
-        assert!(renderer.read() == before, "the picture is another one");
+        assert!(renderer.read() == before, "the image has changed");
     }
 }

@@ -1,7 +1,7 @@
-//! A context without a window: EGL on a device, drawing into framebuffers only.
+//! An OpenGL context without a window: EGL on a device, drawing into framebuffers only.
 //!
-//! **Headless first.** Stills, videos, tests and measurements draw with an EGL device context, without a window
-//! system. `Renderer` does not know the difference.
+//! Stills, videos, tests and measurements draw with it, without a window system. `Renderer` works the same in both
+//! kinds of contexts.
 
 #![expect(unsafe_code, reason = "EGL and OpenGL are C interfaces")]
 
@@ -11,7 +11,7 @@ use std::sync::{Mutex, PoisonError};
 use super::error::GpuError;
 use super::gl::Gl;
 
-/// Contexts are made one after the other, whichever thread asks.
+/// Serializes the creation of contexts across threads.
 #[cfg(all(unix, not(target_os = "macos")))]
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
@@ -28,16 +28,16 @@ impl Headless {
         &self.gl
     }
 
-    /// Makes a context of OpenGL 3.3 on the first EGL device that gives one, hardware before software, and makes it
-    /// current. So a machine whose GPU is too old draws on its processor.
+    /// Creates an OpenGL 3.3 context on the first suitable EGL device, hardware before software, and makes it current.
+    /// A machine with an outdated GPU therefore falls back to its CPU.
     ///
     /// # Errors
-    /// [`GpuError::NoHeadlessContext`] with what the devices said; [`GpuError::TooOld`] if all that give a context are
-    /// below OpenGL 3.3.
+    /// [`GpuError::NoHeadlessContext`] with the devices' errors; [`GpuError::TooOld`] if all contexts are below OpenGL
+    /// 3.3.
     #[cfg(all(unix, not(target_os = "macos")))]
     pub fn new(log_debug: bool) -> Result<Self, GpuError> {
         use glutin::api::egl::device::Device;
-        // Mesa initializes itself at the first context, and guards parts of that (`lp_build_init` in 22.3) with a
+        // Mesa initializes itself with the first context, and guards parts of that (`lp_build_init` in 22.3) with a
         // plain flag.
         let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
         let no_context = |reason: String| GpuError::NoHeadlessContext { reason };
@@ -55,7 +55,7 @@ impl Headless {
                     match Gl::load(|name| display.get_proc_address(name), log_debug) {
                         Ok(gl) => return Ok(Self { gl, _context: context }),
                         Err(error) => {
-                            tracing::info!("a device is passed over: {error}");
+                            tracing::info!("skipping a device: {error}");
                             too_old = too_old.or(Some(error));
                         }
                     }
@@ -87,14 +87,16 @@ fn is_software(device: &glutin::api::egl::device::Device) -> bool {
     device.extensions().contains("EGL_MESA_device_software")
 }
 
-/// A context of the software renderer on a display of its own, not current yet; none where EGL lists no such device.
+/// Creates a context of the software renderer on a separate display, not current yet. `None` if EGL lists no software
+/// device.
 #[cfg(all(unix, not(target_os = "macos")))]
 pub(super) fn software_context()
 -> Option<(glutin::api::egl::display::Display, glutin::api::egl::context::NotCurrentContext)> {
     let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let mut devices = glutin::api::egl::device::Device::query_devices().ok()?;
     let device = devices.find(is_software)?;
-    context_on(&device).inspect_err(|error| tracing::info!("no context on the software device: {error}")).ok()
+    let made = context_on(&device);
+    made.inspect_err(|error| tracing::info!("cannot create a context on the software device: {error}")).ok()
 }
 
 #[cfg(all(unix, not(target_os = "macos")))]
@@ -102,24 +104,24 @@ fn context_on(
     device: &glutin::api::egl::device::Device,
 ) -> glutin::error::Result<(glutin::api::egl::display::Display, glutin::api::egl::context::NotCurrentContext)>
 {
-    // SAFETY: the device comes from the same EGL library.
+    // SAFETY: glutin returned the device from the same EGL library.
     context_of(unsafe { glutin::api::egl::display::Display::with_device(device, None) }?)
 }
 
-/// A context on EGL's default display, not current yet. It shares no display with contexts on devices. The variable
-/// `EGL_PLATFORM` or the desktop decides which display EGL takes.
+/// Creates a context on EGL's default display, not current yet. It shares no display with contexts on devices. The
+/// variable `EGL_PLATFORM` or the desktop selects the default display.
 #[cfg(target_os = "linux")]
 pub(super) fn default_context()
 -> Option<(glutin::api::egl::display::Display, glutin::api::egl::context::NotCurrentContext)> {
     use raw_window_handle::{OhosDisplayHandle, RawDisplayHandle};
 
     let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
-    // glutin asks EGL for the default display on this platform.
+    // For this platform, glutin requests EGL's default display.
     let handle = RawDisplayHandle::Ohos(OhosDisplayHandle::new());
-    // SAFETY: the handle points to nothing.
+    // SAFETY: an OHOS display handle contains no pointer that could be invalid.
     let display = unsafe { glutin::api::egl::display::Display::new(handle) };
     let made = display.and_then(context_of);
-    made.inspect_err(|error| tracing::info!("no context on the default display: {error}")).ok()
+    made.inspect_err(|error| tracing::info!("cannot create a context on the default display: {error}")).ok()
 }
 
 #[cfg(all(unix, not(target_os = "macos")))]
@@ -131,7 +133,7 @@ fn context_of(
     use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
     use glutin::display::GlDisplay;
 
-    // SAFETY: the display is alive; the context outlives nothing that is not ours.
+    // SAFETY: `display` is alive, the configuration comes from it, and the context is not shared with another.
     unsafe {
         let template = ConfigTemplateBuilder::new()
             .with_surface_type(ConfigSurfaceTypes::empty())
@@ -145,7 +147,7 @@ fn context_of(
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
             .build(None);
-        // An older driver refuses that with nothing but a number; a context of any version reports its own.
+        // An older driver refuses the request with only an error number. A context of any version can report its own.
         let any = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Compatibility)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(2, 1))))

@@ -1,27 +1,27 @@
-//! The heaps of the C library's allocator: few of them, and their free memory returns to the system.
+//! Limits the number of heaps of the C library's allocator and returns their free memory to the system.
 //!
-//! **Few heaps.** glibc gives each of the first threads its own heap, up to eight for each processor. A driver and the show
-//! have some forty threads, and freed memory stays in the heap of its thread: after 300 scenes a third of the resident
-//! memory was free but kept. Threads that share two heaps reuse it. Each heap also reserves 64 MiB of addresses, which
-//! counts under `ulimit -v` and in some containers.
+//! **Few heaps.** glibc gives each of the first threads its own heap, up to eight for each processor. Drivers and the
+//! show have about forty threads, and freed memory stays in the heap of its thread: after 300 scenes a third of the
+//! resident memory was free but kept. Threads that share two heaps reuse it. Each heap also reserves 64 MiB of
+//! addresses, which counts under `ulimit -v` and in some containers.
 //!
-//! **Free memory returns.** A compiler takes up to 50 MiB for a long program. Blocks that live longer keep its pages from
-//! returning when it frees them, so [`give_back`] follows each compilation.
+//! **Returned memory.** A compiler takes up to 50 MiB for a long program. When it frees them, longer-lived blocks keep
+//! the pages from returning to the system, so [`give_back`] follows each compilation.
 
 #![expect(unsafe_code, reason = "the C library's allocator is set up by C functions")]
 
-/// Enough that threads seldom wait for each other: small blocks come from a cache of each thread.
+/// Two heaps cause little contention, because small blocks come from a cache of each thread.
 const HEAPS: libc::c_int = 2;
 
-/// Makes all threads of the process share few heaps. To be called before there are other threads.
+/// Makes all threads of the process share few heaps. Call it before starting other threads.
 pub fn fraction() {
-    // SAFETY: two plain numbers; the function locks what it changes.
+    // SAFETY: takes two plain numbers, and the function locks the state that it changes.
     unsafe { libc::mallopt(libc::M_ARENA_MAX, HEAPS) };
 }
 
-/// Returns the free memory of all heaps to the system. Takes milliseconds, in which other threads wait for memory.
+/// Returns the free memory of all heaps to the system. Takes milliseconds, during which other threads wait for memory.
 pub fn give_back() {
-    // SAFETY: a plain number; the function locks each heap.
+    // SAFETY: takes a plain number, and the function locks each heap.
     unsafe { libc::malloc_trim(0) };
 }
 
@@ -37,13 +37,14 @@ mod tests {
     }
 
     #[test]
-    fn memory_that_compilers_freed_stayed_with_the_process() {
-        // Smaller blocks than glibc takes from the system one by one. A few that live longer hold the heap open.
+    fn freed_memory_returns_to_the_system() {
+        // These blocks are smaller than those that glibc maps individually. A few longer-lived ones keep the heap's
+        // pages in use.
         let blocks: Vec<Vec<u8>> = (0..8_192).map(|_| vec![1; 64 << 10]).collect();
         let full = resident();
         let kept: Vec<Vec<u8>> = blocks.into_iter().step_by(128).collect();
         give_back();
-        // Other tests take memory meanwhile, but not that much.
+        // Other tests allocate memory meanwhile, but less than the difference.
         let left = resident();
         assert!(full > 512 && left + 256 < full, "{full} MiB, then {left} MiB");
         drop(kept);

@@ -1,8 +1,7 @@
 //! Depth of field: points that are out of focus are spread over discs.
 //!
-//! `scene.frag` writes how far each point is spread. At half the size each place gathers the light of the discs that
-//! reach it; where a point is spread over less than a pixel the sharp picture stays. There is no noise: the same
-//! picture every time.
+//! `scene.frag` writes the spread of each point. At half the size, each pixel gathers the light of the discs that reach
+//! it. Points spread over less than a pixel stay sharp. The blur has no noise, so equal frames stay equal.
 
 use super::error::GpuError;
 use super::gl::Gl;
@@ -11,17 +10,17 @@ use super::program::{LazyProgram, unit_of};
 use super::target::{Target, Texel};
 use crate::frame::picture::BLUR_MAX;
 
-/// Most places that a pixel gathers from, `TAPS_MAX` of `lens_blur.frag`.
+/// Most samples that a pixel gathers: `TAPS_MAX` of `lens_blur.frag`.
 const TAPS_MAX: f32 = 80.0;
 
-/// The programs of its passes.
+/// The programs of the lens passes.
 pub(super) struct LensBlur {
     pub(super) down: LazyProgram,
     pub(super) blur: LazyProgram,
     pub(super) mix: LazyProgram,
 }
 
-/// Its pictures.
+/// The targets of the lens passes.
 pub(super) struct LensTargets {
     smaller: Target,
     blurred: Target,
@@ -29,10 +28,10 @@ pub(super) struct LensTargets {
 }
 
 impl LensBlur {
-    /// Blurs light whose points are spread as colour 1 of `samples` says.
+    /// Blurs light. Colour 1 of `samples` holds the spread of each point.
     ///
     /// # Errors
-    /// What the driver says about malformed programs.
+    /// The driver's log, for a malformed program.
     pub(super) fn draw<'a>(
         &self,
         passes: &Passes,
@@ -55,7 +54,7 @@ impl LensBlur {
 }
 
 impl LensTargets {
-    /// For light of `size` pixels.
+    /// Creates targets for light of `size` pixels.
     ///
     /// # Errors
     /// As [`Target::new`].

@@ -1,4 +1,4 @@
-//! The GPU side: context, programs, targets, passes and readback. The only room that uses glow.
+//! The GPU side: context, programs, targets, passes and readback. Only this module uses glow.
 
 pub mod background;
 mod bloom;

@@ -1,12 +1,12 @@
-//! Interpreted or compiled.
+//! The two modes of drawing a scene: interpreted and compiled.
 
-/// How a scene's expressions are run.
+/// The execution of a scene's expressions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
-    /// From the tape in a texture buffer.
+    /// Interpreted from the tape in a texture buffer.
     Interpreted,
-    /// As GLSL generated for the scene.
+    /// Compiled as GLSL generated for the scene.
     Compiled,
 }
 

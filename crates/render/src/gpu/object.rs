@@ -1,4 +1,4 @@
-//! OpenGL objects as owned types: each frees itself when it is dropped.
+//! OpenGL objects as owned types that delete themselves when dropped.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -7,7 +7,7 @@ use glow::HasContext;
 use super::error::GpuError;
 use super::gl::Gl;
 
-/// Makes an owned newtype around one kind of GL name, with its constructor and its destructor.
+/// Defines an owned newtype around one kind of GL name, with its constructor and destructor.
 macro_rules! owned_object {
     ($(#[$doc:meta])* $name:ident, $native:ty, $what:literal, $create:ident, $delete:ident) => {
         $(#[$doc])*
@@ -17,7 +17,7 @@ macro_rules! owned_object {
         }
 
         impl $name {
-            /// Makes a new, empty object in the current context.
+            /// Creates an empty object in the current context.
             ///
             /// # Errors
             /// [`GpuError::Object`] if the driver has none left.
@@ -27,7 +27,7 @@ macro_rules! owned_object {
                 Ok(Self { gl: gl.clone(), native })
             }
 
-            /// The driver's name of the object; valid while `self` lives.
+            /// The OpenGL name of the object; valid while `self` exists.
             pub fn native(&self) -> $native {
                 self.native
             }
@@ -35,7 +35,7 @@ macro_rules! owned_object {
 
         impl Drop for $name {
             fn drop(&mut self) {
-                // SAFETY: the name is ours alone; deleting it in a lost context is ignored by the driver.
+                // SAFETY: `self` owns the name, so it is deleted once. In a lost context the driver ignores the call.
                 unsafe { self.gl.$delete(self.native) }
             }
         }
@@ -59,11 +59,11 @@ owned_object!(
     Buffer, glow::NativeBuffer, "a buffer", create_buffer, delete_buffer
 );
 owned_object!(
-    /// A vertex array; core profiles draw nothing without one.
+    /// A vertex array. Core profiles require one for every draw.
     VertexArray, glow::NativeVertexArray, "a vertex array", create_vertex_array, delete_vertex_array
 );
 owned_object!(
-    /// A program before and after linking.
+    /// A program, linked or not.
     ProgramObject, glow::NativeProgram, "a program", create_program, delete_program
 );
 owned_object!(

@@ -1,4 +1,4 @@
-//! Passes over whole pictures, and uniform blocks.
+//! Passes over whole images, and uniform blocks.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -10,10 +10,10 @@ use super::object::{Buffer, VertexArray};
 use super::program::{LazyProgram, binding_of};
 use super::target::Target;
 
-/// Most pixels of one draw: a pass over a picture of 8K is some of them, and no watchdog takes it for a hang.
+/// Most pixels of one draw. A pass over an 8K image takes several draws, so that no watchdog takes it for a hang.
 const BAND_PIXELS: u32 = 1 << 21;
 
-/// What all passes over light share.
+/// The vertices and uniform blocks that all passes over light use.
 pub(super) struct Passes {
     pub(super) gl: Gl,
     vertices: VertexArray,
@@ -22,7 +22,7 @@ pub(super) struct Passes {
 }
 
 impl Passes {
-    /// For the current context.
+    /// Creates the objects in the current context.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no object left.
@@ -38,7 +38,7 @@ impl Passes {
     /// Binds the vertices and resets the state before a series of passes.
     pub(super) fn prepare(&self) {
         self.bind_vertices();
-        // SAFETY: plain state.
+        // SAFETY: sets state of the current context.
         unsafe {
             let gl = &*self.gl;
             gl.disable(glow::DEPTH_TEST);
@@ -54,25 +54,25 @@ impl Passes {
 
     /// Binds the vertices of the triangle that covers a target.
     pub(super) fn bind_vertices(&self) {
-        // SAFETY: the vertices are ours.
+        // SAFETY: `self` owns the vertex array, which belongs to the current context.
         unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
     }
 
-    /// Sets the numbers of `PictureBlock` for all passes, the scene's included.
+    /// Sets the numbers of `PictureBlock` for all passes, including the scene's.
     pub(super) fn set_picture(&self, numbers: &[f32]) {
         self.picture.set(numbers);
     }
 
-    /// Draws all over a target with what is bound.
+    /// Draws over a whole target with the bound textures.
     ///
     /// # Errors
-    /// What the driver says about a malformed program.
+    /// The driver's log, for a malformed program.
     pub(super) fn draw(&self, program: &LazyProgram, target: &Target) -> Result<(), GpuError> {
         self.draw_with(program, target, [0.0; 2])
     }
 
-    /// Draws all over the window's framebuffer of `window` pixels with what is bound, or only in an area: left and lower
-    /// edge, width and height in pixels.
+    /// Draws over the window's framebuffer of `window` pixels, or over an area of it: left and lower edge, width and
+    /// height in pixels.
     ///
     /// # Errors
     /// As [`Passes::draw`].
@@ -84,7 +84,7 @@ impl Passes {
     ) -> Result<(), GpuError> {
         self.post.set(&[1.0 / window.0.max(1) as f32, 1.0 / window.1.max(1) as f32, 0.0, 0.0]);
         program.bind(&self.gl)?;
-        // SAFETY: plain state and a draw on objects of ours, in the current context.
+        // SAFETY: sets state and draws without attributes into the window's framebuffer, in the current context.
         unsafe {
             let gl = &self.gl;
             for state in [glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::BLEND, glow::FRAMEBUFFER_SRGB] {
@@ -102,7 +102,7 @@ impl Passes {
         Ok(())
     }
 
-    /// The same, and passes two numbers to the shader.
+    /// Like [`Passes::draw`], with two numbers for the shader.
     ///
     /// # Errors
     /// As [`Passes::draw`].
@@ -115,31 +115,31 @@ impl Passes {
         self.gl.replacing(|| self.cover(program, target, reported))
     }
 
-    /// Mixes a share, 0..1, of what it draws into the whole of a target.
+    /// Draws over a whole target and mixes a fraction, 0..1, of the result into it.
     ///
     /// # Errors
     /// As [`Passes::draw`].
     pub(super) fn mix(&self, program: &LazyProgram, target: &Target, fraction: f32) -> Result<(), GpuError> {
-        // SAFETY: plain state.
+        // SAFETY: sets state of the current context.
         unsafe {
             self.gl.enable(glow::BLEND);
             self.gl.blend_func(glow::CONSTANT_ALPHA, glow::ONE_MINUS_CONSTANT_ALPHA);
             self.gl.blend_color(0.0, 0.0, 0.0, fraction);
         }
         let drawn = self.cover(program, target, [0.0; 2]);
-        // SAFETY: plain state.
+        // SAFETY: sets state of the current context.
         unsafe { self.gl.disable(glow::BLEND) }
         drawn
     }
 
-    /// Draws all over a target, in bands where it is large.
+    /// Draws over a whole target, in bands if it is large.
     fn cover(&self, program: &LazyProgram, target: &Target, reported: [f32; 2]) -> Result<(), GpuError> {
         let (width, height) = target.size();
         self.post.set(&[1.0 / width as f32, 1.0 / height as f32, reported[0], reported[1]]);
         target.bind();
         program.bind(&self.gl)?;
         let rows = (BAND_PIXELS / width.max(1)).max(1);
-        // SAFETY: plain state and draws on objects of ours, in the current context.
+        // SAFETY: sets state and draws without attributes into the target bound above, in the current context.
         unsafe {
             if rows >= height {
                 self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
@@ -149,7 +149,7 @@ impl Passes {
             for y in (0..height).step_by(rows as usize) {
                 self.gl.scissor(0, y.cast_signed(), width.cast_signed(), rows.cast_signed());
                 self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
-                // Each is handed over by itself, whatever a driver would gather.
+                // Submit each band separately, so that the driver does not combine them.
                 self.gl.flush();
             }
             self.gl.disable(glow::SCISSOR_TEST);
@@ -158,7 +158,7 @@ impl Passes {
     }
 }
 
-/// A uniform block that is rewritten again and again.
+/// A uniform block that is rewritten for each use.
 pub(super) struct Block {
     gl: Gl,
     buffer: Buffer,
@@ -173,7 +173,7 @@ impl Block {
     pub(super) fn set(&self, numbers: &[f32]) {
         let bytes: Vec<u8> = numbers.iter().flat_map(|value| value.to_ne_bytes()).collect();
         let buffer = Some(self.buffer.native());
-        // SAFETY: the buffer is ours.
+        // SAFETY: `self` owns the buffer, which belongs to the current context.
         unsafe {
             self.gl.bind_buffer(glow::UNIFORM_BUFFER, buffer);
             self.gl.buffer_data_u8_slice(glow::UNIFORM_BUFFER, &bytes, glow::STREAM_DRAW);

@@ -1,19 +1,19 @@
-//! From the scene's samples to the finished picture: passes over light, after all rays.
+//! Post-processing: passes from the scene's samples to the finished image.
 //!
 //! 1. `resolve.frag` turns the samples of each pixel into its light.
-//! 2. `lens_*.frag` blur what a lens does not show sharply (`lens`), in scenes that have a lens.
-//! 3. `bloom_down.frag` and `bloom_up.frag` scatter it (`bloom`).
-//! 4. `present.frag` mixes in a share of that, exposes it, maps it to the screen's range, encodes it as sRGB and adds
-//!    the grain. While one scene fades into another, it mixes in the light of the other before the tone map.
+//! 2. `lens_*.frag` blur points out of focus (`lens`), in scenes that have a lens.
+//! 3. `bloom_down.frag` and `bloom_up.frag` scatter light (`bloom`).
+//! 4. `present.frag` mixes in a fraction of the scattered light, applies exposure and tone map, encodes the result as
+//!    sRGB and adds grain. While one scene fades into another, it mixes in the other's light before the tone map.
 //!
-//! The light has the size of the scene's targets, the finished picture that of the output.
+//! The light has the size of the scene's targets, the finished image that of the output.
 //!
 //! **Light until the last pass.** Samples, their means, blur and bloom are linear light in 16-bit floats; exposure,
-//! tone map and sRGB come at the very end, in `present.frag`. Samples are weighted by how much of their light will be
-//! seen, otherwise one bright sample would outshine the edge that it is part of. AgX is the default, because bright
-//! saturated colours fade to white in it, as on film, instead of being cut off; its look is a little more saturated
-//! than neutral, because emissive scenes depend on colour. Bloom and lens are means, so they make a picture no
-//! brighter. No noise changes from frame to frame: a still part stays the same, bit for bit.
+//! tone map and sRGB encoding come last, in `present.frag`. Samples are weighted by the visible part of their light;
+//! otherwise one bright sample would dominate its edge. AgX is the default, because bright saturated colours fade to
+//! white as on film instead of being clipped. Its look is slightly more saturated than neutral, because emissive scenes
+//! depend on colour. Bloom and lens blur are means, so they do not brighten the image. No noise changes from frame to
+//! frame, so still parts stay identical, bit for bit.
 
 use super::bloom::{Bloom, BloomTargets};
 use super::edge_samples::EdgeSamples;
@@ -27,7 +27,7 @@ use super::target::{Target, Texel};
 use crate::frame::picture::Picture;
 use mariana_field::world::ToneMap;
 
-/// The shaders of these passes and their defines; tests compile them all.
+/// The shaders of these passes and their defines. Tests compile all of them.
 pub const POST_SHADERS: [(&str, &[&str]); 18] = [
     ("resolve.frag", &[]),
     ("resolve.frag", &["EDGE_LIST"]),
@@ -58,14 +58,14 @@ pub(super) struct Post {
     bloom: Bloom,
     /// In the order of [`ToneMap::ALL`].
     present: [LazyProgram; 4],
-    /// The same for pictures that another one fades into.
+    /// The same programs for images that fade into another.
     present_faded: [LazyProgram; 4],
-    /// Gives light as it arrives at the screen.
+    /// Outputs the exposed light without a tone map.
     expose: LazyProgram,
     tone_map: Option<ToneMap>,
 }
 
-/// What depends on the picture's size.
+/// The targets, which depend on the image's size.
 pub(super) struct PostTargets {
     light: Target,
     lens: Option<LensTargets>,
@@ -74,10 +74,10 @@ pub(super) struct PostTargets {
 }
 
 impl Post {
-    /// Assembles the shaders. Each is compiled when it is first needed.
+    /// Assembles the shaders. Each is compiled at its first use.
     ///
     /// # Errors
-    /// Missing shader files, or no object left.
+    /// Missing shader files, or the driver has no object left.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         let programs = POST_SHADERS
             .map(|(name, defines)| move || LazyProgram::new(gl, library, name, &Variant::of(defines)));
@@ -96,32 +96,32 @@ impl Post {
         })
     }
 
-    /// What draws the passes.
+    /// The pass renderer.
     pub(super) fn passes(&self) -> &Passes {
         &self.passes
     }
 
-    /// Uses this tone map from now on, whatever the scene says; none means as the scene says.
+    /// Overrides the scenes' tone map; `None` restores it.
     pub(super) fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
         self.tone_map = tone_map;
     }
 
-    /// Gives all passes, including the scene's, the picture's settings, and says which edges get more samples.
+    /// Sets the image's settings and the edge contrasts for all passes, including the scene's.
     pub(super) fn bind_picture(&self, picture: &Picture, samples: EdgeSamples) {
         let [surfaces, inner] = samples.contrasts();
         self.passes.set_picture(&[picture.block().as_flattened(), &[surfaces, inner, 0.0, 0.0]].concat());
     }
 
-    /// Makes light of a pixel's first samples and of the further ones; both are bound. `block` is the arrangement of
-    /// the further samples side by side.
+    /// Resolves the bound first and further samples to light. `block` is the arrangement of the further samples side by
+    /// side.
     ///
     /// # Errors
-    /// What the driver says about malformed shaders, as for all passes.
+    /// The driver's log, for malformed shaders, as for all passes.
     pub(super) fn resolve(&self, targets: &PostTargets, block: (u32, u32)) -> Result<(), GpuError> {
         self.passes.draw_with(&self.resolve, &targets.light, [block.0 as f32, block.1 as f32])
     }
 
-    /// Makes light of only the sum of samples that is bound as further ones.
+    /// Resolves only the sum that is bound as further samples to light.
     ///
     /// # Errors
     /// As [`Post::resolve`].
@@ -129,8 +129,8 @@ impl Post {
         self.passes.draw(&self.resolve_all, &targets.light)
     }
 
-    /// Finishes the picture from the light that was made last; `samples` are the first ones. `fade` is the light of
-    /// another picture, and its share of this one.
+    /// Finishes the image from the resolved light. `samples` are the first ones; `fade` is the light of another image
+    /// and its fraction.
     ///
     /// # Errors
     /// As [`Post::resolve`].
@@ -157,8 +157,7 @@ impl Post {
         self.passes.draw_with(present, &targets.finished, [fraction, 0.0])
     }
 
-    /// Writes the light of the picture that was finished last, exposed and not yet mapped to the screen's range, to a
-    /// target of the same size.
+    /// Writes the exposed linear light of the last finished image to a target of the same size, without a tone map.
     ///
     /// # Errors
     /// As [`Post::resolve`].
@@ -173,14 +172,14 @@ impl Post {
         self.passes.draw(&self.expose, output)
     }
 
-    /// Binds the light that was made last, after the lens and scattered.
+    /// Binds the resolved light, blurred by the lens, and the scattered light.
     fn bind_light(&self, targets: &PostTargets, picture: &Picture, samples: &Target) -> Result<(), GpuError> {
         let passes = &self.passes;
         let light = match &targets.lens {
             Some(lens) => self.lens.draw(passes, &targets.light, samples, lens)?,
             None => &targets.light,
         };
-        // Without bloom its share is 0, so any picture will do.
+        // Without bloom the fraction is 0, so any texture will do.
         let scattered = match picture.bloom {
             fraction if fraction > 0.0 => self.bloom.draw(passes, light, &targets.bloom)?,
             _ => light,
@@ -192,7 +191,7 @@ impl Post {
 }
 
 impl PostTargets {
-    /// For light of `size` pixels, seen through a lens or not, and finished pictures of `output` pixels.
+    /// Creates targets for light of `size` pixels, with or without a lens, and finished images of `output` pixels.
     ///
     /// # Errors
     /// As [`Target::new`].
@@ -210,12 +209,12 @@ impl PostTargets {
         })
     }
 
-    /// The finished picture.
+    /// The finished image.
     pub(super) fn finished(&self) -> &Target {
         &self.finished
     }
 
-    /// The finished picture alone.
+    /// Drops all targets but the finished image.
     pub(super) fn into_finished(self) -> Target {
         self.finished
     }

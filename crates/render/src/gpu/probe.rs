@@ -1,4 +1,4 @@
-//! A fragment shader on its own: texture buffers in, floats out. For tests and measurements of generated shaders.
+//! Runs a single fragment shader: texture buffers in, floats out. For tests and measurements of generated shaders.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -22,15 +22,15 @@ pub struct Probe {
     program: ProgramObject,
     target: Target,
     vertices: VertexArray,
-    /// The index of each is its unit.
+    /// The index of each is its texture unit.
     buffers: Vec<TextureBuffer>,
 }
 
 impl Probe {
-    /// Compiles and links the whole text of a fragment shader, `#version` included, that writes `outputs` vec4.
+    /// Compiles and links the complete text of a fragment shader, including `#version`, that writes `outputs` vec4.
     ///
     /// # Errors
-    /// What the driver says about the text, with the places in the files that [`super::shader_source`] marked.
+    /// The driver's log, with line numbers of the files that [`super::shader_source`] marked.
     pub fn new(gl: &Gl, fragment: &str, size: (u32, u32), outputs: usize) -> Result<Self, GpuError> {
         let program = link_texts(gl, ("a probe's vertex shader", VERTEX), ("a probe", fragment))?;
         let target = Target::new(gl, size, &vec![Texel::Rgba32F; outputs], None)?;
@@ -38,8 +38,7 @@ impl Probe {
         Ok(Self { gl: gl.clone(), program, target, vertices, buffers: Vec::new() })
     }
 
-    /// Adds a texture buffer with these bytes under the name of its uniform. A name that the shader does not read is
-    /// ignored.
+    /// Adds a texture buffer with these bytes for the uniform `name`, which is ignored if the shader does not use it.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no object left.
@@ -50,9 +49,9 @@ impl Probe {
         self.gl.check("adding a texture buffer")
     }
 
-    /// Sets an integer uniform; a name that the shader does not read is ignored.
+    /// Sets an integer uniform, which is ignored if the shader does not use it.
     pub fn set_integer(&self, name: &str, value: i32) {
-        // SAFETY: the program is linked and ours.
+        // SAFETY: `self` owns the linked program, which belongs to the current context.
         unsafe {
             self.gl.use_program(Some(self.program.native()));
             if let Some(location) = self.gl.get_uniform_location(self.program.native(), name) {
@@ -64,7 +63,8 @@ impl Probe {
     /// Draws every pixel once.
     pub fn draw(&self) {
         self.target.bind();
-        // SAFETY: program, buffers and target are ours and complete.
+        // SAFETY: `self` owns the program, buffers and vertices; the complete target is bound; all belong to the
+        // current context.
         unsafe {
             for (buffer, unit) in self.buffers.iter().zip(glow::TEXTURE0..) {
                 self.gl.active_texture(unit);

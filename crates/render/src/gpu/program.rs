@@ -24,8 +24,8 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 7] = [
     ("PlaceBlock", 6),
 ];
 
-/// The renderer's own textures, with their units (see `shaders/README.md`). The scene's have the first ones, by their
-/// number ([`scene_texture`]). Textures that share a unit are never read by one program.
+/// The renderer's own textures and their units (see `shaders/README.md`). The scene's textures use the first units, by
+/// their number ([`scene_texture`]). No program reads two textures with the same unit.
 pub const TEXTURE_UNITS: [(&str, u32); 46] = [
     ("light_swings", 0),
     ("red_swings", 1),
@@ -92,21 +92,21 @@ pub fn scene_texture(index: usize) -> String {
     format!("scene_texture_{index}")
 }
 
-/// The vertex shader that all passes share.
+/// The vertex shader of all passes.
 pub const VERTEX_SHADER: &str = "fullscreen.vert";
 
 /// The texts of a program's two shaders.
 #[derive(Debug, Clone)]
 pub struct ProgramTexts {
-    /// The vertex shader's name, and its text.
+    /// Name and text of the vertex shader.
     vertex: (&'static str, String),
-    /// The fragment shader's name, and its text.
+    /// Name and text of the fragment shader.
     fragment: (String, String),
 }
 
 impl ProgramTexts {
-    /// How many bytes they have.
-    #[expect(clippy::len_without_is_empty, reason = "a program without a text is none")]
+    /// Length of both texts in bytes.
+    #[expect(clippy::len_without_is_empty, reason = "a program always has texts")]
     pub fn len(&self) -> usize {
         self.vertex.1.len() + self.fragment.1.len()
     }
@@ -124,7 +124,7 @@ impl ProgramTexts {
         Self::assemble_both(library, (VERTEX_SHADER, fragment), variant, info)
     }
 
-    /// The same with another vertex shader.
+    /// Like [`ProgramTexts::assemble`], with another vertex shader.
     pub(super) fn assemble_both(
         library: &ShaderLibrary,
         (vertex, fragment): (&'static str, &str),
@@ -136,8 +136,7 @@ impl ProgramTexts {
         Ok(Self { vertex: (vertex, assembled(vertex)?), fragment })
     }
 
-    /// By what a driver's own form of the program is kept: another driver, another version of it or another letter
-    /// gives another key.
+    /// The key for storing the driver's binary. Other drivers, driver versions or texts have other keys.
     pub fn key(&self, info: &GlInfo) -> ProgramKey {
         let GlInfo { vendor, renderer, version, shading_language, .. } = info;
         ProgramKey::of(
@@ -146,16 +145,16 @@ impl ProgramTexts {
     }
 }
 
-/// A program in a driver's own form.
+/// A program in the driver's binary form.
 pub struct ProgramBinary(glow::ProgramBinary);
 
 impl ProgramBinary {
-    /// As bytes, to be kept: the number of the format, then what the driver gave.
+    /// Serializes the binary: the number of its format, then its content.
     pub fn to_bytes(&self) -> Vec<u8> {
         [&self.0.format.to_le_bytes()[..], &self.0.buffer].concat()
     }
 
-    /// What [`ProgramBinary::to_bytes`] gave; none if there is nothing in it.
+    /// Reads the result of [`ProgramBinary::to_bytes`]; `None` if it has no content.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (format, buffer) = bytes.split_first_chunk()?;
         let format = u32::from_le_bytes(*format);
@@ -163,25 +162,25 @@ impl ProgramBinary {
     }
 }
 
-/// A program on its way from one context to another: values only, no object of either context.
+/// A program that is passed between contexts as plain values, without objects of either context.
 ///
-/// Sharing programs between contexts is a trap. If a driver compiles a program once for each context (Mesa's software
-/// renderers do), a program that one context deletes leaves its compiled forms to the others. When Mesa up to 22.3
-/// frees those (`free_zombie_shaders`), it unbinds whatever the other contexts are drawing with, and their next draw
-/// reads a null pointer.
+/// Sharing program objects between contexts crashes some drivers. Mesa's software renderers compile a program once per
+/// context. When one context deletes a shared program, its compiled forms remain with the other contexts. When Mesa up
+/// to 22.3 frees those (`free_zombie_shaders`), it unbinds the programs that the other contexts are drawing with, and
+/// their next draw reads a null pointer.
 pub struct ReadyProgram {
     texts: ProgramTexts,
-    /// The driver's own form of it, if it provides one: linking it again then takes milliseconds.
+    /// The driver's binary, if the driver provides one. Loading it takes milliseconds.
     binary: Option<ProgramBinary>,
 }
 
 impl ReadyProgram {
-    /// A program that was made from these texts, in the driver's own form if there is one.
+    /// Combines a program's texts and its binary, if there is one.
     pub(super) fn new(texts: ProgramTexts, binary: Option<ProgramBinary>) -> Self {
         Self { texts, binary }
     }
 
-    /// The driver's own form, if it provides one.
+    /// The driver's binary, if the driver provides one.
     pub fn binary(&self) -> Option<&ProgramBinary> {
         self.binary.as_ref()
     }
@@ -193,7 +192,7 @@ impl From<ProgramTexts> for ReadyProgram {
     }
 }
 
-/// A linked program, with its blocks and textures bound to their fixed places.
+/// A linked program whose blocks and textures are bound to their fixed binding points and units.
 pub struct Program {
     gl: Gl,
     object: ProgramObject,
@@ -203,7 +202,7 @@ impl Program {
     /// Assembles, compiles and links a variant of `fragment` of `library`.
     ///
     /// # Errors
-    /// Missing shader files, and what the driver says about malformed ones.
+    /// Missing shader files, or the driver's log for malformed ones.
     pub fn link(
         gl: &Gl,
         library: &ShaderLibrary,
@@ -216,17 +215,17 @@ impl Program {
     /// Compiles and links two texts.
     ///
     /// # Errors
-    /// What the driver says about malformed ones.
+    /// The driver's log, for malformed texts.
     pub fn of(gl: &Gl, texts: &ProgramTexts) -> Result<Self, GpuError> {
         let (vertex, fragment) = (&texts.vertex, &texts.fragment);
         let object = link_texts(gl, (vertex.0, &vertex.1), (&fragment.0, &fragment.1))?;
         Ok(Self::with_places(gl, object))
     }
 
-    /// Binds the blocks and textures of a linked program to their places.
+    /// Assigns the blocks and textures of a linked program to their binding points and units.
     fn with_places(gl: &Gl, object: ProgramObject) -> Self {
         let program = object.native();
-        // SAFETY: the program is linked and ours.
+        // SAFETY: the program is linked and belongs to `object`, whose context is current.
         unsafe {
             for (block, binding) in UNIFORM_BLOCKS {
                 if let Some(index) = gl.get_uniform_block_index(program, block) {
@@ -245,10 +244,10 @@ impl Program {
         Self { gl: gl.clone(), object }
     }
 
-    /// What another context of the same driver needs to make the program too; `texts` are what it was made from.
+    /// Converts the program to values for another context of the same driver. `texts` are its sources.
     pub fn ready(&self, texts: ProgramTexts) -> ReadyProgram {
         let binary = if self.gl.info().program_binaries {
-            // SAFETY: the program is linked and ours, and the functions are there where the driver has binaries.
+            // SAFETY: `self` owns the linked program, and the driver supports program binaries, as checked above.
             unsafe { self.gl.get_program_binary(self.object.native()) }
         } else {
             None
@@ -256,11 +255,11 @@ impl Program {
         ReadyProgram { texts, binary: binary.filter(|binary| !binary.buffer.is_empty()).map(ProgramBinary) }
     }
 
-    /// Makes a program that another context has made before: from the driver's own form or, if there is none or the
-    /// driver no longer accepts it, from the texts.
+    /// Recreates a program that another context has compiled: from the driver's binary, or from the texts if there is
+    /// no binary or the driver rejects it.
     ///
     /// # Errors
-    /// What the driver says about the texts.
+    /// The driver's log, for malformed texts.
     pub fn adopt(gl: &Gl, ready: &ReadyProgram) -> Result<Self, GpuError> {
         let known = match &ready.binary {
             Some(binary) => Self::take(gl, binary)?,
@@ -269,7 +268,7 @@ impl Program {
         known.map_or_else(|| Self::of(gl, &ready.texts), Ok)
     }
 
-    /// Makes a program from the driver's own form; none if the driver does not accept it.
+    /// Loads a program from the driver's binary; `None` if the driver rejects it.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no object left.
@@ -278,7 +277,7 @@ impl Program {
             return Ok(None);
         }
         let object = ProgramObject::new(gl)?;
-        // SAFETY: the program is ours; a binary that is no longer valid leaves it unlinked.
+        // SAFETY: the program was just created in the current context. An invalid binary leaves it unlinked.
         let linked = unsafe {
             gl.program_binary(object.native(), &binary.0);
             gl.get_program_link_status(object.native())
@@ -286,30 +285,30 @@ impl Program {
         if linked {
             return Ok(Some(Self::with_places(gl, object)));
         }
-        // An error that the driver noted about the binary is answered here.
-        let _ = gl.check("taking a program");
+        // Clear the driver's error about the binary.
+        let _ = gl.check("loading a program binary");
         Ok(None)
     }
 
-    /// The driver's number of it.
+    /// The program's OpenGL name.
     pub(super) fn number(&self) -> u32 {
         self.object.native().0.get()
     }
 
-    /// Leaves the context without a program, so that it keeps none that is deleted.
+    /// Unbinds the current program, so that the context does not keep a deleted one.
     pub fn unbind(&self) {
-        // SAFETY: plain state.
+        // SAFETY: sets state of the current context.
         unsafe { self.gl.use_program(None) }
     }
 
     /// Makes this the program of the following draws.
     pub fn bind(&self) {
-        // SAFETY: the program is linked and ours.
+        // SAFETY: `self` owns the linked program, which belongs to the current context.
         unsafe { self.gl.use_program(Some(self.object.native())) }
     }
 }
 
-/// A program that is linked when it is first drawn with, so that a start does not wait for those that nobody needs.
+/// A program that is linked at its first use, so that startup does not wait for unused programs.
 pub(super) struct LazyProgram {
     texts: ProgramTexts,
     linked: OnceCell<Program>,
@@ -330,10 +329,10 @@ impl LazyProgram {
         Ok(Self { texts, linked: OnceCell::new() })
     }
 
-    /// Makes it the program of the following draws.
+    /// Makes this the program of the following draws.
     ///
     /// # Errors
-    /// What the driver says about a malformed one.
+    /// The driver's log, for a malformed program.
     pub(super) fn bind(&self, gl: &Gl) -> Result<(), GpuError> {
         if self.linked.get().is_none() {
             let _ = self.linked.set(Program::of(gl, &self.texts)?);
@@ -343,11 +342,11 @@ impl LazyProgram {
     }
 }
 
-/// Compiles and links the texts of a vertex and a fragment shader, each with its name. The driver's messages name the
-/// places in the files that [`super::shader_source`] marked.
+/// Compiles and links the texts of a vertex and a fragment shader, each with its name. Error logs name the positions in
+/// the files that [`super::shader_source`] marked.
 ///
 /// # Errors
-/// What the driver says.
+/// The driver's log.
 pub(super) fn link_texts(
     gl: &Gl,
     vertex: (&str, &str),
@@ -355,7 +354,7 @@ pub(super) fn link_texts(
 ) -> Result<ProgramObject, GpuError> {
     let object = ProgramObject::new(gl)?;
     let program = object.native();
-    // SAFETY: names are made and used in the current context; shaders are freed on every path.
+    // SAFETY: all names are created and used in the current context, and every path frees the shaders.
     unsafe {
         for (stage, (name, text)) in [(glow::VERTEX_SHADER, vertex), (glow::FRAGMENT_SHADER, fragment)] {
             let shader =
@@ -368,7 +367,7 @@ pub(super) fn link_texts(
             if compiled {
                 gl.attach_shader(program, shader);
             }
-            // A shader that is attached lives until its program is deleted.
+            // An attached shader exists until its program is deleted.
             gl.delete_shader(shader);
             if !compiled {
                 return Err(GpuError::Compile { name: name.into(), log });

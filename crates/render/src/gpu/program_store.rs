@@ -1,20 +1,20 @@
-//! Programs from earlier runs: the driver's binaries, and records of programs at which a driver failed.
+//! Storage of programs from earlier runs: the driver's binaries, and records of programs at which a driver failed.
 //!
-//! The program that embeds the renderer implements [`ProgramStore`] and decides where these are kept.
+//! The program that embeds the renderer implements [`ProgramStore`] and chooses the location.
 
 use std::any::Any;
 use std::fmt;
 use std::hash::Hasher as _;
 use std::path::{Path, PathBuf};
 
-/// Identifies a program: the driver, its version and the texts.
+/// Identifies a program by driver, driver version and texts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ProgramKey([u8; 16]);
 
 impl ProgramKey {
-    /// The key of a program that `parts` describe. Another version of Mariana has other keys.
+    /// The key of the program that `parts` describe. It depends on Mariana's version.
     pub fn of<'a>(parts: impl IntoIterator<Item = &'a str>) -> Self {
-        // Two hashes of 64 bits. Another version of Rust may hash otherwise, which costs compiling once.
+        // Two hashes of 64 bits. If another version of Rust hashes differently, programs are compiled once more.
         let mut hashers = [0_u8, 1].map(|first| {
             let mut hasher = std::hash::DefaultHasher::new();
             hasher.write_u8(first);
@@ -42,80 +42,80 @@ impl fmt::Display for ProgramKey {
     }
 }
 
-/// What a driver is asked to do with a program.
+/// An operation that a driver performs on a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Work {
-    /// To take its own form of it.
+    /// Loading its binary.
     Taking,
-    /// To compile its text.
+    /// Compiling its text.
     Compiling,
 }
 
-/// Why a program is not tried.
+/// The reason why a program is not tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GivenUp {
-    /// The driver refused it.
+    /// The driver rejected the program.
     Refused,
-    /// A process died while the driver compiled it. The next run tries it once more.
+    /// A process crashed while the driver compiled the program. The next run tries it once more.
     DiedOnce,
-    /// Two processes died while the driver compiled it.
+    /// Two processes crashed while the driver compiled the program.
     DiedTwice,
 }
 
 impl GivenUp {
-    /// A sentence for the user; `mark` is the file that remembers it.
+    /// A message for the user. `mark` is the file with the record.
     pub fn sentence(self, mark: &Path) -> String {
         let reason = match self {
-            Self::Refused => "the driver refused it before",
+            Self::Refused => "the driver rejected it before",
             Self::DiedOnce => {
-                return "it is left out this time, because Mariana ended while the driver compiled it before; \
+                return "it is skipped this time, because Mariana crashed while the driver compiled it before; \
                         the next start tries it once more"
                     .to_owned();
             }
-            Self::DiedTwice => "Mariana ended twice while the driver compiled it",
+            Self::DiedTwice => "Mariana crashed twice while the driver compiled it",
         };
-        format!("it is not tried again, because {reason}; delete {} to have it tried", mark.display())
+        format!("it is not tried again, because {reason}; to try it again, delete {}", mark.display())
     }
 }
 
-/// Keeps programs and records of failures from run to run. Compiling threads call it and may block in it. The default
-/// methods keep nothing.
+/// Stores programs and records of failures between runs. Compiler threads call it, and it may block them. The default
+/// methods store nothing.
 pub trait ProgramStore: Send + Sync {
-    /// The program of this key in the driver's own form.
+    /// Loads the binary of this key.
     fn load(&self, _key: ProgramKey) -> Option<Vec<u8>> {
         None
     }
 
-    /// Keeps a program in the driver's own form.
+    /// Saves a binary.
     fn save(&self, _key: ProgramKey, _content: &[u8]) {}
 
-    /// Forgets a program.
+    /// Deletes a binary.
     fn discard(&self, _key: ProgramKey) {}
 
-    /// Notes that a driver begins to work on a program. Dropping the result says that the process has outlived it.
+    /// Records that a driver starts working on a program. Dropping the result records that the process survived.
     fn attempt(&self, _key: ProgramKey, _work: Work) -> Option<Box<dyn Any>> {
         None
     }
 
-    /// The work on a program in which an earlier run died. It is told once.
+    /// The operation on a program during which an earlier run crashed. It is returned once.
     fn death(&self, _key: ProgramKey) -> Option<Work> {
         None
     }
 
-    /// Notes that the driver refused a program: it is not tried again.
+    /// Records that the driver rejected a program, which is then not tried again.
     fn note_refused(&self, _key: ProgramKey) {}
 
-    /// Notes that an earlier process died while the driver compiled a program.
+    /// Records that an earlier process crashed while the driver compiled a program.
     fn note_died(&self, _key: ProgramKey) {}
 
-    /// Notes that the driver compiled a program: earlier deaths are forgotten.
+    /// Records that the driver compiled a program, and deletes records of crashes.
     fn note_compiled(&self, _key: ProgramKey) {}
 
-    /// Why a program is not tried in this run, and the file of the record; `None` if it may be tried.
+    /// The reason why a program is not tried in this run, and the file of the record; `None` if it may be tried.
     fn given_up(&self, _key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
         None
     }
 }
 
-/// Keeps nothing.
+/// Stores nothing.
 impl ProgramStore for () {}

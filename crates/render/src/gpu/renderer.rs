@@ -1,22 +1,22 @@
-//! Draws a frame: one sample per pixel, more samples at edges, then the finished picture ([`super::post`]).
+//! Draws a frame: one sample per pixel, further samples at edges, then the finished image ([`super::post`]).
 //!
 //! 1. `scene.frag` traces one sample at each pixel's centre.
-//! 2. `edges.frag` marks in the stencil the pixels whose neighbourhood differs visibly.
-//! 3. `scene.frag` again, only there: more samples, each at another place in the pixel.
+//! 2. `edges.frag` marks the pixels whose neighbourhood differs visibly in the stencil.
+//! 3. `scene.frag` traces further samples in the marked pixels, each at another position in the pixel.
 //!
-//! A picture is drawn in parts, in one go or several (`making`). What happens to it on its way to screens stands in
-//! `presenter`.
+//! A frame is drawn in parts, in one call or several (`making`). `presenter` brings the finished image to the screen.
 //!
-//! The same program draws every sample, so that a driver compiles the scene once. The program belongs to the scene:
-//! the renderer draws with any scene's.
+//! The same program draws every sample, so that a driver compiles a scene only once. Programs belong to scenes, and the
+//! renderer draws with any scene's.
 //!
-//! **Samples where edges are.** Every pixel gets one sample. If neighbours show different surfaces (a key in alpha)
-//! and visibly different colours, the same program draws more: four in the window (6 to 13 % of the pixels; two while
-//! a scene that is interpreted is being edited), sixteen in stills and videos, which also look for the edges of shadows. `bench --edges` compares them with 64 samples
-//! everywhere. On a GPU a stencil selects these pixels. A software renderer computes eight neighbours at once, and
-//! those few pixels would cost more than the first samples of all: there they are read back and listed, and their
-//! samples are drawn side by side. All samples are drawn in one GL state, because some drivers compile a program once
-//! for each state. Textures are filtered by mip levels with exact footprints.
+//! **Further samples at edges only.** Every pixel gets one sample. If neighbours show different surfaces (a key in
+//! alpha) and visibly different colours, the same program draws more: four in the window (6 to 13 % of the pixels; two
+//! while an interpreted scene is being edited), sixteen in stills and videos, which also search for the edges of
+//! shadows. `bench --edges` compares them with 64 samples everywhere. On a GPU a stencil selects these pixels. A
+//! software renderer computes eight neighbours at once, and those few pixels would cost more than the first samples of
+//! all: there they are read back and listed, and their samples are drawn side by side. All samples are drawn in one GL
+//! state, because some drivers compile a program once for each state. Textures are filtered by mip levels with exact
+//! footprints.
 
 mod canvas;
 mod fade;
@@ -59,23 +59,23 @@ use presenter::Presenter;
 pub use presenter::UPSCALE_SHADER;
 pub use sampling::EDGE_SHADER;
 
-/// The targets of the picture and the programs that all scenes share.
+/// Draws scenes; holds the targets and the programs that all scenes share.
 pub struct Renderer {
     gl: Gl,
     painter: Painter,
     presenter: Presenter,
 }
 
-/// Where small pictures of other scenes are drawn ([`Renderer::sketch`]), one after the other.
+/// The targets of small previews of other scenes ([`Renderer::sketch`]), which are drawn one after the other.
 #[derive(Default)]
 pub struct Sketch(Canvas);
 
 impl Renderer {
-    /// Compiles the shaders of `library` that all scenes share. With [`Counting::On`], scenes' programs must be of
-    /// the counting variant.
+    /// Compiles the shaders of `library` that all scenes share. With [`Counting::On`], scenes' programs must be of the
+    /// counting variant.
     ///
     /// # Errors
-    /// What the driver refuses, with its log.
+    /// The driver's log, for a rejected shader.
     pub fn new(gl: &Gl, library: &ShaderLibrary, counting: Counting) -> Result<Self, GpuError> {
         let renderer = Self {
             gl: gl.clone(),
@@ -86,12 +86,12 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// The context that it draws in.
+    /// The context of the renderer.
     pub fn gl(&self) -> &Gl {
         &self.gl
     }
 
-    /// Prepares what only a window needs: showing pictures that are smaller, and reporting how long they take.
+    /// Prepares features for windows: enlarging smaller images, dimming, and GPU times.
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -101,7 +101,7 @@ impl Renderer {
         self.time_pictures()
     }
 
-    /// From now on [`Renderer::dim`] takes effect.
+    /// Enables [`Renderer::dim`].
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -110,8 +110,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// From now on a GPU's times of pictures are taken, so that their parts become smaller where pixels become dearer.
-    /// No other timer may run while one is drawn.
+    /// Enables GPU timing, so that parts become smaller when pixels become more expensive. No other timer may run while
+    /// a frame is drawn.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no query left.
@@ -122,7 +122,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// From now on [`Renderer::limit_flashes`] takes effect.
+    /// Enables [`Renderer::limit_flashes`].
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -131,24 +131,24 @@ impl Renderer {
         Ok(())
     }
 
-    /// [`Renderer::limit_flashes`] has no effect any more.
+    /// Disables [`Renderer::limit_flashes`].
     pub fn remove_flash_limiter(&mut self) {
         self.presenter.flashes.remove();
     }
 
-    /// Uses this tone map from now on, whatever scenes say; none means as they say.
+    /// Overrides the scenes' tone map; `None` restores it.
     pub fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
         self.painter.post.set_tone_map(tone_map);
     }
 
-    /// From now on pixels at edges get this many samples; the default is four.
+    /// Sets the number of further samples at edges; the default is four.
     pub fn set_edge_samples(&mut self, samples: EdgeSamples) {
         self.painter.set_edge_samples(samples);
     }
 
-    /// Draws an empty picture that nobody sees with every pass that a scene's first picture in a window takes, made as
-    /// `picture` says, for as long as that `is_wanted`; what the limiter of flashes takes comes last. Many drivers finish a
-    /// program only when it first draws. Nothing happens once something was drawn.
+    /// Draws an invisible empty image with every pass of a scene's first frame in a window, with the settings of
+    /// `picture`, while `is_wanted` returns true; the flash limiter comes last. Many drivers finish a program only at
+    /// its first draw. Has no effect after the first draw.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -160,20 +160,20 @@ impl Renderer {
         if let Some(targets) = self.painter.warm_up(picture)? {
             self.presenter.warm_up(self.painter.passes(), targets.post.finished(), is_wanted)?;
         }
-        self.gl.check("drawing an empty picture")
+        self.gl.check("drawing an empty image")
     }
 
-    /// Draws `frame` of a scene with one of its programs into the renderer's own target; [`Renderer::show`] or
-    /// [`Renderer::read`] brings it out.
+    /// Draws `frame` of a scene with one of its programs into the renderer's target. [`Renderer::show`] or
+    /// [`Renderer::read`] outputs it.
     ///
     /// # Errors
-    /// A size beyond the driver's, or an error that the driver reports.
+    /// A size over the driver's limit, or an error that the driver reports.
     pub fn draw(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<(), GpuError> {
         self.begin(frame, scene)?;
         self.go_on(scene, program, Duration::MAX).map(|_| ())
     }
 
-    /// Begins a picture in place of any that was not finished; [`Renderer::go_on`] draws it.
+    /// Begins a frame, which replaces any unfinished one. [`Renderer::go_on`] draws it.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -181,8 +181,8 @@ impl Renderer {
         self.painter.begin(Product::Picture, frame, scene)
     }
 
-    /// Begins a picture of which only the light is wanted, for [`Renderer::keep_light`]; what was finished before is shown
-    /// until the next picture is finished.
+    /// Begins a frame that only provides light for [`Renderer::keep_light`]. The previous image is shown until the next
+    /// one is finished.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -190,7 +190,7 @@ impl Renderer {
         self.painter.begin(Product::Light, frame, scene)
     }
 
-    /// Begins a view as [`Renderer::begin`] begins a picture. Its legend is put over it at the end.
+    /// Begins a view as [`Renderer::begin`] begins a frame. Draw its legend last ([`Renderer::put_legend`]).
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -204,8 +204,8 @@ impl Renderer {
         self.painter.begin(Product::View, frame, scene)
     }
 
-    /// Continues the picture that was begun, in the same scene and with one program, for about `patience`; until the
-    /// picture is finished if that is [`Duration::MAX`].
+    /// Continues the frame with the same scene and program for about `patience`. With [`Duration::MAX`], continues
+    /// until it is finished.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -216,7 +216,7 @@ impl Renderer {
         patience: Duration,
     ) -> Result<Progress, GpuError> {
         if !self.presenter.is_for_window() {
-            // Nobody else asks for the time of the last picture.
+            // Without a window, nothing else reads the time of the last frame.
             self.painter.clock.take();
         }
         let is_light =
@@ -228,7 +228,7 @@ impl Renderer {
         Ok(progress)
     }
 
-    /// Draws a picture of `size` pixels from a frame's blocks and what is bound for its scene.
+    /// Draws an image of `size` pixels from a frame's blocks and the bound objects of a scene.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -244,7 +244,7 @@ impl Renderer {
     }
 
     /// Draws a view of `frame` with a program of [`super::scene_program::as_views`], and its legend over it. Its
-    /// colours are the screen's: no pass of the picture changes them, and no pixel is a mean of several samples.
+    /// colours are those of the screen: no post-processing changes them, and each pixel has one sample.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -260,7 +260,7 @@ impl Renderer {
         self.put_legend(legend)
     }
 
-    /// Draws a view from a frame's block and what is bound for its scene, without a legend.
+    /// Draws a view from a frame's block and the bound objects of a scene, without a legend.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -277,7 +277,7 @@ impl Renderer {
         self.painter.go_on(scene, (program, &Costs::default()), Duration::MAX).map(|_| ())
     }
 
-    /// Puts a legend over the view that was finished.
+    /// Draws a legend over the finished view.
     ///
     /// # Errors
     /// An error that the driver reports.
@@ -288,7 +288,7 @@ impl Renderer {
         self.gl.check("drawing a legend")
     }
 
-    /// Draws `frame` with a regular grid of 64 samples in each pixel, the reference for other pictures. Slow.
+    /// Draws `frame` with a regular grid of 64 samples per pixel, as a reference for other images. Slow.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -302,9 +302,9 @@ impl Renderer {
         self.painter.draw_reference(&frame.picture, &scene.names(), program)
     }
 
-    /// Draws a small picture that nobody sees, so that the driver has nothing left to make when the scene is shown,
-    /// and the costs of its pixels are known: many drivers finish a program only at its first draw, and separately in each
-    /// context. What was finished last stays. A picture that is being drawn would be lost.
+    /// Draws a small invisible image, so that the driver has nothing left to compile when the scene is shown and the
+    /// cost of its pixels is known. Many drivers finish a program only at its first draw, and separately in each
+    /// context. The finished image stays; a frame in progress is lost.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -317,8 +317,8 @@ impl Renderer {
         self.painter.rehearse(frame, scene, program)
     }
 
-    /// Draws a picture that nobody sees here, and sends it on its way to `reader`. What was finished last stays. A picture
-    /// that is being drawn would be lost. False if it was left out, because too many are on their way.
+    /// Draws an invisible preview and sends it to `reader`. Returns `false` if it was skipped because too many are
+    /// pending. The finished image stays; a frame in progress is lost.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -338,73 +338,69 @@ impl Renderer {
         })
     }
 
-    /// Keeps the light of the picture that was finished last, to be mixed into the next ones. Returns whether there
-    /// is any: a view has none, nor has a picture whose targets have gone.
+    /// Keeps the light of the finished image for mixing into the next ones. Returns `false` if there is none: for a
+    /// view, or after its targets were dropped.
     ///
     /// # Errors
-    /// No room for it.
+    /// No memory for the light.
     pub fn keep_light(&mut self) -> Result<bool, GpuError> {
         self.painter.keep_light()
     }
 
-    /// The light of the picture that was finished last, exposed and linear: four numbers per pixel, the top row first.
-    /// Empty for a view.
+    /// The exposed linear light of the finished image: four numbers per pixel, top row first. Empty for a view.
     ///
     /// # Errors
-    /// No room for it.
+    /// No memory for the light.
     pub fn read_light(&self) -> Result<Vec<f32>, GpuError> {
         Ok(self.painter.exposed(None)?.map_or_else(Vec::new, |light| light.read_rgba32f(0)))
     }
 
-    /// From now on this share of finished pictures, 0..1, is the light that was kept. Without a share it is
-    /// forgotten.
+    /// Sets the fraction, 0..1, of the kept light in further finished images. `None` discards the light.
     pub fn set_fade(&mut self, fraction: Option<f32>) {
         self.painter.set_fade(fraction);
     }
 
-    /// Width and height of the picture that shows, in pixels.
+    /// Width and height of the displayed image, in pixels.
     pub fn shape(&self) -> Option<(u32, u32)> {
         self.painter.finished().map(Target::size)
     }
 
-    /// The share of the light that the picture which shows has left, 0..1.
+    /// The brightness of the displayed image, 0..1.
     pub fn gain(&self) -> f32 {
         self.presenter.placing.as_ref().map_or(1.0, Placing::gain)
     }
 
-    /// Leaves the picture that was finished last this share of its light, 0..1. It is to be called for each picture,
-    /// before its flashes are limited: they are those of what shows. Only a renderer does it that was told to
-    /// ([`Renderer::add_dimming`]).
+    /// Dims the finished image to this brightness, 0..1. Call it for each image before [`Renderer::limit_flashes`],
+    /// which measures the dimmed one. Requires [`Renderer::add_dimming`].
     ///
     /// # Errors
-    /// No room for a copy of the picture.
+    /// No memory for a copy of the image.
     pub fn dim(&mut self, gain: f32) -> Result<(), GpuError> {
         self.presenter.dim(self.painter.passes(), self.painter.finished(), gain)?;
-        self.gl.check("dimming a picture")
+        self.gl.check("dimming an image")
     }
 
-    /// Dims what flashes too often in the picture that was drawn last, which is shown `seconds` after the one before.
+    /// Dims excessive flashes in the finished image, which is shown `seconds` after the previous one.
     ///
     /// # Errors
-    /// No room for a copy of the picture, which all but windows need.
+    /// No memory for a copy of the image; windows need no copy.
     pub fn limit_flashes(&mut self, seconds: f64) -> Result<(), GpuError> {
         self.presenter.limit_flashes(&self.gl, self.painter.finished(), seconds)?;
         self.gl.check("limiting flashes")
     }
 
-    /// What comes next is not compared with what was drawn before, because the user changed from one to the other by
-    /// hand.
+    /// Makes the flash limiter forget earlier images, because the user has switched to other content.
     pub fn forget_flashes(&mut self) {
         self.presenter.flashes.pass.iter_mut().for_each(FlashPass::forget);
     }
 
-    /// How long the GPU took for one of the last pictures that were drawn in one go, if that has become known since
-    /// the last call; never on a software renderer.
+    /// The GPU time of one of the last images drawn in one call, if it has become known since the last call. Always
+    /// `None` on a software renderer.
     pub fn gpu_time(&mut self) -> Option<Duration> {
         self.painter.clock.take()
     }
 
-    /// Copies the finished picture to the window's framebuffer of `window` pixels, enlarged if that has more.
+    /// Copies the finished image to the window's framebuffer of `window` pixels, enlarged if the window is larger.
     ///
     /// # Errors
     /// An error that the driver reports.
@@ -413,16 +409,16 @@ impl Renderer {
         self.gl.check("showing a frame")
     }
 
-    /// Copies the picture to the window's framebuffer of `window` pixels, where `map` says: from places in the window to
-    /// places in the picture, both to the right and down as shares. `part` of the picture shows, and black around it.
+    /// Draws the image to the window's framebuffer of `window` pixels. `map` maps positions in the window to positions
+    /// in the image, both as fractions to the right and down. Only `part` of the image is visible; the rest is black.
     ///
     /// # Errors
-    /// An error that the driver reports, or no room for a copy without flashes.
+    /// An error that the driver reports, or no memory for a copy with limited flashes.
     pub fn show_placed(&mut self, window: (u32, u32), map: &Map, part: Area) -> Result<(), GpuError> {
         self.show_in_part(window, WHOLE, map, part)
     }
 
-    /// The same in `area` of the window alone; the rest of it stays as it is.
+    /// Like [`Renderer::show_placed`], in `area` of the window only; the rest of the window does not change.
     ///
     /// # Errors
     /// As [`Renderer::show_placed`].
@@ -438,8 +434,8 @@ impl Renderer {
         self.gl.check("showing a frame")
     }
 
-    /// Sends the picture on its way to whoever reads it, as [`Renderer::show_placed`] puts it into a window of the
-    /// reader's size, the top row first. False if it was left out, because too many are on their way.
+    /// Sends the image to `reader`, placed as by [`Renderer::show_placed`] in a window of the reader's size, top row
+    /// first. Returns `false` if it was skipped because too many are pending.
     ///
     /// # Errors
     /// As [`Renderer::show_placed`].
@@ -451,15 +447,15 @@ impl Renderer {
     ) -> Result<bool, GpuError> {
         let finished = self.painter.finished();
         let sent = self.presenter.send(self.painter.passes(), finished, reader, (map, part))?;
-        self.gl.check("sending a picture").map(|()| sent)
+        self.gl.check("sending an image").map(|()| sent)
     }
 
-    /// The finished picture, its flashes limited, four bytes per pixel, the top row first. Empty before the first draw.
+    /// The finished image with limited flashes, four bytes per pixel, top row first. Empty before the first draw.
     pub fn read(&self) -> Vec<u8> {
         self.presenter.read(self.painter.finished())
     }
 
-    /// Distance evaluations of the last picture; zero without [`Counting::On`].
+    /// Distance evaluations of the last image; zero without [`Counting::On`].
     pub fn evaluations(&self) -> Evaluations {
         let targets = self.painter.canvas.targets.as_ref().filter(|_| self.painter.counting == Counting::On);
         targets.map_or_else(Evaluations::default, |targets| {
@@ -467,7 +463,7 @@ impl Renderer {
         })
     }
 
-    /// Pixels that got the samples of an edge in the last picture.
+    /// The number of pixels with further samples in the last image.
     pub fn edge_pixels(&self) -> f64 {
         let targets = self.painter.canvas.targets.as_ref();
         targets.map_or(0.0, |targets| targets.edge_pixels(self.painter.sampling.edge_samples))

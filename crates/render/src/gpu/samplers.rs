@@ -1,5 +1,5 @@
-//! The samplers that a scene's program finds in its slots, the same ones before each of its draws
-//! (`shaders/samplers.frag` tells why). Needed on software renderers only.
+//! Resets the samplers in a scene program's slots to the same ones before each of its draws (`shaders/samplers.frag`
+//! explains the reason). Only needed on software renderers.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -11,16 +11,16 @@ use super::program::LazyProgram;
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
 
-/// Reads as many textures as any program may.
+/// The shader that reads as many textures as any program may.
 pub const SAMPLERS_SHADER: &str = "samplers.frag";
 
-/// Textures that a program may read, each at a unit of its own.
+/// Most textures of a program, each in its own unit.
 const SLOTS: u32 = 16;
 
-/// See the module.
+/// Resets samplers on software renderers.
 pub(super) struct Samplers {
     program: LazyProgram,
-    /// What all of its slots read.
+    /// The texture bound to all slots.
     texel: Target,
 }
 
@@ -28,22 +28,23 @@ impl Samplers {
     /// Assembles the shader.
     ///
     /// # Errors
-    /// A missing shader file, or no object left.
+    /// A missing shader file, or the driver has no object left.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         let program = LazyProgram::new(gl, library, SAMPLERS_SHADER, &Variant::default())?;
         Ok(Self { program, texel: Target::new(gl, (1, 1), &[Texel::Rgba8], None)? })
     }
 
-    /// Puts the same samplers into all slots. `target` is what is drawn into next; nothing of it changes. The
-    /// vertices of a full-screen triangle are bound; what was bound to the texture units is not any more.
+    /// Sets the same samplers in all slots and unbinds the texture units. `target` is the target of the next draw; it
+    /// does not change. The vertices of a full-screen triangle must be bound.
     ///
     /// # Errors
-    /// What the driver says about a malformed shader.
+    /// The driver's log, for a malformed shader.
     pub(super) fn settle(&self, gl: &Gl, target: &Target) -> Result<(), GpuError> {
         (0..SLOTS).for_each(|unit| self.texel.bind_color(0, unit));
         target.bind();
         self.program.bind(gl)?;
-        // SAFETY: plain state and a draw on objects of ours, none of whose pixels is within the scissor.
+        // SAFETY: sets state and draws without attributes into the bound target, with an empty scissor, in the current
+        // context.
         unsafe {
             gl.enable(glow::SCISSOR_TEST);
             gl.scissor(0, 0, 0, 0);

@@ -1,8 +1,8 @@
-//! A worker's context: makes programs there, from what was kept of them or from their texts, and draws with each once.
+//! A worker with its own context: loads or compiles programs there and draws once with each.
 //!
-//! **What a driver made is kept** from run to run ([`crate::gpu::program_store`]): from the second start on it is only handed
-//! to the driver again. A driver that dies of its own form of a program compiles it the next time; an interpreter that
-//! it refuses, or dies of twice, is not tried again, because the scene can be drawn in other ways.
+//! **Compiled programs are stored** between runs ([`crate::gpu::program_store`]): later runs only load them into the
+//! driver. If the driver crashed while loading a stored program, the next run compiles it again. An interpreter that
+//! the driver rejected, or that crashed it twice, is not tried again, because the scene can be drawn in other ways.
 
 use std::time::{Duration, Instant};
 
@@ -19,17 +19,17 @@ use crate::gpu::scene_program::SCENE_SHADER;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::gpu::stand_ins::{SceneShape, StandIns};
 
-/// Size of the pictures that warm a program up: no power of two, because those of windows are none either (see
+/// Size of the warm-up images. It is no power of two, because window sizes are none either (see
 /// [`crate::gpu::stand_ins`]).
 const WARM_UP_SIZE: (u32, u32) = (18, 14);
 
-/// How long a driver takes that a test makes slow.
+/// Duration of a compilation that a test slows down.
 const SLOW_COMPILER: Duration = Duration::from_secs(2);
-/// How long one takes that a test makes endless, and for programs of how many bytes.
+/// Duration of a compilation that a test makes endless, for programs longer than `LONG_PROGRAM` bytes.
 const ENDLESS_COMPILER: Duration = Duration::from_secs(3600);
 const LONG_PROGRAM: usize = 200_000;
 
-/// The picture that warms a program up.
+/// Inputs of the warm-up image.
 struct Asked {
     block: FrameBlock,
     picture: Picture,
@@ -37,35 +37,35 @@ struct Asked {
     draws_views: bool,
 }
 
-/// Everything of a worker's context.
+/// The objects of a worker's context.
 pub(super) struct CompileWorker {
     gl: Gl,
     renderer: Renderer,
     stand_ins: StandIns,
 }
 
-/// A program that was made.
+/// A finished program.
 pub(super) struct Made {
     pub(super) program: ReadyProgram,
-    /// What is to be kept of it, and by which key; none if that is kept already.
+    /// The binary to store and its key; `None` if it is stored already.
     pub(super) to_keep: Option<(ProgramKey, Vec<u8>)>,
 }
 
 impl CompileWorker {
-    /// For the current context.
+    /// Sets up a worker in the current context.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error, if it rejects a shader or has no object left.
     pub(super) fn new(gl: Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         let renderer = Renderer::new(&gl, library, Counting::Off)?;
         let stand_ins = StandIns::new(&gl)?;
         Ok(Self { gl, renderer, stand_ins })
     }
 
-    /// Makes a program: from what was kept of it or else from its texts.
+    /// Loads a program from the store, or compiles its text.
     ///
     /// # Errors
-    /// What the driver refuses, and [`GpuError::GivenUp`] for what it failed at before.
+    /// The driver's error, or [`GpuError::GivenUp`] for an interpreter at which the driver failed before.
     pub(super) fn make(&mut self, sources: &Sources, job: ProgramJob) -> Result<Made, GpuError> {
         let Sources { library, cache } = sources;
         let is_interpreter = job.can_be_given_up;
@@ -103,12 +103,12 @@ impl CompileWorker {
             if let Some((program, binary)) = taken {
                 self.warm_up(&program, &asked)?;
                 tracing::info!(
-                    "a kept program is there after {:.0} ms",
+                    "loaded a stored program in {:.0} ms",
                     1000.0 * start.elapsed().as_secs_f64()
                 );
                 return Ok(Made { program: ReadyProgram::new(texts, Some(binary)), to_keep: None });
             }
-            tracing::info!("the driver does not take a program that was kept: it compiles it again");
+            tracing::info!("the driver rejects a stored program: compiling it again");
             cache.discard(key);
         }
         let _attempt = cache.attempt(key, Work::Compiling);
@@ -119,7 +119,7 @@ impl CompileWorker {
         let compiled = match Program::of(&self.gl, &texts) {
             _ if is_interpreter && faults::strikes(Fault::NoInterpreter) => Err(GpuError::Compile {
                 name: SCENE_SHADER.to_owned(),
-                log: "a fault that a test causes".to_owned(),
+                log: "a fault injected by a test".to_owned(),
             }),
             compiled => compiled,
         };
@@ -131,20 +131,20 @@ impl CompileWorker {
             cache.note_compiled(key);
         }
         let ready = compiled.ready(texts);
-        // The window's context makes the program from this form, and Mesa's software renderers find its machine code
-        // only if it was made from the same one.
+        // The window's context loads this binary. Mesa's software renderers find its machine code in their cache only
+        // if it was made from the same binary, so draw with the program loaded from it.
         let again = match ready.binary() {
             Some(binary) => Program::take(&self.gl, binary)?,
             None => None,
         };
         self.warm_up(again.as_ref().unwrap_or(&compiled), &asked)?;
-        tracing::info!("a program is compiled after {:.0} ms", 1000.0 * start.elapsed().as_secs_f64());
+        tracing::info!("compiled a program in {:.0} ms", 1000.0 * start.elapsed().as_secs_f64());
         let to_keep = ready.binary().map(|binary| (key, binary.to_bytes()));
         Ok(Made { program: ready, to_keep })
     }
 
-    /// Draws with a program, so that the driver has nothing left to do. Afterwards it can be dropped, with everything
-    /// that the driver keeps for it in this context.
+    /// Draws with a program, so that the driver completes its work. The program and the driver's data in this context
+    /// can be dropped afterwards.
     fn warm_up(&mut self, program: &Program, asked: &Asked) -> Result<(), GpuError> {
         let scene = self.stand_ins.names(&asked.scene)?;
         let blocks = (&asked.block, &asked.picture);
@@ -154,7 +154,7 @@ impl CompileWorker {
         } else {
             self.renderer.draw_block(WARM_UP_SIZE, blocks, &scene, program)
         };
-        // The program is usable all the same.
+        // The program can be used even if the warm-up fails.
         if let Err(error) = drawn {
             tracing::debug!("warming up a program: {error}");
         }

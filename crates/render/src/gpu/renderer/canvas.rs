@@ -1,4 +1,4 @@
-//! The targets of one series of pictures, the picture in progress, and the finished one.
+//! The targets of a series of frames, the frame in progress, and the finished image.
 
 use super::making::{Making, Product};
 use super::targets::Targets;
@@ -9,20 +9,20 @@ use crate::gpu::evaluations::Counting;
 use crate::gpu::gl::Gl;
 use crate::gpu::target::Target;
 
-/// Holds targets, the picture in progress and the finished picture.
+/// Holds targets, the frame in progress and the finished image.
 #[derive(Default)]
 pub(super) struct Canvas {
     pub(super) targets: Option<Targets>,
-    /// The picture in progress.
+    /// The frame in progress.
     pub(super) making: Option<Making>,
-    /// The settings of the picture whose light the targets hold; `None` for a view.
+    /// The settings of the image whose light the targets hold; `None` for a view.
     finished_light: Option<Picture>,
-    /// The last picture, shown while one of another size is drawn.
+    /// The last image, shown while one of another size is drawn.
     stands: Option<Target>,
 }
 
 impl Canvas {
-    /// Makes targets of `size` pixels, unless the present ones fit. If the size is refused, the last picture stays.
+    /// Makes targets of `size` pixels, unless the current ones fit. If the size is refused, the last image stays.
     ///
     /// # Errors
     /// A size over the driver's limit, or no memory.
@@ -41,7 +41,7 @@ impl Canvas {
         Ok(())
     }
 
-    /// Drops the targets. The last picture is shown until the next one is finished.
+    /// Drops the targets. The last image is shown until the next one is finished.
     pub(super) fn put_targets_away(&mut self) {
         (self.making, self.finished_light) = (None, None);
         if let Some(targets) = self.targets.take()
@@ -51,7 +51,7 @@ impl Canvas {
         }
     }
 
-    /// Notes that a picture is finished.
+    /// Records that a frame is finished.
     pub(super) fn finish(&mut self, making: &Making) {
         if making.product != Product::Light {
             self.stands = None;
@@ -59,17 +59,17 @@ impl Canvas {
         self.finished_light = (making.product != Product::View).then_some(making.picture);
     }
 
-    /// True before the first picture.
+    /// True before the first frame.
     pub(super) fn is_empty(&self) -> bool {
         self.targets.is_none() && self.stands.is_none()
     }
 
-    /// The finished picture.
+    /// The finished image.
     pub(super) fn finished(&self) -> Option<&Target> {
         self.stands.as_ref().or(self.targets.as_ref().map(|targets| targets.post.finished()))
     }
 
-    /// The settings and targets of the finished picture, for its light; `None` for a view.
+    /// The settings and targets of the finished image, for its light; `None` for a view.
     pub(super) fn finished_light(&self) -> Option<(&Picture, &Targets)> {
         self.finished_light.as_ref().zip(self.targets.as_ref())
     }

@@ -1,25 +1,25 @@
-//! Fades one picture into the next: mixes the light of an earlier picture into new ones, before the tone map.
+//! Fades between images: mixes the light of an earlier image into new ones, before the tone map.
 
 use crate::gpu::target::Target;
 
-/// The light of an earlier picture.
+/// The light of an earlier image.
 pub(super) struct Fade {
     light: Target,
     fraction: f32,
 }
 
 impl Fade {
-    /// With a share of 1.
+    /// Starts a fade with a fraction of 1.
     pub(super) fn of(light: Target) -> Self {
         Self { light, fraction: 1.0 }
     }
 
-    /// The light, and its share of new pictures, 0..1.
+    /// The light and its fraction in new images, 0..1.
     pub(super) fn mixed_in(&self) -> (&Target, f32) {
         (&self.light, self.fraction)
     }
 
-    /// Sets the share of new pictures, 0..1.
+    /// Sets the fraction in new images, 0..1.
     pub(super) fn set_fraction(&mut self, fraction: f32) {
         self.fraction = fraction.clamp(0.0, 1.0);
     }

@@ -1,18 +1,18 @@
-//! Limits the flashes of finished pictures, in the window or in a copy.
+//! Limits the flashes of finished images, in the window or in a copy.
 
 use crate::gpu::error::GpuError;
 use crate::gpu::flash_pass::FlashPass;
 use crate::gpu::gl::Gl;
 use crate::gpu::target::{Target, Texel};
 
-/// The flash limiter and its copy of the picture.
+/// The flash limiter and its copy of the image.
 #[derive(Default)]
 pub(super) struct Flashes {
     /// `None` if flashes are not limited.
     pub(super) pass: Option<FlashPass>,
-    /// True if the limiter has measured the finished picture.
+    /// True if the limiter has measured the finished image.
     is_limited: bool,
-    /// A copy of the picture with limited flashes.
+    /// A copy of the image with limited flashes.
     copy: Option<Target>,
     /// True if the copy is up to date.
     has_copy: bool,
@@ -25,17 +25,17 @@ impl Flashes {
         self.is_limited = false;
     }
 
-    /// A new picture is finished; the limiter has not measured it yet.
+    /// Records that a new image is finished, which the limiter has not measured.
     pub(super) fn expect_another(&mut self) {
         self.is_limited = false;
     }
 
-    /// The picture has changed: the copy is out of date.
+    /// Records that the image has changed and the copy is out of date.
     pub(super) fn forget_copy(&mut self) {
         self.has_copy = false;
     }
 
-    /// Measures a picture that is shown `seconds` after its predecessor, and decides where to dim it.
+    /// Measures an image that is shown `seconds` after the previous one, and decides where to dim it.
     pub(super) fn take(&mut self, picture: &Target, seconds: f64) {
         if let Some(pass) = &mut self.pass {
             pass.take(picture, seconds);
@@ -44,7 +44,7 @@ impl Flashes {
         }
     }
 
-    /// The limiter, if it has measured the finished picture.
+    /// The limiter, if it has measured the finished image.
     pub(super) fn limiting(&self) -> Option<&FlashPass> {
         self.pass.as_ref().filter(|_| self.is_limited)
     }

@@ -1,7 +1,7 @@
-//! The picture in progress: its passes, each drawn in parts, in one call or several.
+//! The frame in progress: its passes, each drawn in parts, in one call or several.
 //!
-//! Between two calls anything may be drawn and shown, if the scene's tape, regions and sound do not change. Until it is
-//! finished, the previous picture is shown.
+//! Between two calls anything may be drawn and shown, if the scene's tape, regions and sound tables do not change. The
+//! previous image is shown until the frame is finished.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -18,20 +18,19 @@ use crate::gpu::post::Post;
 use crate::gpu::program::{Program, unit_of};
 use crate::gpu::tiles::{PART_SECONDS, Part, Parts, PixelCost};
 
-/// How far a picture is.
+/// The progress of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Progress {
-    /// It is finished: [`Renderer::show`] and [`Renderer::read`] bring it out.
+    /// Finished: [`Renderer::show`] and [`Renderer::read`] output it.
     ///
-    /// [`Renderer::show`]: super::Renderer::show
-    /// [`Renderer::read`]: super::Renderer::read
+    /// [`Renderer::show`]: super::Renderer::show [`Renderer::read`]: super::Renderer::read
     Finished {
-        /// How long it took, in all goes.
+        /// The time spent on it in all calls.
         spent: Duration,
     },
-    /// It needs another go.
+    /// Unfinished: another call is needed.
     Going {
-        /// How long it will take in all, in seconds, as far as is known.
+        /// The estimated total time in seconds, if known.
         seconds: Option<f64>,
     },
 }
@@ -39,55 +38,55 @@ pub enum Progress {
 /// The product of a drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Product {
-    /// A finished picture.
+    /// A finished image.
     Picture,
-    /// Light alone, for mixing into another picture.
+    /// Only light, for mixing into another image.
     Light,
     /// A view: colours of the screen, one sample per pixel.
     View,
 }
 
-/// What is drawn next.
+/// A pass of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Pass {
-    /// A sample in the middle of each pixel.
+    /// A sample at the centre of each pixel.
     First,
     /// One of the further samples, where the stencil is set.
     Further(usize),
     /// All further samples, side by side.
     Listed,
-    /// Light.
+    /// Post-processing.
     Post,
 }
 
-/// The passes that make a picture.
+/// The passes of a frame.
 pub(super) struct Tools<'a> {
     /// Draws samples.
     pub sampling: &'a Sampling,
-    /// Makes a picture of samples.
+    /// Makes an image from samples.
     pub post: &'a Post,
-    /// Light of an earlier picture.
+    /// The light of an earlier image.
     pub fade: Option<&'a Fade>,
 }
 
-/// A picture in progress.
+/// A frame in progress.
 pub(super) struct Making {
     pub(super) picture: Picture,
     pub(super) product: Product,
     pass: Pass,
     parts: Parts,
     pub(super) spent: Duration,
-    /// Seconds that the draws will take which the driver was given since it was last told to begin.
+    /// Estimated seconds of the draws since the last flush.
     held_back: f64,
-    /// Draws of samples so far, and the pixels of the largest.
+    /// Number of draws of samples so far, and the pixels of the largest.
     draws: (u32, u64),
 }
 
-/// Share of a picture's time that goes into its further samples, if nothing else is known.
+/// Assumed fraction of a frame's time for its further samples.
 const FURTHER_FRACTION: f64 = 0.3;
 
 impl Making {
-    /// A picture of which nothing is drawn yet.
+    /// Begins a frame.
     pub(super) fn new(picture: Picture, product: Product) -> Self {
         Self {
             picture,
@@ -107,7 +106,7 @@ impl Making {
         self.parts.are_one(cost)
     }
 
-    /// Estimated duration of the whole picture, in seconds; `None` before anything is measured.
+    /// Estimated duration of the whole frame, in seconds; `None` before the first measurement.
     pub(super) fn seconds(&self) -> Option<f64> {
         let is_first = self.pass == Pass::First && self.product != Product::View;
         let fraction = if is_first { 1.0 - FURTHER_FRACTION } else { 1.0 };
@@ -119,7 +118,7 @@ impl Making {
         self.draws
     }
 
-    /// Draws for about `patience`. Returns true when the picture is finished.
+    /// Draws for about `patience`. Returns true when the frame is finished.
     ///
     /// # Errors
     /// No memory for samples, or a malformed shader, with the driver's log.
@@ -143,7 +142,7 @@ impl Making {
         Ok(is_finished)
     }
 
-    /// Draws the next part of a pass of samples and notes its duration.
+    /// Draws the next part of a pass of samples and records its duration.
     fn draw_measured(
         &mut self,
         sampling: &Sampling,
@@ -152,7 +151,7 @@ impl Making {
         part: Part,
     ) {
         let gl = sampling.gl();
-        // On a GPU, a draw that is a whole pass and is known to be short is not waited for.
+        // On a GPU, do not wait for a short draw that is a whole pass.
         let is_measured = gl.info().software || !self.parts.were_one();
         let begun = Instant::now();
         self.draw_part(sampling, targets, program, part);
@@ -162,17 +161,17 @@ impl Making {
             self.held_back = 0.0;
             self.parts.note(part, begun.elapsed(), cost);
         } else {
-            // A watchdog looks at what was handed over together, which may be several passes.
+            // A watchdog measures everything since the last flush, which may be several passes.
             self.held_back += cost.seconds(part.pixels());
             if self.held_back > PART_SECONDS / 2.0 {
-                // SAFETY: plain state.
+                // SAFETY: flushes the current context.
                 unsafe { gl.flush() }
                 self.held_back = 0.0;
             }
         }
     }
 
-    /// Begins the next pass. Returns true when the picture is finished.
+    /// Begins the next pass. Returns true when the frame is finished.
     fn finish_pass(
         &mut self,
         tools: &Tools<'_>,
@@ -227,7 +226,7 @@ impl Making {
         }
         let has_stencil = matches!(targets.edges, Edges::Stencil(_)) && !is_view;
         let gl = sampling.gl();
-        // SAFETY: plain state and a clear of what is bound.
+        // SAFETY: sets state and clears the target bound above, in the current context.
         unsafe {
             if has_stencil {
                 gl.enable(glow::STENCIL_TEST);
@@ -247,7 +246,7 @@ impl Making {
             _ if is_view => sampling.draw(Sample::Only),
             _ => sampling.draw(Sample::First),
         }
-        // SAFETY: plain state.
+        // SAFETY: sets state of the current context.
         unsafe {
             gl.disable(glow::SCISSOR_TEST);
             gl.disable(glow::STENCIL_TEST);
@@ -255,7 +254,7 @@ impl Making {
         }
     }
 
-    /// Makes the picture of all samples, or only its light.
+    /// Makes the finished image, or only its light, from all samples.
     fn finish_light(&self, tools: &Tools<'_>, targets: &Targets) -> Result<(), GpuError> {
         resolve(tools, targets)?;
         if self.product == Product::Light {
@@ -266,7 +265,8 @@ impl Making {
     }
 }
 
-/// Draws all passes after the first samples with whatever `targets` hold, to warm up the driver. Draws no further sample.
+/// Draws all passes after the first samples with the current content of `targets`, to warm up the driver. Draws no
+/// further samples.
 ///
 /// # Errors
 /// As [`Making::go_on`].
@@ -286,7 +286,7 @@ pub(super) fn rehearse_passes(
     tools.post.finish(&targets.post, picture, &targets.first, None)
 }
 
-/// Makes light of the samples.
+/// Resolves the samples to light.
 fn resolve(tools: &Tools<'_>, targets: &Targets) -> Result<(), GpuError> {
     targets.first.bind_color(0, unit_of("picture"));
     match &targets.edges {

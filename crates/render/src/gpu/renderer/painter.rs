@@ -1,4 +1,4 @@
-//! Draws pictures of any scene on a canvas.
+//! Draws frames of any scene on a canvas.
 
 use std::time::{Duration, Instant};
 
@@ -23,14 +23,14 @@ use crate::gpu::target::{Target, Texel};
 use crate::gpu::tiles::{Costs, Part};
 use crate::gpu::timer::PictureClock;
 
-/// Samples of a reference picture along each side of a pixel.
+/// Samples of a reference image along each side of a pixel.
 const REFERENCE_SIDE: u32 = 8;
 
-/// Size of the picture that warms up what all scenes share: large enough for several levels of bloom. Software renderers
-/// make programs of their own for powers of two, which are neither here nor among the levels' sides.
+/// Size of the warm-up image: large enough for several levels of bloom. Software renderers compile other variants for
+/// powers of two, so neither this size nor that of any level has one.
 const WARM_UP_SIZE: (u32, u32) = (90, 54);
 
-/// Draws pictures: the passes that all scenes share, and the canvas.
+/// Draws frames; holds the passes that all scenes share, and the canvas.
 pub(super) struct Painter {
     gl: Gl,
     pub(super) counting: Counting,
@@ -38,7 +38,7 @@ pub(super) struct Painter {
     pub(super) post: Post,
     pub(super) canvas: Canvas,
     pub(super) clock: PictureClock,
-    /// Light of an earlier picture.
+    /// The light of an earlier image.
     fade: Option<Fade>,
 }
 
@@ -59,12 +59,12 @@ impl Painter {
         })
     }
 
-    /// The passes over whole pictures.
+    /// The passes over whole images.
     pub(super) fn passes(&self) -> &Passes {
         self.post.passes()
     }
 
-    /// The finished picture.
+    /// The finished image.
     pub(super) fn finished(&self) -> Option<&Target> {
         self.canvas.finished()
     }
@@ -78,7 +78,8 @@ impl Painter {
         }
     }
 
-    /// Draws an empty picture with every pass after a scene's samples, unless something was drawn before. Returns its targets.
+    /// Draws an empty image with every pass after a scene's samples, unless something was drawn before. Returns its
+    /// targets.
     ///
     /// # Errors
     /// A malformed shader, with the driver's log.
@@ -95,13 +96,13 @@ impl Painter {
         Ok(Some(targets))
     }
 
-    /// Makes targets for pictures of `size` pixels that are made as `picture` says.
+    /// Makes targets for images of `size` pixels with the settings of `picture`.
     fn need_targets(&mut self, size: (u32, u32), picture: &Picture) -> Result<(), GpuError> {
         let kind = (size, picture.lens.is_some());
         self.canvas.need_targets(&self.gl, kind, self.sampling.edge_samples, self.counting)
     }
 
-    /// Begins to draw a frame. An unfinished picture is dropped.
+    /// Begins to draw a frame. Drops an unfinished one.
     ///
     /// # Errors
     /// A size over the driver's limit.
@@ -133,7 +134,7 @@ impl Painter {
         Ok(())
     }
 
-    /// Draws the picture in progress for about `patience`.
+    /// Continues the frame in progress for about `patience`.
     ///
     /// # Errors
     /// An error that the driver reports.
@@ -144,7 +145,7 @@ impl Painter {
         patience: Duration,
     ) -> Result<Progress, GpuError> {
         let begun = Instant::now();
-        // An error drops both, so that no unfinished picture is left.
+        // An error drops both, so that no unfinished frame is left.
         let (Some(mut making), Some(mut targets)) = (self.canvas.making.take(), self.canvas.targets.take())
         else {
             return Ok(Progress::Finished { spent: Duration::ZERO });
@@ -173,7 +174,7 @@ impl Painter {
         self.canvas.targets = Some(targets);
         let progress = if finished? {
             let (draws, largest) = making.draws();
-            tracing::debug!("a picture in {draws} draws, the largest of {largest} pixels");
+            tracing::debug!("a frame took {draws} draws, the largest of {largest} pixels");
             self.canvas.finish(&making);
             Progress::Finished { spent: making.spent }
         } else {
@@ -185,7 +186,7 @@ impl Painter {
         Ok(progress)
     }
 
-    /// Draws a picture in one go.
+    /// Draws a frame in one call.
     ///
     /// # Errors
     /// As [`Painter::begin`] and [`Painter::go_on`].
@@ -199,7 +200,7 @@ impl Painter {
         self.go_on(&scene.names(), (program, costs), Duration::MAX).map(|_| ())
     }
 
-    /// Replaces the samples of the finished picture by a regular grid of them. Slow.
+    /// Replaces the samples of the finished image by a regular grid of samples. Slow.
     ///
     /// # Errors
     /// No memory for the sum, or a malformed shader, with the driver's log.
@@ -220,7 +221,7 @@ impl Painter {
         self.gl.check("drawing a reference")
     }
 
-    /// Calls `draw` with another canvas, no fade and no clock, and restores them. A picture in progress is lost.
+    /// Calls `draw` with another canvas and without fade and clock, then restores them. A frame in progress is lost.
     pub(super) fn elsewhere<R>(&mut self, canvas: &mut Canvas, draw: impl FnOnce(&mut Self) -> R) -> R {
         let (clock, fade) = (std::mem::take(&mut self.clock), self.fade.take());
         std::mem::swap(&mut self.canvas, canvas);
@@ -232,7 +233,7 @@ impl Painter {
         result
     }
 
-    /// Draws a frame twice on a canvas of its own: alone, and with a fade.
+    /// Draws a frame twice on a temporary canvas: alone, and with a fade.
     ///
     /// # Errors
     /// As [`Painter::draw`].
@@ -243,16 +244,16 @@ impl Painter {
         program: &Program,
     ) -> Result<(), GpuError> {
         self.elsewhere(&mut Canvas::default(), |painter| {
-            // The driver may still compile: do not take that for the cost of the scene.
+            // The driver may still compile, so do not record this time as the scene's cost.
             painter.draw(frame, scene, (program, &Costs::default()))?;
-            // The program for fades.
+            // Warm up the program for fades.
             painter.keep_light()?;
             painter.set_fade(Some(0.5));
             painter.draw(frame, scene, (program, scene.costs()))
         })
     }
 
-    /// Draws a frame with two samples at edges on another canvas, and passes the picture to `send`.
+    /// Draws a frame with two samples at edges on another canvas, and passes the image to `send`.
     ///
     /// # Errors
     /// As [`Painter::draw`], and those of `send`.
@@ -267,26 +268,26 @@ impl Painter {
             painter.draw(frame, scene, (program, scene.costs()))?;
             let Some(picture) = painter.finished() else { return Ok(false) };
             let sent = send(painter.passes(), picture)?;
-            painter.gl.check("sending a picture").map(|()| sent)
+            painter.gl.check("sending an image").map(|()| sent)
         });
         self.sampling.edge_samples = edges;
         sent
     }
 
-    /// Keeps the light of the finished picture for fades. Returns false for a view, which has none.
+    /// Keeps the light of the finished image for fades. Returns false for a view, which has no light.
     ///
     /// # Errors
-    /// No memory for it.
+    /// No memory for the light.
     pub(super) fn keep_light(&mut self) -> Result<bool, GpuError> {
         let old = self.fade.take().map(Fade::into_light);
         self.fade = self.exposed(old)?.map(Fade::of);
         Ok(self.fade.is_some())
     }
 
-    /// The exposed linear light of the finished picture, in `room` if that has its size; `None` for a view.
+    /// The exposed linear light of the finished image, in `room` if its size fits; `None` for a view.
     ///
     /// # Errors
-    /// No memory for it.
+    /// No memory for the light.
     pub(super) fn exposed(&self, room: Option<Target>) -> Result<Option<Target>, GpuError> {
         let Some((picture, targets)) = self.canvas.finished_light() else { return Ok(None) };
         let light = match room.filter(|room| room.size() == targets.first.size()) {
@@ -296,11 +297,10 @@ impl Painter {
         self.post.passes().prepare();
         self.post.bind_picture(picture, self.sampling.edge_samples);
         self.post.expose(&targets.post, picture, &targets.first, &light)?;
-        self.gl.check("keeping a picture's light").map(|()| Some(light))
+        self.gl.check("keeping an image's light").map(|()| Some(light))
     }
 
-    /// From now on this share of finished pictures, 0..1, is the light that was kept. Without a share it is
-    /// forgotten.
+    /// Sets the fraction, 0..1, of the kept light in further finished images. `None` discards the light.
     pub(super) fn set_fade(&mut self, fraction: Option<f32>) {
         match (fraction, &mut self.fade) {
             (Some(fraction), Some(fade)) => fade.set_fraction(fraction),

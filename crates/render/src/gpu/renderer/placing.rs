@@ -1,4 +1,4 @@
-//! Dims finished pictures and places them in windows.
+//! Dims finished images and places them in windows.
 
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
@@ -8,17 +8,17 @@ use crate::gpu::shader_source::{ShaderLibrary, Variant};
 use crate::gpu::target::{Target, Texel};
 use crate::placement::{Area, Map, within};
 
-/// The shaders of this module; tests compile them all.
+/// The shaders of this module. Tests compile all of them.
 pub const PLACING_SHADERS: [&str; 2] = ["dim.frag", "place.frag"];
 
-/// The dimming and placing passes, and the dimmed picture.
+/// The dimming and placing passes, and the dimmed image.
 pub(super) struct Placing {
     dim: LazyProgram,
     place: LazyProgram,
     block: Block,
     /// Brightness, 0..1.
     gain: f32,
-    /// The dimmed picture; `None` at full brightness.
+    /// The dimmed image; `None` at full brightness.
     dimmed: Option<Target>,
 }
 
@@ -26,7 +26,7 @@ impl Placing {
     /// Assembles the shaders.
     ///
     /// # Errors
-    /// Missing shader files, or no object left.
+    /// Missing shader files, or the driver has no object left.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         let [dim, place] =
             PLACING_SHADERS.map(|name| move || LazyProgram::new(gl, library, name, &Variant::default()));
@@ -39,15 +39,15 @@ impl Placing {
         self.gain
     }
 
-    /// The dimmed picture; `None` at full brightness.
+    /// The dimmed image; `None` at full brightness.
     pub(super) fn dimmed(&self) -> Option<&Target> {
         self.dimmed.as_ref()
     }
 
-    /// Dims a finished picture to a brightness of 0..1.
+    /// Dims a finished image to a brightness of 0..1.
     ///
     /// # Errors
-    /// No memory for the dimmed picture.
+    /// No memory for the dimmed image.
     pub(super) fn dim(
         &mut self,
         passes: &Passes,
@@ -68,8 +68,8 @@ impl Placing {
         Ok(())
     }
 
-    /// Draws a part of a picture into an area of the window's framebuffer of `window` pixels. `map` leads from places in the
-    /// window to places in the picture.
+    /// Draws a part of an image into an area of the window's framebuffer of `window` pixels. `map` maps positions in
+    /// the window to positions in the image.
     ///
     /// # Errors
     /// A malformed shader, with the driver's log.
@@ -89,7 +89,7 @@ impl Placing {
         passes.draw_in_window(&self.place, window, Some([from, low, to - from, high - low]))
     }
 
-    /// Draws a part of a picture into a target, the top row first.
+    /// Draws a part of an image into a target, top row first.
     ///
     /// # Errors
     /// A malformed shader, with the driver's log.
@@ -108,7 +108,7 @@ impl Placing {
     }
 }
 
-/// What the shader is told of a map and of the part that shows: OpenGL counts places from the bottom.
+/// Packs a map and the visible part for the shader. OpenGL counts positions from the bottom.
 fn numbers(map: &Map, [left, top, right, bottom]: Area) -> [f32; 16] {
     let [across, down, depth] = *map;
     let down: [f64; 3] = std::array::from_fn(|i| depth[i] - down[i]);
@@ -128,7 +128,7 @@ mod tests {
     use crate::placement::{Corners, Crop, Flip, Placement, led};
 
     #[test]
-    fn the_shader_is_told_the_same_places_from_the_bottom() {
+    fn the_shader_gets_the_same_positions_from_the_bottom() {
         let placement = Placement {
             crop: Crop::try_from([10.0, 20.0, 0.0, 5.0]).unwrap(),
             flip: Flip::Horizontal,

@@ -1,6 +1,6 @@
-//! Presents finished pictures: dims them, limits their flashes and places them in windows.
+//! Presents finished images: dims them, limits their flashes and places them in windows.
 //!
-//! An undimmed picture that fills its window is copied byte for byte.
+//! An undimmed image that fills its window is copied byte for byte.
 
 use super::flashes::Flashes;
 use super::placing::Placing;
@@ -13,23 +13,23 @@ use crate::gpu::shader_source::{ShaderLibrary, Variant};
 use crate::gpu::target::Target;
 use crate::placement::{Area, Map};
 
-/// Enlarges a picture for a window.
+/// The shader that enlarges an image for a window.
 pub const UPSCALE_SHADER: &str = "upscale.frag";
 
-/// Presents finished pictures; each call names the picture.
+/// Presents finished images. Each call names the image.
 #[derive(Default)]
 pub(super) struct Presenter {
-    /// Enlarges pictures for a window; `None` without a window.
+    /// Enlarges images for a window; `None` without a window.
     upscale: Option<LazyProgram>,
     pub(super) placing: Option<Placing>,
     pub(super) flashes: Flashes,
 }
 
 impl Presenter {
-    /// Loads the shader that enlarges pictures for a window.
+    /// Loads the shader that enlarges images for a window.
     ///
     /// # Errors
-    /// Missing shader files, or no object left.
+    /// Missing shader files, or the driver has no object left.
     pub(super) fn prepare_for_window(&mut self, gl: &Gl, library: &ShaderLibrary) -> Result<(), GpuError> {
         self.upscale = Some(LazyProgram::new(gl, library, UPSCALE_SHADER, &Variant::default())?);
         Ok(())
@@ -40,10 +40,10 @@ impl Presenter {
         self.upscale.is_some()
     }
 
-    /// Dims the picture ([`Placing::dim`]).
+    /// Dims the image ([`Placing::dim`]).
     ///
     /// # Errors
-    /// No memory for a copy of the picture.
+    /// No memory for a copy of the image.
     pub(super) fn dim(
         &mut self,
         passes: &Passes,
@@ -57,10 +57,10 @@ impl Presenter {
         placing.dim(passes, finished, gain)
     }
 
-    /// Limits the flashes of a picture that is shown `seconds` after its predecessor.
+    /// Limits the flashes of an image that is shown `seconds` after the previous one.
     ///
     /// # Errors
-    /// No memory for a copy of the picture. Windows need no copy.
+    /// No memory for a copy of the image. Windows need no copy.
     pub(super) fn limit_flashes(
         &mut self,
         gl: &Gl,
@@ -73,7 +73,7 @@ impl Presenter {
         if upscale.is_none() { flashes.make_copy(gl, picture) } else { Ok(()) }
     }
 
-    /// Copies the picture to the window's framebuffer of `window` pixels, enlarged if that has more.
+    /// Copies the image to the window's framebuffer of `window` pixels, enlarged if the window is larger.
     ///
     /// # Errors
     /// A malformed shader, with the driver's log.
@@ -95,7 +95,7 @@ impl Presenter {
         Ok(())
     }
 
-    /// Enlarges a picture to the window's framebuffer of `window` pixels, or to an area of it.
+    /// Enlarges an image to the window's framebuffer of `window` pixels, or to an area of it.
     fn enlarge(
         &self,
         passes: &Passes,
@@ -109,7 +109,7 @@ impl Presenter {
         passes.draw_in_window(upscale, window, area)
     }
 
-    /// Shows a picture in an area of a window; `map` places it.
+    /// Shows an image in an area of a window; `map` places it.
     ///
     /// # Errors
     /// A malformed shader, with the driver's log, or no memory for a copy with limited flashes.
@@ -124,7 +124,7 @@ impl Presenter {
         placing.place(passes, picture, window, map)
     }
 
-    /// Sends a picture to `reader`. Returns `false` if the reader is still busy with earlier pictures.
+    /// Sends an image to `reader`. Returns `false` if the reader is still busy with earlier images.
     ///
     /// # Errors
     /// As [`Presenter::show_in_part`].
@@ -140,7 +140,7 @@ impl Presenter {
         Ok(reader.begin())
     }
 
-    /// The picture with limited flashes, and the pass that places it.
+    /// The image with limited flashes, and the pass that places it.
     fn placed<'a>(
         &'a mut self,
         passes: &Passes,
@@ -152,13 +152,13 @@ impl Presenter {
         Ok(placing.as_ref().map(|placing| (placing, flashes.limited().unwrap_or(picture))))
     }
 
-    /// The picture with limited flashes: four bytes per pixel, the top row first. Empty without a picture.
+    /// The image with limited flashes: four bytes per pixel, top row first. Empty without an image.
     pub(super) fn read(&self, finished: Option<&Target>) -> Vec<u8> {
         let shown = self.flashes.limited().or(bright(self.placing.as_ref(), finished));
         shown.map_or_else(Vec::new, |picture| picture.read_rgba8(0))
     }
 
-    /// Draws with every program that a window's first picture needs, while `is_wanted` returns true.
+    /// Draws with every program that a window's first image needs, while `is_wanted` returns true.
     ///
     /// # Errors
     /// A malformed shader, with the driver's log.
@@ -174,7 +174,7 @@ impl Presenter {
     }
 }
 
-/// The dimmed picture, or the finished one if it is not dimmed; flashes are not limited.
+/// The dimmed image, or the finished one if it is not dimmed; flashes are not limited.
 fn bright<'a>(placing: Option<&'a Placing>, finished: Option<&'a Target>) -> Option<&'a Target> {
     placing.and_then(Placing::dimmed).or(finished)
 }

@@ -15,21 +15,22 @@ use crate::gpu::shader_source::{ShaderLibrary, Variant};
 use crate::gpu::target::Target;
 use crate::view::setup::ViewBlock;
 
-/// Marks edges.
+/// The shader that marks edges.
 pub const EDGE_SHADER: &str = "edges.frag";
 
 /// Numbers in the `PassBlock` of `frame_block.glsl`.
 const PASS_BLOCK_NUMBERS: usize = 8 + 2 * 16;
 
-/// The radius of the beam that holds all rays of a pixel, in half widths of it: half the diagonal, and a little more.
+/// Radius of the beam that contains all rays of a pixel, in half widths of the pixel: half the diagonal and a small
+/// margin.
 const BEAM: f32 = 1.4143;
 
-/// Which sample of each pixel to draw (`frame_block.glsl`).
+/// The sample of each pixel to draw (`frame_block.glsl`).
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Sample {
     /// The centre, and the free length of its beam.
     First,
-    /// The centre alone, for views.
+    /// Only the centre, for views.
     Only,
     /// A further sample: its offset from the centre in pixels, and its number.
     Further([f32; 2], usize),
@@ -41,7 +42,7 @@ pub(super) enum Sample {
 pub(super) struct Sampling {
     gl: Gl,
     edges: LazyProgram,
-    /// On a software renderer.
+    /// Used on software renderers only.
     samplers: Option<Samplers>,
     frame_block: Block,
     pass_block: Block,
@@ -67,7 +68,6 @@ impl Sampling {
         })
     }
 
-    /// The context that it draws in.
     pub(super) fn gl(&self) -> &Gl {
         &self.gl
     }
@@ -82,8 +82,8 @@ impl Sampling {
         self.view_block.set(view.as_flattened());
     }
 
-    /// Lets a scene's program find the same samplers whatever was drawn last. `edges.frag`, which is drawn within a
-    /// picture, changes only the first slot, where scenes have a texture that brings its own sampler.
+    /// Gives a scene's program the same samplers whatever was drawn last. `edges.frag`, which is drawn within a frame,
+    /// changes only the first slot, where scenes have a texture with its own sampler.
     ///
     /// # Errors
     /// A malformed shader, with the driver's log.
@@ -96,7 +96,7 @@ impl Sampling {
     /// # Errors
     /// A malformed shader, with the driver's log.
     pub(super) fn mark_in_stencil(&self, first: &Target, sum: &Target) -> Result<(), GpuError> {
-        // SAFETY: plain state and draws on objects of ours, in the current context.
+        // SAFETY: sets state and draws without attributes into the target bound here, in the current context.
         unsafe {
             let gl = &*self.gl;
             sum.bind();
@@ -121,7 +121,7 @@ impl Sampling {
     /// A malformed shader, with the driver's log.
     pub(super) fn mark_in_list(&self, first: &Target, marks: &Target) -> Result<(), GpuError> {
         marks.bind();
-        // SAFETY: plain draws on objects of ours, in the current context.
+        // SAFETY: clears and draws without attributes into the target bound above, in the current context.
         unsafe {
             self.gl.clear(glow::COLOR_BUFFER_BIT);
             first.bind_color(0, unit_of("picture"));
@@ -131,11 +131,10 @@ impl Sampling {
         Ok(())
     }
 
-    /// Sets the states in which all samples are drawn, the first and the further ones: some drivers compile a program
-    /// once for each set of states.
+    /// Sets the state for all samples, the first and the further ones. Some drivers compile a program once per state.
     pub(super) fn prepare(&self, program: &Program) {
         self.unbind_edge_pixels();
-        // SAFETY: plain state.
+        // SAFETY: sets state of the current context.
         unsafe {
             self.gl.stencil_func(glow::EQUAL, 1, 0xff);
             self.gl.stencil_op(glow::KEEP, glow::KEEP, glow::KEEP);
@@ -145,9 +144,9 @@ impl Sampling {
         program.bind();
     }
 
-    /// Unbinds the list of edges where none is read: a texture left in its place may be the target of the draw.
+    /// Unbinds the list of edges where it is not read: the texture bound to its unit might be the target of the draw.
     pub(super) fn unbind_edge_pixels(&self) {
-        // SAFETY: plain state.
+        // SAFETY: sets state of the current context.
         unsafe {
             self.gl.active_texture(glow::TEXTURE0 + unit_of("edge_pixels"));
             self.gl.bind_texture(glow::TEXTURE_2D, None);
@@ -167,7 +166,8 @@ impl Sampling {
         let mut block = head.into_iter().chain(self.edge_samples.offsets().flatten()).collect::<Vec<f32>>();
         block.resize(PASS_BLOCK_NUMBERS, 0.0);
         self.pass_block.set(&block);
-        // SAFETY: the draw reads only what was bound for the go.
+        // SAFETY: draws without attributes into the bound target, with the objects bound for this call, in the current
+        // context.
         unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
     }
 
@@ -179,7 +179,7 @@ impl Sampling {
 
     /// Draws the sum of a regular grid of `side` x `side` samples into the bound target. Slow.
     pub(super) fn draw_grid(&self, program: &Program, side: u32) {
-        // SAFETY: plain state.
+        // SAFETY: clears the bound target of the current context.
         unsafe { self.gl.clear(glow::COLOR_BUFFER_BIT) }
         self.prepare(program);
         for number in 0..side * side {
@@ -188,7 +188,7 @@ impl Sampling {
             self.draw(Sample::Further(place, number as usize));
             self.gl.finish();
         }
-        // SAFETY: plain state.
+        // SAFETY: sets state of the current context.
         unsafe { self.gl.disable(glow::BLEND) }
     }
 }

@@ -1,4 +1,4 @@
-//! The render targets of a picture.
+//! The render targets of a frame.
 
 use std::rc::Rc;
 
@@ -37,7 +37,7 @@ impl Edges {
 }
 
 impl Targets {
-    /// For pictures of `size` pixels, with or without a lens.
+    /// Creates targets for images of `size` pixels, with or without a lens.
     ///
     /// # Errors
     /// As [`Target::new`].
@@ -48,7 +48,7 @@ impl Targets {
         samples: EdgeSamples,
         counting: Counting,
     ) -> Result<Self, GpuError> {
-        // Counts use the outputs of the lens: counting pictures are never shown.
+        // Counts use the outputs of the lens, because counting images are never shown.
         let texels: &[Texel] = match (counting, has_lens) {
             (Counting::On, _) => &[Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F],
             (Counting::Off, true) => &[Texel::Rgba16F, Texel::R16F],
@@ -74,7 +74,7 @@ impl Targets {
         })
     }
 
-    /// True if they are of this size, with or without a lens.
+    /// True if the targets have this size and match the lens setting.
     pub(super) fn fit(&self, size: (u32, u32), has_lens: bool) -> bool {
         self.first.size() == size && self.has_lens == has_lens
     }
