@@ -1,19 +1,20 @@
-//! Text to words: what an edit of a scene costs before the GPU sees it, beside a public peer.
+//! Text to words: the CPU cost of an edit of a scene, compared with a public peer.
 //!
-//! `cargo bench --features peer --bench language` runs it: the peer takes long to compile.
+//! Run it with `cargo bench --features peer --bench language`. The feature is separate because the peer compiles
+//! slowly.
 //!
-//! The peer is fidget (Keeter's own successor of the work that the tape follows), on one thread and without its JIT.
-//! Both sides begin with a text in memory and end with what their interpreter runs:
+//! The peer is fidget (Keeter's successor to the work that the tape follows), on one thread and without its JIT. Both
+//! sides begin with a text in memory and end with the program of their interpreter:
 //!
-//! - **mariana**: the text is lexed, parsed, its names and sizes checked, functions put in, the graph built with common
-//!   subexpressions shared, and of its distance a tape allocated to 256 registers and written as words. A text is a whole
-//!   scene: the default material, light, camera and sky are made too.
+//! - **mariana**: the text is lexed and parsed, its names and sizes are checked, functions are expanded, the graph is
+//!   built with common subexpressions merged, and a tape of its distance is allocated to 256 registers and written as
+//!   words. A text is a whole scene, so the default material, light, camera and sky are also built.
 //! - **fidget**: `Context::from_text` splits lines into words, looks names up and builds its graph, also with common
-//!   subexpressions shared; `VmFunction::new` flattens that and allocates a tape to 255 registers. Its text has one
-//!   instruction a line, so it needs no precedence, types or functions; it computes constants in f64.
+//!   subexpressions merged; `VmFunction::new` flattens that and allocates a tape to 255 registers. Its text has one
+//!   instruction per line, so it needs no precedence, types or functions. It computes constants in f64.
 //!
-//! Throughput is in clauses of the source: lines of fidget's text, whichever text the row reads; for what fidget has
-//! no text of, clauses of the tape. A formula says the same in fewer words, and `lets` word for word.
+//! Throughput is in clauses of the source: lines of fidget's text, for each row that has one, otherwise clauses of the
+//! tape. A formula needs fewer words than the lines; `lets` repeats them word for word.
 
 #![allow(clippy::expect_used)]
 
@@ -28,7 +29,6 @@ use mariana_field::graph::{Compounds, FrameInputs, Point};
 use mariana_field::lang::{compile, no_includes};
 use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
 
-/// The tape of a text's distance.
 fn tape(text: &str) -> Tape {
     let scene = compile("bench.scene", text, &mut no_includes).scene.expect("the text is a scene");
     Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).expect("it has a tape")
@@ -48,7 +48,7 @@ fn fidget_tape(text: &str) -> VmFunction {
     VmFunction::new(&context, &[root]).expect("it has a tape")
 }
 
-/// An expression as instructions, each by the place of its operands; a constant has its number.
+/// An expression as instructions: name, operands as indices of instructions, and the value of a constant.
 #[derive(Default)]
 struct Lines(Vec<(&'static str, Vec<usize>, f64)>);
 
@@ -63,7 +63,7 @@ impl Lines {
         self.0.len() - 1
     }
 
-    /// As fidget reads it.
+    /// The text for fidget.
     fn instructions(&self) -> String {
         let mut text = String::new();
         for (place, (name, operands, value)) in self.0.iter().enumerate() {
@@ -76,7 +76,7 @@ impl Lines {
         text
     }
 
-    /// The same with a `let` for each line.
+    /// The text as a scene with a `let` for each line.
     fn lets(&self) -> String {
         let mut text = String::new();
         for (place, (name, operands, value)) in self.0.iter().enumerate() {
@@ -115,7 +115,7 @@ fn plane_and_ball() -> (Lines, String) {
     (lines, "min(y, sqrt(x*x+(y-1)*(y-1)+(z-6)*(z-6))-1)".to_owned())
 }
 
-/// The union of boxes and balls by turns, all in different places, as instructions and as a formula.
+/// The union of alternating boxes and balls in different places, as instructions and as a formula.
 fn boxes_and_balls(count: usize) -> (Lines, String) {
     let mut lines = Lines::default();
     let mut shapes = Vec::new();
@@ -159,7 +159,7 @@ fn boxes_and_balls(count: usize) -> (Lines, String) {
     (lines, format!("union({})", shapes.join(",\n")))
 }
 
-/// A formula of `count` balls that have nothing in common.
+/// A formula of `count` balls without common subexpressions.
 fn balls(count: usize) -> String {
     let ball = |i: usize| {
         let [x, y, z] = [7, 13, 29].map(|step| (i * step % 997) as f64 * 0.037 - 15.0);
@@ -168,7 +168,7 @@ fn balls(count: usize) -> String {
     format!("union({})", (0..count).map(ball).collect::<Vec<_>>().join(",\n"))
 }
 
-/// That a text of ours means what fidget's means.
+/// Asserts that a text of Mariana has the same values as a text of fidget.
 fn assert_same(text: &str, instructions: &str) {
     let (tape, frame) = (tape(text), FrameInputs::default());
     let mut ours = PointEvaluator::new(&tape, &frame);
@@ -184,11 +184,11 @@ fn assert_same(text: &str, instructions: &str) {
 }
 
 fn text_to_words(criterion: &mut Criterion) {
-    // After a large block was freed glibc keeps freed pages, as it does in the program once a picture was decoded;
-    // before, every round would pay the kernel for the same pages again.
+    // Freeing a large block makes glibc keep freed pages, as it does in the program after it has decoded an image.
+    // Otherwise every iteration would get the same pages from the kernel again.
     drop(black_box(vec![1_u8; 16 << 20]));
     let mut group = criterion.benchmark_group("text_to_words");
-    // As many lines as the largest model that fidget brings, or just above.
+    // About as many lines as fidget's largest model.
     let both = [("plane and ball", plane_and_ball()), ("boxes and balls", boxes_and_balls(358))];
     for (name, (lines, formula)) in &both {
         let (instructions, lets) = (lines.instructions(), lines.lets());

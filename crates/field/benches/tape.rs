@@ -1,4 +1,4 @@
-//! Expressions: building graphs and tapes, and running tapes on the CPU. Throughput is in clauses (times points).
+//! Building graphs and tapes, and running tapes on the CPU. Throughput is in clauses (times points).
 
 use std::hint::black_box;
 
@@ -8,7 +8,7 @@ use mariana_field::tape::{
     Batch, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points, Tape, TapeOptions,
 };
 
-/// The union of `count` boxes, each in its own place, and of half as many spheres, smoothly.
+/// The union of `count` boxes in different places, and of half as many balls.
 fn scene(graph: &mut Graph, count: usize) -> NodeId {
     let p = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input));
     let zero = graph.constant(0.0);

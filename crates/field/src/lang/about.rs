@@ -1,21 +1,21 @@
-//! What a scene says of itself: who made it, and what a show that chooses scenes should know.
+//! The block `about`: a scene's title and author, and what a show needs to know to choose scenes.
 
 use super::builtin::uses::{FRAME, NOTHING, POINT};
 use super::fields::{DefaultValue, Field, Holds};
 use crate::graph::NodeId;
 
-/// Makes [`Way`] from rows: documentation, way, and its name in scenes and shows.
+/// Defines [`Way`] from rows: documentation, variant, and name in scenes and shows.
 macro_rules! define_ways {
     ($( $(#[$documentation:meta])* $way:ident, $name:literal; )*) => {
-        /// How one scene gives way to another.
+        /// The transition from one scene to another.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum Way { $( $(#[$documentation])* $way, )* }
 
         impl Way {
-            /// All of them, in the order of their numbers.
+            /// All ways, in the order of their numbers.
             pub const ALL: [Self; [$($name),*].len()] = [$( Self::$way, )*];
 
-            /// Its name in scenes and shows.
+            /// The name in scenes and shows.
             pub const fn name(self) -> &'static str {
                 match self { $( Self::$way => $name, )* }
             }
@@ -23,12 +23,12 @@ macro_rules! define_ways {
     };
 }
 
-// A new way of mixing worlds takes four places: its row here, its kind and names in `world::blend`, the mixing itself
+// A new way needs four changes: its row here, its kind and names in `world::blend`, the blending itself
 // (`World::blend`), and its kind of transition in shows (`mariana_show::TransitionKind`).
 define_ways! {
-    /// From one picture to the next.
+    /// The next frame shows the other scene.
     Cut, "cut";
-    /// The pictures are mixed in linear light.
+    /// The images are mixed in linear light.
     Fade, "fade";
     /// The worlds are mixed: surfaces flow into each other.
     Melt, "melt";
@@ -37,41 +37,42 @@ define_ways! {
 }
 
 impl Way {
-    /// The way of this name.
+    /// The way with this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|way| way.name() == name)
     }
 
-    /// The way of a number; none where there is none.
+    /// The way with this number; `None` if there is none.
     pub(super) fn numbered(number: f32) -> Option<Self> {
         Self::ALL.into_iter().find(|way| f32::from(*way as u8) == number)
     }
 }
 
-/// What a scene says of itself in its block `about`.
+/// The contents of a scene's block `about`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct About {
-    /// The name for people; none where it is that of the file.
+    /// The title for people; `None` if the file's name is used.
     pub title: Option<String>,
-    /// Who made it.
+    /// The author.
     pub author: Option<String>,
-    /// Under which licence it may be used.
+    /// The licence under which it may be used.
     pub license: Option<String>,
-    /// For how much energy of the music it is made, least and most, 0..1; the energy of a song's loudest moments is 1.
+    /// The energy of the music for which the scene is made, least and most, 0..1. The loudest moments of a song have
+    /// energy 1.
     pub energy: (f32, f32),
-    /// Words for what it feels like. Scenes that follow each other should share few.
+    /// Words that describe its mood. Scenes that follow each other should have few in common.
     pub moods: Vec<String>,
-    /// How it likes to come.
+    /// The preferred transition to this scene.
     pub enter: Option<Way>,
-    /// How it likes to go.
+    /// The preferred transition from this scene.
     pub leave: Option<Way>,
-    /// The distance to the shape in which it may appear, as seen from its front: x to the right, y up, z towards the
-    /// eye. At the middle of the transition 1 is as long as the way from the eye to the camera's target.
+    /// The distance to the shape in which the scene may appear, as seen from its front: x to the right, y up, z towards
+    /// the eye. In the middle of the transition, 1 is the distance from the eye to the camera's target.
     pub portal: Option<NodeId>,
 }
 
 impl Default for About {
-    /// A scene that says nothing fits all music.
+    /// A scene without a block `about` fits all music.
     fn default() -> Self {
         Self {
             title: None,
@@ -89,24 +90,29 @@ impl Default for About {
 impl About {
     /// The fields of the block.
     pub const FIELDS: &'static [Field] = &[
-        of_about("title", Holds::Text, "Its name for people, in quotes."),
-        of_about("author", Holds::Text, "Who made it, in quotes."),
+        of_about("title", Holds::Text, "The title for people, in quotes."),
+        of_about("author", Holds::Text, "The author, in quotes."),
         of_about("license", Holds::Text, "The licence under which it may be used, in quotes."),
         of_about(
             "energy",
             Holds::Range,
-            "For how much energy of the music it is made, `0.2 .. 0.6`; 1 is a song's loudest.",
+            "The energy of the music that the scene is made for, as in `0.2 .. 0.6`; 1 is a song's loudest moment.",
         ),
-        of_about("moods", Holds::Text, "Words for what it feels like, in quotes, with commas between them."),
-        of_about("enter", Holds::Way, "How it likes to come: `cut`, `fade`, `melt` or `portal`."),
-        of_about("leave", Holds::Way, "How it likes to go."),
+        of_about("moods", Holds::Text, "Words that describe its mood, in quotes, separated by commas."),
+        of_about(
+            "enter",
+            Holds::Way,
+            "The preferred transition to this scene: `cut`, `fade`, `melt` or `portal`.",
+        ),
+        of_about("leave", Holds::Way, "The preferred transition from this scene."),
         Field {
             uses: POINT | FRAME,
             ..of_about(
                 "portal",
                 Holds::Shape,
-                "The distance to the shape in which it comes through a `portal shape`: `p.x` to the right, `p.y` up, `p.z` \
-                 towards the eye; it grows from nothing, and at the middle 1 is as far as the camera's target.",
+                "The distance to the shape in which a `portal shape` opens this scene: `p.x` to the right, `p.y` up, \
+                 `p.z` towards the eye. The shape grows during the transition; in its middle, 1 is the distance to \
+                 the camera's target.",
             )
         },
     ];

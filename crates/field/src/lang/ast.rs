@@ -1,7 +1,7 @@
 //! The parser's result: expressions in one arena, and the items of a scene.
 //!
-//! Nodes stand after their children, and no walk over them recurses deeper than the parser did: a chain of a million
-//! additions is deep only to the left, where walks are loops.
+//! Children precede their parents. No walk over the expressions recurses deeper than the parser did: a chain of a
+//! million additions is deep only to the left, and walks follow the left side in a loop.
 
 use super::source::Span;
 use super::symbol::Symbol;
@@ -61,10 +61,10 @@ pub(super) enum Expr {
     Not(ExprId),
     Binary(BinaryOp, ExprId, ExprId),
     Swizzle(ExprId, Symbol),
-    /// A function's name and its arguments: the index in `extra` where they begin, and their number.
+    /// A function's name and its arguments: the index in `extra` of the first one, and their number.
     Call(Symbol, u32, u32),
     If(ExprId, ExprId, ExprId),
-    /// Pairs of name and value: the index in `extra` where they begin, and their number; then the result.
+    /// Pairs of name and value: the index in `extra` of the first one, and their number; then the result.
     Block(u32, u32, ExprId),
     /// Four entries in `extra`: variable, first, end, body.
     For(u32),
@@ -105,7 +105,7 @@ impl Ast {
     }
 }
 
-/// A name with its place.
+/// A name with its location.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Name {
     pub symbol: Symbol,
@@ -153,7 +153,7 @@ impl Type {
     }
 }
 
-/// The type that a function's parameter takes; without one, anything that its body can work with.
+/// A function's parameter. Without a type, it accepts every value that the function's body supports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Parameter {
     pub name: Name,
@@ -200,8 +200,8 @@ pub(super) enum Item {
         name: Name,
         value: ExprId,
     },
-    /// Sky, picture and about have no name, a camera may have one; the span is that of the head. Broken: a missing field was already
-    /// reported.
+    /// Sky, picture and about have no name; a camera may have one. `span` is the head's location. `broken` if a missing
+    /// field was already reported.
     Section {
         section: Section,
         name: Option<Name>,
@@ -213,6 +213,6 @@ pub(super) enum Item {
     Include {
         path: Name,
     },
-    /// An item of this name that was already reported: using it causes no further mistake.
+    /// An item of this name that was already reported. Using it causes no further mistake.
     Broken(Name),
 }

@@ -1,4 +1,4 @@
-//! The names that are built into the language: inputs, and functions that cannot be written in it.
+//! The names that are built into the language: inputs, and functions that cannot be written in the language.
 //!
 //! All other functions are in the library, which is written in the language.
 
@@ -7,14 +7,14 @@ use crate::graph::{Input, Op, SoundInput};
 /// The meaning of an input's name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum InputValue {
-    /// One number from outside.
+    /// One input.
     One(Input),
-    /// A vector of numbers from outside.
+    /// A vector of inputs.
     Many(&'static [Input]),
     Constant(f32),
 }
 
-/// Which inputs an expression may use, as a set.
+/// Sets of the inputs that an expression may use.
 pub(super) mod uses {
     /// The point in space.
     pub(crate) const POINT: u8 = 1;
@@ -31,7 +31,7 @@ pub(super) mod uses {
     pub(crate) const NOTHING: u8 = 0;
 }
 
-/// An input: its name, its meaning, which kind of input it is, and its description for readers.
+/// An input: its name, its meaning, its kind, and its description on the language's page.
 #[derive(Clone, Copy)]
 pub(super) struct InputRow {
     pub name: &'static str,
@@ -47,12 +47,12 @@ const fn row(name: &'static str, value: InputValue, uses: u8, doc: &'static str)
 use InputValue::{Constant, Many, One};
 use uses::{DIRECTION, EYE, FRAME, NORMAL, NOTHING, POINT};
 
-/// The inputs that are not numbers of the sound. A direction is read where the normal is: no expression has both.
+/// All inputs except numbers of the sound. The direction is read from the slots of the normal: no expression has both.
 const OTHERS: &[InputRow] = &[
     row("p", Many(&[Input::X, Input::Y, Input::Z]), POINT, "the point in space"),
     row("x", One(Input::X), POINT, "p.x, to the right"),
     row("y", One(Input::Y), POINT, "p.y, up"),
-    row("z", One(Input::Z), POINT, "p.z, away from the eye that starts at the front"),
+    row("z", One(Input::Z), POINT, "p.z, forward: away from the default camera"),
     row(
         "n",
         Many(&[Input::NX, Input::NY, Input::NZ]),
@@ -63,26 +63,26 @@ const OTHERS: &[InputRow] = &[
         "direction",
         Many(&[Input::NX, Input::NY, Input::NZ]),
         DIRECTION,
-        "where a ray goes that meets nothing, of length 1; in the sky",
+        "the direction of a ray that hits nothing, of length 1; in the sky",
     ),
     row("t", One(Input::T), FRAME, "time in seconds"),
     row(
         "volume",
         Many(&[Input::Sound(SoundInput::VolumeLeft), Input::Sound(SoundInput::VolumeRight)]),
         FRAME,
-        "left and right volume, vec2, 0..1: the mean of |sample|",
+        "left and right volume, vec2, 0..1: the mean of abs(sample)",
     ),
     row(
         "eye",
         Many(&[Input::EyeX, Input::EyeY, Input::EyeZ]),
         EYE,
-        "where the picture is seen from, by the scene's camera or by hand; in materials and the sky",
+        "the position of the camera in use; in materials and the sky",
     ),
     row("pi", Constant(std::f32::consts::PI), NOTHING, "half a turn in radians"),
     row("tau", Constant(std::f32::consts::TAU), NOTHING, "a full turn in radians"),
 ];
 
-/// Every input: the numbers of the sound that have a name of their own, and the inputs above.
+/// Every input: the inputs above, and the numbers of the sound that are read by a single name.
 pub(super) const INPUTS: &[InputRow] = &{
     let mut rows = [const { row("", Constant(0.0), NOTHING, "") }; OTHERS.len() + named_sounds()];
     let mut at = 0;
@@ -102,7 +102,7 @@ pub(super) const INPUTS: &[InputRow] = &{
     rows
 };
 
-/// Whether the number is read as a component of a vector, or by a function.
+/// True if the number is read as a component of a vector, or by a function.
 const fn is_component(input: SoundInput) -> bool {
     let name = input.name().as_bytes();
     name.len() > 2 && (name[name.len() - 2] == b'.' || name[name.len() - 1] == b')')
@@ -125,7 +125,7 @@ pub(super) enum Three {
     Smoothstep,
 }
 
-/// A function that the language brings.
+/// A built-in function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Builtin {
     /// An operator on each component.
@@ -134,10 +134,10 @@ pub(super) enum Builtin {
     Pair(Op),
     /// An arc tangent of one or two arguments.
     Atan,
-    /// Rounding to a whole number, or of a shape's edges.
+    /// Rounding of a number, or of a shape's edges.
     Round,
     Pow,
-    /// One of three operands, component by component.
+    /// A function of three operands, applied to each component.
     Three(Three),
     Length,
     Dot,
@@ -151,7 +151,8 @@ pub(super) enum Builtin {
     Texture,
 }
 
-/// A function: its name, its parameters for readers, its meaning, the number of arguments it takes, and its doc line.
+/// A function: its name, its parameters on the language's page, its meaning, the least and most arguments, and its
+/// description.
 pub(super) struct BuiltinRow {
     pub name: &'static str,
     pub parameters: &'static str,
@@ -187,11 +188,11 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
         "a, radius",
         Round,
         (1, 2),
-        "the nearest whole number, halves go up; with a radius, a shape rounded and grown by it",
+        "the nearest whole number, halves rounded up; with a radius, a shape that is rounded by it and grows by it",
     ),
-    each("trunc", Op::Trunc, "the whole part, towards 0"),
+    each("trunc", Op::Trunc, "the whole part, rounded towards 0"),
     each("fract", Op::Fract, "a - floor(a)"),
-    each("sqrt", Op::Sqrt, "the square root, 0 for negative a"),
+    each("sqrt", Op::Sqrt, "the square root; 0 for negative a"),
     each("exp", Op::Exp, "e to the power of a"),
     each("exp2", Op::Exp2, "2 to the power of a"),
     each("log", Op::Log, "the natural logarithm"),
@@ -210,9 +211,9 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
         "a, b",
         Pow,
         (2, 2),
-        "a to the power of b, as a ^ b; 0 for negative a unless b is a whole number",
+        "a to the power of b, the same as a ^ b; 0 for negative a unless b is a whole number",
     ),
-    function("mod", "a, b", Pair(Op::Mod), (2, 2), "a - b * floor(a / b), as a % b"),
+    function("mod", "a, b", Pair(Op::Mod), (2, 2), "a - b * floor(a / b), the same as a % b"),
     function("min", "a, b, …", Pair(Op::Min), (2, 2), "the smallest of any number of values"),
     function("max", "a, b, …", Pair(Op::Max), (2, 2), "the largest of any number of values"),
     function("sum", "a, b, …", Pair(Op::Add), (2, 2), "the sum of any number of values"),
@@ -223,21 +224,15 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
         "a, b, share",
         Builtin::Three(Three::Mix),
         (3, 3),
-        "a where share is 0, b where it is 1, linear between",
+        "a where share is 0, b where it is 1, linear in between",
     ),
-    function(
-        "clamp",
-        "a, low, high",
-        Builtin::Three(Three::Clamp),
-        (3, 3),
-        "a, but no less than low and no more than high",
-    ),
+    function("clamp", "a, low, high", Builtin::Three(Three::Clamp), (3, 3), "a limited to low..high"),
     function(
         "smoothstep",
         "low, high, a",
         Builtin::Three(Three::Smoothstep),
         (3, 3),
-        "0 at low, 1 at high, a smooth curve between",
+        "0 up to low, 1 from high on, a smooth curve in between",
     ),
     function("length", "v", Length, (1, 1), "the length of a vector"),
     function("dot", "a, b", Dot, (2, 2), "the scalar product"),
@@ -249,7 +244,7 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
         "a, b",
         Pair(Op::Hash),
         (2, 2),
-        "a random-looking number in 0..1 of the cell (floor(a), floor(b))",
+        "a pseudo-random number in 0..1 for the cell (floor(a), floor(b))",
     ),
     function("band", "i", Band, (1, 1), "the level of one of the 32 frequency bands, low to high, 0..1"),
     function(
@@ -257,39 +252,39 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
         "i",
         Chroma,
         (1, 1),
-        "how much a pitch class of the song sounds, 0 for C up to 11 for B: 1 is the strongest of a beat",
+        "the level of a pitch class of the song, 0..1, from 0 for C to 11 for B; the strongest of a beat has level 1",
     ),
     function(
         "spectrum",
         "u",
         Table(Op::Spectrum),
         (1, 1),
-        "the spectrum at u, 0..1: 30 Hz to 16 kHz in equal ratios, 512 points",
+        "the spectrum at u in 0..1: 30 Hz to 16 kHz on a logarithmic scale, 512 points",
     ),
     function(
         "waveform",
         "u",
         Table(Op::Waveform),
         (1, 1),
-        "the waveform at u, 0..1 from old to new, -1..1: 512 points, 43 ms around now",
+        "the waveform at u in 0..1, from old to new: -1..1, 512 points, 43 ms around the current moment",
     ),
     function(
         "history",
         "u, age",
         History,
         (2, 2),
-        "the spectrum at u as it was; age 0..1 from now to 10 s ago",
+        "an earlier spectrum at u; age is 0 for now and 1 for 10 s ago",
     ),
     function(
         "texture",
         "file, uv",
         Texture,
         (2, 2),
-        "a picture's colour and alpha at uv, repeated beyond 0..1; in materials and the sky",
+        "an image's colour and alpha at uv, repeated beyond 0..1; in materials and the sky",
     ),
 ];
 
-/// Functions that take any number of values: the name, and how many arguments at the end are not among these values.
+/// Functions of any number of values: the name, and the number of arguments at the end that are not among these values.
 pub(super) const FOLDS: &[(&str, usize)] = &[
     ("min", 0),
     ("max", 0),

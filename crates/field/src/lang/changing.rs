@@ -1,8 +1,8 @@
-//! Numbers of a text that somebody is changing: they become inputs of a frame, so that a program that was compiled for
-//! the text draws it with other numbers, too.
+//! Numbers of a text that are being edited: they become inputs of a frame, so that the program compiled for the text
+//! can also draw it with other numbers.
 //!
-//! A number is known by its place among the numbers of the scene's own text: of two versions that differ in nothing
-//! but numbers, the same place means the same number. What a scene's meaning depends on stays a number of the text:
+//! A number is identified by its index among the numbers of the scene's own text. If two versions of a text differ only
+//! in numbers, the same index means the same number. Numbers that determine the scene's structure stay constants:
 //! exponents, the bounds of loops, the defaults and ranges of parameters.
 
 use std::cell::RefCell;
@@ -16,11 +16,10 @@ use super::token::{Kind, Token};
 use crate::graph::{FrameInputs, Graph, Input, NodeId, Point};
 use crate::limits::LIMITS;
 
-/// A number of a text that a hand turns: where it stands, and from what to what it may be turned before the text is
-/// read again.
+/// A number of a text that the user drags, with the range in which it may change before the text is read again.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turning {
-    /// Its place among the numbers of the text, from 0.
+    /// Its index among the numbers of the text, from 0.
     pub place: usize,
     /// The least value, finite.
     pub least: f32,
@@ -28,8 +27,8 @@ pub struct Turning {
     pub most: f32,
 }
 
-/// The places of the numbers that differ between two versions of a text, counted from 0; `None` if they differ in
-/// anything else than numbers, blanks and comments.
+/// Returns the indices, from 0, of the numbers that differ between two versions of a text; `None` if more differs than
+/// numbers, blanks and comments.
 pub fn changed_numbers(before: &str, now: &str) -> Option<BTreeSet<usize>> {
     let mut names = library::library().names.clone();
     let (before, now) = (tokens(before, &mut names), tokens(now, &mut names));
@@ -54,14 +53,14 @@ pub fn changed_numbers(before: &str, now: &str) -> Option<BTreeSet<usize>> {
     Some(changed)
 }
 
-/// The place among the numbers of a text, from 0, of the one that begins at a byte.
+/// Returns the index, from 0, of the number that begins at a byte of a text.
 pub fn number_place(text: &str, offset: usize) -> Option<usize> {
     let tokens = tokens(text, &mut library::library().names.clone());
     let mut numbers = tokens.iter().filter(|token| token.kind == Kind::Number);
     numbers.position(|token| token.span.start as usize == offset)
 }
 
-/// A text's tokens. Mistakes are found when it is compiled.
+/// The tokens of a text. Mistakes are ignored: they are found when it is compiled.
 fn tokens(text: &str, names: &mut Interner) -> Vec<Token> {
     let mut tokens = Vec::new();
     let mut mistakes = Diagnostics::new(1);
@@ -69,33 +68,33 @@ fn tokens(text: &str, names: &mut Interner) -> Vec<Token> {
     tokens
 }
 
-/// The numbers of a scene's text that are being changed, while it is lowered.
+/// The numbers that are being edited, while a scene's text is lowered.
 #[derive(Debug, Default)]
 pub(super) struct ChangingNumbers {
-    /// Where they begin in the text, in order.
+    /// Offsets of the numbers in the text, sorted.
     offsets: Vec<u32>,
-    /// Those that occurred in an expression: where they begin, and the number of their input.
+    /// The numbers that occurred in an expression: their offsets, and the numbers of their inputs.
     inputs: Vec<(u32, u16)>,
-    /// The first input that is a number of the text; those before it are parameters.
+    /// The first input that is a number of the text. The inputs before it are parameters.
     first: usize,
     values: Vec<f32>,
-    /// Where the numbers begin that are turned, and their ranges.
+    /// The offsets of the dragged numbers, with their ranges.
     turning: Vec<(u32, Turning)>,
-    /// Inputs whose value the meaning depends on: turned, the text has to be read again.
+    /// Inputs on whose value the scene's structure depends: if they change, the text has to be read again.
     depended_on: RefCell<BTreeSet<u16>>,
 }
 
 /// A number that was read as an input.
 pub(super) struct ChangingNumber {
-    /// Where it begins in the text.
+    /// Its offset in the text.
     pub offset: u32,
     pub value: f32,
-    /// From what to what a frame may set it.
+    /// The range in which a frame may set it.
     pub range: (f32, f32),
 }
 
 impl ChangingNumbers {
-    /// Those of these places among the numbers of `text`, which is the first of the sources.
+    /// Returns the numbers with these indices in `text`, which is the first of the sources.
     pub(super) fn of(text: &str, places: &BTreeSet<usize>, turning: &[Turning]) -> Self {
         if places.is_empty() && turning.is_empty() {
             return Self::default();
@@ -114,8 +113,8 @@ impl ChangingNumbers {
         this
     }
 
-    /// The input that the number beginning at `offset` is read from, if it is being changed. `declared` inputs are
-    /// parameters, and there may be `max` in all; beyond that, numbers stay as they are.
+    /// Returns the input for the number that begins at `offset`, if it is being edited. The first `declared` inputs are
+    /// parameters. There may be `max` inputs in all; further numbers stay constants.
     pub(super) fn input(&mut self, offset: u32, value: f32, declared: usize, max: usize) -> Option<Input> {
         self.offsets.binary_search(&offset).ok()?;
         if let Some((_, input)) = self.inputs.iter().find(|(known, _)| *known == offset) {
@@ -134,7 +133,7 @@ impl ChangingNumbers {
         Some(Input::Param(number))
     }
 
-    /// Those that occurred, in the order of their inputs.
+    /// The numbers that occurred, in the order of their inputs.
     pub(super) fn numbers(&self) -> impl Iterator<Item = ChangingNumber> {
         let fixed = self.depended_on.borrow().clone();
         self.inputs.iter().zip(&self.values).map(move |(&(offset, input), &value)| {
@@ -145,7 +144,7 @@ impl ChangingNumbers {
         })
     }
 
-    /// The value of an expression of nothing but numbers.
+    /// Returns the value of an expression that consists only of numbers.
     pub(super) fn known(&self, graph: &Graph, value: NodeId) -> Option<f32> {
         let constant = graph.as_constant(value);
         if constant.is_some() || self.values.is_empty() {
@@ -221,7 +220,7 @@ mod tests {
         let (first, second) = (world(&before, &places), world(&now, &places));
         assert!(first.is_compiled_like(&second));
         assert_eq!(first.compiled_glsl().unwrap(), second.compiled_glsl().unwrap());
-        // The same meaning as without.
+        // The values do not change.
         for (text, world) in [(&before, &first), (&now, &second)] {
             let plain = compile("test", text, &mut no_includes).scene.unwrap();
             for at in [Point::at(0.3, -0.2, 2.0), Point::at(1.0, 1.0, -1.0)] {
@@ -237,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_is_turned_has_a_range_and_its_place_in_the_text() {
+    fn a_dragged_number_has_a_range_and_its_location() {
         let text = "param k = 0.5 in 0 .. 1\nsphere(p, k) - 0.25";
         let turning = Turning { place: 3, least: 0.125, most: 1.0 };
         let compiled = compile_while_changing("test", text, &mut no_includes, &BTreeSet::new(), &[turning]);
@@ -252,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_on_which_the_meaning_depends_has_no_range_when_it_is_turned() {
+    fn a_dragged_structural_number_has_no_range() {
         let text = "length(p) - sum(for i in 0..4: 0.1 * i) + x^3";
         for (place, has_range) in [(1, false), (2, true), (3, false)] {
             let turning = Turning { place, least: 0.01, most: 9.0 };
@@ -264,14 +263,14 @@ mod tests {
     }
 
     #[test]
-    fn what_the_meaning_depends_on_stays_a_number() {
-        // An odd exponent keeps the sign, a power of an unknown exponent does not.
+    fn structural_numbers_stay_constants() {
+        // An odd exponent keeps the sign, a power with an unknown exponent does not.
         for text in ["x^3 + y", "fn f(k) = x^(k + 1) + y\nf(2)", "pow(x, 3) + y"] {
             let number = changed_numbers(text, &text.replace(['3', '2'], "5")).unwrap();
             let scene = changing(text, &number.into_iter().collect::<Vec<_>>());
             assert_eq!(distance(&scene, Point::at(-2.0, 0.5, 0.0)), -7.5, "{text}");
         }
-        // Loops, parameters, and what is derived from such a number.
+        // Loops, parameters, and values derived from such a number.
         let text =
             "let rounds = 3\nparam k = 0.5 in 0 .. 2\nlength(p) - k * sum(for i in 0..rounds: 0.1 * i)";
         let scene = changing(text, &[0, 1, 2, 3, 4, 5]);

@@ -1,21 +1,21 @@
-//! Mistakes in a scene, and how they are shown.
+//! Mistakes in a scene, and their rendering as text.
 //!
-//! They are rendered as terminal compilers do: message, place, source line, underline, hint. Tabs become four
-//! columns, wide characters take two, control characters are shown as a placeholder, and a very long line is cut
-//! around its mistake.
+//! They look as in terminal compilers: message, location, source line, underline, hint. Tabs become four columns, wide
+//! characters take two, control characters are replaced by a placeholder, and a very long line is cut around its
+//! mistake.
 
 use std::fmt::Write;
 
 use super::source::{BYTE_ORDER_MARK, Sources, Span};
 
-/// The three ways in which an input can fail.
+/// The kind of a mistake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
-    /// The text has no possible meaning.
+    /// The text has no valid meaning.
     Malformed,
     /// The text is clear but asks for something that the language does not support.
     Unsupported,
-    /// The text is larger than a ceiling of [`crate::limits`].
+    /// The text exceeds one of the [`crate::limits`].
     OverLimit,
 }
 
@@ -24,20 +24,20 @@ pub enum Fault {
 pub struct Diagnostic {
     /// Malformed, unsupported or over a limit.
     pub fault: Fault,
-    /// What is wrong, in one sentence without its full stop.
+    /// The message, one sentence without its full stop.
     pub message: String,
-    /// The text that the mistake is about.
+    /// The location of the mistake.
     pub span: Span,
-    /// The words beside the underline; may be empty.
+    /// The words after the underline; may be empty.
     pub label: String,
-    /// What to do about it.
+    /// The advice on how to fix it.
     pub hint: Option<String>,
-    /// Other places that belong to the mistake, each with a note that says how.
+    /// Related locations, each with a note that explains it.
     pub notes: Vec<(Span, String)>,
 }
 
 impl Diagnostic {
-    /// A mistake at `span`; malformed unless stated otherwise.
+    /// A [`Fault::Malformed`] mistake at `span`.
     pub fn new(span: Span, message: impl Into<String>) -> Self {
         Self {
             fault: Fault::Malformed,
@@ -49,35 +49,35 @@ impl Diagnostic {
         }
     }
 
-    /// The same, as a request for something that the language does not support.
+    /// A [`Fault::Unsupported`] mistake at `span`.
     pub fn unsupported(span: Span, message: impl Into<String>) -> Self {
         Self { fault: Fault::Unsupported, ..Self::new(span, message) }
     }
 
-    /// The same, as an input over a limit.
+    /// A [`Fault::OverLimit`] mistake at `span`.
     pub fn over_limit(span: Span, message: impl Into<String>) -> Self {
         Self { fault: Fault::OverLimit, ..Self::new(span, message) }
     }
 
-    /// With `label` beside the underline.
+    /// Adds `label` after the underline.
     pub fn label(mut self, label: impl Into<String>) -> Self {
         self.label = label.into();
         self
     }
 
-    /// With `hint` below.
+    /// Adds `hint` below.
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
     }
 
-    /// With another place that belongs to the mistake.
+    /// Adds a related location with a note.
     pub fn note(mut self, span: Span, text: impl Into<String>) -> Self {
         self.notes.push((span, text.into()));
         self
     }
 
-    /// With a hint that `similar` may have been meant, if there is one.
+    /// Adds the hint that `similar` may have been meant, if it is given.
     pub fn did_you_mean(self, similar: Option<&str>) -> Self {
         match similar {
             Some(name) => self.hint(format!("did you mean `{name}`?")),
@@ -85,7 +85,7 @@ impl Diagnostic {
         }
     }
 
-    /// The diagnostic as text of several lines, for a terminal when `color` is set; ends with a newline.
+    /// Returns the diagnostic as text of several lines, with terminal colours if `color` is set; ends with a newline.
     pub fn render(&self, sources: &Sources, color: bool) -> String {
         let paint = Paint { color };
         let mut out = String::new();
@@ -107,15 +107,15 @@ impl Diagnostic {
     }
 }
 
-/// All of `diagnostics` as text, separated by blank lines; empty if there are none.
+/// Returns all diagnostics as text, separated by blank lines; empty if there are none.
 pub fn render_all(diagnostics: &[Diagnostic], sources: &Sources, color: bool) -> String {
     let texts: Vec<String> = diagnostics.iter().map(|one| one.render(sources, color)).collect();
     texts.join("\n")
 }
 
-/// Columns of a source line that are shown.
+/// Width of a source line in columns, above which it is cut.
 const WIDTH_SHOWN: usize = 120;
-/// Columns that stay visible before the mistake in a line that is cut.
+/// Columns that remain visible before the mistake in a line that is cut.
 const WIDTH_BEFORE: usize = 40;
 const TAB: &str = "    ";
 
@@ -134,7 +134,7 @@ fn excerpt(
     let _ = writeln!(out, "{:gutter$}{arrow} {}:{}:{}", "", place.file.name, place.line, place.column);
     let _ = writeln!(out, "{:gutter$} {bar}", "");
 
-    // The line in cells: the text that is printed for each character, and its width in columns.
+    // For each character, the text that is printed for it and its width in columns.
     let length = (span.end - span.start) as usize;
     let (mut shown, mut before, mut under) = (String::new(), 0, 0);
     let (first, last) = (place.byte, place.byte + length.max(1));
@@ -173,17 +173,17 @@ fn excerpt(
     let _ = writeln!(out, "{:gutter$} {bar} {:before$}{text}", "", "");
 }
 
-/// The number of columns that a character takes on a terminal.
+/// Returns the width of a character in terminal columns.
 pub fn columns(character: char) -> usize {
     cell(character).1
 }
 
-/// The text printed in place of a character, if it is not the character itself, and the columns it takes.
+/// The replacement text of a character, if it has one, and its width in columns.
 fn cell(character: char) -> (Option<&'static str>, usize) {
     match character {
         '\t' => (Some(TAB), TAB.len()),
         BYTE_ORDER_MARK => (Some(""), 0),
-        // Control characters, and those that change the direction of writing.
+        // Control characters, and characters that change the direction of writing.
         '\0'..='\x1f' | '\x7f'..='\u{9f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
             (Some("\u{fffd}"), 1)
         }
@@ -221,7 +221,7 @@ impl Paint {
     }
 }
 
-/// The mistakes found so far, bounded in number.
+/// The mistakes found so far, up to a maximum number.
 #[derive(Debug, Default)]
 pub(super) struct Diagnostics {
     list: Vec<Diagnostic>,
@@ -234,7 +234,7 @@ impl Diagnostics {
         Self { list: Vec::new(), max: max.max(1), dropped: 0 }
     }
 
-    /// Keeps `diagnostic` unless the same was already reported for the same place, or there are too many already.
+    /// Adds `diagnostic`, unless an equal message was already reported at the same location, or the list is full.
     pub(super) fn push(&mut self, diagnostic: Diagnostic) {
         let known = |one: &Diagnostic| one.span == diagnostic.span && one.message == diagnostic.message;
         if self.list.iter().any(known) {
@@ -243,7 +243,7 @@ impl Diagnostics {
         if self.list.len() < self.max { self.list.push(diagnostic) } else { self.dropped += 1 }
     }
 
-    /// Whether no more would be kept.
+    /// True if mistakes were dropped because the list is full.
     pub(super) fn full(&self) -> bool {
         self.dropped > 0
     }
@@ -252,7 +252,7 @@ impl Diagnostics {
         self.list.is_empty()
     }
 
-    /// All of them in the order of their places; if some were dropped, the last one says that there are more.
+    /// Returns the diagnostics in the order of their locations. If some were dropped, the last one says so.
     pub(super) fn finish(mut self) -> Vec<Diagnostic> {
         self.list.sort_by_key(|one| one.span);
         if self.dropped > 0 {

@@ -1,25 +1,25 @@
 //! The fields of a scene's sections, one row for each.
 //!
-//! `section!` makes a section of its rows: the struct with its documentation, the block in the language with its
-//! diagnostics, what holds where a scene says nothing, and the order in which the section's numbers stand on a tape.
-//! What computes with a value names its field; nothing else does.
+//! `section!` defines a section from its rows: the documented struct, the block in the language with its diagnostics,
+//! the default values, and the order of the section's numbers on a tape. Code that computes with a value uses the
+//! struct's field; everything else follows from the rows.
 
 use std::fmt;
 
 /// A field of a section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
-    /// Its name.
+    /// The name in the language.
     pub name: &'static str,
-    /// The type of its value.
+    /// The type of the value.
     pub holds: Holds,
-    /// Its value where a scene does not set it.
+    /// The value if a scene does not set it.
     pub default: DefaultValue,
-    /// The inputs that it may use.
+    /// The inputs that the value may use.
     pub(super) uses: u8,
-    /// The range of its values; only materials have ranges here.
+    /// The range of the values; only materials have ranges here.
     pub range: Option<MaterialRange>,
-    /// Its description for readers.
+    /// The description on the language's page.
     pub doc: &'static str,
 }
 
@@ -38,14 +38,14 @@ pub enum Holds {
     Text,
     /// Two numbers, `0.2 .. 0.6`.
     Range,
-    /// The name of a way in which scenes follow each other.
+    /// The name of a [`Way`](super::Way) from scene to scene.
     Way,
     /// The distance to a shape, a number at each point.
     Shape,
 }
 
 impl Field {
-    /// Whether its three numbers are a colour: light, or what reflects it.
+    /// True if its three numbers are a colour, of light or of a surface.
     pub fn is_color(&self) -> bool {
         let of_material = matches!(self.range, Some(MaterialRange::Reflectance | MaterialRange::Light));
         self.holds == Holds::Vector && (of_material || matches!(self.name, "color" | "ambient"))
@@ -53,7 +53,7 @@ impl Field {
 }
 
 impl Holds {
-    /// How many numbers it is.
+    /// The count of numbers in a value.
     pub const fn parts(self) -> usize {
         match self {
             Holds::Vector => 3,
@@ -63,7 +63,7 @@ impl Holds {
     }
 }
 
-/// What each of these types is, where `N` stands for a number: a node in a scene, its value in a frame.
+/// The Rust types of these values. `N` is the type of a number: a node in a scene, an f32 in a frame.
 pub(super) mod of {
     pub(crate) type Number<N> = N;
     pub(crate) type Vector<N> = [N; 3];
@@ -73,11 +73,11 @@ pub(super) mod of {
 /// The value of a field that a scene does not set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DefaultValue {
-    /// This number, in each part of a vector.
+    /// This number, or a vector of three of it.
     Each(f32),
-    /// These parts.
+    /// This vector.
     Parts([f32; 3]),
-    /// What this function of the library gives for the direction.
+    /// The value of this function of the library for the direction.
     Library(&'static str),
 }
 
@@ -91,14 +91,14 @@ impl fmt::Display for DefaultValue {
     }
 }
 
-/// How a field's values are clamped to their range before lighting; a NaN becomes 0.
+/// The range to which a field's values are clamped before lighting; a NaN becomes 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MaterialRange {
-    /// A share, 0..1.
+    /// A fraction, 0..1.
     Fraction,
     /// A reflected colour: each part 0..1.
     Reflectance,
-    /// Emitted light: each part at least 0, and at most what a half float holds well.
+    /// Emitted light: each part at least 0, and at most a value that a half float can represent well.
     Light,
 }
 
@@ -128,8 +128,8 @@ impl<N: Default> Parts<N> for [N; 3] {
     }
 }
 
-/// Makes a section. In braces stands what it holds besides its fields; a row is
-/// `name: type = default, inputs that it may use, range of a material's field, "description";`.
+/// Defines a section. The braces contain its members that are not fields. A row is `name: type = default, inputs that
+/// it may use, range of a material's field, "description";`.
 macro_rules! section {
     (
         $(#[$about:meta])*
@@ -153,19 +153,19 @@ macro_rules! section {
                 range: $crate::lang::fields::section!(@range $($range)?),
                 doc: $doc,
             },)+];
-            /// How many numbers they hold.
+            /// The count of numbers in all fields.
             pub const NUMBERS: usize = 0 $(+ $crate::lang::fields::Holds::$holds.parts())+;
         }
 
         impl<N: Copy + Default> $section<N> {
-            /// The number of each part of each field.
+            /// Returns the numbers of all fields, each vector as three numbers.
             pub fn numbers(&self) -> Vec<N> {
                 let mut numbers = Vec::new();
                 $($crate::lang::fields::Parts::put(self.$field, &mut numbers);)+
                 numbers
             }
 
-            /// The section of these numbers, in the order of [`Self::numbers`]; those that are missing are 0.
+            /// Builds the section from its numbers, in the order of [`Self::numbers`]. Missing numbers are 0.
             pub fn of($($own: $type,)* numbers: impl IntoIterator<Item = N>) -> Self {
                 let mut numbers = numbers.into_iter();
                 Self { $($own,)* $($field: $crate::lang::fields::Parts::take(&mut numbers),)+ }

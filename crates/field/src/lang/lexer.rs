@@ -1,13 +1,14 @@
-//! Text to tokens. This never fails: text that is not a token is reported and becomes one of kind `Unknown`.
+//! Splits a text into tokens. This never fails: text that is not a token is reported and becomes a token of kind
+//! `Unknown`.
 
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::source::{BYTE_ORDER_MARK, Span};
 use super::symbol::{Interner, Key, Symbol};
 use super::token::{Kind, Token};
 
-/// Appends the tokens of `text`, whose first byte has the offset `base`, and a last one of kind `End`.
+/// Appends the tokens of `text`, whose first byte has the offset `base`, and a final token of kind `End`.
 ///
-/// At most `tokens_max` tokens are kept in `tokens`; if there are more, that is reported and the rest is left out.
+/// At most `tokens_max` tokens are kept. If there are more, this is reported and the rest is ignored.
 pub(super) fn tokenize(
     text: &str,
     base: u32,
@@ -41,7 +42,7 @@ struct Lexer<'a> {
     at: usize,
     base: u32,
     newline: bool,
-    /// Whether a `[` was reported and no `]` has followed since.
+    /// True after a `[` that was reported, until the next `]`.
     in_brackets: bool,
     names: &'a mut Interner,
     diagnostics: &'a mut Diagnostics,
@@ -80,7 +81,7 @@ impl Lexer<'_> {
         }
     }
 
-    /// The token for a byte that alone does not decide it; `None` for a comment.
+    /// The token for a byte that does not determine it alone; `None` for a comment.
     fn other(&mut self, byte: u8) -> Option<(Kind, Symbol)> {
         match (byte, self.peek(1)) {
             (b'#', _) | (b'/', b'/') => self.skip_line(),
@@ -96,14 +97,14 @@ impl Lexer<'_> {
     fn too_many(&mut self, start: usize, tokens_max: usize) {
         let message = format!("the scene has more than {tokens_max} words and signs");
         let over = Diagnostic::over_limit(self.span(start), message);
-        self.diagnostics.push(over.hint("split the scene, or let `fn` and `for` repeat what is alike"));
+        self.diagnostics.push(over.hint("split the scene, or write repeated parts with `fn` and `for`"));
     }
 
     fn span(&self, start: usize) -> Span {
         Span::new(self.base + start as u32, self.base + self.at as u32)
     }
 
-    /// The byte `ahead` of the current one; 0 behind the end of the text.
+    /// The byte at `ahead` bytes from the current one; 0 after the end of the text.
     fn peek(&self, ahead: usize) -> u8 {
         self.bytes.get(self.at + ahead).copied().unwrap_or(0)
     }
@@ -130,12 +131,11 @@ impl Lexer<'_> {
         }
     }
 
-    /// The rest of the text.
     fn rest(&self) -> &[u8] {
         self.bytes.get(self.at..).unwrap_or(&[])
     }
 
-    /// The number of letters, digits and underscores from here on.
+    /// Length of the word that begins here: letters, digits and underscores.
     #[inline]
     fn word_length(&self) -> usize {
         let rest = self.rest();
@@ -150,7 +150,7 @@ impl Lexer<'_> {
         (Kind::Name, self.names.intern_with_key(&self.text[start..self.at], key))
     }
 
-    /// Takes digits and appends them to those of `number`, which may overflow.
+    /// Reads digits and appends them to `number`, which may overflow.
     #[inline]
     fn digits(&mut self, mut number: u64) -> u64 {
         while let Some(&byte) = self.bytes.get(self.at) {
@@ -170,7 +170,7 @@ impl Lexer<'_> {
         let mut number = self.digits(0);
         let mut digits = self.at - start;
         let mut decimals = 0;
-        // `0..32` is a range; in `0.` the point belongs to the number.
+        // `0..32` is a range. In `0.`, the point belongs to the number.
         if self.peek(0) == b'.' && self.peek(1) != b'.' {
             self.at += 1;
             let point = self.at;
@@ -196,7 +196,7 @@ impl Lexer<'_> {
         (Kind::Number, Symbol(value.to_bits()))
     }
 
-    /// Reports text that follows a number without a gap.
+    /// Reports text that follows a number without a space.
     #[cold]
     fn number_in_name(&mut self, start: usize, end: usize) {
         let (number, tail) = (&self.text[start..end], &self.text[end..self.at]);
@@ -224,7 +224,7 @@ impl Lexer<'_> {
         (Kind::Text, self.names.intern(text))
     }
 
-    /// Signs that are distinguished by their second byte.
+    /// Reads a sign that is distinguished by its second byte.
     fn sign(&mut self, byte: u8) -> Option<Kind> {
         let (kind, length) = match (byte, self.peek(1)) {
             (b'.', b'.') => (Kind::Range, 2),
@@ -246,14 +246,14 @@ impl Lexer<'_> {
         Some(kind)
     }
 
-    /// Reports a run of characters without a meaning. A look-alike is taken for the sign that it resembles.
+    /// Reports a run of unknown characters. A character that looks like a sign is treated as that sign.
     fn unknown(&mut self) -> Kind {
         let start = self.at;
         let rest = &self.text[start..];
         let first = rest.chars().next().unwrap_or('\0');
         let alike = match first {
             '\u{2212}' | '\u{2013}' | '\u{2014}' => {
-                Some((Kind::Minus, "write the sign on the keyboard, `-`"))
+                Some((Kind::Minus, "write the minus sign of the keyboard, `-`"))
             }
             '\u{d7}' | '\u{b7}' | '\u{22c5}' | '\u{2217}' => Some((Kind::Star, "to multiply write `*`")),
             '\u{f7}' | '\u{2215}' => Some((Kind::Slash, "to divide write `/`")),
@@ -270,12 +270,12 @@ impl Lexer<'_> {
         let length = rest.find(|c: char| c.is_ascii() && self.starts_token(c)).unwrap_or(rest.len());
         self.at += length.max(first.len_utf8());
         let hint = match first {
-            '[' | ']' => "an element is taken with a dot or a call, as in `volume.x` and `band(3)`",
+            '[' | ']' => "read an element with a dot or a call, as in `volume.x` or `band(3)`",
             '&' => "write `&&`",
             '|' => "write `||`",
-            '\'' | '\u{201c}' | '\u{201d}' | '\u{201e}' => "text goes between `\"`",
-            '²' | '³' => "a power is written `x^2`",
-            _ if first.is_alphabetic() => "names are made of the letters a to z, digits and `_`",
+            '\'' | '\u{201c}' | '\u{201d}' | '\u{201e}' => "write text between `\"`",
+            '²' | '³' => "write a power as `x^2`",
+            _ if first.is_alphabetic() => "use only the letters a to z, digits and `_` in names",
             _ => "leave it out",
         };
         let message = if first.is_control() || first == BYTE_ORDER_MARK {
@@ -284,7 +284,7 @@ impl Lexer<'_> {
             format!("the character `{first}` is not part of the language")
         };
         let wrong = Diagnostic::new(self.span(start), message);
-        // A closing bracket belongs to the opening one that was already reported.
+        // A `]` after a `[` that was already reported is not reported again.
         if first != ']' || !std::mem::replace(&mut self.in_brackets, false) {
             self.diagnostics.push(wrong.hint(hint));
         }
@@ -305,9 +305,9 @@ enum Begins {
     Line,
     Name,
     Number,
-    /// A sign that consists of this byte alone.
+    /// A sign of one byte.
     Sign(Kind),
-    /// Depends on the bytes that follow.
+    /// The token depends on the following bytes.
     Other,
 }
 
@@ -340,7 +340,7 @@ const BEGINS: [Begins; 256] = {
     table
 };
 
-/// By byte: whether it may continue a name.
+/// True for bytes that may continue a name.
 const IN_WORD: [bool; 256] = {
     let mut table = [false; 256];
     let mut byte = 0;
@@ -354,7 +354,8 @@ const IN_WORD: [bool; 256] = {
 /// Any number with this many decimal digits fits a u64.
 const DIGITS_MAX: usize = 19;
 
-/// The nearest f32 of digits, the last `decimals` of which are behind the point, if one division can find it.
+/// Returns the nearest f32 to a decimal number, if a single division can compute it. `digits` are its digits without
+/// the point, and the last `decimals` of them follow the point.
 #[inline]
 fn exact_value(digits: u64, decimals: usize) -> Option<f32> {
     // Both parts are exact in f32, so one division rounds correctly.
@@ -397,7 +398,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_ranges_and_dots_are_told_apart() {
+    fn numbers_ranges_and_dots_are_distinguished() {
         assert_eq!(words("0..32"), ["0", "..", "32"]);
         assert_eq!(words("0.1 .. 3"), ["0.1", "..", "3"]);
         assert_eq!(words(".5+1.-1e-3"), [".5", "+", "1.", "-", "1e-3"]);
@@ -447,7 +448,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_token_is_reported() {
+    fn text_without_a_token_is_reported() {
         let (tokens, errors) = lex("1 @@ 2 − 3");
         let shown: Vec<Kind> = tokens.iter().map(|one| one.0).collect();
         assert_eq!(shown, [Kind::Number, Kind::Unknown, Kind::Number, Kind::Minus, Kind::Number, Kind::End]);

@@ -1,4 +1,4 @@
-//! From a text and its includes to one tree.
+//! Loads a scene's text and its includes, and parses them into one syntax tree.
 
 use super::ast::{Ast, Item, Name};
 use super::diagnostic::{Diagnostic, Diagnostics};
@@ -7,7 +7,7 @@ use super::symbol::Interner;
 use super::{Resolver, lexer, parser, path};
 use crate::limits::Limits;
 
-/// The contents of a scene's texts.
+/// The syntax tree of a scene's texts.
 pub(super) struct Loaded {
     pub ast: Ast,
     pub names: Interner,
@@ -15,7 +15,7 @@ pub(super) struct Loaded {
     pub includes: Vec<String>,
 }
 
-/// Parses `text` and its includes, depth first: an included text comes before the text that includes it.
+/// Parses `text` and its includes, depth first: an included text precedes the text that includes it.
 pub(super) fn load(
     name: &str,
     text: &str,
@@ -40,7 +40,7 @@ struct Loader<'a, 'b> {
     diagnostics: &'a mut Diagnostics,
     bytes: usize,
     tokens: usize,
-    /// Included files that are being read, the outermost first.
+    /// Files that are being read, the outermost first.
     open: Vec<String>,
 }
 
@@ -51,14 +51,14 @@ impl Loader<'_, '_> {
         let max = self.limits.scene_bytes_max;
         let base = if self.bytes > max { None } else { self.sources.add(name, text) };
         let Some(base) = base else {
-            // A text that is too long is not kept. Its mistake is placed at its include, or else at the start of an
-            // empty text.
+            // A text that is too long is not kept. Its mistake is reported at its include, or for the scene itself at
+            // the start of an empty text.
             let span = included.unwrap_or_else(|| {
                 self.sources.add(name, "");
                 Span::default()
             });
             let message = format!("the scene is larger than {max} bytes, counting its includes");
-            let hint = "split it into scenes, or let `fn` and `for` repeat what is alike";
+            let hint = "split it into scenes, or write repeated parts with `fn` and `for`";
             return self.diagnostics.push(Diagnostic::over_limit(span, message).hint(hint));
         };
         let mut tokens = Vec::new();
@@ -92,24 +92,24 @@ impl Loader<'_, '_> {
                 self.open.iter().skip(position).map(|one| format!("`{one}`")).collect();
             circle.push(format!("`{name}`"));
             let message = format!("files include each other in a circle: {}", circle.join(" includes "));
-            return self.diagnostics.push(Diagnostic::new(span, message).hint("leave out this `include`"));
+            return self.diagnostics.push(Diagnostic::new(span, message).hint("remove this `include`"));
         }
-        // Once no more mistakes are kept, no more files are requested: a text that consists of failing includes then
-        // costs no more than any other.
+        // Once the list of mistakes is full, no more files are requested, so a text full of failing includes costs no
+        // more than any other.
         if self.loaded.includes.contains(&name) || self.diagnostics.full() {
             return;
         }
         let (depth, count) = (self.limits.include_depth_max, self.limits.scene_includes_max);
         if self.open.len() >= depth {
             let message = format!("files include each other more than {depth} deep");
-            let hint = "include this file from one nearer to the scene";
+            let hint = "include this file from the scene or from a less deeply included file";
             return self.diagnostics.push(Diagnostic::over_limit(span, message).hint(hint));
         }
         if self.loaded.includes.len() >= count {
             let message = format!("the scene includes more than {count} files");
             return self
                 .diagnostics
-                .push(Diagnostic::over_limit(span, message).hint("put some of them into one file"));
+                .push(Diagnostic::over_limit(span, message).hint("merge some of them into one file"));
         }
         match (self.resolve)(&name) {
             Err(reason) => {

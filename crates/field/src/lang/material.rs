@@ -1,5 +1,5 @@
-//! The material of a surface, one row for each field (see `fields`). The struct in the shaders and how each mode fills
-//! it follow from the rows, too.
+//! The material of a surface, one row for each field (see `fields`). The struct in the shaders and the code that fills
+//! it in each mode also follow from the rows.
 
 use std::fmt::Write;
 
@@ -8,40 +8,42 @@ use super::fields::DefaultValue::Each;
 use super::fields::{Holds, MaterialRange, section};
 use crate::limits::LIMITS;
 
-/// What a field may depend on.
+/// The inputs that a field may use.
 const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME | EYE;
 
 section! {
     /// The material of a surface: functions of point, normal and frame (R⁶ → R³ in Abt 2022, section 3.2).
     Material {
-        /// Its name; `default` for the material of objects that name none.
+        /// The name; `default` for the material of objects without one.
         name: String,
     }
     color: Vector = Each(0.8), SURFACE, Reflectance, "diffuse reflectance, or the metal's colour, 0..1";
     roughness: Number = Each(0.5), SURFACE, Fraction, "0 polished .. 1 matt";
     metalness: Number = Each(0.0), SURFACE, Fraction, "0 insulator .. 1 metal";
-    emission: Vector = Each(0.0), SURFACE, Light, "light of its own";
+    emission: Vector = Each(0.0), SURFACE, Light, "emitted light";
     reflect: Number = Each(0.0), SURFACE, Fraction,
-        "share of light that is mirrored when looked at straight on, 0..1: the ray goes on";
+        "fraction of light mirrored at normal incidence, 0..1: the ray continues in the mirrored direction";
     coat: Number = Each(0.0), SURFACE, Fraction, "strength of a clear coat, 0..1";
     haze: Number = Each(0.0), SURFACE, Fraction,
-        "share of it that the sky covers, 0..1: for what fades into the distance";
+        "fraction of the surface's light replaced by the sky, 0..1: for objects that fade into the distance";
     blur: Number = Each(0.0), SURFACE, Fraction,
-        "how rough the mirror is, 0 sharp .. 1 matt: the square root of GGX's alpha, as roughness is for lights";
+        "roughness of the mirror, 0 sharp .. 1 matt: the square root of GGX's alpha, as roughness is for lights";
 }
 
-const _: () = assert!(Material::NUMBERS <= LIMITS.tape_outputs_max, "a tape gives no more numbers");
+const _: () = assert!(
+    Material::NUMBERS <= LIMITS.tape_outputs_max,
+    "a material has more numbers than a tape has outputs"
+);
 const _: () = {
     let mut field = 0;
     while field < Material::FIELDS.len() {
-        assert!(Material::FIELDS[field].range.is_some(), "a field of a material has a range");
+        assert!(Material::FIELDS[field].range.is_some(), "every field of a material needs a range");
         field += 1;
     }
 };
 
-/// The fields as the shaders see them: the struct, the function that clamps its members to their ranges, the members
-/// as a list of arguments, and how they are read from an interpreted program's result (each part of `head` holds four
-/// places).
+/// Returns GLSL for the fields: the struct, the function that clamps its members to their ranges, and the macro that
+/// reads them from the result of an interpreted program (each component of `head` holds four numbers).
 pub fn material_glsl() -> String {
     let (mut members, mut ranges, mut read) = (String::new(), Vec::new(), Vec::new());
     let mut number = 0;
@@ -64,12 +66,12 @@ pub fn material_glsl() -> String {
     }
     format!(
         "struct Material {{\n{members}}};\n\n\
-         // Brings what a formula gave into its ranges; what is no number becomes 0.\n\
+         // Clamps a formula's values to their ranges; a NaN becomes 0.\n\
          float share_of(float value) {{\n    return value > 0.0 ? min(value, 1.0) : 0.0;\n}}\n\
          vec3 light_of(vec3 value) {{\n    return vec3(value.r > 0.0 ? min(value.r, 1e6) : 0.0, \
          value.g > 0.0 ? min(value.g, 1e6) : 0.0,\n                value.b > 0.0 ? min(value.b, 1e6) : 0.0);\n}}\n\
          Material within_ranges(Material m) {{\n    return Material({});\n}}\n\n\
-         // The material that the interpreter's program left at these places.\n\
+         // The material in these outputs of the interpreter's program.\n\
          #define READ_MATERIAL(head) Material({})\n",
         ranges.join(", "),
         read.join(", ")

@@ -1,21 +1,21 @@
-//! The scene language: text to a checked scene.
+//! The scene language: compiles text to a checked scene.
 //!
 //! ```text
-//! text → lexer → tokens → parser → tree → lower → Scene (one expression graph, and which node means what)
+//! text → lexer → tokens → parser → tree → lower → Scene (one expression graph, and the meaning of its nodes)
 //! ```
 //!
-//! [`compile`] never fails: it gives a [`Scene`] if there was no mistake, and otherwise every mistake that it found,
+//! [`compile`] never fails: it returns a [`Scene`] if there was no mistake, and otherwise every mistake that it found,
 //! up to a limit, as [`Diagnostic`]s. No text makes it panic, recurse without bound or take more memory than
 //! [`crate::limits`] allow.
 //!
-//! **Meaning.** The language follows GLSL: vectors of two to four numbers with swizzles, functions that work on each
-//! component, scalars that fit every vector. Types are inferred for each use. Functions are expanded where they are
-//! called and loops are unrolled, so a scene is one expression without calls or loops; recursion is therefore a
-//! mistake. For whole exponents `x^2` is a product and thus defined for negative x; `^` groups from the right and
-//! binds tighter than a minus in front. `a % b` is GLSL's mod. Division by zero gives 0 (see `graph`).
+//! **Meaning.** The language follows GLSL: vectors of two to four numbers with swizzles, functions that apply to each
+//! component, scalars that combine with every vector. Types are inferred for each use. Functions are expanded where
+//! they are called and loops are unrolled, so a scene is one expression without calls or loops, and recursion is a
+//! mistake. For integer exponents `x^2` is a product and thus defined for negative x; `^` groups from the right and
+//! binds tighter than a preceding minus. `a % b` is GLSL's mod. Division by zero gives 0 (see [`crate::graph`]).
 //!
 //! **Names.** A name in a function is a parameter, a `let` of the function, a `let` or `param` of the scene, or an
-//! input, looked up in this order. Functions have names of their own, so `let box = box(p, 1)` is fine. A scene's
+//! input, looked up in this order. Functions have a separate namespace, so `let box = box(p, 1)` is fine. A scene's
 //! function takes precedence over the library's function of the same name, except within the library.
 //!
 //! This module does no I/O: a [`Resolver`] supplies the texts that `include` names.
@@ -66,7 +66,7 @@ use crate::limits::{LIMITS, Limits};
 use changing::ChangingNumbers;
 use diagnostic::Diagnostics;
 
-/// Gives the text of an included file, or says in plain words why there is none. Its path is relative to the scene's
+/// Returns the text of an included file, or an error message in plain words. The path is relative to the scene's
 /// folder, has `/` between folders and never leads out of it.
 pub type Resolver<'a> = dyn FnMut(&str) -> Result<String, String> + 'a;
 
@@ -75,7 +75,7 @@ pub type Resolver<'a> = dyn FnMut(&str) -> Result<String, String> + 'a;
 /// # Errors
 /// Always.
 pub fn no_includes(_path: &str) -> Result<String, String> {
-    Err("this scene is not a file, so there is nothing to include".to_owned())
+    Err("only a scene that is a file can include others".to_owned())
 }
 
 /// The result of compiling a text.
@@ -85,27 +85,27 @@ pub struct Compiled {
     pub scene: Option<Scene>,
     /// The mistakes, in the order of the text; empty if and only if there is a scene.
     pub diagnostics: Vec<Diagnostic>,
-    /// The texts that spans point into.
+    /// The texts that spans refer to.
     pub sources: Sources,
-    /// Paths that were requested from the [`Resolver`], each once, in order, including those that it refused.
+    /// Paths that were requested from the [`Resolver`], each once, in order, including refused ones.
     pub includes_asked: Vec<String>,
 }
 
 impl Compiled {
-    /// All diagnostics as readable text, with colours for a terminal if `color` is set; empty if there are none.
+    /// Returns all diagnostics as text, with terminal colours if `color` is set; empty if there are none.
     pub fn render(&self, color: bool) -> String {
         render_all(&self.diagnostics, &self.sources, color)
     }
 }
 
-/// Compiles a scene, or a bare formula, with the program's limits. `name` is what diagnostics call the text.
+/// Compiles a scene, or a bare formula, with the program's limits. `name` is the text's name in diagnostics.
 pub fn compile(name: &str, text: &str, resolve: &mut Resolver<'_>) -> Compiled {
     compile_with_limits(name, text, resolve, &LIMITS)
 }
 
-/// The same for a text in which the numbers of these places are being changed ([`changed_numbers`]): the expressions
-/// read them as inputs of a frame, behind the scene's parameters. Some of them may be `turning`: they get a range, in
-/// which a frame may set them without the text being read again.
+/// Compiles a text in which some numbers are being edited. Expressions read the numbers with the indices `changing`
+/// ([`changed_numbers`]) as inputs of a frame, after the scene's parameters. The numbers in `turning` are being
+/// dragged: they get a range in which a frame may set them without the text being read again.
 pub fn compile_while_changing(
     name: &str,
     text: &str,
@@ -120,11 +120,11 @@ pub fn compile_while_changing(
             return compiled;
         }
     }
-    // A mistake may be that a number has to be known.
+    // The mistake may be that a number has to be constant.
     compile(name, text, resolve)
 }
 
-/// The same with other limits.
+/// Compiles a scene, or a bare formula, with the given limits.
 pub fn compile_with_limits(name: &str, text: &str, resolve: &mut Resolver<'_>, limits: &Limits) -> Compiled {
     compile_all(name, text, resolve, limits, ChangingNumbers::default())
 }
@@ -152,7 +152,7 @@ fn compile_all(
     Compiled { scene, diagnostics: diagnostics.finish(), sources, includes_asked }
 }
 
-/// Only the mistakes in a text's words and grammar, and the texts that their spans point into. Includes are not read,
+/// Returns the mistakes in a text's tokens and grammar, and the texts that their spans refer to. Includes are not read,
 /// and the meaning of names is not checked.
 pub fn check_syntax(name: &str, text: &str) -> (Vec<Diagnostic>, Sources) {
     let mut sources = Sources::default();

@@ -1,9 +1,9 @@
-//! Which parts of a scene's text its expressions come from.
+//! Maps the values of a scene's expressions back to its text.
 //!
-//! While a text is lowered, each expression leaves a note where it begins, in the order in which they are visited. What
-//! took part in a value is therefore a stretch of the notes: everything that was visited while it was made. A name that
-//! stands for a value notes the stretch of that value. The library's own texts leave no notes: what is made there belongs
-//! to the call.
+//! While a text is lowered, the start of each expression is recorded in a list of notes, in the order of the visits.
+//! The text behind a value is therefore a range of notes: all that were recorded while the value was computed. The use
+//! of a named value records a reference to the range of that value. The library's own texts record no notes: their
+//! values belong to the call.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -12,13 +12,13 @@ use std::sync::OnceLock;
 use super::source::{Sources, Span};
 use crate::graph::NodeId;
 
-/// Most notes, and most values with a stretch: 4 MiB. What comes after them is known by its object alone.
+/// Most notes, and most values with a range: 4 MiB. For later values only the object is known.
 const NOTES_MAX: usize = 1 << 18;
 
-/// A place in the text: the number of the file among those of the scene, and the byte.
+/// A location in the text: the number of the file among the scene's files, and the byte.
 pub type TextPlace = (usize, usize);
 
-/// Notes from the first to the one behind the last.
+/// A range of notes; `to` is exclusive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(super) struct Stretch {
     from: u32,
@@ -27,13 +27,13 @@ pub(super) struct Stretch {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Note {
-    /// Something begins here.
+    /// An expression or a block begins at this offset.
     Begins(u32),
-    /// What these notes tell takes part, too.
+    /// The text behind these notes also takes part.
     Uses(Stretch),
 }
 
-/// A value with the expression that it is the value of.
+/// A value with the expression that computes it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Made {
     node: NodeId,
@@ -41,45 +41,43 @@ struct Made {
     by: Stretch,
 }
 
-/// The values sorted by node, those of one node in the order in which they were made. Few edits are asked where something
-/// comes from, so this is made when it is first needed: it was a tenth of the time from a text to its tape.
+/// The values sorted by node; equal nodes in the order in which they were made. Few edits need this index, so it is
+/// built on first use: building it always took a tenth of the time from a text to its tape.
 #[derive(Debug, Clone, Default)]
 struct ByNode(OnceLock<Vec<Made>>);
 
-/// It follows from the values.
+/// Always equal: the index follows from the values.
 impl PartialEq for ByNode {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-/// See the module.
+/// Maps nodes of a scene's graph to the text that they come from.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Origins {
     notes: Vec<Note>,
-    /// In the order in which they were made.
     made: Vec<Made>,
     by_node: ByNode,
-    /// By object: its text apart from its shape, and all of its text.
+    /// The blocks of each object: the text apart from its shape, and the whole text.
     objects: Vec<Vec<(Stretch, Stretch)>>,
-    /// By material.
+    /// The blocks of each material.
     materials: Vec<Vec<Stretch>>,
-    /// First offset and length of each file.
     files: Vec<(u32, u32)>,
 }
 
 impl Origins {
-    /// Where the next note will stand.
+    /// The index of the next note.
     pub(super) fn mark(&self) -> u32 {
         self.notes.len() as u32
     }
 
-    /// The notes since a mark.
+    /// The range of notes since a mark.
     pub(super) fn since(&self, from: u32) -> Stretch {
         Stretch { from, to: self.mark() }
     }
 
-    /// Notes that something begins here.
+    /// Records that an expression begins here.
     #[inline]
     pub(super) fn begins(&mut self, span: Span) {
         if self.notes.len() < NOTES_MAX {
@@ -87,7 +85,7 @@ impl Origins {
         }
     }
 
-    /// Notes that a value is used that was made by these.
+    /// Records the use of a value that these notes belong to.
     #[inline]
     pub(super) fn uses(&mut self, by: Stretch) {
         if by.from < by.to && self.notes.len() < NOTES_MAX {
@@ -95,8 +93,8 @@ impl Origins {
         }
     }
 
-    /// Notes the head of a block, with the names of its fields and what took part in them: of each block, however much was
-    /// noted before.
+    /// Records the head of a block, with the names of its fields and the values that it uses. Heads are always
+    /// recorded, even when the list of notes is full.
     pub(super) fn head(&mut self, begins: impl Iterator<Item = Span>, uses: &[Stretch]) -> Stretch {
         let from = self.mark();
         self.notes.extend(begins.map(|span| Note::Begins(span.start)));
@@ -104,7 +102,7 @@ impl Origins {
         self.since(from)
     }
 
-    /// Notes whose value a node is, made since a mark.
+    /// Records that a node is the value of an expression, computed since a mark.
     #[inline]
     pub(super) fn makes(&mut self, node: NodeId, span: Span, from: u32) {
         if self.made.len() < NOTES_MAX {
@@ -113,7 +111,7 @@ impl Origins {
         }
     }
 
-    /// Notes a block of the object with this number: its text apart from its shape, and all of it.
+    /// Records a block of the object with this number: its text apart from its shape, and the whole text.
     pub(super) fn of_object(&mut self, object: usize, head: Stretch, whole: Stretch) {
         if self.objects.len() <= object {
             self.objects.resize_with(object + 1, Vec::new);
@@ -123,7 +121,7 @@ impl Origins {
         }
     }
 
-    /// Notes the block of the material with this number.
+    /// Records the block of the material with this number.
     pub(super) fn of_material(&mut self, material: usize, block: Stretch) {
         if self.materials.len() <= material {
             self.materials.resize_with(material + 1, Vec::new);
@@ -133,7 +131,7 @@ impl Origins {
         }
     }
 
-    /// Notes that a material is mixed of two others.
+    /// Records that a material is mixed from two others.
     pub(super) fn of_mixture(&mut self, material: usize, parts: [usize; 2]) {
         for part in parts {
             for block in self.materials.get(part).cloned().unwrap_or_default() {
@@ -142,7 +140,7 @@ impl Origins {
         }
     }
 
-    /// The text is lowered.
+    /// Ends the recording.
     pub(super) fn finish(&mut self, sources: &Sources) {
         self.files = sources.extents().collect();
     }
@@ -158,21 +156,21 @@ impl Origins {
         by_node.get(from..to).unwrap_or(&[])
     }
 
-    /// Whether a value is that of an expression of the text.
+    /// True if a node is the value of an expression of the text.
     pub fn knows(&self, node: NodeId) -> bool {
         !self.made_of(node).is_empty()
     }
 
-    /// The file and the bytes of the innermost expression of which a node is the value.
+    /// Returns the file and the byte range of the innermost expression whose value is this node.
     pub fn written_at(&self, node: NodeId) -> Option<(usize, Range<usize>)> {
         let span = self.made_of(node).first()?.span;
         let (file, start) = self.place(span.start)?;
         Some((file, start..start + (span.end - span.start) as usize))
     }
 
-    /// The places of the text that take part in a surface, sorted, each once: of an object with a material, where `path`
-    /// leads from its shape to the value that decides there. If no part of the path is known, all of the object's text
-    /// takes part.
+    /// Returns the locations in the text that contribute to a surface, sorted and without duplicates. The surface
+    /// belongs to an object with a material; `path` leads from the object's shape to the node that is the value there.
+    /// If no node of the path is known, the whole text of the object contributes.
     pub fn places(&self, object: usize, material: usize, path: &[NodeId]) -> Vec<TextPlace> {
         let mut open: Vec<Stretch> = Vec::new();
         let mut starts = BTreeSet::new();
@@ -207,7 +205,7 @@ impl Origins {
         starts.into_iter().filter_map(|start| self.place(start)).collect()
     }
 
-    /// The file and the byte of an offset over all files.
+    /// Converts an offset over all files to a file and a byte.
     pub fn place(&self, offset: u32) -> Option<TextPlace> {
         let file = self.files.partition_point(|(base, _)| *base <= offset).checked_sub(1)?;
         let (base, length) = self.files.get(file)?;
@@ -224,7 +222,7 @@ mod tests {
         compile("test", text, &mut no_includes).scene.unwrap()
     }
 
-    /// The lines, from 1, that take part in an object's part: the first operand of its union, or the second.
+    /// The lines, from 1, that contribute to the end of a path in an object's shape.
     fn lines(text: &str, object: usize, path: &[NodeId], scene: &Scene) -> Vec<usize> {
         let material = scene.objects[object].material;
         let places = scene.origins.places(object, material, path);
@@ -261,9 +259,9 @@ object floor { shape = y + 1 }";
         } else {
             (b, a)
         };
-        // Its function, the call, the head of the object, and its material.
+        // The function, the call, the head of the object, and its material.
         assert_eq!(lines(TWO, 0, &[root, ball], &scene), [3, 4, 5, 6, 8, 9]);
-        // What a name stands for, and the numbers of its lines.
+        // The value of a name, and the numbers in its lines.
         assert_eq!(lines(TWO, 0, &[root, cube], &scene), [1, 4, 5, 6, 7, 8, 10, 11]);
         assert_eq!(lines(TWO, 1, &[scene.objects[1].shape], &scene), [13]);
         let (file, range) = scene.origins.written_at(ball).unwrap();
@@ -271,7 +269,7 @@ object floor { shape = y + 1 }";
     }
 
     #[test]
-    fn what_is_included_is_in_its_own_file() {
+    fn included_text_is_in_its_own_file() {
         let mut texts = |path: &str| match path {
             "part.scene" => Ok("# a part\nfn ball(q) = sphere(q, 1)\n".to_owned()),
             _ => Err("there is none".to_owned()),
@@ -296,7 +294,7 @@ object floor { shape = y + 1 }";
     }
 
     #[test]
-    fn more_text_than_is_noted_still_makes_a_scene() {
+    fn a_scene_may_exceed_the_list_of_notes() {
         let text = "object o { shape = min(for i in 0..1000: sphere(p - vec3(i, sum(for k in 0..300: k * x), 0), 1)) }";
         let compiled = compile("test", text, &mut no_includes);
         let scene = compiled.scene.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));

@@ -1,6 +1,6 @@
-//! Paths that a scene names: relative, with `/` between folders, never out of the scene's folder.
+//! Checks paths in a scene: relative, with `/` between folders, and inside the scene's folder.
 
-/// The path without `.` and doubled `/`; or what is wrong with it and how to mend it.
+/// Returns the path without `.` and doubled `/`; or a message and a hint.
 pub(super) fn checked(path: &str) -> Result<String, (&'static str, &'static str)> {
     if path.trim().is_empty() {
         return Err(("this file has no name", "write the file's name in the quotes"));
@@ -11,7 +11,7 @@ pub(super) fn checked(path: &str) -> Result<String, (&'static str, &'static str)
     if path.contains('\\') {
         return Err(("folders are separated by `/` on every system", "write `/` instead of `\\`"));
     }
-    let inside = "put the file into the scene's folder and name it from there";
+    let inside = "put the file into the scene's folder and write its path relative to that folder";
     if path.starts_with('/') || path.contains(':') {
         return Err(("a scene cannot read absolute paths", inside));
     }

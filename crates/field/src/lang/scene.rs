@@ -1,9 +1,9 @@
-//! A checked scene: one graph, and which of its nodes mean what.
+//! A checked scene: one graph, and the meaning of its nodes.
 //!
-//! **Bounds and estimates.** A shape may leave parts out: of 32 bars only two are measured. An object's `bound` says
-//! how far away everything else is at least, and rays step by the lesser of the two. Penumbras and occlusion use the
-//! shape alone because a bound would cast shadows of things that do not exist (Abt 2022, figure 12); beyond the bound
-//! the estimate grows until it casts none.
+//! **Bounds and estimates.** A shape may leave out parts: of 32 bars only two are measured. An object's `bound` is then
+//! a lower bound of the distance to everything left out, and rays step by the lesser of bound and shape. Penumbras and
+//! occlusion use only the shape because a bound would cast shadows of objects that do not exist (Abt 2022, figure 12).
+//! Beyond the bound the estimate grows until it casts none.
 
 use std::sync::Arc;
 
@@ -16,72 +16,73 @@ use super::origins::Origins;
 use super::source::Span;
 use crate::graph::{Graph, NodeId};
 
-/// A scene without mistakes. All [`NodeId`]s are of [`Scene::graph`].
+/// A scene without mistakes. All [`NodeId`]s refer to [`Scene::graph`].
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// The expressions.
     pub graph: Graph,
-    /// At least one.
+    /// The objects; at least one.
     pub objects: Vec<Object>,
     /// The union of all objects: the least of their shapes. Depends on the point and the frame.
     pub distance: NodeId,
-    /// What objects are made of.
+    /// The materials of the objects.
     pub materials: Vec<Material>,
-    /// What the scene is lit by; at least one.
+    /// The lights; at least one.
     pub lights: Vec<Light>,
-    /// Where the scene is seen from.
+    /// The default camera.
     pub camera: Camera,
-    /// Further places to see it from, with their names.
+    /// The named cameras.
     pub cameras: Vec<(String, Camera)>,
     /// The background, where rays hit nothing.
     pub sky: Sky,
-    /// Whether the text says what colour the sky has.
+    /// True if the text sets the sky's colour.
     pub has_own_sky: bool,
-    /// How the scene's light becomes the picture.
+    /// Exposure, tone map and other effects.
     pub picture: Picture,
-    /// What it says of itself.
+    /// The contents of the block `about`.
     pub about: About,
-    /// Sliders; `Input::Param(i)` is the i-th.
+    /// The parameters, shown as sliders; `Input::Param(i)` is the i-th.
     pub params: Vec<Param>,
-    /// Textures; texture i of the graph is the i-th.
+    /// The textures; texture i of the graph is the i-th.
     pub textures: Vec<TextureRef>,
     /// Paths of the files that were included, in the order in which they were read.
     pub includes: Vec<String>,
-    /// Which parts of the text they come from; of a scene between two scenes nothing is known.
+    /// The locations of nodes in the text; empty for a scene that blends two scenes.
     pub origins: Arc<Origins>,
 }
 
 /// A shape with its material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Object {
-    /// Its name; `shape` for a bare expression.
+    /// The name; `shape` for a bare expression.
     pub name: String,
-    /// Where it was declared.
+    /// The location of its declaration.
     pub span: Span,
-    /// Its distance function. Depends on the point and the frame.
+    /// The distance function. Depends on the point and the frame.
     pub shape: NodeId,
-    /// Where the shape leaves something out (of many bars it may measure only the two that are nearest in x),
-    /// everything left out is at least this far away. Rays step by the lesser of bound and shape; shadows and
-    /// occlusion, which need actual surfaces, use the shape alone.
+    /// A lower bound of the distance to everything that the shape leaves out (of many bars it may measure only the two
+    /// that are nearest in x). Rays step by the lesser of bound and shape. Shadows and occlusion, which need actual
+    /// surfaces, use only the shape.
     pub bound: Option<NodeId>,
     /// Index into [`Scene::materials`].
     pub material: usize,
 }
 
-/// Makes [`LightKind`] from rows: documentation, kind, the name in shaders, and the field that says where it is.
+/// Defines [`LightKind`] from rows: documentation, variant, the name in shaders, and the field that [`Light::place`]
+/// returns.
 macro_rules! define_light_kinds {
     ($( $(#[$documentation:meta])* $kind:ident, $name:literal, $place:ident; )*) => {
-        /// Where a light's rays come from.
+        /// The kind of a light.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum LightKind { $( $(#[$documentation])* $kind, )* }
 
         impl LightKind {
-            /// Every kind with its name in shaders, in the order of their numbers, which begin with 1.
+            /// All kinds with their names in shaders, in the order of their numbers, which begin with 1.
             pub const ALL: [(Self, &'static str); [$($name),*].len()] = [$( (Self::$kind, $name), )*];
         }
 
         impl Light<f32> {
-            /// Where it is, or which way its rays travel if it is infinitely far away.
+            /// The light's position, or the direction of its rays if it is infinitely far away.
             pub fn place(&self) -> [f32; 3] {
                 match self.kind { $( LightKind::$kind => self.$place, )* }
             }
@@ -89,104 +90,104 @@ macro_rules! define_light_kinds {
     };
 }
 
-// A new kind takes three places: its row here (and the fields of [`Light`] that it alone has), the fields that make it one in
-// `lower::lights`, and its rays in `shaders/light.glsl`, which refuses to compile for a number of kinds that it does not know.
+// A new kind needs three changes: its row here (and its special fields in [`Light`]), the fields that select it in
+// `lower::lights`, and its rays in `shaders/light.glsl`, which does not compile with an unknown number of kinds.
 define_light_kinds! {
-    /// A point or, with a radius, a ball. Its light falls with the square of the distance.
+    /// A point or, with a radius, a ball. Its light falls off with the square of the distance.
     Lamp, "LAMP", position;
-    /// From infinitely far away, in one direction.
+    /// Parallel light from infinitely far away.
     Sun, "SUN", direction;
-    /// A rectangle. It shines to the side of the cross product of its sides.
+    /// A rectangle. It emits light on one side, in the direction of the cross product of its sides.
     Panel, "PANEL", position;
 }
 
 section! {
-    /// A light: functions of the frame alone.
+    /// A light. Its values depend only on the frame.
     Light {
-        /// Where its rays come from.
+        /// The kind.
         kind: LightKind,
     }
-    position: Vector = Each(0.0), FRAME, "Where it is; the centre of a panel. Unused for a sun.";
-    direction: Vector = Each(0.0), FRAME, "In which direction a sun's rays travel, of any length but 0.";
+    position: Vector = Each(0.0), FRAME, "The position; for a panel, its centre. Unused for a sun.";
+    direction: Vector = Each(0.0), FRAME, "The direction in which a sun's rays travel, of any length but 0.";
     color: Vector = Each(1.0), FRAME,
-        "Its strength in red, green and blue: the light that arrives at distance 1 or, for a sun, everywhere. For a \
-         panel its brightness, in the units of `emission`.";
+        "The strength in red, green and blue: the light that arrives at distance 1 or, for a sun, everywhere. For a \
+         panel, its brightness in the units of `emission`.";
     radius: Number = Each(0.0), FRAME,
         "Radius of the shining ball (for a sun: the tangent of its half angle); softens shadows.";
-    range: Number = Each(0.0), FRAME, "Distance at which its light has faded to nothing; 0 for no limit.";
-    shadow: Number = Each(1.0), FRAME, "Share of its light that shadows remove, 0..1.";
+    range: Number = Each(0.0), FRAME, "Distance at which the light has faded to 0; 0 for no limit.";
+    shadow: Number = Each(1.0), FRAME, "Fraction of the light that shadows remove, 0..1.";
     right: Vector = Each(0.0), FRAME, "From a panel's centre to the middle of its right side; else 0.";
     up: Vector = Each(0.0), FRAME, "From a panel's centre to the middle of its upper side; else 0.";
 }
 
 section! {
-    /// The camera: functions of the frame alone. Where a scene says nothing, it shows the unit ball at the origin and
-    /// the ball of the thesis at (1, 1, 6).
+    /// A camera. Its values depend only on the frame. The default camera shows the unit ball at the origin and the ball
+    /// of the thesis at (1, 1, 6).
     Camera {}
     position: Vector = Parts([0.0, 2.0, -5.0]), FRAME, "The eye.";
     target: Vector = Parts([0.0, 0.5, 0.0]), FRAME, "The point it looks at.";
     fov: Number = Each(45.0), FRAME, "Vertical field of view in degrees.";
     roll: Number = Each(0.0), FRAME,
-        "Roll around the line of sight in radians; positive values turn the picture clockwise.";
+        "Roll around the line of sight in radians; positive values turn the image clockwise.";
     aperture: Number = Each(0.0), FRAME, "Radius of the lens; 0 is sharp everywhere.";
     focus: Number = Each(f32::INFINITY), FRAME,
-        "Distance that is in focus; where it is not finite, that of the target.";
+        "Distance in focus; if it is not finite, the distance of the target.";
     keep: Number = Each(0.0), FRAME,
-        "Width at the target that is always in the picture: in a narrow window the eye steps back to keep it there. 0 \
-         asks for none.";
+        "Width at the target that always stays visible: in a narrow window the camera moves back to show it. 0 for no \
+         such width.";
 }
 
 section! {
-    /// The background. Where a scene says nothing, it is dusk, brightest at the horizon, so that no ray ends in black.
+    /// The background. The default is a dusk, brightest at the horizon, so that no ray ends in black.
     Sky {}
     color: Vector = Library("default_sky"), DIRECTION | TEXTURE | FRAME | EYE, "Light from a direction.";
     ambient: Vector = Library("default_ambient"), DIRECTION | FRAME | EYE,
-        "Light from everywhere on a surface with its normal in that direction.";
+        "Ambient light on a surface whose normal has this direction.";
     reach: Number = Each(1.1), FRAME,
-        "Distance from a surface within which other things block that light and give their own.";
+        "Distance from a surface within which other objects block ambient light and replace it by their own light.";
 }
 
 section! {
-    /// How the scene's light becomes the picture: functions of the frame alone. Where a scene says nothing, there is a
-    /// slight glow around bright places, and grain too weak to be seen.
+    /// The conversion of light to the colours of the image. Its values depend only on the frame. The default has a
+    /// slight glow around bright areas, and grain too weak to be seen.
     Picture {}
     exposure: Number = Each(1.0), FRAME, "Factor by which light is multiplied.";
-    bloom: Number = Each(0.04), FRAME, "Share of the light that is scattered around its place, 0..1.";
-    vignette: Number = Each(0.0), FRAME, "Share of the light that a wide lens loses in the corners, 0..1.";
+    bloom: Number = Each(0.04), FRAME, "Fraction of the light that is scattered around bright areas, 0..1.";
+    vignette: Number = Each(0.0), FRAME, "Fraction of the light that is lost in the corners, 0..1.";
     grain: Number = Each(1.0), FRAME, "Strength of the grain, in steps of 1/255.";
     tone_map: ToneMap = Each(ToneMap::Agx.number()), NOTHING,
-        "How light becomes a colour of the screen: the number of a [`ToneMap`].";
+        "The number of the [`ToneMap`], which converts light to a colour of the screen.";
 }
 
-/// How light becomes a colour of the screen.
+/// The tone map, which converts light to a colour of the screen.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ToneMap {
-    /// AgX (Troy Sobotka): a film's curve, in which bright colours fade to white.
+    /// AgX (Troy Sobotka): a film-like curve in which bright colours fade to white.
     #[default]
     Agx,
-    /// ACES, fitted (Stephen Hill): more contrast, colours turn as they get brighter.
+    /// ACES, fitted (Stephen Hill): more contrast; the hue shifts as colours get brighter.
     Aces,
-    /// Extended Reinhard on luminance (Abt 2022, section 3.2): colours stay the same until they are clipped.
+    /// Extended Reinhard on luminance (Abt 2022, section 3.2): hues stay the same until they are clipped.
     Reinhard,
-    /// None: light of 0..1 unchanged, brighter light clipped to 1.
+    /// No tone map: light of 0..1 is unchanged, brighter light is clipped to 1.
     None,
 }
 
 impl ToneMap {
-    /// All of them, in the order of their numbers in `shaders/tone_map.glsl`.
+    /// All tone maps, in the order of their numbers in `shaders/tone_map.glsl`.
     pub const ALL: [ToneMap; 4] = [ToneMap::Agx, ToneMap::Aces, ToneMap::Reinhard, ToneMap::None];
 
-    /// Its number among the numbers of a scene.
+    /// The number that represents it in [`Picture`].
     pub const fn number(self) -> f32 {
         self as u8 as f32
     }
 
-    /// The tone map of a number; the default where there is none.
+    /// The tone map with this number; the default if there is none.
     pub fn numbered(number: f32) -> Self {
         Self::ALL.into_iter().find(|map| map.number() == number).unwrap_or_default()
     }
 
-    /// Its name in scenes.
+    /// The name in scenes.
     pub const fn name(self) -> &'static str {
         match self {
             ToneMap::Agx => "agx",
@@ -197,29 +198,29 @@ impl ToneMap {
     }
 }
 
-/// A number that the user sets.
+/// A parameter of a scene: a number that the user sets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Param {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// Its value at the start; `min <= default <= max`, all finite.
+    /// The initial value; `min <= default <= max`, all finite.
     pub default: f32,
     /// Least value.
     pub min: f32,
     /// Largest value.
     pub max: f32,
-    /// Whether it is a number of the text that is being changed. Such a parameter has no name and comes behind all
-    /// others; it has one value, or a range while it is being turned.
+    /// True for a number of the text that is being edited. Such a parameter has no name and comes after all others. Its
+    /// range is a single value, except while the number is being dragged.
     pub is_number: bool,
-    /// Where it was declared; of a number of the text, where it begins.
+    /// The location of the declaration, or of the number in the text.
     pub span: Span,
 }
 
 /// A texture that a scene reads.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextureRef {
-    /// Its path below the scene's folder, with `/` between folders; never leads out of it.
+    /// The path relative to the scene's folder, with `/` between folders. It never leads out of the folder.
     pub name: String,
-    /// Where it was first named.
+    /// The location of its first use.
     pub span: Span,
 }

@@ -1,24 +1,24 @@
-//! Source texts and places in them.
+//! Source texts and locations in them.
 //!
-//! All files of a scene share one sequence of byte offsets: a file begins at the end of the one before it plus one.
-//! So two numbers are enough for a [`Span`] to know its file.
+//! All files of a scene share one sequence of byte offsets: a file begins one after the end of the previous file. Two
+//! numbers are therefore enough for a [`Span`] to identify its file.
 
-/// A stretch of source text: byte offsets over all files of a [`Sources`], `start <= end`.
+/// A range of source text: byte offsets over all files of a [`Sources`], `start <= end`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
 pub struct Span {
     /// Offset of the first byte.
     pub start: u32,
-    /// Offset behind the last byte.
+    /// Offset after the last byte.
     pub end: u32,
 }
 
 impl Span {
-    /// From `start` up to but not including `end`.
+    /// From `start` up to `end`, exclusive.
     pub fn new(start: u32, end: u32) -> Self {
         Self { start, end: end.max(start) }
     }
 
-    /// From the beginning of `self` to the end of `other`.
+    /// From the start of `self` to the end of `other`.
     pub fn to(self, other: Self) -> Self {
         Self::new(self.start, other.end.max(self.end))
     }
@@ -27,15 +27,14 @@ impl Span {
 /// One text with its name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceFile {
-    /// Its name in diagnostics.
+    /// The name in diagnostics.
     pub name: String,
-    /// The text as it was given.
+    /// The unchanged text.
     pub text: String,
-    /// Offset of its first byte.
     base: u32,
 }
 
-/// Where an offset lies, for readers.
+/// A location for readers: file, line and column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place<'a> {
     /// The file.
@@ -44,23 +43,23 @@ pub struct Place<'a> {
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    /// The line's text without its end.
+    /// The line's text without its line break.
     pub text: &'a str,
-    /// Byte in `text`.
+    /// Byte offset in `text`.
     pub byte: usize,
 }
 
-/// The texts of a scene: the first is the scene itself, the others are those it includes.
+/// The texts of a scene: first the scene itself, then its includes.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Sources {
     files: Vec<SourceFile>,
 }
 
-/// A byte-order mark, as editors on Windows write it.
+/// A byte-order mark, which editors on Windows write.
 pub(super) const BYTE_ORDER_MARK: char = '\u{feff}';
 
 impl Sources {
-    /// Adds a text and gives its first offset; `None` if offsets would no longer fit 32 bits.
+    /// Adds a text and returns its first offset; `None` if offsets no longer fit into 32 bits.
     pub fn add(&mut self, name: &str, text: &str) -> Option<u32> {
         let base = match self.files.last() {
             Some(last) => last.base as usize + last.text.len() + 1,
@@ -77,14 +76,14 @@ impl Sources {
         &self.files
     }
 
-    /// The text of `span`; empty if there is none.
+    /// Returns the text of `span`; empty if it is in no file.
     pub fn text(&self, span: Span) -> &str {
         let Some(file) = self.file_at(span.start) else { return "" };
         let (start, end) = ((span.start - file.base) as usize, span.end.saturating_sub(file.base) as usize);
         file.text.get(start..end.min(file.text.len())).unwrap_or("")
     }
 
-    /// Where `offset` lies; `None` if there is no file.
+    /// Returns the location of `offset`; `None` if it is in no file.
     pub fn place(&self, offset: u32) -> Option<Place<'_>> {
         let file = self.file_at(offset)?;
         let mut at = ((offset - file.base) as usize).min(file.text.len());
@@ -102,7 +101,7 @@ impl Sources {
         Some(Place { file, line, column, text, byte })
     }
 
-    /// The file of a span by its place among the files, and the span's bytes in it; `None` if there is no file.
+    /// Returns the index of a span's file, and the span's bytes in it; `None` if it is in no file.
     pub fn place_in_file(&self, span: Span) -> Option<(usize, std::ops::Range<usize>)> {
         let index = self.files.partition_point(|file| file.base <= span.start).checked_sub(1)?;
         let file = self.files.get(index)?;

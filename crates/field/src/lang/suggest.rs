@@ -1,7 +1,7 @@
-//! Suggestions for misspelt names: the nearest of the names in scope.
+//! Suggestions for misspelt names.
 
-/// The one of `names` that is nearest to `typed` by edits (insert, delete, replace, swap neighbours); `None` if every
-/// name is too far away to have been meant.
+/// Returns the name that is nearest to `typed` by edits (insert, delete, replace, swap neighbours); `None` if no name
+/// is near enough to have been meant.
 pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = typed.chars().count();
     if length > LONGEST {
@@ -21,10 +21,10 @@ pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Opt
     best.map(|(_, name)| name)
 }
 
-/// Longer names get no suggestion: comparing them takes time, and nobody types them.
+/// Longest name that gets a suggestion. Comparing longer names takes time, and nobody types them.
 const LONGEST: usize = 40;
 
-/// Optimal string alignment distance.
+/// Returns the optimal string alignment distance.
 fn edits(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     let mut rows = [vec![0; b.len() + 1], (0..=b.len()).collect::<Vec<usize>>(), vec![0; b.len() + 1]];
@@ -48,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn finds_what_was_meant_and_nothing_far_fetched() {
+    fn only_similar_names_are_suggested() {
         let names = ["sphere", "smooth_union", "union", "box"];
         assert_eq!(nearest("smoth_union", names), Some("smooth_union"));
         assert_eq!(nearest("shpere", names), Some("sphere"));

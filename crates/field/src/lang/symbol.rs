@@ -1,6 +1,6 @@
-//! Names as numbers.
+//! Interning: represents names by numbers.
 
-/// A name: equal names of one [`Interner`] are equal symbols.
+/// An interned name. Equal names of one [`Interner`] are equal symbols.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Symbol(pub u32);
 
@@ -10,25 +10,24 @@ impl Symbol {
     }
 }
 
-/// Gives equal names equal numbers, counted from 0.
+/// Assigns equal numbers, counted from 0, to equal names.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Interner {
     text: String,
-    /// Where each name ends in `text`.
+    /// The end of each name in `text`.
     ends: Vec<u32>,
-    /// Open addressing with linear probing. The number of places is a power of two; at most half are taken.
+    /// Open addressing with linear probing. The number of slots is a power of two; at most half are taken.
     table: Vec<Place>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
 struct Place {
     key: Key,
-    /// The name's number plus 1; 0 if the place is free.
+    /// The name's number plus 1; 0 for a free slot.
     number: u32,
 }
 
 impl Interner {
-    /// The number of known names.
     pub(super) fn len(&self) -> usize {
         self.ends.len()
     }
@@ -45,7 +44,7 @@ impl Interner {
         self.intern_with_key(name, Key::of(name.as_bytes()))
     }
 
-    /// The same for a caller that already has the name's key.
+    /// Like [`Interner::intern`], for a caller that already has the name's key.
     #[inline]
     pub(super) fn intern_with_key(&mut self, name: &str, key: Key) -> Symbol {
         match self.find(name, key) {
@@ -64,7 +63,7 @@ impl Interner {
         Symbol(self.ends.len() as u32 - 1)
     }
 
-    /// The symbol of a name that is already known.
+    /// The symbol of a known name.
     pub(super) fn get(&self, name: &str) -> Option<Symbol> {
         self.find(name, Key::of(name.as_bytes()))
     }
@@ -103,12 +102,12 @@ impl Interner {
     }
 }
 
-/// The key by which names are looked up: the name itself up to [`Key::WHOLE_MAX`] bytes, a digest of longer ones.
+/// The key of a name in the hash table: the name itself up to [`Key::WHOLE_MAX`] bytes, a digest of longer names.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Key(u64);
 
 impl Key {
-    /// Bytes of a name that fit beside its length, which stands in the highest byte.
+    /// Length of the longest name that fits into a key. The highest byte of the key is the length.
     const WHOLE_MAX: usize = 7;
     const DIGEST: u64 = 0xff << 56;
 
@@ -141,7 +140,7 @@ impl Key {
         Self(state | Self::DIGEST)
     }
 
-    /// Whether equal keys mean equal names.
+    /// True if the key determines the name.
     fn is_whole_name(self) -> bool {
         self.0 < Self::DIGEST
     }
@@ -183,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn names_that_share_bytes_are_told_apart() {
+    fn names_that_share_bytes_are_distinguished() {
         let names =
             ["", "a", "aa", "a\0", "\0", "sevenab", "eight_ab", "eight_abc", "eight_ab\0", "ä", "\u{7ff}é"];
         let mut own = Interner::default();

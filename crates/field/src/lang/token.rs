@@ -1,4 +1,4 @@
-//! The words of the language.
+//! The tokens of the language.
 
 use super::source::Span;
 use super::symbol::Symbol;
@@ -7,9 +7,9 @@ use super::symbol::Symbol;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Number,
-    /// A name or a reserved word: see [`RESERVED`].
+    /// A name or a word of [`RESERVED`].
     Name,
-    /// A text in quotes; the symbol is the text between them.
+    /// A text in quotes. The symbol is the text between them.
     Text,
     OpenParen,
     CloseParen,
@@ -37,19 +37,19 @@ pub(super) enum Kind {
     And,
     Or,
     Not,
-    /// Characters without a meaning, which were reported.
+    /// Unknown characters, which were reported.
     Unknown,
-    /// The end, behind the last token.
+    /// The end of the text.
     End,
 }
 
-/// A word of the source.
+/// A token of the source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Token {
     pub kind: Kind,
-    /// Whether a line ends between the previous token and this one.
+    /// True if a line ends between the previous token and this one.
     pub newline: bool,
-    /// The symbol of a name or text; for a number the bits of its value: see [`Token::value`].
+    /// The symbol of a name or text; for a number the bits of its value (see [`Token::value`]).
     pub symbol: Symbol,
     pub span: Span,
 }
@@ -57,7 +57,7 @@ pub(super) struct Token {
 /// Words that cannot be names, in the order of their symbols.
 pub(super) const RESERVED: &[&str] = &["let", "fn", "for", "in", "if", "then", "else", "true", "false"];
 
-/// The symbols of [`RESERVED`], with which every interner begins.
+/// The symbols of [`RESERVED`], which are the first ones of every interner.
 pub(super) mod word {
     use super::Symbol;
     pub(crate) const LET: Symbol = Symbol(0);
@@ -81,7 +81,7 @@ impl Token {
         f32::from_bits(self.symbol.0)
     }
 
-    /// A name that is not reserved.
+    /// True for a name that is not reserved.
     pub(super) fn is_name(self) -> bool {
         self.kind == Kind::Name && !self.is_reserved()
     }

@@ -8,7 +8,7 @@ use crate::graph::NodeId;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Vector {
     len: u8,
-    /// The parts from `len` on repeat the first.
+    /// The parts from `len` on are copies of the first.
     parts: [NodeId; 4],
 }
 
@@ -21,7 +21,7 @@ impl Vector {
         Self::from_slice(&parts)
     }
 
-    /// `None` for anything but one to four parts.
+    /// Returns `None` unless there are one to four parts.
     pub(super) fn from_slice(parts: &[NodeId]) -> Option<Self> {
         let first = *parts.first()?;
         let mut all = [first; 4];
@@ -60,7 +60,7 @@ impl Vector {
         Self { len: self.len, parts }
     }
 
-    /// The vector, with a scalar repeated up to `len` parts; `None` if the sizes do not fit.
+    /// Returns the vector with `len` parts, where a scalar is repeated; `None` if the sizes do not fit.
     pub(super) fn widened(self, len: usize) -> Option<Self> {
         match self.len() {
             own if own == len => Some(self),
@@ -73,8 +73,7 @@ impl Vector {
 /// The value of an expression.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Value {
-    /// The value of an expression whose mistake was reported, or of a function's unknown argument: it fits
-    /// everywhere.
+    /// The value of an expression with a reported mistake, or of a function's unknown argument. It has every type.
     Unknown,
     Vector(Vector),
     /// 0 or 1.
@@ -87,7 +86,6 @@ impl Value {
         Self::Vector(Vector::scalar(part))
     }
 
-    /// The type; `None` for an unknown value.
     pub(super) fn type_of(self) -> Option<Type> {
         match self {
             Self::Unknown => None,

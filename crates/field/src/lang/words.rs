@@ -1,7 +1,7 @@
-//! The words of a line of a scene's text, for whoever shows it in colours.
+//! Splits a line of a scene's text into words for syntax highlighting.
 //!
-//! They come from the lexer that compiles, a line at a time, so that an editor looks at the lines that it shows and at
-//! nothing else. Only a comment between `/*` and `*/` reaches over the end of a line.
+//! The words come from the compiler's lexer, one line at a time, so that an editor processes only the lines that it
+//! shows. Only a comment between `/*` and `*/` extends over the end of a line.
 
 use super::diagnostic::Diagnostics;
 use super::lexer;
@@ -10,12 +10,12 @@ use super::parser;
 use super::symbol::Interner;
 use super::token::{Kind, Token};
 
-/// What a word is.
+/// The kind of a word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum WordKind {
-    /// A number, without a sign before it.
+    /// A number without its sign.
     Number,
-    /// A word that the language keeps for itself, or one that begins a part of a scene.
+    /// A reserved word, or a word that begins a part of a scene.
     Keyword,
     /// A function of the library.
     Function,
@@ -29,23 +29,23 @@ pub enum WordKind {
     Comment,
     /// A sign or a bracket.
     Sign,
-    /// Characters without a meaning.
+    /// Unknown characters.
     Unknown,
 }
 
 /// A word of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Word {
-    /// What it is.
+    /// The kind.
     pub kind: WordKind,
-    /// Its first byte in the line.
+    /// The first byte in the line.
     pub start: usize,
-    /// The byte behind its last one.
+    /// The byte after the last one.
     pub end: usize,
 }
 
-/// The words of `line` in their order, and whether a comment is open at its end. `in_comment` says whether one is open
-/// at its beginning. Blanks are no words.
+/// Returns the words of `line` in order, without blanks, and true if a comment is open at the end of the line.
+/// `in_comment` is true if a comment is open at its start.
 pub fn words(line: &str, in_comment: bool) -> (Vec<Word>, bool) {
     let mut found = Vec::new();
     let mut begin = 0;
@@ -74,7 +74,7 @@ pub fn words(line: &str, in_comment: bool) -> (Vec<Word>, bool) {
     (found, open)
 }
 
-/// Adds the comments between two tokens; returns whether the last one is open.
+/// Adds the comments between two tokens, and returns true if the last one is open.
 fn comments(text: &str, from: usize, to: usize, begin: usize, found: &mut Vec<Word>) -> bool {
     let mut at = from;
     while let Some(gap) = text.get(at..to) {
@@ -96,7 +96,7 @@ fn kind_of(token: Token, text: &str) -> WordKind {
     match token.kind {
         Kind::Number => WordKind::Number,
         Kind::Text => WordKind::Text,
-        // A text that is not closed yet.
+        // A text without its closing quote.
         Kind::Unknown if text.starts_with('"') => WordKind::Text,
         Kind::Unknown => WordKind::Unknown,
         Kind::Name => kind_of_name(text),
@@ -121,7 +121,7 @@ fn kind_of_name(name: &str) -> WordKind {
     }
 }
 
-/// The words that begin a part of a scene, and those that the language keeps for itself.
+/// Returns the words that begin a part of a scene, and the reserved words.
 pub fn keywords() -> impl Iterator<Item = &'static str> {
     parser::keywords().chain(super::token::RESERVED.iter().copied())
 }
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_of_word_is_told_apart() {
+    fn every_kind_of_word_is_recognized() {
         use WordKind::{Comment, Function, Input, Keyword, Name, Number, Sign, Text, Unknown};
         let line = "let r = sphere(p, 1.5e2) # ball";
         let expected = [
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn comments_reach_over_lines_until_they_are_closed() {
+    fn comments_extend_over_lines_until_they_are_closed() {
         use WordKind::{Comment, Name, Number};
         assert_eq!(seen("a /* b */ c /* d", false).0.last(), Some(&(Comment, "/* d")));
         assert!(seen("a /* b */ c /* d", false).1);

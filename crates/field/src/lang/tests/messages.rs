@@ -244,7 +244,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("include \"/etc/passwd\"\nx", "a scene cannot read absolute paths", "\"/etc/passwd\"", ""),
     (
         "include \"a\"\nx",
-        "`a` cannot be included: this scene is not a file, so there is nothing to include",
+        "`a` cannot be included: only a scene that is a file can include others",
         "\"a\"",
         "",
     ),
