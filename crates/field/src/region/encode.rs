@@ -1,15 +1,15 @@
-//! A program as texels of the texture buffer: registers, clauses with their immediates, END.
+//! Encodes programs as texels: allocates registers, writes clauses with their immediates, and ends with END.
 //!
 //! | word | holds |
 //! |---|---|
 //! | 0, 2 | a clause, as in [`crate::tape`] |
-//! | 1, 3 | its immediate, in place of the operand that is not a register; for compounds besides two registers |
+//! | 1, 3 | its immediate: the operand that is not a register, or a compound's third operand |
 //!
 //! The last texel has END as its second clause, with the registers of the two outputs in its last bytes. Rare
-//! operators ([`is_rare`]) come second in a texel; if no other clause precedes one, the first clause does nothing.
+//! operators ([`is_rare`]) are always second in a texel; if no clause precedes one, the first clause does nothing.
 //!
-//! Several operators may stand as one compound ([`Compound`]): they are put together behind pruning, so that none of
-//! their choices is lost.
+//! Several operators may become one compound ([`Compound`]). This happens after pruning, so that none of their
+//! choices is lost.
 
 use super::program::{Arg, Form, Program, Step, refill};
 use crate::graph::{Compound, Compounds, Operation, Uses, Values};
@@ -19,44 +19,43 @@ use crate::tape::opcode;
 /// Most registers of a region's tape.
 pub(super) const REGISTERS_MAX: usize = 256;
 
-/// Four words.
+/// Four words: two clauses with their immediates.
 pub(super) type Texel = [u32; 4];
 
 /// A clause before its registers are known.
 #[derive(Debug, Clone, Copy)]
 struct Clause {
-    /// The value that it gives.
+    /// The value that it computes.
     at: u32,
     opcode: u8,
     rare: bool,
-    /// The values that it reads. One that is not read is repeated.
+    /// The values that it reads; an unused operand repeats the other one.
     a: u32,
     b: u32,
-    /// Which of the bytes for registers hold one.
+    /// True for each operand byte that holds a register.
     reads: [bool; 2],
     number: f32,
 }
 
-/// Writes programs.
+/// Encodes programs and remembers the registers that they needed.
 #[derive(Debug)]
 pub(super) struct Encoder {
-    /// The compounds that may be used ..
+    /// The compounds that may be used.
     compounds: Compounds,
-    /// .. where the program needs no more registers than this. None may.
+    /// Most registers of a program.
     registers_max: usize,
     /// The clauses of the program, last first.
     list: Vec<Clause>,
-    /// By value: how often it is read, at most 2.
+    /// Number of reads of each value, at most 2.
     uses: Vec<u8>,
-    /// By value: the last step that reads it; `u32::MAX` for values that are read at the end, 0 for values never
-    /// read.
+    /// The last step that reads each value: `u32::MAX` for outputs, 0 if no step reads it.
     last_use: Vec<u32>,
-    /// By value: its register.
+    /// The register of each value.
     register: Vec<u8>,
-    /// By sample of a texture: whether it is in a register already.
+    /// True for each texture sample that is in a register already.
     sampled: Vec<bool>,
     texels: Vec<Texel>,
-    /// Most registers that a program has needed so far.
+    /// Most registers that any program has needed so far.
     pub(super) registers: usize,
     /// Clauses of the last program.
     pub(super) clauses: usize,
@@ -77,7 +76,7 @@ impl Clause {
     }
 }
 
-/// A program of which no step is part of a compound yet.
+/// A program before compounds are formed.
 struct Uncompounded<'a> {
     program: &'a Program,
     uses: &'a [u8],
@@ -95,13 +94,13 @@ impl Values for Uncompounded<'_> {
     }
 }
 
-/// The program needs more registers than there are.
+/// Error for a program that needs more registers than are available.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TooManyRegisters;
 
 impl Encoder {
-    /// An encoder that uses at most so many registers, and these compounds where there are enough: a compound reads its
-    /// operands later than its parts did, so it may need more.
+    /// Creates an encoder with a limit on registers. A compound reads its operands later than its parts did and may
+    /// need more registers, so a program that exceeds the limit is encoded again without compounds.
     pub(super) fn new(compounds: Compounds, registers_max: usize) -> Self {
         Self {
             compounds,
@@ -118,10 +117,10 @@ impl Encoder {
         }
     }
 
-    /// The texels of the program that gives some of its roots.
+    /// Encodes the given roots of a program.
     ///
     /// # Errors
-    /// The program needs more registers than the encoder may use.
+    /// Returns [`TooManyRegisters`] if the program needs more registers than the encoder may use.
     pub(super) fn encode(
         &mut self,
         program: &Program,
@@ -138,14 +137,14 @@ impl Encoder {
         Ok(&self.texels)
     }
 
-    /// How often each compound is used in the program that was encoded last.
+    /// Counts the compounds in the last program.
     pub(super) fn count(&self, uses: &mut Uses) {
         for clause in &self.list {
             uses.add(Compound::from_number(clause.opcode));
         }
     }
 
-    /// Encodes with some compounds; says how many registers that takes, if there are so many.
+    /// Encodes a program with some compounds. Returns the number of registers, or `None` if they run out.
     fn encode_with(&mut self, compounds: Compounds, program: &Program, roots: &[Arg]) -> Option<usize> {
         self.list_clauses(compounds, program, roots);
         self.texels.clear();
@@ -218,8 +217,8 @@ impl Encoder {
         Some(highest)
     }
 
-    /// Loads a sample of a texture when it is first read; gives the number of registers that takes, if there are so
-    /// many. Other inputs are in their registers.
+    /// Loads a texture sample on its first read. Returns the number of registers it needs, or `None` if they run out.
+    /// Other inputs are in their registers.
     fn sample(
         &mut self,
         value: u32,
@@ -237,12 +236,12 @@ impl Encoder {
         Some(usize::from(output) + 1)
     }
 
-    /// Whether the program that was encoded last reads a texture.
+    /// True if the last program reads a texture.
     pub(super) fn samples(&self) -> bool {
         self.sampled.contains(&true)
     }
 
-    /// The texels that were encoded last.
+    /// The texels of the last program.
     pub(super) fn texels(&self) -> &[Texel] {
         &self.texels
     }
@@ -305,7 +304,7 @@ impl Encoder {
         }
     }
 
-    /// `half`: whether the last texel has room for a second clause.
+    /// Appends a clause. `half` is true if the last texel has room for a second one.
     #[inline(always)]
     fn write(&mut self, word: u32, immediate: f32, second: bool, half: &mut bool) {
         self.clauses += 1;
@@ -327,7 +326,7 @@ impl Encoder {
     }
 }
 
-/// Free registers, as bits. Hardly any program needs more than the first 64.
+/// A bit for each free register. Hardly any program needs more than the first 64.
 #[derive(Debug)]
 struct FreeRegisters {
     first: u64,
@@ -341,7 +340,7 @@ impl Default for FreeRegisters {
 }
 
 impl FreeRegisters {
-    /// The lowest free register.
+    /// Takes the lowest free register.
     #[inline(always)]
     fn take(&mut self) -> Option<u8> {
         if self.first != 0 {

@@ -1,8 +1,8 @@
-//! Bounds of the gradient in a cell, in two words: for formulas whose value is not a distance.
+//! Bounds of the gradient in a cell, packed into two words, for formulas whose value is not a distance.
 //!
-//! The lower and upper bound along each axis are whole shares (-128..=127, over 128) of one scale, rounded outwards.
-//! The scale is the upper half of a float's bits, so that a whole share of it is exact in 32 bits, here and in the
-//! shaders.
+//! The lower and upper bound along each axis are integers (-128..=127) in units of scale / 128, rounded outwards. The
+//! scale is the upper half of a float's bits, so that its products with these integers are exact in 32 bits, here and
+//! in the shaders.
 //!
 //! | word | bits 0..8 | 8..16 | 16..24 | 24..32 |
 //! |---|---|---|---|---|
@@ -12,14 +12,15 @@
 use super::program::{Arg, BOUND, Program};
 use crate::graph::{FrameInputs, GradientInterval, Interval, Pieces};
 
-/// Smallest scale that is not 0: far above the numbers that GPUs flush to 0, far below anything a ray notices.
+/// Smallest scale that is not 0: far above the numbers that GPUs flush to 0, and far below any slope that matters to
+/// a ray.
 const SCALE_MIN: f32 = 1e-30;
-/// The largest finite float whose lower half is 0: anything steeper counts as unbounded.
+/// The largest finite float whose lower half is 0. Greater slopes count as unbounded.
 const SCALE_MAX: f32 = f32::from_bits(0x7F7F_0000);
-/// Steps of the scale.
+/// Units per scale.
 const FRACTIONS: f32 = 128.0;
 
-/// The words for bounds of a gradient.
+/// Packs bounds of a gradient.
 pub fn pack(gradient: [Interval; 3]) -> [u32; 2] {
     let most = gradient.iter().map(|side| side.lo.abs().max(side.hi.abs())).fold(0.0, f32::max);
     let known = gradient.iter().all(|side| !side.is_any()) && most < 0.99 * SCALE_MAX;
@@ -29,7 +30,7 @@ pub fn pack(gradient: [Interval; 3]) -> [u32; 2] {
     if most == 0.0 {
         return words([0; 3], [0; 3], 0.0);
     }
-    // One step more than the largest bound needs: upper bounds reach 127 steps only.
+    // Leave one unit of room, because upper bounds reach only 127 units.
     let scale = rounded_up((most * (FRACTIONS / 127.0)).max(SCALE_MIN));
     let fraction =
         |value: f32, round: fn(f32) -> f32| round(value / scale * FRACTIONS).clamp(-128.0, 127.0) as i32;
@@ -61,7 +62,7 @@ fn words(lower: [i32; 3], upper: [i32; 3], scale: f32) -> [u32; 2] {
     ]
 }
 
-/// The bounds that words hold; never narrower than those that were packed, but at most ±3.4e38.
+/// Unpacks bounds. They are never narrower than those that were packed, but at most ±3.4e38.
 pub fn unpack([z, w]: [u32; 2]) -> [Interval; 3] {
     let scale = f32::from_bits(w & 0xFFFF_0000);
     let fraction = |word: u32, shift: u32| value(i32::from((word >> shift) as u8 as i8), scale);
@@ -73,22 +74,22 @@ pub fn unpack([z, w]: [u32; 2]) -> [Interval; 3] {
     ]
 }
 
-/// The largest rate at which a value with such a gradient can fall along a direction: -inf(gradient · direction).
-/// Negative where the value certainly rises.
+/// The fastest fall of a value with such a gradient along a direction: -inf(gradient · direction). Negative if the
+/// value certainly rises.
 pub fn slope_towards(gradient: [Interval; 3], direction: [f32; 3]) -> f32 {
     let falls = |side: Interval, along: f32| (-side.lo * along).max(-side.hi * along);
     (0..3).map(|axis| falls(gradient[axis], direction[axis])).sum()
 }
 
-/// Bounds that are wider than the steepest sampled slope by more than this factor say nothing about the formula: interval
-/// arithmetic gives them to quotients and roots, where a distance is as gentle as anywhere.
+/// Bounds that exceed the steepest sampled slope by more than this factor are useless: interval arithmetic gives such
+/// bounds for quotients and roots even if the value is as gentle as a distance.
 const USELESS: f32 = 32.0;
 
-/// The bounds by which rays step: where one is useless, the steepest sampled slope takes its place.
+/// Bounds for the steps of rays. A useless bound is replaced by the steepest sampled slope.
 fn useful(gradient: [Interval; 3], steepest: f32) -> [Interval; 3] {
     gradient.map(|side| {
         let widest = side.lo.abs().max(side.hi.abs());
-        // Not `widest > ...`, so that NaN is replaced, too.
+        // The comparison is false for NaN, so NaN is replaced as well.
         if widest <= USELESS * steepest { side } else { Interval::new(-steepest, steepest) }
     })
 }
@@ -102,12 +103,12 @@ pub(super) struct Gradients {
 }
 
 impl Gradients {
-    /// For a world whose value is at most about `steepest` ([`crate::world::Slopes::steepest`]).
+    /// Creates an evaluator for a world whose slopes are at most about `steepest` ([`crate::world::Slopes::steepest`]).
     pub(super) fn new(steepest: f32) -> Self {
         Self { values: Vec::new(), jumps: Pieces::default(), steepest }
     }
 
-    /// The words for the gradient of a program's bound over a whole box, which is cut where parts of the program
+    /// The packed bounds of the gradient of a program's bound over a box. The box is cut where parts of the program
     /// jump.
     pub(super) fn words(&mut self, program: &Program, sides: [Interval; 3], frame: &FrameInputs) -> [u32; 2] {
         self.jumps.clear();
@@ -213,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_change_has_no_slope() {
+    fn constants_have_no_slope() {
         let flat = [Interval::point(0.0); 3];
         assert_eq!((pack(flat), unpack([0, 0])), ([0, 0], flat));
     }

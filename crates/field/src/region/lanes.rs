@@ -1,14 +1,14 @@
-//! Intervals of 64 cells at once.
+//! Interval arithmetic for 64 cells at once.
 
 use multiversion::multiversion;
 
 use super::program::{Form, Program};
 use crate::graph::{BoundsKernel, FrameInputs, Interval};
 
-/// Cells that are bounded at once: the children of a cell.
+/// Cells per pass: the children of a cell.
 pub(super) const CELLS: usize = 64;
 
-/// An interval for each cell, stored as two arrays so that the CPU can work on several cells at once.
+/// An interval for each cell, stored as two arrays so that the CPU can process several cells at once.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Lanes {
@@ -29,7 +29,7 @@ impl Lanes {
     }
 }
 
-/// A mask of the cells for which a condition holds, computed so that the CPU can handle eight at once.
+/// A mask of the cells that meet a condition, computed so that the CPU can process eight at once.
 #[inline(always)]
 pub(super) fn mask(holds: impl Fn(usize) -> bool) -> u64 {
     let mut flags = [0u8; CELLS];
@@ -91,7 +91,7 @@ pub(super) fn bound(program: &Program, rows: &mut Vec<Lanes>, frame: &FrameInput
     bound_rows(program, rows, frame);
 }
 
-/// Also compiled for CPUs with wider vectors; the values are the same.
+/// Implements [`bound`], also compiled for CPUs with wider vectors; the values are the same.
 #[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn bound_rows(program: &Program, rows: &mut [Lanes], frame: &FrameInputs) {
     for (index, step) in program.steps.iter().enumerate() {

@@ -1,29 +1,29 @@
-//! Shorter lives of shared values, for programs that would need too many registers: a value that is cheap to compute is
-//! computed again where it is read far from its last computation (rematerialisation; Briggs, Cooper and Torczon 1992).
+//! Rematerialization (Briggs, Cooper and Torczon 1992) for programs that would need too many registers: a cheap value
+//! is computed again where its next use is far from its last computation.
 //!
 //! Equal operations give equal bits, so no result changes.
 
 use crate::graph::{Node, NodeId};
 
-/// A value that was computed more than this many nodes ago is computed again.
+/// Most nodes between a value's computation and its use.
 const REACH: usize = 256;
 /// Most operations that are repeated for a value.
 const COST_MAX: u32 = 8;
 
-/// Nodes with their positions, operands first, some of them repeated at new positions.
+/// Nodes with their positions, operands first. Some nodes are repeated at new positions.
 pub(super) struct ShortLives {
     /// The nodes.
     pub(super) nodes: Vec<(usize, Node)>,
-    /// How many positions there are.
+    /// Number of positions.
     pub(super) positions: usize,
-    /// By position in the old list: the newest position, and how many nodes preceded it.
+    /// The newest position of each old one, and the number of nodes before it.
     newest: Vec<(usize, usize)>,
-    /// By position in the old list: the node and the operations that it takes, 0 for what takes no register.
+    /// The node at each old position and its number of operations; 0 if it takes no register.
     sources: Vec<(Node, u32)>,
 }
 
 impl ShortLives {
-    /// The nodes of a list of `positions` positions, and of their repetitions.
+    /// Repeats nodes of a list with `positions` positions where that shortens lives.
     pub(super) fn of(nodes: &[(usize, Node)], positions: usize) -> Self {
         let none = (Node::Constant(0.0), 0);
         let mut lives = Self {
@@ -43,12 +43,12 @@ impl ShortLives {
         lives
     }
 
-    /// Where the newest computation of a node of the old list is.
+    /// The position of the newest computation of a node of the old list.
     pub(super) fn position(&self, old: usize) -> usize {
         self.newest.get(old).map_or(old, |(position, _)| *position)
     }
 
-    /// The operations that a node takes; 0 for numbers, also those of the frame, and for the point.
+    /// The number of operations of a node; 0 for numbers, including the frame's, and for inputs of the point.
     fn cost(&self, node: Node) -> u32 {
         let of = |id: NodeId| self.sources.get(id.index()).map_or(0, |(_, cost)| *cost);
         let is_point = |id: NodeId| match self.sources.get(id.index()) {
@@ -83,7 +83,8 @@ impl ShortLives {
         }
     }
 
-    /// The newest computation of a value, which is repeated if it is far and cheap. Recurses less than [`COST_MAX`] deep.
+    /// The newest computation of a value, which is repeated if it is far and cheap. Recurses less than [`COST_MAX`]
+    /// deep.
     fn operand(&mut self, id: NodeId) -> NodeId {
         let old = id.index();
         let (Some(&(position, at)), Some(&(node, cost))) = (self.newest.get(old), self.sources.get(old))

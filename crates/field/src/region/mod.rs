@@ -1,9 +1,9 @@
-//! Regions: a tree over space, built for each frame. Each cell gives a lower bound of the distance to the surfaces
-//! and the part of the distance's tape that is still needed there.
+//! Regions: a tree over space, built for each frame. Each cell holds a lower bound of the distance to the surfaces
+//! and a tape of the distance that is shortened for the cell.
 //!
 //! Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020) shortens tapes by interval
 //! arithmetic for tiles of the screen. Here the cells divide the world, so that shadow, occlusion and reflection rays
-//! can use them, too. Within its cell a shortened tape gives bit for bit what the whole one gives.
+//! can use them as well. Within its cell a shortened tape gives the same bits as the whole tape.
 //!
 //! ```text
 //! World → RegionPlan; with a frame's inputs: numbers folded in → 64 cells at once: bounds → decisions → groups of
@@ -17,28 +17,32 @@
 //! |---|---|
 //! | 0..4096, if there are cells | the root: 16x16x16 cells, `x + 16 * (y + 16 * z)` |
 //! | 64 of a brick | the children of a divided cell, `x + 4 * (y + 4 * z)` |
-//! | a tape | in the texel before it the first texel of the tape of the object; then the clauses (`encode`) |
+//! | a tape | first the address of the object's tape, in a texel; then the clauses (`encode`) |
 //!
-//! A cell is `[bound, tape | object << 24, slopes, slopes]`. The bound is a lower bound of the distance everywhere in
-//! the cell, as a float's bits; it is at most 0 where a surface may be. Then come the first texel of the cell's tape
-//! and the number of the nearest object, or [`OBJECT_UNKNOWN`]. The slopes are bounds of the gradient ([`gradient`])
-//! if the value is not a distance ([`World::non_lipschitz`]) and a surface may be in the cell, else 0. If the bound is
-//! [`DIVIDED`], the second word is the first texel of the cell's brick.
+//! A cell is `[bound, tape | object << 24, slopes, slopes]`:
 //!
-//! **Regions shorten tapes for cells of the world** (Keeter 2020 does it for tiles of the screen, which shadow,
-//! occlusion and reflection rays cannot use). A frame's numbers are folded into the distance's program, and intervals
-//! of its values are computed for 64 cells at once. For each value, masks of 64 bits say in which cells it is needed,
-//! a number, or one of its operands. Nested minima count as one minimum of many operands; an operand is left out
-//! where it lies above the upper end of them all. Cells with the same masks share a program, which is written once;
-//! programs with equal steps share a tape. The root has 16 cells along each axis; a cell with a surface and more than
-//! 16 clauses has 64 children of its own. Away from surfaces only penumbras and occlusion read tapes, so eight
-//! neighbours share their decisions. Blocks of the root are built side by side: `region` makes the parts,
-//! `gpu::scene_resources` runs the threads.
+//! - The bound is a lower bound of the distance everywhere in the cell, as a float's bits. It is 0 if the cell may
+//!   contain a surface. The bound [`DIVIDED`] marks a divided cell; its second word is the first texel of its brick.
+//! - The second word holds the first texel of the cell's tape and the number of the nearest object, or
+//!   [`OBJECT_UNKNOWN`].
+//! - The slopes are bounds of the gradient ([`gradient`]) if the value is not a distance ([`World::non_lipschitz`])
+//!   and the cell may contain a surface, else 0.
 //!
-//! **Rounding.** On the CPU a shortened tape equals the whole one bit for bit in its cell; tests compare random
-//! expressions. Shaders round differently. Bounds are therefore reduced by 1e-5 of the scene's size, cells overlap by
-//! 4e-6 of it, and rays look for their cell a hundred-thousandth of a root cell further on, so that none gets stuck
-//! at a face.
+//! # Construction
+//! A frame's numbers are folded into the distance's program. Interval arithmetic then bounds its values in 64 cells
+//! at once. Masks of 64 bits record for each value the cells that need it, the cells where it is a number, and the
+//! cells where it equals one of its operands. Nested minima are treated as one minimum of many operands; an operand
+//! is dropped in cells where it is above the upper end of the whole minimum. Cells with equal masks share a program,
+//! which is written once; programs with equal steps share a tape.
+//!
+//! The root has 16 cells along each axis. A cell with a surface and more than 16 clauses has 64 children. Away from
+//! surfaces only penumbras and occlusion read tapes, so there groups of 2x2x2 cells share their decisions. Several
+//! threads can build blocks of the root: this module makes the [`Part`]s, `gpu::scene_resources` runs the threads.
+//!
+//! # Rounding
+//! On the CPU a shortened tape equals the whole tape bit for bit in its cell; tests compare random expressions.
+//! Shaders round differently. Bounds are therefore reduced by 1e-5 of the scene's size, and cells overlap by 4e-6 of
+//! it. Rays look up their cell a hundred-thousandth of a root cell further on, so that no ray gets stuck at a face.
 
 mod encode;
 pub mod gradient;
@@ -74,29 +78,30 @@ use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
 pub const ROOT_SIDE: usize = crate::rays::ROOT_SIDE as usize;
 /// Cells of a brick along each axis.
 pub const BRICK_SIDE: usize = 4;
-/// Texels besides those of the clauses of both whole tapes, which share most of their steps.
+/// Texels of the whole tapes in addition to those of their clauses.
 const WHOLE_BESIDE: usize = 8;
-/// The bound that marks a divided cell.
+/// The bound of a divided cell.
 pub const DIVIDED: u32 = u32::MAX;
-/// The object of a cell in which more than one may be the nearest.
+/// The object of a cell where several objects may be the nearest.
 pub const OBJECT_UNKNOWN: u32 = 255;
 
-/// The requirements of regions' tapes on an interpreter.
+/// The features that the regions' tapes need from an interpreter.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct RegionVariant {
     /// The operators that occur.
     pub operators: BTreeSet<Op>,
     /// The compounds that may occur.
     pub compounds: Compounds,
-    /// Registers, up to 256: what [`rounded_registers`] gives. GPUs round up to powers of two.
+    /// Registers, up to 256, rounded by [`rounded_registers`]. GPUs round up to powers of two.
     pub registers: usize,
-    /// Whether rays need the cells' bounds of the gradient.
+    /// True if rays need the cells' bounds of the gradient.
     pub non_lipschitz: bool,
 }
 
 impl RegionVariant {
-    /// The requirements of nearly every scene whose value is a distance or, `non_lipschitz`, is none: all operators, and as many
-    /// registers as the largest shipped scene needs. More would cost the program registers of the GPU.
+    /// The features that nearly every scene needs: all operators, and as many registers as the largest shipped scene.
+    /// With 32 registers instead of 16, Vega's compiler (ACO) uses no more registers of the GPU. `non_lipschitz` adds
+    /// support for values that are not distances.
     pub fn universal(non_lipschitz: bool) -> Self {
         Self {
             operators: Op::ALL.iter().copied().collect(),
@@ -107,14 +112,14 @@ impl RegionVariant {
     }
 }
 
-/// The inputs that determine a tree or a shortened program: if they are equal, so is what was built with them.
+/// The inputs that determine a tree or a shortened program. Equal keys give equal results.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionKey {
     numbers: Vec<u32>,
     tables: Vec<TableData>,
 }
 
-/// What expressions read besides points and pictures.
+/// The frame's inputs and sound tables that expressions read.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Reads {
     inputs: Vec<Input>,
@@ -122,17 +127,17 @@ struct Reads {
 }
 
 impl Reads {
-    /// What the roots of a graph read.
+    /// Collects the reads of the roots of a graph.
     ///
     /// # Errors
-    /// Those of [`Graph::check`].
+    /// Returns the error of [`Graph::check`].
     fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self, GraphError> {
         let used = graph.inputs_used(roots)?;
         let inputs = used.inputs.into_iter().filter(|input| input.of_point().is_none()).collect();
         Ok(Self { inputs, tables: used.tables })
     }
 
-    /// Its values in a frame.
+    /// The values of these inputs in a frame.
     fn key(&self, inputs: &FrameInputs) -> RegionKey {
         let mut numbers: Vec<u32> = self.inputs.iter().map(|input| inputs.value(*input).to_bits()).collect();
         let mut tables = Vec::new();
@@ -149,25 +154,25 @@ impl Reads {
     }
 }
 
-/// What the inputs of a frame are while its numbers are folded in.
+/// The numbers that are folded in for a frame's inputs.
 enum Numbers<'a> {
-    /// Unknown values, about which nothing is decided.
+    /// Unknown values, which decide nothing.
     Unknown,
-    /// Numbers that simplify nothing: what most frames have.
+    /// Numbers that simplify nothing, as in most frames.
     Typical,
-    /// Those of a frame.
+    /// The numbers of a frame.
     Of(&'a FrameInputs),
 }
 
-/// A number that no rule knows.
+/// A number that no simplification applies to.
 const TYPICAL: f32 = 0.618_034;
 
-/// The part of a world's regions that stays the same from frame to frame.
+/// The parts of a world's regions that all frames share.
 #[derive(Debug, Clone)]
 pub struct RegionPlan {
-    /// The nodes that the distance and the object need, operands first.
+    /// The nodes of the distance and the object, operands first.
     nodes: Vec<(usize, Node)>,
-    /// Places of the roots among all nodes.
+    /// Positions of the roots among all nodes.
     roots: [usize; 3],
     /// Number of nodes of the world's graph.
     graph_nodes: usize,
@@ -175,14 +180,14 @@ pub struct RegionPlan {
     variant: RegionVariant,
     bounds: Option<([f32; 3], [f32; 3])>,
     has_rest: bool,
-    /// [`Slopes::steepest`](crate::world::Slopes::steepest) of a value that is no distance.
+    /// [`Slopes::steepest`](crate::world::Slopes::steepest) of a value that is not a distance.
     steepest: Option<f32>,
     runs: bool,
     whole_texels: usize,
 }
 
 impl RegionPlan {
-    /// The plan of a world.
+    /// Creates the plan of a world.
     pub fn new(world: &World) -> Self {
         let [bound, estimate] = world.roots.distance;
         let roots = [bound, estimate, world.roots.object];
@@ -196,7 +201,8 @@ impl RegionPlan {
         )
     }
 
-    /// The plan of bound, estimate and object. Where the bound is no distance, `steepest` is [`Slopes::steepest`](crate::world::Slopes::steepest).
+    /// Creates the plan of bound, estimate and object. `steepest` is
+    /// [`Slopes::steepest`](crate::world::Slopes::steepest) if the bound is not a distance.
     fn of(
         graph: &Graph,
         mut roots: [NodeId; 3],
@@ -206,7 +212,7 @@ impl RegionPlan {
     ) -> Self {
         let fused = graph.fused(&mut roots).ok();
         let graph = fused.as_ref().unwrap_or(graph);
-        // A world's graph has been checked.
+        // A world's graph is already checked.
         let order = graph.order(&roots).unwrap_or_default();
         let mut plan = Self {
             nodes: order.nodes.iter().map(|id| (id.index(), graph.node(*id))).collect(),
@@ -220,8 +226,8 @@ impl RegionPlan {
             runs: true,
             whole_texels: 0,
         };
-        // Without a known frame nothing is folded: that program has all operators and registers that any frame's may
-        // have.
+        // With unknown numbers nothing is folded: this program has every operator and register that any frame's
+        // program may need.
         let mut program = plan.folded(&Numbers::Unknown, &FrameInputs::default());
         let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
         let mut fits = encodes(&mut encoder, &program);
@@ -249,40 +255,40 @@ impl RegionPlan {
         plan
     }
 
-    /// Repeats cheap values instead of keeping them.
+    /// Computes cheap values again instead of keeping them in registers.
     fn shorten_lives(&mut self) {
         let lives = ShortLives::of(&self.nodes, self.graph_nodes);
         self.roots = self.roots.map(|root| lives.position(root));
         (self.nodes, self.graph_nodes) = (lives.nodes, lives.positions);
     }
 
-    /// The requirements of all trees of this plan on an interpreter.
+    /// The features that all trees of this plan need from an interpreter.
     pub fn variant(&self) -> &RegionVariant {
         &self.variant
     }
 
-    /// Whether there are enough registers for the whole tape. If not, there are no tapes and no cells.
+    /// True if there are enough registers for the whole tape. If not, there are neither tapes nor cells.
     pub fn runs(&self) -> bool {
         self.runs
     }
 
-    /// The most texels that the whole tape and the object's take: a driver with fewer cannot have regions.
+    /// An upper bound of the texels of the whole tape and the object's tape. Drivers with smaller buffers cannot use
+    /// regions.
     pub fn whole_texels(&self) -> usize {
         self.whole_texels
     }
 
-    /// The inputs that determine the tree of a frame.
+    /// The inputs that determine a frame's tree.
     pub fn key(&self, inputs: &FrameInputs) -> RegionKey {
         self.reads.key(inputs)
     }
 
-    /// The tree of a frame.
+    /// Builds the tree of a frame.
     pub fn build(&self, inputs: &FrameInputs, options: &RegionOptions) -> Regions {
         self.build_after(None, inputs, options)
     }
 
-    /// The tree of a frame after that of another one (`last`), which is a tree of this plan, too: what is the same is
-    /// taken over.
+    /// Builds the tree of a frame. Equal parts are copied from `last`, a tree of the same plan for another frame.
     pub fn build_after(
         &self,
         last: Option<&Regions>,
@@ -292,8 +298,8 @@ impl RegionPlan {
         self.build_in_parts((last, inputs), options, 1, |parts| parts.iter_mut().for_each(Part::build))
     }
 
-    /// [`RegionPlan::build_after`], built in `parts` parts: `run` must call [`Part::build`] of each, on several threads if it
-    /// likes. The tree is the same, except that equal tapes of different parts are not shared.
+    /// Builds the tree of [`RegionPlan::build_after`] in several parts. `run` must call [`Part::build`] on each, on
+    /// any thread. The tree is the same, except that different parts do not share equal tapes.
     pub fn build_in_parts(
         &self,
         (last, inputs): (Option<&Regions>, &FrameInputs),
@@ -308,7 +314,7 @@ impl RegionPlan {
         tree::build(program, self.bounds, traced, (inputs, options), parts, run)
     }
 
-    /// The program with the numbers of a frame folded in. Without a known frame its tables are unknown values.
+    /// The program with the given numbers folded in. Without a known frame its tables are unknown values.
     fn folded(&self, numbers: &Numbers, frame: &FrameInputs) -> Program {
         let mut program = Program { steps: Vec::with_capacity(self.nodes.len()), ..Program::default() };
         let of_point = |node: Node| match node {
@@ -326,13 +332,13 @@ impl RegionPlan {
     }
 }
 
-/// Whether there are enough registers for the tapes of a program.
+/// True if there are enough registers for the tapes of a program.
 fn encodes(encoder: &mut Encoder, program: &Program) -> bool {
     [[BOUND, ESTIMATE], [OBJECT, OBJECT]].iter().all(|roots| encoder.encode(program, roots).is_ok())
 }
 
-/// Appends nodes, operands first, with the numbers of a frame folded in; gives the value of each node of their graph,
-/// which has so many. `of_point` says which value an input of the point is, or a sample of a texture.
+/// Appends nodes, operands first, with the given numbers folded in. Returns the value of each of the graph's
+/// `graph_nodes` nodes. `of_point` maps inputs of the point and texture samples to values.
 fn fold(
     program: &mut Program,
     (nodes, graph_nodes): (&[(usize, Node)], usize),
@@ -342,8 +348,8 @@ fn fold(
     let unknown = Arg::Value(program::PENUMBRA);
     let reads_frame =
         |op: Op| !matches!(numbers, Numbers::Of(_)) && op.properties().has(Properties::READS_FRAME);
-    // What such an operator gives is unknown even where its operands are numbers. Other operands stay: they take
-    // registers.
+    // The result of such an operator is unknown even if its operands are numbers. Keep other operands, because they
+    // take registers.
     let no_number = |arg: Arg| if let Arg::Number(_) = arg { unknown } else { arg };
     let mut places = vec![Arg::Number(0.0); graph_nodes];
     let mut of_frame = vec![false; graph_nodes];
@@ -362,8 +368,8 @@ fn fold(
             Node::Constant(_) => true,
             Node::Input(_) | Node::Texture { .. } => false,
         };
-        // One number in each frame, but not yet known: no step. As registers, thousands of them would outlive what reads
-        // them.
+        // A number that each frame determines, but that is not known yet, needs no step. Thousands of such numbers
+        // would outlive their readers in registers.
         if matches!(numbers, Numbers::Unknown) && of_frame[*index] && !is_constant {
             places[*index] = unknown;
             continue;
