@@ -60,7 +60,7 @@ impl Field {
         RegionPlan::new(&self.world).build(frame, &RegionOptions::default())
     }
 
-    /// The world behind the field, for everything else.
+    /// The compiled world of the field, for everything else.
     pub fn world(&self) -> &World {
         &self.world
     }

@@ -6,7 +6,7 @@
 //! combine more operators, after pruning.
 //!
 //! Fusing is bit-exact: the result is rounded as the two operators rounded it. Cells use the whole tape far from
-//! surfaces, where no ray asks for a distance, and where no room is left for a shortened one.
+//! surfaces, where no ray evaluates the distance, and where no room is left for a shortened one.
 
 use super::node::{Node, NodeId};
 use super::op::Op;
