@@ -174,7 +174,7 @@ fn misspelt(first: Option<OsString>) -> Option<(String, String)> {
     Some((typed, meant))
 }
 
-/// Colors a scene's diagnostics if standard error is a terminal.
+/// Colours a scene's diagnostics if standard error is a terminal.
 fn colored_on_a_terminal(error: anyhow::Error) -> anyhow::Error {
     let found = error.chain().find_map(|cause| match cause.downcast_ref() {
         Some(ExportError::Scene(error)) => Some(error),

@@ -1,4 +1,5 @@
-//! The settings of a run: what the command line chooses, with the defaults, and what is remembered from run to run.
+//! The settings of a run: values from the command line and settings saved from earlier runs. [`PlaySettings`] is the
+//! whole of them for the window; the settings file itself is in `mariana_settings`.
 
 pub use mariana_files::Folders;
 pub use mariana_settings::limits::LIMITS as SETTING_LIMITS;
@@ -16,109 +17,107 @@ use crate::show::ShowSource;
 use mariana_control::osc::Place;
 use mariana_remote::RemotePlace;
 
-/// How a scene's expressions are run.
+/// Evaluation of a scene's expressions on the GPU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SdfChoice {
-    /// From the tape, by the interpreter shader.
+    /// The interpreter shader runs the tape.
     Interpreted,
-    /// As GLSL that the driver compiles.
+    /// The driver compiles the expressions as GLSL.
     Compiled,
     /// Interpreted at once, compiled as soon as the driver is ready.
     #[default]
     Auto,
 }
 
-/// What to listen to.
+/// A live input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ListenChoice {
     /// A microphone or another input.
     Microphone,
-    /// What the computer plays.
+    /// The sound that the computer plays.
     System,
 }
 
-/// What stands in the place of a device's name for the system's default.
+/// The name of the system's default device.
 pub const DEFAULT_DEVICE: &str = "default";
 
-/// What is remembered, as it was found at the start.
+/// The saved settings at the start of a run.
 #[derive(Debug)]
 pub struct Memory {
-    /// The file.
+    /// The settings file.
     pub file: SettingsFile,
-    /// What is wrong with it, if anything.
+    /// The error of reading it, if any.
     pub trouble: Option<SettingsError>,
-    /// Where other things are kept.
+    /// The folders for other saved files.
     pub folders: Folders,
 }
 
-/// Which hands from outside there are.
+/// Controllers outside the program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ControllerSettings {
-    /// Where OSC is heard; none hears none.
+    /// The address at which OSC is received; `None` receives none.
     pub osc: Option<Place>,
-    /// Where what is heard goes by OSC.
+    /// The address to which features are sent by OSC.
     pub osc_send: Option<Place>,
-    /// How often a second it goes there.
+    /// OSC messages sent per second.
     pub osc_rate: f64,
-    /// Whether MIDI is heard.
+    /// True if MIDI devices are opened.
     pub midi: bool,
-    /// Where phones are listened to; none listens to none.
+    /// The address of the remote control's page; `None` serves none.
     pub remote: Option<RemotePlace>,
 }
 
-/// How the window plays and shows a song, or what it listens to.
+/// Everything that the window needs to know about a run, apart from the tracks and the scene.
 #[derive(Debug, Clone)]
 pub struct PlaySettings {
-    /// What the user chose for good, and what the command line says of it for this run.
+    /// The user's saved choices, with the command line's over them.
     pub choices: Choices,
     /// A show that the scenes follow instead of the director's.
     pub show: Option<ShowSource>,
-    /// Whether the command line names a scene.
+    /// True if the command line names a scene.
     pub names_scene: bool,
-    /// Output device, or input device to listen to, by id, name or part of a name, or [`DEFAULT_DEVICE`]; none is the
-    /// one that was chosen for good.
+    /// Output or input device by id, name or a part of its name, or [`DEFAULT_DEVICE`]; `None` uses the saved choice.
     pub device: Option<String>,
-    /// No sound: the song runs on the silent clock.
+    /// Plays no sound; a silent clock keeps the song's time.
     pub silent: bool,
-    /// End after the song instead of looping it.
+    /// Ends after the last track.
     pub once: bool,
     /// Volume at the start, 0..1.
     pub volume: f32,
-    /// The sound is heard this much later than the device says, in seconds; none uses what is remembered for the
-    /// device.
+    /// Delay of the sound beyond the one that the device reports, in seconds; `None` uses the one saved for the device.
     pub latency: Option<f64>,
-    /// Listen to this instead of playing a song.
+    /// The live input to listen to instead of a song.
     pub listen: Option<ListenChoice>,
-    /// Most frames per second; none is the monitor's rate.
+    /// Highest number of frames per second; `None` uses the monitor's rate.
     pub fps_cap: Option<f64>,
-    /// How long one scene fades into another, in seconds; 0 is a cut.
+    /// Duration of fades between scenes in seconds; 0 cuts.
     pub fade: f64,
-    /// Whether the next and the previous scene are prepared while one is shown.
+    /// True if the next and the previous scene are prepared while one is shown.
     pub prepare_ahead: bool,
-    /// Where programs are kept from run to run.
+    /// The cache of compiled programs.
     pub program_cache: ProgramCache,
-    /// Start in full screen.
+    /// Starts in full screen.
     pub fullscreen: bool,
-    /// Where in the first track to begin, in seconds.
+    /// Position in the first track at the start, in seconds.
     pub begin_at: f64,
-    /// The sliders of the scene at the start that were moved, by name.
+    /// Values of the sliders that were moved in the first scene, by name.
     pub sliders: BTreeMap<String, f32>,
-    /// Whether the next show goes on where this one ends.
+    /// True if the next run continues this one.
     pub remembered: bool,
-    /// Size of the window in pixels at the start.
+    /// Size of the window at the start, in pixels.
     pub size: (u32, u32),
-    /// Where on the desktop the window opens, in pixels; none lets the system choose.
+    /// Position of the window on the desktop at the start, in pixels; `None` leaves it to the system.
     pub place: Option<(i32, i32)>,
-    /// The picture is the desktop's ground.
+    /// Draws the desktop's wallpaper instead of a window.
     pub wallpaper: bool,
-    /// Hands from outside.
+    /// The controllers to open.
     pub controllers: ControllerSettings,
-    /// Where pictures are sent.
+    /// The programs to which frames are sent.
     pub sends: Vec<SenderTarget>,
-    /// Width and height of those pictures, in pixels; none is the window's size at the start.
+    /// Width and height of the sent frames, in pixels; `None` uses the window's size at the start.
     pub send_size: Option<(u32, u32)>,
-    /// How many of them there are in a second.
+    /// Sent frames per second.
     pub send_fps: f64,
-    /// Print the OpenGL version and driver, and end.
+    /// Prints the OpenGL version and driver, and exits.
     pub gl_info: bool,
 }

@@ -1,14 +1,14 @@
-//! The song inside the program, for users who name none.
+//! The built-in song, played if the user names none.
 
 use mariana_player::song::Song;
 
-/// The name that a file of it would have.
+/// The name of the embedded file.
 const NAME: &str = "demo.ogg";
 
 /// "Hadal Lanterns", composed by this project.
 pub const DEMO_TRACK: Song = Song::Embedded { name: NAME, bytes: include_bytes!("../assets/demo.ogg") };
 
-/// Whether a song is the one inside the program.
+/// True if the song is the built-in one.
 pub fn is_demo(song: &Song) -> bool {
     matches!(song, Song::Embedded { name: NAME, .. })
 }

@@ -1,8 +1,8 @@
 //! Mariana: a music visualizer whose worlds are formulas.
 //!
-//! The folders spell the pipeline: sound comes in through `mariana_player`, is analysed in `mariana_music`, meets
-//! time and camera in [`frame`], and is drawn by [`gpu`] for a window ([`shell`]) or a file ([`export`]).
-//! ARCHITECTURE.md says what is where, and which rules hold.
+//! The folders follow the pipeline: `mariana_player` reads sound, `mariana_music` analyses it, [`frame`] adds time and
+//! camera, and [`gpu`] draws the frame for a window ([`shell`]) or a file ([`export`]). ARCHITECTURE.md lists all
+//! modules and the rules between them.
 
 pub use mariana_commands::{self as commands, input};
 pub use mariana_files::{atomic_file, documents, ending};

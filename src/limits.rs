@@ -1,53 +1,53 @@
-//! Every limit of the program that does not belong to one of its crates: those are in the crate's `limits.rs`.
+//! The limits of the program that belong to none of its crates; each crate has its own `limits.rs`.
 //!
-//! A limit is data: code that applies one reads it here, an error that reports one gives the number defined here, and
-//! a test reaches it.
+//! Limits are data: code that applies a limit reads it here, an error message prints the same number, and a test
+//! reaches it.
 
-/// Limits on what comes from outside and on what the program allocates for it.
+/// Limits of inputs, and of the memory that the program allocates for them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Smallest width and height of a picture or a window, in pixels.
+    /// Smallest width and height of an image or a window, in pixels.
     pub picture_side_min: u32,
-    /// Largest width and height of a picture, in pixels (what OpenGL 3.3 drivers commonly allow).
+    /// Largest width and height of an image, in pixels (OpenGL 3.3 drivers commonly allow this).
     pub picture_side_max: u32,
-    /// Most pixels of one picture (64 Mi: a target of 16-bit floats takes 512 MiB).
+    /// Most pixels of one image (64 Mi: a target of 16-bit floats takes 512 MiB).
     pub picture_pixels_max: u64,
-    /// Lowest and highest frame rate of `analyze`, `video` and the frame cap, in frames per second.
+    /// Lowest frame rate of `analyze`, `video` and the frame cap, in frames per second.
     pub fps_min: f64,
-    /// See [`Limits::fps_min`].
+    /// Highest frame rate of `analyze`, `video` and the frame cap, in frames per second.
     pub fps_max: f64,
-    /// Longest time that `--at`, `--start` and `--duration` take, in seconds (a day).
+    /// Longest time that `--at`, `--start` and `--duration` accept, in seconds (a day).
     pub seconds_max: f64,
-    /// Most bytes of a song that comes by standard input (1 GiB).
+    /// Most bytes of a song from standard input (1 GiB).
     pub standard_input_bytes_max: u64,
-    /// Most interpreters, and most programs of views, that are kept for scenes to come (some 20 MiB each on a
-    /// software renderer).
+    /// Most interpreters, and most programs of views, that are kept for later scenes (some 20 MiB each on a software
+    /// renderer).
     pub programs_kept_max: usize,
-    /// Most bytes of a program in a driver's own form that is kept from run to run (some 100 KiB to 2 MiB are usual).
+    /// Most bytes of a program in the driver's binary format that is kept on disk (usually 100 KiB to 2 MiB).
     pub kept_program_bytes_max: usize,
-    /// Most bytes that all kept programs take on the disk; those that were used longest ago go first.
+    /// Most bytes of all programs on disk; the least recently used ones are deleted first.
     pub program_cache_bytes_max: u64,
-    /// Seconds from the start until the thumbnails of the folder's scenes are drawn ahead.
+    /// Seconds from the start until thumbnails of the folder's scenes are drawn ahead.
     pub thumbnails_ahead_after: f64,
-    /// Most scenes of a folder that are drawn ahead.
+    /// Most scenes of a folder whose thumbnails are drawn ahead.
     pub thumbnails_ahead_max: usize,
-    /// Most bytes of a song's structure that is kept from run to run (some 30 KiB for each minute are usual).
+    /// Most bytes of a song's structure that is kept on disk (usually 30 KiB for each minute).
     pub structure_bytes_max: usize,
-    /// Most structures of songs that are kept from run to run; those that were used longest ago go first.
+    /// Most song structures on disk; the least recently used ones are deleted first.
     pub structures_kept_max: usize,
-    /// Most bytes, by estimate, that the scenes take which are prepared while another one is shown.
+    /// Most bytes, estimated, of the scenes that are prepared while another one is shown.
     pub prepared_bytes_max: u64,
-    /// Longest time in seconds for which a video's encoder may make no progress while it is waited for.
+    /// Longest wait for a video encoder that makes no progress, in seconds.
     pub encoder_wait_seconds: f64,
-    /// Most programs that are sent pictures over one port at a time.
+    /// Most clients that receive frames over one port at a time.
     pub send_readers_max: usize,
-    /// Most bytes of what such a program asks for.
+    /// Most bytes of such a client's request.
     pub send_request_bytes_max: usize,
-    /// Most header fields of it.
+    /// Most header fields of the request.
     pub send_request_fields_max: usize,
-    /// Most places that pictures are sent to in a run.
+    /// Most targets of frames in a run.
     pub sends_max: usize,
-    /// Longest time in seconds that a scene's first picture may take in a window; beyond it the previous scene stays.
+    /// Longest time for a scene's first frame in a window, in seconds; after it the previous scene stays.
     pub picture_seconds_max: f64,
 }
 

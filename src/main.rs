@@ -1,4 +1,4 @@
-//! The program: arguments in, one printed error and the exit code out.
+//! The program's entry point: runs the command line, prints an error if there is one, and sets the exit code.
 
 use mariana::ending::{Signal, asked_to_end, begin_to_leave};
 

@@ -1,19 +1,19 @@
-//! YUV4MPEG2: a stream of uncompressed pictures that encoders and players read, in the colours of ITU-R BT.709 with 16 to
-//! 235 for black to white. Its header has no word for the matrix.
+//! YUV4MPEG2 (y4m): a stream of uncompressed frames that encoders and players read. Colours are ITU-R BT.709 with black
+//! at 16 and white at 235. The header can state the range, but not the matrix.
 
-/// How much of the colour is kept.
+/// Chroma subsampling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Chroma {
-    /// That of each pixel (4:4:4).
+    /// None (4:4:4).
     Whole,
     /// The mean of four pixels (4:2:0).
     Quarter,
 }
 
-/// What begins each picture of the stream.
+/// The header of each frame.
 const HEAD: &[u8] = b"FRAME\n";
 
-/// What the stream begins with.
+/// The header of the stream.
 pub fn header((width, height): (u32, u32), fps: f64, chroma: Chroma) -> Vec<u8> {
     let (frames, seconds) = ratio(fps);
     let chroma = match chroma {
@@ -24,7 +24,7 @@ pub fn header((width, height): (u32, u32), fps: f64, chroma: Chroma) -> Vec<u8> 
         .into_bytes()
 }
 
-/// A rate as a fraction: those of NTSC exactly, others to a thousandth.
+/// A frame rate as a fraction: NTSC rates are exact, others are rounded to a thousandth.
 fn ratio(fps: f64) -> (u64, u64) {
     let ntsc = (fps * 1.001).round();
     if (fps - ntsc / 1.001).abs() < 1e-3 && (fps - fps.round()).abs() > 1e-3 {
@@ -36,7 +36,7 @@ fn ratio(fps: f64) -> (u64, u64) {
     }
 }
 
-/// A picture of RGBA bytes, the top row first, as the stream holds it.
+/// Encodes an RGBA frame, top row first, without subsampling.
 pub fn frame(rgba: &[u8]) -> Vec<u8> {
     let pixels = rgba.as_chunks::<4>().0;
     let mut bytes = Vec::with_capacity(HEAD.len() + 3 * pixels.len());
@@ -47,14 +47,14 @@ pub fn frame(rgba: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// A picture of RGBA bytes and an even size, with a quarter of the chroma, as the stream holds it.
+/// Encodes an RGBA frame of even size with 4:2:0 chroma.
 pub fn frame_of_quarter(rgba: &[u8], size: (u32, u32)) -> Vec<u8> {
     let mut bytes = HEAD.to_vec();
     bytes.extend(quarter_planes(rgba, size));
     bytes
 }
 
-/// The planes of such a picture, one after the other: light, blue and red (known as I420 or YU12).
+/// The three planes of a frame with 4:2:0 chroma, luma, blue and red (known as I420 or YU12).
 pub fn quarter_planes(rgba: &[u8], (width, _): (u32, u32)) -> Vec<u8> {
     let pixels = rgba.as_chunks::<4>().0;
     let width = (width as usize).max(2);
@@ -76,21 +76,21 @@ pub fn quarter_planes(rgba: &[u8], (width, _): (u32, u32)) -> Vec<u8> {
     bytes
 }
 
-/// A plane: what each colour of 0..255 adds to it, in units of 2^-16, and what black has.
+/// Coefficients of a plane for red, green and blue in 0..255, in units of 2^-16, and its value for black.
 struct Plane {
     fractions: [i32; 3],
     black: i32,
 }
 
 const UNIT: f64 = 65_536.0;
-/// How much red, green and blue add to the light, by BT.709.
+/// The fractions of red, green and blue in luma, by BT.709.
 const LIGHT: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
 const LUMA: Plane = Plane { fractions: fractions(LIGHT, 219.0), black: 16 };
 const BLUE: Plane = Plane { fractions: fractions(difference(2), 224.0), black: 128 };
 const RED: Plane = Plane { fractions: fractions(difference(0), 224.0), black: 128 };
 
-/// A colour less the light, from -1/2 to 1/2.
+/// The colour difference signal of a channel, from -1/2 to 1/2.
 const fn difference(color: usize) -> [f64; 3] {
     let scale = 2.0 * (1.0 - LIGHT[color]);
     let mut difference = [-LIGHT[0] / scale, -LIGHT[1] / scale, -LIGHT[2] / scale];
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn colours_are_those_of_bt_709() {
-        // Of the recommendation's table for 8 bits.
+        // From the recommendation's table for 8 bits.
         for (rgb, yuv) in [
             ([0, 0, 0], [16, 128, 128]),
             ([255, 255, 255], [235, 128, 128]),

@@ -1,8 +1,8 @@
-//! Transparent pictures: what is seen of a scene without its sky, to be laid over other pictures.
+//! Transparent images of a scene without its sky, for compositing.
 //!
-//! **Over black it is the picture.** Bytes are premultiplied until they are written, so that laid over black they are the
-//! picture that a black sky would give. Alpha is the share of the pixel that objects cover. A glow reaches beyond them:
-//! there alpha is the brightest of the colours, the least with which the glow can be shown.
+//! Bytes are premultiplied until they are written: over black they give the image with a black sky. Alpha is the
+//! fraction of the pixel that objects cover. A glow reaches beyond the objects; there alpha is the largest colour
+//! channel, the smallest value that can hold the glow.
 
 use super::error::ExportError;
 use crate::frame::Frame;
@@ -12,10 +12,10 @@ use crate::gpu::renderer::Renderer;
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::ReadyScene;
 
-/// Samples of bright light count less than those of dim light (`sample_light.glsl`), with this exposure hardly.
+/// `sample_light.glsl` gives bright samples less weight. This exposure makes the difference negligible.
 const EXPOSURE: f32 = 0.01;
 
-/// Refuses a scene that says what is seen where there is nothing.
+/// Refuses a scene that draws its own sky.
 ///
 /// # Errors
 /// [`ExportError::OwnSky`].
@@ -26,19 +26,19 @@ pub(super) fn require_no_sky(ready: &ReadyScene, scene: &str) -> Result<(), Expo
     }
 }
 
-/// How much of each pixel is covered.
+/// The fraction of each pixel that objects cover.
 #[derive(Default)]
 pub(super) struct Coverage {
-    /// Of the frame that was drawn last, 0..1.
+    /// Fractions of the last frame, 0..1.
     fractions: Vec<f32>,
 }
 
 impl Coverage {
-    /// Finds out, by a program of [`crate::gpu::scene_program::as_coverage`], what covers the pixels of `frame`, and makes the frame one that is to be laid over something: grain
-    /// belongs to the whole.
+    /// Draws the coverage of `frame` with a program of [`crate::gpu::scene_program::as_coverage`] and keeps it. Turns
+    /// off the frame's grain, which belongs to the composed image.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// An error of the driver.
     pub(super) fn draw(
         &mut self,
         renderer: &mut Renderer,
@@ -54,7 +54,7 @@ impl Coverage {
         Ok(())
     }
 
-    /// Gives the picture of that frame its alpha.
+    /// Writes alpha into the pixels of the same frame.
     pub(super) fn put_into(&self, rgba: &mut [u8]) {
         for ([r, g, b, alpha], fraction) in rgba.as_chunks_mut::<4>().0.iter_mut().zip(&self.fractions) {
             let covered = (255.0 * fraction.clamp(0.0, 1.0)).round() as u8;
@@ -63,7 +63,7 @@ impl Coverage {
     }
 }
 
-/// Colours as files hold them: those of the objects, whatever their share of the pixel is.
+/// Converts premultiplied colours to straight ones, as image files store them.
 pub(super) fn straight(premultiplied: &[u8]) -> Vec<u8> {
     let of = |[r, g, b, alpha]: [u8; 4]| {
         let (half, whole) = (u32::from(alpha) / 2, u32::from(alpha).max(1));

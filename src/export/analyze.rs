@@ -1,4 +1,4 @@
-//! The features of a song as text, one line for each frame.
+//! `mariana analyze`: the features of a song as text, one line for each frame.
 
 use std::io::Write;
 
@@ -9,7 +9,7 @@ use super::song_features::SongFeatures;
 use mariana_music::{Features, Gain, SongMoment};
 use mariana_player::song::Song;
 
-/// What to analyse.
+/// Options of an analysis.
 #[derive(Debug, Clone)]
 pub struct AnalyzeRequest {
     /// The song.
@@ -20,11 +20,11 @@ pub struct AnalyzeRequest {
     pub start: f64,
     /// Length in seconds; none means to the end.
     pub duration: Option<f64>,
-    /// Whether quiet and loud sound give the same values of 0..1.
+    /// Automatic gain for values in 0..1.
     pub gain: Gain,
-    /// Whether the numbers of the whole song are printed, too.
+    /// True if the position in the whole song is printed too.
     pub song_too: bool,
-    /// JSON objects instead of columns.
+    /// True for JSON objects instead of columns.
     pub json: bool,
 }
 
@@ -40,8 +40,7 @@ struct Line<'a> {
 /// Prints a line for each frame to `out`.
 ///
 /// # Errors
-/// The song cannot be decoded or ends before the start, or `out` cannot be written. A reader that closes `out` early
-/// is no error.
+/// The song cannot be decoded or ends before the start, or `out` cannot be written. A closed pipe is no error.
 pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(), ExportError> {
     let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;
     song.require(request.start)?;
@@ -73,7 +72,7 @@ pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(
     }
 }
 
-/// The place in the song.
+/// The columns of the position in the song.
 fn song_columns(place: &SongMoment) -> String {
     let SongMoment { bar, beat_in_bar, section, section_phase, energy, build, drop, progress, .. } = place;
     format!(
@@ -82,7 +81,7 @@ fn song_columns(place: &SongMoment) -> String {
     )
 }
 
-/// Time, volumes, and the bands as bars of eight heights.
+/// The columns of the time, the volumes, and the bands as a bar chart.
 fn columns(t: f64, features: &Features) -> String {
     const HEIGHTS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
     let bars: String =

@@ -1,5 +1,5 @@
-//! Measurements without a window: frame times, CPU time, evaluations and clauses, one row for each mode with and
-//! without regions.
+//! `mariana bench`: measures frame times, CPU time, evaluations and clauses without a window, for each mode with and
+//! without regions. The module `report` formats the results.
 
 mod all;
 mod edit;
@@ -32,31 +32,32 @@ use crate::scenes::ReadyScene;
 use mariana_music::{Gain, Sound};
 use mariana_player::song::Song;
 
-/// What to measure.
+/// Options of a measurement.
 #[derive(Debug, Clone)]
 pub struct BenchRequest {
-    /// The song that drives the picture.
+    /// The song that drives the scene.
     pub song: Song,
-    /// The moment that is drawn again and again, in seconds.
+    /// The moment that is drawn repeatedly, in seconds.
     pub at: f64,
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Number of frames that are timed in each mode.
+    /// Number of frames to time in each row.
     pub frames: usize,
-    /// Whether quiet and loud sound move the picture alike.
+    /// Automatic gain.
     pub gain: Gain,
     /// The scene; `auto` measures both modes.
     pub scene: SceneChoice,
-    /// Whether to measure both with and without regions, whatever the scene's choice.
+    /// True to measure with and without regions, even if the scene's choice names one.
     pub both: bool,
-    /// Whether to measure the picture at edges too, which takes long.
+    /// True to measure the quality of edges too, which is slow.
     pub edges: bool,
 }
 
-/// Measures. The modes take turns, frame by frame, so that all meet the same disturbances.
+/// Runs the measurement. The rows are drawn alternately, frame by frame, so that load on the machine affects all of
+/// them.
 ///
 /// # Errors
-/// The song cannot be decoded, the scene has mistakes, or the driver refuses.
+/// The song cannot be decoded, the scene has mistakes, or the driver reports an error.
 pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let mut song = SongFeatures::open_with(&request.song, request.at, request.gain)?;
     let mut sound = song.require(request.at)?;
@@ -91,7 +92,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let edit = match edit::measure_edit(&mut renderer, request, &bench.resources, sound, &runs) {
         Ok(edit) => Some(edit),
         Err(error) => {
-            notes.push(format!("no edit was measured: {error}"));
+            notes.push(format!("the time of an edit was not measured: {error}"));
             None
         }
     };
@@ -113,7 +114,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     })
 }
 
-/// Frames after the one that is measured, as far as the song goes.
+/// The frames after the measured one, up to the end of the song.
 fn following_frames(
     request: &BenchRequest,
     ready: &ReadyScene,
@@ -123,7 +124,6 @@ fn following_frames(
     let mut following = Vec::with_capacity(BUILDS);
     for number in 1..=BUILDS {
         let at = request.at + number as f64 * FRAME_SECONDS;
-        // The song may end before.
         if let Some(next) = song.sound_at(at)? {
             let next = Sound { song: sound.song, ..next };
             following.push(Frame::new(&ready.world, at, next, request.size));
@@ -132,7 +132,7 @@ fn following_frames(
     Ok(following)
 }
 
-/// What is measured.
+/// A measurement in progress.
 struct Bench<'a> {
     request: &'a BenchRequest,
     gl: &'a Gl,
@@ -143,7 +143,7 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// The modes that can draw the scene, and why others cannot.
+    /// The modes that can draw the scene, and notes on those that cannot.
     fn modes(&self) -> (Vec<Mode>, Vec<String>) {
         let (mut modes, mut notes) = (Vec::new(), Vec::new());
         let sdf = self.request.scene.sdf;
@@ -159,13 +159,13 @@ impl Bench<'_> {
         (modes, notes)
     }
 
-    /// Makes what draws in a mode, with and without regions, and draws once with each.
+    /// Prepares a mode with and without regions, and draws the first frame of each.
     fn start_runs(&self, renderer: &mut Renderer, mode: Mode) -> Result<Vec<Run>, ExportError> {
         let request = self.request;
         let ways: &[bool] =
             if request.both { &[true, false] } else { &[request.scene.cells != CellUse::Never] };
         let mut runs = Vec::new();
-        // Interpreted, both ways have one program.
+        // In interpreted mode, both rows have the same program.
         let mut made = None;
         for &regions in ways {
             let (run, program) = self.start_run(renderer, (mode, regions), made.take())?;
@@ -175,7 +175,7 @@ impl Bench<'_> {
         Ok(runs)
     }
 
-    /// The same in one of these ways, with a program that was `made` before if it is the same.
+    /// Prepares a row. Uses the program in `made` if its variant is the same.
     fn start_run(
         &self,
         renderer: &mut Renderer,
@@ -224,7 +224,7 @@ impl Bench<'_> {
         Ok((run, made))
     }
 
-    /// Draws with each in turn, and notes how long each frame takes.
+    /// Draws the rows alternately and records the times of each frame.
     fn time(&self, renderer: &mut Renderer, runs: &mut [Run]) -> Result<(), ExportError> {
         let (gl, resources, frame) = (self.gl, &self.resources, &self.frame);
         let timer = if gl.info().software { None } else { Some(GpuTimer::new(gl)?) };
@@ -254,7 +254,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Draws with each once more, counts evaluations, and reports.
+    /// Draws each row once more with counters, and makes the report.
     fn count(&self, runs: Vec<Run>) -> Result<Vec<ModeReport>, ExportError> {
         let (gl, library, size) = (self.gl, &self.request.scene.shaders, self.request.size);
         let ReadyScene { world, buffers, plan, .. } = &self.ready;
@@ -274,7 +274,7 @@ impl Bench<'_> {
     }
 }
 
-/// Makes a program and draws with it: the ms of both.
+/// Links a program and draws a frame with it; returns both times in ms.
 fn first_draw(
     renderer: &mut Renderer,
     (frame, resources): (&Frame, &SceneResources),
@@ -291,7 +291,7 @@ fn first_draw(
     Ok([made, milliseconds(start.elapsed())])
 }
 
-/// Compares pictures with each number of samples at edges with one of 64 samples everywhere.
+/// Compares frames for each number of edge samples with a reference of 64 samples in every pixel.
 fn measure_edges(
     renderer: &mut Renderer,
     resources: &SceneResources,
@@ -314,7 +314,7 @@ fn measure_edges(
     EdgeSamples::ALL.into_iter().map(report).collect()
 }
 
-/// Peak signal-to-noise ratio between two pictures of four bytes per pixel, in dB; infinite if they are equal.
+/// Peak signal-to-noise ratio between two RGBA images, in dB; infinite if they are equal.
 pub fn peak_signal_over_noise(picture: &[u8], reference: &[u8]) -> f64 {
     let pairs = picture.as_chunks::<4>().0.iter().zip(reference.as_chunks::<4>().0);
     let squares = pairs.flat_map(|(a, b)| (0..3).map(|i| f64::from(a[i].abs_diff(b[i])).powi(2)));
@@ -322,17 +322,18 @@ pub fn peak_signal_over_noise(picture: &[u8], reference: &[u8]) -> f64 {
     10.0 * (255.0 * 255.0 * count / sum).log10()
 }
 
-/// A row that has taken this long in all is not timed further, in ms ..
+/// A row stops after this total time in ms ..
 const ROW_MS_MAX: f64 = 20_000.0;
-/// .. once it has this many frames.
+/// .. if it has at least this many frames.
 const FRAMES_MIN: usize = 3;
-/// Trees that are built to find out how long it takes.
+/// Number of trees built for the median of the build time.
 const BUILDS: usize = 9;
-/// Seconds from one of them to the next, where they follow each other.
+/// Time between consecutive frames, in seconds.
 const FRAME_SECONDS: f64 = 1.0 / 60.0;
 
-/// The regions of a frame in a mode, and how long it takes to build them, in ms: after none, and those of the following
-/// frames each after the last. Programs of materials and light of which a first attempt saves little are left whole.
+/// Builds the regions of a frame. Returns them with two median times in ms: for a tree without a predecessor, and for
+/// the `following` frames, each of which reuses the previous tree. Programs of materials and light for which the first
+/// attempt saves little are not shortened.
 fn build(
     resources: &SceneResources,
     (frame, following): (&Frame, &[Frame]),
@@ -356,16 +357,16 @@ fn build(
     (built, percentile(&mut times, 0.5), percentile(&mut next_times, 0.5))
 }
 
-/// A program, and how long it took to make it.
+/// A linked program with its timings.
 struct Made {
     variant: Variant,
     program: Rc<Program>,
     shader_ms: f64,
-    /// Making it once more, and its first draw then.
+    /// Times in ms of linking the same program again and of its first frame.
     again: Option<[f64; 2]>,
 }
 
-/// One mode while it is measured.
+/// State and times of one row.
 struct Run {
     mode: Mode,
     regions: bool,
@@ -375,7 +376,7 @@ struct Run {
     program: Rc<Program>,
     shader_ms: f64,
     first_draw_ms: f64,
-    /// The same for the program made once more: ms to make it, and to draw with it.
+    /// Times in ms of linking the same program again and of its first frame.
     again: [f64; 2],
     wall: Vec<f64>,
     cpu: Vec<f64>,

@@ -1,4 +1,4 @@
-//! What can go wrong with an export. Each message says what, where and what to do.
+//! Errors of exports: stills, videos, analyses and measurements.
 
 use std::path::PathBuf;
 
@@ -16,24 +16,24 @@ pub enum ExportError {
     /// The song cannot be decoded.
     #[error(transparent)]
     Decode(#[from] DecodeError),
-    /// The picture cannot be drawn.
+    /// The frame cannot be drawn.
     #[error(transparent)]
     Gpu(#[from] GpuError),
     /// The scene cannot be read or has mistakes.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The scene cannot be made ready.
+    /// The scene cannot be prepared.
     #[error(transparent)]
     World(#[from] WorldError),
     /// Two scenes cannot be blended.
     #[error(transparent)]
     Blend(#[from] BlendError),
-    /// A moment after the song's end.
+    /// The requested moment is after the song's end.
     #[error("{name} ends at {end:.2} s: choose a time before that instead of {asked} s")]
     AfterTheEnd {
         /// The song.
         name: String,
-        /// The time that was asked for, in seconds.
+        /// The requested time, in seconds.
         asked: f64,
         /// The song's length, in seconds.
         end: f64,
@@ -43,10 +43,10 @@ pub enum ExportError {
     Unwritable {
         /// The output.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         reason: String,
     },
-    /// ffmpeg's temporary input, the file of its messages or the frames of a loop's seam cannot be written.
+    /// The input files for ffmpeg, the file for its messages or the frames of a loop's seam cannot be written.
     #[error(
         "temporary files cannot be written in {} ({reason}): set TMPDIR to a folder with enough space",
         .folder.display()
@@ -54,7 +54,7 @@ pub enum ExportError {
     Temporary {
         /// The folder for temporary files.
         folder: PathBuf,
-        /// What the system said.
+        /// The system's error.
         reason: String,
     },
     /// The output is the song itself.
@@ -63,7 +63,7 @@ pub enum ExportError {
         /// The output.
         path: PathBuf,
     },
-    /// A still in a format that is not written.
+    /// A still in an unsupported format.
     #[error(
         "{} cannot be written: stills are PNGs, JPEGs or WebPs, so give -o a name that ends in .png or .jpg or .webp",
         .path.display()
@@ -72,63 +72,63 @@ pub enum ExportError {
         /// The output.
         path: PathBuf,
     },
-    /// An input that no scene has.
-    #[error("there is no input '{name}' to --set: choose one of {inputs}")]
+    /// A setting for an input that no scene has.
+    #[error("no input is called '{name}': choose one of {inputs} for --set")]
     NoInput {
-        /// The name that was given.
+        /// The name.
         name: String,
-        /// The names that there are.
+        /// The names of all inputs.
         inputs: String,
     },
-    /// A value that an input cannot have.
+    /// A value outside an input's range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
-    /// Nothing was asked to be shown at the start.
+    /// No scene is shown at the start of the video.
     #[error(
-        "the first scene begins at {from} s, but the video at {start} s: give that scene an earlier time, or none"
+        "the video begins at {start} s, but its first scene at {from} s: give that scene an earlier time, or no time"
     )]
     NothingAtFirst {
-        /// When the first scene begins, in seconds.
+        /// Start of the first scene, in seconds.
         from: f64,
-        /// When the video begins, in seconds.
+        /// Start of the video, in seconds.
         start: f64,
     },
-    /// Too little sound for a loop.
+    /// The rest of the song is too short for a loop.
     #[error(
-        "a loop of {length} s and its seam take {needed:.2} s of the song, but only {left:.2} s are left: choose an \
+        "a loop of {length} s and its seam need {needed:.2} s of the song, but only {left:.2} s are left: choose an \
          earlier --start or a shorter --duration"
     )]
     LoopTooLong {
-        /// How long the loop should be, in seconds.
+        /// Requested length of the loop, in seconds.
         length: f64,
-        /// How much of the song it takes, in seconds.
+        /// Length of the song that it needs, in seconds.
         needed: f64,
-        /// How much of the song there is from its start, in seconds.
+        /// Length of the song from the start on, in seconds.
         left: f64,
     },
-    /// The system has no thread for the work.
+    /// The system cannot start a thread.
     #[error("no thread can be started ({0}): end other programs")]
     Thread(std::io::Error),
-    /// A picture that the encoder refuses.
-    #[error("the picture could not be encoded: {0}")]
+    /// The image encoder reported an error.
+    #[error("the image could not be encoded: {0}")]
     Encode(#[from] image::ImageError),
-    /// A scene with a sky, which leaves nothing transparent.
+    /// Transparency for a scene that draws its own sky.
     #[error(
-        "--alpha leaves out the sky, but the scene {scene} has one of its own: give its `sky` no `color`"
+        "--alpha leaves out the sky, but the scene {scene} draws its own: remove the `color` of its `sky`"
     )]
     OwnSky {
         /// The scene.
         scene: String,
     },
-    /// Transparency in a format that has none.
-    #[error("{output} cannot hold what --alpha leaves transparent: give -o {instead}")]
+    /// Transparency in a format without it.
+    #[error("{output} cannot be transparent, as --alpha asks: give -o {instead}")]
     NoAlpha {
         /// The output.
         output: String,
-        /// What to give instead.
+        /// A valid output.
         instead: &'static str,
     },
-    /// A codec that the video's format cannot hold.
+    /// A codec that the video's format does not support.
     #[error(
         "{} cannot hold {codec}: choose one of {takes} by --codec, or give -o a name that ends in .mp4 or .mkv",
         .path.display()
@@ -136,9 +136,9 @@ pub enum ExportError {
     CodecFormat {
         /// The output.
         path: PathBuf,
-        /// The codec that was asked for.
+        /// The requested codec.
         codec: &'static str,
-        /// What the format can hold.
+        /// The codecs that the format supports.
         takes: &'static str,
     },
     /// ffmpeg is not installed.
@@ -146,7 +146,7 @@ pub enum ExportError {
         "a video needs ffmpeg, which was not found ({0}): install it, or give -o a folder that ends in '/' to write stills"
     )]
     NoEncoder(std::io::Error),
-    /// ffmpeg gave up.
+    /// ffmpeg failed.
     #[error(
         "ffmpeg could not write {} ({message}): give -o a place with enough space and a name that ends in .mp4, .mkv \
          or .mov", .path.display()
@@ -154,48 +154,48 @@ pub enum ExportError {
     Encoder {
         /// The output.
         path: PathBuf,
-        /// Its last words.
+        /// Its last message.
         message: String,
     },
-    /// ffmpeg made no progress and was ended.
+    /// ffmpeg made no progress and was killed.
     #[error(
-        "ffmpeg did nothing for {seconds:.0} s while it wrote {} and was ended: check the disk, or choose another codec \
-         by --codec", .path.display()
+        "ffmpeg made no progress for {seconds:.0} s while writing {} and was stopped: check the disk, or choose \
+         another codec by --codec", .path.display()
     )]
     EncoderStalled {
         /// The output.
         path: PathBuf,
-        /// How long it was waited for, in seconds.
+        /// Time without progress, in seconds.
         seconds: f64,
     },
-    /// A codec for a GIF or a WebP.
+    /// A codec for a GIF or a WebP, which have none.
     #[error(
-        "{} takes no codec: leave out --codec, or give -o a name that ends in .mp4 or .mkv", .path.display()
+        "{} has no choice of codecs: leave out --codec, or give -o a name that ends in .mp4 or .mkv", .path.display()
     )]
     OwnCodec {
         /// The output.
         path: PathBuf,
     },
-    /// More pictures a second than the format can show.
-    #[error("{} shows at most {max} pictures a second, not {fps}: give --fps {max} or less", .path.display())]
+    /// A frame rate above the format's maximum.
+    #[error("{} shows at most {max} frames a second, not {fps}: give --fps {max} or less", .path.display())]
     FrameRate {
         /// The output.
         path: PathBuf,
-        /// The rate that was asked for.
+        /// The requested rate.
         fps: f64,
-        /// The format's highest rate.
+        /// The format's maximum.
         max: f64,
     },
-    /// A show cannot be made.
+    /// The show cannot be prepared.
     #[error(transparent)]
     Show(#[from] ShowError),
-    /// A plan names a scene that nobody gave.
+    /// A timeline names a scene without a source.
     #[error("the show has no scene {scene}: this is a bug in Mariana; report it")]
     NotInShow {
         /// The scene.
         scene: String,
     },
-    /// Standard output is gone or full.
+    /// Standard output is closed or full.
     #[error("the results cannot be printed ({0}): send them somewhere else")]
     Print(std::io::Error),
 }

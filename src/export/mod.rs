@@ -1,4 +1,5 @@
-//! Pictures and numbers without a window: stills, videos, analysis, measurements.
+//! Output without a window: stills, videos, analyses, measurements, show files. [`painter`] draws the frames for all of
+//! them.
 
 mod alpha;
 pub mod analyze;

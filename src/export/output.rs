@@ -1,4 +1,4 @@
-//! Where a picture or a video goes.
+//! The destination of an image or a video.
 
 use std::fmt;
 use std::io::{ErrorKind, Write};
@@ -6,15 +6,15 @@ use std::path::PathBuf;
 
 use super::error::ExportError;
 
-/// The name that stands for standard output, and for standard input.
+/// The name of standard output and standard input on the command line.
 pub const STANDARD: &str = "-";
 
-/// Where a picture or a video goes.
+/// A file, a folder or standard output.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Output {
-    /// To a file, or to a folder of files.
+    /// A file, or a folder of files.
     Path(PathBuf),
-    /// To whoever reads standard output.
+    /// Standard output.
     Standard,
 }
 
@@ -34,10 +34,10 @@ impl fmt::Display for Output {
     }
 }
 
-/// Writes bytes to standard output; false if its reader has read enough and closed it.
+/// Writes bytes to standard output. Returns false if the reader has closed it.
 ///
 /// # Errors
-/// [`ExportError::Print`] if standard output accepts nothing.
+/// [`ExportError::Print`] if standard output cannot be written.
 pub(super) fn write_standard(bytes: &[u8]) -> Result<bool, ExportError> {
     let mut out = std::io::stdout().lock();
     match out.write_all(bytes).and_then(|()| out.flush()) {

@@ -1,4 +1,4 @@
-//! A scene with everything that is needed to draw it, without a window.
+//! Draws scenes without a window. [`Painter`] draws a single scene; shows use `HeadlessRenderer` directly.
 
 use super::alpha::{Coverage, require_no_sky};
 use super::error::ExportError;
@@ -26,29 +26,29 @@ use mariana_field::region::RegionPlan;
 use mariana_field::world::{TapeBuffers, ToneMap, World};
 use mariana_music::Sound;
 
-/// Which scene to draw, and how.
+/// A scene, and the options of drawing it.
 #[derive(Debug, Clone)]
 pub struct SceneChoice {
     /// The scene.
     pub source: SceneSource,
-    /// Interpreted or compiled.
+    /// Interpreted, compiled, or the faster of them.
     pub sdf: SdfChoice,
     /// The shaders.
     pub shaders: ShaderLibrary,
-    /// When space is divided into cells.
+    /// Use of the tree of cells.
     pub cells: CellUse,
-    /// What is shown instead of the picture.
+    /// A view of the renderer's inner numbers instead of the image.
     pub view: Option<ViewChoice>,
-    /// Whether there is nothing where the sky would be.
+    /// True to leave the sky transparent.
     pub alpha: bool,
-    /// How light becomes a colour of the screen; none means as the scene says.
+    /// Tone map; `None` uses the scene's own.
     pub tone_map: Option<ToneMap>,
-    /// Log the driver's debug output.
+    /// True to log the driver's debug messages.
     pub verbose: bool,
 }
 
 impl From<SceneSource> for SceneChoice {
-    /// The scene as the program draws it when nobody says more.
+    /// The scene with default options.
     fn from(source: SceneSource) -> Self {
         Self {
             source,
@@ -63,17 +63,17 @@ impl From<SceneSource> for SceneChoice {
     }
 }
 
-/// What scenes are drawn on, one after the other: a context without a window, and its renderer.
+/// A context without a window, with its renderer.
 pub(super) struct HeadlessRenderer {
     renderer: Renderer,
     view: Option<(ViewChoice, LegendPainter)>,
-    /// How much of each pixel of the last picture is covered, if that is asked for.
+    /// Coverage of the last frame's pixels, for transparent images.
     coverage: Option<Coverage>,
-    // Last: what it holds is dropped first.
+    // The last field: dropped after the objects that use it.
     context: Headless,
 }
 
-/// A scene with what draws it on an [`HeadlessRenderer`].
+/// A scene on the GPU of a [`HeadlessRenderer`].
 pub(super) struct Model {
     program: Program,
     coverage: Option<Program>,
@@ -82,10 +82,10 @@ pub(super) struct Model {
 }
 
 impl HeadlessRenderer {
-    /// Opens a context for scenes that are drawn as `choice` says.
+    /// Opens a context with the options of `choice`.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// An error of the driver.
     pub(super) fn open(choice: &SceneChoice) -> Result<Self, ExportError> {
         let context = Headless::new(choice.verbose)?;
         let mut renderer = Renderer::new(context.gl(), &choice.shaders, Counting::Off)?;
@@ -97,12 +97,12 @@ impl HeadlessRenderer {
         Ok(Self { renderer, view, coverage, context })
     }
 
-    /// Uploads a scene and compiles its program: the one that was asked for. For `auto` that is the compiled one, which
-    /// draws the same picture, unless the scene is so large that it stays interpreted. A scene whose tape does not fit
-    /// the driver is compiled, and that is logged.
+    /// Uploads a scene and links its program in the requested mode. `auto` means compiled, which draws the same image,
+    /// unless the scene is very large. A scene whose tape does not fit the driver is compiled, with a warning in the
+    /// log.
     ///
     /// # Errors
-    /// The driver refuses, or the scene has a sky of its own and is to be transparent.
+    /// An error of the driver, or a scene with its own sky if `choice` asks for transparency.
     pub(super) fn load(&self, choice: &SceneChoice, ready: ReadyScene) -> Result<Model, ExportError> {
         if choice.alpha {
             require_no_sky(&ready, &choice.source.name())?;
@@ -121,7 +121,7 @@ impl HeadlessRenderer {
         }
         let program = link_scene(gl, &choice.shaders, &variant)?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;
-        // Views show them.
+        // Views show the cells.
         let change = match choice.cells {
             CellUse::WhereTheyPay if choice.view.is_some() => CellUse::Always,
             change => change,
@@ -133,7 +133,7 @@ impl HeadlessRenderer {
     /// Draws a frame of a scene.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// An error of the driver.
     pub(super) fn draw(&mut self, model: &Model, mut frame: Frame) -> Result<(), ExportError> {
         let Model { program, resources, mode, .. } = model;
         if let Some((coverage, program)) = self.coverage.as_mut().zip(model.coverage.as_ref()) {
@@ -147,10 +147,11 @@ impl HeadlessRenderer {
         Ok(self.renderer.draw_view(&frame, resources, program, (&setup.block, legend.as_deref()))?)
     }
 
-    /// Draws `over` with the share, 0..1, of `under` in its light. Views stand for numbers and are not mixed.
+    /// Draws `over`, with the fraction `fraction`, 0..1, of its light from `under`. Views show numbers and are not
+    /// mixed.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// An error of the driver.
     pub(super) fn draw_faded(
         &mut self,
         under: (&Model, Frame),
@@ -163,10 +164,11 @@ impl HeadlessRenderer {
         self.draw_over(over.0, over.1, fraction)
     }
 
-    /// Draws a scene with the share, 0..1, of the last picture in its light. Views stand for numbers and are not mixed.
+    /// Draws a scene, with the fraction `fraction`, 0..1, of its light from the last frame. Views show numbers and are
+    /// not mixed.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// An error of the driver.
     pub(super) fn draw_over(
         &mut self,
         model: &Model,
@@ -182,39 +184,39 @@ impl HeadlessRenderer {
         drawn
     }
 
-    /// From now on [`HeadlessRenderer::dim`] takes effect.
+    /// Enables [`HeadlessRenderer::dim`].
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// An error of the driver.
     pub(super) fn add_dimming(&mut self, shaders: &ShaderLibrary) -> Result<(), ExportError> {
         Ok(self.renderer.add_dimming(shaders)?)
     }
 
-    /// Leaves the picture that was drawn last this share of its light, 0..1.
+    /// Multiplies the last frame's light by `brightness`, 0..1.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// An error of the driver.
     pub(super) fn dim(&mut self, brightness: f32) -> Result<(), ExportError> {
         Ok(self.renderer.dim(brightness)?)
     }
 
-    /// From now on [`HeadlessRenderer::limit_flashes`] takes effect.
+    /// Enables [`HeadlessRenderer::limit_flashes`].
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// An error of the driver.
     pub(super) fn add_flash_limiter(&mut self, shaders: &ShaderLibrary) -> Result<(), ExportError> {
         Ok(self.renderer.add_flash_limiter(shaders)?)
     }
 
-    /// Dims what flashes too often in the picture that was drawn last, which is shown `seconds` after the one before.
+    /// Dims areas of the last frame that flash too often. The frame is shown `seconds` after the previous one.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// An error of the driver.
     pub(super) fn limit_flashes(&mut self, seconds: f64) -> Result<(), ExportError> {
         Ok(self.renderer.limit_flashes(seconds)?)
     }
 
-    /// The last picture, four bytes per pixel, the top row first; premultiplied where it is transparent.
+    /// The last frame as RGBA bytes, top row first; premultiplied if it is transparent.
     pub(super) fn read(&self) -> Vec<u8> {
         let mut rgba = self.renderer.read();
         if let Some(coverage) = &self.coverage {
@@ -225,13 +227,12 @@ impl HeadlessRenderer {
 }
 
 impl Model {
-    /// The world that is drawn.
     pub(super) fn world(&self) -> &World {
         self.resources.world()
     }
 }
 
-/// A scene on the GPU. Draws pictures of any size.
+/// A scene on the GPU of its own context. Draws frames of any size.
 pub struct Painter {
     model: Model,
     held: HeldInputs,
@@ -239,18 +240,18 @@ pub struct Painter {
 }
 
 impl Painter {
-    /// Opens a context and prepares the choice's scene for it.
+    /// Opens a context and prepares the chosen scene.
     ///
     /// # Errors
-    /// The scene or the driver refuses.
+    /// The scene has mistakes, or the driver reports an error.
     pub fn open(choice: &SceneChoice) -> Result<Self, ExportError> {
         Self::of_ready(choice, choice.source.ready()?)
     }
 
-    /// The same for the choice's source as it was read before.
+    /// Opens a context for a scene that is already compiled.
     ///
     /// # Errors
-    /// The driver refuses.
+    /// An error of the driver, or a scene with its own sky if `choice` asks for transparency.
     pub fn of_ready(choice: &SceneChoice, ready: ReadyScene) -> Result<Self, ExportError> {
         if choice.alpha {
             require_no_sky(&ready, &choice.source.name())?;
@@ -260,7 +261,7 @@ impl Painter {
         Ok(Self { model, held: HeldInputs::default(), headless_renderer })
     }
 
-    /// Holds inputs of the scene from now on; those that it does not have are passed over.
+    /// Holds inputs of the scene at given values; ignores inputs that the scene does not have.
     ///
     /// # Errors
     /// A value outside its input's range.
@@ -272,19 +273,19 @@ impl Painter {
     /// Draws the scene at `time` seconds with the sound of that moment, `size` pixels large.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// An error of the driver.
     pub fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
         let frame_options = FrameOptions { params: &[], held: &self.held, camera: None };
         let frame = Frame::staged(self.model.world(), time, sound, size, &frame_options);
         self.headless_renderer.draw(&self.model, frame)
     }
 
-    /// The last picture, four bytes per pixel, the top row first; premultiplied where it is transparent.
+    /// The last frame as RGBA bytes, top row first; premultiplied if it is transparent.
     pub fn read(&self) -> Vec<u8> {
         self.headless_renderer.read()
     }
 
-    /// How the scene is drawn.
+    /// The mode in which the scene is drawn.
     pub fn mode(&self) -> Mode {
         self.model.mode
     }
@@ -300,7 +301,7 @@ impl Painter {
     }
 }
 
-/// The inputs of a scene that settings hold; those that it does not have are passed over.
+/// The values at which `set` holds inputs of a scene; ignores inputs that the scene does not have.
 ///
 /// # Errors
 /// A value outside its input's range.
@@ -312,7 +313,7 @@ pub(super) fn held_of(scene: &Scene, set: &[Setting]) -> Result<HeldInputs, Expo
     Ok(held)
 }
 
-/// Refuses settings that none of the scenes has an input for, and values outside an input's range.
+/// Refuses settings of inputs that none of the scenes has, and values outside an input's range.
 ///
 /// # Errors
 /// [`ExportError::NoInput`] and [`ExportError::OutOfRange`].
@@ -330,7 +331,7 @@ pub fn require_inputs(scenes: &[&Scene], set: &[Setting]) -> Result<(), ExportEr
     Ok(())
 }
 
-/// How a [`Painter`] draws a scene on a driver.
+/// The mode in which a [`Painter`] draws a scene on a driver.
 pub fn mode_on(choice: SdfChoice, buffers: &TapeBuffers, plan: &RegionPlan, driver: &GlInfo) -> Mode {
     match (choice, Interpreter::fits(buffers, plan, driver)) {
         (SdfChoice::Interpreted, Ok(())) => Mode::Interpreted,

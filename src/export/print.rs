@@ -1,13 +1,13 @@
-//! Text on standard output and standard error, which may be closed or full: printing never panics.
+//! Printing on standard output and standard error without panics if they are closed or full.
 
 use std::io::{ErrorKind, Write};
 
 use super::error::ExportError;
 
-/// Prints a line on standard output. A reader that has read enough and closed it is no error.
+/// Prints a line on standard output. A closed pipe is no error.
 ///
 /// # Errors
-/// [`ExportError::Print`] if standard output accepts nothing.
+/// [`ExportError::Print`] if standard output cannot be written.
 pub fn print_line(text: &str) -> Result<(), ExportError> {
     match writeln!(std::io::stdout(), "{text}") {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
@@ -15,10 +15,9 @@ pub fn print_line(text: &str) -> Result<(), ExportError> {
     }
 }
 
-/// Prints a sentence for the user on standard error, after the program's name. If standard error is closed, nothing
-/// happens.
+/// Prints a message for the user on standard error, after the program's name. Does nothing if standard error is closed.
 pub fn tell(sentence: &str) {
     tracing::debug!(target: "report", "{sentence}");
-    // There is no other place to report that.
+    // An error here cannot be reported anywhere.
     let _ = writeln!(std::io::stderr(), "mariana: {sentence}");
 }

@@ -1,4 +1,4 @@
-//! The show that the director makes of a song, as a file to edit.
+//! `mariana show`: writes the director's show for a song to a file that can be edited.
 
 use super::error::ExportError;
 use super::output::{Output, write_standard};
@@ -9,21 +9,21 @@ use crate::scenes::SceneSource;
 use crate::show::{PreparedShow, ShowSource};
 use mariana_player::song::Song;
 
-/// Which show to write down.
+/// Options of a show file.
 #[derive(Debug, Clone)]
 pub struct ShowFileRequest {
     /// The song.
     pub song: Song,
-    /// The scenes among which the director chooses.
+    /// The scenes from which the director chooses.
     pub scenes: Vec<SceneSource>,
-    /// Where it goes.
+    /// The show file.
     pub output: Output,
 }
 
-/// Writes the show, and tells how many entries it has.
+/// Writes the show file and returns the number of its entries.
 ///
 /// # Errors
-/// The song or the output is refused.
+/// The song cannot be decoded, no scene can be shown, or the output cannot be written.
 pub fn write_show_file(request: &ShowFileRequest) -> Result<usize, ExportError> {
     let file = match &request.output {
         Output::Path(path) => {

@@ -1,4 +1,4 @@
-//! Draws a show: at each moment the scene that is on, or two scenes of which one becomes the other.
+//! Draws a show without a window: at each moment a scene, a fade, or a blend of two scenes.
 
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -14,47 +14,48 @@ use crate::show::{Clip, Held, PreparedShow, ShowError, Timeline};
 use mariana_field::world::{BlendKind, World, blended_params};
 use mariana_music::Sound;
 
-/// Most scenes and blends that stay on the GPU; those that were drawn longest ago go first.
+/// Most scenes and blends on the GPU; the least recently drawn ones are removed first.
 const MODELS_MAX: usize = 8;
 
-/// What is drawn: a scene, or a blend of two scenes as two cameras see them.
+/// The key of a model: a scene, or a blend of two scenes from two cameras.
 #[derive(Debug, Clone, PartialEq)]
 enum Drawn {
     Scene(String),
     Blend(SceneBlend),
 }
 
-/// A scene of the show that was read.
+/// A compiled scene of the show.
 struct Read {
     name: String,
     ready: ReadyScene,
     held: HeldInputs,
 }
 
-/// See the module.
+/// Draws the frames of a show.
 pub(super) struct ShowPainter {
     headless_renderer: HeadlessRenderer,
     choice: SceneChoice,
     prepared_show: Arc<PreparedShow>,
-    /// The programme's plan.
+    /// The timeline of `prepared_show`.
     timeline: Arc<Timeline>,
     scenes: Vec<Read>,
-    /// What is on the GPU, the last drawn at the end.
+    /// Scenes and blends on the GPU, the most recently drawn last.
     models: VecDeque<(Drawn, Rc<Model>)>,
-    /// Blends that are refused: they fade.
+    /// Blends that failed; their scenes fade instead.
     refused: Vec<Drawn>,
-    /// The moment and the size of the picture that is held and was drawn last.
+    /// Moment and size of the frozen frame that was drawn last.
     held: Option<(f64, (u32, u32))>,
 }
 
-/// A moment of a song, and what it sounds like.
+/// A moment of a song, in seconds, and its sound.
 pub(super) type Heard = (f64, Sound);
 
 impl ShowPainter {
-    /// Reads all scenes of the show, so that a mistake stops it at the start. `choice` configures the renderer.
+    /// Compiles all scenes of the show, so that a mistake is found at the start. `choice` has the options of the
+    /// renderer.
     ///
     /// # Errors
-    /// A scene, a setting or the driver is refused, or every entry of the show is a cue.
+    /// A scene or a setting is refused, the driver reports an error, or all entries of the show wait for a key.
     pub(super) fn open(
         choice: &SceneChoice,
         prepared_show: Arc<PreparedShow>,
@@ -98,32 +99,32 @@ impl ShowPainter {
         })
     }
 
-    /// Whether one of the scenes reads numbers of the whole song.
+    /// True if a scene reads features of the whole song.
     pub(super) fn reads_song(&self) -> bool {
         self.scenes.iter().any(|read| read.ready.world.scene.graph.reads_song())
     }
 
-    /// What scenes are drawn on.
+    /// The renderer.
     pub(super) fn headless_renderer(&mut self) -> &mut HeadlessRenderer {
         &mut self.headless_renderer
     }
 
-    /// The pictures that the show holds at `time` seconds: [`Timeline::held_at`].
+    /// The frames that the show freezes at `time` seconds: [`Timeline::held_at`].
     pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
         self.timeline.held_at(time)
     }
 
-    /// Draws what is on at a moment, `size` pixels large, with what is held of the moment of [`ShowPainter::held_at`].
+    /// Draws a moment, `size` pixels large, with the frozen frames of [`ShowPainter::held_at`].
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// An error of the driver.
     pub(super) fn draw(
         &mut self,
         (time, sound): Heard,
         held: Vec<(Held, Sound)>,
         size: (u32, u32),
     ) -> Result<(), ExportError> {
-        // What is held alone is drawn once.
+        // A frozen frame that nothing is mixed with is drawn once.
         let alone = held.first().filter(|(held, _)| held.fraction >= 1.0).map(|(held, _)| (held.since, size));
         if alone.is_none() || self.held != alone {
             self.draw_anew((time, sound), held, size)?;
@@ -132,7 +133,7 @@ impl ShowPainter {
         self.headless_renderer.dim(self.timeline.picture_at(time).brightness)
     }
 
-    /// The oldest picture that is held, over which those come that came after it.
+    /// Draws the oldest frozen frame, and mixes the later ones and the moment itself over it.
     fn draw_anew(
         &mut self,
         (time, sound): Heard,
@@ -150,7 +151,7 @@ impl ShowPainter {
         if fraction < 1.0 { self.draw_over((time, sound), fraction, size) } else { Ok(()) }
     }
 
-    /// Draws a moment, mixed with the last picture. As in the window, what fades away under it is not seen meanwhile.
+    /// Mixes a moment over the last frame. As in the window, a scene that fades out at that moment is not drawn.
     fn draw_over(
         &mut self,
         (time, sound): Heard,
@@ -189,7 +190,7 @@ impl ShowPainter {
         self.headless_renderer.draw_faded((&under, under_frame), (&over, over_frame), 1.0 - fraction)
     }
 
-    /// A stay's scene at a moment, alone.
+    /// The model and the frame of a clip's scene at a moment.
     fn frame(
         &mut self,
         clip: &Clip,
@@ -208,7 +209,7 @@ impl ShowPainter {
         Ok((model, frame))
     }
 
-    /// The blend of two stays; none if they cannot be blended.
+    /// The model of the blend of two clips; `None` if they cannot be blended.
     fn blend(&mut self, from: &Clip, to: &Clip, kind: BlendKind) -> Result<Option<Rc<Model>>, ExportError> {
         let Some(blend) = self.prepared_show.blend(from, to, kind) else {
             return Err(ExportError::NotInShow { scene: to.scene.clone() });
@@ -232,7 +233,7 @@ impl ShowPainter {
         }
     }
 
-    /// What draws something; made if it is not there.
+    /// The model of a scene or blend; loads it if necessary.
     fn model(
         &mut self,
         drawn: Drawn,
@@ -256,12 +257,12 @@ impl ShowPainter {
     }
 }
 
-/// The number of a stay's camera in its world.
+/// The number of a clip's camera in its world.
 fn camera_of(world: &World, clip: &Clip) -> Option<usize> {
     camera_number(world, clip.camera.as_deref())
 }
 
-/// The parameters of a world as a stay moves them.
+/// The parameters of a world at a moment of a clip.
 fn params_of(world: &World, clip: &Clip, time: f64) -> Vec<f32> {
     clip.numbers_at(&world.scene, time, |param| param.default)
 }

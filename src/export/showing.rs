@@ -1,4 +1,4 @@
-//! What is shown along a song: scenes at given moments, or a show.
+//! The content of an export along the song: scenes with start times, or a show.
 
 use std::sync::Arc;
 
@@ -9,21 +9,21 @@ use crate::scenes::SceneSource;
 use crate::show::{Held, PreparedShow, ShowSource};
 use mariana_music::{Gain, Sound};
 
-/// See the module.
+/// The scenes to export.
 #[derive(Debug, Clone)]
 pub enum Showing {
-    /// Scenes, each from a moment on, in seconds of the song.
+    /// Scenes with their start times, in seconds of the song.
     Scenes(Vec<(f64, SceneSource)>),
-    /// A show: where it comes from, and the scenes among which the director chooses.
+    /// A show: its source, and the scenes from which the director chooses.
     Show(ShowSource, Vec<SceneSource>),
 }
 
 impl Showing {
-    /// What is on when along a song, from `start` seconds on. For a show all of the song is decoded. What of a show file
-    /// does not fit the song is logged.
+    /// Prepares the content from `start` seconds on. A show decodes the whole song; entries of a show file that do not
+    /// fit the song are logged.
     ///
     /// # Errors
-    /// The song or the show is refused, or no scene is on at the start.
+    /// The song cannot be decoded, the show has mistakes, or no scene is shown at the start.
     pub(super) fn prepared_show(
         &self,
         song: &mut SongFeatures,
@@ -44,7 +44,7 @@ impl Showing {
                 }
                 if let cues @ 1.. = prepared_show.cues().len() {
                     tracing::warn!(
-                        "{cues} entries of the show wait for a key (`at cue`) and do not come: only a window has keys"
+                        "{cues} entries of the show wait for a key (`at cue`) and are left out: only a window has keys"
                     );
                 }
                 prepared_show
@@ -54,29 +54,29 @@ impl Showing {
     }
 }
 
-/// How far back a song that is decoded can be asked, in seconds.
+/// Length of the decoded sound that is kept, in seconds.
 const KEPT: f64 = 1.0;
 
-/// What the picture sounded like that a show holds.
+/// The sounds of frames that the show freezes.
 pub(super) struct Holding {
-    /// Whether quiet and loud sound move the picture alike.
+    /// Automatic gain.
     gain: Gain,
-    /// The moment from which on the song was opened, in seconds.
+    /// The time from which the song was opened, in seconds.
     opened: f64,
     last: Vec<(Held, Sound)>,
 }
 
 impl Holding {
-    /// Nothing was held so far of a song that was opened for times from `opened` seconds on.
+    /// Starts without frozen frames, for a song that was opened at `opened` seconds.
     pub(super) fn new(gain: Gain, opened: f64) -> Self {
         Self { gain, opened, last: Vec::new() }
     }
 
-    /// What `painter` holds at `time` seconds, as [`ShowPainter::held_at`] has it, and what that sounded like. Times must
-    /// not step back.
+    /// The frozen frames at `time` seconds, as in [`ShowPainter::held_at`], with the sound of each. Times must not
+    /// decrease.
     ///
     /// # Errors
-    /// The song is refused.
+    /// The song cannot be decoded.
     pub(super) fn at(
         &mut self,
         painter: &ShowPainter,
@@ -88,7 +88,7 @@ impl Holding {
             let known = self.last.iter().find(|(known, _)| known.since == held.since);
             let sound = match known {
                 Some((_, sound)) => sound.clone(),
-                // What was analysed lately is still there.
+                // Recent sound is still in the track.
                 None if held.since >= self.opened && time - held.since <= KEPT => song.require(held.since)?,
                 None => song.beside(held.since, self.gain)?.require(held.since)?,
             };

@@ -1,4 +1,4 @@
-//! The features of a song at given times, by decoding it: the same analysis that runs beside playback.
+//! Features of a song at given times, from decoding it, with the same analysis as during playback.
 
 use mariana_music::{
     Alignment, Analyzer, FeatureTrack, Features, Gain, SongMoment, SongStructure, Sound, StereoFrame,
@@ -12,14 +12,14 @@ use mariana_player::track::scale;
 use super::error::ExportError;
 use crate::song_structures::{StructureCache, structure_of};
 
-/// Sound analysed before the first requested time, in seconds: long enough for the smoothing to settle.
+/// Length of sound analysed before the first requested time, in seconds: enough for the smoothing to settle.
 const PRE_ROLL: f64 = 20.0;
-/// How far a moment's tables reach beyond it, in seconds: the next row of the history.
+/// Look-ahead of a moment's tables, in seconds: the next row of the history.
 const AROUND: f64 = 0.07;
-/// Seconds of features that are kept; times may step back by that much.
+/// Length of the features that are kept, in seconds: the farthest that times may step back.
 const TRACK_SECONDS: f64 = 4.0;
 
-/// Decodes and analyses a song just as far as it is needed.
+/// Decodes and analyses a song as far as necessary.
 pub struct SongFeatures {
     decoder: Decoder,
     name: String,
@@ -29,7 +29,7 @@ pub struct SongFeatures {
     frames: u64,
     ended: bool,
     song: Song,
-    /// What the whole song is made of, for who asked for it.
+    /// Structure of the whole song, once it was requested.
     structure: Option<SongStructure>,
 }
 
@@ -37,15 +37,15 @@ impl SongFeatures {
     /// Opens `song` for times from `start` seconds on, with automatic gain.
     ///
     /// # Errors
-    /// What the decoder says about the file.
+    /// The song cannot be decoded.
     pub fn open(song: &Song, start: f64) -> Result<Self, DecodeError> {
         Self::open_with(song, start, Gain::Auto)
     }
 
-    /// The same with automatic gain or without.
+    /// Opens `song` for times from `start` seconds on.
     ///
     /// # Errors
-    /// What the decoder says about the file.
+    /// The song cannot be decoded.
     pub fn open_with(song: &Song, start: f64, gain: Gain) -> Result<Self, DecodeError> {
         let mut decoder = song.open()?;
         let name = display_name(&decoder);
@@ -61,67 +61,66 @@ impl SongFeatures {
         Ok(Self { decoder, name, analyzer, track, block, frames, ended: false, song, structure: None })
     }
 
-    /// The same song for times from another moment on, in seconds, and with as much knowledge of it.
+    /// Opens the same song again for times from `start` seconds on, with its structure if that is known.
     ///
     /// # Errors
-    /// What the decoder says about the file.
+    /// The song cannot be decoded.
     pub fn beside(&self, start: f64, gain: Gain) -> Result<Self, DecodeError> {
         Ok(Self { structure: self.structure.clone(), ..Self::open_with(&self.song, start, gain)? })
     }
 
-    /// From now on sounds come with their places in the whole song, which is listened to first, unless it is known from
-    /// an earlier run. Without this nothing of that is known.
+    /// Finds the structure of the whole song, by decoding it unless an earlier run has cached it. Sounds then contain
+    /// their position in the song.
     pub fn know_song(&mut self) {
         self.structure();
     }
 
-    /// What the whole song is made of; see [`SongFeatures::know_song`].
+    /// The structure of the whole song, computed at the first call.
     pub fn structure(&mut self) -> &SongStructure {
         let song = &self.song;
         self.structure.get_or_insert_with(|| structure_of(song, &StructureCache::of_user()))
     }
 
-    /// The place of `time` in the whole song, as far as it is known.
+    /// The position of `time` in the whole song; unknown before [`SongFeatures::know_song`].
     pub fn place_in_song(&self, time: f64) -> SongMoment {
         self.structure.as_ref().map_or(SongMoment::UNKNOWN, |structure| structure.moment(time))
     }
 
-    /// What the song is called.
+    /// The song's title for messages.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Length in seconds: as the container reports it, or as found by decoding to the end.
+    /// Length in seconds: from the container, or from decoding to the end.
     pub fn duration(&self) -> Option<f64> {
         if self.ended { Some(self.decoded()) } else { self.decoder.info().duration }
     }
 
-    /// The features at `time` seconds; none if the song ends at or before it. Times must not step back by more
-    /// than a few seconds.
+    /// The features at `time` seconds; `None` if the song has ended. Times may step back by a few seconds at most.
     ///
     /// # Errors
-    /// What the decoder says about a damaged file.
+    /// The file is damaged.
     pub fn at(&mut self, time: f64) -> Result<Option<Features>, DecodeError> {
         self.decode_to(time)?;
         Ok((!self.is_over(time)).then(|| self.track.at(time)))
     }
 
-    /// The same with the tables.
+    /// The sound at `time` seconds, features with tables; `None` if the song has ended.
     ///
     /// # Errors
-    /// What the decoder says about a damaged file.
+    /// The file is damaged.
     pub fn sound_at(&mut self, time: f64) -> Result<Option<Sound>, DecodeError> {
         self.decode_to(time)?;
         let sound = || Sound { song: self.place_in_song(time), ..self.track.sound_at(time) };
         Ok((!self.is_over(time)).then(sound))
     }
 
-    /// Whether the song is known to end at or before a time.
+    /// True if the song is known to end at or before `time`.
     pub fn is_over(&self, time: f64) -> bool {
         self.ended && time >= self.decoded()
     }
 
-    /// Decodes as far as is needed for the surroundings of a time.
+    /// Decodes up to the end of the tables at `time`.
     fn decode_to(&mut self, time: f64) -> Result<(), DecodeError> {
         let time = time + AROUND;
         while !self.ended && self.track.span().is_none_or(|(_, last)| last <= time) {
@@ -140,10 +139,10 @@ impl SongFeatures {
         Ok(())
     }
 
-    /// The sound at `time`; a time after the end is an error.
+    /// The sound at `time` seconds.
     ///
     /// # Errors
-    /// [`ExportError::AfterTheEnd`], and what the decoder says.
+    /// [`ExportError::AfterTheEnd`] after the song's end, or an error of the decoder.
     pub fn require(&mut self, time: f64) -> Result<Sound, ExportError> {
         let sound = self.sound_at(time)?;
         sound.ok_or_else(|| ExportError::AfterTheEnd {

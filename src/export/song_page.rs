@@ -1,5 +1,5 @@
-//! A song drawn on one page: waveform, energy, beats, bars, sections, builds, drops, tempo, chroma, and the show that the
-//! director makes of it, as SVG.
+//! A song on one page as SVG: waveform, energy, beats, bars, sections, builds, drops, tempo, chords, chroma, and the
+//! director's show.
 
 use std::fmt::Write as _;
 
@@ -7,11 +7,11 @@ use super::structure::{clock, summary};
 use crate::show::Clip;
 use mariana_music::{PITCH_CLASSES, SongStructure};
 
-/// Width of the time axis and of the space for names on its left, in pixels.
+/// Width of the time axis, in pixels.
 const WIDTH: f64 = 1400.0;
-/// See [`WIDTH`].
+/// Width of the rows' names to the left of it, in pixels.
 const LEFT: f64 = 70.0;
-/// Upper edge and height of each row.
+/// Upper edge and height of each row, in pixels.
 const SECTIONS: (f64, f64) = (60.0, 40.0);
 const WAVE: (f64, f64) = (110.0, 110.0);
 const ENERGY: (f64, f64) = (230.0, 70.0);
@@ -23,14 +23,13 @@ const SHOW: (f64, f64) = (652.0, 26.0);
 const AXIS: f64 = 700.0;
 const HEIGHT: f64 = 730.0;
 
-/// At most this many columns are drawn in a row: more would not be seen.
+/// Most columns of a row; more would not be visible.
 const COLUMNS_MAX: usize = 1400;
 
-/// Fills of the letters, by their order.
+/// Fills of sections and scenes, in the order of their first appearance.
 const FILLS: [&str; 8] =
     ["#7fb3d5", "#f0b27a", "#82e0aa", "#d7bde2", "#f7dc6f", "#f1948a", "#76d7c4", "#ccd1d1"];
 
-/// The page of a song and its show.
 pub(super) fn page(name: &str, structure: &SongStructure, show: &[Clip]) -> String {
     let mut svg = String::new();
     let total = WIDTH + LEFT + 20.0;
@@ -146,7 +145,7 @@ fn curves(svg: &mut String, structure: &SongStructure, x: &dyn Fn(f64) -> f64) {
     );
 }
 
-/// The largest of each of so many stretches as can be seen, with where it is.
+/// Divides the values into at most [`COLUMNS_MAX`] chunks. Returns the largest value of each, with its first index.
 fn thinned(values: &[f32]) -> Vec<(usize, f32)> {
     let every = values.len().div_ceil(COLUMNS_MAX).max(1);
     let largest =
@@ -167,7 +166,7 @@ fn beats(svg: &mut String, structure: &SongStructure, x: &dyn Fn(f64) -> f64) {
     }
     let _ = writeln!(svg, "<path d=\"{others}\" stroke=\"#aab7b8\" stroke-width=\"0.7\"/>");
     let _ = writeln!(svg, "<path d=\"{downbeats}\" stroke=\"#2e86c1\" stroke-width=\"0.9\"/>");
-    // The median tempo in the middle, half of it at the lower edge.
+    // The median tempo is in the middle of the row, zero at the lower edge.
     let y = |tempo: f64| TEMPO.0 + TEMPO.1 * (1.0 - (tempo / middle / 2.0).clamp(0.0, 1.0));
     let every = structure.beats.len().div_ceil(COLUMNS_MAX).max(1);
     let points: String = structure
@@ -237,7 +236,7 @@ fn pitches(svg: &mut String, structure: &SongStructure, x: &dyn Fn(f64) -> f64) 
     svg.push('\n');
 }
 
-/// Each scene as a box, its transition as a slope, and cuts between its cameras as lines.
+/// Draws each scene as a box, its transition as a slope, and cuts between its cameras as lines.
 fn scenes(svg: &mut String, clips: &[Clip], seconds: f64, x: &dyn Fn(f64) -> f64) {
     let (top, height) = SHOW;
     let mut names: Vec<&str> = Vec::new();
@@ -292,7 +291,7 @@ fn axis(svg: &mut String, seconds: f64, x: &dyn Fn(f64) -> f64) {
     }
 }
 
-/// Text that stands between tags. Characters that XML does not allow are left out.
+/// Escapes text for XML. Leaves out characters that XML does not allow.
 fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     for character in text

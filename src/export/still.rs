@@ -1,4 +1,4 @@
-//! One moment of a song as a picture.
+//! `mariana still`: one moment of a song as an image file.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -22,7 +22,7 @@ use mariana_field::world::{Alignment, BlendKind};
 use mariana_music::{Gain, Sound};
 use mariana_player::song::Song;
 
-/// Which still to make.
+/// Options of a still.
 #[derive(Debug, Clone)]
 pub struct StillRequest {
     /// The song.
@@ -31,36 +31,36 @@ pub struct StillRequest {
     pub at: f64,
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Whether quiet and loud sound move the picture alike.
+    /// Automatic gain.
     pub gain: Gain,
-    /// The picture: a PNG or, if it is called so, a JPEG or a WebP.
+    /// The image file, whose extension selects PNG, JPEG or WebP.
     pub output: Output,
     /// The scene.
     pub scene: SceneChoice,
-    /// A show instead, of which the moment is seen.
+    /// A show instead of the scene.
     pub show: Option<Showing>,
-    /// Another scene into which it turns.
+    /// A second scene, blended with the first.
     pub blend: Option<Blend>,
-    /// Inputs of the scene that are held.
+    /// Inputs that are held at a value.
     pub set: Vec<Setting>,
 }
 
-/// A scene that another one turns into, and how far that has gone.
+/// A second scene, and how far the first has become it.
 #[derive(Debug, Clone)]
 pub struct Blend {
     /// The scene.
     pub into: SceneSource,
-    /// How one becomes the other.
+    /// Kind of the blend.
     pub kind: BlendKind,
-    /// Its share, 0..1; at 0 and 1 one scene is alone.
+    /// Fraction of the second scene, 0..1; 0 and 1 show a single scene.
     pub fraction: f32,
 }
 
 impl Blend {
-    /// The scene at this moment of the blend.
+    /// Blends the scenes.
     ///
     /// # Errors
-    /// Either scene is refused, or both together.
+    /// The second scene has mistakes, or the two cannot be blended.
     fn of(&self, from: ReadyScene, at: f64, sound: &Sound) -> Result<ReadyScene, ExportError> {
         if self.fraction <= 0.0 {
             return Ok(from);
@@ -75,12 +75,12 @@ impl Blend {
     }
 }
 
-/// Makes the still: the same bytes in every run on one machine.
+/// Draws and writes the still. Runs on the same machine give the same bytes.
 ///
 /// # Errors
-/// The song, the driver or the output is refused.
+/// The song or a scene has mistakes, the driver reports an error, or the output cannot be written.
 pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
-    // The output is opened first, because one that cannot be written should cost no work.
+    // Created first, so that an unwritable file is reported before the work.
     let (format, file) = match &request.output {
         Output::Path(path) => {
             let format = StillFormat::of(path)?;
@@ -121,7 +121,7 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     }
 }
 
-/// The picture of one scene.
+/// Draws a single scene or a blend.
 fn drawn(request: &StillRequest, song: &mut SongFeatures, mut sound: Sound) -> Result<Vec<u8>, ExportError> {
     let ready = request.scene.source.ready()?;
     let ready = match &request.blend {
@@ -139,7 +139,6 @@ fn drawn(request: &StillRequest, song: &mut SongFeatures, mut sound: Sound) -> R
     Ok(painter.read())
 }
 
-/// The formats of stills.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum StillFormat {
     Png,
@@ -147,11 +146,11 @@ enum StillFormat {
     WebP,
 }
 
-/// Of 1 to 100: no difference is seen at the size at which a picture is made.
+/// Of 1 to 100; differences are invisible at full size.
 const JPEG_QUALITY: u8 = 93;
 
 impl StillFormat {
-    /// What a file's name asks for; a name without an ending asks for a PNG.
+    /// The format of a path's extension; PNG without one.
     fn of(path: &Path) -> Result<Self, ExportError> {
         let Some(ending) = path.extension() else { return Ok(Self::Png) };
         match ending.to_string_lossy().to_lowercase().as_str() {
@@ -163,7 +162,7 @@ impl StillFormat {
     }
 }
 
-/// Refuses an output that would replace the song from which it is made.
+/// Refuses an output that would overwrite the song.
 ///
 /// # Errors
 /// [`ExportError::OverTheSong`].
@@ -177,20 +176,20 @@ pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportEr
     if same { Err(ExportError::OverTheSong { path: output.to_owned() }) } else { Ok(()) }
 }
 
-/// Pixels as a file holds them.
+/// Pixels in the form in which files store them.
 pub(super) struct Pixels {
     bytes: Vec<u8>,
     has_alpha: bool,
 }
 
 impl Pixels {
-    /// The colours of RGBA bytes, without alpha.
+    /// Drops the alpha of RGBA bytes.
     pub(super) fn opaque(rgba: &[u8]) -> Self {
         let bytes = rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
         Self { bytes, has_alpha: false }
     }
 
-    /// Premultiplied RGBA bytes with their alpha.
+    /// Converts premultiplied RGBA bytes to straight ones.
     pub(super) fn transparent(rgba: &[u8]) -> Self {
         Self { bytes: straight(rgba), has_alpha: true }
     }
@@ -213,7 +212,7 @@ impl Pixels {
         Ok(file)
     }
 
-    /// Without loss.
+    /// Lossless.
     fn webp(&self, (width, height): (u32, u32)) -> Result<Vec<u8>, ExportError> {
         let mut file = Vec::new();
         let encoder = WebPEncoder::new_lossless(&mut file);
@@ -221,16 +220,16 @@ impl Pixels {
         Ok(file)
     }
 
-    /// Writes a finished picture as a PNG.
+    /// Writes a PNG.
     ///
     /// # Errors
-    /// The encoder or the output is refused.
+    /// The image cannot be encoded, or the file cannot be written.
     pub(super) fn write_png(&self, path: &Path, size: (u32, u32)) -> Result<(), ExportError> {
         Ok(AtomicFile::create(path)?.write(&self.png(size)?)?)
     }
 }
 
-/// Encodes an opaque RGBA picture, the top row first, as a PNG without alpha.
+/// Encodes an opaque RGBA image, top row first, as a PNG without alpha.
 ///
 /// # Errors
 /// [`ExportError::Encode`] if the number of bytes does not fit the size.

@@ -1,4 +1,4 @@
-//! The structure of a song: found by decoding all of it, told as text, as JSON or as a drawing.
+//! `mariana analyze --structure` and `--plot`: the structure of a whole song as text, JSON or a drawing.
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -14,23 +14,23 @@ use mariana_player::decode::DecodeError;
 use mariana_player::song::{Song, display_name};
 use mariana_player::source::FrameSource;
 
-/// What to tell of a song's structure.
+/// Options of the output.
 #[derive(Debug, Clone)]
 pub struct StructureRequest {
     /// The song.
     pub song: Song,
-    /// Whether it is told on standard output.
+    /// True to print the structure on standard output.
     pub reported: bool,
-    /// One JSON object instead of text.
+    /// True for JSON instead of text.
     pub json: bool,
-    /// Where it is drawn, if anywhere.
+    /// The SVG file to draw, if any.
     pub plot: Option<PathBuf>,
 }
 
-/// A song's name and its structure.
+/// Decodes a song. Returns its name and its structure.
 ///
 /// # Errors
-/// What the decoder says about the file.
+/// The song cannot be decoded.
 pub fn structure_of(song: &Song) -> Result<(String, SongStructure), DecodeError> {
     let mut decoder = song.open()?;
     let name = display_name(&decoder);
@@ -45,12 +45,12 @@ pub fn structure_of(song: &Song) -> Result<(String, SongStructure), DecodeError>
     }
 }
 
-/// Tells and draws what is asked for.
+/// Prints and draws the structure as requested.
 ///
 /// # Errors
-/// The song cannot be decoded, or an output cannot be written. A reader that closes `out` early is no error.
+/// The song cannot be decoded, or an output cannot be written. A closed pipe is no error.
 pub fn tell_structure(request: &StructureRequest, out: &mut dyn Write) -> Result<(), ExportError> {
-    // Opened first, because an output that cannot be written should cost no work.
+    // Created first, so that an unwritable file is reported before the work.
     let plot = match &request.plot {
         Some(path) => {
             if matches!(&request.song, Song::File(song) if same_file(song, path)) {
@@ -84,18 +84,17 @@ fn same_file(a: &std::path::Path, b: &std::path::Path) -> bool {
     a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
-/// A time as 1:20.5.
+/// Formats a time as 1:20.5.
 pub(super) fn clock(seconds: f64) -> String {
     let tenths = (seconds * 10.0).round().max(0.0) as u64;
     format!("{}:{:02}.{}", tenths / 600, tenths / 10 % 60, tenths % 10)
 }
 
-/// A key as people write it.
 fn key_name(key: Tonality) -> String {
     format!("{} {}", key.root_name(), key.mode.name())
 }
 
-/// What is known of the whole song, in a line.
+/// One line about the whole song.
 pub(super) fn summary(structure: &SongStructure) -> String {
     if structure.silent {
         return format!("{}, silence", clock(structure.seconds));
@@ -110,14 +109,14 @@ pub(super) fn summary(structure: &SongStructure) -> String {
     format!("{}, {tempo}, {key}", clock(structure.seconds))
 }
 
-/// The structure for people.
+/// The structure as text.
 fn text(name: &str, structure: &SongStructure) -> String {
     let mut text = format!("{name}: {}\n", summary(structure));
     if let Some(loudness) = structure.loudness {
         let _ = writeln!(text, "integrated loudness {loudness:.1} LUFS (EBU R128)");
     }
     if structure.cut_short {
-        let _ = writeln!(text, "the song goes on after that, which was not listened to");
+        let _ = writeln!(text, "the song continues after that; the rest was not analysed");
     }
     let bar_of = |time: f64| structure.downbeats().filter(|downbeat| *downbeat < time + 0.01).count();
     for section in &structure.sections {
@@ -148,7 +147,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_are_written_as_they_are_read() {
+    fn times_are_written_in_the_form_in_which_they_are_read() {
         assert_eq!([0.0, 59.96, 80.5, 3600.0].map(clock), ["0:00.0", "1:00.0", "1:20.5", "60:00.0"]);
     }
 }

@@ -1,4 +1,4 @@
-//! A stretch of a song as a video (made with ffmpeg), as numbered stills or as a stream of pictures.
+//! `mariana video`: a part of a song as a video (encoded by ffmpeg), as numbered stills or as a stream of raw frames.
 
 mod encoder;
 mod encoder_process;
@@ -23,54 +23,53 @@ use seam::Seam;
 use sink::{FrameWriter, Sink};
 use title_card::TitleCard;
 
-/// Which video to make.
+/// Options of a video.
 #[derive(Debug, Clone)]
 pub struct VideoRequest {
     /// The song.
     pub song: Song,
     /// First moment, in seconds.
     pub start: f64,
-    /// Length in seconds; none means to the song's end.
+    /// Length in seconds; `None` for the rest of the song.
     pub duration: Option<f64>,
     /// Frames per second.
     pub fps: f64,
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Whether quiet and loud sound move the picture alike.
+    /// Automatic gain.
     pub gain: Gain,
-    /// Whether more than three flashes a second are dimmed.
+    /// True to dim flashes if there are more than three a second.
     pub limit_flashes: bool,
-    /// The video; or, if it ends in a slash or is a folder, where numbered stills go. Standard output gets the pictures
-    /// alone, as YUV4MPEG2.
+    /// The video file, or a folder (or a path with a final slash) for numbered stills. Standard output gets the frames
+    /// without sound, as YUV4MPEG2.
     pub output: Output,
-    /// Whether the video is transparent where nothing is; the scenes then are, too.
+    /// True to leave the sky transparent.
     pub alpha: bool,
-    /// What is shown when.
+    /// The scenes or the show.
     pub showing: Showing,
-    /// How scenes are drawn; its own scene is not read.
+    /// Options of drawing; its scene is not used.
     pub scene: SceneChoice,
-    /// Inputs of the scenes that are held.
+    /// Inputs that are held at a value.
     pub set: Vec<Setting>,
-    /// How the pictures are encoded; none is as the output's name says.
+    /// Video codec; `None` selects it by the file's extension.
     pub codec: Option<Codec>,
-    /// How much of the pictures the encoding keeps.
+    /// Quality of the encoding.
     pub quality: EncodingQuality,
-    /// Whether the song is heard.
+    /// True if the video has sound.
     pub sound: bool,
-    /// The rate of the sound, in hertz; none is the song's, or what the format has instead.
+    /// Sample rate of the sound, in hertz; `None` uses the song's rate or the format's default.
     pub sound_rate: Option<u32>,
-    /// Whether title and artist are seen over the first seconds.
+    /// True to show title and artist during the first seconds.
     pub title_card: bool,
-    /// If the last picture is followed by the first again: how long the end fades into the beginning, in seconds. Takes
-    /// a duration.
+    /// For a loop: duration of the fade from its end into its beginning, in seconds. Requires `duration`.
     pub seam: Option<f64>,
 }
 
-/// Makes the video or the stills and returns the number of frames. `progress` gets the number of frames drawn and, if
-/// the length is known, the total.
+/// Makes the video or the stills and returns the number of frames. Calls `progress` with the number of drawn frames
+/// and, if it is known, the total.
 ///
 /// # Errors
-/// The song, the driver, ffmpeg or the output is refused. An incomplete video never takes the output's place.
+/// The song, the driver, ffmpeg or the output is refused. An incomplete video never replaces an existing file.
 pub fn write_video(
     request: &VideoRequest,
     progress: &mut dyn FnMut(u64, Option<u64>),
@@ -145,10 +144,10 @@ pub fn write_video(
     Ok(written)
 }
 
-/// How many frames begin within so many seconds.
+/// Number of frames that begin within `seconds`.
 fn frames_in(seconds: f64, fps: f64) -> u64 {
     let frames = (seconds * fps).ceil() as u64;
-    // 1.1 · 10 is a little more than 11.
+    // 1.1 · 10 is slightly more than 11 in floating point.
     let last_begins = frames.saturating_sub(1) as f64 / fps;
     if last_begins < seconds { frames } else { frames.saturating_sub(1) }
 }

@@ -269,7 +269,7 @@ fn gifs_and_webps_failed_with_ffmpeg_s_words() {
     }
     assert!(gif[1] > 100 && gif[2] < -100, "{gif:?}");
 
-    run(&["--fps", "60", "-o", "b.gif"]).refused(&["b.gif", "50 pictures a second", "--fps 50"]);
+    run(&["--fps", "60", "-o", "b.gif"]).refused(&["b.gif", "50 frames a second", "--fps 50"]);
     run(&["--codec", "h264", "-o", "b.webp"]).refused(&["b.webp", "leave out --codec"]);
     write_ball(&place, "ball", 0.0, "");
     let ball = ["video", "one.wav", "ball.scene", "--alpha", "--fps", "10", "--size", "64x36", "--duration"];

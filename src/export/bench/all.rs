@@ -1,4 +1,4 @@
-//! All shipped scenes in one measurement.
+//! `mariana bench --all`: measures all shipped scenes.
 
 use serde::Serialize;
 
@@ -6,45 +6,45 @@ use super::{BenchReport, BenchRequest, ModeReport, measure};
 use crate::gpu::gl::GlInfo;
 use crate::scenes::{SceneSource, shipped_names};
 
-/// What to measure of all shipped scenes.
+/// Options of a measurement of all shipped scenes.
 #[derive(Debug, Clone)]
 pub struct AllRequest {
-    /// What to measure of each; its scene is replaced.
+    /// Options for each scene; its `scene` is replaced.
     pub each: BenchRequest,
-    /// Only scenes whose names contain one of these; all if there is none.
+    /// Parts of names; scenes with any of them are measured. Empty for all scenes.
     pub only: Vec<String>,
 }
 
-/// What was measured of all shipped scenes.
+/// Results of all scenes.
 #[derive(Debug, Serialize)]
 pub struct AllReport {
     /// The program's version.
     pub version: &'static str,
-    /// The driver; none if no scene was measured.
+    /// The driver; `None` if no scene was measured.
     pub gl: Option<GlInfo>,
     /// Width and height in pixels.
     pub size: (u32, u32),
     /// The moment, in seconds.
     pub at: f64,
-    /// Frames that were to be timed in each row.
+    /// Requested number of frames in each row.
     pub frames: usize,
-    /// The scenes by their names.
+    /// The scenes, sorted by name.
     pub scenes: Vec<SceneEntry>,
 }
 
-/// What was measured of a scene, or why nothing was.
+/// The result of a scene, or the error.
 #[derive(Debug, Serialize)]
 pub struct SceneEntry {
-    /// Its name.
+    /// Name of the scene.
     pub scene: String,
-    /// What was measured.
+    /// The result; `None` after an error.
     pub report: Option<BenchReport>,
-    /// Why nothing was.
+    /// The error's message.
     pub error: Option<String>,
 }
 
-/// Measures all shipped scenes, one after the other. A scene that fails is an entry of the report. `progress` is told
-/// each scene's name, its number from 1, and the number of all, before it is measured.
+/// Measures all shipped scenes in turn. A scene that fails becomes an entry with an error. Calls `progress` before each
+/// scene with its name, its number from 1, and the number of scenes.
 pub fn measure_all(request: &AllRequest, progress: &mut dyn FnMut(&str, usize, usize)) -> AllReport {
     let is_wanted =
         |name: &String| request.only.is_empty() || request.only.iter().any(|part| name.contains(part));
@@ -71,7 +71,7 @@ pub fn measure_all(request: &AllRequest, progress: &mut dyn FnMut(&str, usize, u
     }
 }
 
-/// A column: its title, and the text of a row's cell.
+/// A column: its title, and the function that formats its cells.
 type Column = (&'static str, fn(&ModeReport) -> String);
 
 const COLUMNS: [Column; 10] = [
@@ -100,9 +100,12 @@ impl std::fmt::Display for AllReport {
         )?;
         writeln!(
             f,
-            "tree: built after none; next: that of the next frame, which takes over what is the same"
+            "tree: building the first tree; next: the tree of the next frame, which reuses unchanged cells"
         )?;
-        writeln!(f, "made: the program, with its first draw; again: the same once more")?;
+        writeln!(
+            f,
+            "made: linking the program and drawing once; again: the same when the driver knows the program"
+        )?;
         write!(f, "\n{:<14}{:<13}{:<8}", "scene", "mode", "tree")?;
         for (title, _) in COLUMNS {
             write!(f, "{title:>12}")?;
@@ -120,7 +123,7 @@ impl std::fmt::Display for AllReport {
                 }
             }
             if let Some(edit) = &report.edit {
-                write!(f, "\n{scene:<14}an edit: {edit}")?;
+                write!(f, "\n{scene:<14}edited scene: {edit}")?;
             }
             for note in &report.notes {
                 write!(f, "\n{scene:<14}{note}")?;

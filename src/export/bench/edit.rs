@@ -1,4 +1,4 @@
-//! How long an edit takes to be seen: from a new text to the interpreted picture, and to the compiled one.
+//! The time from an edit of a scene to its first interpreted and compiled frames.
 
 use std::time::{Instant, SystemTime};
 
@@ -12,10 +12,11 @@ use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::ReadyScene;
 use mariana_music::Sound;
 
-/// Adds a small ball to the scene, at a place where there never was one, so that no driver knows the program.
+/// Adds a small ball at a new position to the scene, so that no driver has its program in a cache, and measures the
+/// time to its first frames.
 ///
 /// # Errors
-/// A scene that is a single formula, or that cannot be read or drawn.
+/// The scene is a single formula, or it cannot be read or drawn.
 pub(super) fn measure_edit(
     renderer: &mut Renderer,
     request: &BenchRequest,

@@ -1,4 +1,4 @@
-//! What `mariana bench` found out, as JSON and as text.
+//! Results of `mariana bench`, as JSON and as text.
 
 use serde::Serialize;
 
@@ -8,100 +8,99 @@ use crate::gpu::scene_program::Mode;
 use mariana_field::region::RegionStats;
 use mariana_field::world::Cost;
 
-/// What was measured.
+/// Results for one scene.
 #[derive(Debug, Serialize)]
 pub struct BenchReport {
     /// The driver.
     pub gl: GlInfo,
-    /// The scene.
+    /// Name of the scene.
     pub scene: String,
-    /// Clauses of its programs.
+    /// Numbers of clauses of its programs.
     pub clauses: Cost,
     /// Width and height in pixels.
     pub size: (u32, u32),
     /// The moment, in seconds.
     pub at: f64,
-    /// Frames that were to be timed in each row.
+    /// Requested number of frames in each row.
     pub frames: usize,
-    /// From the start of the measurement to a complete context, in ms.
+    /// Time to create a GL context, in ms.
     pub context_ms: f64,
-    /// From text to tapes and bounds, in ms.
+    /// Time from the scene's text to tapes and bounds, in ms.
     pub scene_ms: f64,
-    /// A row for each measured mode, with and without regions.
+    /// One row for each measured mode, with and without regions.
     pub modes: Vec<ModeReport>,
-    /// How close edges are to a picture with 64 samples per pixel, by their number of samples; empty unless asked
-    /// for.
+    /// Quality of edges for each number of samples; empty unless requested.
     pub edges: Vec<EdgeReport>,
-    /// How long an edit takes to be seen; none if the scene cannot be edited, which the notes explain.
+    /// Time from an edit to a frame; `None` if the scene cannot be edited, see the notes.
     pub edit: Option<EditReport>,
-    /// Why something was not measured.
+    /// Reasons for missing measurements.
     pub notes: Vec<String>,
 }
 
-/// How long it takes from a new text of a scene, which no driver has seen, to a picture of it.
+/// Time from a new text of a scene, which no driver has cached, to its first frame.
 #[derive(Debug, Serialize)]
 pub struct EditReport {
-    /// To the interpreted picture, in ms; none if the tape does not fit the driver.
+    /// Time to the interpreted frame, in ms; `None` if the tape does not fit the driver.
     pub interpreted_ms: Option<f64>,
-    /// Whether another interpreter had to be made for it.
+    /// True if another interpreter had to be linked for it.
     pub new_interpreter: bool,
-    /// To the compiled picture, in ms.
+    /// Time to the compiled frame, in ms.
     pub compiled_ms: f64,
 }
 
-/// How close pictures are to one with a regular grid of 64 samples in each pixel.
+/// Quality of edges, compared to a regular grid of 64 samples in each pixel.
 #[derive(Debug, Serialize)]
 pub struct EdgeReport {
-    /// Further samples of each pixel at an edge.
+    /// Number of additional samples in each pixel at an edge.
     pub samples: usize,
-    /// Share of the pixels that got these samples, 0..1.
+    /// Fraction of the pixels that got these samples, 0..1.
     pub fraction: f64,
-    /// Peak signal-to-noise ratio of the finished picture without grain, in dB.
+    /// Peak signal-to-noise ratio of the final image without grain, in dB.
     pub decibels: f64,
 }
 
-/// What was measured of one mode.
+/// Results of one row.
 #[derive(Debug, Serialize)]
 pub struct ModeReport {
     /// Interpreted or compiled.
     pub mode: Mode,
-    /// Whether space was divided into cells.
+    /// True if space was divided into cells.
     pub regions: bool,
-    /// Frames that were timed; fewer than asked for if they took very long.
+    /// Number of timed frames; lower than requested if they were slow.
     pub frames: usize,
-    /// Building the tree of regions and, interpreted, shortening materials and light, median, in ms.
+    /// Median time of building the tree of regions, in ms; in interpreted mode also of shortening materials and light.
     pub build_ms: f64,
-    /// The same for the frames that follow, each after the last; 0 if the song ends here.
+    /// The same for the next frames, each of which reuses the previous tree; 0 at the end of the song.
     pub next_build_ms: f64,
-    /// What the tree consists of.
+    /// Statistics of the tree.
     pub tree: RegionStats,
-    /// Assembling, compiling and linking its program, in ms.
+    /// Time of assembling, compiling and linking the program, in ms.
     pub shader_ms: f64,
-    /// The first draw, at which drivers compile once more, in ms.
+    /// Time of the first frame, for which drivers may compile again, in ms.
     pub first_draw_ms: f64,
-    /// The same program made once more, when the driver knows it, in ms.
+    /// Time of linking the same program again, when the driver has cached it, in ms.
     pub shader_again_ms: f64,
-    /// The first draw of that, in ms.
+    /// Time of that program's first frame, in ms.
     pub first_draw_again_ms: f64,
     /// Wall time of a frame, median, in ms.
     pub wall_p50_ms: f64,
     /// Wall time of a frame, 99th percentile, in ms.
     pub wall_p99_ms: f64,
-    /// Time that all processor cores together spent on a frame, median, in ms.
+    /// Time of a frame on all processor cores together, median, in ms.
     pub cpu_p50_ms: f64,
-    /// Time that the GPU spent on a frame, median, in ms; none where its timer reports nothing.
+    /// Time of a frame on the GPU, median, in ms; `None` without a timer.
     pub gpu_p50_ms: Option<f64>,
     /// Distance evaluations and clauses per pixel.
     pub evaluations_per_pixel: Evaluations,
-    /// Evaluations of all kinds.
+    /// Sum of all kinds of evaluations.
     pub evaluations_per_pixel_total: f64,
 }
 
-/// A title, and the text of a mode's cell below it.
+/// A title, and the function that formats a mode's cell.
 type Row<'a> = (&'a str, &'a dyn Fn(&ModeReport) -> String);
 
 impl BenchReport {
-    /// How much more of the CPU's time an interpreted frame takes than a compiled one, with and without regions.
+    /// Ratios of the CPU time of interpreted to compiled frames, with and without regions.
     fn ratios(&self) -> Vec<(&'static str, f64)> {
         let cpu = |mode: Mode, regions: bool| {
             let row = self.modes.iter().find(|row| row.mode == mode && row.regions == regions)?;
@@ -139,22 +138,22 @@ impl std::fmt::Display for BenchReport {
             ("", &|row| row.mode.to_string()),
             ("", &|row| if row.regions { "regions" } else { "no regions" }.to_owned()),
             ("tree, ms", &|row| format!("{:.2}", row.build_ms)),
-            ("  the next frame's, ms", &|row| format!("{:.2}", row.next_build_ms)),
+            ("  of the next frame, ms", &|row| format!("{:.2}", row.next_build_ms)),
             ("  cells", &|row| row.tree.cells.to_string()),
             ("  distinct tapes", &|row| row.tree.tapes.to_string()),
             ("  KiB", &|row| (row.tree.bytes / 1024).to_string()),
             ("shader, ms", &|row| format!("{:.0}", row.shader_ms)),
             ("first draw, ms", &|row| format!("{:.0}", row.first_draw_ms)),
-            ("shader once more, ms", &|row| format!("{:.0}", row.shader_again_ms)),
-            ("  its first draw, ms", &|row| format!("{:.0}", row.first_draw_again_ms)),
+            ("shader again, ms", &|row| format!("{:.0}", row.shader_again_ms)),
+            ("  first draw again, ms", &|row| format!("{:.0}", row.first_draw_again_ms)),
             ("frame, wall, p50, ms", &|row| format!("{:.2}", row.wall_p50_ms)),
             ("frame, wall, p99, ms", &|row| format!("{:.2}", row.wall_p99_ms)),
             ("frame, CPU, all cores, p50, ms", &|row| format!("{:.2}", row.cpu_p50_ms)),
             ("frame, GPU, p50, ms", &|row| {
-                // A software renderer's timer reports nothing.
+                // Software renderers have no timer.
                 row.gpu_p50_ms.map_or_else(|| "-".to_owned(), |gpu| format!("{gpu:.2}"))
             }),
-            ("lookups of cells per pixel", &|row| format!("{:.2}", row.evaluations_per_pixel.lookups)),
+            ("cell lookups per pixel", &|row| format!("{:.2}", row.evaluations_per_pixel.lookups)),
             ("clauses per pixel", &|row| format!("{:.1}", row.evaluations_per_pixel.clauses)),
             ("  of materials and light", &|row| format!("{:.1}", row.evaluations_per_pixel.surface_clauses)),
             ("evaluations per pixel", &|row| format!("{:.2}", row.evaluations_per_pixel_total)),
@@ -175,19 +174,19 @@ impl std::fmt::Display for BenchReport {
             writeln!(f)?;
         }
         let edge = self.modes.first().map_or(0.0, |row| row.evaluations_per_pixel.edge_pixels);
-        write!(f, "{:<32}{:>14}", "pixels with an edge's samples, %", format!("{:.2}", 100.0 * edge))?;
+        write!(f, "{:<32}{:>14}", "pixels with edge samples, %", format!("{:.2}", 100.0 * edge))?;
         if let Some(edit) = &self.edit {
-            write!(f, "\nan edit: {edit}")?;
+            write!(f, "\nedited scene: {edit}")?;
         }
         for EdgeReport { samples, fraction, decibels } in &self.edges {
             let percent = 100.0 * fraction;
             write!(
                 f,
-                "\n{samples} samples at edges, {percent:.2} % of the pixels: {decibels:.2} dB against 64 everywhere"
+                "\n{samples} samples at edges, {percent:.2} % of the pixels: {decibels:.2} dB against 64 in all pixels"
             )?;
         }
         for (what, ratio) in self.ratios() {
-            write!(f, "\ninterpreted over compiled, CPU, {what} regions: {ratio:.2}")?;
+            write!(f, "\nCPU time, interpreted / compiled, {what} regions: {ratio:.2}")?;
         }
         Ok(())
     }
@@ -197,10 +196,10 @@ impl std::fmt::Display for EditReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.interpreted_ms {
             Some(ms) if self.new_interpreter => {
-                write!(f, "interpreted after {ms:.0} ms with another interpreter, ")
+                write!(f, "interpreted after {ms:.0} ms with a new interpreter, ")
             }
             Some(ms) => write!(f, "interpreted after {ms:.0} ms, "),
-            None => write!(f, "never interpreted, "),
+            None => write!(f, "not interpreted, "),
         }?;
         write!(f, "compiled after {:.0} ms", self.compiled_ms)
     }

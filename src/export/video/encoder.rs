@@ -1,4 +1,5 @@
-//! ffmpeg, fed with raw frames.
+//! Encodes a video with ffmpeg: builds its command line and feeds it raw frames. See [`super::encoder_process`] for the
+//! process itself.
 
 use std::ffi::OsStr;
 use std::io::Cursor;
@@ -17,19 +18,20 @@ use mariana_player::decode::{Cover, CoverKind, Decoder};
 use mariana_player::ffmpeg::{CommandLine, Demuxer, ReadBy, Source, file_address};
 use mariana_player::song::Song;
 
-/// Extensions for which ffmpeg writes a list and further files beside it, named after the list's temporary name.
+/// Extensions of formats with several files, which ffmpeg names after the temporary file.
 const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
 
-/// Widest and highest cover, in pixels: one of 100 megapixels, which a megabyte can hold, takes many seconds to read.
+/// Largest side of a cover, in pixels. A cover of one megabyte can have 100 megapixels, which take many seconds to
+/// decode.
 const COVER_SIDE_MAX: u32 = 4096;
 
-/// ffmpeg at work.
+/// A running ffmpeg with its files.
 pub(super) struct Encoder {
     process: EncoderProcess,
-    /// Taken when the output is put in its place.
+    /// Taken when the finished video replaces the output.
     output: Option<AtomicFile>,
     path: PathBuf,
-    /// ffmpeg's input files: a song that was no file, the song's cover.
+    /// Temporary inputs of ffmpeg: an embedded song, the song's cover.
     _inputs: Vec<Unfinished>,
 }
 
@@ -38,7 +40,7 @@ impl Encoder {
     pub(super) fn start(request: &VideoRequest, path: &Path) -> Result<Self, ExportError> {
         if SEVERAL_FILES.iter().any(|end| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end))) {
             let message =
-                "that format consists of several files, which cannot be put in place at once".to_owned();
+                "the format consists of several files, which cannot be replaced in one step".to_owned();
             return Err(ExportError::Encoder { path: path.to_owned(), message });
         }
         let output = AtomicFile::create(path)?;
@@ -51,12 +53,12 @@ impl Encoder {
         Ok(Self { process, output: Some(output), path: path.to_owned(), _inputs: inputs })
     }
 
-    /// Takes a frame of RGBA bytes.
+    /// Writes a frame of RGBA bytes.
     pub(super) fn take(&mut self, rgba: &[u8]) -> Result<(), ExportError> {
         self.process.write(rgba).map_err(|_| self.last_words())
     }
 
-    /// Waits for ffmpeg's end, and puts the video in its place.
+    /// Waits for ffmpeg to finish, and moves the video to its path.
     pub(super) fn finish(mut self) -> Result<(), ExportError> {
         match self.process.wait() {
             Ok(status) if status.success() => Ok(self.output.take().map_or(Ok(()), AtomicFile::commit)?),
@@ -64,7 +66,7 @@ impl Encoder {
         }
     }
 
-    /// Why ffmpeg has ended.
+    /// The reason for ffmpeg's end.
     fn last_words(&mut self) -> ExportError {
         let _ = self.process.wait();
         let path = self.path.clone();
@@ -73,7 +75,7 @@ impl Encoder {
         }
         let mut tail = self.process.complaint();
         if let Some(output) = &self.output {
-            // ffmpeg's message names the temporary file that it writes.
+            // The message contains the name of the temporary output.
             let url = file_address(output.temporary());
             tail = tail.replace(&format!("{}: ", url.to_string_lossy()), "");
         }
@@ -82,7 +84,7 @@ impl Encoder {
     }
 }
 
-/// ffmpeg's command line for the video at `path`, all but the output. Files that it reads are added to `inputs`.
+/// ffmpeg's command line for the video at `path`, without the output. Temporary input files are added to `inputs`.
 fn command_line(
     request: &VideoRequest,
     path: &Path,
@@ -111,7 +113,7 @@ fn command_line(
     }
     line = line.options(["-map", "0:v", "-map", "1:a:0", "-map_metadata", "1"]);
     if demuxer == Demuxer::OGG {
-        // Ogg has its tags in the stream of the sound.
+        // Ogg stores its tags in the audio stream.
         line = line.options(["-map_metadata", "1:s:a:0"]);
     }
     match &cover {
@@ -129,7 +131,7 @@ fn command_line(
         None => {}
     }
     match (&cover, request.duration) {
-        // The picture of the cover would be the shortest stream.
+        // With `-shortest`, the cover's single frame would end the video.
         (Some(_), Some(seconds)) => line = line.options(["-t", &seconds.to_string()]),
         (Some(_), None) => {}
         (None, _) => line = line.options(["-shortest"]),
@@ -137,7 +139,7 @@ fn command_line(
     Ok(line.options(arguments_of(request, path)))
 }
 
-/// The song as a file.
+/// The path of the song; an embedded song is written to a temporary file.
 fn song_file(song: &Song, inputs: &mut Vec<Unfinished>) -> Result<PathBuf, ExportError> {
     match song {
         Song::File(path) => Ok(path.clone()),
@@ -148,7 +150,7 @@ fn song_file(song: &Song, inputs: &mut Vec<Unfinished>) -> Result<PathBuf, Expor
     }
 }
 
-/// The song's cover as a file, if it has one and the video can: as mp4 and Matroska can.
+/// Writes the song's cover to a temporary file, if it has one and the format, mp4 or Matroska, supports it.
 fn cover_file(
     decoder: &Decoder,
     output: &Path,
@@ -160,17 +162,17 @@ fn cover_file(
         CoverKind::Jpeg => (".jpg", ImageFormat::Jpeg),
         CoverKind::Png => (".png", ImageFormat::Png),
     };
-    // Nor does ffmpeg go on with one that it cannot read.
+    // ffmpeg fails on a cover that it cannot decode, so it is decoded here first.
     let mut reader = ImageReader::with_format(Cursor::new(&bytes), format);
     let mut limits = Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(COVER_SIDE_MAX), Some(COVER_SIDE_MAX));
     reader.limits(limits);
     reader.decode().ok()?;
-    // A video without its cover is better than none.
+    // A missing cover is no error.
     Some((keep(&bytes, ending, inputs).ok()?, kind))
 }
 
-/// Writes a file for ffmpeg to read.
+/// Writes a temporary input file for ffmpeg.
 fn keep(bytes: &[u8], ending: &str, inputs: &mut Vec<Unfinished>) -> Result<PathBuf, ExportError> {
     let mut file = Unfinished::create(&std::env::temp_dir(), OsStr::new(ending)).map_err(no_room)?;
     file.write_all(bytes).map_err(no_room)?;

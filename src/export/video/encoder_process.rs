@@ -1,4 +1,4 @@
-//! The encoder's process: fed through a pipe, and ended when it makes no progress for too long.
+//! The encoder's process: fed through a pipe, and killed when it makes no progress for too long.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -11,26 +11,26 @@ use std::time::{Duration, Instant, SystemTime};
 
 use crate::ending::{self, Undo};
 
-/// How much of the end of the process's messages is read.
+/// Bytes of the end of its messages that are read.
 const COMPLAINT_BYTES: u64 = 4096;
-/// How often to check whether the process has ended.
+/// Period of checks for its end.
 const LOOK_PERIOD: Duration = Duration::from_millis(5);
-/// How often to check its progress, at most.
+/// Longest period of checks for its progress.
 const WATCH_PERIOD: Duration = Duration::from_secs(1);
-/// How long to wait for the end of a killed process, which may be stuck in a system call.
+/// Longest wait for the end of a killed process, which may be stuck in a system call.
 const KILL_LIMIT: Duration = Duration::from_secs(2);
-/// Bytes that are written to the pipe at a time. Each piece is progress.
+/// Bytes written to the pipe at once. Each piece counts as progress.
 const PIECE_BYTES: usize = 1 << 16;
 
-/// A running encoder. It ends with this process, and when it is dropped.
+/// A running encoder. It ends when this process ends, or when it is dropped.
 pub(super) struct EncoderProcess {
     child: Arc<Mutex<Child>>,
     /// `None` once the process has all its input.
     input: Option<ChildStdin>,
-    /// Its messages. A file, because a full pipe would stop the process.
+    /// Its messages. A file, because a full pipe would block the process.
     reported_problems: File,
     wait: Arc<Mutex<Wait>>,
-    /// Dropping it ends the thread that watches.
+    /// Dropping it stops the watching thread.
     _watch: SyncSender<()>,
     _end: Undo,
 }
@@ -38,15 +38,15 @@ pub(super) struct EncoderProcess {
 /// The state of the wait for the process.
 #[derive(Default)]
 struct Wait {
-    /// When the wait began, or the last progress during it; `None` outside of waits.
+    /// Start of the wait, or the last progress since then; `None` outside of waits.
     since: Option<Instant>,
-    /// True once the process was ended because it made no progress.
+    /// True once the process was killed because it made no progress.
     has_stalled: bool,
 }
 
 impl EncoderProcess {
-    /// Starts a process that writes `output`. It is ended when something waits for it and it neither reads input nor
-    /// writes output for as long as `patience`.
+    /// Starts a process that writes `output`. It is killed if it neither reads input nor writes output for `patience`
+    /// while this type waits for it.
     ///
     /// # Errors
     /// The system's error for the program, the file for its messages (`reported_problems`) or the watching thread.
@@ -58,7 +58,8 @@ impl EncoderProcess {
     ) -> io::Result<Self> {
         let heard = reported_problems.try_clone()?;
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(heard);
-        // Ctrl-C goes to this process, which ends the encoder: otherwise both would race to end first.
+        // In its own process group, Ctrl-C reaches only this process, which then ends the encoder. Otherwise both would
+        // end at once, in random order.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let (child, end) = ending::begin(|| {
@@ -94,7 +95,7 @@ impl EncoderProcess {
         Ok(process)
     }
 
-    /// Gives it input.
+    /// Writes input.
     ///
     /// # Errors
     /// The process has ended.
@@ -110,7 +111,7 @@ impl EncoderProcess {
         written
     }
 
-    /// Ends its input and waits for its end, without locking it, so that a signal can end it.
+    /// Closes its input and waits for its end. The mutex is free meanwhile, so that a signal handler can kill it.
     ///
     /// # Errors
     /// The system's error, or the process made no progress and was ended.
@@ -122,7 +123,7 @@ impl EncoderProcess {
                 break status;
             }
             if self.has_stalled() {
-                // It was killed, but is stuck in a system call.
+                // The killed process is stuck in a system call.
                 break Err(io::ErrorKind::TimedOut.into());
             }
             std::thread::sleep(LOOK_PERIOD);
@@ -131,7 +132,7 @@ impl EncoderProcess {
         status
     }
 
-    /// True once it was ended because it made no progress.
+    /// True once it was killed because it made no progress.
     pub(super) fn has_stalled(&self) -> bool {
         lock(&self.wait).has_stalled
     }
@@ -139,7 +140,7 @@ impl EncoderProcess {
     /// The end of its messages.
     pub(super) fn complaint(&mut self) -> String {
         let mut tail = Vec::new();
-        // After an error a part of the messages is better than none.
+        // If reading fails, an incomplete message is better than none.
         let length = self.reported_problems.seek(SeekFrom::End(0)).unwrap_or(0);
         let _ = self.reported_problems.seek(SeekFrom::Start(length.saturating_sub(COMPLAINT_BYTES)));
         let _ = self.reported_problems.read_to_end(&mut tail);
@@ -149,14 +150,13 @@ impl EncoderProcess {
 
 impl Drop for EncoderProcess {
     fn drop(&mut self) {
-        // After an error nobody wants what it has written.
+        // After an error its output is useless.
         end_child(&mut lock(&self.child));
     }
 }
 
 impl Wait {
-    /// Whether something has waited for as long as `patience` at the moment `now`. `writes` says whether the process has
-    /// written output since the last call.
+    /// True if the wait has lasted for `patience` at `now`. `writes` is true if output was written since the last call.
     fn is_too_long(&mut self, now: Instant, writes: bool, patience: Duration) -> bool {
         let Some(since) = &mut self.since else { return false };
         if writes {
@@ -166,7 +166,7 @@ impl Wait {
     }
 }
 
-/// What changes when a file is written.
+/// Size and time of change of a file, to detect writes.
 fn stamp(file: &Path) -> Option<(u64, SystemTime)> {
     let file = std::fs::metadata(file).ok()?;
     Some((file.len(), file.modified().ok()?))
@@ -176,12 +176,12 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Ends a process and its own children, which may hold its pipe.
+/// Kills a process and its children, which may hold its pipe open.
 fn end_child(child: &mut Child) {
     if !matches!(child.try_wait(), Ok(None)) {
         return;
     }
-    // An error means that it has ended already.
+    // An error means that it has already ended.
     #[cfg(target_os = "linux")]
     let _ = rustix::process::kill_process_group(
         rustix::process::Pid::from_child(child),
@@ -199,7 +199,7 @@ fn end_child(child: &mut Child) {
 mod tests {
     use super::*;
 
-    /// A process that does what a shell script says, and is given up soon.
+    /// Starts a shell script as the encoder, with little patience.
     fn start(cue_list: &str) -> EncoderProcess {
         let mut command = Command::new("sh");
         command.args(["-c", cue_list]);
@@ -210,15 +210,21 @@ mod tests {
 
     #[test]
     fn a_hung_encoder_was_waited_for_without_limit() {
-        // More than a pipe holds.
+        // More bytes than a pipe holds.
         let much = vec![0; 1 << 20];
         let mut encoder = start("exec sleep 1000");
-        assert!(encoder.write(&much).is_err() && encoder.has_stalled(), "it reads nothing");
+        assert!(
+            encoder.write(&much).is_err() && encoder.has_stalled(),
+            "the process does not read its input"
+        );
         let mut encoder = start("exec 3<&0; sleep 1000 & wait");
-        assert!(encoder.write(&much).is_err() && encoder.has_stalled(), "its own process holds the pipe");
+        assert!(
+            encoder.write(&much).is_err() && encoder.has_stalled(),
+            "a child of the process holds the pipe"
+        );
         let mut encoder = start("cat > /dev/null; exec sleep 1000");
         encoder.write(&[0; 1000]).unwrap();
-        assert!(!encoder.wait().is_ok_and(|status| status.success()), "it does not end");
+        assert!(!encoder.wait().is_ok_and(|status| status.success()), "the process did not fail");
         assert!(encoder.has_stalled());
     }
 
@@ -231,7 +237,7 @@ mod tests {
         assert!(!wait.is_too_long(after(9), true, patience));
         assert!(!wait.is_too_long(after(18), false, patience));
         assert!(wait.is_too_long(after(19), false, patience));
-        // A picture takes long to draw.
+        // Drawing a frame may be slow, but is no wait.
         wait.since = None;
         assert!(!wait.is_too_long(after(1000), false, patience));
     }

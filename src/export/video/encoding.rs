@@ -1,4 +1,4 @@
-//! How a video is encoded: what ffmpeg is told of codecs, quality and colours.
+//! ffmpeg's arguments for codecs, quality and colours, and checks that a file format supports them.
 
 use std::path::Path;
 
@@ -7,40 +7,39 @@ use super::sink::is_folder;
 use crate::export::error::ExportError;
 use crate::export::output::Output;
 
-/// The codecs of a video's pictures.
+/// Video codecs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Codec {
-    /// H.264, which everything plays.
+    /// H.264, which plays everywhere.
     H264,
-    /// H.265, for half of the bytes.
+    /// H.265, with half the bytes.
     H265,
     /// VP9, for webm.
     Vp9,
-    /// AV1, the smallest and the slowest.
+    /// AV1, with the smallest files and the slowest encoding.
     Av1,
 }
 
-/// How much of the picture is kept.
+/// Quality of the encoding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EncodingQuality {
-    /// A preview.
+    /// For previews.
     Low,
-    /// Differences are seen where one looks for them.
+    /// Differences are visible on a close look.
     Medium,
-    /// Hardly a difference is seen.
+    /// Differences are hardly visible.
     #[default]
     High,
-    /// For services that encode it once more.
+    /// For services that encode the video again.
     Best,
 }
 
-/// What happens to the pictures: most players take 4:2:0 only, which needs even sides; and the colours become those of
-/// [`COLORS`].
+/// Filters: even sides, which most players need for 4:2:0, and conversion to the colours of [`COLORS`].
 const TRANSPARENT_PICTURES: &str =
     "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=black@0,scale=out_color_matrix=bt709:out_range=tv";
 const PICTURES: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv";
-/// The colours that a video's header tells. Players take BT.709 for large pictures and BT.601 for small ones unless they
-/// are told, and ffmpeg makes BT.601 of RGB unless it is told.
+/// The colours in the video's header. Without it, players assume BT.709 for large and BT.601 for small videos. ffmpeg
+/// converts RGB to BT.601 by default.
 const COLORS: [[&str; 2]; 4] = [
     ["-colorspace:v:0", "bt709"],
     ["-color_primaries:v:0", "bt709"],
@@ -48,7 +47,7 @@ const COLORS: [[&str; 2]; 4] = [
     ["-color_range:v:0", "tv"],
 ];
 
-/// Whether a path's ending is that of an MPEG-4 file, which takes covers.
+/// True for an MPEG-4 file, which can contain a cover.
 pub(super) fn is_mp4(path: &Path) -> bool {
     ends_in(path, &["mp4", "m4v"])
 }
@@ -58,17 +57,17 @@ fn ends_in(path: &Path, endings: &[&str]) -> bool {
     ending.is_some_and(|ending| endings.contains(&ending.as_str()))
 }
 
-/// An animation: pictures without sound that are repeated without end.
+/// Formats of endless animations without sound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Animation {
     Gif,
     WebP,
 }
 
-/// GIFs count in hundredths of a second, and browsers show each picture for at least two of them.
+/// Frame times of GIFs are multiples of 1/100 s, and browsers show each frame for at least two of them.
 const GIF_FPS_MAX: f64 = 50.0;
 
-/// A palette for each picture, so that ffmpeg does not hold all of them in memory to find a common one.
+/// A palette for each frame. For a common palette, ffmpeg would hold all frames in memory.
 const GIF_PICTURES: &str =
     "split[all][one];[one]palettegen=stats_mode=single[palette];[all][palette]paletteuse=new=1";
 
@@ -96,7 +95,7 @@ impl Animation {
     }
 }
 
-/// Of 0 to 100.
+/// Quality from 0 to 100.
 fn webp_quality(quality: EncodingQuality) -> &'static str {
     match quality {
         EncodingQuality::Low => "40",
@@ -106,12 +105,12 @@ fn webp_quality(quality: EncodingQuality) -> &'static str {
     }
 }
 
-/// True if the video at `path` gets the song's sound.
+/// True if the video at `path` contains sound.
 pub(super) fn has_sound(request: &VideoRequest, path: &Path) -> bool {
     request.sound && Animation::of(path).is_none()
 }
 
-/// Refuses a codec or a frame rate that the format of the video at `path` cannot hold.
+/// Refuses a codec or a frame rate that the format of `path` does not support.
 pub(super) fn require_fit(codec: Option<Codec>, fps: f64, path: &Path) -> Result<(), ExportError> {
     let path_of = || path.to_owned();
     match Animation::of(path) {
@@ -133,7 +132,7 @@ pub(super) fn require_fit(codec: Option<Codec>, fps: f64, path: &Path) -> Result
     }
 }
 
-/// Refuses an output that has no room for alpha.
+/// Refuses a format without alpha.
 pub(super) fn require_alpha(output: &Output) -> Result<(), ExportError> {
     match output {
         Output::Path(path) if is_folder(path) || ends_in(path, &["webm", "mov", "mkv", "webp"]) => Ok(()),
@@ -144,13 +143,13 @@ pub(super) fn require_alpha(output: &Output) -> Result<(), ExportError> {
     }
 }
 
-/// How pictures with alpha are encoded: as browsers show them, as programs for cutting take them, and without loss.
+/// Encoding with alpha: VP9 for browsers, ProRes for editing programs, and lossless FFV1 for the rest.
 fn encode_alpha(path: &Path, quality: EncodingQuality) -> Vec<&'static str> {
-    // What is filled up is as transparent as what is around it.
+    // Padding is transparent too.
     let filter = ["-filter:v:0", TRANSPARENT_PICTURES];
     let codec: &[&str] = if ends_in(path, &["webm"]) {
         let rate = rate_factor(Some(Codec::Vp9), quality);
-        // The encoder refuses alpha together with frames that are hidden.
+        // The encoder refuses alpha together with hidden frames.
         &["-c:v:0", "libvpx-vp9", "-b:v:0", "0", "-row-mt", "1", "-auto-alt-ref", "0", "-crf:v:0", rate]
     } else if ends_in(path, &["mov"]) {
         &["-c:v:0", "prores_ks", "-profile:v:0", "4444", "-alpha_bits", "16"]
@@ -161,7 +160,7 @@ fn encode_alpha(path: &Path, quality: EncodingQuality) -> Vec<&'static str> {
     [codec, &filter, &["-pix_fmt:v:0", format]].concat()
 }
 
-/// What is said about the pictures and the sound of the video at `path`.
+/// ffmpeg's arguments for the frames and the sound of the video at `path`.
 pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
     let mut arguments: Vec<String> = Vec::new();
     let mut say = |words: &[&str]| arguments.extend(words.iter().map(|word| (*word).to_owned()));
@@ -176,7 +175,7 @@ pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
     } else {
         match codec {
             Some(Codec::H264) => say(&["-c:v:0", "libx264", "-profile:v:0", "high"]),
-            // Apple's players know it by this tag.
+            // Apple's players require this tag.
             Some(Codec::H265) => {
                 say(&["-c:v:0", "libx265", "-x265-params", "log-level=error"]);
                 if ends_in(path, &["mp4", "m4v", "mov"]) {
@@ -187,7 +186,7 @@ pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
             Some(Codec::Av1) => {
                 say(&["-c:v:0", "libaom-av1", "-b:v:0", "0", "-row-mt", "1", "-cpu-used", "6"])
             }
-            // As the ending of the file's name says.
+            // ffmpeg chooses by the file's extension.
             None => {}
         }
         say(&[
@@ -201,7 +200,7 @@ pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
     }
     say(COLORS.as_flattened());
     if ends_in(path, &["mp4", "m4v", "mov"]) {
-        // It can be shown while it is being fetched.
+        // Players can start before the download ends.
         say(&["-movflags", "+faststart"]);
         if request.sound {
             say(&["-c:a", "aac", "-b:a", "256k"]);
@@ -213,7 +212,7 @@ pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
     arguments
 }
 
-/// The constant rate factor: larger for fewer bytes. About the same of a picture is kept in one row.
+/// The constant rate factor: higher for fewer bytes. The values of one row have about the same quality.
 fn rate_factor(codec: Option<Codec>, quality: EncodingQuality) -> &'static str {
     let of = |[h264, h265, vp9, av1]: [&'static str; 4]| match codec {
         None | Some(Codec::H264) => h264,

@@ -1,36 +1,37 @@
-//! The seam of a loop: what follows its last picture fades into what its first pictures would have been.
+//! The seam of a loop: the frames after its end fade into its first frames.
 //!
-//! A loop of n pictures with a seam of m is drawn as n + m pictures of the song. The first m are put aside; at the end,
-//! the last m fade into them. So the loop begins with picture m, and ends with the one before it.
+//! A loop of n frames with a seam of m draws n + m frames of the song. The first m are stored; at the end, the last m
+//! fade into them. The loop therefore begins with frame m and ends at frame m - 1.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 
 use crate::export::error::ExportError;
 
-/// Passes pictures on, in the order of a loop.
+/// Reorders and mixes frames into a loop.
 pub(super) struct Seam {
-    /// The pictures that were put aside: on the disk, because they may be hundreds of megabytes.
+    /// The first frames, on disk, because they may be hundreds of megabytes.
     aside: File,
-    /// How many pictures the loop has, and how many of them its seam.
+    /// Number of frames of the loop.
     loop_frames: u64,
     seam_frames: u64,
     drawn: u64,
 }
 
 impl Seam {
-    /// A loop of that many pictures with a seam of so many, at most half of it.
+    /// A loop of `loop_frames` frames. The seam is at most half of it.
     pub(super) fn new(loop_frames: u64, seam_frames: u64) -> Result<Self, ExportError> {
         let aside = tempfile::tempfile().map_err(no_room)?;
         Ok(Self { aside, loop_frames, seam_frames: seam_frames.min(loop_frames / 2), drawn: 0 })
     }
 
-    /// How many pictures have to be drawn.
+    /// Number of frames to draw.
     pub(super) fn needed(&self) -> u64 {
         self.loop_frames + self.seam_frames
     }
 
-    /// Takes the next picture of the song; what comes next in the loop, if anything does already.
+    /// Takes the next frame of the song. Returns the next frame of the loop, or `None` while the first frames are
+    /// stored.
     pub(super) fn pass(&mut self, mut picture: Vec<u8>) -> Result<Option<Vec<u8>>, ExportError> {
         let index = self.drawn;
         self.drawn += 1;
@@ -61,13 +62,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_picture_of_a_loop_is_followed_by_its_first() {
+    fn the_last_frame_of_a_loop_is_followed_by_its_first() {
         let mut seam = Seam::new(8, 3).unwrap();
         assert_eq!(seam.needed(), 11);
-        // Each picture is its number, ten times.
+        // Each frame is filled with ten times its number.
         let passed: Vec<u8> =
             (0..11).filter_map(|index| Some(seam.pass(vec![10 * index; 4]).unwrap()?[0])).collect();
-        // 80, 90 and 100 fade into 0, 10 and 20, after which 30 follows.
+        // 80, 90 and 100 fade into 0, 10 and 20, which 30 follows.
         assert_eq!(passed, [30, 40, 50, 60, 70, 60, 50, 40]);
     }
 

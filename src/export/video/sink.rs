@@ -1,4 +1,4 @@
-//! Where the frames go, on a thread of its own: while a frame is encoded or written, the next one is drawn.
+//! Writes the frames of a video on a separate thread, so that the next frame is drawn meanwhile.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -12,23 +12,23 @@ use crate::export::output::{Output, write_standard};
 use crate::export::still::Pixels;
 use crate::y4m::{self, Chroma};
 
-/// Where the frames go.
+/// Destination of the frames.
 pub(super) enum Sink {
     /// Numbered PNGs.
     Stills { folder: PathBuf, size: (u32, u32), has_alpha: bool, written: u64 },
-    /// Whoever reads standard output.
+    /// A y4m stream on standard output.
     Standard,
-    /// ffmpeg.
+    /// A video file encoded by ffmpeg.
     Encoder { ffmpeg: Box<Encoder>, has_alpha: bool },
 }
 
-/// Whether an output is a folder, which is made if it is not there.
+/// True if the output is a folder or, by its final slash, will be one.
 pub(super) fn is_folder(path: &Path) -> bool {
     path.is_dir() || path.to_string_lossy().ends_with(['/', '\\'])
 }
 
 impl Sink {
-    /// Opens what the request names.
+    /// Opens the output of the request.
     pub(super) fn open(request: &VideoRequest) -> Result<Self, ExportError> {
         let path = match &request.output {
             Output::Standard => {
@@ -51,7 +51,7 @@ impl Sink {
         Ok(Self::Encoder { ffmpeg, has_alpha: request.alpha })
     }
 
-    /// Takes a frame of RGBA bytes; false if no more are wanted.
+    /// Writes a frame of RGBA bytes. Returns false if the reader has closed the output.
     fn take(&mut self, rgba: &[u8]) -> Result<bool, ExportError> {
         match self {
             Self::Stills { folder, size, has_alpha, written } => {
@@ -74,17 +74,16 @@ impl Sink {
     }
 }
 
-/// Frames that may wait for the thread. One is drawn and one is written besides.
+/// Frames that may wait for the thread, in addition to the one being drawn and the one being written.
 const WAITING_MAX: usize = 1;
 
-/// A [`Sink`] on its thread. If it is dropped before it is finished, the output is not put in its place.
+/// A [`Sink`] on its thread. If it is dropped before it is finished, the output is not replaced.
 pub(super) struct FrameWriter {
     frames: SyncSender<Vec<u8>>,
     thread: JoinHandle<Result<Sink, ExportError>>,
 }
 
 impl FrameWriter {
-    /// Starts the thread.
     pub(super) fn start(sink: Sink) -> Result<Self, ExportError> {
         let (frames, incoming) = sync_channel(WAITING_MAX);
         let work = move || write_all(sink, &incoming);
@@ -93,12 +92,12 @@ impl FrameWriter {
         Ok(Self { frames, thread })
     }
 
-    /// Hands on a frame; false if no more are wanted or something is wrong, which [`FrameWriter::finish`] tells.
+    /// Passes on a frame. Returns false if the output was closed or failed; [`FrameWriter::finish`] returns the error.
     pub(super) fn take(&self, rgba: Vec<u8>) -> bool {
         self.frames.send(rgba).is_ok()
     }
 
-    /// Waits until everything is written, and puts it in its place.
+    /// Waits until all frames are written, and moves the output to its path.
     pub(super) fn finish(self) -> Result<(), ExportError> {
         drop(self.frames);
         let sink = self.thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));

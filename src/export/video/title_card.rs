@@ -1,10 +1,10 @@
-//! The song's title and artist over the first seconds of a video.
+//! The song's title and artist, shown during the first seconds of a video.
 
 use crate::export::error::ExportError;
 use crate::view::caption::Caption;
 use mariana_player::song::{Song, display_name, one_line};
 
-/// How long it is seen, in seconds, and how long of that it comes and goes.
+/// Duration in seconds, and the part of it for fading in and out.
 const SEEN: f64 = 5.0;
 const FADE: f64 = 0.6;
 
@@ -12,7 +12,7 @@ const FADE: f64 = 0.6;
 pub(super) struct TitleCard(Caption);
 
 impl TitleCard {
-    /// That of a song; its name, if it tells no title.
+    /// The card of a song: title and artist, or the file's name if one of them is missing.
     pub(super) fn of(song: &Song, size: (u32, u32)) -> Result<Self, ExportError> {
         let decoder = song.open()?;
         let info = decoder.info();
@@ -22,7 +22,7 @@ impl TitleCard {
         }))
     }
 
-    /// Draws it over the picture that is shown `seconds` after the video's beginning.
+    /// Draws the card over the frame at `seconds` after the video's beginning.
     pub(super) fn draw_over(&self, rgba: &mut [u8], seconds: f64) {
         let strength = (seconds.min(SEEN - seconds) / FADE).clamp(0.0, 1.0);
         if strength > 0.0 {
