@@ -63,7 +63,6 @@ impl Lines {
         self.0.len() - 1
     }
 
-    /// The text for fidget.
     fn instructions(&self) -> String {
         let mut text = String::new();
         for (place, (name, operands, value)) in self.0.iter().enumerate() {

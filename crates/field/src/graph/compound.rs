@@ -17,17 +17,13 @@ use super::frame_inputs::FrameInputs;
 use super::node::{Node, NodeId};
 use super::op::{Op, Properties};
 
-/// Most parts of a compound.
 pub(crate) const PARTS_MAX: usize = 6;
 /// The first number of a compound.
 pub const FIRST_COMPOUND: u8 = 96;
 
-/// An operand of a part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Reads {
-    /// The first register.
     A,
-    /// The second register.
     B,
     /// The clause's number.
     C,
@@ -35,7 +31,6 @@ enum Reads {
     QuarterOverC,
     /// A constant of the compound itself.
     Always(f32),
-    /// The value of an earlier part.
     Part(usize),
 }
 
@@ -276,16 +271,13 @@ impl Compounds {
 /// A compound must save one clause of this many.
 const CLAUSES_PER_SAVED: usize = 40;
 
-/// The number of uses of each compound.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Uses {
     counts: [usize; 32],
-    /// All operators.
     pub(crate) operators: usize,
 }
 
 impl Uses {
-    /// Counts a clause.
     pub(crate) fn add(&mut self, compound: Option<Compound>) {
         self.operators += compound.map_or(1, Compound::operators);
         if let Some(compound) = compound {
@@ -298,10 +290,8 @@ impl Uses {
     }
 }
 
-/// An operand of an operation on a tape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Arg {
-    /// The value with this number.
     Value(u32),
     /// A number that is constant on the tape.
     Number(f32),
@@ -315,7 +305,6 @@ pub(crate) struct Operation {
     pub(crate) b: Arg,
 }
 
-/// The values of a tape.
 pub(crate) trait Values {
     /// The operation that computes a value; `None` for inputs and everything else that is no operator.
     fn operation(&self, value: u32) -> Option<Operation>;
@@ -323,7 +312,6 @@ pub(crate) trait Values {
     fn is_own(&self, value: u32) -> bool;
 }
 
-/// A compound in a tape.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Found {
     pub(crate) compound: Compound,
@@ -383,7 +371,6 @@ const BEFORE_LAST: [u32; 128] = {
     before
 };
 
-/// Adds a compound to the entry of an operator.
 const fn note(table: &mut [u32; 128], op: Op, compound: Compound) {
     table[op.number() as usize] |= compound.bit();
     // A sum with a negative number or product is stored as a difference, and the other way round.

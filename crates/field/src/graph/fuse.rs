@@ -65,7 +65,6 @@ impl Graph {
     }
 }
 
-/// A graph with the number of readers of its nodes.
 struct Fusing<'a> {
     graph: &'a Graph,
     /// The number of readers of each node: 0, 1, or 2 for several and for roots.

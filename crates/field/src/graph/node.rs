@@ -77,7 +77,6 @@ impl Input {
         matches!(self, Input::Sound(input) if input.is_of_song())
     }
 
-    /// A unique number for every input.
     const fn code(self) -> u32 {
         match self {
             Input::X => 0,

@@ -325,15 +325,18 @@ operators! {
         slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "table_band($a)";
-    /// The spectrum at a in 0..1, low to high, clamped; a cubic B-spline of the entries ([`TableData`](super::TableData)).
+    /// The spectrum at a in 0..1, low to high, clamped; a cubic B-spline of the entries
+    /// ([`TableData`](super::TableData)).
     Spectrum = 41 "SPECTRUM" READS_FRAME.and(EXPENSIVE),
-        value |a, _, frame| frame.spectrum.at(a, 0.0), bounds |a, _, frame| frame.spectrum.bounds(a, Interval::point(0.0)),
+        value |a, _, frame| frame.spectrum.at(a, 0.0),
+        bounds |a, _, frame| frame.spectrum.bounds(a, Interval::point(0.0)),
         slopes |a, _, _, frame| frame.spectrum.slopes(a, 0.0),
         slope_bounds |a, _, _, frame| frame.spectrum.slope_bounds(a, Interval::point(0.0)),
         glsl "table_spectrum($a)";
     /// The waveform at a in 0..1, old to new, clamped; a cubic B-spline of the entries.
     Waveform = 42 "WAVEFORM" READS_FRAME.and(EXPENSIVE),
-        value |a, _, frame| frame.waveform.at(a, 0.0), bounds |a, _, frame| frame.waveform.bounds(a, Interval::point(0.0)),
+        value |a, _, frame| frame.waveform.at(a, 0.0),
+        bounds |a, _, frame| frame.waveform.bounds(a, Interval::point(0.0)),
         slopes |a, _, _, frame| frame.waveform.slopes(a, 0.0),
         slope_bounds |a, _, _, frame| frame.waveform.slope_bounds(a, Interval::point(0.0)),
         glsl "table_waveform($a)";

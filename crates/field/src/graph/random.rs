@@ -38,13 +38,10 @@ pub(crate) const SPECIALS: [f32; 24] = [
 /// One step in building an expression: an operation and its operands, which are earlier steps.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Step {
-    /// A constant.
     Constant(f32),
-    /// An input by number.
     Input(u8),
     /// An operator by number, on earlier steps counted backwards from this one.
     Operator(u8, u16, u16),
-    /// A texture read.
     Texture(u16, u16),
 }
 
@@ -58,7 +55,6 @@ pub(crate) fn number() -> impl Strategy<Value = f32> {
     ]
 }
 
-/// The steps of an expression of at most `size` operators.
 pub(crate) fn steps(size: usize) -> impl Strategy<Value = Vec<Step>> {
     let step = prop_oneof![
         2 => number().prop_map(Step::Constant),
@@ -128,7 +124,6 @@ impl TextureReader for Stripes {
     }
 }
 
-/// A frame with sound.
 pub(crate) fn frame() -> FrameInputs {
     let wave = |count: usize, step: f32| (0..count).map(|i| (i as f32 * step).sin()).collect::<Vec<_>>();
     FrameInputs {
@@ -152,7 +147,6 @@ pub(crate) fn frame() -> FrameInputs {
     }
 }
 
-/// True if two values have equal bits, or are both NaN.
 pub(crate) fn same(a: f32, b: f32) -> bool {
     a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
 }

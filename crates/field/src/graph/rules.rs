@@ -17,7 +17,6 @@ const ANGLE_MAX: f32 = 1e5;
 /// MOD may overflow if an operand or the quotient exceeds this magnitude.
 const MODULO_MAX: f32 = 1e30;
 
-/// True if the value is 0 everywhere.
 #[inline(always)]
 pub(super) fn is_zero(a: Interval) -> bool {
     a.lo == 0.0 && a.hi == 0.0

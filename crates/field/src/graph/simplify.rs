@@ -23,7 +23,6 @@ impl Graph {
         }
     }
 
-    /// The operand of a negation.
     fn negated(&self, id: NodeId) -> Option<NodeId> {
         match self.node(id) {
             Node::Unary(Op::Neg, a) => Some(a),

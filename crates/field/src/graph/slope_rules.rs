@@ -21,7 +21,6 @@ pub(super) const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
 /// From 0 to infinity: the slopes near a vertical tangent.
 const NON_LIPSCHITZ: Interval = Interval { lo: 0.0, hi: f32::INFINITY };
 
-/// Slopes that are the same everywhere.
 #[inline(always)]
 pub(super) const fn constant(by_a: f32, by_b: f32) -> (Interval, Interval) {
     (Interval { lo: by_a, hi: by_a }, Interval { lo: by_b, hi: by_b })
@@ -42,7 +41,6 @@ fn meet(a: Interval, b: Interval) -> Interval {
     if both.is_any() { a } else { both }
 }
 
-/// The bounds of a non-increasing function.
 fn map_falling(a: Interval, f: impl Fn(f32) -> f32) -> Interval {
     Interval { lo: f(a.hi), hi: f(a.lo) }
 }

@@ -10,7 +10,6 @@ fn config() -> ProptestConfig {
     ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
 }
 
-/// Checks that the slopes at the points are in the bounds over the intervals.
 fn check(op: Op, a: Interval, b: Interval, points: &[(f32, f32)]) -> Result<(), String> {
     check_in(&frame(), op, a, b, points)
 }

@@ -31,7 +31,6 @@ pub struct TableData {
     derived: Option<Arc<Derived>>,
 }
 
-/// Data computed from the entries on first use.
 #[derive(Debug, Default)]
 struct Derived {
     pieces: OnceLock<Vec<Points>>,
@@ -95,7 +94,6 @@ fn mirrored(index: isize, count: usize) -> usize {
     if index <= last { index } else { (2 * last).saturating_sub(index) }
 }
 
-/// The four entries around the piece that begins at `first`.
 fn around(first: usize, count: usize) -> [usize; 4] {
     array::from_fn(|index| mirrored(first as isize + index as isize - 1, count))
 }
@@ -155,7 +153,6 @@ impl TableData {
         rows.map(move |row| &self.pieces()[mirrored(row, self.rows) * width..][..width])
     }
 
-    /// The Bézier points of every piece, row after row.
     fn pieces(&self) -> &[Points] {
         let Some((values, derived)) = self.values.as_ref().zip(self.derived.as_ref()) else { return &[] };
         derived.pieces.get_or_init(|| {

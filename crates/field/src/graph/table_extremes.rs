@@ -17,7 +17,6 @@ pub(super) struct TableExtremes {
     nodes: Vec<(f32, f32)>,
 }
 
-/// The bounds of an empty rectangle.
 const NONE: (f32, f32) = (f32::INFINITY, f32::NEG_INFINITY);
 
 fn hull(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
@@ -109,7 +108,8 @@ mod tests {
             let [a, b, c, d] = ends;
             let (left, right) = (a.min(b) % columns, a.max(b).min(columns - 1));
             let (upper, lower) = (c.min(d) % rows, c.max(d).min(rows - 1));
-            let found = TableExtremes::of(values.iter().map(|value| (*value, *value)), columns).within((left, right), (upper, lower));
+            let extremes = TableExtremes::of(values.iter().map(|value| (*value, *value)), columns);
+            let found = extremes.within((left, right), (upper, lower));
             let mut expected = Interval { lo: f32::INFINITY, hi: f32::NEG_INFINITY };
             for row in upper..=lower {
                 for &value in &values[row * columns + left..=row * columns + right] {

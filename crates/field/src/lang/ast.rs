@@ -6,7 +6,6 @@
 use super::source::Span;
 use super::symbol::Symbol;
 
-/// An expression of an [`Ast`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct ExprId(pub u32);
 
@@ -83,7 +82,6 @@ impl Ast {
         ExprId(self.nodes.len() as u32 - 1)
     }
 
-    /// Number of expressions.
     pub(super) fn len(&self) -> usize {
         self.nodes.len()
     }
@@ -112,7 +110,6 @@ pub(super) struct Name {
     pub span: Span,
 }
 
-/// The type of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Type {
     Number,
@@ -128,7 +125,6 @@ impl Type {
     pub(super) const ALL: [Self; 6] =
         [Self::Number, Self::Bool, Self::Vec2, Self::Vec3, Self::Vec4, Self::Texture];
 
-    /// The type's name in the language.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Number => "number",
@@ -167,7 +163,6 @@ pub(super) struct Function {
     pub body: ExprId,
 }
 
-/// The kinds of blocks with fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Section {
     Object,

@@ -4,12 +4,9 @@
 
 use crate::graph::{Input, Op, SoundInput};
 
-/// The meaning of an input's name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum InputValue {
-    /// One input.
     One(Input),
-    /// A vector of inputs.
     Many(&'static [Input]),
     Constant(f32),
 }
@@ -18,11 +15,9 @@ pub(super) enum InputValue {
 pub(super) mod uses {
     /// The point in space.
     pub(crate) const POINT: u8 = 1;
-    /// The surface's normal.
     pub(crate) const NORMAL: u8 = 2;
     /// The direction of a ray that hits nothing.
     pub(crate) const DIRECTION: u8 = 4;
-    /// Textures.
     pub(crate) const TEXTURE: u8 = 8;
     /// Time, sound and parameters.
     pub(crate) const FRAME: u8 = 16;
@@ -117,7 +112,6 @@ const fn named_sounds() -> usize {
     count
 }
 
-/// A function of three operands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Three {
     Mix,
@@ -125,14 +119,12 @@ pub(super) enum Three {
     Smoothstep,
 }
 
-/// A built-in function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Builtin {
     /// An operator on each component.
     Each(Op),
     /// An operator on the components of two vectors.
     Pair(Op),
-    /// An arc tangent of one or two arguments.
     Atan,
     /// Rounding of a number, or of a shape's edges.
     Round,
@@ -177,7 +169,6 @@ const fn each(name: &'static str, op: Op, doc: &'static str) -> BuiltinRow {
 
 use Builtin::{Atan, Band, Chroma, Construct, Dot, History, Length, Pair, Pow, Round, Table, Texture};
 
-/// Every built-in function.
 pub(super) const BUILTINS: &[BuiltinRow] = &[
     each("abs", Op::Abs, "the magnitude"),
     each("sign", Op::Sign, "-1, 0 or 1"),

@@ -84,7 +84,6 @@ pub(super) struct ChangingNumbers {
     depended_on: RefCell<BTreeSet<u16>>,
 }
 
-/// A number that was read as an input.
 pub(super) struct ChangingNumber {
     /// Its offset in the text.
     pub offset: u32,

@@ -98,11 +98,10 @@ pub enum MaterialRange {
     Fraction,
     /// A reflected colour: each part 0..1.
     Reflectance,
-    /// Emitted light: each part at least 0, and at most a value that a half float can represent well.
+    /// Emitted light: each part 0..1e6.
     Light,
 }
 
-/// One number, or a vector of three.
 pub(super) trait Parts<N> {
     fn take(numbers: &mut impl Iterator<Item = N>) -> Self;
     fn put(self, numbers: &mut Vec<N>);

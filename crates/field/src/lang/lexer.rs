@@ -297,11 +297,9 @@ impl Lexer<'_> {
     }
 }
 
-/// The kind of token that a byte begins.
 #[derive(Clone, Copy)]
 enum Begins {
     Blank,
-    /// The next line.
     Line,
     Name,
     Number,

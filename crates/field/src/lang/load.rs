@@ -7,7 +7,6 @@ use super::symbol::Interner;
 use super::{Resolver, lexer, parser, path};
 use crate::limits::Limits;
 
-/// The syntax tree of a scene's texts.
 pub(super) struct Loaded {
     pub ast: Ast,
     pub names: Interner,

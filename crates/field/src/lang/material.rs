@@ -8,7 +8,6 @@ use super::fields::DefaultValue::Each;
 use super::fields::{Holds, MaterialRange, section};
 use crate::limits::LIMITS;
 
-/// The inputs that a field may use.
 const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME | EYE;
 
 section! {

@@ -61,23 +61,19 @@ pub struct Origins {
     by_node: ByNode,
     /// The blocks of each object: the text apart from its shape, and the whole text.
     objects: Vec<Vec<(Stretch, Stretch)>>,
-    /// The blocks of each material.
     materials: Vec<Vec<Stretch>>,
     files: Vec<(u32, u32)>,
 }
 
 impl Origins {
-    /// The index of the next note.
     pub(super) fn mark(&self) -> u32 {
         self.notes.len() as u32
     }
 
-    /// The range of notes since a mark.
     pub(super) fn since(&self, from: u32) -> Stretch {
         Stretch { from, to: self.mark() }
     }
 
-    /// Records that an expression begins here.
     #[inline]
     pub(super) fn begins(&mut self, span: Span) {
         if self.notes.len() < NOTES_MAX {
@@ -121,7 +117,6 @@ impl Origins {
         }
     }
 
-    /// Records the block of the material with this number.
     pub(super) fn of_material(&mut self, material: usize, block: Stretch) {
         if self.materials.len() <= material {
             self.materials.resize_with(material + 1, Vec::new);
@@ -140,7 +135,6 @@ impl Origins {
         }
     }
 
-    /// Ends the recording.
     pub(super) fn finish(&mut self, sources: &Sources) {
         self.files = sources.extents().collect();
     }

@@ -14,7 +14,6 @@ impl Symbol {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Interner {
     text: String,
-    /// The end of each name in `text`.
     ends: Vec<u32>,
     /// Open addressing with linear probing. The number of slots is a power of two; at most half are taken.
     table: Vec<Place>,
@@ -63,7 +62,6 @@ impl Interner {
         Symbol(self.ends.len() as u32 - 1)
     }
 
-    /// The symbol of a known name.
     pub(super) fn get(&self, name: &str) -> Option<Symbol> {
         self.find(name, Key::of(name.as_bytes()))
     }

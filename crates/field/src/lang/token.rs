@@ -3,7 +3,6 @@
 use super::source::Span;
 use super::symbol::Symbol;
 
-/// The kind of a token.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Number,
@@ -43,7 +42,6 @@ pub(super) enum Kind {
     End,
 }
 
-/// A token of the source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Token {
     pub kind: Kind,
@@ -81,7 +79,6 @@ impl Token {
         f32::from_bits(self.symbol.0)
     }
 
-    /// True for a name that is not reserved.
     pub(super) fn is_name(self) -> bool {
         self.kind == Kind::Name && !self.is_reserved()
     }

@@ -70,7 +70,6 @@ impl Vector {
     }
 }
 
-/// The value of an expression.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Value {
     /// The value of an expression with a reported mistake, or of a function's unknown argument. It has every type.
@@ -100,7 +99,6 @@ impl Value {
         }
     }
 
-    /// The description in messages.
     pub(super) fn described(self) -> &'static str {
         self.type_of().map_or("a mistake", Type::described)
     }
