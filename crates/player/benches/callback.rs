@@ -1,4 +1,4 @@
-//! Time of the audio callback: one buffer of 1024 stereo frames, of which 21.3 ms pass at 48 kHz.
+//! The duration of the audio callback for one buffer of 1024 stereo frames, which lasts 21.3 ms at 48 kHz.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use mariana_player::output::{Controls, Counters, OutputCallback, OutputCallbackL
 
 const FRAMES: usize = 1024;
 
-/// A output_callback in the middle of a song, with enough in its ring for a few calls.
+/// An [`OutputCallback`] in the middle of a song, with frames for a few calls in its ring.
 fn playing(volume: f32) -> (OutputCallback, OutputCallbackLink) {
     let (mut output_callback, mut link) = OutputCallback::new(
         48_000,
@@ -20,7 +20,7 @@ fn playing(volume: f32) -> (OutputCallback, OutputCallbackLink) {
     let (mut ring, _, segment) = Segment::new(1, 4 * FRAMES);
     ring.push_entire_slice(&[[0.5, -0.25]; 4 * FRAMES]).unwrap_or_default();
     drop(link.offer(segment));
-    // Beyond the fade in.
+    // Past the fade in.
     output_callback.fill(&mut [0.0_f32; 2 * FRAMES], 2, Instant::now(), None);
     (output_callback, link)
 }

@@ -1,6 +1,6 @@
-//! Speed of decoding per format: three minutes of stereo at 44.1 kHz (Opus 48 kHz), from file to frames.
+//! The decoding speed per format: three minutes of stereo at 44.1 kHz (Opus 48 kHz), from file to frames.
 //!
-//! Elements are frames, so elements per second over the sample rate is "times real time".
+//! Elements are frames, so elements per second divided by the sample rate are multiples of real time.
 
 use std::path::Path;
 use std::process::Command;
@@ -11,7 +11,7 @@ use mariana_player::resample::Resampler;
 
 const SECONDS: u32 = 180;
 
-/// Something like music: chords, noise that swells four times a second, and different sides.
+/// Sound similar to music: chords, noise that swells four times a second, and different sides.
 const MUSIC: &str = "aevalsrc=\
     0.15*sin(345*t)+0.1*sin(1727*t)+0.08*sin(5180*t)+0.2*(random(0)-0.5)*exp(-8*mod(t\\,0.25))|\
     0.15*sin(459*t)+0.1*sin(2073*t)+0.08*sin(6911*t)+0.2*(random(1)-0.5)*exp(-6*mod(t\\,0.5)):s=44100";

@@ -1,15 +1,15 @@
-//! The song's clock through faults of devices, and what they cost, on a PulseAudio server of the benchmark's own. Needs
-//! `pulseaudio` and `pactl`.
+//! The song's clock during device faults, and their cost, on a separate PulseAudio server. Needs `pulseaudio` and
+//! `pactl`.
 //!
 //! ```text
-//! cargo bench --bench device_faults                 all below
-//! cargo bench --bench device_faults -- faults 200   outputs pulled out, changed and suspended, the server killed
+//! cargo bench --bench device_faults                 all of these
+//! cargo bench --bench device_faults -- faults 200   outputs unplugged, changed and suspended, the server killed
 //! cargo bench --bench device_faults -- flaps 300    one output lost and found: threads, files and memory
-//! cargo bench --bench device_faults -- only 300    the only output lost and found, silence between: the same
+//! cargo bench --bench device_faults -- only 300     the only output lost and found, with silence between
 //! cargo bench --bench device_faults -- stop         the process stopped for 5 s
 //! ```
 //!
-//! A thread asks for the position 60 times a second, as the window does, and compares each step with the time that passed.
+//! A thread reads the position 60 times a second, as the window does, and compares each step with the passed time.
 
 #![allow(clippy::expect_used, clippy::unwrap_used, missing_docs)]
 #![cfg(target_os = "linux")]
@@ -28,12 +28,12 @@ mod tone;
 use tone::Tone;
 
 const FRAME: Duration = Duration::from_nanos(16_666_667);
-/// A larger difference between two looks and the time between them is a step, in seconds.
+/// A larger difference between the clock's step and the passed time counts as a step, in seconds.
 const STEP: f64 = 0.05;
-/// How long each output of a flap is there, besides the time until it is noticed.
+/// The time for which each output of a flap plays after it was noticed, in seconds.
 const HEARD: Duration = Duration::from_millis(250);
 
-/// What was seen of the clock.
+/// Observations of the clock.
 #[derive(Default)]
 struct Seen {
     looks: u64,
@@ -41,13 +41,13 @@ struct Seen {
     steps: Vec<f64>,
     /// The longest time without a move of 1 ms.
     stillest: f64,
-    /// How far the position and the time have gone.
+    /// The progress of the position and of the time, in seconds.
     moved: f64,
     passed: f64,
     status: Option<PlayerStatus>,
 }
 
-/// Asks for the position until `done`.
+/// Reads the position until `done`.
 fn watch(player: &mut Player, seen: &Mutex<Seen>, done: &AtomicBool) {
     let begin = Instant::now();
     let from = player.now(0.0).song_time;
@@ -60,14 +60,14 @@ fn watch(player: &mut Player, seen: &Mutex<Seen>, done: &AtomicBool) {
         let (status, after) = (player.status(), Instant::now());
         let mut seen = seen.lock().unwrap();
         seen.looks += 1;
-        // The look is somewhere between.
+        // The read happens between these times.
         let (least, most) = ((before - at).as_secs_f64(), (after - at).as_secs_f64());
         let step = position - last;
         if step < 0.0 {
             seen.backward.push(step);
         }
         if least > 1.0 {
-            println!("  nobody looked for {least:.2} s; the position went {step:.3} s meanwhile");
+            println!("  no read for {least:.2} s; the position moved by {step:.3} s meanwhile");
         } else if step > most + STEP || step < least - STEP {
             seen.steps.push(step - least);
         }
@@ -81,9 +81,9 @@ fn watch(player: &mut Player, seen: &Mutex<Seen>, done: &AtomicBool) {
     }
 }
 
-/// Plays and looks while `act` goes on.
+/// Plays and reads the clock while `act` runs.
 fn during(act: impl FnOnce(&dyn Fn() -> Option<PlayerStatus>)) -> Seen {
-    let mut player = Player::start_alone(Box::new(Tone(0)), PlayerOptions::default()).expect("it starts");
+    let mut player = Player::start_alone(Box::new(Tone(0)), PlayerOptions::default()).expect("a player");
     wait_until("the sound", || player.status().position > 1.0);
     let (seen, done) = (Mutex::new(Seen::default()), AtomicBool::new(false));
     std::thread::scope(|scope| {
@@ -103,8 +103,8 @@ fn plays_on(status: Option<PlayerStatus>, name: &str) -> bool {
 fn report(what: &str, seen: &Seen) {
     let worst = |steps: &[f64]| steps.iter().fold(0.0_f64, |worst, step| worst.max(step.abs()));
     println!(
-        "{what}: {} looks, {} backward (at most {:.3} s), {} steps of more than 50 ms (at most {:.3} s), still for {:.3} s at \
-         most; the song went {:.2} s in {:.2} s",
+        "{what}: {} looks, {} backward (at most {:.3} s), {} steps of more than 50 ms (at most {:.3} s), stopped for {:.3} s at \
+         most; the song moved by {:.2} s in {:.2} s",
         seen.looks,
         seen.backward.len(),
         worst(&seen.backward),
@@ -190,10 +190,10 @@ fn flaps(count: usize) {
     report(&format!("{count} flaps"), &seen);
 }
 
-/// The server kills the stream of an output that goes when there is no other.
+/// Loses the only output repeatedly; the server then kills the output's stream.
 fn only(count: usize) {
     let session = Session::with_server();
-    // By name: every null sink there is.
+    // All null sinks, by the module's name.
     session.server().unplug("module-null-sink");
     let seen = during(|status| {
         for flap in 0..count {
@@ -217,7 +217,7 @@ fn stop() {
     let seen = during(|_| {
         let script = format!("sleep 1; kill -STOP {0}; sleep 5; kill -CONT {0}", std::process::id());
         let mut child = std::process::Command::new("sh").args(["-c", &script]).spawn().expect("a shell");
-        child.wait().expect("it ends");
+        child.wait().expect("an exit status");
         std::thread::sleep(Duration::from_secs(4));
     });
     report("stopped for 5 s", &seen);

@@ -1,16 +1,16 @@
-//! How late the picture is against the sound, on a PulseAudio server of the benchmark's own with a null sink. Needs
-//! `pulseaudio` and `pactl`.
+//! The delay of the image against the sound, on a separate PulseAudio server with a null sink. Needs `pulseaudio` and
+//! `pactl`.
 //!
 //! ```text
-//! cargo bench --bench latency              both below
+//! cargo bench --bench latency              live and file
 //! cargo bench --bench latency -- live      from a sample at the monitor to the first frame that shows it
-//! cargo bench --bench latency -- file      the picture's place in the song against what is heard at the monitor
-//! cargo bench --bench latency -- xruns 600 seconds of playing and listening, the processors loaded twice over
+//! cargo bench --bench latency -- file      the image's song time against the sound at the monitor
+//! cargo bench --bench latency -- xruns 600 seconds of playing and listening, with two busy threads per processor
 //! ```
 //!
-//! The sound's side is taken from the timestamps of streams of the benchmark's own, which know nothing of Mariana: bursts
-//! are played by one of them for `live`, and found by another in what the monitor records for `file`. The picture's side is
-//! a loop of 60 frames per second that asks as the window does.
+//! The times of the sound come from the timestamps of separate streams, which are independent of Mariana: for `live`,
+//! one of them plays bursts; for `file`, one of them finds the bursts in the monitor's recording. The times of the
+//! image come from a loop of 60 frames per second that reads the features as the window does.
 
 #![allow(clippy::expect_used, clippy::unwrap_used, missing_docs)]
 #![cfg(target_os = "linux")]
@@ -30,11 +30,11 @@ use mariana_testing::sound_session::Session;
 
 const RATE: u32 = 48_000;
 const FRAME: Duration = Duration::from_nanos(16_666_667);
-/// Bursts that are measured, and their length and mean distance, in frames.
+/// The number of bursts, their length and mean distance, in frames.
 const BURSTS: usize = 150;
 const BURST: u64 = 960;
 const DISTANCE: u64 = 24_000;
-/// Frames per call of the benchmark's own streams.
+/// Frames per call of the separate streams.
 const BUFFER: u32 = 256;
 
 fn host() -> cpal::Host {
@@ -47,12 +47,12 @@ fn config() -> cpal::StreamConfig {
     cpal::StreamConfig { channels: 1, sample_rate: RATE, buffer_size: cpal::BufferSize::Fixed(BUFFER) }
 }
 
-/// Where the n-th burst begins: at uneven places, so that it meets every phase of buffers, hops and frames.
+/// The start of the n-th burst. Distances are uneven, so that bursts meet every phase of buffers, hops and frames.
 fn burst_start(n: u64) -> u64 {
     RATE as u64 + n * DISTANCE + n * 7919 % 4801
 }
 
-/// The sample at `frame`: noise in bursts, else silence.
+/// The sample at `frame`: noise in bursts, silence otherwise.
 fn sample_at(frame: u64) -> f32 {
     let n = frame.saturating_sub(RATE as u64) / DISTANCE;
     let inside = |n: u64| (burst_start(n)..burst_start(n) + BURST).contains(&frame);
@@ -64,7 +64,7 @@ fn sample_at(frame: u64) -> f32 {
     }
 }
 
-/// Plays bursts, and tells when each is heard by the stream's timestamps.
+/// Plays bursts, and sends the time at which each is heard by the stream's timestamps.
 fn play_bursts() -> (cpal::Stream, Receiver<Instant>) {
     let (heard, bursts) = channel();
     let (mut frame, mut n) = (0_u64, 0_u64);
@@ -82,12 +82,12 @@ fn play_bursts() -> (cpal::Stream, Receiver<Instant>) {
         }
     };
     let device = host().default_output_device().expect("an output");
-    let stream = device.build_output_stream(config(), callback, |_| {}, None).expect("it plays");
-    stream.play().expect("it plays");
+    let stream = device.build_output_stream(config(), callback, |_| {}, None).expect("an output stream");
+    stream.play().expect("a running stream");
     (stream, bursts)
 }
 
-/// Listens to the monitor, and tells when each burst came there by the stream's timestamps.
+/// Records the monitor, and sends the time at which each burst arrived by the stream's timestamps.
 fn find_bursts() -> (cpal::Stream, Receiver<Instant>) {
     let (found, bursts) = channel();
     let mut quiet = 0_u64;
@@ -114,12 +114,12 @@ fn find_bursts() -> (cpal::Stream, Receiver<Instant>) {
     let stream = device
         .expect("the monitor")
         .build_input_stream(config(), callback, |_| {}, None)
-        .expect("it listens");
-    stream.play().expect("it listens");
+        .expect("an input stream");
+    stream.play().expect("a running stream");
     (stream, bursts)
 }
 
-/// Calls `look` at the beginning of each frame until it returns false.
+/// Calls `look` at the start of each frame until it returns false.
 fn each_frame(mut look: impl FnMut(Instant) -> bool) {
     let mut due = Instant::now();
     loop {
@@ -132,7 +132,7 @@ fn each_frame(mut look: impl FnMut(Instant) -> bool) {
 }
 
 fn report(what: &str, mut milliseconds: Vec<f64>) {
-    assert!(milliseconds.len() > 10, "only {} bursts were met", milliseconds.len());
+    assert!(milliseconds.len() > 10, "only {} bursts were found", milliseconds.len());
     milliseconds.sort_by(f64::total_cmp);
     let at = |part: f64| milliseconds[((milliseconds.len() - 1) as f64 * part).round() as usize];
     println!(
@@ -150,10 +150,11 @@ fn milliseconds_after(later: Instant, sooner: Instant) -> f64 {
     if later >= sooner { (later - sooner).as_secs_f64() * 1e3 } else { -(sooner - later).as_secs_f64() * 1e3 }
 }
 
-/// From a sample that is heard on the output, and so at its monitor, to the begin of the first frame that shows it.
+/// Measures the time from an audible sample to the start of the first frame that shows it.
 fn live() {
     let _session = Session::with_server();
-    let mut live = Live::start(LiveOptions { target: Target::Monitor, gain: Gain::Auto }).expect("it starts");
+    let mut live =
+        Live::start(LiveOptions { target: Target::Monitor, gain: Gain::Auto }).expect("a live input");
     wait_until("the monitor", || live.status().device.is_some());
     let (_stream, bursts) = play_bursts();
     let (mut shown, mut heard) = (Vec::new(), Vec::new());
@@ -175,9 +176,9 @@ fn live() {
             Some(milliseconds_after(*shown.iter().find(near)?, *heard))
         })
         .collect();
-    report("live: from heard to the begin of the first frame that shows it", late);
+    report("live: from audible to the start of the first frame with it", late);
     let status = live.status();
-    println!("      {} frames lost, buffers {:.1} ms old when they come", status.lost, 1e3 * status.age);
+    println!("      {} frames lost, buffers {:.1} ms old on arrival", status.lost, 1e3 * status.age);
 }
 
 /// The bursts as a song.
@@ -204,11 +205,11 @@ impl FrameSource for Song {
     }
 }
 
-/// Where the picture is in the song at the moment at which a burst is at the monitor, against where the burst is.
+/// Measures the image's song time against the burst's at the moment of each burst at the monitor.
 fn file() {
     let _session = Session::with_server();
     let (_stream, bursts) = find_bursts();
-    let mut player = Player::start_alone(Box::new(Song(0)), PlayerOptions::default()).expect("it starts");
+    let mut player = Player::start_alone(Box::new(Song(0)), PlayerOptions::default()).expect("a player");
     let (mut pictures, mut heard): (Vec<(Instant, f64)>, Vec<Instant>) = (Vec::new(), Vec::new());
     each_frame(|now| {
         pictures.push((now, player.now(0.0).song_time));
@@ -225,16 +226,17 @@ fn file() {
             Some((picture - burst_start(n) as f64 / f64::from(RATE)) * 1e3)
         })
         .collect();
-    report("file: the picture ahead of the sound at the monitor", errors.clone());
-    report("file: the same without its sign", errors.into_iter().map(f64::abs).collect());
+    report("file: lead of the image over the sound at the monitor", errors.clone());
+    report("file: absolute value of the same", errors.into_iter().map(f64::abs).collect());
     println!("      {} underruns", player.status().underruns);
 }
 
-/// Plays and listens with twice as many busy threads as processors.
+/// Plays and listens with two busy threads per processor.
 fn xruns(seconds: u64) {
     let _session = Session::with_server();
-    let mut player = Player::start_alone(Box::new(Song(0)), PlayerOptions::default()).expect("it starts");
-    let mut live = Live::start(LiveOptions { target: Target::Monitor, gain: Gain::Auto }).expect("it starts");
+    let mut player = Player::start_alone(Box::new(Song(0)), PlayerOptions::default()).expect("a player");
+    let mut live =
+        Live::start(LiveOptions { target: Target::Monitor, gain: Gain::Auto }).expect("a live input");
     wait_until("the monitor", || live.status().device.is_some() && player.status().device.is_some());
     let stop = Arc::new(AtomicBool::new(false));
     let count = 2 * std::thread::available_parallelism().map_or(2, usize::from);
@@ -251,7 +253,7 @@ fn xruns(seconds: u64) {
         start.elapsed() < Duration::from_secs(seconds)
     });
     stop.store(true, Ordering::Relaxed);
-    busy.into_iter().for_each(|thread| thread.join().expect("it spins"));
+    busy.into_iter().for_each(|thread| thread.join().expect("a busy thread"));
     let status = player.status();
     println!(
         "xruns: {seconds} s, {count} busy threads: {} underruns, {} input frames lost, {} callbacks, 99.9 % of them below {:.0} % of \

@@ -1,6 +1,6 @@
-//! How long it takes to know a whole song: four minutes of mp3, decoded and listened to on one core.
+//! The time for analysing a whole song: four minutes of mp3, decoded and analysed on one core.
 //!
-//! The song has sections: what is looked for is there.
+//! The song has sections, so that the analysis has something to find.
 
 use std::process::Command;
 
@@ -9,7 +9,7 @@ use mariana_music::{SongListener, SongStructure};
 use mariana_player::decode::Decoder;
 use mariana_player::source::FrameSource;
 
-/// Two chords by turns, and drums of which half a minute has more and half a minute less.
+/// Two alternating chords, and drums that change their level every half minute.
 const MUSIC: &str = "aevalsrc=\
     (0.3+0.5*gt(mod(t\\,60)\\,30))*(0.5*(random(0)-0.5)*exp(-20*mod(t\\,0.5))+0.4*sin(345*mod(t\\,0.5))*exp(-9*mod(t\\,0.5)))+\
     0.12*sin((1382+345*gt(mod(t\\,8)\\,4))*t)+0.1*sin((1742+435*gt(mod(t\\,8)\\,4))*t):s=44100:d=240";
@@ -36,7 +36,7 @@ fn reading_ahead(criterion: &mut Criterion) {
     let run = encode.args(["-ac", "2", "-c:a", "libmp3lame", "-b:a", "192k"]).arg(&path).status();
     assert!(run.is_ok_and(|status| status.success()), "install ffmpeg with libmp3lame");
     let structure = known(&path);
-    assert!(structure.beats.len() > 300 && structure.sections.len() > 3, "nothing was heard");
+    assert!(structure.beats.len() > 300 && structure.sections.len() > 3, "no structure was found");
     let mut group = criterion.benchmark_group("song");
     group.sample_size(10);
     group.bench_function("4 minutes of mp3 are known", |bencher| bencher.iter(|| known(&path)));

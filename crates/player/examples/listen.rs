@@ -1,4 +1,4 @@
-//! Plays a file and prints how it sounds: `cargo run -p mariana-player --example listen -- song.flac`.
+//! Plays a file and prints its bass level: `cargo run -p mariana-player --example listen -- song.flac`.
 
 use std::error::Error;
 use std::time::Duration;

@@ -1,7 +1,7 @@
-//! What the frames that were handed out stand for: song time and features, by segment.
+//! Song times and features of the delivered frames, by segment.
 //!
-//! The decoding and the analysis thread write it, the window reads it; each holds it only briefly, and the callback
-//! never touches it.
+//! The decoding and the analysis thread write them, and the window reads them. Each holds the lock only briefly; the
+//! callback never touches it.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -11,17 +11,16 @@ use super::track::TrackInfo;
 use crate::limits::LIMITS;
 use mariana_music::{FeatureTrack, Features, Sound, TimedFeatures};
 
-/// Segments remembered: the newest and those that may still sound behind it.
+/// Segments kept: the newest and the older ones that may still be audible.
 const SEGMENTS_KEPT: usize = 8;
 
-/// Passages of a segment remembered, however short they are: more would only cost memory.
+/// Passages kept per segment, however short they are; more would only cost memory.
 const PASSAGES_KEPT: usize = 8;
 
-/// What a passage's track of features holds beyond the largest delay of the picture, in seconds: the ring and a
-/// reserve.
+/// Seconds of features that a passage keeps beyond the largest delay of the image: the ring and a reserve.
 const TRACK_RESERVE: f64 = 2.0;
 
-/// From this time of the segment on, the song runs from this time.
+/// A pair of equal times: the song runs from `song_time` at `segment_time`.
 #[derive(Debug, Clone, Copy)]
 struct Anchor {
     segment_time: f64,
@@ -29,44 +28,44 @@ struct Anchor {
     lap: u32,
 }
 
-/// A track within a segment, with its laps: what is analysed in one run.
+/// A track within a segment, including its repetitions: one run of the analysis.
 struct Passage {
     id: u64,
     track: Arc<TrackInfo>,
-    /// Time of the segment at which it begins.
+    /// The segment time at which the passage begins.
     segment_time: f64,
-    /// Time of the track at that point; the features count from there and go on over laps.
+    /// The track time at that point. The features' time counts from there and continues over laps.
     start: f64,
-    /// Never empty; in order of time.
+    /// Ordered by time, never empty.
     anchors: VecDeque<Anchor>,
     features: FeatureTrack,
 }
 
 struct SegmentNotes {
     id: u64,
-    /// Segments with the same number follow each other without a seek or a skip.
+    /// Segments with the same number are separated by neither a seek nor a skip.
     run: u64,
-    /// Frames per second of the device that the segment was made for.
+    /// The device's frames per second.
     rate: u32,
-    /// Never empty; in order of time.
+    /// Ordered by time, never empty.
     passages: VecDeque<Passage>,
-    /// How often something began anew within the segment.
+    /// The number of track starts within the segment.
     laps: u32,
     end_frame: Option<u64>,
 }
 
-/// A place in a track.
+/// A position in a track.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SongPlace {
     /// Seconds since the track's start.
     pub song_time: f64,
-    /// How often a track has begun earlier within the segment.
+    /// The number of earlier track starts within the segment.
     pub lap: u32,
-    /// The passage that it is in.
+    /// The passage that contains the position.
     pub passage: u64,
-    /// The number of its track ([`TrackInfo::id`]).
+    /// The track's id ([`TrackInfo::id`]).
     pub track: u64,
-    /// The features of that place.
+    /// The features at the position.
     pub features: Features,
 }
 
@@ -74,24 +73,24 @@ pub struct SongPlace {
 #[derive(Default)]
 pub struct AudibleSegments {
     segments: VecDeque<SegmentNotes>,
-    /// What follows the track that is decoded, once it is open.
+    /// The track that follows the one being decoded, once it is open.
     next: Option<Arc<TrackInfo>>,
 }
 
-/// A [`AudibleSegments`] shared by threads.
+/// [`AudibleSegments`] for several threads.
 #[derive(Clone, Default)]
 pub struct SharedAudibleSegments(Arc<Mutex<AudibleSegments>>);
 
 impl SharedAudibleSegments {
-    /// Locks the timeline, for moments only. A thread that failed while it held the timeline leaves it usable.
+    /// Locks the segments, for a short time only. A thread that panicked while it held the lock leaves them usable.
     pub fn lock(&self) -> MutexGuard<'_, AudibleSegments> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl AudibleSegments {
-    /// Adds segment `id` for a device of `rate` frames per second. It begins with passage `passage`, which is `track`
-    /// from `start` seconds on. `run` is that of the segment before if only the device changed.
+    /// Adds segment `id` for a device of `rate` frames per second. It begins with passage `passage`: `track` from
+    /// `start` seconds on. If only the device changed, `run` equals that of the previous segment.
     pub fn begin(&mut self, id: u64, run: u64, rate: u32, passage: u64, start: f64, track: Arc<TrackInfo>) {
         if self.segments.len() == SEGMENTS_KEPT {
             self.segments.pop_front();
@@ -107,12 +106,12 @@ impl AudibleSegments {
         });
     }
 
-    /// Forgets a segment that was never handed out.
+    /// Removes a segment that was never handed over.
     pub fn discard(&mut self, id: u64) {
         self.segments.retain(|segment| segment.id != id);
     }
 
-    /// Corrects the track time at which a passage begins (the track was shorter than was thought).
+    /// Corrects the track time at which a passage begins, because the track was shorter than stated.
     pub fn set_start(&mut self, passage: u64, start: f64) {
         let Some(passage) = self.passage_mut(passage) else { return };
         passage.start = start;
@@ -121,8 +120,8 @@ impl AudibleSegments {
         }
     }
 
-    /// Notes that at `segment_time` (seconds since the segment's start) the track begins anew. `played` is the
-    /// segment time that is certainly past: whatever lies before it is forgotten.
+    /// Records that the track starts again at `segment_time` (seconds since the segment's start). Anchors before
+    /// `played`, a segment time that is certainly past, are dropped.
     pub fn begin_lap(&mut self, id: u64, segment_time: f64, played: f64) {
         let Some(segment) = self.find_mut(id) else { return };
         segment.laps = segment.laps.wrapping_add(1);
@@ -134,7 +133,7 @@ impl AudibleSegments {
         }
     }
 
-    /// Notes that at `segment_time` another track begins, as passage `passage`. See [`AudibleSegments::begin_lap`].
+    /// Records that another track begins at `segment_time`, as passage `passage`. See [`AudibleSegments::begin_lap`].
     pub fn begin_track(
         &mut self,
         id: u64,
@@ -154,38 +153,37 @@ impl AudibleSegments {
         }
     }
 
-    /// Notes that the segment has `end_frame` frames and no more will come.
+    /// Records that the segment is complete and has `end_frame` frames.
     pub fn finish(&mut self, id: u64, end_frame: u64) {
         if let Some(segment) = self.find_mut(id) {
             segment.end_frame = Some(end_frame);
         }
     }
 
-    /// Whether the features of a segment's first moment are known.
+    /// True if the features of the segment's first moment are known.
     pub fn has_begun(&self, id: u64) -> bool {
         let first = self.find(id).and_then(|segment| segment.passages.front());
         first.is_some_and(|passage| passage.features.span().is_some_and(|(_, last)| last >= passage.start))
     }
 
-    /// Adds the features of a moment of a passage; its time counts from the track's start and goes on over laps.
+    /// Adds the features of a moment of a passage. Its time counts from the track's start and continues over laps.
     pub fn push_features(&mut self, passage: u64, moment: &TimedFeatures) {
         if let Some(passage) = self.passage_mut(passage) {
             passage.features.push(moment);
         }
     }
 
-    /// Notes what follows the track that is decoded, if that is known and another one.
+    /// Sets the track that follows the one being decoded; `None` if it is unknown or the same.
     pub fn set_next(&mut self, next: Option<Arc<TrackInfo>>) {
         self.next = next;
     }
 
-    /// What was noted last.
+    /// The track that follows the one being decoded, if it is known and different.
     pub fn next(&self) -> Option<Arc<TrackInfo>> {
         self.next.clone()
     }
 
-    /// Where `audible` is in its track, `ahead` seconds later (never after the segment's end). None for a segment
-    /// that is not remembered.
+    /// The position `ahead` seconds after `audible`, at most the segment's end. `None` if the segment is not kept.
     pub fn place(&self, audible: Audible, ahead: f64) -> Option<SongPlace> {
         let (passage, time) = self.passage_at(audible, ahead)?;
         let index = passage.anchors.partition_point(|anchor| anchor.segment_time <= time).saturating_sub(1);
@@ -199,8 +197,8 @@ impl AudibleSegments {
         })
     }
 
-    /// The frame of segment `to` that is at the same time of the same track as `from`, negative before that segment's
-    /// start. None if there was a seek, a skip or another track between them.
+    /// The frame of segment `to` at the same track time as `from`, negative before that segment's start. `None` if a
+    /// seek, a skip or another track separates them.
     pub fn carry(&self, from: Audible, to: u64) -> Option<f64> {
         let (passage, _) = self.passage_at(from, 0.0)?;
         let (before, after) = (self.find(from.segment)?, self.find(to)?);
@@ -212,12 +210,12 @@ impl AudibleSegments {
         Some((time - anchor.song_time + anchor.segment_time) * f64::from(after.rate))
     }
 
-    /// The track that `audible` is in.
+    /// The track that contains `audible`.
     pub fn track(&self, audible: Audible) -> Option<Arc<TrackInfo>> {
         Some(self.passage_at(audible, 0.0)?.0.track.clone())
     }
 
-    /// The passage that is audible `ahead` seconds after `audible`, and the segment time at that point.
+    /// The passage `ahead` seconds after `audible`, and its segment time.
     fn passage_at(&self, audible: Audible, ahead: f64) -> Option<(&Passage, f64)> {
         let segment = self.find(audible.segment)?;
         let rate = f64::from(segment.rate);
@@ -228,13 +226,13 @@ impl AudibleSegments {
         Some((passages.get(index)?, time))
     }
 
-    /// The sound of the same place, with its tables.
+    /// The sound, with its tables, `ahead` seconds after `audible`.
     pub fn sound(&self, audible: Audible, ahead: f64) -> Option<Sound> {
         let (passage, time) = self.passage_at(audible, ahead)?;
         Some(passage.features.sound_at(passage.start + time - passage.segment_time))
     }
 
-    /// Whether `audible` is the end of a segment that nothing follows.
+    /// True if `audible` is the end of the newest segment.
     pub fn is_end(&self, audible: Audible) -> bool {
         let newest = self.segments.back();
         newest.is_some_and(|segment| {
@@ -269,7 +267,7 @@ mod tests {
     use super::*;
     use crate::track::Track;
 
-    /// Begins a segment with a track of its own, under the segment's number.
+    /// Begins a segment whose id is also its passage, run and track number.
     fn begin(audible_segments: &mut AudibleSegments, id: u64, rate: u32, start: f64) {
         audible_segments.begin(id, id, rate, id, start, Track::silence(id as usize, 9).info);
     }
@@ -283,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn laps_and_seeks_are_told_apart() {
+    fn laps_and_seeks_are_distinguished() {
         let mut audible_segments = AudibleSegments::default();
         begin(&mut audible_segments, 1, 100, 7.0);
         audible_segments.begin_lap(1, 3.0, 0.0);
@@ -320,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_past_is_forgotten_and_the_end_is_known() {
+    fn past_anchors_are_dropped_and_the_end_is_known() {
         let mut audible_segments = AudibleSegments::default();
         begin(&mut audible_segments, 1, 100, 0.0);
         (1..1000).for_each(|n| audible_segments.begin_lap(1, f64::from(n), f64::from(n) - 2.0));
@@ -342,7 +340,7 @@ mod tests {
             let features = Features { volume: [volume; 2], ..Features::default() };
             TimedFeatures::new(time, (100.0 * time) as u64, features)
         };
-        // The analysis comes after the decoding: late features of the first track stay with it.
+        // The analysis runs after the decoding: late features of the first track belong to the first track.
         audible_segments.push_features(1, &moment(19.0, 0.25));
         audible_segments.push_features(2, &moment(0.0, 0.5));
         audible_segments.push_features(1, &moment(20.0, 0.75));

@@ -1,94 +1,95 @@
-//! The clock of the sound: which frame is audible at a moment.
+//! The playback clock: maps moments to audible frames.
 //!
-//! The callback writes one [`Span`] per stretch of its buffer: which frames of which segment it handed out, and when
-//! the first of them becomes audible (callback time + latency, by the device's timestamps). The last [`SPANS_KEPT`]
-//! spans stay readable. Writing is wait-free; a reader that meets a slot being overwritten looks again. A slot is a
-//! sequence lock: its version is odd while it is being written, and also identifies the span it holds.
+//! The callback writes one [`Span`] per stretch of its buffer: which frames of which segment it delivered, and when the
+//! first of them becomes audible (callback time + latency, by the device's timestamps). The last [`SPANS_KEPT`] spans
+//! stay readable. Writing is wait-free. A slot is a sequence lock: its version is odd while it is being written, and
+//! also identifies the span that it holds. A reader that finds a slot half written tries again.
 //!
-//! Timestamps of devices jitter by milliseconds. Because the device plays at a steady rate, the writer follows them
-//! with a first-order loop (a delay-locked loop without its second integrator; F. Adriaensen, "Using a DLL to filter
-//! time", 2005) and jumps only where they are far off.
+//! Device timestamps jitter by milliseconds. Because the device plays at a steady rate, the writer follows them with a
+//! first-order loop (a delay-locked loop without its second integrator; F. Adriaensen, "Using a DLL to filter time",
+//! 2005). It jumps only if the deviation is large.
 //!
-//! **The song runs on, whatever devices do.** A [`Clock`] says where it is:
-//! - While spans say what is audible, the song is there.
-//! - A device that falls silent in the middle of moving frames takes no time away: the song goes on at its pace until
-//!   another output sounds. That output is given the time at which its first frame must be audible so that the song
-//!   is where it would be anyway ([`super::output::Segment::due_at`]); frames that come too late are dropped.
-//! - The reported place never steps. Where it differs from what is heard (a device that went on after a pause of its
-//!   own, another latency), the clock runs at [`SLOWEST`] to [`FASTEST`] of its pace until both agree.
-//! - Only a seek, a skip or another track moves the place at once; a pause and an underrun hold it still.
-//! - If nobody looked for [`AWAY_MAX`] and no device called, the process stood still, and so did the song.
+//! **The song continues through device faults.** A [`Clock`] computes its position:
+//! - While spans cover the moment, they give the position.
+//! - If a device falls silent while frames are moving, the song continues at its normal pace until another output
+//!   sounds. That output receives the time at which its first frame is due ([`super::output::Segment::due_at`]) and
+//!   drops frames that are already late.
+//! - The reported position never steps. If it differs from the audible one (a device resumed after a pause, or the
+//!   latency changed), the clock runs at [`SLOWEST`] to [`FASTEST`] times its pace until both agree.
+//! - Only a seek, a skip or another track moves the position at once. A pause or an underrun holds it.
+//! - If no reader looked and no device called for [`AWAY_MAX`], the process was suspended, and the song stood still
+//!   with it.
 //!
-//! All times are those of the monotonic clock: the time of day does not matter.
+//! All times are those of the monotonic clock.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering, fence};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-/// How many spans stay readable: at least 5 s at 512 frames of 48 kHz per callback.
+/// Spans that stay readable: at least 5 s at 512 frames of 48 kHz per callback.
 const SPANS_KEPT: usize = 512;
 
-/// Share of the deviation between expected and reported time that each callback corrects.
+/// Fraction of the deviation between expected and reported time that each callback corrects.
 const FOLLOW: f64 = 0.1;
 
-/// A larger deviation than this is taken at once, in nanoseconds.
+/// The clock jumps to the reported time at larger deviations than this, in nanoseconds.
 const JUMP_NS: f64 = 30e6;
 
 const NS_PER_SECOND: f64 = 1e9;
 
-/// The slowest pace of a clock that is ahead of what is heard.
+/// The slowest pace of a clock that is ahead of the audible sound.
 const SLOWEST: f64 = 0.8;
 
-/// The fastest pace of a clock that is behind what is heard.
+/// The fastest pace of a clock that is behind the audible sound.
 const FASTEST: f64 = 1.2;
 
-/// If there is more time than this between two looks at a clock, in seconds, the process may have been stopped. Then
-/// only what was handed to a device meanwhile counts.
+/// After a longer time than this between two reads, in seconds, the process may have been suspended. Then only frames
+/// that were delivered to a device meanwhile count.
 const AWAY_MAX: f64 = 0.5;
 
-/// A clock that is further ahead of what is heard than this, in seconds, waits for it: a device that stalls again and
-/// again must not let the clock run away from the sound.
+/// A clock that is further ahead of the audible sound than this, in seconds, waits for it. Otherwise a device that
+/// stalls repeatedly would let the clock run away from the sound.
 const AHEAD_MAX: f64 = 1.5;
 
-/// If two segments report places further apart than this, in seconds, the clock jumps instead of closing the gap
+/// If two segments report positions further apart than this, in seconds, the clock jumps instead of closing the gap
 /// gradually.
 const APART_MAX: f64 = 3.0;
 
-/// No frame was handed out yet.
+/// The value of `first_frame` before any frame was delivered.
 const NEVER: u64 = u64::MAX;
 
-/// A stretch of sound that was handed to the device.
+/// A stretch of sound that was delivered to the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Span {
-    /// When its first frame is audible, in nanoseconds since the history's epoch.
+    /// The time at which its first frame is audible, in nanoseconds since the history's epoch.
     pub start_ns: u64,
-    /// The segment it belongs to.
+    /// The segment that it belongs to.
     pub segment: u64,
-    /// Index of its first frame within the segment.
+    /// The index of its first frame within the segment.
     pub frame: u64,
-    /// Its length in frames of the device.
+    /// Its length in device frames.
     pub frames: u32,
-    /// False while the segment stands still (paused, starved, ended): then every moment of it is at `frame`.
+    /// False while the segment is paused, starved or ended: `frame` is then audible throughout.
     pub moving: bool,
 }
 
-/// A place in the sound.
+/// An audible position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Audible {
-    /// The segment.
+    /// The segment's number.
     pub segment: u64,
-    /// Frames (of the device's rate) since the segment's start.
+    /// Device frames since the segment's start.
     pub frame: f64,
 }
 
-/// Where a song is at a moment, if it runs on in time.
+/// The song's position at a moment if it continues in real time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Course {
-    /// The place.
+    /// The position.
     pub audible: Audible,
-    /// Whether it moves: it is not paused, starved or at its end.
+    /// True unless the song is paused, starved or at its end.
     pub moving: bool,
-    /// How many frames of it were not handed out to any device.
+    /// Frames up to this position that no device received.
     beyond: f64,
 }
 
@@ -98,13 +99,13 @@ struct Slot {
     start_ns: AtomicU64,
     segment: AtomicU64,
     frame: AtomicU64,
-    /// Frames, and in bit 32 whether they move.
+    /// The number of frames; bit 32 is set if they move.
     shape: AtomicU64,
 }
 
 const MOVING: u64 = 1 << 32;
 
-/// What the callback handed out recently, readable from any thread without a lock.
+/// The spans that the callback wrote recently, readable from any thread without a lock.
 pub struct SpanHistory {
     epoch: Instant,
     rate: u32,
@@ -112,16 +113,16 @@ pub struct SpanHistory {
     slots: Box<[Slot]>,
     written: AtomicU64,
     calls: AtomicU64,
-    /// Segment and frame of its first span; the frame is written last.
+    /// The segment and frame of the first span; the frame is written last.
     first_segment: AtomicU64,
     first_frame: AtomicU64,
-    /// Frames in spans that move.
+    /// The number of frames in moving spans.
     moved: AtomicU64,
     silent: AtomicBool,
 }
 
 impl SpanHistory {
-    /// An empty history of a device with `rate` frames per second, and its only writer.
+    /// Creates an empty history for a device with `rate` frames per second, and its only writer.
     pub fn new(rate: u32) -> (SpanWriter, Arc<Self>) {
         let slots = (0..SPANS_KEPT).map(|_| Slot::default()).collect();
         let history = Arc::new(Self {
@@ -139,59 +140,59 @@ impl SpanHistory {
         (SpanWriter { history: history.clone(), next_start_ns: None }, history)
     }
 
-    /// Frames per second of the device.
+    /// The device's frames per second.
     pub fn rate(&self) -> u32 {
         self.rate
     }
 
-    /// How often the callback was called: its sign of life.
+    /// The number of callback calls, which shows that the device is alive.
     pub fn calls(&self) -> u64 {
         self.calls.load(Ordering::Relaxed)
     }
 
-    /// Names the device that plays what is handed out. Only the first call counts.
+    /// Sets the id of the device that plays these frames. Only the first call has an effect.
     pub fn set_device(&self, id: &str) {
-        // A second name is ignored: a history belongs to one stream.
+        // A second id is ignored: a history belongs to one stream.
         let _ = self.device.set(id.into());
     }
 
-    /// The id of the device that plays what is handed out.
+    /// The id of the device that plays these frames.
     pub fn device(&self) -> Option<&str> {
         self.device.get().map(AsRef::as_ref)
     }
 
-    /// Says that nobody hears what is handed out.
+    /// Marks the frames as inaudible: the silent clock takes them.
     pub fn set_silent(&self) {
         self.silent.store(true, Ordering::Relaxed);
     }
 
-    /// Whether nobody hears what is handed out.
+    /// True if the frames are inaudible.
     pub fn is_silent(&self) -> bool {
         self.silent.load(Ordering::Relaxed)
     }
 
-    /// The first frame that was handed out.
+    /// The first delivered frame.
     pub fn first(&self) -> Option<Audible> {
         let frame = self.first_frame.load(Ordering::Acquire);
         let segment = self.first_segment.load(Ordering::Relaxed);
         (frame != NEVER).then_some(Audible { segment, frame: frame as f64 })
     }
 
-    /// The end of what was handed out.
+    /// The end of the delivered frames.
     pub fn end(&self) -> Option<Audible> {
-        // Read again if the callback was just writing.
+        // Retry in case the callback is just writing.
         let newest = || self.read(self.written.load(Ordering::Acquire).checked_sub(1)?);
         let span = (0..4).find_map(|_| newest())?;
         let frame = span.frame + if span.moving { u64::from(span.frames) } else { 0 };
         Some(Audible { segment: span.segment, frame: frame as f64 })
     }
 
-    /// How long the sound has moved in total, in seconds.
+    /// The total duration of moving sound, in seconds.
     pub fn moved(&self) -> f64 {
         self.moved.load(Ordering::Relaxed) as f64 / f64::from(self.rate)
     }
 
-    /// What is audible at `moment`: never more than was handed out. None before the first callback.
+    /// The audible frame at `moment`, never beyond the delivered frames. `None` before the first callback.
     pub fn at(&self, moment: Instant) -> Option<Audible> {
         let found = self.find(moment)?;
         let handed_out = found.passed.clamp(0.0, f64::from(found.span.frames));
@@ -199,8 +200,8 @@ impl SpanHistory {
         Some(Audible { segment: found.span.segment, frame: found.span.frame as f64 + moved })
     }
 
-    /// Where the song is at `moment` if it runs on in time even where the device does not. None before the first
-    /// frame is audible.
+    /// The song's position at `moment` if it continues in real time even though the device may not. `None` before the
+    /// first frame is audible.
     pub fn course(&self, moment: Instant) -> Option<Course> {
         let Found { span, passed, first, newest } = self.find(moment)?;
         if passed < 0.0 && first {
@@ -226,11 +227,11 @@ impl SpanHistory {
 
     fn find(&self, moment: Instant) -> Option<Found> {
         let moment_ns = self.nanoseconds(moment);
-        // An attempt fails only if the writer went round the whole history meanwhile.
+        // An attempt fails only if the writer overwrote the whole history meanwhile.
         (0..4).find_map(|_| self.look(moment_ns))
     }
 
-    /// The span of a moment, or the oldest one that is kept.
+    /// Finds the span for a moment, or the oldest kept span if the moment is earlier.
     fn look(&self, moment_ns: u64) -> Option<Found> {
         let written = self.written.load(Ordering::Acquire);
         let mut oldest_seen = None;
@@ -266,27 +267,27 @@ impl SpanHistory {
     }
 }
 
-/// A span, and how it lies to a moment.
+/// A span and its relation to a moment.
 struct Found {
     span: Span,
-    /// Frames from its start to the moment; negative if the span is later.
+    /// Frames from the span's start to the moment; negative if the span is later.
     passed: f64,
-    /// Nothing was handed out before it.
+    /// True for the first span that was written.
     first: bool,
-    /// Nothing was handed out after it.
+    /// True for the latest span that was written.
     newest: bool,
 }
 
-/// The writing end of a [`SpanHistory`]. Wait-free; never allocates.
+/// The writing end of a [`SpanHistory`]. It is wait-free and never allocates.
 pub struct SpanWriter {
     history: Arc<SpanHistory>,
-    /// When the next buffer should be audible if the device keeps its pace.
+    /// The time at which the next buffer should be audible if the device keeps its pace.
     next_start_ns: Option<f64>,
 }
 
 impl SpanWriter {
-    /// When the first of a buffer's `frames` is audible, in nanoseconds since the epoch: the time that the device
-    /// reports (`called_at` + `latency`), smoothed.
+    /// The time at which the first of the buffer's `frames` is audible, in nanoseconds since the epoch. This is the
+    /// smoothed time that the device reports (`called_at` + `latency`).
     pub fn place(&mut self, called_at: Instant, latency: Duration, frames: usize) -> u64 {
         self.history.calls.fetch_add(1, Ordering::Relaxed);
         let reported = self.history.nanoseconds(called_at) as f64 + latency.as_nanos() as f64;
@@ -300,12 +301,12 @@ impl SpanWriter {
         start as u64
     }
 
-    /// How long `frames` last, in nanoseconds.
+    /// The duration of `frames`, in nanoseconds.
     pub fn duration_ns(&self, frames: usize) -> f64 {
         self.history.duration_ns(frames)
     }
 
-    /// A moment in nanoseconds since the history's epoch.
+    /// Converts a moment to nanoseconds since the history's epoch.
     pub fn nanoseconds(&self, moment: Instant) -> u64 {
         self.history.nanoseconds(moment)
     }
@@ -333,23 +334,24 @@ impl SpanWriter {
     }
 }
 
-/// A reader whose song runs on through every change of device. See the module.
+/// A reader whose position continues through device changes; the module's page gives the rules.
 #[derive(Default)]
 pub struct Clock {
-    /// The history it read last.
+    /// The history that was read last.
     history: Option<Arc<SpanHistory>>,
-    /// The place it reported last, and for which moment.
+    /// The position that was reported last, and its moment.
     last: Option<(Audible, Instant)>,
     delay: f64,
 }
 
 impl Clock {
-    /// Where the song is at `moment` if the sound is heard `delay` seconds (0 or more) later than the device reports.
+    /// The song's position at `moment`, if the sound is heard `delay` seconds (0 or more) later than the device
+    /// reports.
     ///
-    /// `newest` is the history of the output that is open; until its first frame is audible, the history before it
-    /// counts. `carry` maps what was audible in an earlier segment to a frame of a later one (negative: before its
-    /// start); none if they do not belong together. While there is nothing to read, the result is what was last
-    /// audible.
+    /// `newest` is the history of the open output; until its first frame is audible, the previous history is used.
+    /// `carry` maps an audible frame of an earlier segment to a frame of a later one (negative before its start), or
+    /// returns `None` if a seek or another track separates them. If no history can be read, the last position is
+    /// returned.
     pub fn at(
         &mut self,
         newest: Option<&Arc<SpanHistory>>,
@@ -358,7 +360,7 @@ impl Clock {
         carry: impl FnOnce(Audible, u64) -> Option<f64>,
     ) -> Option<Audible> {
         if delay != self.delay {
-            // A different delay means a different clock: it may start earlier.
+            // A changed delay may move the position back.
             self.last = None;
             self.delay = delay;
         }
@@ -384,13 +386,13 @@ impl Clock {
         Some(reported)
     }
 
-    /// The history of the output that is reported on.
+    /// The history behind the last reported position.
     pub fn history(&self) -> Option<&Arc<SpanHistory>> {
         self.history.as_ref()
     }
 }
 
-/// What is reported `passed` after `last`, where the song is at `course`.
+/// The position to report `passed` after `last`, if the song is at `course`.
 fn follow(
     course: Course,
     last: Audible,
@@ -400,7 +402,7 @@ fn follow(
 ) -> Audible {
     let Course { audible: Audible { segment, mut frame }, moving, beyond } = course;
     let from = match last.segment.cmp(&segment) {
-        // What came before a seek never comes again.
+        // Frames from before a seek never return.
         std::cmp::Ordering::Greater => return last,
         std::cmp::Ordering::Equal => Some(last.frame),
         std::cmp::Ordering::Less => {

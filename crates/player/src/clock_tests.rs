@@ -1,4 +1,4 @@
-//! Spans and clocks, with times set by the tests.
+//! Tests of spans and clocks with artificial times.
 
 use super::*;
 use proptest::prelude::*;
@@ -12,7 +12,7 @@ fn at_ms(history: &SpanHistory, ms: u64) -> Option<Audible> {
 }
 
 #[test]
-fn the_frame_moves_with_time_and_stops_at_what_was_handed_out() {
+fn the_frame_moves_with_time_and_stops_after_the_last_delivered_frame() {
     let (mut writer, history) = SpanHistory::new(1000);
     assert_eq!(at_ms(&history, 5), None);
     writer.push(span(10, 1, 0, 20, true));
@@ -77,12 +77,12 @@ fn readers_never_see_a_span_half_written() {
     });
 }
 
-/// Segments that have nothing to do with each other.
+/// Maps nothing: the segments are unrelated.
 fn apart(_: Audible, _: u64) -> Option<f64> {
     None
 }
 
-/// What a clock reports at `ms`, in frames, where segments form one line.
+/// The clock's position at `ms`, in frames, if all segments count the same frames.
 fn reported(clock: &mut Clock, history: &Arc<SpanHistory>, ms: u64) -> f64 {
     let moment = history.epoch + Duration::from_millis(ms);
     let carry = |from: Audible, _| Some(from.frame);
@@ -90,14 +90,14 @@ fn reported(clock: &mut Clock, history: &Arc<SpanHistory>, ms: u64) -> f64 {
 }
 
 #[test]
-fn a_device_that_falls_silent_did_not_stop_the_picture() {
+fn a_silent_device_does_not_stop_the_clock() {
     let (mut writer, history) = SpanHistory::new(1000);
     let mut clock = Clock::default();
     writer.push(span(0, 1, 0, 100, true));
     for ms in (0..=1100).step_by(20) {
         assert!((reported(&mut clock, &history, ms) - ms as f64).abs() < 1e-6, "at {ms} ms");
     }
-    // It goes on after all, a second late: nothing was lost, and the clock waits for it without standing still.
+    // The device resumes a second late. Nothing was lost, and the clock waits for it without stopping.
     writer.push(span(1120, 1, 100, 20_000, true));
     let mut last = reported(&mut clock, &history, 1120);
     for ms in (1140..=7000).step_by(20) {
@@ -105,11 +105,11 @@ fn a_device_that_falls_silent_did_not_stop_the_picture() {
         assert!((15.9..=24.1).contains(&(now - last)), "a step of {} at {ms} ms", now - last);
         last = now;
     }
-    assert!((last - (7000.0 - 1020.0)).abs() < 1e-6, "{last} is not what is heard");
+    assert!((last - (7000.0 - 1020.0)).abs() < 1e-6, "{last} is not the audible frame");
 }
 
 #[test]
-fn a_device_that_stalled_again_and_again_did_not_take_the_clock_away_from_the_sound() {
+fn repeated_stalls_do_not_drive_the_clock_away_from_the_sound() {
     let (mut writer, history) = SpanHistory::new(1000);
     let mut clock = Clock::default();
     for stall in 0..20 {
@@ -129,7 +129,7 @@ fn a_process_that_was_stopped_does_not_race_to_catch_up() {
         let mut clock = Clock::default();
         writer.push(span(0, 1, 0, 100, true));
         let _ = (0..5).fold(0.0, |_, look| reported(&mut clock, &history, look * 20));
-        // Stopped at 80 ms for 5 s; the callback has its turn before the first look or after it.
+        // Suspended at 80 ms for 5 s. The callback runs before or after the first read.
         if late == 0 {
             writer.push(span(5080, 1, 100, 20_000, true));
         }
@@ -143,7 +143,7 @@ fn a_process_that_was_stopped_does_not_race_to_catch_up() {
             assert!((15.9..=24.1).contains(&(now - last)), "a step of {} at {ms} ms", now - last);
             last = now;
         }
-        assert!((last - (9000 - late - 4980) as f64).abs() < 1e-6, "{last} is not what is heard");
+        assert!((last - (9000 - late - 4980) as f64).abs() < 1e-6, "{last} is not the audible frame");
     }
 }
 
@@ -187,7 +187,7 @@ proptest! {
                 let audible = clock.at(Some(&history), moment, 0.0, apart).expect("a span was written");
                 prop_assert!(last.is_none_or(|last| (last.segment, last.frame) <= (audible.segment, audible.frame)));
                 let exact = history.at(moment).expect("a span was written");
-                prop_assert!(exact.segment < segment || exact.frame <= frame as f64, "more than was handed out");
+                prop_assert!(exact.segment < segment || exact.frame <= frame as f64, "more frames than were delivered");
                 last = Some(audible);
             }
         }

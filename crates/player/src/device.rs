@@ -1,4 +1,4 @@
-//! What output and input devices have in common: how one is found and opened, and what each of cpal's errors means.
+//! Code for both output and input devices: finding and opening them, and the meaning of cpal's errors.
 
 use std::io;
 use std::sync::Arc;
@@ -17,121 +17,120 @@ use super::server_connection::ServerConnection;
 /// The sample rate for which buffer sizes are given, in hertz.
 const BUFFER_RATE: u32 = 48_000;
 
-/// How long a stream's creation may take, where the host can limit it.
+/// The longest time for creating a stream, if the host can limit it.
 pub(crate) const BUILD_LIMIT: Duration = Duration::from_secs(2);
 
-/// Which device.
+/// The choice of a device.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Target {
     /// The system's default for the direction; followed when it changes.
     Default,
-    /// What the default output plays, as an input; followed when the default changes.
+    /// The input that records the default output; followed when the default changes.
     Monitor,
-    /// The device with this id or name, or whose id or name contains it.
+    /// The device whose id or name is or contains this text.
     Named(String),
-    /// The device with this id while it is there, and otherwise the system's default; both are followed.
+    /// The device with this id while it is connected, and otherwise the system's default; both are followed.
     Preferred(String),
-    /// The input that records what the named output plays.
+    /// The input that records the named output.
     MonitorOf(String),
 }
 
-/// One direction of sound as the [`Supervisor`](super::supervisor::Supervisor) sees it.
+/// One direction of sound as the [`Supervisor`](super::supervisor::Supervisor) handles it.
 pub(crate) trait Port: Sized + Send + 'static {
     /// The other end of a stream's callback.
     type Link: Send + 'static;
-    /// What readers want to know about what is open.
+    /// Port-specific data about the open stream.
     type Note: Clone + Default + Send + 'static;
-    /// What takes the place of a device.
+    /// The substitute for a device.
     type StandIn: Send + 'static;
 
-    /// Which way the sound goes.
+    /// The direction of the sound.
     const DIRECTION: Direction;
-    /// What stands in, in words.
+    /// A description of the substitute.
     const STAND_IN: &'static str;
 
-    /// Returns what opens and starts a device, on a thread of its own; it may block.
+    /// Returns a function that opens and starts a device on another thread; it may block.
     fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<Self::Link> + Send + 'static;
-    /// The note of a link.
+    /// The port-specific data of a link.
     fn note(link: &Self::Link) -> Self::Note;
-    /// Called when a device is open and its status is published.
+    /// Handles a newly opened device, after its status was published.
     fn ready(&mut self, link: Self::Link);
-    /// Starts what stands in for a device.
+    /// Starts the substitute for a device.
     fn stand_in(&mut self) -> io::Result<(Option<Self::StandIn>, Self::Note)>;
-    /// Called when the stand-in runs and its status is published.
+    /// Handles a newly started substitute, after its status was published.
     fn stood_in(&mut self);
 }
 
-/// A device that is open and runs.
+/// An open, running device.
 pub(crate) struct Opened<L> {
     pub(crate) link: L,
     pub(crate) entry: ListedDevice,
     pub(crate) description: String,
-    /// How often its callback was called: its sign of life.
+    /// Returns the number of callback calls, which shows that the device is alive.
     pub(crate) calls: Box<dyn Fn() -> u64 + Send>,
-    /// The connection that only this device plays on; ended if the device does not close.
+    /// The connection used only by this device; closed if the device does not close.
     pub(crate) connection: Option<ServerConnection>,
 }
 
-/// A stream, to be dropped where it was made.
+/// A stream, to be dropped on the thread that created it.
 pub(crate) struct Running {
     // Dropped in this order: the connection is free once the stream is gone.
     pub(crate) _stream: cpal::Stream,
     pub(crate) _connection: Option<PlaybackConnection>,
 }
 
-/// A stream and what belongs to it, or why there is none.
+/// A stream with its data, or the error.
 pub(crate) type OpenResult<L> = Result<(Running, Opened<L>), (DeviceError, ErrorKind)>;
 
-/// Why a running stream failed.
+/// The failure of a running stream.
 pub(crate) struct Failure {
-    /// The system's reason.
+    /// The system's error message.
     pub(crate) reason: String,
     pub(crate) kind: ErrorKind,
 }
 
-/// Called once with the failure of a stream.
+/// A callback that receives a stream's failure once.
 pub(crate) type OnFailure = Arc<dyn Fn(Failure) + Send + Sync>;
 
-/// How long to wait after an error before the device is tried again, if nothing changes meanwhile; a change in the
-/// device list is answered at once.
+/// The wait before the device is tried again after an error. A change in the device list ends the wait.
 pub(crate) fn wait_before_retry(kind: ErrorKind) -> Duration {
     match kind {
-        // The stream only has to be built anew, for example for another rate.
+        // The stream only has to be built again, for example for another rate.
         ErrorKind::StreamInvalidated | ErrorKind::DeviceChanged => Duration::ZERO,
         ErrorKind::DeviceNotAvailable | ErrorKind::HostUnavailable | ErrorKind::Xrun => {
             Duration::from_millis(500)
         }
         ErrorKind::DeviceBusy | ErrorKind::RealtimeDenied => Duration::from_secs(1),
-        // The system is short of something, or does not say what is wrong.
+        // The system lacks a resource or gives no reason.
         ErrorKind::ResourceExhausted | ErrorKind::BackendError => Duration::from_secs(2),
-        // The user has to do something about it.
+        // The user has to act.
         _ => Duration::from_secs(5),
     }
 }
 
-/// The callback for errors of a running stream: errors that the stream survives are counted or ignored, and the first
-/// of the others is reported.
+/// The callback for errors of a running stream. Errors that the stream survives are counted or ignored; the first other
+/// error is reported.
 pub(crate) fn error_callback(
     on_failure: OnFailure,
     xruns: impl Fn() + Send + 'static,
 ) -> impl FnMut(cpal::Error) + Send + 'static {
-    // A dead server may report its death a million times.
+    // A dead server may report the failure a million times.
     let reported = AtomicBool::new(false);
     move |error| match error.kind() {
         ErrorKind::Xrun => xruns(),
-        // The stream goes on.
+        // The stream continues.
         ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
         _ if reported.swap(true, Ordering::Relaxed) => {}
         kind => on_failure(Failure { reason: sentence(&error), kind }),
     }
 }
 
-/// The system's message, in a form that fits into a sentence.
+/// The system's message, without a final full stop.
 pub(crate) fn sentence(error: &cpal::Error) -> String {
     error.to_string().trim_end_matches('.').to_owned()
 }
 
-/// What an error while opening means for the user.
+/// Converts an error during opening to one for the user.
 pub(crate) fn refusal(
     direction: Direction,
     device: &str,
@@ -143,7 +142,7 @@ pub(crate) fn refusal(
         ErrorKind::DeviceBusy => DeviceError::Busy { direction, device },
         ErrorKind::PermissionDenied => DeviceError::Denied { direction, device },
         ErrorKind::UnsupportedConfig => DeviceError::Format { direction, device, format: "unusual".into() },
-        // A default device may be a name with nothing behind it.
+        // A default device may be a name without a device.
         ErrorKind::DeviceNotAvailable | ErrorKind::HostUnavailable
             if matches!(target, Target::Default | Target::Preferred(_)) =>
         {
@@ -153,7 +152,7 @@ pub(crate) fn refusal(
     }
 }
 
-/// The device of a target.
+/// Finds the device for a target.
 pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device, (DeviceError, ErrorKind)> {
     let none = |error| (error, ErrorKind::DeviceNotAvailable);
     let hosts = || hosts_by_preference().into_iter().filter_map(|id| Some((id, host(id).ok()?)));
@@ -171,7 +170,7 @@ pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device
     match target {
         Target::Default => default(),
         Target::Preferred(wanted) => {
-            // Only where the list of devices is kept: elsewhere asking for each takes long.
+            // Only on hosts with a watched device list: on others, querying each device is slow.
             let listed = hosts().find(|(id, _)| is_watched(*id)).and_then(|(_, host)| host.devices().ok());
             let there = listed
                 .into_iter()
@@ -191,7 +190,7 @@ pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device
     }
 }
 
-/// The one whose id or name is `wanted`, or else contains it; devices that are not monitors come first.
+/// The device whose id or name equals `wanted`, or else contains it; monitors come last.
 fn best_match<T>(devices: Vec<T>, wanted: &str, entry_of: impl Fn(&T) -> ListedDevice) -> Option<T> {
     let wanted = wanted.to_lowercase();
     let rank = |device: &T| {
@@ -204,11 +203,11 @@ fn best_match<T>(devices: Vec<T>, wanted: &str, entry_of: impl Fn(&T) -> ListedD
         }
     };
     let ranked = devices.into_iter().filter_map(|device| Some((rank(&device)?, device)));
-    // The first of the best ones.
+    // The first of equal rank.
     ranked.min_by_key(|(rank, _)| *rank).map(|(_, device)| device)
 }
 
-/// The input that records what the default output plays.
+/// The input that records the default output.
 fn monitor() -> Option<cpal::Device> {
     let hosts = hosts_by_preference();
     if let Some(server) = hosts.iter().copied().find(|id| is_server(*id)) {
@@ -219,23 +218,23 @@ fn monitor() -> Option<cpal::Device> {
             .ok()?
             .find(|device| device.id().is_ok_and(|id| id.to_string() == wanted));
     }
-    // Elsewhere (Windows, macOS) an input stream on an output device records what it plays.
+    // On Windows and macOS, an input stream on an output device records that output.
     if cfg!(target_os = "linux") { None } else { host(*hosts.first()?).ok()?.default_output_device() }
 }
 
-/// Whether the device belongs to the sound server, which converts to whatever is asked for.
+/// True if the device belongs to the sound server, which converts formats and rates.
 pub(crate) fn converts(device: &cpal::Device) -> bool {
     device.id().is_ok_and(|id| is_server(id.host()))
 }
 
-/// The rate to ask a device for: its own, or where a sound server converts, the nearest within the limits.
+/// The rate to request from a device: its own rate, or the nearest within the limits if a sound server converts.
 pub(crate) fn usable_rate(rate: u32, converted: bool) -> Option<u32> {
     let (min, max) = (MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max);
     if converted { Some(rate.clamp(min, max)) } else { Some(rate).filter(|rate| (min..=max).contains(rate)) }
 }
 
-/// Frames per callback to ask for: `frames` at 44.1 and 48 kHz, scaled by the nearest power of two at other rates,
-/// within what the device supports.
+/// Frames per callback to request: `frames` at 44.1 and 48 kHz, scaled by the nearest power of two at other rates,
+/// within the device's range.
 pub(crate) fn buffer_frames(frames: u32, rate: u32, supported: SupportedBufferSize) -> u32 {
     let scale = (f64::from(rate.max(1)) / f64::from(BUFFER_RATE)).log2().round().clamp(-3.0, 4.0);
     let frames = (f64::from(frames) * scale.exp2()) as u32;
@@ -245,8 +244,7 @@ pub(crate) fn buffer_frames(frames: u32, rate: u32, supported: SupportedBufferSi
     }
 }
 
-/// Calls a function that is generic over the sample type with the type of a format; none for a format that is not a
-/// plain number.
+/// Calls a generic function with the sample type of a format; `None` for formats that are not plain numbers.
 macro_rules! with_sample_type {
     ($format:expr, $function:ident($($argument:expr),*)) => {{
         use cpal::{I24, SampleFormat, U24};
@@ -312,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_of_error_has_a_sentence_that_says_what_to_do_and_a_time_to_try_again() {
+    fn every_kind_of_error_has_advice_and_a_retry_time() {
         use ErrorKind::*;
         let kinds = [
             DeviceBusy,
@@ -340,12 +338,12 @@ mod tests {
             }
             assert!(wait_before_retry(kind) <= Duration::from_secs(5), "{kind:?}");
         }
-        // A stream that only has to be built anew is back within a second.
+        // A stream that only has to be built again is retried at once.
         assert_eq!(wait_before_retry(StreamInvalidated), Duration::ZERO);
     }
 
     #[test]
-    fn a_name_means_what_it_names_best() {
+    fn a_name_selects_its_best_match() {
         let entry = |id: &str, name: &str| ListedDevice { id: id.into(), name: name.into() };
         let devices = || {
             vec![
@@ -363,7 +361,7 @@ mod tests {
     }
 
     #[test]
-    fn odd_rates_are_converted_by_a_server_and_refused_elsewhere() {
+    fn unusual_rates_are_converted_by_a_server_and_rejected_elsewhere() {
         assert_eq!((usable_rate(48_000, true), usable_rate(48_000, false)), (Some(48_000), Some(48_000)));
         assert_eq!((usable_rate(1, true), usable_rate(1, false)), (Some(MUSIC_LIMITS.sample_rate_min), None));
     }

@@ -1,6 +1,6 @@
-//! Which devices there are right now, polled several times a second on a thread of its own.
+//! The list of connected devices, polled several times a second on a separate thread.
 //!
-//! The sound servers announce changes, but cpal does not pass them on. A poll is four questions to the server.
+//! The sound servers announce changes, but cpal does not pass them on. A poll makes four queries to the server.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -11,44 +11,42 @@ use cpal::traits::{DeviceTrait, HostTrait};
 use super::hosts::{self, hosts_by_preference, hush_sound_library, is_watched, monitored_output};
 use super::worker::Worker;
 
-/// Time between two polls of a sound server.
 const LOOK_PERIOD: Duration = Duration::from_millis(250);
 
-/// How long to wait for the end of the thread: a poll of a server that hangs takes forever.
+/// The longest wait for the end of the thread: a poll of a hanging server never returns.
 const END_LIMIT: Duration = Duration::from_millis(100);
 
 /// A device in one direction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ListedDevice {
-    /// What identifies it, in this session and the next.
+    /// The identifier, which stays the same across restarts.
     pub id: String,
-    /// What people call it.
+    /// The display name.
     pub name: String,
 }
 
 impl ListedDevice {
-    /// The entry of a device.
+    /// Describes a cpal device.
     pub(crate) fn of(device: &cpal::Device) -> Self {
         let id = device.id().map(|id| id.to_string()).unwrap_or_default();
         let name = device.description().map_or_else(|_| id.clone(), |about| about.name().to_owned());
         Self { id, name }
     }
 
-    /// Whether it is an input that records what an output plays.
+    /// True for an input that records an output.
     pub fn is_monitor(&self) -> bool {
         monitored_output(&self.id).is_some()
     }
 }
 
-/// The devices of the sound server, or of the system where there is none.
+/// The devices of the sound server, or of the system if there is no server.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct DeviceList {
-    /// Whether the sound system answered. Without an answer nothing is known, which does not mean that there are no
-    /// devices.
+    /// True if the sound system answered. Without an answer the lists are empty, but there may be devices.
     pub known: bool,
-    /// What sound can be played on.
+    /// The devices for playback.
     pub outputs: Vec<ListedDevice>,
-    /// What sound can be taken from, monitors included.
+    /// The devices for recording, including monitors.
     pub inputs: Vec<ListedDevice>,
     /// Id of the default output.
     pub default_output: Option<String>,
@@ -62,12 +60,12 @@ impl DeviceList {
         self.inputs.iter().find(|entry| entry.id == id)
     }
 
-    /// The input that records what the default output plays.
+    /// The input that records the default output.
     pub fn default_monitor(&self) -> Option<&ListedDevice> {
         self.input(&hosts::monitor_id(self.default_output.as_deref()?))
     }
 
-    /// Asks the sound system. May block as long as it likes.
+    /// Queries the sound system. This may block as long as the sound system does.
     fn look() -> Self {
         hush_sound_library();
         let watched = hosts_by_preference().into_iter().find(|id| is_watched(*id));
@@ -94,13 +92,13 @@ impl DeviceList {
 #[derive(Default)]
 struct Shared {
     device_list: Mutex<Arc<DeviceList>>,
-    /// Grows with each change of the device list; 0 before the first poll.
+    /// A number that grows with each change of the device list; 0 before the first poll.
     generation: AtomicU64,
     looks: AtomicU64,
     stop: AtomicBool,
 }
 
-/// The thread that polls. There is one for the program, which lives as long as anybody holds it.
+/// The polling thread. The program has one, which runs as long as a reference to it exists.
 pub struct DeviceWatch {
     shared: Arc<Shared>,
     worker: Mutex<Worker>,
@@ -109,7 +107,7 @@ pub struct DeviceWatch {
 static WATCH: Mutex<Weak<DeviceWatch>> = Mutex::new(Weak::new());
 
 impl DeviceWatch {
-    /// The program's watch; it starts when it is first asked for.
+    /// The program's watch; the first call starts it.
     ///
     /// # Errors
     /// The thread cannot be started.
@@ -132,12 +130,12 @@ impl DeviceWatch {
         Ok(watch)
     }
 
-    /// How many polls have ended. Anything that happened before now is seen once two more have ended.
+    /// The number of finished polls. A change is seen at the latest when two more polls have finished.
     pub fn looks(&self) -> u64 {
         self.shared.looks.load(Ordering::Acquire)
     }
 
-    /// The state at the last poll, and its number: a different number means that something changed.
+    /// The list at the last poll, and its generation: a different generation means that the list has changed.
     pub fn latest(&self) -> (u64, Arc<DeviceList>) {
         let generation = self.shared.generation.load(Ordering::Acquire);
         (generation, self.shared.device_list.lock().unwrap_or_else(PoisonError::into_inner).clone())
@@ -198,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn there_is_one_watch_for_all() {
+    fn all_callers_get_the_same_watch() {
         let first = DeviceWatch::shared().expect("a thread");
         let second = DeviceWatch::shared().expect("a thread");
         assert!(Arc::ptr_eq(&first, &second));

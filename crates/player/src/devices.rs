@@ -11,13 +11,13 @@ use serde::Serialize;
 use super::hosts::{self, hosts_by_preference, hush_sound_library, monitored_output};
 use super::worker::Worker;
 
-/// How long a host may take to answer.
+/// The longest time that a host may take to answer.
 const HOST_LIMIT: Duration = Duration::from_secs(3);
 
 /// All hosts of this system.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DeviceReport {
-    /// The one that is tried first comes first.
+    /// The hosts in order of preference.
     pub hosts: Vec<HostReport>,
 }
 
@@ -26,46 +26,46 @@ pub struct DeviceReport {
 pub struct HostReport {
     /// The sound system's name.
     pub name: String,
-    /// Why its devices are not known, if they are not.
+    /// The reason why its devices are unknown, if they are.
     pub problem: Option<String>,
-    /// What sound can be played on.
+    /// The devices for playback.
     pub outputs: Vec<DeviceEntry>,
-    /// What sound can be taken from.
+    /// The devices for recording.
     pub inputs: Vec<DeviceEntry>,
 }
 
 /// One direction of a device.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DeviceEntry {
-    /// What people call it.
+    /// The display name.
     pub name: String,
-    /// What `--device` takes; unlike the name it is unique.
+    /// The unique id for `--device`.
     pub id: String,
-    /// The host's default for this direction.
+    /// True for the host's default in this direction.
     pub default: bool,
-    /// Id of the output whose sound it records, for an input that is a monitor.
+    /// For a monitor, the id of the output that it records.
     pub monitor_of: Option<String>,
-    /// The format used by default, if the device reports one.
+    /// The default format, if the device reports one.
     pub usual: Option<FormatReport>,
-    /// Everything that is supported, with similar entries joined.
+    /// All supported formats, with similar entries joined.
     pub supported: Vec<FormatReport>,
 }
 
-/// Sample formats that come with the same rates.
+/// Sample formats with the same range of rates.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FormatReport {
-    /// Sample formats, as `f32`, `i16`.
+    /// Sample formats such as `f32` and `i16`.
     pub formats: Vec<String>,
-    /// Least and most channels.
+    /// The lowest and highest number of channels.
     pub channels: (u16, u16),
-    /// Lowest and highest rate, in hertz.
+    /// The lowest and highest rate, in hertz.
     pub sample_rate: (u32, u32),
-    /// Smallest and largest buffer in frames, if the device reports them.
+    /// The smallest and largest buffer in frames, if the device reports them.
     pub buffer_frames: Option<(u32, u32)>,
 }
 
-/// Asks all hosts at once, each within a limit of 3 s. Without devices or servers the lists are empty. Standard error
-/// is silenced meanwhile, because the system's sound libraries print every failure there.
+/// Queries all hosts at once, each within 3 s. Without devices or servers the lists are empty. Standard error is
+/// silenced meanwhile, because the system's sound libraries print every failure there.
 pub fn list_devices() -> DeviceReport {
     #[cfg(target_os = "linux")]
     let _quiet = super::quiet_stderr::QuietStderr::new();
@@ -127,7 +127,7 @@ fn report_host(id: cpal::HostId) -> HostReport {
     report
 }
 
-/// None for a device that supports nothing in this direction.
+/// Describes a device; `None` if it supports nothing in this direction.
 fn entry(
     device: &cpal::Device,
     default: Option<&cpal::DeviceId>,
@@ -169,8 +169,8 @@ fn buffer_frames(size: SupportedBufferSize) -> Option<(u32, u32)> {
     }
 }
 
-/// One entry per range of rates: hosts list every combination of format and channel count separately, hundreds of
-/// them.
+/// Joins entries with the same range of rates: hosts list every combination of format and channel count separately,
+/// hundreds of them.
 fn join(entries: impl Iterator<Item = FormatReport>) -> Vec<FormatReport> {
     let mut joined: Vec<FormatReport> = Vec::new();
     for mut entry in entries {
@@ -245,7 +245,7 @@ impl fmt::Display for FormatReport {
     }
 }
 
-/// `a` or `a..b`.
+/// Displays as `a` or `a..b`.
 struct Range<T>((T, T));
 
 impl<T: fmt::Display + PartialEq> fmt::Display for Range<T> {
@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn alike_formats_are_joined_and_all_is_printed() {
+    fn similar_formats_are_joined_and_everything_is_printed() {
         let supported = join(
             [
                 format("f32", 1, (8000, 96_000), Some((16, 512))),
@@ -323,7 +323,7 @@ mod tests {
         ] {
             assert!(text.contains(part), "no {part:?} in\n{text}");
         }
-        let json = serde_json::to_value(&report).expect("it is plain data");
+        let json = serde_json::to_value(&report).expect("plain data");
         assert_eq!(
             json["hosts"][0]["outputs"][0]["supported"][0]["buffer_frames"],
             serde_json::json!([8, 512])
@@ -332,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn listing_ends_in_time_whatever_this_machine_has() {
+    fn listing_ends_in_time_on_any_machine() {
         let start = std::time::Instant::now();
         let report = list_devices();
         assert!(start.elapsed() < 2 * HOST_LIMIT);

@@ -1,14 +1,15 @@
-//! What can go wrong with playback. Each message says what happened and what to do.
+//! Errors of playback. Each message says what happened and what to do.
 
 use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 use thiserror::Error;
 
-/// Why a song cannot be played at all.
+/// The errors that prevent playback altogether.
 #[derive(Debug, Error)]
 pub enum PlayerError {
-    /// The source's sample rate is outside what the program accepts.
+    /// The source's sample rate is out of range.
     #[error(
-        "the sound has {rate} samples per second, but only {min} to {max} are supported; convert it, for example to 48000"
+        "the sound has {rate} samples per second, but only {min} to {max} are supported; convert it, \
+         for example to 48000"
     )]
     SampleRate {
         /// The source's rate, in hertz.
@@ -24,18 +25,18 @@ pub enum PlayerError {
 }
 
 impl From<std::io::Error> for PlayerError {
-    // Not as its source: the sentence contains it, and sources are printed after the sentence.
+    // Not `#[from]`: the message contains the error already, and error sources are printed after the message.
     fn from(error: std::io::Error) -> Self {
         Self::Thread(error)
     }
 }
 
-/// Which way sound goes through a device.
+/// The direction of sound through a device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
-    /// It is played.
+    /// Playback.
     Output,
-    /// It is recorded.
+    /// Recording.
     Input,
 }
 
@@ -48,34 +49,34 @@ impl std::fmt::Display for Direction {
     }
 }
 
-/// Why no sound goes through a device. The show then goes on in silence.
+/// The reasons why no sound goes through a device. The show then continues in silence.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum DeviceError {
-    /// There is no device to play on, or to listen to.
+    /// No output or input device exists.
     #[error("there is no sound {0} device; connect one or start the sound server")]
     NoDevice(Direction),
-    /// The device asked for is not there.
+    /// The requested device does not exist.
     #[error(
         "there is no sound {direction} called '{name}'; 'mariana devices' lists those that exist, and this one is used \
          as soon as it appears"
     )]
     UnknownDevice {
-        /// Which way the sound should go.
+        /// The direction of the sound.
         direction: Direction,
-        /// What was asked for.
+        /// The requested name.
         name: String,
     },
-    /// The device was there and no longer is.
+    /// The device was disconnected.
     #[error("the sound {direction} '{name}' is gone; connect it again, or choose another with --device")]
     Gone {
-        /// Which way the sound went.
+        /// The direction of the sound.
         direction: Direction,
         /// The device's name.
         name: String,
     },
-    /// What the computer plays cannot be recorded here.
+    /// The sound that the computer plays cannot be recorded here.
     #[error(
-        "what the computer plays can only be heard through PulseAudio or PipeWire, and neither answers; install and \
+        "the computer's own sound can only be captured through PulseAudio or PipeWire, and neither answers; install and \
          start one (the package is pipewire-pulse or pulseaudio), or use --mic"
     )]
     NoLoopback,
@@ -84,85 +85,85 @@ pub enum DeviceError {
         "the sound {direction} {device} is busy; close the program that uses it or choose another with --device"
     )]
     Busy {
-        /// Which way the sound should go.
+        /// The direction of the sound.
         direction: Direction,
         /// The device's name.
         device: String,
     },
-    /// The system does not permit it.
+    /// The system denies access to the device.
     #[error(
         "the system denies access to the sound {direction} {device}; allow it in the privacy settings, or add your user to \
          the group 'audio'"
     )]
     Denied {
-        /// Which way the sound should go.
+        /// The direction of the sound.
         direction: Direction,
         /// The device's name.
         device: String,
     },
-    /// The device supports none of the sample formats that the program understands.
+    /// The device supports none of the program's sample formats.
     #[error(
         "the sound {direction} {device} offers only {format} samples, which are not supported; choose another with \
          --device"
     )]
     Format {
-        /// Which way the sound should go.
+        /// The direction of the sound.
         direction: Direction,
         /// The device's name.
         device: String,
-        /// What it has.
+        /// The formats that it offers.
         format: String,
     },
-    /// The device's rate is beyond the limits.
+    /// The device's sample rate is out of range.
     #[error(
         "the sound {direction} {device} runs at {rate} samples per second, but only {} to {} are supported; choose \
          another with --device", MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max
     )]
     Rate {
-        /// Which way the sound should go.
+        /// The direction of the sound.
         direction: Direction,
         /// The device's name.
         device: String,
-        /// Its rate, in hertz.
+        /// The device's rate, in hertz.
         rate: u32,
     },
     /// The device could not be opened.
     #[error("the sound {direction} {device} could not be opened ({reason}); choose another with --device")]
     Open {
-        /// Which way the sound should go.
+        /// The direction of the sound.
         direction: Direction,
         /// The device's name.
         device: String,
-        /// What the system said.
+        /// The system's error message.
         reason: String,
     },
-    /// Opening took too long.
+    /// Opening the device took too long.
     #[error(
         "the sound {direction} did not answer within {seconds} s; restart the sound server or choose another with --device"
     )]
     Timeout {
-        /// Which way the sound should go.
+        /// The direction of the sound.
         direction: Direction,
-        /// How long the program waited.
+        /// The time that the program waited.
         seconds: u64,
     },
-    /// The device reported a failure while it ran.
+    /// The device reported a failure while it was running.
     #[error("the sound {direction} failed ({reason}); check the device or the sound server")]
     Lost {
-        /// Which way the sound went.
+        /// The direction of the sound.
         direction: Direction,
-        /// What the system said.
+        /// The system's error message.
         reason: String,
     },
-    /// The device stopped asking for samples, or delivering any.
+    /// The device stopped requesting or delivering samples.
     #[error("the sound {0} has stalled; check the device or the sound server")]
     Stalled(Direction),
-    /// The system could not start a thread.
+    /// No thread could be started.
     #[error("no thread could be started for the sound {direction} ({reason}); close other programs")]
     Thread {
-        /// Which way the sound should go.
+        /// The direction of the sound.
         direction: Direction,
-        /// What the system said.
+        /// The system's error message.
         reason: String,
     },
 }

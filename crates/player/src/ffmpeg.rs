@@ -1,15 +1,15 @@
 //! Command lines of ffmpeg and ffprobe. No other module starts these programs.
 //!
 //! By default ffmpeg chooses a demuxer by a file's content, and some demuxers (HLS, DASH, concat) open every file and
-//! address that their input names. So a song that is also an HLS playlist could bring the content of other files into a
-//! video. [`CommandLine::input`] is the only way to add an input. It names the demuxers that may read the input and
-//! the single protocol that reaches it. These demuxers open only their own input.
+//! address that their input names. So a song that is also an HLS playlist could put the content of other files into a
+//! video. [`CommandLine::input`] is the only way to add an input. It names the demuxers that may read the input and the
+//! single protocol that reaches it. These demuxers open only their own input.
 
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Demuxers of songs: sound, and pictures with sound. They open only their own input.
+/// Demuxers for songs: audio, and video with sound. They open only their own input.
 const SONG_DEMUXERS: [&str; 34] = [
     "aac",
     "ac3",
@@ -47,16 +47,16 @@ const SONG_DEMUXERS: [&str; 34] = [
     "wv",
 ];
 
-/// A demuxer of ffmpeg that reads its own input only.
+/// An ffmpeg demuxer that reads only its own input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Demuxer(&'static str);
 
 impl Demuxer {
-    /// Frames without compression.
+    /// Uncompressed video frames.
     pub const RAW_VIDEO: Self = Self("rawvideo");
-    /// JPEG pictures.
+    /// JPEG images.
     pub const JPEG: Self = Self("mjpeg");
-    /// PNG pictures.
+    /// PNG images.
     pub const PNG: Self = Self("png_pipe");
     /// ADTS streams of AAC.
     pub const ADTS: Self = Self("aac");
@@ -77,24 +77,24 @@ impl Demuxer {
     /// WAVE.
     pub const WAV: Self = Self("wav");
 
-    /// The demuxer of songs that ffprobe reports, which may have several names with commas between; `None` if songs are
-    /// not read by it.
+    /// The demuxer for songs that ffprobe reports, which may have several names separated by commas; `None` if it is
+    /// not one for songs.
     pub(crate) fn of_song(reported: &str) -> Option<Self> {
         let is_reported = |known: &&str| reported.split(',').any(|name| name == *known);
         SONG_DEMUXERS.into_iter().find(is_reported).map(Self)
     }
 }
 
-/// Who may read an input.
+/// The demuxers that may read an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReadBy {
     /// This demuxer.
     Demuxer(Demuxer),
-    /// The demuxer of songs that recognises the content.
+    /// The demuxer for songs that recognises the content.
     AnySongDemuxer,
 }
 
-/// Where an input comes from.
+/// The origin of an input.
 #[derive(Debug, Clone, Copy)]
 pub enum Source<'a> {
     /// A file.
@@ -103,7 +103,7 @@ pub enum Source<'a> {
     StandardInput,
 }
 
-/// A command line of ffmpeg or ffprobe in the making.
+/// A builder for a command line of ffmpeg or ffprobe.
 #[derive(Debug)]
 pub struct CommandLine {
     program: PathBuf,
@@ -111,12 +111,12 @@ pub struct CommandLine {
 }
 
 impl CommandLine {
-    /// ffmpeg, found through `PATH`, which reports errors only and asks nothing.
+    /// Starts a command line of ffmpeg, found through `PATH`. It reports only errors and does not read standard input.
     pub fn ffmpeg() -> Self {
         Self::of("ffmpeg".as_ref()).options(["-nostdin"])
     }
 
-    /// One of the two programs, which reports errors only.
+    /// Starts a command line of one of the two programs, which reports only errors.
     pub(crate) fn of(program: &Path) -> Self {
         Self { program: program.to_owned(), arguments: Vec::new() }.options(["-v", "error"])
     }
@@ -141,7 +141,7 @@ impl CommandLine {
             Source::StandardInput => ("pipe", "pipe:0".into()),
         };
         let line = self.options(["-protocol_whitelist", protocol]);
-        // The whitelist also holds for inputs that a demuxer opens.
+        // The whitelist also applies to inputs that a demuxer opens.
         let line = match read_by {
             ReadBy::Demuxer(Demuxer(name)) => line.options(["-format_whitelist", name, "-f", name]),
             ReadBy::AnySongDemuxer => line.options(["-format_whitelist", &SONG_DEMUXERS.join(",")]),
@@ -149,7 +149,7 @@ impl CommandLine {
         line.options(options).options([OsStr::new("-i"), &address])
     }
 
-    /// The command.
+    /// Builds the command.
     pub fn command(self) -> Command {
         let mut command = Command::new(self.program);
         command.args(self.arguments);
@@ -157,7 +157,7 @@ impl CommandLine {
     }
 }
 
-/// A path as ffmpeg takes it without giving a meaning to its colons, hyphens or percent signs.
+/// The `file:` address of a path, in which ffmpeg does not interpret colons, hyphens or percent signs.
 pub fn file_address(path: &Path) -> OsString {
     let mut address = OsString::from("file:");
     address.push(path);

@@ -1,11 +1,11 @@
-//! Whether sound is levelled, changed while it is analysed.
+//! The gain control, which may change during analysis.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use mariana_music::Gain;
 
-/// A [`Gain`] that one thread sets and others read; copies are the same one.
+/// A [`Gain`] that one thread sets and others read. Clones refer to the same setting.
 #[derive(Debug, Clone)]
 pub(crate) struct GainSwitch(Arc<AtomicBool>);
 

@@ -1,8 +1,8 @@
 //! The sound systems of this machine, and the connections to a sound server.
 //!
-//! A connection to PulseAudio is a socket and a thread. It ends with the server and not with the host that opened it,
-//! and a server accepts only 64. So connections are kept and reused: one for questions and inputs, and one for each
-//! stream that plays, because cpal groups all streams of a connection and PulseAudio keeps a group on one device.
+//! A connection to PulseAudio is a socket and a thread. It lasts as long as the server, not the host that opened it,
+//! and a server accepts only 64. So connections are kept and reused: one for queries and inputs, and one for each
+//! playing stream, because cpal groups all streams of a connection and PulseAudio keeps a group on one device.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -10,53 +10,54 @@ use cpal::traits::{DeviceTrait, HostTrait};
 
 use super::server_connection::{self, ServerConnection};
 
-/// What follows the name of an output in the id of the input that records what it plays (PulseAudio, PipeWire).
+/// The suffix that turns the id of an output into that of its monitor (PulseAudio, PipeWire).
 const MONITOR_SUFFIX: &str = ".monitor";
 
-/// The kept connection for questions and inputs.
+/// The kept connection for queries and inputs.
 static SERVER: Mutex<Option<Arc<cpal::Host>>> = Mutex::new(None);
 
-/// A connection, and the server's number for it, if the server gave one.
+/// A connection, and the server's identifier of it, if known.
 type Connected = (Arc<cpal::Host>, Option<ServerConnection>);
 
-/// Connections on which no stream plays.
+/// Connections without a playing stream.
 static IDLE: Mutex<Vec<Connected>> = Mutex::new(Vec::new());
 
-/// The hosts of this system, the sound server first: it reports failures best, and it shares the device.
+/// The hosts of this system. The sound server comes first: it reports failures best, and several programs can use a
+/// device through it.
 pub(crate) fn hosts_by_preference() -> Vec<cpal::HostId> {
     let mut hosts = cpal::available_hosts();
     hosts.sort_by_key(|host| !is_server(*host));
     hosts
 }
 
-/// Whether the host is a sound server, which converts rates and channels, lists monitors and may go and come back.
+/// True if the host is a sound server, which converts rates and channels, lists monitors, and may restart.
 pub(crate) fn is_server(host: cpal::HostId) -> bool {
     host.name().eq_ignore_ascii_case("pulseaudio")
 }
 
-/// Whether the list of devices tells about this host while the show runs. Listing ALSA's devices takes long and prints;
+/// True if the device list covers this host while the show runs. Listing ALSA's devices is slow and prints messages;
 /// `mariana devices` does it on demand.
 pub(crate) fn is_watched(host: cpal::HostId) -> bool {
     is_server(host) || cfg!(not(target_os = "linux"))
 }
 
-/// Keeps libasound from printing on stderr what it also returns as an error, for this thread.
+/// Keeps libasound, on this thread, from printing errors that it also returns.
 pub(crate) fn hush_sound_library() {
     #[cfg(target_os = "linux")]
     if let Err(error) = alsa::Output::local_error_handler() {
-        tracing::debug!("libasound's own messages cannot be silenced: {error}");
+        tracing::debug!("libasound's messages cannot be silenced: {error}");
     }
 }
 
-/// A host that answers. May block as long as the sound system likes.
+/// Returns a host that answers. This may block as long as the sound system does.
 ///
 /// # Errors
-/// What the sound system says.
+/// The sound system's error.
 pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
     if !is_server(id) {
         return Ok(Arc::new(cpal::host_from_id(id)?));
     }
-    // The lock is not held while asking, so that a server that hangs holds up only the one who asks.
+    // The lock is not held during the query, so that a hanging server blocks only the caller.
     let kept = lock().clone();
     let alive = kept.as_ref().is_some_and(|host| answers(host));
     if let Some(host) = kept.as_ref().filter(|_| alive) {
@@ -77,11 +78,11 @@ pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
     Ok(host)
 }
 
-/// A connection that no other stream plays on while this is held.
+/// A connection that no other stream uses while this value exists.
 pub(crate) struct PlaybackConnection(Option<Connected>);
 
 impl PlaybackConnection {
-    /// The server's number for it, if it is known.
+    /// The server's identifier of the connection, if known.
     pub(crate) fn at_server(&self) -> Option<ServerConnection> {
         self.0.as_ref()?.1
     }
@@ -95,11 +96,11 @@ impl Drop for PlaybackConnection {
     }
 }
 
-/// The same device on a connection of its own, to be held as long as a stream plays on it; on hosts other than sound
-/// servers, just the device.
+/// Returns the same device on its own connection, to be held while a stream plays on it. On hosts other than sound
+/// servers it returns the device unchanged.
 ///
 /// # Errors
-/// What the sound system says.
+/// The sound system's error.
 pub(crate) fn for_playback(device: cpal::Device) -> Result<(cpal::Device, PlaybackConnection), cpal::Error> {
     let id = device.id()?;
     if !is_server(id.host()) {
@@ -116,7 +117,7 @@ pub(crate) fn for_playback(device: cpal::Device) -> Result<(cpal::Device, Playba
     };
     let connection = PlaybackConnection(Some((host.clone(), at_server)));
     let same = host.device_by_id(&id).filter(|device| device.supports_output());
-    let gone = || cpal::Error::with_message(cpal::ErrorKind::DeviceNotAvailable, "it has just disappeared");
+    let gone = || cpal::Error::with_message(cpal::ErrorKind::DeviceNotAvailable, "it was just disconnected");
     Ok((same.ok_or_else(gone)?, connection))
 }
 
@@ -128,12 +129,12 @@ fn lock() -> std::sync::MutexGuard<'static, Option<Arc<cpal::Host>>> {
     SERVER.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The id of the input that records what the output plays, on a sound server.
+/// The id of a sound server's input that records the output.
 pub(crate) fn monitor_id(output_id: &str) -> String {
     format!("{output_id}{MONITOR_SUFFIX}")
 }
 
-/// The id of the output whose sound the input records, if it is a monitor.
+/// The id of the output that the input records, if the input is a monitor.
 pub(crate) fn monitored_output(input_id: &str) -> Option<&str> {
     input_id.strip_suffix(MONITOR_SUFFIX)
 }

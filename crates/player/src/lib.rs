@@ -1,31 +1,30 @@
-//! Sound: decoding, playback, and what is audible now.
+//! Audio playback and input: decodes files, plays them, listens to devices, and reports the features of the audible
+//! moment.
 //!
 //! ```text
-//! FrameSource ─► decoding thread ─┬─ resampler ─► ring of frames ─► OutputCallback (the callback) ─► device or silent clock
-//!                                 │                                    │ spans: what sounds when (lock-free)
-//!                                 └─ analysis thread ─► Timeline ◄─────┴── Player::now: song time and features
+//! FrameSource ─► decoding thread ─┬─ resampler ─► ring of frames ─► OutputCallback ─► device or silent clock
+//!                                 │                                    │ spans: which frames are audible (lock-free)
+//!                                 └─ analysis thread ─► AudibleSegments ◄┴── Player::now: song time and features
 //! ```
 //!
 //! | module | what it does | runs on |
 //! |---|---|---|
-//! | [`source`], [`decode`], [`resample`] | where frames come from | decoding thread |
-//! | [`ffmpeg`] | command lines of ffmpeg and ffprobe, each input with its demuxer | caller |
-//! | [`playlist`], [`track`] | which tracks, in which order; each is opened ahead | list thread |
+//! | [`source`], [`decode`], [`resample`] | produce frames | decoding thread |
+//! | [`ffmpeg`] | command lines of ffmpeg and ffprobe, with a demuxer for each input | caller |
+//! | [`playlist`], [`track`] | choose tracks and their order, and open them ahead of time | list thread |
 //! | [`listed`] | the list as a window shows it | shared, locked briefly |
-//! | [`player`] | the handle of the window, and the decoding and analysis threads | |
-//! | [`audible_segments`] | from frames of a segment to song time and features | shared, locked briefly |
-//! | [`clock`] | from the callback's timestamps to the frame that is audible now, through changes of device, too | written by the callback |
-//! | [`output`] | the callback itself, devices, the silent clock, the supervisor | |
+//! | [`player`] | the handle for the window; the decoding and analysis threads | |
+//! | [`audible_segments`] | map frames of a segment to song time and features | shared, locked briefly |
+//! | [`clock`] | maps the callback's timestamps to the audible frame, across device changes | written by the callback |
+//! | [`output`] | the callback, devices, the silent clock, the supervisor | |
 //! | [`devices`] | the list of devices | caller |
 //!
-//! A **segment** is an unbroken run of frames in one ring: from the start or a seek until the next seek or change of
-//! device. A loop does not end it, and neither does the track that follows: within a segment each track is a
-//! **passage**.
+//! A **segment** is an unbroken run of frames in one ring. It starts at the beginning, at a seek or at a device change,
+//! and ends at the next seek or device change. The callback fades out the old segment, takes the new one, and returns
+//! the old one so that another thread frees it. All features and positions are keyed by the segment's number, so data
+//! from before a seek is never used after it.
 //!
-//! **Segments.** A seek, or another device, starts a new segment with its own ring; the callback fades the old one
-//! out, takes the new one and hands the old one back to be freed elsewhere. Everything is keyed by the segment's
-//! number, so features and positions from before a seek cannot be taken for those after it. A loop, or the track that
-//! follows, stays in its segment and is gapless.
+//! A **passage** is one track within a segment. A loop or the next track stays in its segment and is gapless.
 
 pub mod audible_segments;
 pub mod clock;

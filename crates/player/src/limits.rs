@@ -1,43 +1,38 @@
-//! Every ceiling of this crate, in one place.
-//!
-//! A limit is data: code that obeys a limit reads it here, an error that reports one names the number from here, and
-//! a test reaches it.
+//! All limits of this crate. Errors that report a limit and tests that reach it read the number here.
 
-/// Ceilings on files of sound, lists of them, and delays.
+/// Limits for audio files, playlists and delays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Most channels of a decoded stream that are mixed down to stereo. More is an over-limit input.
+    /// Highest channel count that is mixed down to stereo; files with more are rejected.
     pub channels_max: u16,
-    /// Most undecodable packets in a row before a file is given up as damaged.
+    /// Consecutive undecodable packets after which a file counts as damaged.
     pub bad_packets_in_a_row: u32,
-    /// Most frames (one sample per channel) that one decoded packet may hold.
+    /// Most sample frames in one decoded packet.
     pub packet_frames_max: usize,
     /// Most tracks of a playlist; further ones are left out.
     pub playlist_tracks_max: usize,
-    /// Most bytes of a playlist file.
+    /// Largest playlist file, in bytes.
     pub playlist_bytes_max: u64,
-    /// Most lists that are read for one playlist, including nested ones.
+    /// Most list files that are read for one playlist, including nested ones.
     pub playlist_lists_max: usize,
     /// Deepest nesting of lists and folders.
     pub playlist_depth_max: usize,
     /// Most entries of lists and folders that are examined for one playlist.
     pub playlist_looks_max: usize,
-    /// Longest stream duration, in seconds, that is believed when a container claims it (a year); beyond, it is
-    /// unknown.
+    /// Longest duration that a container may claim, in seconds (a year); a longer one counts as unknown.
     pub claimed_duration_max: f64,
-    /// Most letters of a title, an artist or another name that is shown; what follows is left out.
+    /// Most letters of a displayed title, artist or other name; the rest is cut off.
     pub name_letters_max: usize,
-    /// Most bytes of a cover; a larger one counts as none.
+    /// Largest cover image, in bytes; larger ones are ignored.
     pub cover_bytes_max: usize,
-    /// Longest time, in seconds, for which ffmpeg may give nothing of a file.
+    /// Longest time, in seconds, that ffmpeg may take to deliver the next data of a file.
     pub ffmpeg_wait_seconds: f64,
-    /// Longest track, in seconds, whose loudness is measured for a picture of it.
+    /// Longest track, in seconds, for which a loudness shape is measured.
     pub shape_seconds_max: f64,
-    /// Largest shift of the picture against the sound, in milliseconds, either way.
+    /// Largest shift of the image against the sound, in milliseconds, in either direction.
     pub latency_ms_max: f64,
 }
 
-/// The limits in force.
 pub const LIMITS: Limits = Limits {
     channels_max: 32,
     bad_packets_in_a_row: 256,

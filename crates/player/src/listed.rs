@@ -1,7 +1,7 @@
-//! The list of tracks as a window shows it: what the list thread tells, and any thread reads.
+//! The list of tracks as a window shows it. The list thread writes it; any thread may read it.
 //!
-//! An entry has a number of its own, its **id**, as long as the list lives: its index changes when entries are moved
-//! or removed. Threads speak of entries by their ids, and only who looks at the list needs indices.
+//! Each entry has an **id** that is unique as long as the list exists. Its index changes when entries are moved or
+//! removed. Threads refer to entries by id; only readers of the list need indices.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -9,70 +9,70 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::track::TrackInfo;
 
-/// A list of tracks at a moment, in the list's own order, however it is played.
+/// A snapshot of a list of tracks, in list order even if it plays in another order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ListedTracks {
-    /// Grows with every change; the same revision is the same list.
+    /// A number that grows with every change; equal revisions mean equal lists.
     pub revision: u64,
     /// The tracks.
     pub entries: Vec<ListedTrack>,
 }
 
-/// What a list tells about a track without opening its file, or knows because it has been opened.
+/// Data about a track from the list, or from the file once it was opened.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ListedTrack {
-    /// Artist and title, or the file's name.
+    /// Artist and title, or the file name.
     pub name: String,
     /// Length in seconds, if known.
     pub duration: Option<f64>,
-    /// The file; none for a track inside the program.
+    /// The file; `None` for an embedded track.
     pub file: Option<PathBuf>,
-    /// Where in the file it begins, in seconds, if it is a part of it.
+    /// The start within the file in seconds, if the track is a part of it.
     pub start: Option<f64>,
 }
 
-/// A change of a list. Indices are those of the list after all changes before; others than those are ignored.
+/// A change of a list. Indices refer to the list after all earlier edits; indices beyond the list are ignored.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Edit {
-    /// Move the entry at `from` so that it is at `to`.
+    /// Moves the entry at `from` to index `to`.
     Move {
-        /// Its index.
+        /// The old index.
         from: usize,
-        /// Its index afterwards.
+        /// The new index.
         to: usize,
     },
-    /// Remove the entry with this index.
+    /// Removes the entry at this index.
     Remove(usize),
-    /// Append what these files, folders and lists hold.
+    /// Appends the contents of these files, folders and playlists.
     Append(Vec<PathBuf>),
 }
 
-/// What a change of a list means for what plays.
+/// The effect of an edit on playback.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Edited {
-    /// The id of the entry that was removed.
+    /// The id of the removed entry.
     pub removed: Option<u64>,
-    /// Whether there are entries more than before.
+    /// True if entries were added.
     pub appended: bool,
-    /// Whether what plays is no entry any more, but something can play in its place now.
+    /// True if the playing track is no longer in the list, but another track can replace it now.
     pub resume: bool,
 }
 
-/// The list that is shared with whoever looks at it; see the module.
+/// A list for the list thread and its readers.
 #[derive(Debug, Clone, Default)]
 pub struct SharedListing(Arc<Mutex<Listing>>);
 
 #[derive(Debug, Default)]
 struct Listing {
     tracks: Arc<ListedTracks>,
-    /// The index of each entry, by its id.
+    /// Entry ids and indices.
     places: HashMap<u64, usize>,
 }
 
 impl SharedListing {
-    /// Tells another list: the ids of its entries, and what is known about them.
+    /// Publishes another list: the ids of its entries and their data.
     pub fn tell(&self, entries: impl Iterator<Item = (u64, ListedTrack)>) {
-        // Made before the list is locked, because there may be very many.
+        // Built before the lock is taken, because there may be many entries.
         let mut places = HashMap::new();
         let entries: Vec<ListedTrack> = entries
             .enumerate()
@@ -91,10 +91,10 @@ impl SharedListing {
         drop(before);
     }
 
-    /// Tells what is known about entry `id` now. Only one thread may tell.
+    /// Publishes new data about entry `id`. Only one thread may publish.
     pub fn tell_entry(&self, id: u64, track: &ListedTrack) {
         let Some((index, _)) = self.place(id) else { return };
-        // Copied while nobody has to wait for it.
+        // Copied before the lock is taken, so that no reader waits.
         let mut tracks = self.tracks().as_ref().clone();
         match tracks.entries.get_mut(index) {
             Some(entry) if entry != track => entry.clone_from(track),
@@ -104,19 +104,19 @@ impl SharedListing {
         self.lock().tracks = Arc::new(tracks);
     }
 
-    /// The list.
+    /// The current list.
     pub fn tracks(&self) -> Arc<ListedTracks> {
         self.lock().tracks.clone()
     }
 
-    /// The index of entry `id`, and how many entries there are; none if it is no entry of the list.
+    /// The index of entry `id` and the number of entries; `None` if the list has no such entry.
     pub fn place(&self, id: u64) -> Option<(usize, usize)> {
         let listing = self.lock();
         Some((*listing.places.get(&id)?, listing.tracks.entries.len()))
     }
 
     fn lock(&self) -> MutexGuard<'_, Listing> {
-        // A thread that failed while it held the list leaves it usable.
+        // A thread that panicked while it held the lock leaves the list usable.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn a_list_that_somebody_holds_stays_as_it_was() {
+    fn a_snapshot_does_not_change() {
         let shared = SharedListing::default();
         shared.tell([(7, named("a")), (3, named("b"))].into_iter());
         let held = shared.tracks();
@@ -145,7 +145,7 @@ mod tests {
         let now = shared.tracks();
         assert_eq!((now.revision, now.entries[1].name.as_str()), (2, "B"));
         assert_eq!(now.entries[1].duration, Some(5.0));
-        // What is known already, and what is no entry, change nothing.
+        // Known data and unknown entries change nothing.
         shared.tell_entry(3, &now.entries[1]);
         shared.tell_entry(8, &named("c"));
         assert!(Arc::ptr_eq(&now, &shared.tracks()));

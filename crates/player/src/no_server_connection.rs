@@ -1,10 +1,10 @@
-//! Stands in where there is no PulseAudio: none of its connections has to be ended.
+//! The substitute for `server_connection.rs` on systems without PulseAudio.
 
-/// A connection as the server knows it: there is none.
+/// A type without values: there are no connections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ServerConnection {}
 
-/// The result of `open`.
+/// Returns the result of `open`.
 pub(super) fn opened_by<T, E>(
     open: impl FnOnce() -> Result<T, E>,
 ) -> Result<(T, Option<ServerConnection>), E> {
@@ -12,7 +12,6 @@ pub(super) fn opened_by<T, E>(
 }
 
 impl ServerConnection {
-    /// Never called.
     pub(crate) fn end(self) {
         match self {}
     }

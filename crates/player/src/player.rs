@@ -1,13 +1,12 @@
-//! Playback of tracks: the handle that the window holds.
+//! Playback of tracks: [`Player`], the handle that the window holds.
 //!
-//! Every method returns at once: whatever takes time happens on the threads that [`Player::start`] starts.
+//! All methods return at once. Slow work runs on the threads that [`Player::start`] starts.
 //!
-//! **Tracks join in the stream.** The list thread (`player::listing`) opens the next track while the current one
-//! plays, so neither a slow disk nor a list of missing files keeps the sound waiting. The frames of the next track go
-//! into the same ring of the same segment, through the same resampler if the rate is the same: not a sample is added
-//! or lost, and a filter never sees an edge that is not in the music. For another rate the resampler is flushed and a
-//! new one goes on. Frames still waiting in the ring count as not played: a seek is within the track that is heard,
-//! whose decoder is kept until then.
+//! **Gapless tracks.** The list thread (`player::listing`) opens the next track while the current one plays, so neither
+//! a slow disk nor a list of missing files delays the sound. The next track's frames enter the same ring of the same
+//! segment. At an equal sample rate they pass through the same resampler: no sample is added or lost, and the filter
+//! sees no artificial edge. At another rate the resampler is flushed and replaced. Frames that still wait in the ring
+//! count as not played: a seek applies to the track that is heard, and its decoder is kept until then.
 
 mod analysis;
 mod audible;
@@ -49,25 +48,24 @@ pub use shape::LoudnessShape;
 use shape::Shapes;
 use threads::Threads;
 
-/// Pieces that may wait for the analysis.
+/// Blocks of frames that may wait for the analysis.
 const ANALYSIS_QUEUE: usize = 32;
 
-/// How to play.
+/// The settings of a new player.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayerOptions {
-    /// The output device.
     pub target: Target,
-    /// What follows the last track and each track; the list must be told the same.
+    /// The repeat mode; the list must have the same.
     pub repeat: Repeat,
-    /// Whether the order is random; the list must be told the same.
+    /// True for a random order; the list must have the same setting.
     pub shuffled: bool,
-    /// 0 to 1.
+    /// The volume, 0 to 1.
     pub volume: f32,
-    /// Start paused.
+    /// True to start paused.
     pub paused: bool,
     /// A device or the silent clock.
     pub output: OutputChoice,
-    /// Whether quiet and loud songs move a picture alike.
+    /// The gain control for quiet and loud songs.
     pub gain: Gain,
 }
 
@@ -90,53 +88,52 @@ impl Default for PlayerOptions {
 pub struct PlayerStatus {
     /// The audible track.
     pub track: Arc<TrackInfo>,
-    /// The track that was opened to follow the one that is decoded; none if it is not open yet, or nothing follows but
-    /// the same track again.
+    /// The next track, if it is already open and differs from the track that is being decoded.
     pub next: Option<Arc<TrackInfo>>,
     /// The audible position in the track, in seconds.
     pub position: f64,
-    /// What follows the last track, and each one.
+    /// The repeat mode.
     pub repeat: Repeat,
-    /// Whether the order is random.
+    /// True if the order is random.
     pub shuffled: bool,
-    /// Whether playback is paused.
+    /// True if playback is paused.
     pub paused: bool,
-    /// 0 to 1.
+    /// The volume, 0 to 1.
     pub volume: f32,
-    /// Whether it is muted: it runs without sound.
+    /// True if playback is muted; the song continues silently.
     pub muted: bool,
-    /// Whether the last frame was heard (and shown, if the picture is shifted) and nothing follows.
+    /// True if the last frame was heard (and shown, if the image is delayed) and no track follows.
     pub ended: bool,
-    /// The output in words.
+    /// A description of the output.
     pub output: String,
     /// The output device, if one is open.
     pub device: Option<ListedDevice>,
-    /// Why there is no sound, if the song runs on the silent clock.
+    /// The reason why there is no sound, if the song runs on the silent clock.
     pub silent: Option<String>,
-    /// Why the output that was chosen last is not open, while the one before goes on.
+    /// The reason why the last chosen output is not open while the previous one continues.
     pub refused: Option<String>,
-    /// Stretches of silence because samples came too late.
+    /// Gaps in the sound because samples came too late.
     pub underruns: u64,
-    /// Calls of the callback.
+    /// The number of callback calls.
     pub callbacks: u64,
     /// The longest call relative to the duration of its buffer: 0.1 is a tenth.
     pub worst_callback_load: f64,
-    /// The load that all but one in a thousand calls stay below, in steps of 0.01.
+    /// The 99.9th percentile of the callback load, in steps of 0.01.
     pub usual_callback_load: f64,
-    /// What went wrong with tracks.
+    /// Errors of tracks.
     pub track_errors: TrackErrors,
-    /// Parts of the song that nobody heard because devices went and came.
+    /// Parts of the song that were not heard because of device changes.
     pub missed_audio: MissedAudio,
 }
 
-/// Tracks that play. Dropping it ends the sound and the threads, within a limit.
+/// A player of tracks. Dropping it ends the sound and the threads, within a time limit.
 pub struct Player {
-    // First, so that the threads end before what they use.
+    // The first field, so that the threads end before the data that they use is dropped.
     threads: Threads,
     controls: Arc<Controls>,
     counters: Arc<Counters>,
     gain: GainSwitch,
-    /// The track that was last audible, where it stands in the list now.
+    /// The track that was audible last, with its current index in the list.
     track: Arc<TrackInfo>,
     listing: SharedListing,
     shapes: Shapes,
@@ -148,11 +145,11 @@ pub struct Player {
 }
 
 impl Player {
-    /// Starts to play `first`, and then what `list` gives. The device opens meanwhile; if that fails, the song runs
-    /// on the silent clock and [`PlayerStatus::silent`] says why.
+    /// Starts to play `first`, followed by the tracks of `list`. The device opens in the background. If that fails, the
+    /// song runs on the silent clock and [`PlayerStatus::silent`] gives the reason.
     ///
     /// # Errors
-    /// If the track's rate is beyond the limits or a thread cannot be started.
+    /// The track's sample rate is out of range, or a thread cannot be started.
     pub fn start(
         first: Track,
         mut list: Box<dyn TrackList>,
@@ -184,7 +181,7 @@ impl Player {
         let decoding = Worker::spawn("decoding", move || work.run(&inbox))?;
         let request = OutputRequest { choice: options.output, target: options.target, silent_rate: rate };
         let outputs = commands.clone();
-        // If the decoding thread has ended, so has the playback.
+        // A failed send means that the decoding thread and thus the playback has ended.
         let deliver = move |link| drop(outputs.send(Command::Output { link, at: Instant::now() }));
         let supervisor = Supervisor::start(request, controls.clone(), counters.clone(), deliver)?;
         let outputs = supervisor.watch();
@@ -210,10 +207,10 @@ impl Player {
         })
     }
 
-    /// Starts to play a source that does not belong to a list.
+    /// Starts to play a source that belongs to no list.
     ///
     /// # Errors
-    /// See [`Player::start`].
+    /// The errors of [`Player::start`].
     pub fn start_alone(source: Box<dyn FrameSource>, options: PlayerOptions) -> Result<Self, PlayerError> {
         Self::start(Track::alone(source), Box::new(OneTrack(options.repeat)), options)
     }
@@ -223,85 +220,85 @@ impl Player {
         self.controls.set_paused(paused);
     }
 
-    /// Seeks by `seconds` from what is audible, or from the target of a seek that is not heard yet, but not before
-    /// the track's start. Past the end the next track follows. A value that is not finite is ignored.
+    /// Seeks by `seconds` from the audible position, or from the target of a seek that is not audible yet. The target
+    /// is at least the track's start; beyond its end, the next track follows. Values that are not finite are ignored.
     pub fn seek_by(&self, seconds: f64) {
         self.threads.send(Command::SeekBy(seconds));
     }
 
-    /// Seeks to a time of the track, in seconds; clamped like [`Player::seek_by`].
+    /// Seeks to a time of the track, in seconds, clamped like [`Player::seek_by`].
     pub fn seek_to(&self, seconds: f64) {
         self.threads.send(Command::SeekTo(seconds));
     }
 
-    /// Goes to the next track or to the previous one; going back later than 3 s into a track leads to its own start.
+    /// Skips to the next or the previous track. Skipping back more than 3 s into a track returns to its start.
     pub fn skip(&self, forward: bool) {
         self.threads.send(Command::Skip { forward });
     }
 
-    /// Plays these files, folders or lists instead of the current list, if something in them can be played.
+    /// Replaces the list by these files, folders or playlists, if any of them can be played.
     pub fn play_files(&self, files: Vec<PathBuf>) {
         self.threads.send(Command::Files(files));
     }
 
-    /// Changes the order and the repeating of tracks.
+    /// Changes the repeat mode and the order.
     pub fn set_order(&mut self, repeat: Repeat, shuffled: bool) {
         (self.repeat, self.shuffled) = (repeat, shuffled);
         self.threads.send(Command::Order(repeat, shuffled));
     }
 
-    /// The list as it is now. This is cheap enough to be asked for each picture, however long the list is.
+    /// The current list. Cheap enough to call for each frame, even for long lists.
     pub fn playlist(&self) -> Arc<ListedTracks> {
         self.listing.tracks()
     }
 
-    /// How loud the track that [`Player::status`] told last is from its start to its end, as far as is known. It becomes
-    /// known while this is asked for, a little at a time; nothing is done before it is asked for once. None while
-    /// nothing is known, and for tracks of unknown length, of more than the limits' `shape_seconds_max`, or that cannot
-    /// be opened twice.
+    /// The loudness shape of the track that [`Player::status`] reported last, as far as it is measured.
+    ///
+    /// The first call starts the measurement, and each later one may return more of the track. `None` before anything
+    /// is measured, and for tracks that have an unknown length, are longer than the limits' `shape_seconds_max`, or
+    /// cannot be opened twice.
     pub fn shape(&self) -> Option<Arc<LoudnessShape>> {
         self.shapes.of(&self.track)
     }
 
-    /// Plays the track at this index of the list from its start, or the next one that can be played. An index beyond
-    /// the list is ignored.
+    /// Plays the track at this index of the list, or the next one that can be played. An index beyond the list is
+    /// ignored.
     pub fn play_entry(&self, entry: usize) {
         self.threads.send(Command::PlayEntry(entry));
     }
 
-    /// Moves the entry at index `from` so that it is at index `to`; what plays goes on. Indices beyond the list are
-    /// ignored. Changes are carried out one after the other: indices are those of the list after all changes before.
+    /// Moves an entry from one index to another without interrupting playback. Indices beyond the list are ignored.
+    /// Edits apply in order: each index refers to the list after all earlier edits.
     pub fn move_entry(&self, from: usize, to: usize) {
         self.threads.send(Command::Edit(Edit::Move { from, to }));
     }
 
-    /// Removes an entry; see [`Player::move_entry`]. If it plays, the one that follows plays instead, and silence if
-    /// none does.
+    /// Removes an entry; see [`Player::move_entry`]. If it is playing, the next track plays instead, or silence if none
+    /// follows.
     pub fn remove_entry(&self, entry: usize) {
         self.threads.send(Command::Edit(Edit::Remove(entry)));
     }
 
-    /// Appends these files, or what these folders and lists hold, to the list. A list that had ended goes on with them;
-    /// a random order has them among the tracks that are still to come.
+    /// Appends these files, or the contents of these folders and playlists, to the list. A list that had ended
+    /// continues with them. A random order mixes them into the remaining tracks.
     pub fn append_files(&self, files: Vec<PathBuf>) {
         self.threads.send(Command::Edit(Edit::Append(files)));
     }
 
-    /// Plays on another output from now on; the present one goes on until that one is open. A song without a device
-    /// on purpose has one from then on.
+    /// Switches to another output; the current one continues until the new one is open. A player that was started
+    /// without a device uses one from then on.
     pub fn choose_output(&self, target: Target) {
         if let Some(supervisor) = &self.threads.supervisor {
             supervisor.choose(target);
         }
     }
 
-    /// Levels the sound for the picture from now on, or no longer. It shows within half a second, because the analysis
-    /// is ahead of the sound.
+    /// Changes the gain control. The image follows within half a second, because the analysis is ahead of the sound.
     pub fn set_gain(&self, gain: Gain) {
         self.gain.set(gain);
     }
 
-    /// Changes the volume by `delta`; the result is clamped to 0 to 1.
+    /// Changes the volume by `delta`, clamped to 0 to 1.
     pub fn change_volume(&self, delta: f32) {
         self.controls.set_volume(self.controls.volume() + delta);
     }
@@ -311,12 +308,12 @@ impl Player {
         self.controls.set_volume(volume);
     }
 
-    /// Mutes or unmutes; the song runs on.
+    /// Mutes or unmutes; the song continues.
     pub fn toggle_mute(&self) {
         self.controls.set_muted(!self.controls.muted());
     }
 
-    /// The present state of playback.
+    /// The current state of playback.
     pub fn status(&mut self) -> PlayerStatus {
         let output = self.threads.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
         let place = self.position.look();
@@ -351,9 +348,11 @@ impl Player {
         self.position.clone()
     }
 
-    /// What is audible now. `latency_shift` seconds (within the limits' `latency_ms_max`) are added to the latency
-    /// that the device reports: a positive shift where the sound is heard later than the device knows. A negative one
-    /// looks ahead, as far as is decoded (0.3 to 0.4 s).
+    /// The audible moment.
+    ///
+    /// `latency_shift` (in seconds, within the limits' `latency_ms_max`) is added to the latency that the device
+    /// reports. It is positive if the sound is heard later than the device reports. A negative shift looks ahead, as
+    /// far as frames are decoded (0.3 to 0.4 s).
     pub fn now(&mut self, latency_shift: f64) -> Moment {
         self.audible.now(latency_shift)
     }
@@ -363,7 +362,7 @@ impl Player {
         self.audible.sound()
     }
 
-    /// Notes where the audible track stands in the list now. A track of a list that was replaced stays as it was.
+    /// Updates the audible track's index in the list. A track of a replaced list keeps its last one.
     fn find_place(&mut self) {
         if let Some((entry, count)) = self.listing.place(self.track.id)
             && (entry, count) != (self.track.entry, self.track.count)

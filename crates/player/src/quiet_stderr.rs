@@ -1,16 +1,16 @@
-//! Keeps C libraries from printing over the user's terminal: ALSA's jack plugin reports a missing server with a
-//! dozen lines on standard error, past every error handler that ALSA offers.
+//! Keeps C libraries from printing to the user's terminal: ALSA's jack plugin reports a missing server with a dozen
+//! lines on standard error and bypasses all of ALSA's error handlers.
 
 use std::fs::OpenOptions;
 use std::os::fd::OwnedFd;
 
-/// While this lives, what the process writes to standard error is discarded.
+/// Discards the process's standard error output until it is dropped.
 pub(super) struct QuietStderr {
     saved: OwnedFd,
 }
 
 impl QuietStderr {
-    /// None if standard error cannot be redirected; then it stays as it is.
+    /// Redirects standard error; `None` if that fails and it stays unchanged.
     pub(super) fn new() -> Option<Self> {
         let saved = rustix::io::dup(rustix::stdio::stderr()).ok()?;
         let nowhere = OpenOptions::new().write(true).open("/dev/null").ok()?;
@@ -21,7 +21,7 @@ impl QuietStderr {
 
 impl Drop for QuietStderr {
     fn drop(&mut self) {
-        // It was standard error before, so this cannot fail.
+        // The saved descriptor was standard error, so this cannot fail.
         let _ = rustix::stdio::dup2_stderr(&self.saved);
     }
 }

@@ -1,12 +1,12 @@
 //! Sample rate conversion of a stereo stream, for the decoding thread (never for the callback).
 //!
-//! The filter's delay is cut off at the start and drained at the end, so output frame `m` is the signal at
-//! input time `m * from / to`, and `n` input frames become `round(n * to / from)` output frames.
+//! The filter's delay is cut off at the start and drained at the end. So output frame `m` is the signal at input time
+//! `m * from / to`, and `n` input frames become `round(n * to / from)` output frames.
 //!
-//! Rates with a large common divisor (all usual ones) go through rubato's FFT resampler. Its block spans an even
-//! number of periods of the ratio, so its delay is a whole number of frames on both sides. For odd ratios such a
-//! block would hold seconds of sound, so they go through the windowed-sinc resampler, whose delay is compensated to
-//! within half an output frame.
+//! Rates with a large common divisor (all usual ones) go through rubato's FFT resampler. Its block spans an even number
+//! of periods of the ratio, so its delay is a whole number of frames on both sides. For odd ratios such a block would
+//! hold seconds of sound. They go through the windowed-sinc resampler, whose delay is compensated to within half an
+//! output frame.
 
 use rubato::audioadapter_buffers::direct::InterleavedSlice;
 use rubato::{
@@ -17,33 +17,33 @@ use rubato::{
 use mariana_music::StereoFrame;
 use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 
-/// Target length of an FFT block in input frames: long enough for a steep filter, short enough to respond quickly
+/// Target length of an FFT block, in input frames: long enough for a steep filter, short enough to respond quickly
 /// after a seek (23 ms at 44.1 kHz).
 const BLOCK_FRAMES: usize = 1024;
 
-/// Longest FFT block, in input frames, before the sinc resampler is the better choice.
+/// Longest FFT block, in input frames; ratios that need a longer one use the sinc resampler.
 const BLOCK_FRAMES_MAX: usize = 16_384;
 
 /// Length of the windowed sinc for odd ratios, in input frames.
 const SINC_LENGTH: usize = 256;
 
-/// Why frames could not be converted.
+/// The errors of sample rate conversion.
 #[derive(Debug, thiserror::Error)]
 pub enum ResampleError {
-    /// A rate outside the limits.
-    #[error("cannot convert from {from} Hz to {to} Hz: rates go from {} to {} Hz; choose another device rate or file", MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max)]
+    /// A rate is out of range.
+    #[error("cannot convert from {from} Hz to {to} Hz: rates must be {} to {} Hz; choose another device rate or file", MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max)]
     Rate {
-        /// Rate of the input, in hertz.
+        /// The input's rate, in hertz.
         from: u32,
-        /// Rate of the output, in hertz.
+        /// The output's rate, in hertz.
         to: u32,
     },
-    /// The library refused. This is a bug here, not in the input.
+    /// The resampling library failed. This is a bug of the program, not an error in the input.
     #[error("the conversion from {from} Hz to {to} Hz failed: {message}; please report it")]
     Library {
-        /// Rate of the input, in hertz.
+        /// The input's rate, in hertz.
         from: u32,
-        /// Rate of the output, in hertz.
+        /// The output's rate, in hertz.
         to: u32,
         /// The library's message.
         message: String,
@@ -54,7 +54,7 @@ pub enum ResampleError {
 pub struct Resampler {
     from: u32,
     to: u32,
-    /// `None` where the rates are equal: frames pass through.
+    /// `None` for equal rates: frames pass through.
     engine: Option<Engine>,
 }
 
@@ -66,14 +66,14 @@ struct Engine {
     block: Vec<StereoFrame>,
     /// The filter's delay, in output frames.
     delay: usize,
-    /// Leading output frames that are still the filter's delay.
+    /// Leading output frames still to be cut off as the filter's delay.
     delay_left: usize,
     frames_in: u64,
     frames_out: u64,
 }
 
 impl Resampler {
-    /// A converter from `from` to `to`, both in hertz within the limits of [`mariana_music::limits`].
+    /// Creates a converter between two rates in hertz, within the limits of [`mariana_music::limits`].
     pub fn new(from: u32, to: u32) -> Result<Self, ResampleError> {
         let allowed = MUSIC_LIMITS.sample_rate_min..=MUSIC_LIMITS.sample_rate_max;
         if !allowed.contains(&from) || !allowed.contains(&to) {
@@ -83,17 +83,17 @@ impl Resampler {
         Ok(Self { from, to, engine })
     }
 
-    /// Rate of the input, in hertz.
+    /// The input's rate, in hertz.
     pub fn from_hz(&self) -> u32 {
         self.from
     }
 
-    /// True where the rates are equal and every frame comes out as it went in.
+    /// True if the rates are equal and frames pass through unchanged.
     pub fn is_pass_through(&self) -> bool {
         self.engine.is_none()
     }
 
-    /// Takes `input` and appends the output that is ready to `output`.
+    /// Converts `input` and appends the finished frames to `output`.
     pub fn process(
         &mut self,
         input: &[StereoFrame],
@@ -111,8 +111,8 @@ impl Resampler {
         Ok(())
     }
 
-    /// Appends what the filter still holds, so that the output is as long as the input was, and starts afresh for the
-    /// next stream.
+    /// Appends the filter's remaining frames, so that the output is as long as the input, and resets for the next
+    /// stream.
     pub fn finish(&mut self, output: &mut Vec<StereoFrame>) -> Result<(), ResampleError> {
         let (from, to) = (self.from, self.to);
         if let Some(engine) = &mut self.engine {
@@ -128,7 +128,7 @@ impl Resampler {
         Ok(())
     }
 
-    /// Forgets everything taken so far, as after a seek.
+    /// Discards all buffered input, as after a seek.
     pub fn reset(&mut self) {
         if let Some(engine) = &mut self.engine {
             engine.inner.reset();
@@ -147,7 +147,7 @@ impl Engine {
             to,
             message: e.to_string(),
         };
-        // The shortest block whose half is whole on both sides is two periods of the ratio.
+        // The shortest block whose half is a whole number of frames on both sides is two periods of the ratio.
         let unit = 2 * (from / gcd(from, to)) as usize;
         let (inner, delay): (Box<dyn rubato::Resampler<f32>>, usize) = if unit <= BLOCK_FRAMES_MAX {
             let chunk = unit * BLOCK_FRAMES.div_ceil(unit);
@@ -168,8 +168,8 @@ impl Engine {
             let ratio = f64::from(to) / f64::from(from);
             let sinc = Async::<f32>::new_sinc(ratio, 1.0, &parameters, BLOCK_FRAMES, 2, FixedAsync::Input)
                 .map_err(library)?;
-            // Measured: the first output lies one output frame into the filter, and the delay that the library
-            // reports is truncated to a whole number.
+            // Measured: the first output is one output frame into the filter, and the library truncates the reported
+            // delay to a whole number.
             let delay = (SINC_LENGTH as f64 / 2.0 * ratio - 1.0).round().max(0.0);
             (Box::new(sinc), delay as usize)
         };
@@ -177,7 +177,7 @@ impl Engine {
         Ok(Self { inner, waiting: Vec::new(), block, delay, delay_left: delay, frames_in: 0, frames_out: 0 })
     }
 
-    /// Converts every full block that waits.
+    /// Converts all full blocks of waiting input.
     fn run(&mut self, output: &mut Vec<StereoFrame>) -> Result<(), String> {
         let mut taken = 0;
         while self.waiting.len() - taken >= self.inner.input_frames_next() {
@@ -197,8 +197,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Converts one block from `waiting[offset..]` (`partial` frames, then silence, if given), drops what is left of
-    /// the delay and what lies past `total`, and returns the number of input frames taken.
+    /// Converts one block from `waiting[offset..]`; `partial` gives the number of frames before padding with silence.
+    /// Drops the rest of the delay and all frames after `total`. Returns the number of input frames used.
     fn convert(
         &mut self,
         offset: usize,
@@ -244,7 +244,7 @@ mod tests {
             .collect()
     }
 
-    /// Converts in uneven pieces, as packets come.
+    /// Converts in pieces of uneven length, like packets.
     fn convert(from: u32, to: u32, input: &[StereoFrame]) -> Vec<StereoFrame> {
         let mut resampler = Resampler::new(from, to).unwrap();
         let mut output = Vec::new();
@@ -261,7 +261,7 @@ mod tests {
         output
     }
 
-    /// Level of the best fitting sine against 0.5, and of everything else against that sine, both in dB.
+    /// The level of the best fitting sine relative to 0.5, and of the residue relative to that sine, both in dB.
     fn level_and_residue(channel: &[f64], hz: f64, rate: u32) -> (f64, f64) {
         let n = channel.len() as f64;
         let (mut s, mut c) = (0.0, 0.0);
@@ -302,8 +302,8 @@ mod tests {
 
     #[test]
     fn output_time_is_input_time() {
-        // The output must be the sine itself at the new instants: a shift by one frame at 1 kHz would leave
-        // an error of about 0.06.
+        // The output must be the same sine at the new sample times: a shift by one frame at 1 kHz would leave an error
+        // of about 0.06.
         for (from, to, tolerance) in [
             (44_100, 48_000, 1e-4),
             (48_000, 44_100, 1e-4),
@@ -339,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reset_forgets_the_past() {
+    fn a_reset_discards_the_past() {
         let input = sine(440.0, 44_100, 20_000);
         let mut resampler = Resampler::new(44_100, 48_000).unwrap();
         let mut output = Vec::new();

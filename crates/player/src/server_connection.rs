@@ -1,8 +1,8 @@
-//! The server's side of connections to PulseAudio, used to end one that cpal cannot end.
+//! Closes cpal's PulseAudio connections on the server's side when cpal cannot close them.
 //!
-//! When an output is unplugged and no other is left, PulseAudio kills the stream that played on it. cpal's thread
-//! then waits forever for a last message of that stream, and dropping the stream waits for the thread. But the thread
-//! does notice the end of its connection, and the server can be asked to end it.
+//! When the last output is unplugged, PulseAudio kills the stream that played on it. cpal's thread then waits forever
+//! for a last message of that stream, and dropping the stream waits for the thread. The thread does notice a closed
+//! connection, however, and the server can be asked to close it.
 
 use std::collections::BTreeSet;
 use std::ffi::CString;
@@ -11,20 +11,20 @@ use std::sync::{Mutex, PoisonError};
 use futures_executor::block_on;
 use pulseaudio::{Client, ClientError};
 
-/// The connection on which the server is asked about the others. It is kept, because a connection ends only with the
+/// The connection for queries about other connections. It is kept open, because a connection lasts as long as the
 /// server.
 static ASKING: Mutex<Option<Client>> = Mutex::new(None);
 
-/// A connection as the server knows it.
+/// The server's identifier of a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct ServerConnection {
-    /// Distinguishes one run of the server from another.
+    /// The server's cookie, which changes when the server restarts.
     server: u32,
     client: u32,
 }
 
-/// The result of `open`, and the connection that it made; none if the server does not say, or if it could be more
-/// than one connection. May block as long as the server likes.
+/// Returns the result of `open` and the connection that it made. The connection is `None` if the server does not answer
+/// or several connections appeared. This may block as long as the server does.
 pub(super) fn opened_by<T, E>(
     open: impl FnOnce() -> Result<T, E>,
 ) -> Result<(T, Option<ServerConnection>), E> {
@@ -41,8 +41,8 @@ pub(super) fn opened_by<T, E>(
 }
 
 impl ServerConnection {
-    /// Asks the server to end it; whoever waits on it learns that it is closed. May block as long as the server
-    /// likes.
+    /// Asks the server to close the connection, which wakes all threads that wait on it. This may block as long as the
+    /// server does.
     pub(crate) fn end(self) {
         let mut asking = ASKING.lock().unwrap_or_else(PoisonError::into_inner);
         let is_there = own_connections(&mut asking)
@@ -50,19 +50,19 @@ impl ServerConnection {
         if let Some(client) = asking.as_ref().filter(|_| is_there)
             && let Err(error) = block_on(client.kill_client(self.client))
         {
-            tracing::debug!("the sound server does not close a connection: {error}");
+            tracing::debug!("the sound server failed to close a connection: {error}");
         }
     }
 }
 
-/// The run of the server, and the numbers of the connections that cpal made for this process.
+/// The server's cookie, and the ids of the connections that cpal made for this process.
 fn own_connections(asking: &mut Option<Client>) -> Option<(u32, BTreeSet<u32>)> {
     if let Some(client) = asking
         && let Ok(answer) = ask(client)
     {
         return Some(answer);
     }
-    // The first question, or the server has restarted.
+    // The first query, or the server has restarted.
     let client = Client::from_env(c"mariana").ok()?;
     let answer = ask(&client).ok();
     *asking = Some(client);
@@ -70,7 +70,7 @@ fn own_connections(asking: &mut Option<Client>) -> Option<(u32, BTreeSet<u32>)> 
 }
 
 fn ask(client: &Client) -> Result<(u32, BTreeSet<u32>), ClientError> {
-    // The name that cpal gives to its connections.
+    // The name that cpal gives its connections.
     let name = CString::new(format!("cpal-pulseaudio-{}", std::process::id())).unwrap_or_default();
     let server = block_on(client.server_info())?.cookie;
     let all = block_on(client.list_clients())?;

@@ -1,4 +1,4 @@
-//! What is played: a file of the user's, or a track inside the program.
+//! A song: a file or a track embedded in the program.
 
 use std::fs::{self, File};
 use std::io::{self, Read as _};
@@ -7,28 +7,25 @@ use std::path::PathBuf;
 use super::decode::{DecodeError, Decoder};
 pub use super::one_line::one_line;
 
-/// Bytes of a file that are read at once.
+/// Bytes read at once.
 const PIECE_BYTES: usize = 1 << 16;
 
 /// A song that can be opened any number of times.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Song {
-    /// A track inside the program.
+    /// A track embedded in the program.
     Embedded {
-        /// The name that a file of it would have.
+        /// The name that the track would have as a file.
         name: &'static str,
-        /// Its encoded bytes.
+        /// The encoded bytes.
         bytes: &'static [u8],
     },
-    /// A file.
+    /// The path of a file.
     File(PathBuf),
 }
 
 impl Song {
-    /// Opens it for decoding from its start.
-    ///
-    /// # Errors
-    /// The errors of [`Decoder::open`].
+    /// Opens the song for decoding from its start.
     pub fn open(&self) -> Result<Decoder, DecodeError> {
         match self {
             Song::Embedded { name, bytes } => Decoder::from_bytes(name, bytes),
@@ -36,10 +33,10 @@ impl Song {
         }
     }
 
-    /// Gives its encoded bytes to `take`, piece by piece, until that returns false.
+    /// Passes the encoded bytes to `take`, piece by piece, until `take` returns false.
     ///
     /// # Errors
-    /// It cannot be read, or is no file: opening a pipe would wait for its writer, and take away what comes.
+    /// The file cannot be read or is no regular file. Opening a pipe would wait for its writer and consume its data.
     pub fn read(&self, mut take: impl FnMut(&[u8]) -> bool) -> io::Result<()> {
         match self {
             Song::Embedded { bytes, .. } => {
@@ -62,13 +59,13 @@ impl Song {
     }
 }
 
-/// The name of a song: artist and title if the file gives them, else the file's name.
+/// The display name of a song: artist and title if the file has tags, otherwise the file name.
 pub fn display_name(decoder: &Decoder) -> String {
     let info = decoder.info();
     track_name(info.artist.as_deref(), info.title.as_deref(), &info.name)
 }
 
-/// The name of a track with that artist and title, in a file of that name.
+/// The display name of a track with these tags in a file of this name.
 pub(super) fn track_name(artist: Option<&str>, title: Option<&str>, file: &str) -> String {
     let tag = |tag: Option<&str>| tag.map(one_line).filter(|tag| !tag.is_empty());
     match (tag(artist), tag(title)) {

@@ -1,26 +1,23 @@
-//! Where playback and analysis pull samples from: a decoded file today, anything seekable tomorrow.
+//! The source of samples for playback and analysis. [`crate::decode::Decoder`] reads them from a file.
 
 use mariana_music::StereoFrame;
 
-/// Why a source cannot go on. The message is one sentence that says what, where and what to do.
+/// An error that ends a source. The message is one sentence: what happened, where, and what to do.
 pub type SourceError = Box<dyn std::error::Error + Send + Sync>;
 
-/// A seekable stream of stereo frames at a fixed rate.
-///
-/// A source never ends the program: damaged stretches are skipped inside, and what cannot be skipped comes
-/// back as an error that the caller shows.
+/// A source skips damaged parts by itself. It returns an error, for the caller to show, if it cannot continue.
 pub trait FrameSource: Send {
-    /// Frames per second, constant over the life of the source.
+    /// Frames per second, constant over the source's life.
     fn sample_rate(&self) -> u32;
 
-    /// Length in seconds, if the container (or a scan) gives it.
+    /// Length in seconds, if the container or a scan of the file gives one.
     fn duration(&self) -> Option<f64>;
 
-    /// Appends the next decoded frames to `out` and returns how many; 0 is the end of the stream.
-    /// One call appends at most a packet.
+    /// Appends the next decoded frames (at most one packet) to `out` and returns their number; 0 at the end of the
+    /// stream.
     fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, SourceError>;
 
-    /// Moves so that the next block starts at `seconds` (clamped to the stream), exact to the frame, and returns the
-    /// time reached; past the end, that is the end.
+    /// Moves to the frame at `seconds`, clamped to the stream, and returns the time reached. The position is exact to
+    /// the frame.
     fn seek(&mut self, seconds: f64) -> Result<f64, SourceError>;
 }

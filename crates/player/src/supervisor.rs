@@ -1,16 +1,16 @@
-//! Keeps the sound going in one direction: opens the device, watches it, follows the default device, puts something
-//! else in its place when it fails, and opens it again as soon as possible.
+//! The supervisor of one direction of sound: opens a device, monitors it, follows the default device, replaces it by a
+//! substitute when it fails, and opens it again as soon as possible.
 //!
-//! Each device lives on a thread of its own that opens, holds and drops its stream. None of these calls is trusted to
-//! return: a thread that does not answer in time is left behind. Nothing is opened while another opening is in
-//! progress, so that a sound server that hangs costs one thread and not one for each attempt.
+//! There is one supervisor for each direction, with a [`Port`] for outputs and one for inputs. Each device has its own
+//! thread, which opens, holds and drops its stream. No such call is certain to return: a thread that does not answer in
+//! time is abandoned. Only one opening runs at a time, so that a hanging sound server costs one thread and not one for
+//! each attempt.
 //!
-//! **One supervisor for each direction** (with a `Port` for outputs and one for inputs). It opens devices on threads
-//! of their own, counts their callbacks, and compares what is open with the device list, which another thread polls
-//! four times a second. Polling is needed because cpal passes on no news of devices, and a sound server silently
-//! moves the stream of an unplugged device to another one. What is open goes on until its successor is open. Each
-//! kind of cpal's errors has its own wait before the next attempt; a change in the device list is answered at once.
-//! Because the default may change and change back between two polls, what was opened is checked once more afterwards.
+//! The supervisor counts the device's callbacks, and compares the open device with the device list, which another
+//! thread polls four times a second. Polling is needed because cpal does not report device changes, and a sound server
+//! silently moves the stream of an unplugged device to another one. The open device continues until its successor is
+//! open. Each kind of cpal's errors has its own wait before the next attempt; a change in the device list ends the
+//! wait. The default may change and change back between two polls, so an opened device is checked once more afterwards.
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -24,33 +24,33 @@ use super::hosts::monitor_id;
 use super::server_connection::ServerConnection;
 use super::worker::Worker;
 
-/// How long a device may take to open before silence takes its place.
+/// The longest time for opening a device before silence replaces it.
 const OPEN_LIMIT: Duration = Duration::from_secs(3);
 
-/// How often devices are checked.
+/// Time between two checks of the device.
 const WATCH_PERIOD: Duration = Duration::from_millis(100);
 
-/// A device that did not call during this many checks in a row has stalled. Checks are counted, not time: if the
-/// whole machine stood still, the device is not to blame.
+/// Consecutive checks without a callback after which a device has stalled. Checks are counted instead of time: if the
+/// whole machine was suspended, the device is not at fault.
 const SILENT_LOOKS: u32 = 10;
 
-/// How long to wait for the end of a device's thread.
+/// The longest wait for the end of a device's thread.
 const CLOSE_LIMIT: Duration = Duration::from_millis(500);
 
 /// The state of one direction of sound.
 #[derive(Clone, Default)]
 pub(crate) struct StreamStatus<N> {
-    /// In words.
+    /// A description of the open device or its substitute.
     pub(crate) description: String,
     /// The device, if one is open.
     pub(crate) device: Option<ListedDevice>,
-    /// Why there is no sound, if there is none.
+    /// The reason why there is no sound, if there is none.
     pub(crate) silent: Option<String>,
-    /// Why the choice is not open, while the previous device goes on.
+    /// The reason why the chosen device is not open while the previous one continues.
     pub(crate) refused: Option<String>,
-    /// What the port notes of what is open.
+    /// Port-specific data about the open stream.
     pub(crate) note: N,
-    /// How often a device was opened.
+    /// The number of times that a device was opened.
     pub(crate) openings: u64,
 }
 
@@ -64,7 +64,7 @@ enum Event<L> {
 
 type Numbered<L> = (u64, Event<L>);
 
-/// The thread that watches over one direction. Ends when dropped.
+/// The supervising thread. Dropping it ends the thread.
 pub(crate) struct Supervisor<P: Port> {
     events: Sender<Numbered<P::Link>>,
     status: Arc<Mutex<StreamStatus<P::Note>>>,
@@ -72,7 +72,7 @@ pub(crate) struct Supervisor<P: Port> {
 }
 
 impl<P: Port> Supervisor<P> {
-    /// Starts the supervisor; without a target there is silence on purpose.
+    /// Starts the supervisor; without a target there is deliberate silence.
     pub(crate) fn start(port: P, target: Option<Target>) -> io::Result<Self> {
         let (events, inbox) = channel();
         let status = StreamStatus { description: "opening".into(), ..StreamStatus::default() };
@@ -97,19 +97,19 @@ impl<P: Port> Supervisor<P> {
         Ok(Self { events, status, worker })
     }
 
-    /// The present state.
+    /// The current state.
     pub(crate) fn status(&self) -> StreamStatus<P::Note> {
         lock(&self.status).clone()
     }
 
-    /// Reads the port's data about the open stream from any thread.
+    /// A handle that reads the port's data about the open stream from any thread.
     pub(crate) fn notes(&self) -> NoteReader<P::Note> {
         NoteReader(self.status.clone())
     }
 
-    /// Changes to another device; the present one goes on until the other is there.
+    /// Switches to another device; the current one continues until the new one is open.
     pub(crate) fn choose(&self, target: Target) {
-        // If it cannot be sent, the thread has ended.
+        // A failed send means that the thread has ended.
         let _ = self.events.send((0, Event::Choose(target)));
     }
 }
@@ -119,7 +119,7 @@ impl<P: Port> Supervisor<P> {
 pub(crate) struct NoteReader<N>(Arc<Mutex<StreamStatus<N>>>);
 
 impl<N: Clone> NoteReader<N> {
-    /// The present data.
+    /// The current data.
     pub(crate) fn note(&self) -> N {
         lock(&self.0).note.clone()
     }
@@ -136,12 +136,12 @@ fn lock<N>(status: &Mutex<StreamStatus<N>>) -> MutexGuard<'_, StreamStatus<N>> {
     status.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A device's thread; it closes the device when `_hold` is dropped.
+/// A device's thread, which closes the device when `_hold` is dropped.
 struct DeviceThread {
     number: u64,
     _hold: Sender<()>,
     worker: Worker,
-    /// The connection to end if the device does not close.
+    /// The connection to close if the device does not close.
     connection: Option<ServerConnection>,
 }
 
@@ -152,10 +152,10 @@ impl DeviceThread {
         if worker.join_within(CLOSE_LIMIT) {
             return;
         }
-        // On a thread of its own, because the server need not answer either.
+        // On a separate thread, because the server may not answer either.
         let ending = connection.map(|connection| Worker::spawn("sound connection", move || connection.end()));
         if ending.is_none_or(|ending| ending.is_err()) || !worker.join_within(CLOSE_LIMIT) {
-            tracing::warn!("a sound device does not close and is abandoned");
+            tracing::warn!("a sound device did not close and is abandoned");
         }
     }
 }
@@ -169,14 +169,14 @@ enum Current<P: Port> {
         called: u64,
         silent_looks: u32,
     },
-    /// What stands in for a device. Held: it ends when dropped.
-    StandIn(#[allow(dead_code, reason = "held: it ends when dropped")] Option<P::StandIn>),
+    /// The substitute for a device. It stops when it is dropped.
+    StandIn(#[allow(dead_code, reason = "held because it stops when it is dropped")] Option<P::StandIn>),
 }
 
 struct Opening {
     thread: DeviceThread,
     since: Instant,
-    /// The opening took too long; if it succeeds later it is welcome.
+    /// True if the opening took too long. It may still succeed later.
     overdue: bool,
 }
 
@@ -184,21 +184,21 @@ struct Watch<P: Port> {
     port: P,
     target: Option<Target>,
     device_list: Option<Arc<DeviceWatch>>,
-    /// The state of the device list that was seen last.
+    /// The generation of the device list that was seen last.
     generation: u64,
-    /// After this many polls the device list has seen what was opened last. The default device may have changed and
-    /// changed back between two polls, so that what was opened in between is no longer the default.
+    /// The number of polls after which the device list certainly covers the last opening. Until then, the default
+    /// device may have changed and changed back unnoticed, so that the opened device is no longer the default.
     settled_after: Option<u64>,
     status: Arc<Mutex<StreamStatus<P::Note>>>,
     events: Sender<Numbered<P::Link>>,
     last_number: u64,
     current: Current<P>,
     opening: Option<Opening>,
-    /// When to try again, while there is no device.
+    /// The time of the next attempt, while there is no device.
     retry_at: Option<Instant>,
     /// The target's device that was open last.
     had: Option<ListedDevice>,
-    /// What is open was chosen before the present target.
+    /// True if the open device was chosen before the current target.
     superseded: bool,
 }
 
@@ -223,7 +223,7 @@ impl<P: Port> Watch<P> {
         close::<P>(std::mem::replace(&mut self.current, Current::None));
     }
 
-    /// Starts to open the target, unless an opening is on its way.
+    /// Starts to open the target, unless an opening is running.
     fn open(&mut self) {
         let Some(target) = self.target.clone() else { return };
         if self.opening.is_some() {
@@ -242,7 +242,7 @@ impl<P: Port> Watch<P> {
             match opener(target, on_failure) {
                 Ok((stream, opened)) => {
                     if events.send((number, Event::Opened(opened))).is_ok() {
-                        // Nothing is ever sent: this returns when the other end is dropped.
+                        // No message is ever sent: this returns when the other end is dropped.
                         let _ = held.recv();
                     }
                     drop(stream);
@@ -274,7 +274,7 @@ impl<P: Port> Watch<P> {
                 if self.device_list.is_none() {
                     self.device_list = DeviceWatch::shared().ok();
                 }
-                // The pending opening is no longer wanted; if it hangs, it is left behind.
+                // The running opening is obsolete; if it hangs, its thread is abandoned.
                 if let Some(opening) = self.opening.take() {
                     opening.thread.close();
                 }
@@ -299,13 +299,13 @@ impl<P: Port> Watch<P> {
             Event::Failed(Failure { reason, kind }) if is_current => {
                 self.lose(&DeviceError::Lost { direction: P::DIRECTION, reason }, kind);
             }
-            // Events of a device that was given up are void. A device that fails while it opens will stall, and that
-            // is handled.
+            // Events of an abandoned device are ignored. A device that fails while it opens will stall, which is
+            // handled.
             _ => {}
         }
     }
 
-    /// Replaces what is there by a device.
+    /// Replaces the current device or substitute by an opened device.
     fn take(&mut self, thread: DeviceThread, opened: Opened<P::Link>) {
         let Opened { link, entry, description, calls, .. } = opened;
         tracing::info!("sound {}: {description}", P::DIRECTION);
@@ -332,10 +332,10 @@ impl<P: Port> Watch<P> {
         close::<P>(before);
     }
 
-    /// There is no device, or a new one could not be opened: silence takes the place of one that failed.
+    /// Handles a failed device or a failed opening. A failed device is replaced by silence.
     fn lose(&mut self, error: &DeviceError, kind: cpal::ErrorKind) {
         let stands = match &self.current {
-            // The present device still plays: the default changed to one that cannot be opened.
+            // The current device still plays: the default changed to one that cannot be opened.
             Current::Device { silent_looks, .. } => {
                 *silent_looks < SILENT_LOOKS
                     && !matches!(
@@ -378,14 +378,14 @@ impl<P: Port> Watch<P> {
         if self.retry_at.is_some_and(|at| at <= Instant::now()) {
             self.retry_at = None;
             match self.current {
-                // The present device plays, but it was the default: check again which one is.
+                // The current device plays, but it was the default: check again which one is.
                 Current::Device { .. } => self.generation = 0,
                 _ => self.open(),
             }
         }
     }
 
-    /// Compares what is open with the device list.
+    /// Compares the open device with the device list.
     fn follow(&mut self) {
         let Some(watch) = self.device_list.as_ref().filter(|_| self.opening.is_none()) else { return };
         let (generation, device_list) = watch.latest();
@@ -429,22 +429,22 @@ impl<P: Port> Watch<P> {
         }
     }
 
-    /// Whether a device that was asked for by name is no longer there: sound servers move its stream to another one
-    /// silently.
+    /// The error for a device that was chosen by name and is no longer connected: sound servers silently move its
+    /// stream to another one.
     fn has_gone(&self, device_list: &DeviceList, entry: &ListedDevice) -> Option<DeviceError> {
         let named = matches!(self.target, Some(Target::Named(_) | Target::MonitorOf(_)));
         let list = match P::DIRECTION {
             Direction::Output => &device_list.outputs,
             Direction::Input => &device_list.inputs,
         };
-        // Only devices that the list can know: a device of another host is in no list.
+        // Only for hosts in the list: other hosts' devices are never listed.
         let same_host = |other: &ListedDevice| other.id.split(':').next() == entry.id.split(':').next();
         let hosts_differ = !device_list.outputs.iter().chain(&device_list.inputs).any(same_host);
         let gone = named && !hosts_differ && !list.iter().any(|other| other.id == entry.id);
         gone.then(|| DeviceError::Gone { direction: P::DIRECTION, name: entry.name.clone() })
     }
 
-    /// Replaces what is there by silence.
+    /// Replaces the current device by silence.
     fn go_silent(&mut self, reason: String) {
         let reported = lock(&self.status).silent.replace(reason.clone());
         if reported.as_ref() != Some(&reason) {

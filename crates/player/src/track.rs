@@ -1,4 +1,4 @@
-//! Tracks, and what a player asks of the list that they come from.
+//! Tracks, and the interface between a player and its list of tracks.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -11,46 +11,46 @@ use super::song::{Song, display_name};
 use super::source::{FrameSource, SourceError};
 use mariana_music::StereoFrame;
 
-/// Rate of [`Track::silence`], in hertz.
+/// Sample rate of [`Track::silence`], in hertz.
 const SILENCE_RATE: u32 = 48_000;
 /// Frames of silence per block.
 const SILENCE_BLOCK: usize = 1024;
 
-/// What is known about a track.
+/// Metadata of a track.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrackInfo {
-    /// The number of its entry, which stays the same when the list is edited.
+    /// The id of its list entry, which stays the same when the list is edited.
     pub id: u64,
-    /// Its index in the list that it comes from, when it was opened; [`crate::Player::status`] tells the present one.
+    /// Its index in the list at the time it was opened. [`crate::Player::status`] reports the current index.
     pub entry: usize,
-    /// How many tracks that list has, likewise.
+    /// The length of the list at the time the track was opened.
     pub count: usize,
-    /// Its name: artist and title, or the file's name.
+    /// Display name: artist and title, or the file name.
     pub name: String,
-    /// Title, if the file gives one.
+    /// Title, if the file has one.
     pub title: Option<String>,
-    /// Who made it, if the file says.
+    /// Artist, if the file has one.
     pub artist: Option<String>,
     /// Length in seconds, if known.
     pub duration: Option<f64>,
-    /// The factor for its samples before they are analysed, so that quiet and loud tracks drive a scene alike.
+    /// A factor applied to the samples before analysis, so that quiet and loud tracks drive a scene equally.
     pub scene_gain: f32,
-    /// How its frames come a second time, from its start, for who wants to know it before it is heard.
+    /// Opens the track a second time from its start, to analyse it before it is heard.
     pub reopen: Reopen,
 }
 
 type Opening = dyn Fn() -> Result<Box<dyn FrameSource>, SourceError> + Send + Sync;
 
-/// Where a track's frames are: all of a song or a part of it. The same bytes and the same part are the same frames.
+/// The location of a track's frames: a song, or a part of one. Equal contents have equal frames.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Content {
-    /// The song.
+    /// The whole song.
     pub song: Song,
-    /// The part of it that is played; none is all of it.
+    /// The part of the song that is played; `None` for all of it.
     pub cut: Option<Cut>,
 }
 
-/// A way to open a track again, if there is one.
+/// A function that opens a track again, if it can be opened twice.
 #[derive(Clone, Default)]
 pub struct Reopen {
     open: Option<Arc<Opening>>,
@@ -58,27 +58,27 @@ pub struct Reopen {
 }
 
 impl Reopen {
-    /// By calling this.
+    /// Wraps a function that opens the track.
     pub fn by(open: impl Fn() -> Result<Box<dyn FrameSource>, SourceError> + Send + Sync + 'static) -> Self {
         Self { open: Some(Arc::new(open)), content: None }
     }
 
-    /// The same for a track whose frames are those of `content`.
+    /// Adds the location of the track's frames.
     pub(super) fn of(self, content: Content) -> Self {
         Self { content: Some(Arc::new(content)), ..self }
     }
 
-    /// Opens the track; none if there is no way. This may take its time.
+    /// Opens the track; `None` if it cannot be opened again. This may block.
     pub fn open(&self) -> Option<Result<Box<dyn FrameSource>, SourceError>> {
         self.open.as_ref().map(|open| open())
     }
 
-    /// Whether there is a way.
+    /// True if the track can be opened again.
     pub fn is_possible(&self) -> bool {
         self.open.is_some()
     }
 
-    /// Where the frames are, if that is known.
+    /// The location of the frames, if known.
     pub fn content(&self) -> Option<&Content> {
         self.content.as_deref()
     }
@@ -99,16 +99,16 @@ impl fmt::Debug for Reopen {
     }
 }
 
-/// A track that is open and stands at its start.
+/// An open track at its start.
 pub struct Track {
-    /// Its frames.
+    /// The track's frames.
     pub source: Box<dyn FrameSource>,
-    /// What is known about it.
+    /// The track's metadata.
     pub info: Arc<TrackInfo>,
 }
 
 impl Track {
-    /// The track that a decoder yields, as entry `entry` of `count`, with the id of that number.
+    /// Wraps a decoder as entry `entry` of `count`; the id equals `entry`.
     pub fn of_decoder(decoder: Decoder, entry: usize, count: usize) -> Self {
         let about = decoder.info();
         let info = TrackInfo {
@@ -125,7 +125,7 @@ impl Track {
         Self { source: Box::new(decoder), info: Arc::new(info) }
     }
 
-    /// A source without a list.
+    /// Wraps a source that belongs to no list.
     pub fn alone(source: Box<dyn FrameSource>) -> Self {
         let info = TrackInfo {
             id: 0,
@@ -141,8 +141,7 @@ impl Track {
         Self { source, info: Arc::new(info) }
     }
 
-    /// Endless silence in place of entry `entry` of `count`, with the id of that number, played when nothing else can
-    /// be.
+    /// Endless silence as entry `entry` of `count`, for when no track can be played; the id equals `entry`.
     pub fn silence(entry: usize, count: usize) -> Self {
         let mut track = Self::alone(Box::new(Silence { position: 0 }));
         let info = Arc::make_mut(&mut track.info);
@@ -150,14 +149,14 @@ impl Track {
         track.with_id(entry as u64)
     }
 
-    /// The track as the entry with that id.
+    /// Replaces the entry's id.
     pub fn with_id(mut self, id: u64) -> Self {
         Arc::make_mut(&mut self.info).id = id;
         self
     }
 }
 
-/// Multiplies frames before they are analysed, live and offline alike; see [`TrackInfo::scene_gain`].
+/// Multiplies frames before analysis, live and offline; see [`TrackInfo::scene_gain`].
 pub fn scale(frames: &mut [StereoFrame], gain: f32) {
     for frame in frames {
         *frame = frame.map(|sample| sample * gain);
@@ -189,90 +188,88 @@ impl FrameSource for Silence {
     }
 }
 
-/// What follows the last track, and each track.
+/// The repeat mode of a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Repeat {
-    /// After the last track the first one.
+    /// Starts again with the first track after the last one.
     #[default]
     All,
-    /// After each track the same again.
+    /// Repeats the current track.
     One,
-    /// After the last track nothing.
+    /// Stops after the last track.
     Off,
 }
 
 impl Repeat {
-    /// All of them with their names.
     const NAMES: [(Self, &'static str); 3] = [(Self::All, "all"), (Self::One, "one"), (Self::Off, "off")];
 
-    /// What it is called.
+    /// The mode's name.
     pub fn name(self) -> &'static str {
         Self::NAMES.into_iter().find(|(repeat, _)| *repeat == self).map_or("", |(_, name)| name)
     }
 
-    /// The one of that name.
+    /// The mode with this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::NAMES.into_iter().find(|(_, known)| *known == name).map(|(repeat, _)| repeat)
     }
 }
 
-/// What is asked of a list.
+/// A request to a list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Wanted {
-    /// What comes when an entry has played to its end. `anew`: the open track cannot begin again as it is.
+    /// The track that follows when an entry has played to its end.
     Following {
         /// The entry's id.
         after: u64,
-        /// Whether the entry itself would have to be opened again.
+        /// True if the entry itself would have to be opened again because its open track cannot restart.
         anew: bool,
     },
-    /// This many tracks forward from an entry, or back.
+    /// The track this many entries after `from`.
     Skip {
         /// The entry's id.
         from: u64,
-        /// More than 0 is forward.
+        /// Positive values go forward.
         steps: i32,
     },
-    /// The track at this index of the list, or else the next one that can be played.
+    /// The track at this index, or the next one that can be played.
     Entry(usize),
-    /// What plays now that the entry with this id, which was playing, was removed. Where nothing follows, that is
-    /// silence with the same id.
+    /// The successor of the removed entry with this id. If nothing follows, silence with the same id.
     InPlaceOf(u64),
-    /// The first track of these files, which become the list.
+    /// The first track of these files, which replace the list.
     Files(Vec<PathBuf>),
 }
 
-/// What a list has found.
+/// The result of a request to a list.
 pub enum Found {
-    /// This track.
+    /// An opened track.
     Track(Track),
-    /// The same track once more; it is open already.
+    /// The same track again, which is open already.
     Again,
-    /// Nothing follows: it was the last track.
+    /// The end of the list.
     End,
-    /// There are tracks, but none of them can be played.
+    /// A list without any playable track.
     Nothing,
 }
 
-/// A list of tracks. It is asked on a thread of its own, so it may take its time.
+/// A list of tracks. The player calls it on a separate thread, so it may block.
 pub trait TrackList: Send {
-    /// Finds and opens a track. Every entry that had to be skipped is reported to `tell`, one sentence each.
+    /// Finds and opens a track. Reports each skipped entry to `tell` in one sentence.
     fn find(&mut self, wanted: &Wanted, tell: &mut dyn FnMut(String)) -> Found;
 
-    /// Changes the order and the repeating of tracks. A new random order begins with the entry whose id is `current`.
+    /// Changes the repeat mode and the order. A new random order begins with the entry whose id is `current`.
     fn set_order(&mut self, repeat: Repeat, shuffled: bool, current: u64);
 
-    /// Keeps `listing` true to the list from now on. A list without this shows as the track that was first.
+    /// Keeps `listing` up to date with the list from now on. By default the listing keeps showing only the first track.
     fn fraction(&mut self, _listing: SharedListing) {}
 
-    /// Changes the list, while the entry with id `playing` plays, and tells `tell` what could not be done. A list
-    /// without this stays as it is.
+    /// Edits the list while the entry with id `playing` plays, and reports failures to `tell`. By default nothing
+    /// changes.
     fn edit(&mut self, _edit: &Edit, _playing: u64, _tell: &mut dyn FnMut(String)) -> Edited {
         Edited::default()
     }
 }
 
-/// A list of the one open track, which repeats in every mode but [`Repeat::Off`].
+/// A list that consists of the one open track. It repeats in every mode except [`Repeat::Off`].
 pub struct OneTrack(pub Repeat);
 
 impl TrackList for OneTrack {
@@ -281,7 +278,7 @@ impl TrackList for OneTrack {
             Wanted::Following { anew: false, .. } if self.0 != Repeat::Off => Found::Again,
             Wanted::Following { anew: false, .. } => Found::End,
             Wanted::Skip { .. } | Wanted::Entry(0) => Found::Again,
-            // Only its source is known.
+            // No other track can be opened: only the source is known.
             _ => Found::Nothing,
         }
     }

@@ -1,4 +1,4 @@
-//! A thread whose end is awaited, but never longer than a limit.
+//! A thread with a time-limited join.
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
@@ -12,11 +12,11 @@ pub(crate) struct Worker {
 }
 
 impl Worker {
-    /// Starts `work` on a thread of its own.
+    /// Starts `work` on a new thread.
     pub(crate) fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<Self> {
         let (at_end, done) = channel();
         let handle = Builder::new().name(name.into()).spawn(move || {
-            // Dropped when the work returns or fails.
+            // Dropped when the work returns or panics.
             let _at_end = at_end;
             work();
         })?;
@@ -30,23 +30,23 @@ impl Worker {
         }
     }
 
-    /// The thread, for others to wake. None once its end was awaited.
+    /// The thread's handle, for other threads to wake it. `None` after [`Worker::join_within`].
     pub(crate) fn thread(&self) -> Option<&Thread> {
         self.handle.as_ref().map(JoinHandle::thread)
     }
 
-    /// Whether it has ended.
+    /// True if the thread has ended.
     pub(crate) fn has_ended(&self) -> bool {
         matches!(self.done.try_recv(), Err(TryRecvError::Disconnected))
     }
 
-    /// Waits for the thread's end, at most `limit`; true if it ended. After that the thread is left to itself.
+    /// Waits at most `limit` for the thread's end; true if it ended. Otherwise the thread is detached.
     pub(crate) fn join_within(&mut self, limit: Duration) -> bool {
         let ended = matches!(self.done.recv_timeout(limit), Err(RecvTimeoutError::Disconnected));
         if let Some(handle) = self.handle.take().filter(|_| ended)
             && handle.join().is_err()
         {
-            tracing::error!("a playback thread failed");
+            tracing::error!("a playback thread panicked");
         }
         ended
     }

@@ -1,4 +1,4 @@
-//! The audio callback allocates and frees nothing, whatever happens around it.
+//! Tests that the audio callbacks neither allocate nor free memory.
 
 #![allow(clippy::expect_used)]
 
@@ -10,11 +10,11 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use mariana_player::input::InputCallback;
 use mariana_player::output::{Controls, Counters, OutputCallback, Segment};
 
-// In debug builds it ends the process at the first allocation or release inside `assert_no_alloc`.
+// In debug builds this ends the process at the first allocation or release inside `assert_no_alloc`.
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
-/// Numbers without a pattern (xorshift; G. Marsaglia, 2003).
+/// Pseudo-random numbers (xorshift; G. Marsaglia, 2003).
 struct Random(u64);
 
 impl Random {
@@ -27,7 +27,7 @@ impl Random {
 }
 
 #[test]
-fn a_storm_of_events_allocates_nothing_in_the_callback() {
+fn many_events_allocate_nothing_in_the_callback() {
     let controls = Arc::new(Controls::new(1.0, false));
     let counters = Arc::new(Counters::default());
     let (mut output_callback, mut link) =
@@ -64,7 +64,7 @@ fn a_storm_of_events_allocates_nothing_in_the_callback() {
         }
         let size = random.below(4097);
         let channels = 1 + random.below(6);
-        // A buffer that is no whole number of frames, too.
+        // Includes buffers with an incomplete last frame.
         let length = size * channels + if channels > 1 { random.below(2) } else { 0 };
         let length = length.min(samples.len());
         let latency = [None, Some(Duration::from_millis(20)), Some(Duration::MAX)][random.below(3)];
@@ -81,7 +81,6 @@ fn a_storm_of_events_allocates_nothing_in_the_callback() {
     assert!(loudest > 0.5 && loudest <= 1.0, "{loudest}");
 }
 
-/// Calls of the input's callback.
 const CALLS: usize = 1_000_000;
 
 #[test]
@@ -94,8 +93,8 @@ fn a_million_buffers_of_any_size_allocate_nothing_in_the_inputs_callback() {
     let (mut sent, mut read) = (0, 0);
     for _ in 0..CALLS {
         let channels = 1 + random.below(8);
-        // Mostly small, so that a million of them end soon; sometimes more than the ring has room for, and no whole number
-        // of frames.
+        // Mostly small buffers, so that a million of them take little time. Some do not fit into the ring or end with
+        // an incomplete frame.
         let length = if random.below(50) == 0 { random.below(4097) } else { random.below(65) };
         let age = [None, Some(Duration::from_millis(5)), Some(Duration::MAX)][random.below(3)];
         assert_no_alloc(|| match length % 3 {
@@ -105,7 +104,7 @@ fn a_million_buffers_of_any_size_allocate_nothing_in_the_inputs_callback() {
         });
         sent += (length / channels) as u64;
         if random.below(300) == 0 {
-            let chunk = link.ring.read_chunk(link.ring.slots()).expect("they are there");
+            let chunk = link.ring.read_chunk(link.ring.slots()).expect("a chunk of available frames");
             read += chunk.len() as u64;
             chunk.commit_all();
         }

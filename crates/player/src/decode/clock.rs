@@ -1,16 +1,16 @@
-//! From the time stamps of packets to frames.
+//! Conversion of packet time stamps to frames.
 //!
-//! "Raw" frames are counted from the first frame of the first packet, encoder delay included.
+//! "Raw" frames are counted from the first frame of the first packet, including the encoder delay.
 
 use symphonia::core::units::TimeBase;
 
-/// How the time stamps of one track translate to frames.
+/// The relation between one track's time stamps and its frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Clock {
     /// Seconds per tick, as a fraction.
     numer: u32,
     denom: u32,
-    /// Time stamp of the first packet, in ticks.
+    /// The first packet's time stamp, in ticks.
     first: Option<i64>,
     /// Every packet begins at a multiple of this many raw frames, if the codec has such a grid.
     grid: Option<u32>,
@@ -22,23 +22,23 @@ impl Clock {
         Self { numer, denom, first: None, grid }
     }
 
-    /// Notes the time stamp of the first packet.
+    /// Records the first packet's time stamp.
     pub(super) fn begin(&mut self, ticks: i64) {
         self.first.get_or_insert(ticks);
     }
 
-    /// True where a tick is a frame.
+    /// True if a tick is a frame.
     pub(super) fn is_exact(&self, rate: u32) -> bool {
         u64::from(self.numer) * u64::from(rate) == u64::from(self.denom)
     }
 
-    /// True where [`raw_frame`](Self::raw_frame) has an answer.
+    /// True if [`raw_frame`](Self::raw_frame) returns a value.
     pub(super) fn is_usable(&self, rate: u32) -> bool {
         self.is_exact(rate) || (self.numer > 0 && self.grid.is_some())
     }
 
-    /// The raw frame with which a packet of this time stamp begins. Where a tick is coarser than a frame (Matroska
-    /// counts milliseconds), the codec's grid corrects it.
+    /// The first raw frame of a packet with this time stamp. If ticks are coarser than frames (Matroska counts
+    /// milliseconds), the codec's grid corrects it.
     pub(super) fn raw_frame(&self, ticks: i64, rate: u32) -> Option<i64> {
         let frames = self.frames(ticks.checked_sub(self.first?)?, rate)?;
         if self.is_exact(rate) {
@@ -48,13 +48,13 @@ impl Clock {
         Some((frames / grid).round() as i64 * i64::from(self.grid?))
     }
 
-    /// A number of ticks in frames, as exact as the clock allows.
+    /// Converts ticks to frames, as exactly as the clock allows.
     pub(super) fn frames(&self, ticks: i64, rate: u32) -> Option<f64> {
         let frames = i128::from(ticks) * i128::from(self.numer) * i128::from(rate);
         (self.numer > 0).then(|| frames as f64 / f64::from(self.denom))
     }
 
-    /// A time stamp at or before a raw frame; where the clock is coarse, earlier by a packet of the grid and two
+    /// A time stamp at or before a raw frame. With a coarse clock it is earlier by one packet of the grid and two
     /// ticks.
     pub(super) fn ticks_before(&self, raw: i64, rate: u32) -> Option<i64> {
         let exact = self.is_exact(rate);
@@ -65,7 +65,7 @@ impl Clock {
         Some(if exact { ticks } else { ticks.saturating_sub(2) })
     }
 
-    /// Frames before time zero, if the first packet lies there.
+    /// Frames before time zero, if the first packet is earlier than that.
     pub(super) fn lead_in(&self, rate: u32) -> u64 {
         let first = self.first.unwrap_or(0);
         if first >= 0 {
@@ -74,7 +74,7 @@ impl Clock {
         self.frames(first, rate).map_or(0, |frames| (-frames).round() as u64)
     }
 
-    /// Time stamp of the first packet, in ticks.
+    /// The first packet's time stamp, in ticks.
     pub(super) fn first(&self) -> i64 {
         self.first.unwrap_or(0)
     }
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_of_milliseconds_is_put_right_by_the_grid() {
+    fn the_grid_corrects_a_clock_of_milliseconds() {
         let clock = clock(1, 1000, Some(1024), -23);
         assert!(!clock.is_exact(44_100) && clock.is_usable(44_100));
         for packet in 0..100_000i64 {
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_that_tells_nothing_says_so() {
+    fn an_unusable_clock_is_reported() {
         let clock = Clock::new(None, Some(1024));
         assert!(!clock.is_usable(44_100));
         assert_eq!((clock.raw_frame(5, 44_100), clock.ticks_before(5, 44_100)), (None, None));

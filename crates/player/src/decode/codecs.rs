@@ -1,4 +1,4 @@
-//! The codecs: which decoder serves which codec, what they are called, and what a jump into the middle needs.
+//! Codecs: their decoders and names, and the requirements of a jump into the middle of a stream.
 
 use std::sync::LazyLock;
 
@@ -12,7 +12,6 @@ use symphonia::core::errors::Error;
 use super::error::DecodeError;
 use super::{contained, sniff};
 
-/// Sample rate of every Opus stream, in hertz.
 const OPUS_RATE: u32 = 48_000;
 
 static REGISTRY: LazyLock<CodecRegistry> = LazyLock::new(|| {
@@ -22,13 +21,13 @@ static REGISTRY: LazyLock<CodecRegistry> = LazyLock::new(|| {
     registry
 });
 
-/// A decoder for a track.
+/// Creates a decoder for a track.
 pub(super) fn make(name: &str, params: &AudioCodecParameters) -> Result<Box<dyn AudioDecoder>, DecodeError> {
     let channels = params.channels.as_ref().map_or(1, |channels| channels.count());
     let mut params = params.clone();
     if params.codec == id::CODEC_ID_OPUS {
-        // Matroska may give the rate of the sound before encoding. The head is removed because the decoder would drop
-        // the pre-skip itself, and again after every jump.
+        // Matroska may give the rate before encoding. The head is removed because the decoder would drop the pre-skip
+        // itself, and again after every jump.
         params.sample_rate = Some(OPUS_RATE);
         params.extra_data = None;
     }
@@ -73,7 +72,7 @@ fn codec_name(codec: AudioCodecId) -> &'static str {
     }
 }
 
-/// Packets of these codecs begin at multiples of this many frames, which corrects coarse time stamps. Opus frames
+/// The number of frames on whose multiples this codec's packets begin, which corrects coarse time stamps. Opus frames
 /// last at least 2.5 ms.
 pub(super) fn grid(codec: AudioCodecId) -> Option<u32> {
     match codec {
@@ -89,22 +88,21 @@ pub(super) fn is_mpeg_audio(codec: AudioCodecId) -> bool {
     matches!(codec, id::CODEC_ID_MP1 | id::CODEC_ID_MP2 | id::CODEC_ID_MP3)
 }
 
-/// True for Opus.
 pub(super) fn is_opus(codec: AudioCodecId) -> bool {
     codec == id::CODEC_ID_OPUS
 }
 
-/// Frames that must be decoded before the target of a jump until the decoder's state equals that of an uninterrupted
-/// run. Half a second covers the overlap of all lossy codecs, MP3's bit reservoir and the 80 ms that RFC 7845, 4.6
-/// asks for with Opus.
+/// Frames to decode before the target of a jump until the decoder's state equals that of an uninterrupted run. Half a
+/// second covers the overlap of all lossy codecs, MP3's bit reservoir and the 80 ms that RFC 7845, 4.6 requires for
+/// Opus.
 pub(super) fn pre_roll(codec: AudioCodecId, rate: u32) -> i64 {
     let lossless = (id::CODEC_ID_PCM_S32LE..=id::CODEC_ID_PCM_MULAW).contains(&codec)
         || matches!(codec, id::CODEC_ID_FLAC | id::CODEC_ID_ALAC);
     if lossless { 0 } else { i64::from(rate / 2) }
 }
 
-/// The known encoder delay nearest to one that a container gives in coarse ticks: AAC encoders prime with 1024 or
-/// 2048 frames, or Apple's 2112; LAME's MP3 with 1105.
+/// The known encoder delay nearest to one that a container gives in coarse ticks. AAC encoders use 1024 or 2048 frames,
+/// Apple's 2112; LAME's MP3 uses 1105.
 pub(super) fn known_delay(codec: AudioCodecId, about: u64, rate: u32) -> u64 {
     let known: &[u64] = match codec {
         id::CODEC_ID_AAC => &[1024, 2048, 2112],

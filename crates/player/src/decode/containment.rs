@@ -1,4 +1,4 @@
-//! Codec libraries run contained, so that a panic in one is an error of the file and not the end of the program.
+//! Containment of codec libraries: a panic in one becomes a decoding error instead of ending the program.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
@@ -9,7 +9,7 @@ thread_local! {
     static INSIDE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs a part of the codec library and turns a panic in it into an error.
+/// Runs a part of a codec library and turns a panic into an error.
 pub(super) fn contained<T>(name: &str, run: impl FnOnce() -> T) -> Result<T, DecodeError> {
     let outer = INSIDE.replace(true);
     let result = catch_unwind(AssertUnwindSafe(run));
@@ -19,13 +19,13 @@ pub(super) fn contained<T>(name: &str, run: impl FnOnce() -> T) -> Result<T, Dec
             .downcast_ref::<&str>()
             .map(ToString::to_string)
             .or_else(|| payload.downcast_ref::<String>().cloned())
-            .unwrap_or_else(|| "it gave no message".into());
+            .unwrap_or_else(|| "it left no message".into());
         DecodeError::CodecFailure { name: name.into(), what }
     })
 }
 
-/// Keeps panics that become errors from being printed as panics; all others are printed as usual. The program calls
-/// this once.
+/// Installs a panic hook that logs contained panics at debug level instead of printing them; others are printed as
+/// usual. The program calls this once.
 pub fn quiet_contained_panics() {
     let print = take_hook();
     set_hook(Box::new(
@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_panic_becomes_an_error_with_its_words_and_leaves_no_mark() {
+    fn a_panic_becomes_an_error_with_its_message() {
         let error = contained("song.flac", || panic!("overflow at {}", 7)).unwrap_err().to_string();
         assert!(error.contains("song.flac") && error.contains("overflow at 7"), "{error}");
         assert!(!INSIDE.get());

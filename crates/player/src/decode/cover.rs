@@ -1,4 +1,4 @@
-//! The picture that a file of music brings along.
+//! Cover images in music files.
 
 use symphonia::core::meta::{StandardVisualKey, Visual};
 
@@ -6,16 +6,16 @@ use super::error::DecodeError;
 use super::input::{Input, TagBytes};
 use crate::limits::LIMITS;
 
-/// A cover, as it lies in the file.
+/// A cover image as stored in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cover {
-    /// How it is encoded.
+    /// The encoding.
     pub kind: CoverKind,
-    /// Its encoded bytes.
+    /// The encoded bytes.
     pub bytes: Vec<u8>,
 }
 
-/// The encodings of covers, by their first bytes. Others are passed over.
+/// The supported encodings of covers, recognised by their first bytes. Others are ignored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CoverKind {
     /// JPEG.
@@ -36,9 +36,9 @@ impl Cover {
     }
 }
 
-/// The front cover, or the first picture if none is called so.
+/// Returns the front cover, or the first image if none is marked as front cover.
 pub(super) fn of(input: &Input) -> Result<Option<Cover>, DecodeError> {
-    // In base64 where a comment holds it.
+    // Twice the size for text, because comments hold covers in base64.
     let limits = TagBytes { text: 2 * LIMITS.cover_bytes_max, picture: LIMITS.cover_bytes_max };
     let mut opened = input.open_with(limits)?;
     let mut metadata = opened.format.metadata();

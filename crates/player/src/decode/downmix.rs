@@ -1,16 +1,15 @@
-//! From any number of channels to two.
+//! Down-mix of any number of channels to two.
 //!
-//! Mono goes to both sides at full level and stereo passes as it is. With more channels, each side is a
-//! weighted sum, after the down-mix of ITU-R BS.775-3 (annex 4): the front channel of that side with 1, the
-//! centre and the surrounds of that side with 1/sqrt(2) (-3 dB). A rear or top centre goes to both sides
-//! with 1/2. LFE channels are dropped, as the recommendation allows. The weights of both sides are divided
-//! by the larger of their sums, so full scale in all channels is full scale in the mix and never more.
+//! Mono goes to both sides at full level, and stereo is unchanged. With more channels, each side is a weighted sum
+//! after the down-mix of ITU-R BS.775-3 (annex 4): the front channel of that side with weight 1, the centre and the
+//! surrounds of that side with 1/sqrt(2) (-3 dB). A rear or top centre goes to both sides with 1/2. LFE channels are
+//! dropped, as the recommendation allows. The weights of both sides are divided by the larger of their sums, so that
+//! full scale in all channels never exceeds full scale in the mix.
 //!
-//! The container says which channel is which. Where it does not, the order of WAVE files holds:
-//! 3: L R C; 4: L R Ls Rs; 5: L R C Ls Rs; 6: L R C LFE Ls Rs; 7: L R C LFE Cs Ls Rs;
-//! 8: L R C LFE Lb Rb Ls Rs. Beyond eight unknown channels, even ones (counted from 0) go to the left and odd
-//! ones to the right, in equal parts.
-//! Ambisonic sound is taken as two cardioids that look left and right.
+//! The container gives the position of each channel. If it does not, the order of WAVE files applies:
+//! 3: L R C; 4: L R Ls Rs; 5: L R C Ls Rs; 6: L R C LFE Ls Rs; 7: L R C LFE Cs Ls Rs; 8: L R C LFE Lb Rb Ls Rs.
+//! With more than eight unknown channels, even ones (counted from 0) go to the left and odd ones to the right, with
+//! equal weights. Ambisonic sound is decoded to two cardioids that point left and right.
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
@@ -18,10 +17,10 @@ use symphonia::core::audio::{ChannelLabel, Channels, Position};
 
 use mariana_music::StereoFrame;
 
-/// Loudest sample that is passed on (24 dB over full scale): float files may hold anything.
+/// Sample values are clamped to this (24 dB over full scale), because float files may hold anything.
 const SAMPLE_MAX: f32 = 16.0;
 
-/// The weights that take one layout of channels to stereo.
+/// The weights that mix one channel layout to stereo.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Downmix {
     /// Left and right weight per channel.
@@ -29,7 +28,6 @@ pub(super) struct Downmix {
 }
 
 impl Downmix {
-    /// The weights for a layout.
     pub(super) fn new(channels: &Channels) -> Self {
         let count = channels.count();
         let weights = match channels {
@@ -55,13 +53,13 @@ impl Downmix {
         Self { weights }
     }
 
-    /// How many channels the weights are for.
+    /// The number of channels that the weights are for.
     pub(super) fn channels(&self) -> usize {
         self.weights.len()
     }
 
-    /// Mixes the planes (one per channel, of equal length) and appends the frames to `out`. Samples that are not
-    /// finite become silence.
+    /// Mixes the planes (one per channel, of equal length) and appends the frames to `out`. Samples that are not finite
+    /// become silence.
     pub(super) fn mix(&self, planes: &[Vec<f32>], frames: usize, out: &mut Vec<StereoFrame>) {
         let start = out.len();
         match planes {
@@ -128,9 +126,9 @@ const RIGHT: Position = Position::REAR_RIGHT
     .union(Position::BOTTOM_FRONT_RIGHT)
     .union(Position::FRONT_RIGHT_WIDE);
 
-/// Readers that know only the number of channels set the first positions of the list, whatever the channels are. A
-/// left without its right (or the other way round) gives that away; so do the first four positions, which would be a
-/// 3.1 layout that nobody writes.
+/// True for a mask without meaning. Readers that know only the number of channels set the first positions of the list,
+/// whatever the channels are. Such a mask has a left without its right (or the reverse), or is the first four
+/// positions, a 3.1 layout that no program writes.
 fn is_placeholder(mask: Position) -> bool {
     let first_positions = (mask.bits() & (mask.bits() + 1)) == 0;
     let lefts = (mask & (LEFT | Position::FRONT_LEFT)).bits().count_ones();
@@ -164,7 +162,7 @@ fn alternating(count: usize) -> Vec<[f32; 2]> {
     (0..count).map(|i| if i % 2 == 0 { [fraction, 0.0] } else { [0.0, fraction] }).collect()
 }
 
-/// `None` where nothing would be heard (a file of LFE channels only).
+/// Scales the weights; `None` if the mix would be silent (a file with only LFE channels).
 fn normalised(weights: impl Iterator<Item = [f32; 2]>) -> Option<Vec<[f32; 2]>> {
     let mut weights: Vec<[f32; 2]> = weights.collect();
     let sum = weights.iter().fold([0.0f32; 2], |sum, w| [sum[0] + w[0], sum[1] + w[1]]);
@@ -222,7 +220,7 @@ mod tests {
             frame[i] = 1.0;
             mixed(&layout, &frame)[side] / front[0]
         };
-        // Relative to the front: centre and surrounds -3 dB, LFE nothing.
+        // Relative to the front: centre and surrounds -3 dB, LFE silent.
         for (i, side, wanted_db) in [(1, 1, 0.0), (2, 0, -3.01), (2, 1, -3.01), (4, 0, -3.01), (5, 1, -3.01)]
         {
             assert!((20.0 * ratio(i, side).log10() - wanted_db).abs() < 0.01, "channel {i}");
@@ -231,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_is_silence() {
+    fn samples_that_are_not_finite_become_silence() {
         let stereo = Channels::Discrete(2);
         assert_eq!(mixed(&stereo, &[f32::NAN, f32::INFINITY]), [0.0, 0.0]);
         assert_eq!(mixed(&stereo, &[1e30, -1e30]), [SAMPLE_MAX, -SAMPLE_MAX]);

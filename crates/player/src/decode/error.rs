@@ -1,17 +1,16 @@
-//! Why a stream could not be opened or decoded any further.
+//! Errors of opening and decoding a stream.
 
 use std::path::PathBuf;
 
-/// What went wrong with a file or stream. Every message is one sentence: what, where, what to do.
+/// An error of a file or stream. Each message is one sentence: what happened, where, and what to do.
 ///
-/// A malformed input is [`NotAudio`](Self::NotAudio) or [`Damaged`](Self::Damaged), an unsupported one
+/// Malformed input is [`NotAudio`](Self::NotAudio) or [`Damaged`](Self::Damaged). Unsupported input is
 /// [`UnsupportedFormat`](Self::UnsupportedFormat), [`UnsupportedCodec`](Self::UnsupportedCodec),
-/// [`NeedsFfmpeg`](Self::NeedsFfmpeg) or
-/// [`NoAudioTrack`](Self::NoAudioTrack), and one past a ceiling of [`crate::limits`]
+/// [`NeedsFfmpeg`](Self::NeedsFfmpeg) or [`NoAudioTrack`](Self::NoAudioTrack). Input beyond [`crate::limits`] is
 /// [`OverLimit`](Self::OverLimit).
 #[derive(Debug, thiserror::Error)]
 pub enum DecodeError {
-    /// Nothing is at the path.
+    /// The path does not exist.
     #[error("{} does not exist; check the spelling of the path", .path.display())]
     NotFound {
         /// The path as given.
@@ -29,13 +28,13 @@ pub enum DecodeError {
         /// The path as given.
         path: PathBuf,
     },
-    /// The file may not be read by this user.
+    /// The user may not read the file.
     #[error("{} cannot be read by this user; change its permissions", .path.display())]
     NoPermission {
         /// The path as given.
         path: PathBuf,
     },
-    /// The file has no bytes.
+    /// The file is empty.
     #[error("{name} is empty; fetch or export the file again")]
     Empty {
         /// The file's name.
@@ -46,81 +45,83 @@ pub enum DecodeError {
     Read {
         /// The file's name.
         name: String,
-        /// The system's reason. (Not a source: the sentence contains it, and sources are printed after the sentence.)
+        /// The system's error message. It is not an error source: the message contains it, and sources are printed
+        /// after the message.
         reason: std::io::Error,
     },
-    /// The bytes are not sound, or not in a form that can be recognised.
+    /// The bytes are not audio, or are in an unknown form.
     #[error(
         "{name} is not an audio file: {what}; choose a wav, aiff, flac, mp3, ogg, opus, m4a, caf, mkv or webm file"
     )]
     NotAudio {
         /// The file's name.
         name: String,
-        /// What was seen instead.
+        /// A description of the content.
         what: String,
     },
-    /// The container is known but not supported here.
+    /// The container is known but not supported.
     #[error("{name} is {what}, which is not supported; convert it, for example to flac")]
     UnsupportedFormat {
         /// The file's name.
         name: String,
-        /// The container.
+        /// A description of the container.
         what: String,
     },
-    /// The container can be read, but its content cannot be decoded.
+    /// The container can be read, but its codec is not supported.
     #[error("{name} holds sound in {codec}, which cannot be decoded; convert it, for example to flac")]
     UnsupportedCodec {
         /// The file's name.
         name: String,
-        /// The codec or the part of it that is missing.
+        /// The codec or its missing feature.
         codec: String,
     },
-    /// Only ffmpeg decodes it, and that is not installed.
+    /// The file needs ffmpeg, which is not installed.
     #[error(
-        "{name} {what}, which is decoded by ffmpeg, and that is not installed; install ffmpeg, or convert the file, for example to flac"
+        "{name} {what}, which needs ffmpeg, and ffmpeg is not installed; install it, or convert the file, \
+         for example to flac"
     )]
     NeedsFfmpeg {
         /// The file's name.
         name: String,
-        /// What it is or holds, after its name.
+        /// The rest of the sentence after the name: what the file is or holds.
         what: String,
     },
-    /// There is no sound in the container.
+    /// The container has no audio track.
     #[error("{name} has no audio track; choose a file with sound")]
     NoAudioTrack {
         /// The file's name.
         name: String,
     },
-    /// Recognised, but not decodable.
+    /// The stream was recognised but cannot be decoded.
     #[error("{name} is damaged: {what}; fetch or export the file again")]
     Damaged {
         /// The file's name.
         name: String,
-        /// What failed.
+        /// A description of the damage.
         what: String,
     },
-    /// More than [`crate::limits::LIMITS`] allow.
+    /// The stream exceeds [`crate::limits::LIMITS`].
     #[error("{name} has {what}, but the limit is {limit}; convert the file to stay within it")]
     OverLimit {
         /// The file's name.
         name: String,
-        /// What was found, with its number.
+        /// The excess, with its number.
         what: String,
         /// The limit, with its unit.
         limit: String,
     },
-    /// The codec library failed in an unforeseen way and was stopped.
+    /// The codec library panicked and was contained.
     #[error("{name} made the decoder fail ({what}); the file is probably damaged: fetch or export it again")]
     CodecFailure {
         /// The file's name.
         name: String,
-        /// The library's own message.
+        /// The library's message.
         what: String,
     },
 }
 
 impl DecodeError {
-    /// Whether the sound is in a form that is not decoded here: something else may decode it.
+    /// True if the format or codec is unsupported here, so that another decoder may succeed.
     pub(super) fn is_unsupported(&self) -> bool {
         matches!(self, Self::UnsupportedFormat { .. } | Self::UnsupportedCodec { .. })
     }

@@ -1,5 +1,5 @@
-//! Encoder delay that the demuxers do not report: the edit list and the `iTunSMPB` tag of MP4 files, and the header
-//! of Opus.
+//! Encoder delays that the demuxers do not report: the edit list and the `iTunSMPB` tag of MP4 files, and the header of
+//! Opus.
 //!
 //! Sources: ISO/IEC 14496-12, 8.2 to 8.6 (boxes, edit list); RFC 7845, 5.1 (`OpusHead`).
 
@@ -8,26 +8,25 @@ use std::io::{self, Read, Seek, SeekFrom};
 /// Deepest nesting of boxes that is followed: `moov/trak/edts/elst` and `moov/trak/mdia/mdhd`.
 const DEPTH_MAX: usize = 4;
 
-/// Most boxes that are looked at before the search is given up.
+/// Most boxes that are examined before the search is given up.
 const BOXES_MAX: usize = 4096;
 
-/// What one track of an MP4 file says about its playable part.
+/// The edit of one MP4 track.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub(super) struct TrackEdit {
     /// The track's number in the file.
     pub(super) track_id: u32,
-    /// Ticks of the track per second.
+    /// Ticks per second of the track.
     pub(super) timescale: u32,
-    /// Where the playable part begins, in ticks of the track.
+    /// The start of the playable part, in ticks of the track.
     pub(super) media_time: u64,
 }
 
-/// The edits of all tracks of an MP4 file; empty where the source is not MP4 or has no edits. The second value says
-/// whether the file is fragmented.
+/// The edits of all tracks of an MP4 file, and true if the file is fragmented. Empty for other files and without edits.
 pub(super) fn track_edits(source: &mut (impl Read + Seek)) -> (Vec<TrackEdit>, bool) {
     let mut walk = Walk { source, edits: Vec::new(), fragmented: false, boxes: 0 };
     let end = walk.source.seek(SeekFrom::End(0)).unwrap_or(0);
-    // What was read before a damaged box still holds.
+    // Data from before a damaged box stays valid.
     let _ = walk.children(0, end, 0);
     (walk.edits, walk.fragmented)
 }
@@ -76,7 +75,7 @@ impl<S: Read + Seek> Walk<'_, S> {
         Ok(())
     }
 
-    /// `tkhd` holds the track's number, `mdhd` its time scale, both after two dates.
+    /// Reads the track's number (`tkhd`) or its time scale (`mdhd`), both after two dates.
     fn header(&mut self, kind: &[u8; 4]) -> io::Result<()> {
         let version = self.u32()? >> 24;
         self.source.seek(SeekFrom::Current(if version == 1 { 16 } else { 8 }))?;
@@ -91,7 +90,7 @@ impl<S: Read + Seek> Walk<'_, S> {
         Ok(())
     }
 
-    /// The first edit that is not empty (an empty one has the media time -1) says where the sound begins.
+    /// Reads the start of the sound from the first edit that is not empty (an empty one has the media time -1).
     fn edit_list(&mut self) -> io::Result<()> {
         let version = self.u32()? >> 24;
         let entries = self.u32()?.min(16);
@@ -125,7 +124,7 @@ impl<S: Read + Seek> Walk<'_, S> {
     }
 }
 
-/// Delay and number of playable frames from the text of an `iTunSMPB` tag. It consists of hexadecimal words: the
+/// Parses the delay and the number of playable frames from an `iTunSMPB` tag. It consists of hexadecimal words: the
 /// second is the delay, the third the padding and the fourth the length.
 pub(super) fn parse_itun_smpb(text: &str) -> Option<(u64, u64)> {
     let mut words = text.split_whitespace().skip(1).map(|word| u64::from_str_radix(word, 16).ok());
@@ -171,7 +170,7 @@ mod tests {
             .concat();
         let wanted = TrackEdit { track_id: 7, timescale: 44_100, media_time: 1024 };
         assert_eq!(track_edits(&mut Cursor::new(&file)), (vec![wanted], false));
-        // Neither truncation nor nonsense makes it fail or hang.
+        // Truncated or random input neither fails nor hangs.
         for end in 0..file.len() {
             track_edits(&mut Cursor::new(&file[..end]));
         }

@@ -1,4 +1,4 @@
-//! Where the bytes come from, and how they become a demuxer.
+//! Byte sources and their demuxers.
 
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
@@ -16,47 +16,48 @@ use super::error::DecodeError;
 use super::gapless::{TrackEdit, track_edits};
 use super::{contained, sniff};
 
-/// The longest tags that are read; longer ones are passed over.
+/// The longest tags that are read, in bytes; longer ones are skipped.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TagBytes {
-    /// Bytes of a text.
+    /// The limit of a text.
     pub(super) text: usize,
-    /// Bytes of a picture.
+    /// The limit of an image.
     pub(super) picture: usize,
 }
 
 impl TagBytes {
-    /// What is needed to decode.
+    /// The limits for decoding, which needs no images.
     const FOR_SOUND: Self = Self { text: 1 << 16, picture: 0 };
 }
 
-/// A stream of bytes that can be opened again and again.
+/// A stream of bytes that can be opened repeatedly.
 #[derive(Debug, Clone)]
 pub(super) enum Input {
     /// A file on disk.
     File {
-        /// Where it lay when it was opened.
+        /// The path at which it was opened.
         path: PathBuf,
-        /// Kept open, so that a song goes on if its file is moved or deleted while it plays.
+        /// An open handle, so that the song continues if its file is moved or deleted.
         file: Arc<File>,
     },
     /// Bytes in the program.
     Bytes {
-        /// What to call it.
+        /// The name for messages.
         name: String,
         /// The whole file.
         bytes: &'static [u8],
     },
 }
 
-/// A demuxer and what was learnt besides.
+/// A demuxer and additional data from the file's header.
 pub(super) struct Opened {
     pub(super) format: Box<dyn FormatReader>,
     pub(super) edits: Vec<TrackEdit>,
     pub(super) fragmented: bool,
 }
 
-/// The file again, at its first byte. Both handles share one position: the earlier one must no longer be read.
+/// Duplicates the file handle at its first byte. Both handles share one position, so the old one must no longer be
+/// read.
 fn from_start(file: &File) -> io::Result<File> {
     let mut again = file.try_clone()?;
     again.rewind()?;
@@ -76,7 +77,7 @@ fn path_error(path: &Path, source: io::Error) -> DecodeError {
 }
 
 impl Input {
-    /// A path that exists, is a regular file, and is not empty.
+    /// Opens a path, which must be a regular file that is not empty.
     pub(super) fn file(path: &Path) -> Result<Self, DecodeError> {
         let failed = |error| path_error(path, error);
         let metadata = std::fs::metadata(path).map_err(failed)?;
@@ -93,7 +94,7 @@ impl Input {
         Ok(Self::File { path: path.to_path_buf(), file })
     }
 
-    /// What to call the stream in messages: the file's name without its folders.
+    /// The stream's name for messages: the file name without folders.
     pub(super) fn name(&self) -> String {
         match self {
             Self::File { path, .. } => file_name(path),
@@ -114,7 +115,7 @@ impl Input {
         self.open_with(TagBytes::FOR_SOUND)
     }
 
-    /// The same with longer tags.
+    /// [`Input::open`] with other limits for tags.
     pub(super) fn open_with(&self, tags: TagBytes) -> Result<Opened, DecodeError> {
         match self {
             Self::File { file, .. } => self.probe(from_start(file).map_err(|e| self.read_error(e))?, tags),
@@ -161,8 +162,8 @@ impl Input {
             .iter()
             .any(|(offset, mark)| head.get(*offset..).is_some_and(|rest| rest.starts_with(mark)));
         if recognised && probed.is_err() {
-            // Many demuxers look for more data at the end, or compare lengths with that of the file, and fail if it
-            // is cut short. If the source cannot jump, they do not.
+            // Many demuxers look for more data at the end, or compare lengths with the file's, and fail if the file is
+            // truncated. They skip these checks if the source cannot seek.
             let source: Box<dyn MediaSource> = match self {
                 Self::File { file, .. } => {
                     Box::new(ReadOnlySource::new(from_start(file).map_err(|e| self.read_error(e))?))
@@ -186,7 +187,7 @@ impl Input {
             {
                 self.read_error(source)
             }
-            _ if !recognised => DecodeError::NotAudio { name, what: "nothing in it looks like sound".into() },
+            _ if !recognised => DecodeError::NotAudio { name, what: "no audio data was found in it".into() },
             Error::Unsupported(what) => {
                 DecodeError::UnsupportedFormat { name, what: format!("a variant of a known format ({what})") }
             }
@@ -204,7 +205,7 @@ impl Input {
     }
 }
 
-/// How the supported containers begin.
+/// The first bytes of supported containers: offset and mark.
 const RECOGNISED: &[(usize, &[u8])] = &[
     (0, b"RIFF"),
     (0, b"FORM"),

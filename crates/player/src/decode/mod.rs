@@ -1,9 +1,9 @@
 //! Decoding of audio files to stereo frames.
 //!
 //! [`Decoder`] opens a file, finds the container by its content, picks the first audio track that can be decoded and
-//! yields its frames, mixed down to stereo ([`downmix`]), at the rate of the file. What is common is decoded here, by
-//! [`native`]; where that says that a format or a codec is not supported, [`ffmpeg`] is asked, if it is installed.
-//! Damaged files stay here.
+//! yields its frames, mixed down to stereo ([`downmix`]), at the rate of the file. Common formats are decoded by
+//! [`native`]. Files whose format or codec that module does not support go to [`ffmpeg`], if it is installed. Damaged
+//! files do not.
 
 mod clock;
 mod codecs;
@@ -33,14 +33,14 @@ use ffmpeg::{FfmpegDecoder, Programs};
 use input::Input;
 use native::NativeDecoder;
 
-/// What is known about a stream.
+/// Metadata of a stream.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StreamInfo {
     /// The file's name without its folders.
     pub name: String,
     /// The container's name.
     pub container: String,
-    /// The demuxer of ffmpeg for the container.
+    /// ffmpeg's demuxer for the container.
     pub demuxer: Demuxer,
     /// The codec's name.
     pub codec: String,
@@ -50,18 +50,17 @@ pub struct StreamInfo {
     pub source_channels: usize,
     /// Length in seconds, as the container claims it; an estimate for MP3 files without a header.
     pub duration: Option<f64>,
-    /// Title of the track.
+    /// Title, if the file has one.
     pub title: Option<String>,
-    /// Who made it.
+    /// Artist, if the file has one.
     pub artist: Option<String>,
-    /// The factor for its samples before they are analysed, by its ReplayGain; 1 without a tag.
+    /// The factor for samples before analysis, from the ReplayGain tag; 1 without a tag.
     pub scene_gain: f32,
 }
 
-/// A file that is being decoded.
+/// A decoder of one file.
 pub struct Decoder(By);
 
-/// Who decodes it.
 enum By {
     Native(Box<NativeDecoder>),
     Ffmpeg(Box<FfmpegDecoder>),
@@ -80,16 +79,16 @@ impl Decoder {
         Ok(Self(By::Ffmpeg(Box::new(decoder))))
     }
 
-    /// Opens a file that is part of the program.
+    /// Opens an embedded file.
     pub fn from_bytes(name: &str, bytes: &'static [u8]) -> Result<Self, DecodeError> {
         let decoder = NativeDecoder::open(Input::Bytes { name: name.into(), bytes })?;
         Ok(Self(By::Native(Box::new(decoder))))
     }
 
-    /// The picture that the file brings along, if it has one; what ffmpeg decodes has none here.
+    /// The file's cover image, if it has one. Files that ffmpeg decodes have none.
     ///
     /// # Errors
-    /// What the demuxer says about the file.
+    /// The demuxer's errors.
     pub fn cover(&self) -> Result<Option<Cover>, DecodeError> {
         match &self.0 {
             By::Native(decoder) => decoder.cover(),
@@ -97,7 +96,7 @@ impl Decoder {
         }
     }
 
-    /// What is known about the stream.
+    /// The stream's metadata.
     pub fn info(&self) -> &StreamInfo {
         match &self.0 {
             By::Native(decoder) => decoder.info(),
@@ -105,7 +104,7 @@ impl Decoder {
         }
     }
 
-    /// Packets so far that were damaged and skipped, where that is known.
+    /// The number of damaged packets that were skipped so far; 0 with ffmpeg.
     pub fn skipped_packets(&self) -> u64 {
         match &self.0 {
             By::Native(decoder) => decoder.skipped_packets(),
@@ -113,9 +112,9 @@ impl Decoder {
         }
     }
 
-    /// Appends the next frames to `out` and returns how many; 0 is the end. One call appends at most a packet.
+    /// Appends the next frames (at most one packet) to `out` and returns their number; 0 at the end.
     ///
-    /// After an error the stream has ended; a seek starts it again.
+    /// After an error the stream has ended; a seek restarts it.
     pub fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
         match &mut self.0 {
             By::Native(decoder) => decoder.next_block(out),

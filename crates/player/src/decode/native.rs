@@ -1,19 +1,18 @@
-//! Decoding of the common formats, by symphonia and libopus.
+//! Decoding of common formats with symphonia and libopus.
 //!
-//! - Containers: WAV, AIFF, FLAC, MP3, Ogg, MP4, CAF, Matroska/WebM, ADTS. Codecs: PCM (integer and float), ADPCM, FLAC,
-//!   ALAC, MP1-3, Vorbis, Opus (mono and stereo), AAC-LC.
-//! - Encoder delay and padding are cut off where the file reports them, so frame 0 is the first frame that went into
-//!   the encoder.
-//! - A seek lands on the exact frame. Where the container cannot jump, or its clock is too coarse for the codec, the
-//!   file is decoded again from its start. Samples after a seek equal those of an uninterrupted run. With lossless
-//!   codecs they are equal bit for bit; with lossy ones half a second before the target is decoded first, which
-//!   brings the decoder to the same state (except for AAC's substituted noise, which is drawn at random).
-//! - Damaged packets are skipped and counted. Where the clock says how long they were, silence takes their place, so
-//!   that the rest stays in time. A truncated file plays as far as it goes (but not CAF, and not MP4 with its tables
-//!   at the end).
-//! - Chained streams (Ogg) play one after the other. A change of channels changes the down-mix; a stream with another
-//!   rate is resampled to the first rate.
-//! - No buffer is sized by what a file claims, and a panic in a codec library becomes an error.
+//! - Containers: WAV, AIFF, FLAC, MP3, Ogg, MP4, CAF, Matroska/WebM, ADTS. Codecs: PCM (integer and float), ADPCM,
+//!   FLAC, ALAC, MP1-3, Vorbis, Opus (mono and stereo), AAC-LC.
+//! - Encoder delay and padding are cut off if the file reports them, so that frame 0 is the encoder's first input
+//!   frame.
+//! - A seek is exact to the frame. If the container cannot seek, or its clock is too coarse for the codec, the file is
+//!   decoded again from its start. Samples after a seek equal those of an uninterrupted run: bit for bit with lossless
+//!   codecs. With lossy ones, half a second before the target is decoded first, which brings the decoder to the same
+//!   state (except for AAC's random substituted noise).
+//! - Damaged packets are skipped and counted. If the clock shows their length, silence replaces them, so that the rest
+//!   stays in time. A truncated file plays to its end (except for CAF, and MP4 with its tables at the end).
+//! - Chained streams (Ogg) play in succession. A change of channels changes the down-mix; a stream with another rate is
+//!   resampled to the first rate.
+//! - No buffer is sized by a number from the file, and a panic in a codec library becomes an error.
 
 use crate::limits::LIMITS;
 use crate::resample::Resampler;
@@ -23,53 +22,53 @@ use super::input::Input;
 use super::packets::{Block, PacketReader};
 use super::{Cover, DecodeError, StreamInfo, cover, sniff};
 
-/// Longest silence that fills holes in the container's clock, in seconds from one seek to the next. More than this
-/// means that the clock is broken.
+/// Longest total silence that fills gaps in the container's clock between two seeks, in seconds. More means that the
+/// clock is broken.
 const HOLE_SECONDS_MAX: i64 = 10;
 
-/// A forward seek by no more than this many seconds decodes on instead of jumping.
+/// A forward seek of at most this many seconds decodes up to the target instead of jumping.
 const NEAR_SECONDS: i64 = 1;
 
-/// A file that is being decoded.
+/// A decoder of one file.
 pub(super) struct NativeDecoder {
     input: Input,
     reader: PacketReader,
     info: StreamInfo,
-    /// Raw frames before the first one that is heard.
+    /// Raw frames before the first audible one.
     delay: i64,
-    /// Number of frames that are heard, where the container is exact about it.
+    /// The number of audible frames, if the container states it exactly.
     length: Option<i64>,
     raw: RawPlace,
     /// Frames before this one are dropped.
     from: i64,
-    /// Frames to drop at the start of a further stream.
+    /// Frames to drop at the start of a chained stream.
     drop_next: usize,
-    /// Frames decoded but not fetched yet; the first is at `position`.
+    /// Decoded frames that were not returned yet; the first is at `position`.
     pending: Vec<StereoFrame>,
     position: i64,
     /// For streams whose rate differs from the first one's.
     resampler: Option<Resampler>,
-    /// True once the rate changed or another stream began: from then on the clock means nothing.
+    /// True once the rate has changed or a chained stream has begun: from then on the clock is meaningless.
     uneven: bool,
     ended: bool,
-    /// Packets skipped by readers that were opened before.
+    /// Packets skipped by earlier readers.
     skipped_before: u64,
     scratch: Vec<StereoFrame>,
 }
 
-/// Where the decoder is among the raw frames, since the start or the last jump.
+/// The decoder's position in raw frames, since the start or the last jump.
 struct RawPlace {
-    /// The next raw frame; not settled until the first packet has given it.
+    /// The next raw frame, unknown until the first packet is decoded.
     next: i64,
     settled: bool,
     /// True from the start until the first packet.
     at_start: bool,
-    /// Frames of silence that filled holes.
+    /// Frames of silence that filled gaps.
     filled: i64,
 }
 
 impl RawPlace {
-    /// Before the first packet of the file.
+    /// The position before the first packet.
     const START: Self = Self { next: 0, settled: false, at_start: true, filled: 0 };
 }
 
@@ -118,27 +117,27 @@ impl NativeDecoder {
         Ok(decoder)
     }
 
-    /// The picture that the file brings along, if it has one.
+    /// The file's cover image, if it has one.
     ///
     /// # Errors
-    /// What the demuxer says about the file.
+    /// The demuxer's errors.
     pub(super) fn cover(&self) -> Result<Option<Cover>, DecodeError> {
         cover::of(&self.input)
     }
 
-    /// What is known about the stream.
+    /// The stream's metadata.
     pub(super) fn info(&self) -> &StreamInfo {
         &self.info
     }
 
-    /// Packets so far that were damaged and skipped.
+    /// The number of damaged packets that were skipped so far.
     pub(super) fn skipped_packets(&self) -> u64 {
         self.skipped_before + self.reader.skipped()
     }
 
-    /// Appends the next frames to `out` and returns how many; 0 is the end. One call appends at most a packet.
+    /// Appends the next frames (at most one packet) to `out` and returns their number; 0 at the end.
     ///
-    /// After an error the stream has ended; a seek starts it again.
+    /// After an error the stream has ended; a seek restarts it.
     pub(super) fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
         while self.pending.is_empty() && self.advance()? {}
         let frames = self.pending.len();
@@ -150,7 +149,7 @@ impl NativeDecoder {
     /// Moves to the frame nearest to `seconds` (clamped to the stream) and returns the time reached, in seconds.
     pub(super) fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
         let rate = f64::from(self.info.sample_rate);
-        // The conversion saturates and turns NaN into 0; a quarter of the range leaves room for sums.
+        // The conversion saturates and maps NaN to 0; a quarter of the range leaves room for sums.
         let target = ((seconds * rate).round() as i64).clamp(0, i64::MAX / 4);
         let near = i64::from(self.info.sample_rate) * NEAR_SECONDS;
         let ahead = !self.ended && (self.position..self.position + near).contains(&target);
@@ -168,7 +167,7 @@ impl NativeDecoder {
         Ok(self.position as f64 / rate)
     }
 
-    /// Decodes until there is something to fetch, or to the end.
+    /// Decodes until a frame is pending or the stream ends.
     fn fill(&mut self) -> Result<(), DecodeError> {
         while self.pending.is_empty() && self.advance()? {}
         Ok(())
@@ -192,13 +191,13 @@ impl NativeDecoder {
         (self.ended, self.drop_next) = (false, 0);
     }
 
-    /// Jumps by the container's own means. False where it has none or they failed; then only a restart helps.
+    /// Jumps with the container's own seek. Returns false if it has none or it failed; then the caller must restart.
     fn jump(&mut self, target: i64) -> Result<bool, DecodeError> {
         if self.uneven {
             return Ok(false);
         }
         let rate = self.info.sample_rate;
-        // A target past the end is approached from a second before the end, so that the end is reached and known.
+        // A target past the end starts a second before the end, so that the end is reached.
         let claimed_end = self.info.duration.map_or(i64::MAX / 4, |s| ((s - 1.0) * f64::from(rate)) as i64);
         let skipped = self.reader.skipped();
         if !self.reader.jump(target.min(claimed_end) + self.delay, rate)? {
@@ -206,11 +205,11 @@ impl NativeDecoder {
         }
         self.forget();
         self.from = target;
-        // If this fails, the seek is tried again from the start.
+        // If this fails, the caller seeks from the start.
         if self.fill().is_err() || !self.raw.settled || self.uneven {
             return Ok(false);
         }
-        // Packets of the pre-roll may lack what came before them; that is not damage.
+        // Packets of the pre-roll may depend on earlier ones. That does not count as damage.
         let by_jump = self.reader.skipped() - skipped;
         self.skipped_before = self.skipped_before.saturating_sub(by_jump);
         Ok(self.pending.is_empty() || self.position == target)
@@ -240,7 +239,7 @@ impl NativeDecoder {
         }
     }
 
-    /// Puts the block in `scratch` at its place in time.
+    /// Puts the block in `scratch` at its position in time.
     fn take(&mut self, block: Block) -> Result<(), DecodeError> {
         let padding = block.padding.min(self.scratch.len());
         self.scratch.truncate(self.scratch.len() - padding);
@@ -257,7 +256,7 @@ impl NativeDecoder {
         if !self.raw.settled {
             self.settle(&block);
         } else if let (Some(start), true, false) = (block.start, block.exact, self.uneven) {
-            // Smaller differences are jitter of the clock.
+            // Smaller differences are clock jitter.
             if start - self.raw.next >= self.scratch.len() as i64 {
                 self.fill_hole(start - self.raw.next);
             }
@@ -279,7 +278,7 @@ impl NativeDecoder {
         Ok(())
     }
 
-    /// The first block after a start or a jump says where the stream is.
+    /// Sets the position from the first block after a start or a jump.
     fn settle(&mut self, block: &Block) {
         self.raw.settled = true;
         match block.start {
@@ -295,7 +294,7 @@ impl NativeDecoder {
         self.raw.at_start = false;
     }
 
-    /// Inserts silence where packets were lost.
+    /// Inserts silence for lost packets.
     fn fill_hole(&mut self, frames: i64) {
         let room = HOLE_SECONDS_MAX * i64::from(self.info.sample_rate) - self.raw.filled;
         if (1..=room).contains(&frames) {
@@ -305,7 +304,7 @@ impl NativeDecoder {
         }
     }
 
-    /// Converts the frames in `scratch` to the rate that the stream began with.
+    /// Converts the frames in `scratch` to the stream's first rate.
     fn equalise(&mut self, rate: u32) -> Result<(), DecodeError> {
         let wanted = self.info.sample_rate;
         if self.resampler.as_ref().map_or(wanted, Resampler::from_hz) == rate {
@@ -334,14 +333,14 @@ impl NativeDecoder {
         Ok(())
     }
 
-    /// Nothing more is decoded until the next seek.
+    /// Ends the decoding until the next seek.
     fn end(&mut self) {
         if self.ended {
             return;
         }
         self.ended = true;
         if let Some(mut resampler) = self.resampler.take() {
-            // The filter holds at most one block; an error here would only cut that off.
+            // The filter holds at most one block, which an error here would cut off.
             let mut tail = Vec::new();
             let _ = resampler.finish(&mut tail);
             let first = self.raw.next - self.delay;

@@ -1,4 +1,5 @@
-//! From a demuxer's packets to stereo frames, each with its place on the container's clock. Nothing is cut off here.
+//! Decoding of a demuxer's packets to stereo frames, each with its position on the container's clock. Encoder delay and
+//! padding are not cut off yet.
 
 use std::io;
 
@@ -28,25 +29,25 @@ use super::input::Input;
 use super::loudness::Loudness;
 use super::{codecs, contained, sniff};
 
-/// After this many failures of the demuxer in a row the stream ends: what follows cannot be found again.
+/// Consecutive failures of the demuxer after which the stream ends: the demuxer has lost the packets.
 const DEMUXER_FAILURES_MAX: u32 = 16;
 
 /// One decoded packet.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
-    /// Rate of its frames, in hertz.
+    /// The frames' rate, in hertz.
     pub(super) rate: u32,
     /// Its first raw frame by the container's clock.
     pub(super) start: Option<i64>,
-    /// True if `start` is exact to the frame without help from the codec's grid.
+    /// True if `start` is exact without the codec's grid.
     pub(super) exact: bool,
     /// Frames at its end that are the encoder's padding.
     pub(super) padding: usize,
-    /// Set on the first block of a further stream in the same file (chained Ogg): the delay of that stream.
+    /// The delay of a further stream in the same file (chained Ogg), on that stream's first block.
     pub(super) new_link: Option<u64>,
 }
 
-/// What the file says about itself.
+/// The file's tags.
 #[derive(Debug, Default)]
 pub(super) struct Tags {
     pub(super) title: Option<String>,
@@ -74,20 +75,20 @@ pub(super) struct PacketReader {
     skipped: u64,
 }
 
-/// The track that is decoded; the next link of a chained file is another one.
+/// The track being decoded; each link of a chained file has its own.
 struct Stream {
     track: Track,
     params: AudioCodecParameters,
     codec: Box<dyn AudioDecoder>,
     clock: Clock,
-    /// Delay that the first packet announces, in frames.
+    /// The delay in the first packet, in frames.
     announced_delay: Option<u64>,
 }
 
 /// Mixes packets down to stereo.
 #[derive(Default)]
 struct Mixer {
-    /// For the channels of the last packet.
+    /// The weights for the channels of the last packet.
     downmix: Option<(Channels, Downmix)>,
     planes: Vec<Vec<f32>>,
 }
@@ -186,13 +187,13 @@ impl PacketReader {
         Ok(true)
     }
 
-    /// Decodes one packet and returns its rate; `None` if the packet cannot be decoded and is skipped.
+    /// Decodes one packet and returns its rate; `None` if it cannot be decoded and is skipped.
     fn decode(&mut self, packet: &Packet, out: &mut Vec<StereoFrame>) -> Result<Option<u32>, DecodeError> {
         if codecs::is_mpeg_audio(self.stream.params.codec) {
             self.follow_mpeg_header(&packet.data)?;
         }
         let mut bare = packet.as_packet_ref();
-        // Trimming is done by the owner, who also knows what the demuxer does not report.
+        // The caller trims, because it also knows delays that the demuxer does not report.
         bare.trim_start = Duration::ZERO;
         bare.trim_end = Duration::ZERO;
         let codec = &mut self.stream.codec;
@@ -212,11 +213,11 @@ impl PacketReader {
         }
     }
 
-    /// The MPEG decoder keeps the rate and channels of its first packet, so a stream that changes them needs a new
-    /// decoder.
+    /// Replaces the decoder if the stream changes its format: the MPEG decoder keeps the rate and channels of its first
+    /// packet.
     fn follow_mpeg_header(&mut self, data: &[u8]) -> Result<(), DecodeError> {
         if let [_, version, rate, mode, ..] = data {
-            // Version and layer, rate, and whether it is mono.
+            // Version and layer, rate, and a mono flag.
             let header = [version & 0x1E, rate & 0x0C, u8::from(mode & 0xC0 == 0xC0)];
             if self.mpeg_header.replace(header).is_some_and(|previous| previous != header) {
                 self.stream.codec = codecs::make(&self.name, &self.stream.params)?;
@@ -225,8 +226,8 @@ impl PacketReader {
         Ok(())
     }
 
-    /// Padding at the end of a packet, in frames. MPEG streams without a LAME tag have only an estimated length,
-    /// which must not cut anything off.
+    /// The padding at the end of a packet, in frames. MPEG streams without a LAME tag have only an estimated length, so
+    /// nothing may be cut off.
     fn padding(&self, packet: &Packet, rate: u32) -> usize {
         if codecs::is_mpeg_audio(self.stream.params.codec) && self.stream.track.delay.is_none() {
             return 0;
@@ -235,7 +236,7 @@ impl PacketReader {
         self.stream.clock.frames(ticks, rate).map_or(0, |frames| frames.round() as usize)
     }
 
-    /// Raw frames at the start that must not be heard. Known once the first packet was read.
+    /// Raw frames at the start that must be cut off. Known after the first packet.
     pub(super) fn delay(&self, rate: u32) -> u64 {
         let edit = self.edits.iter().find(|edit| edit.track_id == self.stream.track.id && edit.timescale > 0);
         if codecs::is_opus(self.stream.params.codec)
@@ -257,8 +258,7 @@ impl PacketReader {
         }
     }
 
-    /// Number of frames to be heard, where the container is exact about it; and the length in seconds, exact or the
-    /// best guess.
+    /// The number of audible frames, if the container states it exactly; and the length in seconds, exact or estimated.
     pub(super) fn length(&mut self, rate: u32) -> (Option<u64>, Option<f64>) {
         let format = self.format.format_info().format;
         let delay = self.delay(rate) as i64;
@@ -293,7 +293,6 @@ impl PacketReader {
         (exact, claimed.filter(|s| *s > 0.0 && *s <= LIMITS.claimed_duration_max))
     }
 
-    /// Title, artist and the like.
     pub(super) fn tags(&mut self) -> Tags {
         let mut tags = Tags::default();
         let track = u64::from(self.stream.track.id);
@@ -335,11 +334,11 @@ impl PacketReader {
         tags
     }
 
-    /// Moves to a packet at or before a raw frame, earlier by the codec's pre-roll. False where the container or its
-    /// clock cannot; then the reader can only be opened again.
+    /// Seeks to a packet at or before a raw frame, earlier by the codec's pre-roll. Returns false if the container or
+    /// its clock does not support it; then the reader must be opened again.
     pub(super) fn jump(&mut self, raw: i64, rate: u32) -> Result<bool, DecodeError> {
         let early = raw - codecs::pre_roll(self.stream.params.codec, rate);
-        // The Ogg demuxer never returns from a jump in a file of several streams.
+        // The Ogg demuxer never returns from a seek in a file with several streams.
         let lost = self.format.format_info().format == FORMAT_ID_OGG && self.format.tracks().len() > 1;
         if early <= 0 || lost || self.links > 0 || !self.stream.clock.is_usable(rate) {
             return Ok(false);
@@ -350,29 +349,29 @@ impl PacketReader {
         if contained(&self.name, || format.seek(SeekMode::Accurate, to))?.is_err() {
             return Ok(false);
         }
-        // A new decoder instead of a reset one: AAC's noise generator survives a reset, and the same jump must always
-        // give the same samples.
+        // A new decoder instead of a reset one: AAC's noise generator survives a reset, and the same seek must always
+        // yield the same samples.
         self.stream.codec = codecs::make(&self.name, &self.stream.params)?;
         self.demuxer_failures = 0;
         self.empty_in_a_row = 0;
         Ok(true)
     }
 
-    /// Packets that could not be read or decoded.
+    /// The number of packets that could not be read or decoded.
     pub(super) fn skipped(&self) -> u64 {
         self.skipped
     }
 
-    /// Short descriptions of the container and the codec.
+    /// The names of the container and the codec.
     pub(super) fn describe(&self) -> (String, String) {
         let container = self.format.format_info().long_name;
         (container.into(), self.stream.codec.codec_info().long_name.into())
     }
 
-    /// The demuxer of ffmpeg for the container.
+    /// ffmpeg's demuxer for the container.
     ///
     /// # Errors
-    /// [`DecodeError::UnsupportedFormat`] if no demuxer of songs reads the container.
+    /// [`DecodeError::UnsupportedFormat`] if no ffmpeg demuxer for songs reads the container.
     pub(super) fn demuxer(&self) -> Result<Demuxer, DecodeError> {
         let format = self.format.format_info();
         match format.format {
@@ -397,7 +396,7 @@ impl PacketReader {
         self.mixer.downmix.as_ref().map_or(0, |(_, downmix)| downmix.channels())
     }
 
-    /// The error for a stream that cannot be decoded (any further).
+    /// The error for a stream that cannot be decoded.
     pub(super) fn damaged(&self, what: &str) -> DecodeError {
         DecodeError::Damaged { name: self.name.clone(), what: what.into() }
     }
@@ -433,7 +432,7 @@ impl Mixer {
 }
 
 impl Stream {
-    /// The first audio track (marked as default, if one is) that has a decoder.
+    /// Picks the first audio track (marked as default, if one is) that has a decoder.
     fn choose(name: &str, format: &dyn FormatReader) -> Result<Self, DecodeError> {
         let mut tracks: Vec<&Track> = format.tracks().iter().collect();
         tracks.sort_by_key(|track| !track.flags.contains(TrackFlags::DEFAULT));

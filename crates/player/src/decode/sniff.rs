@@ -1,4 +1,4 @@
-//! Looks at the first bytes of files that the demuxers refuse, so that the error can say what they are.
+//! Recognition of files that the demuxers reject, so that the error can name their format.
 
 use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 
@@ -6,10 +6,10 @@ use crate::limits::LIMITS;
 
 use super::error::DecodeError;
 
-/// How many bytes from the start are looked at.
+/// Bytes examined at the start of a file.
 pub(super) const SNIFF_BYTES: usize = 4096;
 
-/// Containers of sound or video that are known but not decoded here: offset, mark, name.
+/// Known audio and video containers without a demuxer here: offset, mark, name.
 const FOREIGN_MEDIA: &[(usize, &[u8], &str)] = &[
     (0, b"\x30\x26\xB2\x75\x8E\x66\xCF\x11", "a Windows Media file (WMA, ASF)"),
     (8, b"AVI ", "an AVI file"),
@@ -47,17 +47,17 @@ const FOREIGN_MEDIA: &[(usize, &[u8], &str)] = &[
     (1080, b"8CHN", "a tracker's module"),
 ];
 
-/// Other files that are often mistaken for sound.
+/// Other files that are often mistaken for audio: offset, mark, description.
 const OTHER_FILES: &[(usize, &[u8], &str)] = &[
-    (0, b"\x89PNG", "it is a PNG picture"),
-    (0, b"\xFF\xD8\xFF", "it is a JPEG picture"),
-    (0, b"GIF8", "it is a GIF picture"),
-    (8, b"WEBP", "it is a WebP picture"),
+    (0, b"\x89PNG", "it is a PNG image"),
+    (0, b"\xFF\xD8\xFF", "it is a JPEG image"),
+    (0, b"GIF8", "it is a GIF image"),
+    (8, b"WEBP", "it is a WebP image"),
     (0, b"%PDF", "it is a PDF document"),
     (0, b"PK\x03\x04", "it is a zip archive"),
     (0, b"\x1F\x8B", "it is a gzip archive"),
     (0, b"\x7FELF", "it is a program"),
-    (0, b"MThd", "it is a MIDI file, which holds notes and no sound"),
+    (0, b"MThd", "it is a MIDI file, which contains notes and no sound"),
     (0, b"#EXTM3U", "it is a playlist, not the sound itself"),
 ];
 
@@ -68,7 +68,7 @@ fn marked(head: &[u8], marks: &[(usize, &[u8], &'static str)]) -> Option<&'stati
         .map(|(_, _, name)| *name)
 }
 
-/// The error for a stream that begins like a format that is not supported sound.
+/// The error for a stream that begins like an unsupported format.
 pub(super) fn foreign(name: &str, head: &[u8]) -> Option<DecodeError> {
     if let Some(what) = marked(head, FOREIGN_MEDIA) {
         return Some(DecodeError::UnsupportedFormat { name: name.into(), what: what.into() });
@@ -76,7 +76,7 @@ pub(super) fn foreign(name: &str, head: &[u8]) -> Option<DecodeError> {
     marked(head, OTHER_FILES).map(|what| DecodeError::NotAudio { name: name.into(), what: what.into() })
 }
 
-/// The error for a stream whose header claims more channels or another rate than the limits allow.
+/// The error for a stream whose header exceeds the limits of channels or sample rate.
 pub(super) fn over_limit(name: &str, head: &[u8]) -> Option<DecodeError> {
     let (channels, rate) = wave_format(head).or_else(|| aiff_format(head))?;
     check(name, channels, rate).err()
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn headers_over_the_limits_are_told() {
+    fn headers_over_the_limits_are_reported() {
         let mut wave = b"RIFF\x00\x00\x00\x00WAVEfmt \x10\x00\x00\x00\x01\x00\x40\x00".to_vec();
         wave.extend_from_slice(&48_000u32.to_le_bytes());
         assert!(over_limit("a.wav", &wave).unwrap().to_string().contains("64 channels"));

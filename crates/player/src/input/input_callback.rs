@@ -1,4 +1,4 @@
-//! What the audio callback of an input does: copy frames into a ring and count them.
+//! The audio callback of an input: copies frames into a ring and counts them.
 //!
 //! It never locks, allocates, frees, logs or panics. It wakes the listening thread, which needs no lock.
 
@@ -15,33 +15,33 @@ use mariana_music::StereoFrame;
 /// Frames handled at a time.
 const CHUNK: usize = 256;
 
-/// Length of the ring, in seconds: the longest time for which the listening thread may be held up.
+/// Length of the ring, in seconds: the longest time for which the listening thread may be delayed.
 const RING: f64 = 0.5;
 
-/// What the callback counts.
+/// The callback's counters.
 #[derive(Default)]
 pub struct InputCounters {
-    /// Number of calls.
+    /// Calls of the callback.
     pub calls: AtomicU64,
-    /// Frames taken from the device.
+    /// Frames received from the device.
     pub frames: AtomicU64,
-    /// Frames that found no room in the ring, and glitches reported by the device.
+    /// Frames that did not fit into the ring, and glitches reported by the device.
     pub lost: AtomicU64,
-    /// Age of the first frame of the last buffer on arrival, in nanoseconds, as the device reports it.
+    /// Age of the last buffer's first frame on arrival, in nanoseconds, as the device reports it.
     pub age_ns: AtomicU64,
 }
 
-/// The listening thread's end of a [`InputCallback`].
+/// The listening thread's end of an [`InputCallback`].
 pub struct InputCallbackLink {
-    /// Frames per second of the device.
+    /// The device's frames per second.
     pub rate: u32,
-    /// What the callback counts.
+    /// The callback's counters.
     pub counters: Arc<InputCounters>,
-    /// The frames.
+    /// The received frames.
     pub ring: Consumer<StereoFrame>,
 }
 
-/// Takes the buffers of one input device. See the module.
+/// The callback of one input device.
 pub struct InputCallback {
     counters: Arc<InputCounters>,
     ring: Producer<StereoFrame>,
@@ -50,7 +50,7 @@ pub struct InputCallback {
 }
 
 impl InputCallback {
-    /// The callback of a device with `rate` frames per second, and its link. `listener` is woken after each buffer.
+    /// Creates the callback for a device with `rate` frames per second, and its link. Each buffer wakes `listener`.
     pub fn new(rate: u32, listener: Thread) -> (Self, InputCallbackLink) {
         let (producer, ring) = RingBuffer::new(((RING * f64::from(rate)) as usize).max(CHUNK));
         let counters = Arc::new(InputCounters::default());
@@ -58,11 +58,11 @@ impl InputCallback {
         (Self { counters, ring: producer, listener, chunk: [[0.0; 2]; CHUNK] }, link)
     }
 
-    /// A device's callback: takes `data` (`channels` interleaved), whose first frame is `age` old if the device
-    /// reports it.
+    /// Receives a device's buffer: `data` with `channels` interleaved channels. `age` is the age of its first frame, if
+    /// the device reports it.
     ///
-    /// A single channel goes to both left and right; of more than two channels the first two are left and right. An
-    /// incomplete frame at the end is ignored. Frames that find no room are lost and counted.
+    /// A single channel goes to both left and right; of more than two, the first two are left and right. An incomplete
+    /// frame at the end is ignored. Frames that do not fit into the ring are lost and counted.
     pub fn take<T: Sample>(&mut self, data: &[T], channels: usize, age: Option<Duration>)
     where
         f32: FromSample<T>,
@@ -115,7 +115,7 @@ mod tests {
         assert_eq!(heard(&mut link), [[-1.0, 0.5]]);
         tap.take(&[0_u8, 128], 2, Some(Duration::from_millis(3)));
         assert_eq!(heard(&mut link), [[-1.0, 0.0]]);
-        // Without a single channel: no device has that.
+        // Zero channels, which no device has.
         tap.take(&[0.5_f32], 0, None);
         assert_eq!(heard(&mut link), [[0.5; 2]]);
         assert_eq!(link.counters.frames.load(Ordering::Relaxed), 7);
@@ -124,9 +124,9 @@ mod tests {
     }
 
     proptest! {
-        /// Frames come out once and in order, whatever the sizes, and frames that find no room are counted.
+        /// Frames come out once and in order for all sizes, and lost frames are counted.
         #[test]
-        fn nothing_is_lost_without_being_counted(sizes in prop::collection::vec((0_usize..3000, any::<bool>()), 1..40)) {
+        fn lost_frames_are_counted(sizes in prop::collection::vec((0_usize..3000, any::<bool>()), 1..40)) {
             let (mut tap, mut link) = tap(8_000);
             let (mut sent, mut got) = (0_u32, Vec::new());
             for (size, read) in sizes {

@@ -1,4 +1,4 @@
-//! The listening thread: takes frames of the input and gives moments to the window.
+//! The listening thread: analyses the input's frames and sends moments to the window.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -11,37 +11,37 @@ use super::input_callback::InputCallbackLink;
 use crate::gain_switch::GainSwitch;
 use mariana_music::{Alignment, Analyzer, StereoFrame, TimedFeatures};
 
-/// How long the thread sleeps if no callback wakes it.
+/// The longest sleep if no callback wakes the thread.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// When no frames have come for this long, in seconds, silence takes their place.
+/// If no frames come for this long, in seconds, silence replaces them.
 const GAP: f64 = 0.1;
 
-/// How much silence is analysed after the last frame, in seconds: until every feature has come to rest.
+/// Seconds of silence that are analysed after the last frame, until every feature has settled.
 const REST: f64 = 20.0;
 
-/// A signal moves by more than this within a batch of frames: -80 dB. A constant offset is not a signal.
+/// The smallest range of sample values within a batch that counts as a signal: -80 dB. A constant offset is no signal.
 pub(super) const FLAT: f32 = 1e-4;
 
 /// The features of a moment of the input.
 #[derive(Debug, Clone)]
 pub(super) struct Heard {
-    /// Number of the stream: it grows with each device that is opened.
+    /// The stream's number, which grows with each opened device.
     pub(super) stream: u64,
-    /// Number of the sample in the stream.
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests tell the moments apart by it"))]
+    /// The index of the sample in the stream.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests distinguish the moments by it"))]
     pub(super) position: u64,
-    /// Stamped with the time at which that sample came in, in seconds since the listener's epoch. Its number grows
-    /// over all streams.
+    /// The features, with the time at which the sample arrived, in seconds since the listener's epoch. Their number
+    /// grows over all streams.
     pub(super) heard: TimedFeatures,
 }
 
-/// What the listening thread reports besides moments.
+/// The listening thread's state for other threads.
 pub(super) struct Ear {
-    /// What times count from.
+    /// The zero of all times.
     pub(super) epoch: Instant,
     pub(super) stop: AtomicBool,
-    /// When a signal was last heard, and when the present stream began, in nanoseconds since the epoch.
+    /// The times of the last signal and of the current stream's start, in nanoseconds since the epoch.
     signal_ns: AtomicU64,
     began_ns: AtomicU64,
 }
@@ -57,7 +57,7 @@ impl Ear {
         self.epoch.elapsed().as_secs_f64()
     }
 
-    /// For how many seconds the present stream has had no signal.
+    /// Seconds without a signal in the current stream.
     pub(super) fn flat_for(&self) -> f64 {
         let last = self.signal_ns.load(Ordering::Relaxed).max(self.began_ns.load(Ordering::Relaxed));
         self.now() - last as f64 / 1e9
@@ -68,7 +68,7 @@ impl Ear {
     }
 }
 
-/// The thread's state.
+/// The state of the listening thread.
 pub(super) struct Listener {
     ear: Arc<Ear>,
     moments: Producer<Heard>,
@@ -76,18 +76,18 @@ pub(super) struct Listener {
     analyzer: Analyzer,
     gain: GainSwitch,
     stream: u64,
-    /// Added to the numbers of the stream's moments: the number of hops that had passed when the stream began.
+    /// Added to the numbers of the stream's moments: the number of hops before the stream began.
     first_number: u64,
     last_number: u64,
-    /// When the last frames came, or the last silence was made, in seconds since the epoch.
+    /// The time of the last frames or the last inserted silence, in seconds since the epoch.
     last: f64,
-    /// How much silence is still to be analysed, in seconds.
+    /// Seconds of silence that remain to be analysed.
     rest: f64,
-    /// Time of the last moment.
+    /// The time of the last moment.
     last_time: f64,
-    /// Frames of the stream that have come.
+    /// Frames received from the stream.
     position: u64,
-    /// True while nothing is analysed: there is no signal, and every feature has come to rest.
+    /// True while the analysis rests: there is no signal, and every feature has settled.
     resting: bool,
     batch: Vec<StereoFrame>,
 }
@@ -113,7 +113,7 @@ impl Listener {
         }
     }
 
-    /// Works until it is told to stop.
+    /// Runs until the stop flag is set.
     pub(super) fn run(mut self, links: &Receiver<Option<InputCallbackLink>>) {
         while !self.ear.stop.load(Ordering::Relaxed) {
             for link in links.try_iter() {
@@ -124,7 +124,7 @@ impl Listener {
         }
     }
 
-    /// Listens to another input, or to none.
+    /// Switches to another input, or to none.
     fn attach(&mut self, link: Option<InputCallbackLink>) {
         if let Some(link) = &link {
             self.stream += 1;
@@ -142,7 +142,7 @@ impl Listener {
         self.link = link;
     }
 
-    /// Analyses the frames that have come.
+    /// Analyses the received frames.
     fn listen(&mut self) {
         let now = self.ear.now();
         self.analyzer.set_gain(self.gain.get());
@@ -162,7 +162,7 @@ impl Listener {
             }
             (self.last, self.rest) = (now, REST);
         } else if now - self.last > GAP && self.rest > 0.0 {
-            // No frames come: the picture sinks into silence as it would after a song.
+            // Without frames, the features fade to silence as after a song.
             let missing = now - self.last;
             self.batch.resize((missing * f64::from(self.analyzer.sample_rate())) as usize, [0.0; 2]);
             self.rest -= missing;
@@ -191,13 +191,13 @@ impl Listener {
             *last_time = time;
             *last_number = *first_number + moment.number;
             let heard = TimedFeatures { time, number: *last_number, ..moment.clone() };
-            // The ring is full only while nobody looks, and then nobody misses the moment.
+            // The ring is full only while no reader looks, and then the moment is not needed.
             let _ = moments.push(Heard { stream: *stream, position, heard });
         });
     }
 }
 
-/// Whether the frames move by more than [`FLAT`].
+/// True if the samples vary by more than [`FLAT`].
 pub(super) fn has_signal(frames: &[StereoFrame]) -> bool {
     (0..2).any(|side| {
         let samples = || frames.iter().map(|frame| frame[side]).filter(|sample| sample.is_finite());
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn every_hop_becomes_a_moment_with_its_sample_and_its_time() {
+    fn every_hop_becomes_a_moment_with_its_position_and_time() {
         let (mut listener, mut heard) = listener();
         let (mut tap, link) = InputCallback::new(48_000, std::thread::current());
         listener.attach(Some(link));
@@ -243,7 +243,7 @@ mod tests {
         assert!(positions.len() as u64 >= 11_030 / 512);
         assert!(moments.is_sorted_by(|a, b| a.heard.time < b.heard.time && a.heard.number < b.heard.number));
         assert!(moments.last().is_some_and(|last| last.heard.features.volume[0] > 0.1 && last.stream == 1));
-        // Another device: another stream, from its first sample on.
+        // A second device is a second stream, which starts at its first sample.
         let (mut tap, link) = InputCallback::new(96_000, std::thread::current());
         listener.attach(Some(link));
         tap.take(&tone(5_000), 1, None);
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn features_sink_into_silence_when_nothing_comes_any_more_and_then_rest() {
+    fn features_fade_to_silence_without_frames_and_then_rest() {
         let (mut listener, mut heard) = listener();
         let (mut tap, link) = InputCallback::new(8_000, std::thread::current());
         listener.attach(Some(link));
@@ -261,7 +261,7 @@ mod tests {
         listener.listen();
         assert!(all(&mut heard).last().is_some_and(|last| last.heard.features.volume[0] > 0.1));
         listener.attach(None);
-        // Act as if time had passed.
+        // Simulate the passing of time.
         let mut made = 0;
         for _ in 0..2 * REST as usize {
             listener.last -= 0.6;
@@ -277,13 +277,13 @@ mod tests {
     }
 
     #[test]
-    fn long_silence_is_not_analysed_and_the_next_sound_is_at_its_place() {
+    fn long_silence_is_not_analysed_and_later_positions_are_right() {
         let (mut listener, mut heard) = listener();
         let (mut tap, link) = InputCallback::new(8_000, std::thread::current());
         listener.attach(Some(link));
         tap.take(&tone(1_000), 1, None);
         listener.listen();
-        // Act as if that had been long ago.
+        // Simulate a signal long ago.
         listener.ear =
             Arc::new(Ear { epoch: Instant::now() - Duration::from_secs_f64(REST + 7.0), ..Ear::new() });
         assert!(!all(&mut heard).is_empty());

@@ -1,11 +1,11 @@
-//! Live input: the handle that the window holds.
+//! Live input: [`Live`], the handle that the window holds.
 //!
-//! Every method returns at once: whatever takes time happens on the threads that [`Live::start`] starts.
+//! All methods return at once. Slow work runs on the threads that [`Live::start`] starts.
 //!
-//! **Live features are the newest ones.** The window of a live moment ends at its newest sample, buffers are a hop
-//! long, and nothing waits for a rhythm. Moments go through a wait-free ring to the window, which keeps those of the
-//! last seconds and shows the newest, or earlier ones if the picture is shifted. Scene time is then the clock's.
-//! Where no sound comes silence takes its place, so that the picture sinks as after a song.
+//! **Live features have the least delay.** The window of a live moment ends at its newest sample, buffers are one hop
+//! long, and no step waits for a beat. Moments go through a wait-free ring to the window, which keeps the last seconds
+//! and shows the newest one, or an earlier one if the image is delayed. Scene time is then the clock's. Silence
+//! replaces missing sound, so that the image calms down as after a song.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -27,60 +27,60 @@ use crate::supervisor::Supervisor;
 use crate::worker::Worker;
 use mariana_music::{FeatureTrack, Gain, Sound};
 
-/// Moments that may wait for the window: some 2 s.
+/// Moments that may wait for the window: about 2 s.
 const MOMENTS: usize = 256;
 
-/// What the track holds beyond the largest shift, in seconds.
+/// Seconds of features kept beyond the largest shift.
 const TRACK_RESERVE: f64 = 1.0;
 
-/// An input without signal for this long, in seconds, is reported.
+/// An input without a signal for this long, in seconds, is reported.
 const FLAT_LIMIT: f64 = 2.0;
 
-/// How long to wait for the end of the listening thread.
+/// The longest wait for the end of the listening thread.
 const END_LIMIT: Duration = Duration::from_millis(500);
 
-/// How to listen.
+/// The settings of a new input.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LiveOptions {
-    /// What to listen to.
+    /// The input.
     pub target: Target,
-    /// Whether quiet and loud sound move the picture alike.
+    /// The gain control for quiet and loud sound.
     pub gain: Gain,
 }
 
-/// The state of listening.
+/// The state of a live input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LiveStatus {
-    /// What is listened to, in words.
+    /// The name of the input.
     pub name: String,
     /// The device, if one is open.
     pub device: Option<ListedDevice>,
     /// The device and its format.
     pub description: String,
-    /// Why there is no sound, if there is none.
+    /// The reason why there is no sound, if there is none.
     pub silent: Option<String>,
-    /// Why the last choice is not open, while the previous input goes on.
+    /// The reason why the last chosen input is not open while the previous one continues.
     pub refused: Option<String>,
-    /// What is wrong with an input that gives nothing but silence, and what to do.
+    /// The problem of an input without a signal, and what to do.
     pub flat: Option<String>,
-    /// In that case, the input that would have signal.
+    /// An input with a signal, if `flat` is set and one was found.
     pub suggestion: Option<ListedDevice>,
-    /// Frames that were lost, and glitches.
+    /// Lost frames and glitches.
     pub lost: u64,
     /// Calls of the callback.
     pub callbacks: u64,
     /// Age of a buffer's first frame on arrival, in seconds, as the device reports it.
     pub age: f64,
-    /// How often a device was opened.
+    /// The number of times that a device was opened.
     pub openings: u64,
 }
 
-/// A live input. Dropping it ends the streams and the threads, within a limit.
+/// A live input. Dropping it ends the streams and the threads, within a time limit.
 pub struct Live {
     target: Target,
     ear: Arc<Ear>,
     watch: Arc<DeviceWatch>,
-    /// Taken when dropped.
+    /// Dropped first.
     supervisor: Option<Supervisor<InputPort>>,
     listener: Worker,
     gain: GainSwitch,
@@ -88,19 +88,19 @@ pub struct Live {
     track: FeatureTrack,
     latest: Option<Heard>,
     prober: Prober,
-    /// When it was paused, in seconds since the epoch.
+    /// The time of the pause, in seconds since the epoch.
     paused: Option<f64>,
-    /// How long it has been paused in total, in seconds.
+    /// The total time of earlier pauses, in seconds.
     paused_for: f64,
-    /// The time in the track that was reported last.
+    /// The track time that was reported last.
     heard_at: f64,
-    /// The sound of the moment at which it was paused, kept because the track forgets it.
+    /// The sound at the start of the pause, kept because the track drops it.
     paused_at: Sound,
     moment: Moment,
 }
 
 impl Live {
-    /// Starts to listen. The device opens meanwhile; if that fails, [`LiveStatus::silent`] says why.
+    /// Starts to listen. The device opens in the background; if that fails, [`LiveStatus::silent`] gives the reason.
     ///
     /// # Errors
     /// A thread cannot be started.
@@ -134,7 +134,7 @@ impl Live {
         })
     }
 
-    /// Listens to something else; the present input goes on until the other is open.
+    /// Switches to another input; the current one continues until the new one is open.
     pub fn choose(&mut self, target: Target) {
         self.prober.reset();
         self.target = target.clone();
@@ -143,17 +143,17 @@ impl Live {
         }
     }
 
-    /// Levels the sound for the picture from now on, or no longer.
+    /// Changes the gain control.
     pub fn set_gain(&self, gain: Gain) {
         self.gain.set(gain);
     }
 
-    /// What it listens to.
+    /// The chosen input.
     pub fn target(&self) -> &Target {
         &self.target
     }
 
-    /// Holds the picture still (true) or lets it go on (false).
+    /// Freezes the image (true) or continues (false).
     pub fn set_paused(&mut self, paused: bool) {
         let now = self.ear.now();
         match (self.paused, paused) {
@@ -169,9 +169,8 @@ impl Live {
         }
     }
 
-    /// What is heard now. A positive `latency_shift` in seconds (within the limits' `latency_ms_max`) delays the
-    /// picture, for sound that is heard later than it is recorded. A negative one has no effect: the future is not
-    /// known.
+    /// The moment that is heard now. A positive `latency_shift` (in seconds, within the limits' `latency_ms_max`)
+    /// delays the image, for sound that is heard later than it is recorded. A negative one has no effect.
     pub fn now(&mut self, latency_shift: f64) -> Moment {
         while let Ok(heard) = self.moments.pop() {
             self.track.push(&heard.heard);
@@ -191,7 +190,7 @@ impl Live {
         self.moment
     }
 
-    /// The sound, with its curves, of the moment that [`Live::now`] returned last.
+    /// The sound, with its tables, of the moment that [`Live::now`] returned last.
     pub fn sound(&self) -> Sound {
         match self.paused {
             Some(_) => self.paused_at.clone(),
@@ -199,7 +198,7 @@ impl Live {
         }
     }
 
-    /// The present state of listening. Looks for an input with signal if the present one has none.
+    /// The current state. Searches for an input with a signal if the current one has none.
     pub fn status(&mut self) -> LiveStatus {
         let status = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
         let (_, device_list) = self.watch.latest();
@@ -231,12 +230,12 @@ impl Live {
         }
     }
 
-    /// What is to be listened to, in words, while it is not open.
+    /// The name of the chosen input while no device is open.
     fn wanted_name(&self, device_list: &DeviceList) -> String {
         match &self.target {
             Target::Default => "the microphone".into(),
-            Target::Monitor => "what the computer plays".into(),
-            Target::MonitorOf(name) => format!("what {name} plays"),
+            Target::Monitor => "the computer's sound".into(),
+            Target::MonitorOf(name) => format!("the sound of {name}"),
             Target::Named(id) | Target::Preferred(id) => {
                 device_list.input(id).map_or_else(|| id.clone(), |entry| entry.name.clone())
             }
@@ -250,13 +249,13 @@ impl Drop for Live {
         self.ear.stop.store(true, Ordering::Relaxed);
         self.listener.wake();
         if !self.listener.join_within(END_LIMIT) {
-            tracing::warn!("the listening thread does not end and is abandoned");
+            tracing::warn!("the listening thread does not stop and is abandoned");
         }
     }
 }
 
-/// Where a signal is sought: in the monitors, and if the present input is a microphone, in the other microphones too.
-/// Whoever shows what the computer plays does not expect microphones to be opened.
+/// The inputs to search for a signal: monitors, and also microphones if the current input is a microphone. A user who
+/// visualizes the computer's own sound does not expect a microphone to be opened.
 fn candidates(device_list: &DeviceList, present: &ListedDevice) -> Vec<ListedDevice> {
     let others = || device_list.inputs.iter().filter(|entry| entry.id != present.id);
     let monitors = others().filter(|entry| entry.is_monitor());
@@ -286,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flat_input_is_told_with_what_to_do() {
+    fn a_flat_input_is_reported_with_advice() {
         let reported = |other: Option<&ListedDevice>| diagnosis("Mic", other);
         assert_eq!(
             reported(Some(&entry("p:hdmi.monitor", "Monitor of HDMI"))),
@@ -297,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn no_microphone_is_opened_for_one_who_shows_what_the_computer_plays() {
+    fn no_microphone_is_opened_while_listening_to_a_monitor() {
         let (a, b, mic, usb) =
             (entry("a.monitor", "A"), entry("b.monitor", "B"), entry("mic", "M"), entry("usb", "U"));
         let inputs = vec![mic.clone(), a.clone(), usb.clone(), b.clone()];
@@ -307,9 +306,9 @@ mod tests {
     }
 
     #[test]
-    fn the_show_goes_on_without_a_device_and_stands_still_in_a_pause() {
+    fn time_runs_without_a_device_and_stops_in_a_pause() {
         let target = Target::Named("no such box".into());
-        let mut live = Live::start(LiveOptions { target, gain: Gain::Auto }).expect("it starts");
+        let mut live = Live::start(LiveOptions { target, gain: Gain::Auto }).expect("a live input");
         let first = live.now(0.0).song_time;
         std::thread::sleep(Duration::from_millis(20));
         let second = live.now(0.0).song_time;

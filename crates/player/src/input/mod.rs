@@ -1,11 +1,11 @@
-//! Live input: what a device hears, or what the computer plays.
+//! Live input: sound from a device, or the computer's own sound.
 //!
 //! ```text
-//! device ─► InputCallback (the callback) ─► ring of frames ─► listening thread ─► ring of moments ─► Live::now
+//! device ─► InputCallback ─► ring of frames ─► listening thread ─► ring of moments ─► Live::now
 //! ```
 //!
-//! Both rings are wait-free at both ends, and a moment carries the number of its sample and its time. The window
-//! keeps the moments of the last seconds, so that the picture can be delayed against the incoming sound.
+//! Both rings are wait-free at both ends, and a moment carries the index of its sample and its time. The window keeps
+//! the moments of the last seconds, so that the image can be delayed against the incoming sound.
 
 mod input_callback;
 mod listener;

@@ -1,4 +1,4 @@
-//! The input's side of the supervisor: opens devices for an [`InputCallback`].
+//! The input's port for the supervisor: opens devices for an [`InputCallback`].
 
 use std::io;
 use std::sync::Arc;
@@ -18,23 +18,23 @@ use crate::device_list::ListedDevice;
 use crate::error::{DeviceError, Direction};
 use crate::hosts::hush_sound_library;
 
-/// Frames per callback that are asked for at 44.1 and 48 kHz: 11 ms, a hop of the analysis. Smaller buffers would
-/// bring nothing sooner, because features come once per hop, and each costs the client of PulseAudio some 0.1 ms.
+/// Frames per callback to request at 44.1 and 48 kHz: 11 ms, a hop of the analysis. Smaller buffers would not reduce
+/// the delay, because features come once per hop, and each buffer costs the PulseAudio client about 0.1 ms.
 const BUFFER_FRAMES: u32 = 512;
 
-/// Most channels that a sound server is trusted to mix down to two.
+/// Highest channel count for which a sound server's down-mix is used.
 const MIXED_CHANNELS_MAX: u16 = 8;
 
-/// Hands the links of inputs to the listening thread.
+/// Passes the links of inputs to the listening thread.
 pub(super) struct InputPort {
-    /// None means no input.
+    /// `None` means no input.
     pub(super) links: Sender<Option<InputCallbackLink>>,
     pub(super) listener: Thread,
 }
 
 impl InputPort {
     fn send(&self, link: Option<InputCallbackLink>) {
-        // If the listening thread has ended, nobody listens.
+        // A failed send means that the listening thread has ended.
         let _ = self.links.send(link);
         self.listener.unpark();
     }
@@ -70,7 +70,7 @@ impl Port for InputPort {
     }
 }
 
-/// Opens and starts an input. Blocks as long as the sound system likes, at least until the first samples come.
+/// Opens and starts an input. This may block as long as the sound system does, at least until the first samples come.
 pub(super) fn open(
     target: &Target,
     listener: &Thread,
@@ -86,7 +86,7 @@ pub(super) fn open(
     let supported = if device.supports_input() {
         device.default_input_config().map_err(refused)?
     } else {
-        // The device is an output: record what it plays.
+        // The device is an output: record its sound.
         device.default_output_config().map_err(refused)?
     };
     let reported_rate = supported.sample_rate();
@@ -95,7 +95,7 @@ pub(super) fn open(
         (error, ErrorKind::UnsupportedConfig)
     })?;
     let frames = buffer_frames(BUFFER_FRAMES, rate, *supported.buffer_size());
-    // A server mixes down channels whose positions it knows; more than 8 are mostly just numbered.
+    // A server mixes down channels whose positions it knows; with more than 8, they usually have only numbers.
     let mixed = converted && supported.channels() <= MIXED_CHANNELS_MAX;
     let channels = if mixed { 2 } else { supported.channels() };
     let format = if converted { SampleFormat::F32 } else { supported.sample_format() };

@@ -1,4 +1,4 @@
-//! Looks for an input that has a signal while the present one has none.
+//! The search for an input with a signal while the current one has none.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -10,26 +10,26 @@ use crate::device::Target;
 use crate::device_list::ListedDevice;
 use crate::worker::Worker;
 
-/// How long each input is listened to.
+/// The time for which each input is recorded.
 const LISTENING: Duration = Duration::from_millis(400);
 
-/// How long to wait for an answer, opening included.
+/// The longest wait for an answer, including the opening.
 const ANSWER_LIMIT: Duration = Duration::from_millis(1500);
 
-/// Most inputs that are listened to at once.
+/// Most inputs that are tested at once.
 const CANDIDATES_MAX: usize = 8;
 
-/// Time until the next search after one without success; it doubles up to [`PAUSE_MAX`].
+/// Wait before the next search after one without success; it doubles up to [`PAUSE_MAX`].
 const PAUSE: Duration = Duration::from_secs(2);
 
-/// See [`PAUSE`].
+/// Longest wait between two searches.
 const PAUSE_MAX: Duration = Duration::from_secs(30);
 
-/// The search and what it found.
+/// The search and its result.
 pub(super) struct Prober {
     search: Option<(Worker, Receiver<Option<ListedDevice>>)>,
     found: Option<ListedDevice>,
-    /// Whether the answer of the running search no longer counts.
+    /// True if the answer of the running search no longer counts.
     stale: bool,
     next: Option<Instant>,
     pause: Duration,
@@ -40,14 +40,14 @@ impl Prober {
         Self { search: None, found: None, stale: false, next: None, pause: PAUSE }
     }
 
-    /// Forgets what was found.
+    /// Drops the result.
     pub(super) fn reset(&mut self) {
         // The answer of a running search is about the previous input.
         self.stale = self.search.is_some();
         (self.found, self.next, self.pause) = (None, None, PAUSE);
     }
 
-    /// An input with signal, if one was found; searches among `candidates` from time to time. Returns at once.
+    /// An input with a signal, if one was found; starts a search among `candidates` from time to time. Returns at once.
     pub(super) fn look(&mut self, candidates: impl FnOnce() -> Vec<ListedDevice>) -> Option<&ListedDevice> {
         if let Some((worker, answer)) = &self.search {
             if let Ok(found) = answer.try_recv() {
@@ -70,8 +70,8 @@ impl Prober {
     }
 }
 
-/// Answers with the first of the inputs that has a signal. Ends when everything it opened is closed again: an input
-/// that hangs holds up the next search, so that searches do not pile up.
+/// Answers with the first of the inputs that has a signal. Returns when all devices are closed again: a hanging input
+/// delays the next search, so that searches do not pile up.
 fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>>) {
     candidates.truncate(CANDIDATES_MAX);
     let (answer, answers) = channel();
@@ -91,7 +91,7 @@ fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>
             best = Some(index);
         }
     }
-    // The asker may be gone.
+    // The receiver may have been dropped.
     let _ = found.send(best.and_then(|index| candidates.into_iter().nth(index)));
     for worker in &mut workers {
         while !worker.has_ended() {
@@ -100,7 +100,7 @@ fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>
     }
 }
 
-/// Listens to one input, and answers whether it has signal.
+/// Records one input for a short time and answers true if it has a signal.
 fn probe(id: &str, index: usize, answer: &Sender<(usize, bool)>) {
     let heard = match open(&Target::Named(id.to_owned()), &std::thread::current(), &(Arc::new(|_| {}) as _)) {
         Ok((stream, mut opened)) => {

@@ -1,5 +1,4 @@
-//! Where the sound goes: the work of the callback ([`OutputCallback`]), the devices, and the silent clock that stands
-//! in for them.
+//! Audio output: the callback ([`OutputCallback`]), the devices, and the silent clock that replaces them.
 
 mod null_output;
 mod output_callback;

@@ -1,11 +1,9 @@
-//! The silent clock: takes frames in real time as a device would, and throws them away.
+//! The silent clock: takes frames in real time like a device and discards them.
 //!
-//! Frames are stamped with the moment at which they were due, so that the song's pace does not depend on when the
-//! thread is scheduled.
+//! Without a usable device the song runs in real time on a thread that calls the same `OutputCallback`. The same
+//! happens when a device is lost: the position continues and the status gives the reason.
 //!
-//! **The silent clock.** Without a usable device the song runs in real time on a thread that calls the same
-//! `OutputCallback` and throws the samples away. When a device is lost the same happens: the position goes on and the
-//! status says why.
+//! Frames are stamped with their due time, so that the song's pace does not depend on the scheduling of the thread.
 
 use std::io;
 use std::sync::Arc;
@@ -15,21 +13,21 @@ use std::time::{Duration, Instant};
 use super::output_callback::OutputCallback;
 use crate::worker::Worker;
 
-/// Time between two takes.
+/// Time between two calls.
 const PERIOD: Duration = Duration::from_millis(10);
 
-/// After a longer gap (the machine slept, or the process was stopped) the clock starts anew instead of catching up:
-/// only this much is certain to be in the ring.
+/// After a longer gap (the machine or the process was suspended) the clock restarts instead of catching up: the ring is
+/// certain to hold only this much.
 const GAP_MAX: Duration = Duration::from_millis(250);
 
-/// A running silent clock. Ends when dropped.
+/// A running silent clock. Dropping it stops it.
 pub(crate) struct NullOutput {
     stop: Arc<AtomicBool>,
     worker: Worker,
 }
 
 impl NullOutput {
-    /// Starts taking `rate` frames per second from `output_callback`.
+    /// Starts to take `rate` frames per second from `output_callback`.
     pub(crate) fn start(mut output_callback: OutputCallback, rate: u32) -> io::Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();

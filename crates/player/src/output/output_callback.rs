@@ -1,12 +1,11 @@
-//! What the audio callback does: copy frames from a ring into the device's buffer.
+//! The audio callback of an output: copies frames from a ring into the device's buffer.
 //!
-//! It never locks, allocates, frees, logs or panics. Every change of what is heard is ramped, so that nothing clicks:
+//! It never locks, allocates, frees, logs or panics. Every change of the audible sound is ramped to avoid clicks:
 //! volume and mute over 10 ms; pause, seeks and underruns over 5 ms.
 //!
-//! A seek hands over a new [`Segment`] through a small ring; the callback fades the old one out, takes the new one
-//! and gives the old one back through another ring, to be freed elsewhere. A segment that takes over from another
-//! device says when it is due: frames that come too late for that are dropped, so that the song is where it would be
-//! anyway.
+//! A seek hands over a new [`Segment`] through a small ring. The callback fades out the old one, takes the new one, and
+//! returns the old one through another ring, so that another thread frees it. A segment that takes over from another
+//! device has a due time: frames that are already late are dropped, so that the song's time is not disturbed.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -21,26 +20,26 @@ use mariana_music::StereoFrame;
 /// Frames handled at a time.
 const CHUNK: usize = 256;
 
-/// Time of a ramp of the volume over its whole range, in seconds.
+/// Duration of a volume ramp over the whole range, in seconds.
 const VOLUME_RAMP: f32 = 0.010;
 
-/// Time of a fade in or out, in seconds.
+/// Duration of a fade in or out, in seconds.
 const FADE: f32 = 0.005;
 
-/// After an underrun the sound goes on when this much is in the ring, in seconds (or a quarter of the ring if that is
+/// After an underrun the sound resumes once the ring holds this much, in seconds (or a quarter of the ring, if that is
 /// less).
 const REFILL: f64 = 0.020;
 
-/// Frames that are late by more than this, in seconds, are played nevertheless: the process stood still.
+/// Frames that are later than this, in seconds, are played anyway: the process was suspended.
 const LATE_MAX: f64 = 3.0;
 
-/// Longest latency of a device that is believed.
+/// Longest device latency that is accepted.
 const LATENCY_MAX: Duration = Duration::from_secs(5);
 
-/// Largest sample handed out: the device's integer formats end just below 1.
+/// Largest sample value: the device's integer formats end just below 1.
 const SAMPLE_MAX: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// What the window sets and the callback reads.
+/// The settings that the window writes and the callback reads.
 pub struct Controls {
     volume: AtomicU32,
     muted: AtomicBool,
@@ -48,7 +47,7 @@ pub struct Controls {
 }
 
 impl Controls {
-    /// `volume` is 0 to 1; other values are clamped.
+    /// Creates the settings; `volume` is clamped to 0 to 1.
     pub fn new(volume: f32, paused: bool) -> Self {
         let controls = Self {
             volume: AtomicU32::new(0),
@@ -70,7 +69,7 @@ impl Controls {
         self.volume.store(volume.to_bits(), Ordering::Relaxed);
     }
 
-    /// Whether the sound is muted (it still runs).
+    /// True if the sound is muted; the song continues silently.
     pub fn muted(&self) -> bool {
         self.muted.load(Ordering::Relaxed)
     }
@@ -80,36 +79,36 @@ impl Controls {
         self.muted.store(muted, Ordering::Relaxed);
     }
 
-    /// Whether the sound stands still.
+    /// True if playback is paused.
     pub fn paused(&self) -> bool {
         self.paused.load(Ordering::Relaxed)
     }
 
-    /// Pauses the sound or lets it run.
+    /// Pauses or resumes.
     pub fn set_paused(&self, paused: bool) {
         self.paused.store(paused, Ordering::Relaxed);
     }
 
-    /// Factor for the samples. The third power makes equal steps of the volume sound about equal; 1 stays 1.
+    /// The factor for samples. The third power makes equal volume steps sound about equal; 1 stays 1.
     fn gain(&self) -> f32 {
         if self.muted() { 0.0 } else { self.volume().powi(3) }
     }
 }
 
-/// Bins of the histogram of loads, one per percent.
+/// Bins of the load histogram, one per percent.
 const LOADS: usize = 64;
 
-/// What the callback counts, over all outputs of a playback.
+/// The callback's counters, over all outputs of a playback.
 pub struct Counters {
-    /// Number of calls.
+    /// Calls of the callback.
     pub callbacks: AtomicU64,
     /// Frames written to devices.
     pub frames: AtomicU64,
-    /// Stretches of silence because decoding, or the device's own thread, was too late.
+    /// Gaps in the sound because the decoding or the device's thread was too late.
     pub underruns: AtomicU64,
-    /// Longest time of a call relative to the duration of its buffer, in millionths.
+    /// The longest call relative to the duration of its buffer, in millionths.
     pub worst_load_millionths: AtomicU64,
-    /// How many calls took each percentage of their buffer's duration; the last bin holds all above.
+    /// The number of calls per percentage of their buffer's duration; the last bin holds all larger ones.
     loads: [AtomicU64; LOADS],
 }
 
@@ -126,8 +125,9 @@ impl Default for Counters {
 }
 
 impl Counters {
-    /// The load that the given share of the calls (0.999 is all but one in a thousand) stays below: the time of a
-    /// call relative to the duration of its buffer, in steps of 0.01. Infinite if it is beyond the histogram.
+    /// A percentile of the callback load: the load below which the given fraction of the calls stays (0.999 is all but
+    /// one in a thousand). The load is the duration of a call relative to its buffer's, in steps of 0.01. Infinite if
+    /// it is beyond the histogram.
     pub fn load_of(&self, fraction: f64) -> f64 {
         let counts = self.loads.each_ref().map(|count| count.load(Ordering::Relaxed));
         let wanted = fraction * counts.iter().sum::<u64>() as f64;
@@ -144,35 +144,35 @@ impl Counters {
 pub struct Segment {
     id: u64,
     ring: Consumer<StereoFrame>,
-    /// Index of the next frame to be played.
+    /// The index of the next frame to play.
     next: u64,
-    /// Number of its frames once no more will come; before that `u64::MAX`.
+    /// The number of frames once it is final; before that `u64::MAX`.
     end: Arc<AtomicU64>,
-    /// When its first frame is due; none if that does not matter, or no longer does.
+    /// The time at which its first frame is due; `None` if it is free or has begun.
     due: Option<Instant>,
 }
 
 impl Segment {
-    /// Segment `id` with room for `frames` frames: the callback's end and the decoding thread's.
+    /// Creates segment `id` with room for `frames` frames: the decoding thread's end and the callback's.
     pub fn new(id: u64, frames: usize) -> (Producer<StereoFrame>, Arc<AtomicU64>, Self) {
         let (producer, ring) = RingBuffer::new(frames);
         let end = Arc::new(AtomicU64::new(u64::MAX));
         (producer, end.clone(), Self { id, ring, next: 0, end, due: None })
     }
 
-    /// The same, but its first frame is to be audible at `moment`: it begins with the frame that is due when it is
-    /// first played, or after silence if that is too early.
+    /// Sets the moment at which the first frame should be audible. The segment begins with the frame that is due when
+    /// it is first played, or after silence if that is too early.
     pub fn due_at(self, moment: Instant) -> Self {
         Self { due: Some(moment), ..self }
     }
 
     fn drained(&self) -> bool {
-        // The end is read first, so that everything up to it has been pushed already.
+        // The end is read first, so that all frames up to it have been pushed already.
         let end = self.end.load(Ordering::Acquire);
         self.next >= end
     }
 
-    /// Whether there is enough for a device that takes a full buffer, of the size it announced, at once.
+    /// True if the ring holds enough for a device that takes a full buffer of its announced size at once.
     fn is_well_fed(&self) -> bool {
         let ended = self.end.load(Ordering::Acquire) != u64::MAX;
         ended || self.ring.slots() >= self.ring.buffer().capacity() / 4
@@ -188,11 +188,11 @@ impl Segment {
 
 /// The decoding thread's end of an [`OutputCallback`].
 pub struct OutputCallbackLink {
-    /// Frames per second of the device.
+    /// The device's frames per second.
     pub rate: u32,
-    /// Frames that one call may ask for, as far as the device reports it.
+    /// The largest number of frames per call, as far as the device reports it.
     pub buffer_frames: usize,
-    /// What is audible.
+    /// The history of audible frames.
     pub history: Arc<SpanHistory>,
     incoming: Producer<Segment>,
     outgoing: Consumer<Segment>,
@@ -200,26 +200,25 @@ pub struct OutputCallbackLink {
 }
 
 impl OutputCallbackLink {
-    /// Hands over a segment to follow the present one; gives it back if the one handed over before has not been taken
-    /// yet.
+    /// Hands over the next segment. Returns it if the previously offered one is still waiting.
     pub fn offer(&mut self, segment: Segment) -> Result<(), Segment> {
         self.incoming.push(segment).map_err(|rtrb::PushError::Full(segment)| segment)
     }
 
-    /// Frees what the callback is done with.
+    /// Frees the segments that the callback has returned.
     pub fn clean_up(&mut self) {
         while self.outgoing.pop().is_ok() {}
     }
 }
 
 impl Drop for OutputCallbackLink {
-    /// Without its link a callback falls silent, even if its device comes back to life.
+    /// Silences the callback, even if its device resumes later.
     fn drop(&mut self) {
         self.retired.store(true, Ordering::Relaxed);
     }
 }
 
-/// Fills the buffers of one output device. See the module.
+/// The callback of one output device.
 pub struct OutputCallback {
     rate: u32,
     controls: Arc<Controls>,
@@ -229,10 +228,10 @@ pub struct OutputCallback {
     incoming: Consumer<Segment>,
     outgoing: Producer<Segment>,
     segment: Option<Segment>,
-    /// No frames are there; the sound goes on once more arrive.
+    /// True while the segment has no frames; the sound resumes once more arrive.
     starved: bool,
     gain: f32,
-    /// Position in a fade, in frames: 0 is silence, `fade_frames` is full.
+    /// Position in a fade, in frames: 0 is silence, `fade_frames` is full volume.
     fade: u32,
     fade_frames: u32,
     last: StereoFrame,
@@ -242,7 +241,8 @@ pub struct OutputCallback {
 }
 
 impl OutputCallback {
-    /// The callback of a device with `rate` frames per second and calls of about `buffer_frames`, and its link.
+    /// Creates the callback for a device with `rate` frames per second and calls of about `buffer_frames`, and its
+    /// link.
     pub fn new(
         rate: u32,
         buffer_frames: usize,
@@ -282,21 +282,21 @@ impl OutputCallback {
         (output_callback, link)
     }
 
-    /// Whether a segment waits to be taken.
+    /// True if a segment waits to be taken.
     #[cfg(test)]
     pub(crate) fn is_offered(&self) -> bool {
         !self.incoming.is_empty()
     }
 
-    /// Whether as much as usual is ready for the next call, or about to be.
+    /// True if the ring is at least half full or a segment waits.
     #[cfg(test)]
     pub(crate) fn is_fed(&self) -> bool {
         let is_half_full = |segment: &Segment| segment.ring.slots() >= segment.ring.buffer().capacity() / 2;
         self.is_offered() || self.segment.as_ref().is_some_and(is_half_full)
     }
 
-    /// A device's callback: fills `data` (`channels` interleaved) and updates the counters. `latency` is the time
-    /// from now until the buffer's first frame is heard, if the device reports a believable one.
+    /// Fills a device's buffer: `data` with `channels` interleaved channels. Updates the counters. `latency` is the
+    /// time from now until the buffer's first frame is heard, if the device reports a plausible one.
     pub fn serve<T: Sample + FromSample<f32>>(
         &mut self,
         data: &mut [T],
@@ -306,7 +306,7 @@ impl OutputCallback {
         self.serve_at(data, channels, Instant::now(), latency);
     }
 
-    /// The same for a call that was due at `called_at`.
+    /// [`OutputCallback::serve`] for a call that was due at `called_at`.
     pub(super) fn serve_at<T: Sample + FromSample<f32>>(
         &mut self,
         data: &mut [T],
@@ -323,16 +323,16 @@ impl OutputCallback {
         if frames > 0 {
             let load = begun.elapsed().as_nanos() as f64 / self.spans.duration_ns(frames);
             counters.worst_load_millionths.fetch_max((load * 1e6) as u64, Ordering::Relaxed);
-            // Never out of range, but accessed in a way that cannot panic.
+            // Always in range, but accessed without a possible panic.
             if let Some(count) = counters.loads.get(((load * 100.0) as usize).min(LOADS - 1)) {
                 count.fetch_add(1, Ordering::Relaxed);
             }
         }
     }
 
-    /// Fills `data` as a call at `called_at`. See [`OutputCallback::serve`].
+    /// Fills `data` for a call at `called_at`, without updating the counters. See [`OutputCallback::serve`].
     ///
-    /// One channel gets the mean of left and right; of more than two, the first two get left and right, the others
+    /// A single channel gets the mean of left and right; of more than two, the first two get left and right, the others
     /// silence. Samples are finite and within -1..1.
     pub fn fill<T: Sample + FromSample<f32>>(
         &mut self,
@@ -348,7 +348,7 @@ impl OutputCallback {
         if frames == 0 {
             return;
         }
-        // If the device reports no latency: it is still playing the buffer it was given last.
+        // A device that reports no latency is assumed to be playing the previous buffer.
         let of_one_buffer = Duration::from_nanos(self.spans.duration_ns(frames) as u64);
         let latency = latency.filter(|&latency| latency < LATENCY_MAX);
         let start_ns = self.spans.place(called_at, latency.unwrap_or(of_one_buffer), frames);
@@ -365,8 +365,8 @@ impl OutputCallback {
         self.close_span();
     }
 
-    /// Makes up to `wanted` frames in `chunk`, at `offset` of a buffer that is audible from `start_ns` on, and
-    /// returns how many (at least 1).
+    /// Produces up to `wanted` frames in `chunk`, at `offset` of a buffer that is audible from `start_ns` on, and
+    /// returns their number (at least 1).
     fn next_run(&mut self, wanted: usize, start_ns: u64, offset: usize) -> usize {
         let switching = !self.incoming.is_empty() && !self.outgoing.is_full();
         if switching && (self.fade == 0 || self.segment.is_none()) {
@@ -393,7 +393,7 @@ impl OutputCallback {
         let run = if fading == 0 { wanted } else { wanted.min(fading) };
         let taken = self.take_frames(run);
         if taken == 0 {
-            // No frames are there: the last one is held while it fades out.
+            // Without frames, the last one is held while it fades out.
             self.chunk[..run].fill(self.last);
         }
         let count = if taken == 0 { run } else { taken };
@@ -415,9 +415,9 @@ impl OutputCallback {
         count
     }
 
-    /// Advances a segment that is due at some moment to the frame that is due now, at `offset` of a buffer that is
-    /// audible from `start_ns` on. Returns how many frames of silence take its place if it cannot be played yet;
-    /// until then none of its frames is noted for the clock.
+    /// Advances a segment with a due time to the frame that is due now, at `offset` of a buffer that is audible from
+    /// `start_ns` on. If it cannot be played yet, produces silence instead and returns its length; the clock does not
+    /// see the segment until it begins.
     fn await_due(&mut self, wanted: usize, start_ns: u64, offset: usize) -> Option<usize> {
         let halted = self.controls.paused();
         let segment = self.segment.as_mut()?;
@@ -444,14 +444,14 @@ impl OutputCallback {
         Some(silence)
     }
 
-    /// Makes `count` frames of silence in `chunk`.
+    /// Produces `count` frames of silence in `chunk`.
     fn be_silent(&mut self, count: usize) {
         self.chunk[..count].fill([0.0; 2]);
         self.last = [0.0; 2];
         self.gain = self.controls.gain();
     }
 
-    /// Takes up to `count` frames of the segment into `chunk`; notices where it runs dry or ends.
+    /// Takes up to `count` frames of the segment into `chunk`, and detects an underrun or the end.
     fn take_frames(&mut self, count: usize) -> usize {
         let Some(segment) = self.segment.as_mut().filter(|_| !self.starved) else { return 0 };
         // Read before the ring, so that no frame pushed before the end is missed.
@@ -471,8 +471,8 @@ impl OutputCallback {
     fn take_segment(&mut self) {
         let Ok(next) = self.incoming.pop() else { return };
         if let Some(old) = self.segment.replace(next) {
-            // There is room, because it was checked before. If there were none, forgetting the segment is the only
-            // way not to free it here.
+            // The caller has checked that there is room. If there were none, leaking the segment would be the only way
+            // not to free it on this thread.
             if let Err(rtrb::PushError::Full(old)) = self.outgoing.push(old) {
                 std::mem::forget(old);
             }
@@ -481,12 +481,12 @@ impl OutputCallback {
         self.fade = 0;
     }
 
-    /// Notes for the clock that `frames` at `offset` of the buffer play the last `taken` frames of the segment
-    /// (0: it stands still).
+    /// Records for the clock that `frames` at `offset` of the buffer play the last `taken` frames of the segment (0 if
+    /// it does not move).
     fn note(&mut self, start_ns: u64, offset: usize, taken: usize, frames: usize) {
         let Some(segment) = &self.segment else { return };
         let moving = taken > 0;
-        // The song goes on on another output.
+        // The song continues on another output.
         if !moving && self.retired.load(Ordering::Relaxed) {
             return;
         }

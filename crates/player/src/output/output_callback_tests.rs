@@ -1,11 +1,10 @@
-//! The core of the callback, called by hand.
+//! Tests of the callback without a device.
 
 use super::*;
 use cpal::I24;
 use proptest::prelude::*;
 
 const RATE: u32 = 48_000;
-/// Frames of a fade.
 const FADE_FRAMES: usize = (FADE * RATE as f32) as usize;
 
 struct Bench {
@@ -24,11 +23,11 @@ impl Bench {
         Self { output_callback, link, controls, counters, now: Instant::now() }
     }
 
-    /// A segment that holds `frames` now and has room for as many again.
+    /// Offers a segment that holds `frames` now and has room for as many again.
     fn offer(&mut self, id: u64, frames: &[StereoFrame]) -> (Producer<StereoFrame>, Arc<AtomicU64>) {
         let (mut producer, end, segment) = Segment::new(id, frames.len().max(1) * 2);
         producer.push_entire_slice(frames).expect("there is room");
-        assert!(self.link.offer(segment).is_ok(), "the segment before was not taken");
+        assert!(self.link.offer(segment).is_ok(), "the previous segment was not taken");
         (producer, end)
     }
 
@@ -44,12 +43,12 @@ impl Bench {
     }
 }
 
-/// Frames whose samples give their index exactly.
+/// Frames whose samples encode their index exactly.
 fn ramp(range: std::ops::Range<usize>) -> Vec<StereoFrame> {
     range.map(|n| [n as f32 / (1 << 24) as f32, -(n as f32) / (1 << 24) as f32]).collect()
 }
 
-/// Says where two stretches differ.
+/// Panics with the first difference between two runs of frames.
 fn assert_same(heard: &[StereoFrame], wanted: &[StereoFrame]) {
     assert_eq!(heard.len(), wanted.len());
     let odd = heard.iter().zip(wanted).position(|(heard, wanted)| heard != wanted);
@@ -72,7 +71,7 @@ fn after_the_fade_in_every_frame_comes_once_and_in_order() {
 }
 
 #[test]
-fn a_pause_takes_nothing_and_goes_on_where_it_stopped() {
+fn a_pause_takes_no_frames_and_resumes_where_it_stopped() {
     let mut bench = Bench::new();
     let frames = ramp(0..20_000);
     bench.offer(1, &frames);
@@ -102,7 +101,7 @@ fn a_new_segment_follows_a_fade_and_the_old_one_comes_back() {
     assert_same(&heard[2 * FADE_FRAMES..], &frames[FADE_FRAMES..1000 - FADE_FRAMES]);
     let returned = bench.link.outgoing.pop().expect("the old segment");
     assert_eq!((returned.id, returned.next), (1, (1000 + FADE_FRAMES) as u64));
-    // The clock knows both halves of that buffer.
+    // The clock has both parts of that buffer.
     let at = |frame: usize| {
         let begin = bench.now - Duration::from_secs_f64(1000.0 / f64::from(RATE));
         bench.link.history.at(begin + Duration::from_secs_f64((frame as f64 + 0.5) / f64::from(RATE)))
@@ -115,7 +114,7 @@ fn a_new_segment_follows_a_fade_and_the_old_one_comes_back() {
 }
 
 #[test]
-fn a_paused_feeder_takes_a_new_segment_in_silence() {
+fn a_paused_callback_takes_a_new_segment_in_silence() {
     let mut bench = Bench::new();
     bench.offer(1, &ramp(0..1000));
     bench.controls.set_paused(true);
@@ -139,7 +138,7 @@ fn an_underrun_is_counted_once_and_fades_out_and_in() {
     bench.play(4000);
     assert_eq!(bench.underruns(), 1);
     producer.push_entire_slice(&[[0.5, 0.5]; 100]).expect("there is room");
-    assert_eq!(bench.play(50), vec![[0.0; 2]; 50], "too little to go on");
+    assert_eq!(bench.play(50), vec![[0.0; 2]; 50], "too few frames to resume");
     producer.push_entire_slice(&[[0.5, 0.5]; 3000]).expect("there is room");
     let heard = bench.play(1000);
     assert!(heard[1][0] > 0.0 && heard[1][0] < 0.1 && heard[999] == [0.5; 2]);
@@ -147,7 +146,7 @@ fn an_underrun_is_counted_once_and_fades_out_and_in() {
 }
 
 #[test]
-fn the_end_is_no_underrun() {
+fn the_end_does_not_count_as_underrun() {
     let mut bench = Bench::new();
     let (_producer, end) = bench.offer(1, &ramp(0..1000));
     end.store(1000, Ordering::Release);
@@ -159,7 +158,7 @@ fn the_end_is_no_underrun() {
 }
 
 #[test]
-fn a_feeder_without_its_link_falls_silent() {
+fn a_callback_without_its_link_falls_silent() {
     let mut bench = Bench::new();
     bench.offer(1, &[[0.5; 2]; 10_000]);
     bench.play(1000);
@@ -204,7 +203,7 @@ fn the_volume_is_a_third_power_and_stays_in_range() {
 }
 
 #[test]
-fn the_share_of_slow_calls_is_counted() {
+fn slow_calls_are_counted() {
     let counters = Counters::default();
     let put = |percent: usize, count| counters.loads[percent].store(count, Ordering::Relaxed);
     put(0, 990);
@@ -218,9 +217,9 @@ fn the_share_of_slow_calls_is_counted() {
 }
 
 proptest! {
-    /// With a constant signal every click is a step that is larger than the ramps allow.
+    /// With a constant signal, a click is a step larger than the ramps allow.
     #[test]
-    fn whatever_happens_nothing_clicks(events in prop::collection::vec((0_u8..8, 0_usize..2000), 1..80)) {
+    fn no_sequence_of_events_clicks(events in prop::collection::vec((0_u8..8, 0_usize..2000), 1..80)) {
         let mut bench = Bench::new();
         let (mut producer, _) = bench.offer(1, &[[0.5; 2]; 1000]);
         let mut waiting = None;

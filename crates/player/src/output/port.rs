@@ -1,5 +1,4 @@
-//! The output's side of the supervisor: opens devices for an [`OutputCallback`], and puts the silent clock in their
-//! place.
+//! The output's port for the supervisor: opens devices for an [`OutputCallback`], or starts the silent clock instead.
 
 use std::io;
 use std::sync::Arc;
@@ -20,10 +19,10 @@ use crate::error::{DeviceError, Direction};
 use crate::hosts::{for_playback, hush_sound_library};
 use crate::supervisor::{NoteReader, StreamStatus, Supervisor as Watching};
 
-/// Frames per callback that are asked for at 44.1 and 48 kHz: 21 ms.
+/// Frames per callback to request at 44.1 and 48 kHz: 21 ms.
 const BUFFER_FRAMES: u32 = 1024;
 
-/// What to play on.
+/// The kind of output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum OutputChoice {
     /// A device if there is one, otherwise the silent clock.
@@ -33,39 +32,38 @@ pub enum OutputChoice {
     Silent,
 }
 
-/// Settings of a [`Supervisor`].
+/// The settings of a [`Supervisor`].
 pub struct OutputRequest {
-    /// What to play on.
+    /// The kind of output.
     pub choice: OutputChoice,
-    /// Which device.
+    /// The device.
     pub target: Target,
-    /// Frames per second of the silent clock.
+    /// The silent clock's frames per second.
     pub silent_rate: u32,
 }
 
-/// What is played on now.
+/// The current output.
 #[derive(Clone, Default)]
 pub struct OutputStatus {
-    /// In words.
+    /// A description of the output.
     pub description: String,
     /// The device, if there is one.
     pub device: Option<ListedDevice>,
-    /// Why there is no sound, if there is none.
+    /// The reason why there is no sound, if there is none.
     pub silent: Option<String>,
-    /// Why the choice is not open, while the previous device goes on.
+    /// The reason why the chosen device is not open while the previous one continues.
     pub refused: Option<String>,
-    /// The history of what is audible; none while nothing is open yet.
+    /// The history of audible frames; `None` before the first output is open.
     pub history: Option<Arc<SpanHistory>>,
-    /// How often a device was opened.
+    /// The number of times that a device was opened.
     pub openings: u64,
 }
 
-/// Watches over the output. Ends when dropped.
+/// Opens and monitors the output. Dropping it closes the output.
 pub struct Supervisor(Watching<OutputPort>);
 
 impl Supervisor {
-    /// Starts the supervisor. Each output that becomes ready is handed to `deliver`, and the previous one is then
-    /// given up.
+    /// Starts the supervisor. Each new output is passed to `deliver`, and the previous one is then closed.
     ///
     /// # Errors
     /// A thread cannot be started.
@@ -86,29 +84,29 @@ impl Supervisor {
         Watching::start(port, target).map(Self)
     }
 
-    /// Changes to another device; the present one goes on until the other is there.
+    /// Switches to another device; the current one continues until the new one is open.
     pub fn choose(&self, target: Target) {
         self.0.choose(target);
     }
 
-    /// What is played on now.
+    /// The current output.
     pub fn status(&self) -> OutputStatus {
         let StreamStatus { description, device, silent, refused, note: history, openings } = self.0.status();
         OutputStatus { description, device, silent, refused, history, openings }
     }
 
-    /// Follows the present output from any thread.
+    /// A handle for other threads that follows the current output.
     pub(crate) fn watch(&self) -> OutputWatch {
         OutputWatch(self.0.notes())
     }
 }
 
-/// The present output's history, for any thread.
+/// The current output's history, for any thread.
 #[derive(Clone)]
 pub(crate) struct OutputWatch(NoteReader<Option<Arc<SpanHistory>>>);
 
 impl OutputWatch {
-    /// The history; `None` while no output is open yet.
+    /// The history; `None` before the first output is open.
     pub(crate) fn history(&self) -> Option<Arc<SpanHistory>> {
         self.0.note()
     }
@@ -162,8 +160,8 @@ impl Port for OutputPort {
     }
 }
 
-/// Opens and starts an output. Blocks as long as the sound system likes. A buffer size is always requested, because
-/// PulseAudio's default is two seconds.
+/// Opens and starts an output. This may block as long as the sound system does. A buffer size is always requested,
+/// because PulseAudio's default is two seconds.
 fn open(
     target: &Target,
     controls: &Arc<Controls>,

@@ -1,9 +1,8 @@
-//! The analysis thread: frames in, features into the timeline.
+//! The analysis thread: computes features of frames and stores them in the [`SharedAudibleSegments`].
 //!
-//! **Each track is analysed by itself.** The analysis begins anew with each track, as a passage of its own in the
-//! timeline. So the picture of a moment of a track is the same whichever way it was reached, and bit for bit that of
-//! `still` and `analyze`. A track that repeats is one passage, because its end and its start belong together for the
-//! ear.
+//! **Each track is analysed separately.** The analysis restarts with each track, which forms a passage of its own. So a
+//! moment of a track yields the same image no matter how it was reached, identical to that of `still` and `analyze`. A
+//! repeated track is one passage, because listeners hear its end and its start as connected.
 
 use std::sync::mpsc::Receiver;
 
@@ -12,18 +11,17 @@ use crate::gain_switch::GainSwitch;
 use crate::track::scale;
 use mariana_music::{Alignment, Analyzer, StereoFrame, TimedFeatures};
 
-/// What the decoding thread sends, in order.
+/// The messages of the decoding thread, in order.
 pub(crate) enum AnalysisInput {
-    /// A passage begins at the rate `sample_rate`; `position` is the index of the next frame in its track. Its
-    /// samples are multiplied by `gain`.
+    /// Begins a passage. `position` is the index of the next frame in its track; samples are multiplied by `gain`.
     Begin { passage: u64, sample_rate: u32, position: u64, gain: f32 },
-    /// The next frames.
+    /// The next frames of the passage.
     Frames(Vec<StereoFrame>),
-    /// No more frames come in this passage.
+    /// Ends the passage.
     Finish,
 }
 
-/// Works until the decoding thread ends.
+/// Runs until the decoding thread ends.
 pub(crate) fn run(
     inbox: &Receiver<AnalysisInput>,
     sample_rate: u32,

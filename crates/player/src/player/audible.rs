@@ -1,4 +1,4 @@
-//! The audible moment for the picture, which may be shifted against the device.
+//! The audible moment for the image, which may be shifted against the device.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -11,44 +11,44 @@ use crate::limits::LIMITS;
 use crate::output::OutputWatch;
 use crate::track::TrackInfo;
 
-/// What is audible at a moment.
+/// The audible moment of a song.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Moment {
     /// Position in the track, in seconds.
     pub song_time: f64,
-    /// Its features.
+    /// The features of the sound.
     pub features: Features,
-    /// Its place in the whole song, for who adds it: nothing is known of that here.
+    /// The position in the structure of the whole song. The player leaves it at its default; callers fill it in.
     pub song: SongMoment,
-    /// The number of the track ([`TrackInfo::id`]); 0 for an input.
+    /// The track's id ([`TrackInfo::id`]); 0 for an input.
     pub track: u64,
-    /// Grows with each seek and each change of device; the song time goes on through a change of device.
+    /// A number that grows with each seek and device change. The song time continues through a device change.
     pub segment: u64,
-    /// How often a track has begun earlier within the segment.
+    /// The number of earlier track starts within the segment.
     pub lap: u32,
 }
 
-/// Follows what is audible for the picture.
+/// Follows the audible moment for the image.
 pub(super) struct AudibleMoment {
     outputs: OutputWatch,
     audible_segments: SharedAudibleSegments,
-    /// Unlike the position, the picture may be shifted.
+    /// Separate from the position's clock, because the image may be shifted.
     clock: Clock,
     moment: Moment,
-    /// What was audible then, and how far ahead of that the picture is, in seconds.
+    /// The audible frame of the last moment, and the look-ahead of the image, in seconds.
     heard: Option<(Audible, f64)>,
-    /// The latency shift given when the picture last asked, in seconds.
+    /// The latency shift of the last call, in seconds.
     shift: f64,
 }
 
 impl AudibleMoment {
-    /// Before anything was audible of the track with this number.
+    /// Starts before any frame of the track with this id is audible.
     pub(super) fn new(outputs: OutputWatch, audible_segments: SharedAudibleSegments, track: u64) -> Self {
         let moment = Moment { track, ..Moment::default() };
         Self { outputs, audible_segments, clock: Clock::default(), moment, heard: None, shift: 0.0 }
     }
 
-    /// See [`Player::now`](super::Player::now).
+    /// Implements [`Player::now`](super::Player::now).
     pub(super) fn now(&mut self, latency_shift: f64) -> Moment {
         let limit = LIMITS.latency_ms_max / 1000.0;
         let shift = if latency_shift.is_finite() { latency_shift.clamp(-limit, limit) } else { 0.0 };
@@ -75,8 +75,7 @@ impl AudibleMoment {
         sound.unwrap_or_else(|| self.moment.features.into())
     }
 
-    /// Whether the song has ended for the picture, which is later than the device if it is shifted; and the track that
-    /// follows.
+    /// True if the song has ended for the image, which is later than the device if it is delayed; and the next track.
     pub(super) fn end_and_next(
         &mut self,
         history: Option<&Arc<SpanHistory>>,

@@ -1,16 +1,16 @@
-//! The decoding thread: keeps the ring of the callback filled, seeks, and goes from track to track.
+//! The decoding thread: keeps the callback's ring filled, seeks, and moves from track to track.
 //!
-//! A seek makes a new segment. The old one goes on sounding until the new one has [`PREFILL`] seconds in its ring.
-//! The frames of the last [`PREROLL`] seconds before the target go to the analysis alone, so that after a seek the
-//! features and their history are those of an uninterrupted playback, except for what longer memories still hold.
+//! A seek makes a new segment. The old one sounds until the new one has `PREFILL` seconds in its ring. The frames of
+//! the last [`PREROLL`] seconds before the target go only to the analysis. So after a seek the features and their
+//! history equal those of uninterrupted playback, except for effects with a longer memory.
 //!
-//! A track that follows another stays in its segment: its frames go into the same ring, through the same resampler if
-//! the rate is the same. The list thread opens it while the one before plays. The analysis begins anew, so that the
-//! features are those of the track alone, whatever came before. A skip by hand makes a new segment.
+//! A following track stays in the segment: the list thread opens it while the previous track plays, and its frames
+//! enter the same ring. At an equal rate they pass through the same resampler. The analysis restarts, so that the
+//! features depend on that track alone. A skip by the user makes a new segment.
 //!
-//! Another output also makes a new segment, but the song does not wait for it: it runs on from where it was audible,
-//! and the segment is due from the moment at which the output came. Whatever passes until its first frame is heard is
-//! lost to the ear.
+//! A new output also makes a new segment, but the song does not wait for it. The song continues from its audible
+//! position, and the segment is due from the moment at which the output opened. The part until its first audible frame
+//! is missed.
 
 mod command;
 mod passages;
@@ -34,31 +34,31 @@ use place::{Goal, Place};
 use segment::{CurrentSegment, SegmentStart};
 use track_queue::{Following, TrackQueue};
 
-/// How much the analysis hears before a seek's target, in seconds: what a history spans, and the time in which
-/// everything but the beat and the bass drive is forgotten. Near the song's start it is less, and the history before
-/// it is silent.
+/// Seconds that the analysis processes before a seek's target: the length of the history, and the time after which only
+/// the beat and the bass drive remember anything. Near the song's start it is less, and the history before the start is
+/// silent.
 const PREROLL: f64 = 13.0;
 
-/// Frames that are analysed and resampled at a time.
+/// Frames analysed and resampled at a time.
 const CHUNK: usize = 4096;
 
-/// Time between two checks whether the ring has room.
+/// Time between two checks of the ring.
 const WAIT: Duration = Duration::from_millis(20);
 
-/// If a wait of [`WAIT`] took longer than this, the process stood still.
+/// If a wait of [`WAIT`] took longer than this, the process was suspended.
 const WAIT_MAX: Duration = Duration::from_millis(500);
 
-/// Later than this in a track, in seconds, a step back leads to its own start.
+/// A step back at a later position than this, in seconds, returns to the start of the same track.
 const STEP_BACK_WITHIN: f64 = 3.0;
 
-/// The thread's state.
+/// The state of the decoding thread.
 pub(crate) struct Decoding {
     queue: TrackQueue,
     segment: CurrentSegment,
     analysis: SyncSender<AnalysisInput>,
     track_errors: SharedTrackErrors,
     scratch: Vec<StereoFrame>,
-    /// What was last told to follow.
+    /// The next track that was reported last.
     reported_next: Option<Arc<TrackInfo>>,
 }
 
@@ -85,7 +85,7 @@ impl Decoding {
         }
     }
 
-    /// Works until [`Command::Quit`] or until the player is gone.
+    /// Runs until [`Command::Quit`] or until the player is dropped.
     pub(crate) fn run(mut self, inbox: &Receiver<Command>) {
         let mut next = Step::Wait;
         loop {
@@ -115,7 +115,7 @@ impl Decoding {
         }
     }
 
-    /// Notes what follows, for who wants to know it before it is heard.
+    /// Publishes the next track, for readers that prepare for it.
     fn tell_next(&mut self) {
         let next = self.queue.opened_ahead();
         if self.reported_next.as_ref().map(|reported| reported.id) != next.map(|next| next.id) {
@@ -124,7 +124,7 @@ impl Decoding {
         }
     }
 
-    /// Carries out `first` and the commands waiting behind it, merging many seeks into one. True to end.
+    /// Carries out `first` and all waiting commands, merging seeks into one. Returns true on [`Command::Quit`].
     fn obey(&mut self, first: Command, inbox: &Receiver<Command>) -> bool {
         let mut goal: Option<Goal> = None;
         for command in std::iter::once(first).chain(inbox.try_iter()) {
@@ -135,7 +135,7 @@ impl Decoding {
                     goal = Some(Goal::seek((self.time_after(goal) + seconds).max(0.0)));
                 }
                 Command::Output { link, at } => {
-                    // A pending seek is done on the new output, and a further output does not change the place.
+                    // A pending seek is done on the new output, and a further output does not change the position.
                     if goal.is_none() {
                         let (passage, on_course) = self.segment.course(at, self.queue.passages.earliest());
                         self.queue.go_back_to(passage);
@@ -180,12 +180,12 @@ impl Decoding {
         false
     }
 
-    /// The place that is audible, or the target of a seek that is not heard yet.
+    /// The audible position, or the target of a seek that is not audible yet.
     fn place(&self) -> Place {
         self.segment.place(self.queue.passages.earliest())
     }
 
-    /// The time of the track once a pending goal is reached, in seconds.
+    /// The track time once a pending goal is reached, in seconds.
     fn time_after(&self, goal: Option<Goal>) -> f64 {
         goal.map_or_else(|| self.place().time, |goal| goal.time)
     }
@@ -213,7 +213,7 @@ impl Decoding {
             Ok(resampler) => resampler,
             Err(error) => return self.report(&error),
         };
-        // If the target cannot be reached: stay, or begin anew.
+        // If the target cannot be reached, stay at the old position or start the track again.
         let reached = [target, place, 0.0].into_iter().find_map(|goal| match self.seek(goal) {
             Ok(reached) => Some((goal, reached)),
             Err(error) => {
@@ -227,7 +227,7 @@ impl Decoding {
         self.segment.begin(SegmentStart {
             passage: self.queue.passages.current(),
             info: self.queue.passages.track().info.clone(),
-            // The exact time of the target's frame.
+            // Rounded to a frame.
             target: frame_at(target) as f64 / f64::from(source_rate),
             resampler,
             skip: frame_at(target).saturating_sub(frame_at(reached)),
@@ -241,7 +241,7 @@ impl Decoding {
         self.queue.passages.source().seek((goal - PREROLL).max(0.0))
     }
 
-    /// Does the next piece of work on the segment.
+    /// Performs the next step of filling the segment.
     fn fill(&mut self) -> Step {
         if !self.segment.push() {
             return Step::Wait;
@@ -280,7 +280,7 @@ impl Decoding {
         Step::GoOn
     }
 
-    /// Goes on with what follows: the same track, another, or nothing.
+    /// Continues with the same track, another one, or none.
     fn end_of_track(&mut self) -> Step {
         let (passage, rate) = (self.queue.passages.current(), self.queue.passages.source().sample_rate());
         self.segment.start_at_end(passage, rate);
@@ -295,7 +295,7 @@ impl Decoding {
         Step::GoOn
     }
 
-    /// Goes on with `track`, which stands at its start, without a gap.
+    /// Continues with `track`, which is at its start, without a gap.
     fn join(&mut self, track: Track) {
         if let Err(error) = self.segment.set_source_rate(track.source.sample_rate(), &mut self.scratch) {
             self.report(&error);
@@ -305,11 +305,10 @@ impl Decoding {
         self.segment.begin_track(self.queue.passages.current(), info);
         self.analyse(AnalysisInput::Finish);
         self.analyse_current(0);
-        // The next one is opened ahead.
         self.queue.ask_ahead();
     }
 
-    /// Ends the segment: nothing follows.
+    /// Ends the segment if no track follows.
     fn end(&mut self) {
         let Some(filling) = self.segment.filling() else { return };
         filling.exhausted = true;
@@ -319,7 +318,7 @@ impl Decoding {
         self.analyse(AnalysisInput::Finish);
     }
 
-    /// Tells the analysis that the current track begins, with frame `position`.
+    /// Restarts the analysis for the current track, at frame `position`.
     fn analyse_current(&self, position: u64) {
         let passages = &self.queue.passages;
         let (sample_rate, gain) = (passages.track().source.sample_rate(), passages.track().info.scene_gain);
@@ -327,7 +326,8 @@ impl Decoding {
     }
 
     fn analyse(&self, input: AnalysisInput) {
-        // The analysis is always faster than the sound; if it should have failed, the song still plays.
+        // The analysis is faster than the sound, so this does not block for long. If its thread has failed, the song
+        // still plays.
         let _ = self.analysis.send(input);
     }
 

@@ -1,4 +1,4 @@
-//! Devices that are lost, found and changed, with callbacks and time under the test's control.
+//! Tests of lost, found and changed devices, with simulated callbacks and time.
 
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, mpsc};
@@ -15,13 +15,13 @@ use crate::output::{Controls, OutputCallback};
 use crate::track::Repeat;
 use crate::worker::Worker;
 
-/// Time between two looks at the clock, in milliseconds.
+/// Time between two reads of the clock, in milliseconds.
 const LOOK_MS: u64 = 5;
 
-/// The largest step of the clock beyond the time that passed, in seconds.
+/// The largest step of the clock beyond the passed time, in seconds.
 const STEP_MAX: f64 = 0.05;
 
-/// A device whose callback is called when its time comes.
+/// A device whose callback is called at simulated times.
 struct Device {
     output_callback: OutputCallback,
     history: Arc<SpanHistory>,
@@ -29,7 +29,8 @@ struct Device {
     buffer: usize,
     latency: Duration,
     next_call: Instant,
-    /// The last buffer's first frame: when it is audible, and its place in the song, in seconds, if it is not faded.
+    /// The first frame of the last buffer: the time at which it is audible, and its song time in seconds, unless it is
+    /// faded.
     heard: Option<(Instant, f64)>,
 }
 
@@ -39,7 +40,10 @@ impl Device {
         while self.next_call <= now {
             let waiting = Instant::now();
             while fed && !self.output_callback.is_fed() {
-                assert!(waiting.elapsed() < Duration::from_secs(20), "the decoding thread does nothing");
+                assert!(
+                    waiting.elapsed() < Duration::from_secs(20),
+                    "the decoding thread produces no frames"
+                );
                 std::thread::sleep(Duration::from_millis(1));
             }
             let mut data = vec![0.0_f32; 2 * self.buffer];
@@ -53,19 +57,19 @@ impl Device {
     }
 }
 
-/// The decoding thread, the device that is open, and a clock that is looked at.
+/// The decoding thread, the open device, and a clock.
 struct TestPlayback {
     commands: Sender<Command>,
     audible_segments: SharedAudibleSegments,
     worker: Worker,
     device: Device,
-    /// The one before, until it is closed.
+    /// The previous device, until it is closed.
     before: Option<(Device, Instant)>,
     now: Instant,
     clock: Clock,
     last: f64,
     looks: u32,
-    /// How long the clock has stood still, and the longest time it did.
+    /// The time for which the clock has stood still, and its maximum.
     still: Duration,
     stillest: Duration,
 }
@@ -107,7 +111,7 @@ impl TestPlayback {
         }
     }
 
-    /// Another output takes over; it calls for the first time `first_call` later. The one before goes on for `closing`.
+    /// Switches to another output, which is first called `first_call` later. The previous one continues for `closing`.
     fn change(
         &mut self,
         closing: Duration,
@@ -120,7 +124,7 @@ impl TestPlayback {
         self.before = Some((std::mem::replace(&mut self.device, device), self.now + closing));
     }
 
-    /// Lets time pass and looks at the clock; the device calls unless it is `lost`.
+    /// Lets time pass and reads the clock; the device calls unless it is `lost`.
     fn pass(&mut self, ms: u64, lost: bool) {
         for _ in 0..ms / LOOK_MS {
             self.now += Duration::from_millis(LOOK_MS);
@@ -151,9 +155,9 @@ impl TestPlayback {
         self.looks += 1;
     }
 
-    /// How far the clock is ahead of what is heard, in seconds.
+    /// The lead of the clock over the audible sound, in seconds.
     fn ahead(&self) -> f64 {
-        let (at, place) = self.device.heard.expect("something is heard");
+        let (at, place) = self.device.heard.expect("an audible frame");
         let since = |moment: Instant| {
             if self.now >= moment {
                 (self.now - moment).as_secs_f64()
@@ -172,7 +176,7 @@ impl Drop for TestPlayback {
     }
 }
 
-/// An output that came at `now`, as soon as the song is ready for it.
+/// Creates an output that opened at `now`, and waits until its segment is ready.
 fn open(
     commands: &Sender<Command>,
     now: Instant,
@@ -187,7 +191,7 @@ fn open(
     commands.send(Command::Output { link, at: now }).expect("the thread runs");
     let waiting = Instant::now();
     while !output_callback.is_offered() {
-        assert!(waiting.elapsed() < Duration::from_secs(20), "nothing is decoded for the output");
+        assert!(waiting.elapsed() < Duration::from_secs(20), "no frames are decoded for the output");
         std::thread::sleep(Duration::from_millis(1));
     }
     Device { output_callback, history, rate, buffer, latency, next_call: now + first_call, heard: None }
@@ -196,27 +200,27 @@ fn open(
 const MS: Duration = Duration::from_millis(1);
 
 #[test]
-fn the_position_jumped_and_stood_while_a_device_was_lost() {
+fn the_position_is_smooth_while_a_device_is_lost() {
     let mut evening = TestPlayback::new();
     evening.pass(3000, false);
     let from = (evening.last, evening.now);
     evening.stillest = Duration::ZERO;
-    // Lost, noticed after 1.1 s; the silent clock takes over, late itself.
+    // The device is lost, which is noticed after 1.1 s. The silent clock takes over, with a delay.
     evening.pass(1100, true);
     evening.change(Duration::ZERO, 180 * MS, RATE, 480, Duration::ZERO);
     evening.pass(700, false);
     assert!(evening.ahead().abs() < 0.002, "{} s ahead on the silent clock", evening.ahead());
-    // Found again, with a long latency.
+    // The device returns, with a long latency.
     evening.change(3 * MS, 250 * MS, 44_100, 1024, 230 * MS);
     evening.pass(1500, false);
     assert!(evening.ahead().abs() < 0.002, "{} s ahead on the new device", evening.ahead());
     let drift = evening.last - from.0 - (evening.now - from.1).as_secs_f64();
     assert!(drift.abs() < 0.002, "the song is {drift} s from where it would be");
-    assert!(evening.stillest.is_zero(), "it stood still for {:?}", evening.stillest);
+    assert!(evening.stillest.is_zero(), "the clock stood still for {:?}", evening.stillest);
 }
 
 #[test]
-fn the_position_stepped_when_devices_came_and_went_in_a_storm() {
+fn the_position_is_smooth_during_many_device_changes() {
     let mut evening = TestPlayback::new();
     evening.pass(1000, false);
     evening.stillest = Duration::ZERO;
@@ -236,21 +240,25 @@ fn the_position_stepped_when_devices_came_and_went_in_a_storm() {
                 evening.pass(random(1100), true);
                 evening.change(Duration::ZERO, first_call, rate, buffer, latency);
             }
-            // Another one, while the one before still plays.
+            // Another device, while the previous one still plays.
             1 => evening.change(Duration::from_millis(random(120)), first_call, rate, buffer, latency),
-            // It falls silent for a while, and goes on.
+            // Silent for a while, then resumed.
             2 => {
                 evening.pass(random(900), true);
                 evening.device.next_call = evening.now;
             }
-            // Its latency changes.
+            // Another latency.
             _ => evening.device.latency = latency,
         }
         evening.pass(random(1200), false);
     }
     assert!(evening.looks > 5000, "{} looks", evening.looks);
-    assert!(evening.stillest <= Duration::from_millis(100), "it stood still for {:?}", evening.stillest);
-    // Whatever happened in between: in the end the clock is where the sound is.
+    assert!(
+        evening.stillest <= Duration::from_millis(100),
+        "the clock stood still for {:?}",
+        evening.stillest
+    );
+    // In the end the clock agrees with the sound.
     evening.pass(12_000, false);
-    assert!(evening.ahead().abs() < 0.002, "{} s ahead of what is heard", evening.ahead());
+    assert!(evening.ahead().abs() < 0.002, "{} s ahead of the sound", evening.ahead());
 }

@@ -1,4 +1,4 @@
-//! The segment that is being filled, on the decoding thread.
+//! The segment that the decoding thread is filling.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -12,43 +12,43 @@ use mariana_music::StereoFrame;
 
 pub(super) struct Filling {
     pub(super) id: u64,
-    /// Track time of its first frame, in seconds.
+    /// The track time of its first frame, in seconds.
     pub(super) target: f64,
     pub(super) ring: Producer<StereoFrame>,
     pub(super) end: Arc<AtomicU64>,
     /// The callback's half, until it is handed over.
     pub(super) waiting: Option<Segment>,
     conversion: Conversion,
-    /// Frames still to come before the target: for the analysis alone.
+    /// Source frames before the target, which only the analysis uses.
     pub(super) skip: u64,
-    /// Frames of the device put into the ring.
+    /// Device frames in or past the ring.
     pub(super) pushed: u64,
-    /// Frames decoded but not processed yet.
+    /// Decoded frames that are not processed yet.
     pub(super) decoded: VecDeque<StereoFrame>,
-    /// Frames resampled but not in the ring yet.
+    /// Resampled frames that are not in the ring yet.
     ready: VecDeque<StereoFrame>,
     /// Source frames since the last jump within the source.
     pub(super) since_jump: u64,
-    /// Whether that jump went to the track's start.
+    /// True if that jump went to the track's start.
     pub(super) from_start: bool,
-    /// Whether nothing more comes for this segment.
+    /// True if no more frames come for this segment.
     pub(super) exhausted: bool,
-    /// Whether all of it is in the ring.
+    /// True if all frames are in the ring.
     pub(super) finished: bool,
 }
 
-/// The conversion from the source's rate, until a source of another rate follows.
+/// The conversion from the source's rate, replaced when a source with another rate follows.
 struct Conversion {
     resampler: Resampler,
-    /// Time of the segment at which it began, in seconds.
+    /// The segment time at which the conversion began, in seconds.
     base: f64,
-    /// Source frames since then, the skipped ones left out.
+    /// Source frames since then, without the skipped ones.
     fed: u64,
 }
 
 impl Filling {
-    /// Segment `id`, from `target` seconds of a track on, with a ring of `ring_frames` frames of the device. The
-    /// source stands `skip` frames before the target, and at the track's start if `from_start`.
+    /// Creates segment `id`, starting at `target` seconds of a track, with a ring of `ring_frames` device frames. The
+    /// source is `skip` frames before the target, and at the track's start if `from_start`.
     pub(super) fn new(
         id: u64,
         target: f64,
@@ -76,12 +76,12 @@ impl Filling {
         }
     }
 
-    /// Whether all that was resampled is in the ring.
+    /// True if all resampled frames are in the ring.
     pub(super) fn is_pushed(&self) -> bool {
         self.ready.is_empty()
     }
 
-    /// Moves as much into the ring as there is room for.
+    /// Moves as many frames into the ring as fit.
     pub(super) fn push_ready(&mut self) {
         let (front, _) = self.ready.as_slices();
         let (pushed, _) = self.ring.push_partial_slice(front);
@@ -90,7 +90,7 @@ impl Filling {
         self.ready.drain(..count);
     }
 
-    /// Takes the next frames of the source: those from the target on are resampled.
+    /// Resamples the source's next frames, except those before the target.
     pub(super) fn feed(
         &mut self,
         frames: &[StereoFrame],
@@ -106,7 +106,7 @@ impl Filling {
         resampled
     }
 
-    /// Takes out what the resampler still holds.
+    /// Takes the remaining frames out of the resampler.
     pub(super) fn flush(&mut self, scratch: &mut Vec<StereoFrame>) -> Result<(), ResampleError> {
         scratch.clear();
         let resampled = self.conversion.resampler.finish(scratch);
@@ -114,7 +114,7 @@ impl Filling {
         resampled
     }
 
-    /// The rate of the source, in hertz.
+    /// The source's rate, in hertz.
     pub(super) fn source_hz(&self) -> u32 {
         self.conversion.resampler.from_hz()
     }
@@ -124,7 +124,7 @@ impl Filling {
         self.conversion.base + self.conversion.fed as f64 / f64::from(self.source_hz())
     }
 
-    /// Goes on with a source of another rate, on a device of `rate` frames per second.
+    /// Continues with a source of another rate, for a device of `rate` frames per second.
     pub(super) fn change_resampler(
         &mut self,
         resampler: Resampler,

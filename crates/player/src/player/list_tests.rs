@@ -1,4 +1,4 @@
-//! The list of a player that plays.
+//! Tests of editing the list of a running player.
 
 use std::path::Path;
 use std::time::Duration;
@@ -8,13 +8,13 @@ use super::*;
 use crate::playlist::Playlist;
 use mariana_testing::wave::write_wav;
 
-/// A player of songs of that many seconds, named by the first letters of the alphabet, and the folder that they are in.
+/// A player of `songs` songs of `seconds` seconds each, named by letters from a on, and their folder.
 fn playing(songs: usize, seconds: f64, repeat: Repeat) -> (Player, tempfile::TempDir) {
     let folder = tempfile::tempdir().expect("a folder");
     let files: Vec<PathBuf> = (b'a'..).take(songs).map(|name| song(folder.path(), name, seconds)).collect();
     let opened = Playlist::open(&files, repeat, false).expect("a list");
     let options = PlayerOptions { repeat, output: OutputChoice::Silent, ..PlayerOptions::default() };
-    let player = Player::start(opened.first, Box::new(opened.list), options).expect("it starts");
+    let player = Player::start(opened.first, Box::new(opened.list), options).expect("a player");
     (player, folder)
 }
 
@@ -24,13 +24,13 @@ fn song(folder: &Path, name: u8, seconds: f64) -> PathBuf {
     path
 }
 
-/// What plays, as name, index and count.
+/// The playing track's name, index and count.
 fn reported(player: &mut Player) -> (String, usize, usize) {
     let track = player.status().track;
     (track.name.clone(), track.entry, track.count)
 }
 
-/// Waits until this plays.
+/// Waits until this track plays.
 fn expect(player: &mut Player, name: &str, entry: usize, count: usize) {
     wait_for(player, &format!("{name} as {entry} of {count}"), |player| {
         reported(player) == (name.to_owned(), entry, count)
@@ -42,7 +42,7 @@ fn names(player: &Player) -> Vec<String> {
 }
 
 #[test]
-fn what_plays_goes_on_and_is_told_where_it_stands_now() {
+fn edits_do_not_interrupt_and_the_index_is_updated() {
     let (mut player, folder) = playing(4, 60.0, Repeat::All);
     wait_for(&mut player, "it moves", |player| player.status().position > 0.05);
     let segment = player.now(0.0).segment;
@@ -65,7 +65,7 @@ fn what_plays_goes_on_and_is_told_where_it_stands_now() {
     player.play_entry(5);
     player.move_entry(4, 1);
     wait_for(&mut player, "the last change", |player| names(player) == ["c", "y", "a", "b", "x"]);
-    assert_eq!(player.now(0.0).segment, segment, "it did not go on");
+    assert_eq!(player.now(0.0).segment, segment, "playback was interrupted");
     player.skip(true);
     expect(&mut player, "y.wav", 1, 5);
     assert_eq!(player.playlist().entries[1].duration, Some(1.0));
@@ -74,7 +74,7 @@ fn what_plays_goes_on_and_is_told_where_it_stands_now() {
 }
 
 #[test]
-fn what_follows_is_told_as_soon_as_it_is_open() {
+fn the_next_track_is_reported_once_it_is_open() {
     let (mut player, _folder) = playing(3, 60.0, Repeat::All);
     let expect_next = |player: &mut Player, wanted: Option<&str>| {
         wait_for(player, &format!("{wanted:?} follows"), |player| {
@@ -85,19 +85,19 @@ fn what_follows_is_told_as_soon_as_it_is_open() {
     player.skip(true);
     expect_next(&mut player, Some("c.wav"));
     assert_eq!(player.now(0.0).track, player.status().track.id);
-    let next = player.status().next.expect("it was told");
-    let content = next.reopen.content().expect("it is a file").clone();
+    let next = player.status().next.expect("a next track");
+    let content = next.reopen.content().expect("a file").clone();
     assert!(matches!(content.song, crate::song::Song::File(path) if path.ends_with("c.wav")));
     player.set_order(Repeat::One, false);
     expect_next(&mut player, None);
 }
 
 #[test]
-fn a_track_that_is_removed_while_it_plays_makes_way() {
+fn a_playing_track_that_is_removed_is_replaced() {
     let (mut player, folder) = playing(3, 60.0, Repeat::Off);
     player.remove_entry(0);
     expect(&mut player, "b.wav", 0, 2);
-    // Twice at once: what would follow the first is gone as well.
+    // Twice in a row: the successor of the first track is removed as well.
     player.append_files(vec![song(folder.path(), b'd', 60.0)]);
     player.remove_entry(0);
     player.remove_entry(0);
@@ -110,22 +110,22 @@ fn a_track_that_is_removed_while_it_plays_makes_way() {
 }
 
 #[test]
-fn a_list_that_has_ended_goes_on_with_what_is_appended() {
+fn an_ended_list_continues_with_appended_tracks() {
     let (mut player, folder) = playing(2, 0.25, Repeat::Off);
     wait_for(&mut player, "the end", |player| player.status().ended);
     player.move_entry(1, 0);
     wait_for(&mut player, "the move", |player| names(player) == ["b", "a"]);
     std::thread::sleep(Duration::from_millis(100));
-    assert!(player.status().ended, "it begins again because it was moved");
+    assert!(player.status().ended, "the move restarts the list");
     player.append_files(vec![song(folder.path(), b'x', 60.0)]);
     player.remove_entry(1);
     expect(&mut player, "x.wav", 1, 2);
 }
 
 #[test]
-fn what_is_about_to_follow_is_not_heard_once_it_is_removed() {
+fn a_removed_next_track_is_not_heard() {
     let (mut player, _folder) = playing(3, 2.0, Repeat::Off);
-    // The second one is in the ring already.
+    // The second track is in the ring already.
     wait_for(&mut player, "the end of the first", |player| player.status().position > 1.8);
     player.remove_entry(1);
     let mut heard = Vec::new();
@@ -139,7 +139,7 @@ fn what_is_about_to_follow_is_not_heard_once_it_is_removed() {
 #[test]
 fn a_source_without_a_list_is_a_list_of_one() {
     let list = super::tests::silent(true);
-    let mut player = Player::start_alone(Track::silence(0, 1).source, list).expect("it starts");
+    let mut player = Player::start_alone(Track::silence(0, 1).source, list).expect("a player");
     assert_eq!(player.playlist().entries.len(), 1);
     player.remove_entry(0);
     player.append_files(vec!["x.wav".into()]);

@@ -1,5 +1,5 @@
 //! The list thread: finds and opens tracks while others play, so that neither a slow disk nor a list of missing files
-//! keeps anything waiting.
+//! delays the sound.
 
 use std::sync::mpsc::{Receiver, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -8,17 +8,17 @@ use super::decoding::Command;
 use crate::listed::Edit;
 use crate::track::{Repeat, TrackList, Wanted};
 
-/// What the decoding thread asks for.
+/// The requests of the decoding thread.
 pub(crate) enum Request {
-    /// Find a track; the answer carries `id`.
+    /// Finds a track; the answer carries `id`.
     Find { id: u64, wanted: Wanted },
-    /// Change the order and the repeating of tracks; a new random order begins with the entry whose id is `current`.
+    /// Changes the repeat mode and the order; a new random order begins with the entry whose id is `current`.
     Order { repeat: Repeat, shuffled: bool, current: u64 },
-    /// Change the list, while the entry with id `playing` plays.
+    /// Edits the list while the entry with id `playing` plays.
     Edit { edit: Edit, playing: u64 },
 }
 
-/// Works until the decoding thread ends.
+/// Runs until the decoding thread ends.
 pub(crate) fn run(
     mut list: Box<dyn TrackList>,
     inbox: &Receiver<Request>,
@@ -28,7 +28,7 @@ pub(crate) fn run(
     for request in inbox {
         match request {
             Request::Order { repeat, shuffled, current } => list.set_order(repeat, shuffled, current),
-            // If the decoding thread has ended, nobody waits for an answer any more.
+            // A failed send means that the decoding thread has ended.
             Request::Find { id, wanted } => {
                 let found = list.find(&wanted, &mut |trouble| track_errors.tell(trouble));
                 let _ = answers.send(Command::Found { id, found });
@@ -41,16 +41,16 @@ pub(crate) fn run(
     }
 }
 
-/// What went wrong with tracks, for the window to report.
+/// Errors of tracks, for the window to report.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct TrackErrors {
-    /// How many there were.
+    /// The number of errors.
     pub count: u64,
-    /// The last one, as a sentence.
+    /// The message of the last one.
     pub last: Option<String>,
 }
 
-/// [`TrackErrors`] shared by threads.
+/// [`TrackErrors`] for several threads.
 #[derive(Clone, Default)]
 pub(crate) struct SharedTrackErrors(Arc<Mutex<TrackErrors>>);
 

@@ -1,43 +1,44 @@
-//! Parts of the song that nobody heard because devices went and came.
+//! Detection of missed audio: parts of the song that were not heard because of device changes.
 //!
-//! What passed between the last frame of one device and the first of the next, including the time on the silent
-//! clock, was not heard. It is reported once there is sound again. What a lost device still had in its buffer counts
-//! as heard, because nobody can know.
+//! The song does not wait for devices. If a device falls silent, the song continues from the last frame that the device
+//! received. The segment for the next output, or for the silent clock, is due from the moment at which that output
+//! opened, and its callback drops frames that come too late. So the position neither steps nor stops, and the sound
+//! after a fault matches the image.
 //!
-//! **The song does not wait for devices.** A device that falls silent takes no time away: the song runs on from the
-//! last frame that the device was handed. The segment for the next output, or for the silent clock, is due from the
-//! moment at which that output came, and its callback drops the frames that it gets too late. So the position never
-//! steps and never stands, what is heard after a fault matches the picture, and what nobody heard is reported by this
-//! module. If a device merely went on late, nothing is lost: `clock::Clock` then runs a fifth slower (or faster)
-//! until it agrees with what is heard. A process that was stopped goes on where it was: a gap in which nobody looked
-//! and no device called is not time of the song. `cargo bench --bench device_faults` counts steps through 200 faults.
+//! The part between the last frame of one device and the first of the next, including the time on the silent clock, was
+//! not heard. It is reported once there is sound again. Frames in the buffer of a lost device count as heard, because
+//! their fate is unknown.
+//!
+//! If a device merely resumes late, nothing is lost: [`Clock`](crate::clock::Clock) then runs a fifth slower (or
+//! faster) until it agrees with the sound. A suspended process continues at its old position: a gap without readers and
+//! device calls is no song time. `cargo bench --bench device_faults` counts steps through 200 faults.
 
 use std::fmt;
 use std::sync::Arc;
 
 use crate::clock::{Audible, SpanHistory};
 
-/// Anything shorter than this, in seconds, is not reported.
+/// Shorter gaps than this, in seconds, are not reported.
 const REPORTED_FROM: f64 = 0.05;
 
-/// Stretches of the song that were not heard; in words, only the last one.
+/// Missed parts of the song. The [`Display`](fmt::Display) text describes the last one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MissedAudio {
-    /// How many there were.
+    /// The number of missed parts.
     pub count: u64,
-    /// How long the last one was, in seconds.
+    /// The duration of the last one, in seconds.
     pub seconds: f64,
     /// The output after it.
     pub after: SilenceEnd,
 }
 
-/// The output that ended a stretch without sound.
+/// The output that ended a silent part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SilenceEnd {
-    /// Another device.
+    /// A different device.
     #[default]
     AnotherDevice,
-    /// The same device. It had failed, or had stopped asking for samples.
+    /// The same device, which had failed or stopped requesting samples.
     SameDevice,
 }
 
@@ -52,20 +53,20 @@ impl fmt::Display for MissedAudio {
     }
 }
 
-/// Looks at the outputs one after the other.
+/// Compares successive outputs.
 #[derive(Default)]
 pub(super) struct MissedAudioWatch {
     history: Option<Arc<SpanHistory>>,
-    /// Seconds of song since there was last sound; none before there was any.
+    /// Seconds of the song since the last sound; `None` before the first sound.
     pending: Option<f64>,
-    /// The id of the device that sounded last.
+    /// The id of the last device that played sound.
     device: Option<String>,
     reported: MissedAudio,
 }
 
 impl MissedAudioWatch {
-    /// Notes the current output. `carry` maps a place in an earlier segment to a frame of a later one, unless a seek or
-    /// another track separates them.
+    /// Takes note of the current output. `carry` maps a frame of an earlier segment to one of a later segment, unless a
+    /// seek or another track separates them.
     pub(super) fn look(
         &mut self,
         history: &Arc<SpanHistory>,
@@ -94,7 +95,7 @@ impl MissedAudioWatch {
         }
     }
 
-    /// What there is to report.
+    /// The missed parts so far.
     pub(super) fn reported(&self) -> MissedAudio {
         self.reported
     }
@@ -105,20 +106,20 @@ mod tests {
     use super::*;
     use crate::clock::{Span, SpanWriter};
 
-    /// A history that begins with `frame` of `segment`, in thousandths of a second of a song, and lasts `frames`.
+    /// A history that begins with `frame` of `segment` (in milliseconds of a song) and lasts `frames`.
     fn output(segment: u64, frame: u64, frames: u32, moving: bool) -> (SpanWriter, Arc<SpanHistory>) {
         let (mut writer, history) = SpanHistory::new(1000);
         writer.push(Span { start_ns: 0, segment, frame, frames, moving });
         (writer, history)
     }
 
-    /// All segments count the same frames.
+    /// Maps frames one to one: all segments count the same frames.
     fn together(from: Audible, _: u64) -> Option<f64> {
         Some(from.frame)
     }
 
     #[test]
-    fn what_nobody_heard_between_two_devices_is_told_once_there_is_sound() {
+    fn missed_audio_is_reported_once_there_is_sound_again() {
         let mut watch = MissedAudioWatch::default();
         let (_first, first) = output(1, 0, 2000, true);
         let (_silent, silent) = output(2, 2100, 1000, true);
@@ -147,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn a_song_that_begins_without_a_device_has_lost_nothing_when_one_comes() {
+    fn a_song_that_begins_without_a_device_misses_nothing() {
         let mut watch = MissedAudioWatch::default();
         let (_silent, silent) = output(1, 0, 1000, true);
         silent.set_silent();
@@ -158,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn a_device_that_had_stopped_was_said_to_have_changed() {
+    fn a_stopped_device_is_reported_as_stopped() {
         let mut watch = MissedAudioWatch::default();
         let (_first, first) = output(1, 0, 2000, true);
         let (_silent, silent) = output(2, 2000, 3200, true);

@@ -9,8 +9,8 @@ use crate::clock::{Clock, SpanHistory};
 use crate::output::OutputWatch;
 use crate::track::TrackInfo;
 
-/// The audible position of a player. Clones share one clock, so none reads an earlier position than another has read
-/// before, unless the song was changed: by a seek, a skip or another track.
+/// The audible position of a player. Clones use the same clock, so no reader sees an earlier position than another saw
+/// before, except after a seek, a skip or a change of track.
 #[derive(Clone)]
 pub struct Position(Arc<Mutex<State>>);
 
@@ -22,19 +22,19 @@ struct State {
     place: Place,
 }
 
-/// An audible place in the list.
+/// An audible position in the list.
 #[derive(Clone)]
 pub(super) struct Place {
-    /// The track that was last audible.
+    /// The track that was audible last.
     pub(super) track: Arc<TrackInfo>,
-    /// The position in it, in seconds.
+    /// The position in the track, in seconds.
     pub(super) seconds: f64,
     /// Parts of the song that were not heard.
     pub(super) missed_audio: MissedAudio,
 }
 
 impl Position {
-    /// The start of `track`.
+    /// Starts at the beginning of `track`.
     pub(super) fn new(
         outputs: OutputWatch,
         audible_segments: SharedAudibleSegments,
@@ -50,9 +50,9 @@ impl Position {
         self.look().seconds
     }
 
-    /// The present place.
+    /// The current position.
     pub(super) fn look(&self) -> Place {
-        // A reader that failed leaves the clock usable.
+        // A reader that panicked leaves the clock usable.
         self.0.lock().unwrap_or_else(PoisonError::into_inner).look()
     }
 }

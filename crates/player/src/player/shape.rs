@@ -1,7 +1,7 @@
-//! How loud a track is from its start to its end, for a bar that shows where one is in it.
+//! The loudness of a track over its length, for the seek bar.
 //!
-//! The track is opened once more and decoded as fast as may be, on a thread of its own with the lowest priority. That
-//! thread starts when somebody asks for the first time, and leaves a track as soon as another is asked for.
+//! A separate thread of the lowest priority opens the track again and decodes it as fast as it can. It starts with the
+//! first request, and drops a track as soon as another one is requested.
 
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
@@ -12,30 +12,30 @@ use crate::source::FrameSource;
 use crate::track::TrackInfo;
 use crate::worker::Worker;
 
-/// Parts of a track, of equal length, that are told apart.
+/// Parts of equal length into which a track is divided.
 const PARTS: usize = 600;
 
-/// Parts between two messages.
+/// Parts measured between two updates.
 const PARTS_A_TIME: usize = 6;
 
-/// Loudness grows with this power of the amplitude: 10 dB more are twice as loud (Stevens 1955, in sones).
+/// The exponent from amplitude to loudness: 10 dB more are twice as loud (Stevens 1955, in sones).
 const LOUDNESS_POWER: f32 = 0.6;
 
 /// Shapes of earlier tracks that are kept.
 const SHAPES_KEPT: usize = 16;
 
-/// How loud the parts of a track are, as far as is known yet.
+/// The loudness of a track's parts, as far as they are measured.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LoudnessShape {
-    /// Grows while more of the track becomes known.
+    /// A number that grows while more of the track is measured.
     pub revision: u64,
-    /// Into how many parts of equal length the track is divided.
+    /// The number of parts of equal length.
     pub parts: usize,
-    /// The loudness of the first parts, those that are known: 0 is silence and 1 the loudest one known.
+    /// The loudness of the measured parts from the start: 0 is silence, 1 the loudest part so far.
     pub levels: Vec<f32>,
 }
 
-/// The shapes of tracks that were asked for.
+/// The shapes of requested tracks.
 #[derive(Default)]
 pub(super) struct Shapes {
     shared: SharedShapes,
@@ -44,12 +44,12 @@ pub(super) struct Shapes {
 
 struct ShapeThread {
     wanted: Sender<Arc<TrackInfo>>,
-    /// The track that was asked for last.
+    /// The track that was requested last.
     last: u64,
     _worker: Worker,
 }
 
-/// The id of a track, and its shape; the newest last.
+/// Track ids and shapes; the newest last.
 type KnownShapes = VecDeque<(u64, Arc<LoudnessShape>)>;
 
 #[derive(Clone, Default)]
@@ -75,7 +75,7 @@ impl SharedShapes {
 }
 
 impl Shapes {
-    /// What is known of the shape of `track`; if that is not all, more will be known soon.
+    /// The shape of `track` as far as it is measured. An incomplete shape is completed in the background.
     pub(super) fn of(&self, track: &Arc<TrackInfo>) -> Option<Arc<LoudnessShape>> {
         let mut thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
         let known = self.shared.of(track.id);
@@ -88,7 +88,7 @@ impl Shapes {
             let shared = self.shared.clone();
             match Worker::spawn("shape", move || run(&inbox, &shared)) {
                 Ok(worker) => *thread = Some(ShapeThread { wanted, last: track.id, _worker: worker }),
-                // There is no shape, then.
+                // The track stays without a shape.
                 Err(error) => tracing::debug!("no thread for shapes: {error}"),
             }
         }
@@ -105,7 +105,7 @@ impl Shapes {
     }
 }
 
-/// Works until nobody can ask any more.
+/// Runs until the player is dropped.
 fn run(inbox: &Receiver<Arc<TrackInfo>>, shared: &SharedShapes) {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::process::setpriority_process(None, 19) {
@@ -113,12 +113,12 @@ fn run(inbox: &Receiver<Arc<TrackInfo>>, shared: &SharedShapes) {
     }
     let mut next = inbox.recv().ok();
     while let Some(track) = next.take() {
-        // Only the newest counts.
+        // Only the newest request counts.
         let track = inbox.try_iter().last().unwrap_or(track);
         match track.reopen.open().transpose() {
             Ok(Some(mut source)) => next = measure(&track, &mut *source, inbox, shared),
             Ok(None) => {}
-            // The player tells what is wrong with a track.
+            // The player reports errors of the track; here they are only logged.
             Err(error) => tracing::debug!("no shape: {error}"),
         }
         if next.is_none() {
@@ -127,7 +127,7 @@ fn run(inbox: &Receiver<Arc<TrackInfo>>, shared: &SharedShapes) {
     }
 }
 
-/// Decodes the track and tells its shape. Returns the track that was asked for meanwhile.
+/// Decodes the track and publishes its shape. Returns the track that was requested meanwhile.
 fn measure(
     track: &TrackInfo,
     source: &mut dyn FrameSource,
@@ -150,7 +150,7 @@ fn measure(
         block.clear();
         match source.next_block(&mut block) {
             Ok(1..) => block.iter().for_each(|frame| sums.push(*frame)),
-            // A track that breaks off is silent from there on, as it is when it plays.
+            // A track that breaks off counts as silent from there on, as in playback.
             Ok(0) | Err(_) => break,
         }
         if sums.squares.len() == sums.parts {
@@ -166,20 +166,20 @@ fn measure(
     None
 }
 
-/// The power of the parts of a track.
+/// The power of a track's parts.
 struct Sums {
     parts: usize,
     frames_per_part: f64,
-    /// The mean square of each part that is over.
+    /// The mean square of each completed part.
     squares: Vec<f32>,
     frames: u64,
     sum: f64,
-    /// Frames that are in `sum`.
+    /// Frames in `sum`.
     count: u32,
 }
 
 impl Sums {
-    /// For a track of so many frames; none if there are none.
+    /// Prepares parts for a track of `frames` frames; `None` if there are none.
     fn new(frames: f64) -> Option<Self> {
         let parts = (frames as usize).min(PARTS);
         let frames_per_part = frames / parts as f64;
@@ -194,7 +194,7 @@ impl Sums {
     }
 
     fn push(&mut self, [left, right]: [f32; 2]) {
-        // A track may be longer than it says.
+        // A track may be longer than its stated duration.
         if self.squares.len() == self.parts {
             return;
         }
@@ -209,7 +209,7 @@ impl Sums {
 
     fn shape(&self) -> LoudnessShape {
         let loudest = self.squares.iter().copied().fold(0.0, f32::max);
-        // Of the square of the amplitude half the power.
+        // The square of the amplitude takes half the exponent.
         let level =
             |square: &f32| if loudest > 0.0 { (square / loudest).powf(LOUDNESS_POWER / 2.0) } else { 0.0 };
         LoudnessShape { revision: 0, parts: self.parts, levels: self.squares.iter().map(level).collect() }

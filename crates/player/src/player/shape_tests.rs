@@ -1,4 +1,4 @@
-//! The shape of tracks whose loudness is known.
+//! Tests of loudness shapes of tracks with known loudness.
 
 use std::time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ use crate::playlist::Playlist;
 use crate::track::{Reopen, Repeat, Track};
 use mariana_testing::wave::write_wav;
 
-/// Waits for the whole shape of what plays.
+/// Waits for the complete shape of the playing track.
 fn whole(player: &mut Player) -> Arc<LoudnessShape> {
     let start = Instant::now();
     loop {
@@ -22,7 +22,7 @@ fn whole(player: &mut Player) -> Arc<LoudnessShape> {
     }
 }
 
-/// A second of silence, one at -20 dB, one at full scale and one at -10 dB.
+/// Writes a second of silence, one at -20 dB, one at full scale and one at -10 dB.
 fn write_steps(path: &std::path::Path) {
     let levels = [0.0, 0.1, 1.0, 0.1_f32.sqrt()];
     write_wav(
@@ -46,13 +46,13 @@ fn ten_decibels_more_are_twice_as_loud() {
     write_steps(&path);
     let mut player = played(&path);
     player.status();
-    assert!(player.shapes.is_idle(), "nobody has asked");
+    assert!(player.shapes.is_idle(), "the thread starts without a request");
     let shape = whole(&mut player);
     assert_eq!(shape.levels.len(), PARTS);
     for (part, wanted) in [(75, 0.0), (225, 0.25), (375, 1.0), (525, 0.5)] {
         assert!((shape.levels[part] - wanted).abs() < 0.01, "part {part} is {}", shape.levels[part]);
     }
-    assert!(Arc::ptr_eq(&shape, &player.shape().unwrap()), "it is measured again");
+    assert!(Arc::ptr_eq(&shape, &player.shape().unwrap()), "the shape is measured again");
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn a_part_of_a_file_has_the_shape_of_that_part() {
     assert!((shape.levels[9] - 1.0).abs() < 0.01 && (shape.levels[PARTS - 9] - 0.5).abs() < 0.01);
 }
 
-/// Frames of full scale that may go on for ever.
+/// An endless source of full-scale frames.
 struct Endless {
     duration: Option<f64>,
 }
@@ -98,7 +98,7 @@ impl FrameSource for Endless {
     }
 }
 
-/// The track with that id, which says that it lasts `duration`.
+/// A track with this id that claims to last `duration`.
 fn endless(id: u64, duration: Option<f64>) -> Arc<TrackInfo> {
     let mut info = Track::silence(0, 1).info.as_ref().clone();
     info.reopen = Reopen::by(move || Ok(Box::new(Endless { duration })));
@@ -106,13 +106,13 @@ fn endless(id: u64, duration: Option<f64>) -> Arc<TrackInfo> {
 }
 
 #[test]
-fn what_is_too_long_or_of_unknown_length_has_no_shape_and_another_track_is_measured_at_once() {
+fn unmeasurable_tracks_have_no_shape_and_a_new_request_is_served_at_once() {
     let shapes = Shapes::default();
     let limit = LIMITS.shape_seconds_max;
     for (id, duration) in [None, Some(limit + 1.0), Some(f64::NAN), Some(0.0)].into_iter().enumerate() {
         assert_eq!(shapes.of(&endless(id as u64, duration)), None);
     }
-    // This one takes long, and is left for the next, which never ends but says that it does.
+    // This long track is dropped for the next one, which claims an end but is endless.
     shapes.of(&endless(10, Some(limit)));
     let last = endless(11, Some(1.0));
     let start = Instant::now();

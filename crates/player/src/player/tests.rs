@@ -1,4 +1,4 @@
-//! The decoding thread with a callback called by hand, and the player on the silent clock.
+//! Tests of the decoding thread with simulated callbacks, and of the player on the silent clock.
 
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Sender, sync_channel};
@@ -15,7 +15,7 @@ use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 
 pub(super) const RATE: u32 = 48_000;
 
-/// A song whose samples give their index: `(first + index) / 2^24`, exactly.
+/// A song whose samples encode their index exactly: `(first + index) / 2^24`.
 #[derive(Clone)]
 pub(super) struct Ramp {
     pub(super) first: usize,
@@ -23,9 +23,9 @@ pub(super) struct Ramp {
     pub(super) frames: usize,
     pub(super) next: usize,
     pub(super) block: usize,
-    /// Fails when it reaches this frame.
+    /// The frame at which decoding fails.
     pub(super) broken_at: usize,
-    /// Refuses to seek past this time.
+    /// Seeks past this time fail.
     pub(super) seek_limit: f64,
 }
 
@@ -65,20 +65,20 @@ impl FrameSource for Ramp {
 
     fn seek(&mut self, seconds: f64) -> Result<f64, SourceError> {
         if seconds > self.seek_limit {
-            return Err("the song cannot be sought".into());
+            return Err("the song cannot seek".into());
         }
         self.next = ((seconds * f64::from(self.rate)).round() as usize).min(self.frames);
         Ok(self.next as f64 / f64::from(self.rate))
     }
 }
 
-/// A list of songs; one without frames stands for a file that cannot be opened.
+/// A list of songs; a song without frames represents a file that cannot be opened.
 pub(super) struct Ramps {
     pub(super) songs: Vec<Ramp>,
     pub(super) repeat: Repeat,
-    /// How long it takes to find one.
+    /// The time for finding a track.
     pub(super) delay: Duration,
-    /// Whether, for now, none can be opened.
+    /// True while no track can be opened.
     pub(super) gone: Arc<AtomicBool>,
 }
 
@@ -133,7 +133,7 @@ pub(super) fn repeat_of(looping: bool) -> Repeat {
     if looping { Repeat::All } else { Repeat::Off }
 }
 
-/// The decoding thread, and a callback under the test's control.
+/// The decoding thread and a simulated callback.
 pub(super) struct Stepped {
     pub(super) output_callback: OutputCallback,
     pub(super) history: Arc<SpanHistory>,
@@ -144,13 +144,13 @@ pub(super) struct Stepped {
     pub(super) now: Instant,
 }
 
-/// What was heard, and what the clock and the timeline say about it.
+/// An audible frame and its reported position.
 #[derive(Clone, Copy)]
 pub(super) struct Heard {
-    /// Index of the frame in the song, if the sample is not faded.
+    /// The frame's index in the song, if the sample is not faded.
     pub(super) index: Option<f64>,
     pub(super) reported_index: f64,
-    /// Entry of the list.
+    /// The index of the list entry.
     pub(super) entry: usize,
     pub(super) lap: u32,
     pub(super) segment: u64,
@@ -161,12 +161,12 @@ impl Stepped {
         Self::of(Ramps::new(vec![source], repeat_of(looping)), RATE)
     }
 
-    /// Plays a list from its first song on, on a device of that rate.
+    /// Plays a list from its first song on, on a device with `rate` frames per second.
     pub(super) fn of(list: Ramps, rate: u32) -> Self {
         let audible_segments = SharedAudibleSegments::default();
         let track_errors = SharedTrackErrors::default();
         let (to_analysis, inbox) = sync_channel(1);
-        // No analysis here: what it would get is thrown away.
+        // Without an analysis, its input is discarded.
         std::thread::spawn(move || inbox.into_iter().for_each(|_: AnalysisInput| {}));
         let (commands, inbox) = channel();
         let (to_list, requests) = channel();
@@ -192,7 +192,7 @@ impl Stepped {
         self.commands.send(command).expect("the thread runs");
     }
 
-    /// Plays `frames` frames, but slowly enough for the decoding thread.
+    /// Plays `frames` frames, slowly enough for the decoding thread.
     pub(super) fn play(&mut self, frames: usize) -> Vec<Heard> {
         let mut heard: Vec<Heard> = Vec::new();
         let mut before = f64::NAN;
@@ -204,7 +204,7 @@ impl Stepped {
             let audible_segments = audible_segments.lock();
             for (n, pair) in data.chunks_exact(2).enumerate() {
                 let value = f64::from(pair[0]) * f64::from(1 << 24);
-                // Half a frame in, so that rounding of the time does not matter.
+                // Half a frame late, so that rounding of the time does not matter.
                 let moment = self.now + Duration::from_nanos(((n as f64 + 0.5) * 1e9 / rate) as u64);
                 let audible = self.history.at(moment);
                 if let Some((audible, place)) =
@@ -230,7 +230,7 @@ impl Stepped {
         heard
     }
 
-    /// The left samples of the next `frames` frames, starting with the first one that is heard.
+    /// The left samples of the next `frames` frames, from the first audible one on.
     pub(super) fn samples(&mut self, frames: usize) -> Vec<f32> {
         let mut samples = Vec::new();
         while samples.len() < frames {
@@ -245,26 +245,26 @@ impl Stepped {
         samples
     }
 
-    /// Replaces the device by another with that rate.
+    /// Replaces the device by another one with `rate` frames per second.
     pub(super) fn change_device(&mut self, rate: u32) {
         let (output_callback, link) =
             OutputCallback::new(rate, 480, Arc::new(Controls::new(1.0, false)), Arc::default());
         self.history = link.history.clone();
         self.output_callback = output_callback;
         self.send(Command::Output { link, at: self.now });
-        // Frames that come late are dropped: the test's time waits for the thread.
+        // Late frames are dropped, so the simulated time waits for the thread.
         let start = Instant::now();
         while !self.output_callback.is_offered() {
-            assert!(start.elapsed() < Duration::from_secs(20), "nothing is decoded for the device");
+            assert!(start.elapsed() < Duration::from_secs(20), "no frames are decoded for the device");
             std::thread::sleep(Duration::from_millis(1));
         }
     }
 
-    /// Plays until the first segment sounds.
+    /// Plays until the first segment is audible.
     pub(super) fn begin(&mut self) {
         let start = Instant::now();
         while self.play(480).is_empty() {
-            assert!(start.elapsed() < Duration::from_secs(5), "nothing plays");
+            assert!(start.elapsed() < Duration::from_secs(5), "no segment is audible");
         }
     }
 }
@@ -276,7 +276,7 @@ impl Drop for Stepped {
     }
 }
 
-/// Nearly every frame that was heard is the one that the clock reported (the others are fades).
+/// Asserts that the fraction `least_part` of the frames is not faded, and that their reported positions are right.
 fn assert_reported(heard: &[Heard], least_part: f64) {
     let clear: Vec<_> = heard.iter().filter_map(|heard| Some((heard.index?, heard.reported_index))).collect();
     assert!(
@@ -286,12 +286,12 @@ fn assert_reported(heard: &[Heard], least_part: f64) {
         heard.len()
     );
     for (index, reported) in clear {
-        assert!((index - reported).abs() < 0.01, "heard frame {index}, told {reported}");
+        assert!((index - reported).abs() < 0.01, "heard frame {index}, reported {reported}");
     }
 }
 
 #[test]
-fn loops_are_gapless_and_told() {
+fn loops_are_gapless_and_reported() {
     let song = 10_007;
     let mut stepped = Stepped::new(Ramp::new(song), true);
     stepped.begin();
@@ -299,7 +299,7 @@ fn loops_are_gapless_and_told() {
     assert_reported(&heard, 0.99);
     let last = heard.last().expect("frames");
     assert!(last.lap >= 5 && last.segment == 1);
-    // One line over all laps: nothing is missing or doubled where the song begins anew.
+    // No frame is missing or repeated in any lap or at the start of a lap.
     for pair in heard.windows(2) {
         let [before, after] = [pair[0].reported_index, pair[1].reported_index];
         assert!((after - before - 1.0).abs() < 0.01 || (before - after - song as f64 + 1.0).abs() < 0.01);
@@ -307,7 +307,7 @@ fn loops_are_gapless_and_told() {
 }
 
 #[test]
-fn a_storm_of_seeks_ends_where_the_last_one_went() {
+fn many_seeks_end_at_the_last_target() {
     let mut stepped = Stepped::new(Ramp::new(9_000_000), true);
     stepped.begin();
     let mut target = 0.0;
@@ -327,7 +327,7 @@ fn a_storm_of_seeks_ends_where_the_last_one_went() {
 }
 
 #[test]
-fn the_end_comes_after_the_last_frame_and_a_seek_leads_back() {
+fn the_end_comes_after_the_last_frame_and_a_seek_resumes() {
     let song = 30_000;
     let mut stepped = Stepped::new(Ramp::new(song), false);
     let mut heard = Vec::new();
@@ -345,7 +345,7 @@ fn the_end_comes_after_the_last_frame_and_a_seek_leads_back() {
     let heard = stepped.play(9600);
     assert_reported(&heard, 0.3);
     assert!(!ended(&stepped));
-    // Past the end there is only the end.
+    // A seek past the end reaches the end.
     stepped.send(Command::SeekTo(99.0));
     let last = stepped.play(9600).pop().expect("frames");
     assert!((last.reported_index + 0.5 - song as f64).abs() < 0.01, "{}", last.reported_index);
@@ -363,11 +363,11 @@ fn an_empty_song_ends_at_once_and_is_silence_when_it_loops() {
     let heard = looping.play(9_600);
     assert!(heard.iter().all(|heard| heard.index.is_none()));
     let last = heard.last().expect("frames").reported_index;
-    assert!(last > 9_000.0, "the show stands still at frame {last}");
+    assert!(last > 9_000.0, "the show stops at frame {last}");
 }
 
 #[test]
-fn damage_is_told_and_ends_the_song() {
+fn damage_is_reported_and_ends_the_song() {
     let mut stepped = Stepped::new(Ramp { broken_at: 11_520, ..Ramp::new(90_000) }, false);
     stepped.begin();
     let heard = stepped.play(14_400);
@@ -376,7 +376,7 @@ fn damage_is_told_and_ends_the_song() {
 }
 
 #[test]
-fn a_seek_that_fails_is_told_and_the_song_goes_on() {
+fn a_failed_seek_is_reported_and_the_song_continues() {
     let mut stepped = Stepped::new(Ramp { seek_limit: 2.0, ..Ramp::new(900_000) }, true);
     stepped.begin();
     stepped.send(Command::SeekTo(2.5));
@@ -384,12 +384,12 @@ fn a_seek_that_fails_is_told_and_the_song_goes_on() {
     stepped.send(Command::SeekTo(18.0));
     let heard = stepped.play(9600);
     assert_reported(&heard, 0.8);
-    assert_eq!(stepped.track_errors.get().last.as_deref(), Some("the song cannot be sought"));
+    assert_eq!(stepped.track_errors.get().last.as_deref(), Some("the song cannot seek"));
     let last = heard.last().expect("frames").reported_index / f64::from(RATE);
     assert!((2.0..4.0).contains(&last), "{last} s");
 }
 
-/// Waits until `done` or 5 s are over.
+/// Waits until `done` returns true; panics after 5 s.
 pub(super) fn wait_for(player: &mut Player, what: &str, mut done: impl FnMut(&mut Player) -> bool) {
     let start = Instant::now();
     while !done(player) {
@@ -404,7 +404,7 @@ pub(super) fn silent(looping: bool) -> PlayerOptions {
 
 fn play(song: Ramp, options: PlayerOptions) -> Player {
     let list = Ramps::new(vec![song], options.repeat);
-    Player::start(list.track(0), Box::new(list), options).expect("it starts")
+    Player::start(list.track(0), Box::new(list), options).expect("a player")
 }
 
 fn start(frames: usize, options: PlayerOptions) -> Player {
@@ -432,7 +432,7 @@ fn the_silent_clock_runs_in_real_time_and_says_so() {
 }
 
 #[test]
-fn a_pause_stands_still_and_a_seek_in_it_moves() {
+fn the_position_stops_in_a_pause_except_for_seeks() {
     let mut player = start(9_000_000, silent(true));
     wait_for(&mut player, "it moves", |player| player.now(0.0).song_time > 0.05);
     player.set_paused(true);
@@ -443,16 +443,16 @@ fn a_pause_stands_still_and_a_seek_in_it_moves() {
     player.seek_to(100.0);
     wait_for(&mut player, "the seek", |player| player.now(0.0).song_time == 100.0);
     assert!(player.now(0.0).segment > stands.segment);
-    // The features are those of the place: the ramp's level there.
+    // The features belong to the position: the ramp's level there.
     wait_for(&mut player, "the features", |player| player.now(0.0).features.volume[0] > 0.0);
     player.seek_by(-30.0);
     wait_for(&mut player, "the step back", |player| player.status().position == 70.0);
     player.set_paused(false);
-    wait_for(&mut player, "it goes on", |player| player.status().position > 70.02);
+    wait_for(&mut player, "the song continues", |player| player.status().position > 70.02);
 }
 
 #[test]
-fn the_shift_delays_or_advances_the_picture() {
+fn the_shift_delays_or_advances_the_moment() {
     let mut player = start(9_000_000, silent(true));
     wait_for(&mut player, "it moves", |player| player.now(0.0).song_time > 0.4);
     let now = player.now(0.0).song_time;
@@ -462,7 +462,7 @@ fn the_shift_delays_or_advances_the_picture() {
 }
 
 #[test]
-fn without_looping_it_ends() {
+fn without_repeat_the_song_ends() {
     let mut player = start(12_000, silent(false));
     wait_for(&mut player, "the end", |player| player.status().ended);
     let status = player.status();
@@ -486,12 +486,12 @@ fn an_unknown_device_is_named_and_the_song_runs_without_sound() {
     let options = PlayerOptions { target: Target::Named("no such box".into()), ..PlayerOptions::default() };
     let mut player = start(9_000_000, options);
     wait_for(&mut player, "it moves", |player| player.status().position > 0.1);
-    let reason = player.status().silent.expect("there is no sound");
+    let reason = player.status().silent.expect("a reason for silence");
     assert!(reason.contains("no such box") && reason.contains("mariana devices"), "{reason}");
 }
 
 #[test]
-fn the_end_is_prompt() {
+fn the_player_stops_promptly() {
     let player = start(9_000_000, silent(true));
     let begin = Instant::now();
     drop(player);
@@ -503,6 +503,6 @@ fn rates_beyond_the_limits_are_refused() {
     let odd = Ramp { rate: MUSIC_LIMITS.sample_rate_max + 1, ..Ramp::new(9) };
     let list = Ramps::new(vec![odd], Repeat::All);
     let refused = Player::start(list.track(0), Box::new(list), PlayerOptions::default()).err();
-    let refused = refused.expect("it is refused");
+    let refused = refused.expect("an error");
     assert!(refused.to_string().contains("768001"), "{refused}");
 }

@@ -1,4 +1,4 @@
-//! The threads of a player, and how they end.
+//! The threads of a player, and their shutdown.
 
 use std::sync::mpsc::Sender;
 use std::time::Duration;
@@ -7,23 +7,23 @@ use super::decoding::Command;
 use crate::output::Supervisor;
 use crate::worker::Worker;
 
-/// How long to wait for the end of each thread.
+/// The longest wait for the end of each thread.
 const END_LIMIT: Duration = Duration::from_secs(1);
 
-/// The threads that [`Player::start`](super::Player::start) starts. Dropping them ends them, within a limit.
+/// The threads that [`Player::start`](super::Player::start) starts. Dropping them ends them, within a time limit.
 pub(super) struct Threads {
     pub(super) commands: Sender<Command>,
-    /// Taken when dropped.
+    /// Dropped first.
     pub(super) supervisor: Option<Supervisor>,
     pub(super) decoding: Worker,
     pub(super) analysis: Worker,
-    /// Ends when the decoding does.
+    /// Ends with the decoding.
     pub(super) list: Worker,
 }
 
 impl Threads {
     pub(super) fn send(&self, command: Command) {
-        // If the decoding thread has ended there is nothing to seek in.
+        // A failed send means that the decoding thread has ended.
         let _ = self.commands.send(command);
     }
 }
@@ -34,7 +34,7 @@ impl Drop for Threads {
         self.supervisor = None;
         let decoded = self.decoding.join_within(END_LIMIT) && self.analysis.join_within(END_LIMIT);
         if !decoded || !self.list.join_within(END_LIMIT) {
-            tracing::warn!("the decoding of the song does not end and is abandoned");
+            tracing::warn!("the song's decoder does not stop and is abandoned");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! From track to track, with a callback called by hand.
+//! Tests of transitions from track to track, with simulated callbacks.
 
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -7,7 +7,7 @@ use super::decoding::Command;
 use super::tests::{Heard, RATE, Ramp, Ramps, Stepped};
 use crate::track::Repeat;
 
-/// Songs of these lengths; the samples keep counting from one song to the next.
+/// Songs of these lengths, whose samples count on from one song to the next.
 fn songs(lengths: &[usize]) -> Vec<Ramp> {
     let firsts = lengths.iter().scan(0, |sum, length| {
         let first = *sum;
@@ -17,13 +17,13 @@ fn songs(lengths: &[usize]) -> Vec<Ramp> {
     lengths.iter().zip(firsts).map(|(frames, first)| Ramp { first, ..Ramp::new(*frames) }).collect()
 }
 
-/// The first sample of each song.
+/// The first sample value of a song.
 fn first_of(lengths: &[usize], entry: usize) -> f64 {
     lengths[..entry].iter().sum::<usize>() as f64
 }
 
 #[test]
-fn tracks_follow_each_other_to_the_frame_and_are_told() {
+fn tracks_follow_each_other_to_the_frame_and_are_reported() {
     let lengths = [30_011, 7, 20_000, 1_153];
     let mut stepped = Stepped::of(Ramps::new(songs(&lengths), Repeat::All), RATE);
     stepped.begin();
@@ -32,15 +32,15 @@ fn tracks_follow_each_other_to_the_frame_and_are_told() {
     let clear: Vec<Heard> = heard.iter().copied().filter(|heard| heard.index.is_some()).collect();
     assert!(clear.len() > 170_000, "only {} frames are clear", clear.len());
     for heard in &clear {
-        let index = heard.index.expect("it is clear") - first_of(&lengths, heard.entry);
+        let index = heard.index.expect("a clear frame") - first_of(&lengths, heard.entry);
         assert!(
             (index - heard.reported_index).abs() < 0.01,
-            "{index} of {} is told as {}",
+            "{index} of {} is reported as {}",
             heard.entry,
             heard.reported_index
         );
     }
-    // Not a frame is added or lost: each sample is the one before plus 1, or the list begins anew.
+    // No frame is added or lost: each sample is the previous one plus 1, or the list restarts.
     for pair in heard.windows(2) {
         let (Some(before), Some(after)) = (pair[0].index, pair[1].index) else { continue };
         assert!(after == before + 1.0, "{before} is followed by {after}");
@@ -49,12 +49,12 @@ fn tracks_follow_each_other_to_the_frame_and_are_told() {
     assert!(whole > 170_000);
     let entries: std::collections::BTreeSet<usize> = heard.iter().map(|heard| heard.entry).collect();
     assert_eq!(entries.len(), 4);
-    assert!(heard.iter().all(|heard| heard.segment == 1), "a track began a segment of its own");
+    assert!(heard.iter().all(|heard| heard.segment == 1), "a track began a new segment");
 }
 
 #[test]
 fn tracks_of_other_rates_are_resampled_into_the_same_stream() {
-    // Ramps of one slope in time: 1 s, 0.5 s and 1 s of them.
+    // Ramps with the same slope over time, of 1 s, 0.5 s and 1 s.
     let rates = [RATE, 44_100, 96_000];
     let songs = [1.0, 0.5, 1.0]
         .iter()
@@ -71,7 +71,7 @@ fn tracks_of_other_rates_are_resampled_into_the_same_stream() {
         heard.extend(stepped.play(480));
     }
     let count = |entry: usize| heard.iter().filter(|heard| heard.entry == entry).count() as f64;
-    // The first callbacks were heard before; the last one ends in silence.
+    // The first callbacks were heard earlier; the last one ends in silence.
     for (entry, frames) in [(1, 24_000.0), (2, 48_000.0)] {
         assert!((count(entry) - frames).abs() <= 480.0, "track {entry} has {} frames", count(entry));
     }
@@ -80,7 +80,7 @@ fn tracks_of_other_rates_are_resampled_into_the_same_stream() {
 }
 
 #[test]
-fn what_cannot_be_played_is_skipped_and_told() {
+fn unplayable_tracks_are_skipped_and_reported() {
     let lengths = [10_000, 0, 0, 10_000];
     let mut stepped = Stepped::of(Ramps::new(songs(&lengths), Repeat::Off), RATE);
     stepped.begin();
@@ -93,20 +93,20 @@ fn what_cannot_be_played_is_skipped_and_told() {
 }
 
 #[test]
-fn a_track_that_breaks_leads_to_the_next() {
+fn a_track_that_breaks_off_is_followed_by_the_next() {
     let mut list = songs(&[48_000, 48_000]);
     list[0].broken_at = 11_520;
     let mut stepped = Stepped::of(Ramps::new(list, Repeat::Off), RATE);
     stepped.begin();
     let heard = stepped.play(24_000);
-    let join = heard.iter().position(|heard| heard.entry == 1).expect("the second is heard");
+    let join = heard.iter().position(|heard| heard.entry == 1).expect("the second track");
     assert_eq!(heard[join - 1].index, Some(11_519.0));
     assert!(heard[join + 1].index == Some(48_001.0) && heard[join + 1].reported_index < 2.0);
     assert_eq!(stepped.track_errors.get().last.as_deref(), Some("the song is damaged"));
 }
 
 #[test]
-fn a_list_that_is_slow_leaves_a_pause_and_goes_on() {
+fn a_slow_list_leaves_a_pause() {
     let list =
         Ramps { delay: Duration::from_millis(400), ..Ramps::new(songs(&[9_600, 48_000]), Repeat::Off) };
     let mut stepped = Stepped::of(list, RATE);
@@ -119,14 +119,14 @@ fn a_list_that_is_slow_leaves_a_pause_and_goes_on() {
     heard.extend(stepped.play(9_600));
     let clear: Vec<&Heard> = heard.iter().filter(|heard| heard.index.is_some()).collect();
     for heard in &clear {
-        let index = heard.index.expect("it is clear") - if heard.entry == 1 { 9_600.0 } else { 0.0 };
+        let index = heard.index.expect("a clear frame") - if heard.entry == 1 { 9_600.0 } else { 0.0 };
         assert!((index - heard.reported_index).abs() < 0.01);
     }
     assert!(clear.iter().filter(|heard| heard.entry == 1).count() > 8_000);
 }
 
 #[test]
-fn skips_go_where_they_lead_however_many_there_are() {
+fn many_skips_reach_their_target() {
     let lengths = [480_000; 7];
     let mut stepped = Stepped::of(Ramps::new(songs(&lengths), Repeat::All), RATE);
     stepped.begin();
@@ -137,7 +137,7 @@ fn skips_go_where_they_lead_however_many_there_are() {
         let mut heard = Vec::new();
         let start = Instant::now();
         while heard.last().is_none_or(|heard: &Heard| heard.entry != entry) {
-            assert!(start.elapsed() < Duration::from_secs(10), "track {entry} does not come");
+            assert!(start.elapsed() < Duration::from_secs(10), "track {entry} does not start");
             heard = stepped.play(4_800);
         }
         std::thread::sleep(Duration::from_millis(50));
@@ -147,7 +147,7 @@ fn skips_go_where_they_lead_however_many_there_are() {
         let index = last.index.expect("no fade") - first_of(&lengths, entry);
         assert!((index - last.reported_index).abs() < 0.01 && index < 96_000.0, "{index}");
     }
-    // Later in a track a step back leads to its own start.
+    // Later in a track, a step back leads to its own start.
     stepped.send(Command::SeekTo(5.0));
     stepped.play(9_600);
     stepped.send(Command::Skip { forward: false });
@@ -156,18 +156,18 @@ fn skips_go_where_they_lead_however_many_there_are() {
 }
 
 #[test]
-fn a_seek_at_the_end_of_a_track_is_within_the_track_that_is_heard() {
+fn a_seek_at_the_end_of_a_track_stays_in_the_audible_track() {
     let lengths = [48_000, 100, 90_000];
     let mut stepped = Stepped::of(Ramps::new(songs(&lengths), Repeat::All), RATE);
     stepped.begin();
-    // Some 0.1 s before the end the next two are in the ring already.
+    // About 0.1 s before the end, the next two tracks are in the ring already.
     while stepped.play(480).last().is_some_and(|heard| heard.reported_index < 43_000.0) {}
     stepped.send(Command::SeekBy(-0.5));
     let heard = stepped.play(4_800 * 3);
     let last = heard.last().expect("frames");
     assert_eq!((last.entry, last.segment), (0, 2));
     assert!((0.0..40_000.0).contains(&last.reported_index), "{}", last.reported_index);
-    // From there on everything comes again, exact to the frame.
+    // From there on all frames are heard again, in order.
     let heard = stepped.play(48_000);
     let clear: Vec<f64> = heard.iter().filter_map(|heard| heard.index).collect();
     assert!(clear.windows(2).all(|pair| pair[1] == pair[0] + 1.0));
@@ -175,7 +175,7 @@ fn a_seek_at_the_end_of_a_track_is_within_the_track_that_is_heard() {
 }
 
 #[test]
-fn another_way_to_repeat_holds_from_the_next_end_on() {
+fn a_new_repeat_mode_applies_from_the_next_end_on() {
     let mut stepped = Stepped::of(Ramps::new(songs(&[24_000, 24_000]), Repeat::All), RATE);
     stepped.begin();
     stepped.send(Command::Order(Repeat::One, false));
@@ -190,16 +190,16 @@ fn another_way_to_repeat_holds_from_the_next_end_on() {
 }
 
 #[test]
-fn nothing_that_can_be_played_is_silence_and_a_skip_tries_again() {
+fn silence_replaces_unplayable_tracks_and_a_skip_retries() {
     let mut list = Ramps::new(songs(&[9_600, 9_600]), Repeat::All);
     list.gone.store(true, Ordering::Relaxed);
-    // The track that is open cannot begin again either.
+    // The open track cannot restart either.
     list.songs[0].seek_limit = -1.0;
     let gone = list.gone.clone();
     let mut stepped = Stepped::of(list, RATE);
     stepped.begin();
     let heard = stepped.play(48_000);
-    assert!(heard.last().is_some_and(|heard| heard.reported_index > 4_800.0), "the show stands still");
+    assert!(heard.last().is_some_and(|heard| heard.reported_index > 4_800.0), "the show stops");
     assert!(stepped.track_errors.get().count > 0);
     gone.store(false, Ordering::Relaxed);
     stepped.send(Command::Skip { forward: true });
@@ -208,7 +208,7 @@ fn nothing_that_can_be_played_is_silence_and_a_skip_tries_again() {
 }
 
 #[test]
-fn another_device_takes_over_what_is_heard_not_what_is_ahead() {
+fn another_device_continues_the_audible_track() {
     let mut stepped = Stepped::of(Ramps::new(songs(&[48_000, 48_000]), Repeat::Off), RATE);
     stepped.begin();
     while stepped.play(480).last().is_some_and(|heard| heard.reported_index < 43_000.0) {}
@@ -216,7 +216,7 @@ fn another_device_takes_over_what_is_heard_not_what_is_ahead() {
     let mut heard = Vec::new();
     let start = Instant::now();
     while heard.last().is_none_or(|heard: &Heard| heard.entry == 0) {
-        assert!(start.elapsed() < Duration::from_secs(10), "the next track does not come");
+        assert!(start.elapsed() < Duration::from_secs(10), "the next track does not start");
         heard.extend(stepped.play(480));
     }
     assert!(
@@ -225,7 +225,7 @@ fn another_device_takes_over_what_is_heard_not_what_is_ahead() {
         heard[0].entry,
         heard[0].segment
     );
-    // Never a step back, and never a step over more than the callbacks that nobody looked at.
+    // Never a step back.
     let times: Vec<f64> =
         heard.iter().filter(|heard| heard.entry == 0).map(|heard| heard.reported_index).collect();
     assert!(times.windows(2).all(|pair| pair[1] >= pair[0]));
@@ -233,7 +233,7 @@ fn another_device_takes_over_what_is_heard_not_what_is_ahead() {
 }
 
 #[test]
-fn parts_of_a_song_are_resampled_as_the_whole() {
+fn parts_of_a_song_are_resampled_like_the_whole_song() {
     let parts = |lengths: &[usize]| {
         let songs = songs(lengths).into_iter();
         let songs = songs.map(|song| Ramp { rate: 44_100, first: song.first + 10_000, ..song });

@@ -1,21 +1,21 @@
 //! Cue sheets: the tracks of files that hold a whole disc.
 //!
 //! The parser understands `FILE "name" TYPE`, `TRACK n AUDIO`, `INDEX 01 minutes:seconds:frames`, `TITLE` and
-//! `PERFORMER`. A track goes from its index 01 to that of the next track of the same file. So the gap before a track
-//! (index 00) is heard at the end of the one before, as on a disc.
+//! `PERFORMER`. A track extends from its index 01 to the next track's in the same file. So the gap before a track
+//! (index 00) is heard at the end of the previous track, as on a disc.
 
 use std::path::Path;
 
 use super::lists::{Cut, Item};
 use super::text::{decode, resolve};
 
-/// Frames of a disc per second.
+/// Compact disc frames per second.
 pub(super) const DISC_FRAMES: u64 = 75;
 
-/// Highest count of minutes that is believed.
+/// Largest accepted count of minutes.
 const MINUTES_MAX: u64 = 100_000;
 
-/// What the sheet in the folder `base` names; none if it names no file.
+/// The tracks of a sheet in the folder `base`; `None` if the sheet has no `FILE` line.
 pub(super) fn read(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
     let mut items: Vec<Item> = Vec::new();
     let (mut file, mut track) = (None, Track::default());
@@ -25,7 +25,7 @@ pub(super) fn read(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
         let (word, rest) = split_word(line);
         match word.to_ascii_uppercase().as_slice() {
             b"FILE" => {
-                // The name is the text in quotes, or else everything but the type.
+                // The name is the text in quotes, or else everything except the type.
                 let name =
                     quoted(rest).or_else(|| Some(rest.rsplitn(2, |byte| *byte == b' ').last()?.to_vec()));
                 file = Some(resolve(base, name?.trim_ascii()));
@@ -83,13 +83,13 @@ fn text(bytes: &[u8]) -> Option<String> {
     (!text.is_empty()).then_some(text)
 }
 
-/// `minutes:seconds:frames` in frames of a disc.
+/// Parses `minutes:seconds:frames` to compact disc frames.
 fn disc_time(text: &[u8]) -> Option<u64> {
     let text = decode(text);
     let mut parts = text.split(':').map(|part| part.parse::<u64>().ok());
     let (minutes, seconds, frames) = (parts.next()??, parts.next()??, parts.next()??);
     let sound = parts.next().is_none() && minutes <= MINUTES_MAX && seconds < 60 && frames < DISC_FRAMES;
-    // Computed only once the time is known to be valid: anything can stand there.
+    // Computed only for valid times, because the numbers may be of any size.
     sound.then(|| (minutes * 60 + seconds) * DISC_FRAMES + frames)
 }
 
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn a_time_of_more_minutes_than_any_number_holds_is_none() {
+    fn a_time_with_too_many_minutes_is_none() {
         assert_eq!(disc_time(b"9999555555555555555:50:0"), None);
         assert_eq!(disc_time(format!("{}:59:74", u64::MAX).as_bytes()), None);
         assert_eq!(disc_time(b"100001:0:0"), None);

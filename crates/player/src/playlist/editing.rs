@@ -1,4 +1,4 @@
-//! Entries that are moved, removed and appended while the list plays.
+//! Moving, removing and appending entries while the list plays.
 
 use std::path::PathBuf;
 
@@ -20,12 +20,12 @@ impl Playlist {
         first
     }
 
-    /// Tells the listing all entries.
+    /// Publishes all entries to the listing.
     pub(super) fn tell_listing(&self) {
         self.listing.tell(self.slots.iter().map(|slot| (slot.id, slot.listed.clone())));
     }
 
-    /// Moves the entry at `from` to `to`.
+    /// Moves the entry at `from` to index `to`.
     pub(super) fn move_entry(&mut self, from: usize, to: usize) -> Edited {
         if from != to && from.max(to) < self.slots.len() {
             let beside = self.slots.get(to).map(|slot| slot.id);
@@ -40,7 +40,6 @@ impl Playlist {
         Edited::default()
     }
 
-    /// Removes the entry at `index`.
     pub(super) fn remove(&mut self, index: usize) -> Edited {
         if index >= self.slots.len() {
             return Edited::default();
@@ -54,7 +53,7 @@ impl Playlist {
         Edited { removed: Some(id), ..Edited::default() }
     }
 
-    /// Appends what `paths` hold, up to the limit, while `playing` plays.
+    /// Appends the contents of `paths`, up to the limit, while entry `playing` plays.
     pub(super) fn append(&mut self, paths: &[PathBuf], playing: u64, tell: &mut dyn FnMut(String)) -> Edited {
         let mut gathered = gather(paths);
         gathered.track_errors.iter().for_each(|trouble| tell(trouble.to_string()));
@@ -74,7 +73,7 @@ impl Playlist {
         Edited { removed: None, appended: true, resume: self.index(playing).is_none() }
     }
 
-    /// Notes the index of every entry from `start` on.
+    /// Updates the indices of all entries from `start` on.
     fn note_places(&mut self, start: usize) {
         let moved = self.slots.iter().enumerate().skip(start);
         self.places.extend(moved.map(|(index, slot)| (slot.id, index)));

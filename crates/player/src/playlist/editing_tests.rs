@@ -1,4 +1,4 @@
-//! Lists that are edited in any way.
+//! Tests of arbitrary edits of lists.
 
 use proptest::prelude::*;
 
@@ -6,7 +6,7 @@ use super::*;
 use crate::listed::{Edit, SharedListing};
 use crate::track::{Found, Repeat, TrackList, Wanted};
 
-/// A change, and entry numbers that may be beyond the list.
+/// A change; its indices may be beyond the list.
 #[derive(Debug, Clone)]
 enum Change {
     Move(usize, usize),
@@ -24,7 +24,7 @@ fn change() -> impl Strategy<Value = Change> {
     ]
 }
 
-/// Files that are not there: a list does not look at them.
+/// Paths of missing files: a list does not open them.
 fn files(from: usize, count: usize) -> Vec<PathBuf> {
     (from..from + count).map(|n| PathBuf::from(format!("/nowhere/{n}.wav"))).collect()
 }
@@ -35,7 +35,7 @@ fn names(shared: &SharedListing) -> Vec<String> {
 
 proptest! {
     #[test]
-    fn after_any_changes_each_entry_is_there_once_and_followed_by_another(
+    fn after_any_changes_each_entry_is_in_the_order_once(
         start in 1_usize..10, changes in prop::collection::vec(change(), 0..30), playing in 0_usize..10,
     ) {
         let mut list = Playlist::new(gather(&files(0, start)).entries);
@@ -74,13 +74,13 @@ proptest! {
             if let Some(gone) = edited.removed {
                 prop_assert!(shared.place(gone).is_none());
             }
-            // The listing is the list, and each entry is known by its id.
+            // The listing equals the list, and each entry is found by its id.
             prop_assert_eq!(names(&shared), model.iter().map(|n| format!("{n}.wav")).collect::<Vec<_>>());
             for (index, id) in model.iter().enumerate() {
                 prop_assert_eq!(shared.place(*id as u64), Some((index, model.len())));
             }
             prop_assert_eq!(shared.place(playing).is_none(), removed);
-            // Whatever the order, one round from what plays (or played) meets every entry once.
+            // In any order, one round from the playing (or removed) entry meets every entry once.
             let first = list.order.beside(playing, true, true);
             let mut round: Vec<usize> = std::iter::successors(first, |id| list.order.beside(*id, true, true))
                 .take(model.len())
@@ -97,7 +97,7 @@ proptest! {
             all.sort_unstable();
             prop_assert_eq!(round, all);
         }
-        // The list's own order is what it shows.
+        // Without shuffle, the order is that of the listing.
         list.set_order(Repeat::All, true, playing);
         list.set_order(Repeat::All, false, playing);
         let order: Vec<usize> = std::iter::successors(list.order.first(), |id| list.order.beside(*id, true, false))
@@ -107,7 +107,7 @@ proptest! {
     }
 
     #[test]
-    fn an_order_that_is_not_random_is_that_of_the_list(
+    fn an_unshuffled_order_follows_the_list(
         start in 1_usize..10, changes in prop::collection::vec(change(), 0..30),
     ) {
         let mut list = Playlist::new(gather(&files(0, start)).entries);
@@ -127,7 +127,7 @@ proptest! {
 }
 
 #[test]
-fn only_as_many_tracks_are_appended_as_there_is_room_for() {
+fn appending_stops_at_the_limit() {
     let limit = LIMITS.playlist_tracks_max;
     let mut list = Playlist::new(gather(&files(0, limit - 1)).entries);
     let mut reported = Vec::new();
@@ -140,12 +140,12 @@ fn only_as_many_tracks_are_appended_as_there_is_room_for() {
 }
 
 #[test]
-fn silence_takes_the_place_of_the_last_entry_until_there_is_another() {
+fn silence_replaces_the_last_entry_until_another_is_appended() {
     let mut list = Playlist::new(gather(&files(0, 1)).entries);
     let edited = list.edit(&Edit::Remove(0), 0, &mut |_| {});
     assert_eq!(edited, Edited { removed: Some(0), ..Edited::default() });
     let Found::Track(silence) = list.find(&Wanted::InPlaceOf(0), &mut |_| {}) else {
-        panic!("it is silence")
+        panic!("expected silence")
     };
     assert_eq!((silence.info.id, silence.info.count, silence.info.name.as_str()), (0, 0, "nothing to play"));
     for wanted in [Wanted::Skip { from: 0, steps: 1 }, Wanted::Entry(0)] {

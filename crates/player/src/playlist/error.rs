@@ -1,36 +1,36 @@
-//! What is wrong with lists of tracks. Every message is one sentence: what, where, what to do.
+//! Errors of track lists. Each message is one sentence: what happened, where, and what to do.
 
 use std::path::{Path, PathBuf};
 
 use crate::decode::DecodeError;
 
-/// Why a list, or a part of one, cannot be played.
+/// The errors that prevent playback of a list or a part of one.
 ///
-/// A malformed list is [`NotAList`](Self::NotAList), [`Empty`](Self::Empty) or [`Circular`](Self::Circular), an
-/// unsupported one [`Stream`](Self::Stream) or [`Address`](Self::Address), and the ones past a ceiling of
-/// [`crate::limits`] are [`TooLarge`](Self::TooLarge), [`TooMany`](Self::TooMany) and [`TooDeep`](Self::TooDeep).
+/// Malformed lists are [`NotAList`](Self::NotAList), [`Empty`](Self::Empty) or [`Circular`](Self::Circular),
+/// unsupported ones [`Stream`](Self::Stream) or [`Address`](Self::Address). Lists beyond [`crate::limits`] are
+/// [`TooLarge`](Self::TooLarge), [`TooMany`](Self::TooMany) or [`TooDeep`](Self::TooDeep).
 #[derive(Debug, thiserror::Error)]
 pub enum PlaylistError {
     /// A list or a folder cannot be read.
     #[error("{} cannot be read ({source}); check its permissions and the disk", .path.display())]
     Unreadable {
-        /// Its path.
+        /// The path of the list or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The path of a list leads to a pipe, a socket or a device.
     #[error("{} is not a regular file; save the list to a file first", .path.display())]
     NotAFile {
-        /// Its path.
+        /// The path of the list.
         path: PathBuf,
     },
-    /// The bytes are not a list.
+    /// The file's content is not a list.
     #[error("{name} is not a playlist: {what}; export it again as m3u, m3u8, pls or cue")]
     NotAList {
         /// The list's name.
         name: String,
-        /// What was seen instead.
+        /// A description of the content.
         what: String,
     },
     /// The list or folder is empty.
@@ -39,7 +39,7 @@ pub enum PlaylistError {
         /// The list's or folder's name.
         name: String,
     },
-    /// The list names the pieces of a stream.
+    /// The list describes the segments of a network stream.
     #[error(
         "{name} is the list of a network stream (HLS), which is not supported; save the stream to a file first"
     )]
@@ -52,27 +52,27 @@ pub enum PlaylistError {
     Address {
         /// The address.
         address: String,
-        /// The name of the list that has it.
+        /// The name of the list that contains it.
         list: String,
     },
-    /// A list contains itself, perhaps by way of others.
+    /// A list contains itself, directly or through other lists.
     #[error("{name} contains itself, and that entry is left out; correct the list that names it")]
     Circular {
         /// The list's name.
         name: String,
     },
-    /// A list has more bytes than allowed.
+    /// A list is larger than the limit.
     #[error("{name} is too large for a list (more than {limit} bytes); split it")]
     TooLarge {
         /// The list's name.
         name: String,
-        /// The limit.
+        /// The limit, in bytes.
         limit: u64,
     },
-    /// There is more of something than allowed.
-    #[error("there are more than {limit} {what}; the rest are left out: open fewer at a time")]
+    /// A number of items exceeds the limit.
+    #[error("there are more than {limit} {what}, and the rest is left out; open fewer at a time")]
     TooMany {
-        /// What there is too much of.
+        /// The name of the items.
         what: &'static str,
         /// The limit.
         limit: usize,
@@ -88,9 +88,9 @@ pub enum PlaylistError {
     /// None of the tracks can be played.
     #[error("none of the {count} tracks can be played; check their paths; the last error was: {last}")]
     NothingPlayable {
-        /// How many tracks there are.
+        /// The number of tracks.
         count: usize,
-        /// The message of the last one.
+        /// The last track's error message.
         last: String,
     },
     /// The only track cannot be played.
@@ -98,7 +98,7 @@ pub enum PlaylistError {
     Track(#[from] DecodeError),
 }
 
-/// The name of a file without its folders, on one line.
+/// The file name without folders, on one line.
 pub(super) fn name_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str());
     crate::one_line::one_line(&name.to_string_lossy())

@@ -1,26 +1,26 @@
-//! A part of a source, as a source.
+//! A part of a source, as a source of its own.
 
 use super::cue::DISC_FRAMES;
 use super::lists::Cut;
 use crate::source::{FrameSource, SourceError};
 use mariana_music::StereoFrame;
 
-/// The frames of a source from one index to another. Parts that join without a gap in the file also join as excerpts.
+/// A range of a source's frames. Parts that are adjacent in the file join without a gap as excerpts.
 pub(super) struct Excerpt {
     source: Box<dyn FrameSource>,
-    /// The first frame, in the source's count.
+    /// The first frame, counted from the source's start.
     start: u64,
-    /// The first frame after it; `u64::MAX` is the source's end.
+    /// The end of the range (exclusive); `u64::MAX` is the source's end.
     end: u64,
     /// The next frame.
     position: u64,
 }
 
 impl Excerpt {
-    /// The part `cut` of `source`, which is moved to its start.
+    /// Restricts `source` to the part `cut` and seeks to its start.
     ///
     /// # Errors
-    /// What the source says.
+    /// The source's errors.
     pub(super) fn new(source: Box<dyn FrameSource>, cut: Cut) -> Result<Self, SourceError> {
         let rate = u64::from(source.sample_rate());
         let frame = |disc: u64| disc.saturating_mul(rate) / DISC_FRAMES;
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Frames whose samples give their index, 750 a second: 10 for each frame of a disc.
+    /// Frames whose samples encode their index, 750 per second: 10 per compact disc frame.
     struct Count {
         frames: u64,
         next: u64,

@@ -1,4 +1,4 @@
-//! From what a user names (files, folders, lists) to the entries of one list.
+//! Expansion of files, folders and lists to the entries of one list.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -22,21 +22,21 @@ pub const AUDIO_EXTENSIONS: &[&str] = &[
     "rf64", "s3m", "snd", "spx", "tta", "voc", "w64", "wav", "wave", "webm", "wma", "wv", "xm",
 ];
 
-/// Most messages that are kept about what could not be taken.
+/// Most error messages that are kept.
 const TRACK_ERRORS_KEPT: usize = 20;
 
 /// A track that has not been opened yet.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Entry {
-    /// Where its sound is.
+    /// The source of its sound.
     pub song: Song,
-    /// The part of it that is played.
+    /// The part of the song that is played; `None` for all of it.
     pub cut: Option<Cut>,
-    /// Its title, if a list gave one.
+    /// The title, if a list gave one.
     pub title: Option<String>,
-    /// Who made it, likewise.
+    /// The artist, if a list gave one.
     pub artist: Option<String>,
-    /// How long it is, likewise, in seconds.
+    /// The length in seconds, if a list gave one.
     pub duration: Option<f64>,
 }
 
@@ -47,7 +47,7 @@ impl From<Song> for Entry {
 }
 
 impl Entry {
-    /// What is known about it before it is opened.
+    /// The data for the listing before the track is opened.
     pub(super) fn listed(&self) -> ListedTrack {
         let (name, file) = match &self.song {
             Song::Embedded { name, .. } => ((*name).to_owned(), None),
@@ -64,29 +64,29 @@ impl Entry {
     }
 }
 
-/// What was found, and what was in the way.
+/// The gathered entries and errors.
 #[derive(Debug, Default)]
 pub(super) struct Gathered {
     /// The tracks in order, at most the limits' `playlist_tracks_max`.
     pub entries: Vec<Entry>,
-    /// What could not be taken: the first messages.
+    /// The first errors.
     pub track_errors: Vec<PlaylistError>,
-    /// Lists and folders being read: one that is met again within itself is circular.
+    /// Lists and folders that are being read. One that is met again within itself is circular.
     open: Vec<PathBuf>,
-    /// Folders that were read. Each is read only once, because links may lead to one in many ways.
+    /// Folders that were read. Each is read only once, because links may lead to it several times.
     folders: BTreeSet<PathBuf>,
     lists: usize,
     looked_at: usize,
     full: bool,
 }
 
-/// Whether `path` leads to more than a track: it is a folder or a list.
+/// True if `path` is a folder or a list.
 pub(super) fn is_many(path: &Path) -> bool {
     path.is_dir() || Kind::of(path).is_some()
 }
 
-/// Gathers what `paths` name: files as they are, lists with what they name, and folders with the audio files in them
-/// and in their subfolders, in natural order.
+/// Gathers entries from `paths`: files as they are, the entries of lists, and the audio files in folders and their
+/// subfolders, in natural order.
 pub(super) fn gather(paths: &[PathBuf]) -> Gathered {
     let mut gathered = Gathered::default();
     for path in paths {
@@ -103,13 +103,13 @@ impl Gathered {
         }
     }
 
-    /// Whether there is room for more; reports once when there is not.
+    /// True if there is room for more entries; adds an error once when the limit is reached.
     fn has_room(&mut self) -> bool {
         let (tracks, looks) = (LIMITS.playlist_tracks_max, LIMITS.playlist_looks_max);
         let over = if self.entries.len() >= tracks {
             Some(("tracks", tracks))
         } else {
-            (self.looked_at >= looks).then_some(("files and entries to look at", looks))
+            (self.looked_at >= looks).then_some(("files and entries to examine", looks))
         };
         if let (Some((what, limit)), false) = (over, self.full) {
             self.full = true;
@@ -120,7 +120,7 @@ impl Gathered {
         over.is_none()
     }
 
-    /// Takes what is at `path`, which the user or (as `item`) a list names.
+    /// Adds the file, folder or list at `path`, given by the user or (as `item`) by a list.
     fn add(&mut self, path: &Path, item: Option<&Item>) {
         if !self.has_room() {
             return;
@@ -131,7 +131,7 @@ impl Gathered {
         if let Some(kind) = Kind::of(path).filter(|_| path.exists()) {
             return self.add_list(path, kind);
         }
-        // Whatever is wrong with it is reported when its turn comes.
+        // Problems of the file are reported when it is played.
         let song = Song::File(path.to_owned());
         self.entries.push(match item {
             Some(item) => {
@@ -142,7 +142,7 @@ impl Gathered {
         });
     }
 
-    /// Notes that the list or folder at `path` is being read; false if that would never end.
+    /// Marks the list or folder at `path` as being read. Returns false if reading it would never end.
     fn enter(&mut self, path: &Path) -> bool {
         let limit = LIMITS.playlist_depth_max;
         let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
@@ -224,10 +224,10 @@ fn is_audio(path: &Path) -> bool {
     AUDIO_EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
 
-/// The bytes of a list.
+/// Reads a list file within the size limit.
 fn read_bounded(path: &Path) -> Result<Vec<u8>, PlaylistError> {
     let unreadable = |source| PlaylistError::Unreadable { path: path.to_owned(), source };
-    // Checked before it is opened, because opening a pipe waits for its writer.
+    // Checked before opening, because opening a pipe waits for its writer.
     if !fs::metadata(path).map_err(unreadable)?.is_file() {
         return Err(PlaylistError::NotAFile { path: path.to_owned() });
     }

@@ -1,8 +1,8 @@
-//! Folders and lists on disk, good and bad.
+//! Tests of folders and lists on disk, valid and broken.
 
 use super::*;
 
-/// A folder with these files; names that end in `/` are folders.
+/// Creates a folder with these files and their parent folders.
 fn folder_of(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
@@ -13,7 +13,7 @@ fn folder_of(files: &[(&str, &str)]) -> tempfile::TempDir {
     folder
 }
 
-/// The names of the entries below `folder`, and the sentences.
+/// The names of the entries relative to `folder`, and the error messages.
 fn gathered(folder: &Path, names: &[&str]) -> (Vec<String>, Vec<String>) {
     let paths: Vec<PathBuf> = names.iter().map(|name| folder.join(name)).collect();
     let found = gather(&paths);
@@ -56,7 +56,7 @@ fn lists_name_files_folders_and_lists() {
         ("music/1.ogg", ""),
     ]);
     let (names, track_errors) = gathered(folder.path(), &["a.m3u"]);
-    // A missing file is reported when its turn comes.
+    // A missing file is reported when it is played.
     assert_eq!(names, ["x.mp3", "sub/y.mp3", "missing.m3u", "music/1.ogg"]);
     assert!(
         track_errors.len() == 1 && track_errors[0].contains("https://radio/live in a.m3u"),
@@ -99,7 +99,7 @@ fn nesting_is_bounded() {
 }
 
 #[test]
-fn absurd_sizes_are_bounded_and_told() {
+fn excessive_sizes_are_bounded_and_reported() {
     let tracks = LIMITS.playlist_tracks_max;
     let folder = folder_of(&[
         ("long.m3u", &"x.mp3\n".repeat(tracks + 5)),
@@ -128,7 +128,7 @@ fn absurd_sizes_are_bounded_and_told() {
 
 #[cfg(unix)]
 #[test]
-fn pipes_and_what_may_not_be_read_are_told() {
+fn pipes_and_unreadable_files_are_reported() {
     use std::os::unix::fs::PermissionsExt;
     let folder = folder_of(&[("secret.m3u", "a.mp3"), ("ok.m3u", "a.mp3")]);
     let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe.m3u")).status().unwrap();
@@ -136,7 +136,7 @@ fn pipes_and_what_may_not_be_read_are_told() {
     fs::set_permissions(folder.path().join("secret.m3u"), fs::Permissions::from_mode(0o000)).unwrap();
     let (names, track_errors) = gathered(folder.path(), &["pipe.m3u", "secret.m3u", "ok.m3u"]);
     assert!(track_errors[0].contains("pipe.m3u is not a regular file"), "{track_errors:?}");
-    // A user who may read everything can read it.
+    // A privileged user can read the file despite its permissions.
     let may_read = fs::read(folder.path().join("secret.m3u")).is_ok();
     assert_eq!((names.len(), track_errors.len()), if may_read { (2, 1) } else { (1, 2) });
 }

@@ -1,9 +1,9 @@
-//! The formats of lists: what each names, in its order.
+//! Parsers for the formats of playlist files.
 //!
-//! - M3U and M3U8: a path on each line; lines that begin with `#` are comments or hints of other programs. A line
-//!   `#EXTINF:seconds,title` tells about the path that follows.
-//! - PLS: `FileN=path` under `[playlist]`, by the number.
-//! - CUE: tracks within files, each from an index to the next; see [`cue`].
+//! - M3U and M3U8: a path on each line; lines that begin with `#` are comments or directives of other programs. A line
+//!   `#EXTINF:seconds,title` describes the next path.
+//! - PLS: `FileN=path` under `[playlist]`, ordered by the number.
+//! - CUE: tracks within files, each from one index to the next; see [`cue`].
 
 use std::path::Path;
 
@@ -12,27 +12,27 @@ use super::error::{PlaylistError, name_of};
 use super::text::{Reference, decode, lines, resolve};
 use crate::limits::LIMITS;
 
-/// A part of a file, in frames of a compact disc: 75 make a second.
+/// A part of a file, in compact disc frames (75 per second).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cut {
-    /// The first one.
+    /// The first frame.
     pub start: u64,
-    /// The first frame after the part; none is the end of the file.
+    /// The end of the part (exclusive); `None` is the end of the file.
     pub end: Option<u64>,
 }
 
 /// An item of a list.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Item {
-    /// What it names.
+    /// The path or address.
     pub reference: Reference,
-    /// The part of it that is meant, if not all.
+    /// The part of the file to play; `None` for all of it.
     pub cut: Option<Cut>,
-    /// Its title, if the list gives one.
+    /// The title, if the list gives one.
     pub title: Option<String>,
-    /// Who made it, likewise.
+    /// The artist, if the list gives one.
     pub artist: Option<String>,
-    /// How long it is, likewise, in seconds.
+    /// The length in seconds, if the list gives one.
     pub duration: Option<f64>,
 }
 
@@ -45,7 +45,7 @@ impl Item {
 /// The kinds of lists, recognised by file extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// M3U, in whatever encoding.
+    /// M3U or M3U8 in any encoding.
     M3u,
     /// PLS.
     Pls,
@@ -54,7 +54,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind of the list at `path`, if its name has the extension of one.
+    /// The kind of the list at `path` by its extension; `None` if it has no extension of a list.
     pub fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         match extension.as_str() {
@@ -65,10 +65,10 @@ impl Kind {
         }
     }
 
-    /// What the list at `path` with these bytes names.
+    /// Parses the bytes of the list at `path`.
     ///
     /// # Errors
-    /// It is no list, or one of a kind that is not supported.
+    /// The bytes are not a list, or the list is empty or of an unsupported kind.
     pub fn read(self, path: &Path, bytes: &[u8]) -> Result<Vec<Item>, PlaylistError> {
         let name = || name_of(path);
         let malformed = |what: &str| PlaylistError::NotAList { name: name(), what: what.to_owned() };
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn an_m3u_tells_titles_and_lengths_of_the_paths_that_follow() {
+    fn an_m3u_gives_titles_and_lengths() {
         let text = b"#EXTM3U\n#EXTINF:123,Some One - A Song\n#EXTVLCOPT:x\na.mp3\nb.mp3\n\
                      #EXTINF:-1 tvg-id=\"x\",Radio, live\nc.mp3\n#EXTINF:inf,\nd.mp3\n#EXTINF:5\ne.mp3\n";
         let items = Kind::M3u.read(Path::new("/m/x.m3u"), text).unwrap();
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_list_is_told_from_one_that_is_empty_or_unsupported() {
+    fn malformed_empty_and_unsupported_lists_are_distinguished() {
         for (name, text, part) in [
             ("x.m3u", "a\0b", "not a playlist"),
             ("x.m3u8", "#EXTM3U\n", "holds no tracks"),
@@ -181,7 +181,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_list_makes_it_fail(bytes in prop::collection::vec(any::<u8>(), 0..300),
+        fn no_input_panics(bytes in prop::collection::vec(any::<u8>(), 0..300),
                                  text in "(?s)(\\[playlist\\]\n|FILE \"a\" WAVE\n|TRACK 01 AUDIO\n|INDEX 01 |File|[0-9:=\"]|.){0,60}") {
             for name in ["x.m3u", "x.pls", "x.cue"] {
                 let path = Path::new(name);

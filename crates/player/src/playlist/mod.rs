@@ -1,19 +1,19 @@
-//! Playlists: what a user names becomes a list of entries, in an order, opened one after the other.
+//! Playlists: expand files, folders and lists to entries, order them, and open one after the other.
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`gather`](mod@gather) | files, folders and lists to entries, within the limits |
-//! | [`lists`], [`cue`], [`text`] | the formats of lists and the encodings they come in |
-//! | [`natural`] | the order of names |
-//! | [`excerpt`] | a part of a file as a track |
-//! | [`order`] | what follows what: shuffle and repeat |
-//! | [`editing`] | entries that are moved, removed and appended while the list plays |
+//! | [`gather`](mod@gather) | expands files, folders and lists to entries, within the limits |
+//! | [`lists`], [`cue`], [`text`] | parse the formats and encodings of lists |
+//! | [`natural`] | compares names |
+//! | [`excerpt`] | plays a part of a file as a track |
+//! | [`order`] | orders entries: shuffle and repeat |
+//! | [`editing`] | moves, removes and appends entries while the list plays |
 //!
-//! **What cannot be played never stops the show.** Every failure of a list or track becomes a sentence (`TrackErrors`).
-//! The list thread goes on to the next track that opens; if none does, a track of silence plays. Lists are read
-//! within the limits of `limits.rs`: bytes, tracks, lists, depth, looks. The program refuses to open the window only
-//! for a single named file that cannot be played, or for lists without any entry. After 64 tracks in a row without a
-//! frame silence is played, so that nothing spins.
+//! **Unplayable entries never stop the show.** Every failure of a list or track becomes a message (`TrackErrors`). The
+//! list thread continues with the next track that opens; if none does, a track of silence plays. Lists are read within
+//! the limits of `limits.rs`. The program refuses to open the window only for a single file that cannot be played, or
+//! for lists without any entry. After 64 successive tracks without a frame, silence is played, so that the threads do
+//! not spin.
 
 mod cue;
 mod editing;
@@ -43,56 +43,57 @@ use super::song::{Song, track_name};
 use super::source::SourceError;
 use super::track::{Content, Found, Reopen, Repeat, Track, TrackList, Wanted};
 
-/// Most messages that are kept about entries before the first playable track, besides the last one.
+/// Most messages that are kept about entries before the first playable track, in addition to the last one.
 const TRACK_ERRORS_KEPT: usize = 20;
 
-/// A list of entries, and which entry follows each.
+/// A list of entries and their order.
 pub struct Playlist {
     slots: Vec<Slot>,
-    /// The index of each entry, by its id.
+    /// Entry ids and indices.
     places: HashMap<u64, usize>,
-    /// The id of the next entry; none is used twice.
+    /// The id of the next entry; ids are never reused.
     next_id: u64,
     order: Order,
-    /// The last message reported about each entry, so that it is not repeated.
+    /// The last message about each entry, so that it is not repeated.
     reported: HashMap<u64, String>,
     listing: SharedListing,
 }
 
-/// An entry in its place of the list.
+/// An entry of the list with its id.
 struct Slot {
     id: u64,
     entry: Entry,
-    /// What is known about it.
+    /// The entry's data for the listing.
     listed: ListedTrack,
 }
 
-/// A playlist with its first track, and what had to be skipped to reach it.
+/// A playlist with its first track and the errors before it.
 pub struct Opened {
     /// The list.
     pub list: Playlist,
     /// The first track that can be played; silence if none can.
     pub first: Track,
-    /// A sentence for each trouble; only the first ones.
+    /// Error messages; only the first ones and the last one.
     pub track_errors: Vec<String>,
-    /// Whether there is a track.
+    /// True if a track can be played.
     pub playable: bool,
-    /// What follows the last track, and each one.
+    /// The repeat mode.
     pub repeat: Repeat,
-    /// Whether the order is random.
+    /// True if the order is random.
     pub shuffled: bool,
 }
 
 impl Playlist {
-    /// The list of what `paths` name.
+    /// Opens the list of the tracks in `paths`. If there are several tracks and none can be played, the first track is
+    /// silence.
     ///
-    /// Fails if the only file named cannot be played, or if there is no track at all. If there are several tracks and
-    /// none can be played, the first track is silence.
+    /// # Errors
+    /// The only file cannot be played, or there is no track at all.
     pub fn open(paths: &[PathBuf], repeat: Repeat, shuffled: bool) -> Result<Opened, PlaylistError> {
         Self::open_at(paths, repeat, shuffled, None)
     }
 
-    /// The same, beginning with the entry at this place of the list.
+    /// [`Playlist::open`], starting with the entry at index `place`.
     pub fn open_at(
         paths: &[PathBuf],
         repeat: Repeat,
@@ -102,7 +103,7 @@ impl Playlist {
         if let [path] = paths
             && (!is_many(path) || !path.exists())
         {
-            // For a single file its complete error is reported.
+            // For a single file, its own error is reported.
             Song::File(path.clone()).open()?;
         }
         let gathered = gather(paths);
@@ -124,7 +125,7 @@ impl Playlist {
         list.opened(0, Vec::new(), repeat, false)
     }
 
-    /// Looks for the first track that can be played, from `first` on; where there is none it is silence.
+    /// Searches for the first playable track, starting at `first`; silence if there is none.
     fn opened(mut self, first: u64, mut track_errors: Vec<String>, repeat: Repeat, shuffled: bool) -> Opened {
         let mut more = 0;
         let mut last = None;
@@ -158,7 +159,7 @@ impl Playlist {
         list
     }
 
-    /// The ids of the entries in the list's own order.
+    /// The ids of the entries in list order.
     fn ids(&self) -> impl Iterator<Item = u64> + use<> {
         self.slots.iter().map(|slot| slot.id).collect::<Vec<_>>().into_iter()
     }
@@ -171,7 +172,7 @@ impl Playlist {
         self.order.set(repeat, shuffled, first, self.ids());
     }
 
-    /// Opens an entry, and tells the listing what is known about it now.
+    /// Opens an entry, and updates its data in the listing.
     fn open_entry(&mut self, id: u64) -> Result<Track, SourceError> {
         let index = self.index(id).ok_or("there is no such track")?;
         let count = self.slots.len();
@@ -183,8 +184,8 @@ impl Playlist {
         Ok(track)
     }
 
-    /// Opens entry `first` or the nearest one after (or before) it that can be opened, wrapping around the end where
-    /// the list repeats; but not `open`, which is open already.
+    /// Opens entry `first`, or the nearest one after (or before) it that can be opened. Wraps around the end if the
+    /// list repeats. Stops at `open`, which is open already.
     fn search(
         &mut self,
         first: u64,
@@ -220,12 +221,12 @@ impl Playlist {
         if next.is_none() && open.is_some() { Found::End } else { Found::Nothing }
     }
 
-    /// The entry that many steps from `from`, which may have been removed; none beyond the ends of a list that does not
-    /// repeat, if not even one step is possible.
+    /// The entry `steps` steps from `from`, which may have been removed. `None` if the list does not repeat and no step
+    /// is possible.
     fn entry_after(&self, from: u64, steps: i32) -> Option<u64> {
         let around = self.order.repeat() != Repeat::Off;
         let forward = steps > 0;
-        // Whole rounds lead back; from where an entry was, the first step leads to an entry.
+        // Whole rounds return to the start. From a removed entry, the first step leads to an entry.
         let away = u32::from(self.index(from).is_none());
         let round = u32::try_from(self.slots.len()).unwrap_or(u32::MAX).max(1);
         let steps = steps.unsigned_abs().saturating_sub(away) % round + away;
@@ -242,7 +243,7 @@ impl Playlist {
 }
 
 impl Entry {
-    /// Opens it as entry `index` of `count`.
+    /// Opens the entry as number `index` of `count`.
     fn open(&self, index: usize, count: usize) -> Result<Track, SourceError> {
         let decoder = self.song.open()?;
         let Track { mut source, mut info } = Track::of_decoder(decoder, index, count);

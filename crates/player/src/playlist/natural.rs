@@ -4,8 +4,8 @@ use std::cmp::Ordering;
 use std::iter::Peekable;
 use std::str::Chars;
 
-/// Compares names: digits by their number, letters without regard to case. Names that are equal by this are compared
-/// by their characters.
+/// Compares names: digits by their number, letters without regard to case. Names that are equal by this are compared by
+/// their characters.
 pub(super) fn compare(a: &str, b: &str) -> Ordering {
     let (mut left, mut right) = (a.chars().peekable(), b.chars().peekable());
     loop {
@@ -45,7 +45,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn names_stand_as_people_count() {
+    fn numbers_are_compared_by_value() {
         let wanted = ["1 a", "1 B", "2", "10", "010b", "A1", "a2", "a10", "a10x", "b", "é"];
         let mut names = wanted;
         names.reverse();
@@ -57,7 +57,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_is_an_order(names in prop::collection::vec("[aB0-2 é.]{0,6}", 3)) {
+        fn it_is_a_total_order(names in prop::collection::vec("[aB0-2 é.]{0,6}", 3)) {
             let order = |x: usize, y: usize| compare(&names[x], &names[y]);
             for (x, y, z) in [(0, 1, 2), (1, 2, 0), (2, 0, 1), (1, 0, 2), (0, 2, 1), (2, 1, 0)] {
                 prop_assert_eq!(order(x, y), order(y, x).reverse());

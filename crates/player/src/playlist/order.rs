@@ -1,7 +1,7 @@
-//! Which entry of a list follows which: in the list's order or a random one, once or repeatedly.
+//! The order of a list's entries: list order or random, once or repeated.
 //!
-//! Entries are known by their ids. A removed one leaves a hole where it stood, so that what follows it is known as long
-//! as it plays.
+//! Entries are identified by their ids. A removed entry leaves a hole in the order, so that its successor is known
+//! while it still plays.
 
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -13,7 +13,7 @@ use crate::track::Repeat;
 pub(super) struct Order {
     /// Every entry once, and holes.
     sequence: Vec<u64>,
-    /// Where in the sequence each entry and each hole stands.
+    /// The index of each entry and hole in the sequence.
     places: HashMap<u64, usize>,
     holes: HashSet<u64>,
     shuffled: bool,
@@ -22,7 +22,7 @@ pub(super) struct Order {
 }
 
 impl Order {
-    /// The list's own order, repeated.
+    /// The list's order, repeated.
     pub(super) fn new(list: impl Iterator<Item = u64>) -> Self {
         // The standard library seeds its hashers randomly.
         let random = RandomState::new().build_hasher().finish();
@@ -38,7 +38,7 @@ impl Order {
         order
     }
 
-    /// The same settings for other entries.
+    /// An order of other entries with the same settings.
     pub(super) fn of(&self, list: impl Iterator<Item = u64>) -> Self {
         let mut order = Self::new(list);
         order.repeat = self.repeat;
@@ -48,19 +48,18 @@ impl Order {
         order
     }
 
-    /// What comes first.
+    /// The first entry.
     pub(super) fn first(&self) -> Option<u64> {
         self.sequence.iter().copied().find(|id| !self.holes.contains(id))
     }
 
-    /// What follows the last entry.
+    /// The repeat mode.
     pub(super) fn repeat(&self) -> Repeat {
         self.repeat
     }
 
-    /// Sets shuffling and repeating of `list`, the entries in the list's own order. When the order becomes random,
-    /// `first` comes first, if it is an entry. Each round then has the same random order, so that going back leads
-    /// back.
+    /// Sets the order and the repeat mode; `list` is the list's own order. When the order becomes random, `first` comes
+    /// first, if it is an entry. The random order is the same in each round, so that skipping back works.
     pub(super) fn set(
         &mut self,
         repeat: Repeat,
@@ -88,7 +87,7 @@ impl Order {
         self.note_places(0);
     }
 
-    /// Shuffles the sequence from `start` on, as Fisher and Yates do.
+    /// Shuffles the sequence from `start` on, after Fisher and Yates.
     fn shuffle_from(&mut self, start: usize) {
         for last in (start + 1..self.sequence.len()).rev() {
             let other = start + self.below((last - start) as u64 + 1) as usize;
@@ -96,7 +95,7 @@ impl Order {
         }
     }
 
-    /// Adds entries at the list's end. A random order has them at random among those after `playing`.
+    /// Appends entries to the list. A random order mixes them into the entries after `playing`.
     pub(super) fn append(&mut self, added: impl Iterator<Item = u64>, playing: u64) {
         let mut start = self.sequence.len();
         self.sequence.extend(added);
@@ -107,14 +106,14 @@ impl Order {
         self.note_places(start);
     }
 
-    /// Removes an entry.
+    /// Turns an entry into a hole.
     pub(super) fn remove(&mut self, id: u64) {
         if self.places.contains_key(&id) {
             self.holes.insert(id);
         }
     }
 
-    /// Notes that the list's own order has `id` right before `beside` now, or right after it. A random order stays.
+    /// Moves `id` right before or after `beside` in the list's order. A random order stays unchanged.
     pub(super) fn move_to(&mut self, id: u64, beside: u64, after: bool) {
         let (Some(from), false) = (self.places.get(&id).copied(), self.shuffled || id == beside) else {
             return;
@@ -130,7 +129,7 @@ impl Order {
     pub(super) fn beside(&self, id: u64, forward: bool, around: bool) -> Option<u64> {
         let Some(place) = self.places.get(&id).copied() else { return self.first() };
         let (before, after) = (self.sequence.get(..place)?, self.sequence.get(place + 1..)?);
-        // The entry itself is its own neighbour if there is no other.
+        // The entry is its own neighbour if there is no other.
         let (before, after, itself) = (before.iter(), after.iter(), self.sequence.get(place));
         let is_entry = |id: &&u64| !self.holes.contains(*id);
         let found = match (forward, around) {
@@ -142,13 +141,13 @@ impl Order {
         found.copied()
     }
 
-    /// Notes where in the sequence everything stands, from place `start` on.
+    /// Updates the indices of the sequence from `start` on.
     fn note_places(&mut self, start: usize) {
         let moved = self.sequence.iter().enumerate().skip(start);
         self.places.extend(moved.map(|(place, id)| (*id, place)));
     }
 
-    /// A random number below `end` (SplitMix64; its bias is some 1e-15 here).
+    /// A random number below `end` (SplitMix64; its bias is about 1e-15 here).
     fn below(&mut self, end: u64) -> u64 {
         self.random = self.random.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut mixed = self.random;
@@ -168,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ends_are_met_where_nothing_repeats() {
+    fn an_order_without_repeat_has_ends() {
         let order = Order::new(0..3);
         assert_eq!(round(&order, 0), [0, 1, 2]);
         assert_eq!((order.beside(2, true, false), order.beside(2, true, true)), (None, Some(0)));
@@ -178,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn orders_are_random_from_one_run_to_the_next() {
+    fn orders_differ_between_runs() {
         let shuffled = || {
             let mut order = Order::new(0..1000);
             order.set(Repeat::All, true, None, 0..1000);
@@ -188,12 +187,12 @@ mod tests {
     }
 
     #[test]
-    fn what_follows_a_removed_entry_is_what_followed_it() {
+    fn a_removed_entry_keeps_its_successor() {
         let mut order = Order::new(0..5);
         [2, 3].iter().for_each(|id| order.remove(*id));
         assert_eq!((order.beside(2, true, false), order.beside(2, false, false)), (Some(4), Some(1)));
         assert_eq!(round(&order, 0), [0, 1, 4]);
-        // The hole stays where it is, whatever moves around it.
+        // The hole stays at its position when other entries move.
         order.move_to(0, 4, true);
         assert_eq!((order.beside(2, true, false), round(&order, 1)), (Some(4), vec![1, 4, 0]));
         [0, 1, 4].iter().for_each(|id| order.remove(*id));
@@ -204,7 +203,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_random_order_plays_every_track_once_and_leads_back(count in 1_u64..200, first in 0_u64..200) {
+        fn a_random_order_plays_every_track_once_and_can_go_back(count in 1_u64..200, first in 0_u64..200) {
             let first = first % count;
             let mut order = Order::new(0..count);
             order.set(Repeat::All, true, Some(first), 0..count);
@@ -219,7 +218,7 @@ mod tests {
         }
 
         #[test]
-        fn what_is_appended_to_a_random_order_comes_after_what_plays(
+        fn appended_entries_come_after_the_playing_one(
             count in 1_u64..50, steps in 0_usize..50, added in 1_u64..50,
         ) {
             let mut order = Order::new(0..count);

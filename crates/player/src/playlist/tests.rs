@@ -1,9 +1,9 @@
-//! Lists of files, played in order.
+//! Tests of lists of files, played in order.
 
 use super::*;
 use std::path::Path;
 
-/// A wave file of some frames of silence.
+/// Writes a wave file of 50 ms of silence.
 fn write_song(path: &Path) {
     let data = [0_u8; 4800];
     let mut bytes = b"RIFF".to_vec();
@@ -17,7 +17,7 @@ fn write_song(path: &Path) {
     std::fs::write(path, bytes).unwrap();
 }
 
-/// A folder with the songs, and paths in it.
+/// Creates a folder with these songs.
 fn folder_of(songs: &[&str]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     songs.iter().for_each(|song| write_song(&folder.path().join(song)));
@@ -28,7 +28,7 @@ fn paths(folder: &tempfile::TempDir, names: &[&str]) -> Vec<PathBuf> {
     names.iter().map(|name| folder.path().join(name)).collect()
 }
 
-/// The entry found, or what was found instead.
+/// The index of the found entry, or the other result; and the messages.
 fn found(list: &mut Playlist, wanted: Wanted) -> (Result<usize, &'static str>, Vec<String>) {
     let mut reported = Vec::new();
     let found = match list.find(&wanted, &mut |trouble| reported.push(trouble)) {
@@ -45,7 +45,7 @@ fn following(list: &mut Playlist, after: u64) -> Result<usize, &'static str> {
 }
 
 #[test]
-fn what_follows_depends_on_how_the_list_repeats() {
+fn the_next_track_depends_on_the_repeat_mode() {
     let folder = folder_of(&["1.wav", "3.wav"]);
     std::fs::write(folder.path().join("2.wav"), b"rubbish").unwrap();
     let open = |repeat| {
@@ -73,12 +73,12 @@ fn what_follows_depends_on_how_the_list_repeats() {
     assert_eq!(found(&mut off, Wanted::Skip { from: 0, steps: -1 }).0, Err("end"));
     assert_eq!(found(&mut off, Wanted::Skip { from: 2, steps: 9 }).0, Err("nothing"));
     assert_eq!(found(&mut off, Wanted::Skip { from: 2, steps: -9 }).0, Ok(0));
-    // Once the others are gone, the one that is open goes on.
+    // Once the others are gone, the open track repeats.
     std::fs::remove_file(folder.path().join("1.wav")).unwrap();
     assert_eq!(following(&mut all.list, 2), Err("again"));
     std::fs::remove_file(folder.path().join("3.wav")).unwrap();
     let (none, reported) = found(&mut all.list, Wanted::Following { after: 2, anew: true });
-    // The others were reported before.
+    // The errors of the others were reported earlier.
     assert_eq!((none, reported.len()), (Err("nothing"), 2), "{reported:?}");
     assert!(
         reported[0].contains("3.wav does not") && reported[1].contains("none of the 4 tracks"),
@@ -102,10 +102,10 @@ fn a_shuffled_list_plays_every_track() {
 }
 
 #[test]
-fn one_file_is_refused_with_its_own_words_and_several_leave_silence() {
+fn one_bad_file_is_an_error_and_several_leave_silence() {
     let folder = folder_of(&[]);
     let refused = |names: &[&str]| {
-        Playlist::open(&paths(&folder, names), Repeat::All, false).err().expect("it is refused").to_string()
+        Playlist::open(&paths(&folder, names), Repeat::All, false).err().expect("an error").to_string()
     };
     std::fs::write(folder.path().join("bad.m3u"), b"\0\x01").unwrap();
     std::fs::write(folder.path().join("missing.m3u"), b"a.wav\nb.wav\n").unwrap();
@@ -118,7 +118,7 @@ fn one_file_is_refused_with_its_own_words_and_several_leave_silence() {
         assert!(!opened.playable && opened.track_errors.len() == 3, "{:?}", opened.track_errors);
         assert_eq!(opened.first.source.next_block(&mut Vec::new()).unwrap(), 1024);
     }
-    // Of very many, the first are reported, then how many more there are, and the last.
+    // Of many errors, the first ones are reported, then the number of the others, and the last one.
     std::fs::write(folder.path().join("long.m3u"), "nowhere.wav\n".repeat(5000)).unwrap();
     let opened = Playlist::open(&paths(&folder, &["long.m3u"]), Repeat::All, true).unwrap();
     let [.., more, none] = &opened.track_errors[..] else { panic!("{:?}", opened.track_errors) };
@@ -135,7 +135,7 @@ fn dropped_files_become_the_list_if_they_can_be_played() {
     assert!(none == Err("nothing") && reported[0].contains("x.wav"), "{none:?}, {reported:?}");
     assert_eq!(following(&mut list, 0), Err("again"));
     assert_eq!(found(&mut list, Wanted::Files(paths(&folder, &["2.wav", "3.wav"]))).0, Ok(0));
-    // The new ones are entries of their own, and what still plays of the old list is followed by the first.
+    // The new files have new ids, and the first of them follows the old track that is still playing.
     assert_eq!((following(&mut list, 1), following(&mut list, 0)), (Ok(1), Ok(0)));
 }
 
@@ -147,7 +147,7 @@ fn parts_of_a_file_have_their_names_and_lengths() {
     std::fs::write(folder.path().join("disc.cue"), sheet).unwrap();
     let mut opened = Playlist::open(&paths(&folder, &["disc.cue"]), Repeat::All, false).unwrap();
     assert_eq!((opened.first.info.name.as_str(), opened.first.info.count), ("A - One", 2));
-    // The second has not been opened, but the sheet tells about it.
+    // The second track is not open yet; its data comes from the sheet.
     let shared = SharedListing::default();
     opened.list.fraction(shared.clone());
     let listed = &shared.tracks().entries[1];

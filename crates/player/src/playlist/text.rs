@@ -1,20 +1,20 @@
-//! Splits the bytes of lists into lines, whatever program wrote them, and resolves what a line names.
+//! Splitting of lists into lines in any encoding, and resolution of their references.
 
 use std::path::{Path, PathBuf};
 
 use crate::limits::LIMITS;
 
-/// What a list names: a path as written there, or an address.
+/// The target of a list's entry: a path as written in the list, or an address.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Reference {
-    /// Some file, list or folder.
+    /// A file, list or folder.
     Path(PathBuf),
-    /// Something on a network.
+    /// A network address.
     Address(String),
 }
 
-/// The lines of a list, without the spaces around them, as UTF-8 or as the raw bytes (old lists contain names in the
-/// encoding of their system). None if the bytes are not text.
+/// The trimmed lines of a list, as UTF-8 or as raw bytes (old lists contain names in their system's encoding). `None`
+/// if the bytes are not text.
 pub(super) fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
     let utf16 = |from: fn([u8; 2]) -> u16| {
         let units = bytes.get(2..).unwrap_or_default().chunks_exact(2);
@@ -35,7 +35,7 @@ pub(super) fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
     Some(lines.take(LIMITS.playlist_looks_max).map(<[u8]>::to_vec).collect())
 }
 
-/// Decodes as UTF-8 where valid, else as Latin-1, in which every byte is a character.
+/// Decodes as UTF-8 if valid, otherwise as Latin-1, in which every byte is a character.
 pub(super) fn decode(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
@@ -43,8 +43,8 @@ pub(super) fn decode(bytes: &[u8]) -> String {
     }
 }
 
-/// What `bytes` name in a list of the folder `base`. Where the system's names are bytes, those of the list are tried
-/// first; backslashes separate folders if no file has such a name.
+/// Resolves an entry of a list in the folder `base`. On systems whose file names are bytes, the list's bytes are tried
+/// first; backslashes count as separators if no file has such a name.
 pub(super) fn resolve(base: &Path, bytes: &[u8]) -> Reference {
     let text = decode(bytes);
     if let Some((scheme, rest)) = text.split_once("://")
@@ -78,7 +78,7 @@ fn path_of(bytes: &[u8]) -> PathBuf {
     PathBuf::from(drive.unwrap_or(&text))
 }
 
-/// The bytes that an address stands for: `%20` is a space.
+/// Decodes the percent escapes of an address: `%20` is a space.
 fn unescaped(text: &str) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(text.len());
     let mut rest = text.as_bytes();
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn encodings_are_reported_apart() {
+    fn encodings_are_recognised() {
         let wanted = Some(vec!["Größe.mp3".to_owned(), "b".to_owned()]);
         let utf16 = |mark: [u8; 2], to: fn(u16) -> [u8; 2]| {
             let units = "Größe.mp3\r\nb".encode_utf16().flat_map(to);
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn addresses_are_told_from_paths() {
+    fn addresses_and_paths_are_distinguished() {
         let base = Path::new("/music");
         let path = |text: &str| Reference::Path(PathBuf::from(text));
         assert_eq!(resolve(base, b"a/b.mp3"), path("/music/a/b.mp3"));
@@ -135,7 +135,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_path_is_the_one_that_exists() {
+    fn existing_paths_are_preferred() {
         let folder = tempfile::tempdir().unwrap();
         let base = folder.path();
         std::fs::create_dir(base.join("cd")).unwrap();
@@ -154,7 +154,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_bytes_are_survived(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        fn no_input_panics(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
             for line in lines(&bytes).unwrap_or_default() {
                 prop_assert!(!line.contains(&b'\n') && !line.contains(&0));
                 let _ = resolve(Path::new("/nowhere"), &line);

@@ -1,4 +1,4 @@
-//! What ffmpeg decodes, against the same sound decoded here.
+//! Tests of decoding with ffmpeg, compared with native decoding of the same sound.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -14,17 +14,17 @@ use super::decoding::{
 
 const RATE: u32 = 48_000;
 
-/// Frames within which a shift is searched for.
+/// Largest shift that is searched, in frames.
 const REACH: isize = 5000;
 
-/// A file, how ffmpeg makes it, and how exact it is.
+/// A file, the ffmpeg arguments that create it, and its accuracy.
 struct Case {
     file: &'static str,
     args: &'static [&'static str],
-    /// Largest error of a sample, or 0 for lossy codecs.
+    /// Largest error of a sample; 0 for lossy codecs.
     lossless: f32,
-    /// Frames by which the sound may be shifted: what the encoder puts before it and the container does not tell, and
-    /// after a seek what its clock rounds away.
+    /// Largest accepted shift of the sound, in frames: encoder delay that the container does not report, and clock
+    /// rounding after a seek.
     shift: usize,
 }
 
@@ -45,7 +45,7 @@ const CASES: &[Case] = &[
     case("a.dts", &["-c:a", "dca", "-strict", "-2", "-b:a", "1024k"], 0.0, 1024),
 ];
 
-/// A folder with the signal as a wave file, and the files of [`CASES`]; made once.
+/// A folder with the files of [`CASES`], and its wave file with the signal; created once.
 static MEDIA: LazyLock<(tempfile::TempDir, PathBuf)> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let source = folder.path().join("source.wav");
@@ -70,7 +70,7 @@ fn worst(got: &[Frame], wanted: &[Frame]) -> f32 {
 }
 
 #[test]
-fn what_ffmpeg_decodes_is_what_is_decoded_here() {
+fn ffmpeg_and_native_decoding_agree() {
     let (folder, source) = &*MEDIA;
     let wanted = decode_file(source);
     let mut wrong = Vec::new();
@@ -106,7 +106,7 @@ fn what_ffmpeg_decodes_is_what_is_decoded_here() {
 }
 
 #[test]
-fn a_seek_in_what_ffmpeg_decodes_lands_where_it_should() {
+fn a_seek_with_ffmpeg_reaches_its_target() {
     let (folder, _) = &*MEDIA;
     let mut wrong = Vec::new();
     for case in CASES {
@@ -138,7 +138,7 @@ fn a_seek_in_what_ffmpeg_decodes_lands_where_it_should() {
                 }
             }
         }
-        // Past the end is the end, what is no time is the start, and then all of it comes again.
+        // A seek past the end reaches the end, and NaN the start, from which the whole file is decoded again.
         let end = decoder.seek(1e6).unwrap();
         if (end - SECONDS).abs() > 0.1 || decode_all(&mut decoder).unwrap().len() > 4800 {
             wrong.push(format!("{}: the end is at {end}", case.file));
@@ -171,7 +171,7 @@ fn titles_and_gains_are_read_by_ffmpeg() {
 }
 
 #[test]
-fn more_channels_are_mixed_as_they_are_here() {
+fn more_channels_are_mixed_like_natively() {
     let folder = tempfile::tempdir().unwrap();
     for (layout, channels) in [("mono", 1), ("4.0", 4), ("5.0", 5), ("5.1", 6), ("7.1", 8)] {
         let levels = |file: &str, args: &[&str]| downmix_levels(folder.path(), layout, channels, file, args);
@@ -179,7 +179,7 @@ fn more_channels_are_mixed_as_they_are_here() {
         let there = levels("there.wv", &["-c:a", "wavpack"]);
         for (channel, (here, there)) in here.iter().zip(&there).enumerate() {
             let off = (0..2).map(|side| (here[side] - there[side]).abs()).fold(0.0, f64::max);
-            assert!(off < 0.01, "channel {channel} of {layout}: {here:?} here, {there:?} by ffmpeg");
+            assert!(off < 0.01, "channel {channel} of {layout}: {here:?} natively, {there:?} with ffmpeg");
         }
     }
 }
@@ -204,12 +204,12 @@ fn aac_and_opus_of_six_channels_and_speex_are_heard() {
 }
 
 #[test]
-fn what_is_damaged_or_unknown_to_ffmpeg_is_told_as_such() {
+fn files_that_ffmpeg_cannot_decode_are_reported_as_damaged() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |file: &str, bytes: &[u8]| {
         let path = folder.path().join(file);
         std::fs::write(&path, bytes).unwrap();
-        Decoder::open(&path).err().expect("it is refused")
+        Decoder::open(&path).err().expect("an error")
     };
     for (file, head) in
         [("a.wv", &b"wvpk"[..]), ("a.ape", b"MAC "), ("a.ac3", b"\x0B\x77"), ("a.xm", b"Extended Module: ")]

@@ -1,7 +1,7 @@
-//! Decoding by the public API, of files that ffmpeg makes here from a known signal.
+//! Tests of decoding through the public API, with files that ffmpeg creates from a known signal.
 //!
-//! The signal is a function of time, so it can be evaluated at any rate and compared with what comes out: left and right
-//! differ, are broad-band (so that a shift shows) and stay below 8 kHz (so that lossy codecs keep them).
+//! The signal is a function of time, so that it can be evaluated at any rate and compared with the output. Left and
+//! right differ, are broad-band (to reveal shifts) and stay below 8 kHz (to survive lossy codecs).
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -19,7 +19,7 @@ pub(super) type Frame = [f32; 2];
 
 pub(super) const SECONDS: f64 = 4.0;
 
-/// Sweeps and tone bursts, left and right at `t` seconds; never above 0.7.
+/// Sweeps and tone bursts at `t` seconds, left and right, with values up to 0.7.
 fn signal(t: f64) -> Frame {
     let sweep = |from: f64, to: f64, period: f64| {
         let u = t.rem_euclid(period);
@@ -51,13 +51,13 @@ pub(super) fn ffmpeg(args: &[&str], output: &Path) {
 struct Case {
     file: &'static str,
     args: &'static [&'static str],
-    /// Rate of the decoded stream.
+    /// The decoded stream's rate, in hertz.
     rate: u32,
-    /// Largest error of a sample against the signal (lossless), or 0 for lossy codecs.
+    /// Largest error of a sample against the signal; 0 for lossy codecs.
     lossless: f32,
-    /// Largest difference of a sample after a seek from that of a straight run.
+    /// Largest difference of a sample after a seek from an uninterrupted run.
     seek: f32,
-    /// Frames at the end that may be missing or too many.
+    /// Largest number of missing or extra frames at the end.
     tail: usize,
     /// Encoder delay that ffmpeg does not write into this container, in frames.
     unreported: usize,
@@ -78,7 +78,7 @@ const fn unreported(case: Case, frames: usize) -> Case {
     Case { unreported: frames, ..case }
 }
 
-/// AAC without noise substitution: that noise is drawn at random, so it differs after a seek.
+/// The tested formats. AAC has no noise substitution: its random noise differs after a seek.
 const CASES: &[Case] = &[
     case("s16.wav", &["-c:a", "pcm_s16le"], 44_100, 6e-5, 0.0, 0),
     case("s24.wav", &["-c:a", "pcm_s24le"], 44_100, 4e-7, 0.0, 0),
@@ -185,7 +185,7 @@ impl Media {
     }
 }
 
-/// All files of [`CASES`], made once; `short-` ones of a quarter of a second for the damage tests.
+/// All files of [`CASES`], created once; `short-` ones of a quarter of a second for the damage tests.
 static MEDIA: LazyLock<Media> = LazyLock::new(|| {
     let media = Media { folder: tempfile::tempdir().unwrap() };
     for (prefix, seconds) in [("", SECONDS), ("short-", 0.25)] {
@@ -223,8 +223,8 @@ pub(super) fn decode_file(path: &Path) -> Vec<Frame> {
     decode_all(&mut decoder).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// The shift of `got` against `wanted` with the highest correlation, of those of at most `reach` frames, and that
-/// correlation (1 is equality).
+/// The shift of `got` against `wanted` (at most `reach` frames) with the highest correlation, and that correlation (1
+/// is equality).
 pub(super) fn best_shift(got: &[Frame], wanted: &[Frame], side: usize, reach: isize) -> (isize, f64) {
     let (start, length) = (20_000usize, 2048usize);
     let wanted: Vec<f64> = wanted[start..start + length].iter().map(|f| f64::from(f[side])).collect();
@@ -248,7 +248,7 @@ pub(super) fn rms(frames: &[Frame], side: usize) -> f64 {
 }
 
 #[test]
-fn every_format_gives_the_signal_back() {
+fn every_format_reproduces_the_signal() {
     let mut wrong = Vec::new();
     for case in CASES {
         let mut decoder = Decoder::open(&MEDIA.path(case.file)).unwrap();
@@ -272,7 +272,7 @@ fn every_format_gives_the_signal_back() {
         );
         let duration = info.duration.unwrap_or(0.0);
         let slack = (case.tail + case.unreported) as f64 / f64::from(case.rate) + 0.03;
-        // ffmpeg counts the padding of ALAC in CAF, and a fragmented file does not tell.
+        // ffmpeg counts the padding of ALAC in CAF, and a fragmented file states no duration.
         if !["fragmented.mp4", "alac.caf"].contains(&case.file) {
             check((duration - SECONDS).abs() < slack, format!("claims {duration} s"));
         }
@@ -293,7 +293,7 @@ fn every_format_gives_the_signal_back() {
             let middle = 4000..frames - 4000;
             let heard = rms(&got[middle.start + case.unreported..middle.end + case.unreported], side);
             let level = 20.0 * (heard / rms(&wanted[middle], side)).log10();
-            // LAME takes the level down by 0.45 dB at most, against clipping.
+            // LAME lowers the level by up to 0.45 dB to prevent clipping.
             let tolerance = if case.file.contains("mp3") { 0.5 } else { 0.1 };
             check(level.abs() < tolerance, format!("side {side} is {level} dB too loud"));
         }
@@ -335,18 +335,18 @@ fn a_seek_lands_on_the_frame() {
         if worst > case.seek {
             wrong.push(format!("{}: samples after a seek differ by {worst}", case.file));
         }
-        // Past the end is the end, and what is no time is the start.
+        // A seek past the end reaches the end, and invalid times reach the start.
         let end = decoder.seek(1e6).unwrap();
         if (end * f64::from(case.rate)).round() as usize != straight.len() {
             wrong.push(format!("{}: the end is at {end}, not at frame {}", case.file, straight.len()));
         }
         if decoder.next_block(&mut Vec::new()).unwrap() != 0 {
-            wrong.push(format!("{}: sound behind the end", case.file));
+            wrong.push(format!("{}: sound past the end", case.file));
         }
         for nonsense in [-1.0, f64::NAN, f64::NEG_INFINITY] {
             assert_eq!(decoder.seek(nonsense).unwrap(), 0.0, "{}", case.file);
         }
-        // The whole again, after all that.
+        // After these seeks the whole file is decoded again.
         let again = decode_all(&mut decoder).unwrap();
         if again != straight {
             wrong.push(format!("{}: differs when played again from the start", case.file));
@@ -410,7 +410,7 @@ fn mono_is_heard_on_both_sides_at_full_level() {
     }
 }
 
-/// Left and right level of every channel in turn, against full scale in that channel alone.
+/// The left and right levels of each channel alone, relative to full scale in that channel.
 pub(super) fn downmix_levels(
     folder: &Path,
     layout: &str,
@@ -545,7 +545,7 @@ fn a_second_track_serves_where_the_first_has_no_decoder() {
 }
 
 #[test]
-fn chained_streams_play_on_at_the_first_rate() {
+fn chained_streams_continue_at_the_first_rate() {
     let folder = tempfile::tempdir().unwrap();
     let mut chain = Vec::new();
     for (i, (rate, channels, codec)) in
@@ -580,7 +580,7 @@ fn chained_streams_play_on_at_the_first_rate() {
     let mut decoder = Decoder::open(&path).unwrap();
     let straight = decode_all(&mut decoder).unwrap();
     assert!(straight.len().abs_diff(3 * 44_100) < 8, "{} frames", straight.len());
-    // The tone goes on at one pitch through all three, so its level does too.
+    // The tone has the same pitch and level in all three parts.
     for second in 0..3 {
         let middle = &straight[second * 44_100 + 5000..(second + 1) * 44_100 - 5000];
         let crossings = middle.windows(2).filter(|w| w[0][0] < 0.0 && w[1][0] >= 0.0).count();
@@ -596,7 +596,8 @@ fn chained_streams_play_on_at_the_first_rate() {
     }
 }
 
-/// Decodes with a seek in between, whatever comes; the frames that came and the error that ended it.
+/// Decodes an arbitrary file with a seek in between. Returns the number of frames, and the error that ended the
+/// decoding.
 fn endure(file: &str, bytes: Vec<u8>, most: usize) -> (usize, Option<DecodeError>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(file);
@@ -636,7 +637,7 @@ fn truncated_files_play_as_far_as_they_go() {
             let (frames, error) = endure(case.file, bytes[..bytes.len() * eighth / 8].to_vec(), 4 * whole);
             assert!(frames > 0 || error.is_some(), "{name} at {eighth}/8: neither sound nor error");
         }
-        // MP4 may keep its tables at the end, and CAF is always read to the end first.
+        // MP4 may have its tables at the end, and CAF is always read to the end first.
         let streamable = !["alac.m4a", "aac.m4a", "aac.mp4", "alac.caf", "s16.caf"].contains(&case.file);
         if streamable {
             let long = std::fs::read(MEDIA.path(case.file)).unwrap();
@@ -647,7 +648,7 @@ fn truncated_files_play_as_far_as_they_go() {
     }
 }
 
-/// xorshift64*.
+/// Pseudo-random numbers (xorshift64*).
 struct Random(u64);
 
 impl Random {
@@ -675,7 +676,7 @@ fn corrupted_files_end_in_sound_or_in_an_error() {
                     let mut survived = 0;
                     for round in 0..ROUNDS {
                         let mut damaged = bytes.clone();
-                        // Every other round keeps to the headers, where it hurts.
+                        // Every other round damages only the headers, which has the most effect.
                         let reach = if round % 2 == 0 { damaged.len() } else { damaged.len().min(600) };
                         for _ in 0..1 + random.below(8) {
                             let at = random.below(reach);
@@ -691,7 +692,7 @@ fn corrupted_files_end_in_sound_or_in_an_error() {
                         }
                         survived += usize::from(error.is_none());
                     }
-                    // A short Ogg file is a single page, which its checksum condemns as a whole.
+                    // A short Ogg file is a single page, which is rejected as a whole by its checksum.
                     let least = if case.file.ends_with("ogg") || case.file.ends_with("opus") {
                         0
                     } else {
@@ -702,15 +703,15 @@ fn corrupted_files_end_in_sound_or_in_an_error() {
             });
         }
     });
-    // Panics in the libraries were contained; they are printed, not failed.
+    // Contained panics of the libraries are printed; they do not fail the test.
     for failure in failures.lock().unwrap().iter() {
         println!("contained: {failure}");
     }
 }
 
 #[test]
-fn a_hole_in_the_middle_does_not_shift_what_follows() {
-    // One MP3 frame is overwritten; the burst two seconds later must come at its time.
+fn a_gap_in_the_middle_does_not_shift_the_rest() {
+    // One MP3 frame is overwritten; the total length must not change.
     let bytes = std::fs::read(MEDIA.path("cbr.mp3")).unwrap();
     let mut damaged = bytes.clone();
     let at = bytes.len() / 4;

@@ -1,4 +1,4 @@
-//! Files of sound and lists of them, good and bad.
+//! Tests of audio files, intact and damaged.
 
 mod by_ffmpeg;
 mod decoding;

@@ -1,5 +1,5 @@
-//! What went wrong: a looping song was opened by its path at each lap, so that moving or deleting the file ended the
-//! show.
+//! Regression test: a looping song used to be opened by its path at each lap, so that moving or deleting the file ended
+//! the show.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used)]
@@ -14,7 +14,7 @@ fn rest_of(decoder: &mut Decoder) -> Vec<[f32; 2]> {
 }
 
 #[test]
-fn a_song_that_is_deleted_while_it_plays_can_begin_anew() {
+fn a_song_that_is_deleted_while_it_plays_can_restart() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("song.wav");
     write_wav(&path, 48_000, 2, (0..96_000).map(|sample| (sample % 997) as f32 / 997.0));
@@ -23,5 +23,5 @@ fn a_song_that_is_deleted_while_it_plays_can_begin_anew() {
     assert_eq!(first.len(), 48_000);
     std::fs::remove_file(&path).unwrap();
     assert_eq!(decoder.seek(0.0).unwrap(), 0.0);
-    assert!(rest_of(&mut decoder) == first, "the second lap is another one");
+    assert!(rest_of(&mut decoder) == first, "the second lap differs");
 }

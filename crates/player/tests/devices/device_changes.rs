@@ -1,8 +1,8 @@
-//! Devices that come, go and change while a song plays or an input is listened to, on a PulseAudio server of the test's
-//! own. Needs `pulseaudio`, `pactl` and `pacat`.
+//! Tests of devices that appear, disappear and change during playback or recording, on a separate PulseAudio server.
+//! They need `pulseaudio`, `pactl` and `pacat`.
 //!
-//! `MARIANA_STRESS_ROUNDS=1000 cargo test -p mariana-player --test devices storm -- --nocapture` runs the long storm of changes, and
-//! prints how soon sound was back.
+//! `MARIANA_STRESS_ROUNDS=1000 cargo test -p mariana-player --test devices storm -- --nocapture` runs the long test
+//! with many changes, and prints the delays until sound was back.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -20,23 +20,23 @@ use crate::tone::Tone;
 
 fn play(device: Option<&str>) -> Player {
     let options = PlayerOptions { target: device.map_or(Target::Default, named), ..PlayerOptions::default() };
-    Player::start_alone(Box::new(Tone(0)), options).expect("it starts")
+    Player::start_alone(Box::new(Tone(0)), options).expect("a player")
 }
 
 fn listen(target: Target) -> Live {
-    Live::start(LiveOptions { target, gain: Gain::Auto }).expect("it starts")
+    Live::start(LiveOptions { target, gain: Gain::Auto }).expect("a live input")
 }
 
 fn named(name: &str) -> Target {
     Target::Named(name.into())
 }
 
-/// What the program knows of the devices.
+/// The current device list.
 fn device_list() -> std::sync::Arc<DeviceList> {
-    DeviceWatch::shared().expect("it runs").latest().1
+    DeviceWatch::shared().expect("a device watch").latest().1
 }
 
-/// Waits until the player is as wanted; how long that took.
+/// Waits until `done` returns true for the player's status. Returns the duration of the wait.
 fn wait_for(player: &mut Player, what: &str, done: impl Fn(&PlayerStatus) -> bool) -> Duration {
     let start = Instant::now();
     loop {
@@ -44,16 +44,12 @@ fn wait_for(player: &mut Player, what: &str, done: impl Fn(&PlayerStatus) -> boo
         if done(&status) {
             return start.elapsed();
         }
-        assert!(
-            start.elapsed() < WAIT_LIMIT,
-            "{what} did not come: {status:?}; there are {:?}",
-            device_list()
-        );
+        assert!(start.elapsed() < WAIT_LIMIT, "no {what}: {status:?}; devices: {:?}", device_list());
         std::thread::sleep(LOOK_PERIOD);
     }
 }
 
-/// The same for an input.
+/// [`wait_for`] for an input.
 fn wait_for_live(live: &mut Live, what: &str, done: impl Fn(&LiveStatus, f32) -> bool) -> Duration {
     let start = Instant::now();
     loop {
@@ -63,7 +59,7 @@ fn wait_for_live(live: &mut Live, what: &str, done: impl Fn(&LiveStatus, f32) ->
         }
         assert!(
             start.elapsed() < WAIT_LIMIT,
-            "{what} did not come: {status:?}, volume {volume}; there are {:?}",
+            "no {what}: {status:?}, volume {volume}; devices: {:?}",
             device_list()
         );
         std::thread::sleep(LOOK_PERIOD);
@@ -99,7 +95,7 @@ fn a_song_is_heard_again_when_the_server_is_back() {
         wait_for_live(&mut live, "silence", |status, volume| status.silent.is_some() && volume < 0.01);
         let before = player.status().position;
         std::thread::sleep(Duration::from_millis(300));
-        assert!(player.status().position > before + 0.2, "the song stands still");
+        assert!(player.status().position > before + 0.2, "the song does not move");
         session.start_server();
         let took = wait_for(&mut player, "sound again", plays_on("viz"));
         assert!(took < Duration::from_secs(2), "{took:?}");
@@ -109,7 +105,7 @@ fn a_song_is_heard_again_when_the_server_is_back() {
 }
 
 #[test]
-fn a_song_moves_to_another_output_and_goes_on() {
+fn a_song_continues_on_another_output() {
     let session = Session::with_server();
     let mut player = play(None);
     wait_for(&mut player, "the sound", plays_on("viz"));
@@ -118,7 +114,7 @@ fn a_song_moves_to_another_output_and_goes_on() {
     player.choose_output(named("usb"));
     wait_for(&mut player, "the other output", plays_on("usb"));
     assert!(player.status().position >= before, "the song went back");
-    // One that is not there leaves it where it is, and says so.
+    // A missing device leaves the song on the current one and reports a reason.
     player.choose_output(named("no such box"));
     wait_for(&mut player, "the refusal", |status| status.refused.is_some());
     assert!(plays_on("usb")(&player.status()), "{:?}", player.status());
@@ -128,7 +124,7 @@ fn a_song_moves_to_another_output_and_goes_on() {
 }
 
 #[test]
-fn an_output_that_is_preferred_is_played_on_while_it_is_there() {
+fn a_preferred_output_is_used_while_it_is_connected() {
     let session = Session::with_server();
     let id = |name: &str| {
         let start = Instant::now();
@@ -140,16 +136,16 @@ fn an_output_that_is_preferred_is_played_on_while_it_is_there() {
             std::thread::sleep(LOOK_PERIOD);
         }
     };
-    let _watch = DeviceWatch::shared().expect("it runs");
+    let _watch = DeviceWatch::shared().expect("a device watch");
     let plugged = session.server().plug("usb", &[]);
     let target = Target::Preferred(id("usb"));
     session.server().unplug(&plugged);
-    // It is not there at the start: the default plays, and nothing is wrong.
+    // The device is missing at the start: the default plays, without an error.
     let options = PlayerOptions { target, ..PlayerOptions::default() };
-    let mut player = Player::start_alone(Box::new(Tone(0)), options).expect("it starts");
+    let mut player = Player::start_alone(Box::new(Tone(0)), options).expect("a player");
     wait_for(&mut player, "the default", plays_on("viz"));
     let plugged = session.server().plug("usb", &[]);
-    wait_for(&mut player, "the one that is preferred", plays_on("usb"));
+    wait_for(&mut player, "the preferred output", plays_on("usb"));
     session.server().unplug(&plugged);
     wait_for(&mut player, "the default again", plays_on("viz"));
 }
@@ -174,15 +170,15 @@ fn the_default_output_is_followed() {
 }
 
 #[test]
-fn a_device_that_was_named_is_waited_for() {
+fn a_named_device_is_used_when_it_returns() {
     let session = Session::with_server();
     let usb = session.server().plug("usb", &[]);
     let mut player = play(Some("usb"));
-    // Named as the output.
+    // Named by its output.
     let mut live = listen(Target::MonitorOf("usb".into()));
     wait_for(&mut player, "the sound", plays_on("usb"));
     wait_for_live(&mut live, "the sound", hears("usb.monitor"));
-    // Pulled out: the server moves the streams to viz, where nobody asked for them.
+    // Unplugged: the server moves the streams to viz, which was not requested.
     session.server().unplug(&usb);
     let gone = |silent: &Option<String>| silent.as_deref().is_some_and(|why| why.contains("gone"));
     wait_for(&mut player, "the silent clock", |status| gone(&status.silent));
@@ -210,8 +206,8 @@ fn an_input_is_chosen_while_another_is_heard() {
     assert!(second.segment > first.segment && second.song_time > first.song_time);
     live.choose(named("no_such_box"));
     let reported = |status: &LiveStatus| status.silent.clone().unwrap_or_default();
-    // What is heard goes on until there is something else, and why it does is told.
-    wait_for_live(&mut live, "the sentence", |status, _| {
+    // The previous input continues until the chosen one opens, and the reason is reported.
+    wait_for_live(&mut live, "the reason", |status, _| {
         status.refused.as_ref().is_some_and(|reason| reason.contains("no_such_box"))
     });
     wait_for_live(&mut live, "the other", hears("other.monitor"));
@@ -224,7 +220,7 @@ fn an_input_is_chosen_while_another_is_heard() {
 }
 
 #[test]
-fn a_flat_input_is_told_and_where_there_is_signal() {
+fn a_flat_input_is_reported_with_a_suggestion() {
     let session = Session::with_server();
     session.server().plug("other", &[]);
     session.server().set_default("viz");
@@ -250,7 +246,7 @@ fn a_flat_input_is_told_and_where_there_is_signal() {
 }
 
 #[test]
-fn odd_devices_are_played_on_and_listened_to() {
+fn devices_with_unusual_formats_are_used() {
     let session = Session::with_server();
     for (name, options) in [
         ("mono", ["channels=1", "rate=48000", "format=s16le"]),
@@ -274,7 +270,7 @@ fn odd_devices_are_played_on_and_listened_to() {
 }
 
 #[test]
-fn an_output_that_is_suspended_is_heard_when_it_wakes() {
+fn a_suspended_output_is_used_when_it_resumes() {
     let session = Session::with_server();
     let mut player = play(None);
     let mut live = listen(Target::Monitor);
@@ -288,18 +284,18 @@ fn an_output_that_is_suspended_is_heard_when_it_wakes() {
     wait_for_live(&mut live, "sound again", hears("viz.monitor"));
 }
 
-/// Threads and open files of this process.
+/// The numbers of threads and open files of this process.
 fn held() -> (usize, usize) {
     let count = |folder| std::fs::read_dir(folder).unwrap().count();
     (count("/proc/self/task"), count("/proc/self/fd"))
 }
 
 #[test]
-fn the_only_output_pulled_out_leaves_no_threads_and_files_behind() {
+fn unplugging_the_only_output_leaks_no_threads_or_files() {
     let session = Session::with_server();
     let mut player = play(None);
     wait_for(&mut player, "the sound", plays_on("viz"));
-    // By name: every null sink there is.
+    // All null sinks, by the module's name.
     session.server().unplug("module-null-sink");
     let mut after = Vec::new();
     for _ in 0..6 {
@@ -308,7 +304,7 @@ fn the_only_output_pulled_out_leaves_no_threads_and_files_behind() {
         wait_for(&mut player, "the sound", plays_on("usb"));
         session.server().unplug(&usb);
         wait_for(&mut player, "silence", |status| status.silent.is_some());
-        // Until what is left of the one before has gone.
+        // Until the remains of the previous device are released.
         std::thread::sleep(Duration::from_secs(1));
         after.push(held());
     }
@@ -349,7 +345,7 @@ fn a_storm_of_changes_ends_with_sound() {
                 plugged = names.map(|name| session.server().plug(name, &[])).to_vec();
             }
         }
-        // Half of the changes come before the last one was answered.
+        // Half of the changes come before the previous one was handled.
         if random(2) == 0 {
             std::thread::sleep(Duration::from_millis(random(200) as u64));
             continue;
@@ -370,7 +366,7 @@ fn a_storm_of_changes_ends_with_sound() {
             times.push(start.elapsed().as_secs_f64());
         }
         let position = player.status().position;
-        wait_for(&mut player, "going on", |status| status.position != position);
+        wait_for(&mut player, "progress", |status| status.position != position);
         if round < rounds / 3 {
             held_before = held();
         }
@@ -379,7 +375,7 @@ fn a_storm_of_changes_ends_with_sound() {
     assert!(!times.is_empty(), "nothing changed");
     let at = |part: f64| times[((times.len() - 1) as f64 * part) as usize];
     println!(
-        "{rounds} changes, {} waited for; sound at the new default output and its monitor after a median of {:.2} s, p95 {:.2} s, at most {:.2} s; \
+        "{rounds} changes, {} of them awaited; sound on the new default output and its monitor after a median of {:.2} s, p95 {:.2} s, at most {:.2} s; \
          threads and files {held_before:?} before and {:?} after",
         times.len(),
         at(0.5),
@@ -387,7 +383,7 @@ fn a_storm_of_changes_ends_with_sound() {
         at(1.0),
         held()
     );
-    // Threads that wait for an answer come and go.
+    // The number of threads varies, because some wait for an answer.
     let (threads, files) = held();
     assert!(threads <= held_before.0 + 6 && files <= held_before.1 + 8, "{held_before:?} to {:?}", held());
     drop((player, live));

@@ -1,4 +1,4 @@
-//! Devices of a PulseAudio server of the test's own.
+//! Tests with devices of a separate PulseAudio server.
 
 mod device_changes;
 mod playback_pulse;

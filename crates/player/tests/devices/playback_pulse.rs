@@ -1,5 +1,5 @@
-//! Playback through a real stream: a PulseAudio server of the test's own, whose null sink is recorded and compared with
-//! what was played. Needs `pulseaudio` and `parec`.
+//! Tests of playback through a real stream: a separate PulseAudio server, whose null sink is recorded and compared with
+//! the played song. They need `pulseaudio` and `parec`.
 
 #![allow(clippy::expect_used)]
 
@@ -13,7 +13,7 @@ use mariana_player::{Player, PlayerOptions, PlayerStatus};
 use mariana_testing::sound_server::SINK_RATE as RATE;
 use mariana_testing::sound_session::Session;
 
-/// The parts of a song, once.
+/// The parts of a song, played once.
 struct Songs(Vec<Song>);
 
 impl Songs {
@@ -51,7 +51,7 @@ impl Song {
             .map(|n| {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 let noise = (state >> 8) as f32 / (1 << 23) as f32 - 1.0;
-                // Below a few kilohertz, so that a resampler leaves it as it is.
+                // Below a few kilohertz, so that a resampler does not change it.
                 smooth += 0.2 * (noise - smooth);
                 let t = n as f64 / f64::from(rate);
                 let tone = (std::f64::consts::TAU * (200.0 * t + 100.0 * t * t)).sin();
@@ -85,7 +85,7 @@ impl FrameSource for Song {
     }
 }
 
-/// Where `wanted` begins in `recorded`: the shift with the least difference to a stretch of the left channel.
+/// The position in `recorded` at which `wanted` begins: the shift at which a part of the left channel differs least.
 fn align(recorded: &[StereoFrame], wanted: &[StereoFrame], from: usize, length: usize) -> isize {
     let stretch = &wanted[from..from + length];
     let (mut best, mut least) = (0, f32::INFINITY);
@@ -104,7 +104,7 @@ fn align(recorded: &[StereoFrame], wanted: &[StereoFrame], from: usize, length: 
     best as isize - from as isize
 }
 
-/// Correlation and level of `a` relative to `b`, in dB.
+/// The correlation of `a` and `b`, and the level of `a` relative to `b` in dB.
 fn compare(a: impl Iterator<Item = f32> + Clone, b: impl Iterator<Item = f32> + Clone) -> (f64, f64) {
     let dot =
         |x: &mut dyn Iterator<Item = (f32, f32)>| x.map(|(x, y)| f64::from(x) * f64::from(y)).sum::<f64>();
@@ -117,13 +117,13 @@ fn compare(a: impl Iterator<Item = f32> + Clone, b: impl Iterator<Item = f32> + 
 fn play(song: Song, looping: bool) -> Player {
     let repeat = if looping { Repeat::All } else { Repeat::Off };
     let options = PlayerOptions { repeat, ..PlayerOptions::default() };
-    Player::start_alone(Box::new(song), options).expect("it starts")
+    Player::start_alone(Box::new(song), options).expect("a player")
 }
 
 fn play_parts(parts: Vec<Song>) -> Player {
     let list = Songs(parts);
     let first = list.track(0).expect("a part");
-    Player::start(first, Box::new(list), PlayerOptions::default()).expect("it starts")
+    Player::start(first, Box::new(list), PlayerOptions::default()).expect("a player")
 }
 
 fn wait_for(player: &mut Player, what: &str, done: impl Fn(&PlayerStatus) -> bool) -> PlayerStatus {
@@ -133,17 +133,17 @@ fn wait_for(player: &mut Player, what: &str, done: impl Fn(&PlayerStatus) -> boo
         if done(&status) {
             return status;
         }
-        assert!(start.elapsed() < Duration::from_secs(15), "{what} did not come: {status:?}");
+        assert!(start.elapsed() < Duration::from_secs(15), "no {what}: {status:?}");
         std::thread::sleep(Duration::from_millis(5));
     }
 }
 
-/// Plays a song to its end and checks that the sink played it, whole and at its level.
+/// Plays a song to its end and checks that the sink played it completely and at its level.
 fn played_is_recorded(rate: u32, parts: usize) {
     let session = Session::with_server();
     let recorder = session.record();
     let song = Song::new(4.0, rate);
-    // Not at whole blocks or seconds.
+    // The parts are not whole blocks or seconds.
     let cuts: Vec<usize> = (0..=parts).map(|part| song.frames.len() * part / parts).collect();
     let part = |ends: &[usize]| Song { frames: song.frames[ends[0]..ends[1]].to_vec(), rate, next: 0 };
     let mut player = play_parts(cuts.windows(2).map(part).collect());
@@ -153,23 +153,23 @@ fn played_is_recorded(rate: u32, parts: usize) {
     assert_eq!((status.silent, status.underruns), (None, 0));
     assert!((status.position - 4.0 / parts as f64).abs() < 1e-4, "{}", status.position);
 
-    // The same song made at the sink's rate is what must be heard, if the source has that rate.
+    // If the rates are equal, the recording must equal the song created at the sink's rate.
     let wanted = if rate == RATE { Song::new(4.0, RATE).frames } else { resampled(rate) };
     let shift = align(&recorded, &wanted, 24_000, 1_000);
-    // All but the fade in at the start.
+    // All frames after the fade in.
     let range = 480..wanted.len();
     let from = (range.start as isize + shift) as usize;
     let heard = &recorded[from..from + range.len()];
     for channel in 0..2 {
-        // By stretches, so that a dropout cannot hide.
+        // In short pieces, so that a dropout is noticed.
         for (n, (heard, wanted)) in heard.chunks(4_800).zip(wanted[range.clone()].chunks(4_800)).enumerate() {
             let pick = |frame: &StereoFrame| frame[channel];
             let (correlation, level) = compare(heard.iter().map(pick), wanted.iter().map(pick));
-            assert!(correlation > 0.999, "correlation {correlation} in channel {channel}, stretch {n}");
-            assert!(level.abs() < 0.1, "{level} dB in channel {channel}, stretch {n}");
+            assert!(correlation > 0.999, "correlation {correlation} in channel {channel}, piece {n}");
+            assert!(level.abs() < 0.1, "{level} dB in channel {channel}, piece {n}");
         }
     }
-    // Silence before and after.
+    // Silence before and after the song.
     let loudest = |frames: &[StereoFrame]| {
         frames.iter().flatten().fold(0.0_f32, |loudest, sample| loudest.max(sample.abs()))
     };
@@ -181,13 +181,13 @@ fn played_is_recorded(rate: u32, parts: usize) {
 fn resampled(rate: u32) -> Vec<StereoFrame> {
     let mut resampler = mariana_player::resample::Resampler::new(rate, RATE).expect("usual rates");
     let mut frames = Vec::new();
-    resampler.process(&Song::new(4.0, rate).frames, &mut frames).expect("it converts");
-    resampler.finish(&mut frames).expect("it converts");
+    resampler.process(&Song::new(4.0, rate).frames, &mut frames).expect("converted frames");
+    resampler.finish(&mut frames).expect("converted frames");
     frames
 }
 
 #[test]
-fn the_sink_plays_what_the_source_gave() {
+fn the_sink_plays_the_source() {
     played_is_recorded(RATE, 1);
 }
 
@@ -203,18 +203,18 @@ fn another_rate_is_converted() {
 }
 
 #[test]
-fn the_clock_tells_what_is_heard() {
+fn the_clock_follows_the_sound() {
     let _session = Session::with_server();
     let mut player = play(Song::new(60.0, RATE), true);
     wait_for(&mut player, "the sound", |status| status.position > 1.0);
     let begin = Instant::now();
     let mut last = 0.0;
-    // How much further the song is than the time since then: at least, and at most, since the machine may stop this
-    // thread between the clocks.
+    // The lead of the song over the passed time: a lower and an upper bound, because this thread may be interrupted
+    // between two clock reads.
     let mut ahead = || {
         let before = begin.elapsed().as_secs_f64();
         let now = player.now(0.0).song_time;
-        assert!(now >= last, "it stepped back");
+        assert!(now >= last, "the clock stepped back");
         last = now;
         (now - begin.elapsed().as_secs_f64(), now - before)
     };
@@ -256,11 +256,11 @@ fn a_server_that_dies_leaves_the_song_running() {
     assert!(killed.elapsed() < Duration::from_secs(3));
     let from = status.position;
     assert!(from >= before.position && from < before.position + 1.0, "from {} to {from}", before.position);
-    let after = wait_for(&mut player, "going on", |status| status.position > from + 0.5);
+    let after = wait_for(&mut player, "progress", |status| status.position > from + 0.5);
     assert!(after.position < from + 3.0);
     let begin = Instant::now();
     drop(player);
-    assert!(begin.elapsed() < Duration::from_secs(2), "{:?} to end", begin.elapsed());
+    assert!(begin.elapsed() < Duration::from_secs(2), "{:?} until the player ended", begin.elapsed());
 }
 
 #[test]

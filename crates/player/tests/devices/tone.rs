@@ -1,9 +1,9 @@
-//! A song for tests and measurements of devices.
+//! A song for tests and benchmarks of devices.
 
 use mariana_music::StereoFrame;
 use mariana_player::source::{FrameSource, SourceError};
 
-/// A tone that never ends.
+/// An endless tone.
 pub(crate) struct Tone(pub(crate) u64);
 
 impl FrameSource for Tone {

@@ -1,11 +1,11 @@
-//! Decoding by `ffmpeg`, where it is installed, of formats and codecs that [`native`](super::native) lacks.
+//! Decoding with an installed `ffmpeg`, for formats and codecs that [`native`](super::native) lacks.
 //!
-//! `ffprobe` describes the file, and `ffmpeg` writes the sound as 32-bit floats, with the file's own rate and
-//! channels, into a pipe. A seek starts it anew at another time (`-ss`), so it lands as exactly as the container tells
-//! its times: on the frame in lossless formats, within some milliseconds in others. Both programs are found through
-//! `PATH` and started without a shell. The file is named as `file:` with its whole path, so that no name is an option or
-//! an address. [`CommandLine`] keeps both from opening other files and addresses: ffprobe chooses among the demuxers of
-//! songs, and ffmpeg reads the file by the chosen one.
+//! `ffprobe` describes the file. `ffmpeg` writes the sound to a pipe as 32-bit floats with the file's own rate and
+//! channels. A seek restarts it at another time (`-ss`), so it is as exact as the container's times: exact to the frame
+//! in lossless formats, within some milliseconds in others. Both programs are found through `PATH` and started without
+//! a shell. The file is passed as `file:` with its absolute path, so that no name is taken for an option or an address.
+//! [`CommandLine`] keeps both programs from opening other files and addresses: ffprobe chooses among the demuxers for
+//! songs, and ffmpeg uses the chosen one.
 
 mod probe;
 mod process;
@@ -23,13 +23,13 @@ use crate::limits::LIMITS;
 use probe::{Answer, Stream};
 use process::{Failure, Process};
 
-/// Most bytes of an answer of `ffprobe` that are read: pictures of covers are not in it.
+/// Largest answer of `ffprobe` that is read, in bytes; it contains no cover images.
 const ANSWER_MAX: usize = 1 << 20;
 
-/// A forward seek by no more than this many seconds decodes on.
+/// A forward seek of at most this many seconds decodes up to the target.
 const NEAR_SECONDS: u64 = 1;
 
-/// The programs, and how long they may give nothing.
+/// The paths of the programs, and the longest time that they may stay silent.
 #[derive(Debug, Clone)]
 pub(super) struct Programs {
     ffprobe: PathBuf,
@@ -47,25 +47,25 @@ impl Default for Programs {
 /// A file that ffmpeg decodes.
 pub(super) struct FfmpegDecoder {
     programs: Programs,
-    /// The file, with its whole path.
+    /// The absolute path of the file.
     path: PathBuf,
-    /// The stream within it.
+    /// The index of the stream in the file.
     stream: u32,
     info: StreamInfo,
     downmix: Downmix,
     process: Process,
-    /// Bytes that are not a whole frame yet.
+    /// Bytes of an incomplete frame.
     rest: Vec<u8>,
-    /// Frames that are ready; the first is at `position`.
+    /// Decoded frames; the first is at `position`.
     pending: Vec<StereoFrame>,
     position: u64,
-    /// Frames to drop before the next one that is heard.
+    /// Frames to drop before the next audible one.
     skip: u64,
     ended: bool,
 }
 
 impl FfmpegDecoder {
-    /// Opens the file at `path`, which is called `name`, because it is refused here with the error `refusal`.
+    /// Opens the file at `path` under the display name `name`, after the native decoder rejected it with `refusal`.
     pub(super) fn open(
         path: &Path,
         name: &str,
@@ -84,13 +84,13 @@ impl FfmpegDecoder {
             });
         }
         if stream.channels == 0 || stream.rate() == 0 {
-            let what = "ffmpeg finds no sound in it".into();
+            let what = "ffmpeg finds no audio in it".into();
             return Err(DecodeError::Damaged { name: name.to_owned(), what });
         }
         sniff::check(name, stream.channels, stream.rate())?;
         let demuxer = answer.format.demuxer().ok_or_else(|| DecodeError::Damaged {
             name: name.to_owned(),
-            what: "ffmpeg recognises no format of sound in it".into(),
+            what: "ffmpeg finds no audio format in it".into(),
         })?;
         let info = StreamInfo {
             name: name.to_owned(),
@@ -130,7 +130,7 @@ impl FfmpegDecoder {
         &self.info
     }
 
-    /// Appends the next frames to `out` and returns how many; 0 is the end.
+    /// Appends the next frames to `out` and returns their number; 0 at the end.
     pub(super) fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
         self.advance()?;
         let count = self.pending.len();
@@ -142,7 +142,7 @@ impl FfmpegDecoder {
     /// Moves to the frame nearest to `seconds` and returns the time reached.
     pub(super) fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
         let rate = f64::from(self.info.sample_rate);
-        // What is no number is the start. Past what is claimed to be the end may still be sound, but little.
+        // NaN becomes the start. Past the claimed end there may be a little more sound.
         let latest = self.info.duration.unwrap_or(LIMITS.claimed_duration_max);
         let target = (seconds.clamp(0.0, latest) * rate).round() as u64;
         let near = u64::from(self.info.sample_rate) * NEAR_SECONDS;
@@ -161,7 +161,7 @@ impl FfmpegDecoder {
         Ok(self.position as f64 / rate)
     }
 
-    /// Decodes until there is something to fetch, or to the end.
+    /// Decodes until a frame is pending or the stream ends.
     fn advance(&mut self) -> Result<(), DecodeError> {
         while self.pending.is_empty() && !self.ended {
             match self.process.next() {
@@ -176,7 +176,7 @@ impl FfmpegDecoder {
         Ok(())
     }
 
-    /// Takes bytes of samples, the channels in turn.
+    /// Converts bytes of interleaved samples.
     fn take(&mut self, piece: &[u8]) {
         self.rest.extend_from_slice(piece);
         let channels = self.downmix.channels();
@@ -201,7 +201,7 @@ impl FfmpegDecoder {
     }
 }
 
-/// Starts to decode a stream of a file, from a time on.
+/// Starts to decode a stream of a file at a time.
 fn start(
     programs: &Programs,
     path: &Path,
@@ -220,10 +220,10 @@ fn start(
     Process::start(line, programs.patience)
 }
 
-/// Who reads the file, for the sentences about it.
+/// The context for error messages about a file.
 struct Reader<'a> {
     name: &'a str,
-    /// Why it is not decoded here.
+    /// The rest of the sentence after the file's name: why the native decoder rejected it.
     refusal: String,
 }
 
@@ -241,16 +241,16 @@ impl Reader<'_> {
         if !process.succeeded() {
             return Err(self.refused(&mut process, path));
         }
-        // What it writes about a file is never malformed, whatever the file is.
+        // ffprobe's output is well-formed for any file.
         serde_json::from_slice(&answer).map_err(|error| DecodeError::Damaged {
             name: self.name.to_owned(),
-            what: format!("ffprobe's answer about it makes no sense ({error})"),
+            what: format!("ffprobe's answer about it is malformed ({error})"),
         })
     }
 
-    /// The error for a program that gave nothing.
+    /// The error for a program that produced no output.
     fn refused(&self, process: &mut Process, path: &Path) -> DecodeError {
-        // It has closed its pipe; once it has ended, its words are complete.
+        // The program has closed its pipe; once it has ended, its error messages are complete.
         process.succeeded();
         let complaint = process.complaint(&file_address(path).to_string_lossy());
         DecodeError::Damaged {
@@ -266,13 +266,13 @@ impl Reader<'_> {
             Failure::Start(reason) => DecodeError::Read { name, reason },
             Failure::Stalled => {
                 let limit = LIMITS.ffmpeg_wait_seconds;
-                DecodeError::Damaged { name, what: format!("ffmpeg gave nothing of it for {limit} s") }
+                DecodeError::Damaged { name, what: format!("ffmpeg returned no data for {limit} s") }
             }
         }
     }
 }
 
-/// What is in the file that is not decoded here.
+/// The content that the native decoder rejected, as the rest of a sentence after the file's name.
 fn describe(refusal: &DecodeError) -> String {
     match refusal {
         DecodeError::UnsupportedFormat { what, .. } => format!("is {what}"),
@@ -281,8 +281,8 @@ fn describe(refusal: &DecodeError) -> String {
     }
 }
 
-/// The down-mix for a stream. ffmpeg's order of channels is that of WAVE files; layouts that are not the usual ones for
-/// their number are told apart by name.
+/// The down-mix for a stream. ffmpeg orders channels like WAVE files; layouts that are unusual for their channel count
+/// are recognised by name.
 fn downmix(stream: &Stream) -> Downmix {
     const FRONT: Position = Position::FRONT_LEFT.union(Position::FRONT_RIGHT);
     let mask = match stream.channel_layout.as_str() {

@@ -1,4 +1,4 @@
-//! What `ffprobe` knows about a file.
+//! The answer of `ffprobe` about a file.
 
 use std::collections::BTreeMap;
 
@@ -8,13 +8,13 @@ use crate::decode::loudness::Loudness;
 use crate::ffmpeg::Demuxer;
 use crate::limits::LIMITS;
 
-/// What is asked of `ffprobe`.
+/// The requested entries.
 pub(super) const ENTRIES: &str = "format=format_name,format_long_name,duration:format_tags:\
     stream=index,codec_type,codec_name,codec_long_name,sample_rate,channels,channel_layout,duration:stream_tags";
 
 type Tags = BTreeMap<String, String>;
 
-/// Its answer. Every field may be missing.
+/// An answer of `ffprobe`; every field may be missing.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Answer {
@@ -31,7 +31,7 @@ pub(super) struct Format {
     tags: Tags,
 }
 
-/// A stream within the file.
+/// A stream of the file.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Stream {
@@ -47,22 +47,22 @@ pub(super) struct Stream {
 }
 
 impl Answer {
-    /// The first stream of sound, if there is one.
+    /// The first audio stream, if there is one.
     pub(super) fn sound(&self) -> Option<&Stream> {
         let mut sounds = self.streams.iter().filter(|stream| stream.codec_type == "audio");
-        // One that can be decoded, if possible.
+        // Prefer a stream that can be decoded.
         let first = sounds.clone().next();
         sounds.find(|stream| stream.is_known()).or(first)
     }
 
-    /// The length of that stream in seconds, if it is told.
+    /// The length of the stream in seconds, if it is reported.
     pub(super) fn duration(&self, stream: &Stream) -> Option<f64> {
         let reported = [&stream.duration, &self.format.duration].into_iter().flatten();
         let mut reported = reported.filter_map(|seconds| seconds.parse::<f64>().ok());
         reported.find(|seconds| *seconds > 0.0 && *seconds <= LIMITS.claimed_duration_max)
     }
 
-    /// A tag of the stream or else of the file.
+    /// A tag of the stream, or else of the file.
     pub(super) fn tag(&self, stream: &Stream, name: &str) -> Option<String> {
         let in_tags = |tags: &Tags| {
             tags.iter().find(|(key, _)| key.eq_ignore_ascii_case(name)).map(|(_, tag)| tag.clone())
@@ -70,7 +70,7 @@ impl Answer {
         in_tags(&stream.tags).or_else(|| in_tags(&self.format.tags)).filter(|tag| !tag.trim().is_empty())
     }
 
-    /// The gains that the file gives.
+    /// The gains in the tags.
     pub(super) fn loudness(&self, stream: &Stream) -> Loudness {
         let mut loudness = Loudness::default();
         for (of_album, word) in [(false, "TRACK"), (true, "ALBUM")] {
@@ -86,7 +86,7 @@ impl Answer {
 }
 
 impl Format {
-    /// The demuxer that reads the file, if it is one of songs.
+    /// The demuxer that reads the file, if it is one for songs.
     pub(super) fn demuxer(&self) -> Option<Demuxer> {
         Demuxer::of_song(&self.format_name)
     }
@@ -97,7 +97,7 @@ impl Format {
 }
 
 impl Stream {
-    /// Whether ffmpeg knows the codec.
+    /// True if ffmpeg knows the codec.
     pub(super) fn is_known(&self) -> bool {
         self.codec_name.as_deref().is_some_and(|name| !["", "unknown", "none"].contains(&name))
     }
@@ -106,7 +106,7 @@ impl Stream {
         self.codec_long_name.as_deref().or(self.codec_name.as_deref()).unwrap_or("an unknown codec")
     }
 
-    /// Frames per second; 0 if that is not told.
+    /// Frames per second; 0 if they are not reported.
     pub(super) fn rate(&self) -> u32 {
         self.sample_rate.as_deref().and_then(|rate| rate.parse().ok()).unwrap_or(0)
     }

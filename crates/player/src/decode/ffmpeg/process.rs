@@ -1,4 +1,4 @@
-//! A program that writes to a pipe: never waited for without a limit, and never left behind.
+//! A child process that writes to a pipe. All waits for it are limited, and it never outlives its [`Process`].
 
 use std::io::{self, Read};
 use std::process::{Child, Stdio};
@@ -9,35 +9,35 @@ use std::time::{Duration, Instant};
 
 use crate::ffmpeg::CommandLine;
 
-/// Bytes that are read from the pipe at a time.
+/// Bytes read from the pipe at a time.
 const PIECE: usize = 1 << 15;
 
-/// Pieces that wait to be fetched; then the program has to wait.
+/// Pieces that are buffered before the program has to wait.
 const PIECES_WAITING: usize = 4;
 
-/// Bytes of the program's complaints that are kept: the last ones.
+/// Bytes of the program's error messages that are kept, from the end.
 const WORDS_MAX: usize = 1 << 12;
 
-/// How long to wait for the end of a program that has closed its pipe or was killed.
+/// The longest wait for the end of a program that has closed its pipe or was killed.
 const END_LIMIT: Duration = Duration::from_millis(500);
 
-/// Why nothing more comes.
+/// The reasons why no more data comes.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// There is no such program.
+    /// The program is not installed.
     Missing,
-    /// It could not be started.
+    /// The program could not be started.
     Start(io::Error),
-    /// It gave nothing for too long.
+    /// The program was silent for too long.
     Stalled,
 }
 
-/// A running program. Dropping it ends the program; if this process ends, the pipe is closed and so the program ends.
+/// A running program. Dropping it kills the program. If this process ends, the pipe is closed, which ends the program.
 pub(super) struct Process {
     child: Child,
     pieces: Receiver<Vec<u8>>,
     words: Arc<Mutex<Vec<u8>>>,
-    /// How long it may give nothing.
+    /// The longest time that the program may stay silent.
     patience: Duration,
 }
 
@@ -57,7 +57,7 @@ impl Process {
         let (to_reader, pieces) = sync_channel(PIECES_WAITING);
         let words = Arc::new(Mutex::new(Vec::new()));
         let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
-        // From here on the program is ended whatever happens.
+        // From here on, dropping `process` ends the program on every path.
         let process = Self { child, pieces, words: words.clone(), patience };
         let thread = || Builder::new().name("ffmpeg".into());
         if let Some(mut stdout) = stdout {
@@ -84,7 +84,7 @@ impl Process {
         Ok(process)
     }
 
-    /// The next bytes that it writes; none once it has closed its pipe.
+    /// The next bytes of its output; `None` once it has closed its pipe.
     pub(super) fn next(&mut self) -> Result<Option<Vec<u8>>, Failure> {
         match self.pieces.recv_timeout(self.patience) {
             Ok(piece) => Ok(Some(piece)),
@@ -93,7 +93,7 @@ impl Process {
         }
     }
 
-    /// All that it writes, up to `limit` bytes.
+    /// All of its output, up to `limit` bytes.
     pub(super) fn all(&mut self, limit: usize) -> Result<Vec<u8>, Failure> {
         let start = Instant::now();
         let mut all = Vec::new();
@@ -106,21 +106,21 @@ impl Process {
         Ok(all)
     }
 
-    /// Whether it ended well, once it has closed its pipe.
+    /// True if the program succeeded; call this after it has closed its pipe.
     pub(super) fn succeeded(&mut self) -> bool {
         self.wait().is_some_and(|success| success)
     }
 
-    /// The last thing that it complained about, on one line; `path` is left out.
+    /// The last error message, on one line and without `path`.
     pub(super) fn complaint(&self, path: &str) -> String {
         let words = self.words.lock().unwrap_or_else(PoisonError::into_inner);
         let words = String::from_utf8_lossy(&words);
         let last = words.lines().rev().map(str::trim).find(|line| !line.is_empty());
-        let last = last.unwrap_or("it says nothing").replace(path, "");
+        let last = last.unwrap_or("no error message").replace(path, "");
         crate::one_line::one_line(last.trim_start_matches([':', ' ']))
     }
 
-    /// Waits for its end within the limit, and tells whether it was a good one.
+    /// Waits for the program's end within the limit and returns true if it succeeded; `None` if it is still running.
     fn wait(&mut self) -> Option<bool> {
         let start = Instant::now();
         loop {
@@ -140,15 +140,15 @@ impl Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // An error means that the program has ended already.
         let _ = self.child.kill();
         if self.wait().is_none() {
-            tracing::debug!("a program that was killed does not end");
+            tracing::debug!("a killed program did not exit");
         }
     }
 }
 
-/// The next bytes; none at the end or after a failure.
+/// The next bytes; `None` at the end or after a failure.
 fn read_piece(from: &mut impl Read) -> Option<Vec<u8>> {
     let mut piece = vec![0; PIECE];
     let count = loop {

@@ -1,4 +1,4 @@
-//! Programs that are missing, hang or are left.
+//! Tests of programs that are missing, hang or are abandoned.
 
 use std::process::Command;
 use std::time::Instant;
@@ -9,7 +9,7 @@ fn refusal() -> DecodeError {
     DecodeError::UnsupportedFormat { name: "a.wma".into(), what: "a Windows Media file".into() }
 }
 
-/// A file of so many seconds, which ffmpeg makes.
+/// Creates a file of `seconds` seconds with ffmpeg.
 fn made(folder: &Path, name: &str, seconds: &str) -> PathBuf {
     let path = folder.join(name);
     let run = Command::new("ffmpeg")
@@ -22,17 +22,17 @@ fn made(folder: &Path, name: &str, seconds: &str) -> PathBuf {
 }
 
 fn is_running(process: u32) -> bool {
-    // One that has ended but was not waited for is a zombie.
+    // A process that has ended but was not waited for is a zombie.
     let state = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
     !matches!(state.rsplit(") ").next(), None | Some("")) && !state.contains(") Z")
 }
 
 fn error(opened: Result<FfmpegDecoder, DecodeError>) -> String {
-    opened.err().expect("it is refused").to_string()
+    opened.err().expect("an error").to_string()
 }
 
 #[test]
-fn without_ffmpeg_the_sentence_says_that_it_would_help() {
+fn without_ffmpeg_the_message_suggests_it() {
     let nowhere = Programs { ffprobe: "/nowhere/ffprobe".into(), ..Programs::default() };
     let reported = error(FfmpegDecoder::open(Path::new("a.wma"), "a.wma", &refusal(), &nowhere));
     assert!(
@@ -52,7 +52,7 @@ fn a_program_that_hangs_is_given_up_and_ended() {
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe.wma");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    // It waits for a writer that never comes.
+    // ffmpeg waits for a writer of the pipe, which never comes.
     let patience = Duration::from_millis(300);
     let start = Instant::now();
     let reported = error(FfmpegDecoder::open(
@@ -61,13 +61,13 @@ fn a_program_that_hangs_is_given_up_and_ended() {
         &refusal(),
         &Programs { patience, ..Programs::default() },
     ));
-    assert!(reported.contains("gave nothing"), "{reported}");
-    assert!(start.elapsed() < Duration::from_secs(20), "it was waited for");
+    assert!(reported.contains("returned no data"), "{reported}");
+    assert!(start.elapsed() < Duration::from_secs(20), "the wait was not limited");
 }
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_decoder_that_is_left_leaves_no_program_behind() {
+fn a_dropped_decoder_leaves_no_program_behind() {
     let folder = tempfile::tempdir().unwrap();
     let path = made(folder.path(), "long.au", "300");
     let mut decoder = FfmpegDecoder::open(&path, "long.au", &refusal(), &Programs::default()).unwrap();
@@ -90,7 +90,7 @@ fn a_name_is_never_an_option_an_address_or_a_list() {
         let opened = FfmpegDecoder::open(&path, name, &refusal(), &Programs::default());
         assert!(opened.is_ok(), "{name}: {:?}", opened.err());
     }
-    // A list of other files is no sound, even if it is one that ffmpeg knows.
+    // A list of other files is no audio, even if ffmpeg knows its format.
     let list = folder.path().join("list.wma");
     std::fs::write(&list, "ffconcat version 1.0\nfile a.wma\n").unwrap();
     let reported = error(FfmpegDecoder::open(&list, "list.wma", &refusal(), &Programs::default()));

@@ -1,4 +1,4 @@
-//! What the decoding thread is asked for.
+//! Commands to the decoding thread.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -7,41 +7,41 @@ use crate::listed::{Edit, Edited};
 use crate::output::OutputCallbackLink;
 use crate::track::{Found, Repeat};
 
-/// What the window, the supervisor and the list thread ask for or deliver.
+/// A command from the window, the supervisor or the list thread.
 pub(crate) enum Command {
-    /// Play on this output from `at` on.
+    /// Plays on this output from `at` on.
     Output {
         /// The output.
         link: OutputCallbackLink,
-        /// When it came.
+        /// The time at which it opened.
         at: Instant,
     },
-    /// Go to a time of the track, in seconds.
+    /// Seeks to a time of the track, in seconds.
     SeekTo(f64),
-    /// Go forward or back by seconds.
+    /// Seeks by seconds, forward or back.
     SeekBy(f64),
-    /// Go to the next track, or back.
+    /// Skips to the next or the previous track.
     Skip {
-        /// Whether it is the next.
+        /// True for the next track.
         forward: bool,
     },
-    /// Play these files instead of the list.
+    /// Replaces the list by these files.
     Files(Vec<PathBuf>),
-    /// Play the track at this index of the list.
+    /// Plays the track at this index of the list.
     PlayEntry(usize),
-    /// Change the list.
+    /// Edits the list.
     Edit(Edit),
-    /// What a change of the list means for what plays.
+    /// The result of an edit.
     Edited(Edited),
-    /// Change the order and the repeating of tracks.
+    /// Changes the repeat mode and the order.
     Order(Repeat, bool),
     /// The list thread's answer to request `id`.
     Found {
-        /// The request.
+        /// The request's id.
         id: u64,
         /// The answer.
         found: Found,
     },
-    /// End the thread.
+    /// Ends the thread.
     Quit,
 }

@@ -1,42 +1,42 @@
-//! The tracks that have begun in the segment: the one that is decoded, and those before it that may still sound.
+//! The tracks that have begun in the segment: the one being decoded, and earlier ones that may still be audible.
 
 use std::collections::VecDeque;
 
 use crate::source::FrameSource;
 use crate::track::Track;
 
-/// A track, and the passage in which it is played.
+/// A track and the passage in which it plays.
 struct Playing {
     passage: u64,
     track: Track,
 }
 
-/// See the module.
+/// The current track and the earlier tracks of the segment.
 pub(super) struct Passages {
     current: Playing,
-    /// Earlier tracks of the segment whose ends may still sound, the oldest first.
+    /// Earlier tracks of the segment whose ends may still be audible, the oldest first.
     before: VecDeque<Playing>,
-    /// The newest passage. No number is used twice, so that what comes late is told from what it is late for.
+    /// The newest passage. Numbers are never reused, so late features cannot be attributed to the wrong passage.
     last: u64,
 }
 
 impl Passages {
-    /// Only `first`, of which nothing has sounded.
+    /// Starts with `first`, before any of it is audible.
     pub(super) fn new(first: Track) -> Self {
         Self { current: Playing { passage: 0, track: first }, before: VecDeque::new(), last: 0 }
     }
 
-    /// The track that is decoded.
+    /// The track being decoded.
     pub(super) fn track(&self) -> &Track {
         &self.current.track
     }
 
-    /// Where its frames come from.
+    /// The frames of the track being decoded.
     pub(super) fn source(&mut self) -> &mut dyn FrameSource {
         &mut *self.current.track.source
     }
 
-    /// The passage of the track that is decoded.
+    /// The passage of the track being decoded.
     pub(super) fn current(&self) -> u64 {
         self.current.passage
     }
@@ -46,39 +46,39 @@ impl Passages {
         self.before.front().unwrap_or(&self.current).passage
     }
 
-    /// The id of the entry of the list that sounds in `passage`.
+    /// The id of the list entry that plays in `passage`.
     pub(super) fn entry_in(&self, passage: u64) -> u64 {
         let playing = self.before.iter().find(|playing| playing.passage == passage).unwrap_or(&self.current);
         playing.track.info.id
     }
 
-    /// Whether the entry with this id comes after `passage` and was begun ahead.
+    /// True if the entry with this id has begun ahead of time, after `passage`.
     pub(super) fn has_begun(&self, id: u64, passage: u64) -> bool {
         let mut begun = self.before.iter().chain([&self.current]);
         begun.any(|playing| playing.passage > passage && playing.track.info.id == id)
     }
 
-    /// Makes a new passage of the current track, because it goes on elsewhere.
+    /// Makes a new passage of the current track, because it continues at another position.
     pub(super) fn begin_anew(&mut self) {
         self.last += 1;
         self.current.passage = self.last;
     }
 
-    /// Goes on with `track`; the one before may still sound.
+    /// Continues with `track`; the previous one may still be audible.
     pub(super) fn follow_with(&mut self, track: Track) {
         self.last += 1;
         let current = Playing { passage: self.last, track };
         self.before.push_back(std::mem::replace(&mut self.current, current));
     }
 
-    /// Replaces everything by `track`. Nothing of its passage is audible until a segment begins with it.
+    /// Replaces all tracks by `track`. It is not audible until a segment begins with it.
     pub(super) fn replace_with(&mut self, track: Track) {
         self.forget_earlier();
         self.last += 1;
         self.current = Playing { passage: self.last, track };
     }
 
-    /// Whether tracks before the current one are kept.
+    /// True if tracks before the current one are kept.
     pub(super) fn has_earlier(&self) -> bool {
         !self.before.is_empty()
     }
@@ -88,15 +88,15 @@ impl Passages {
         self.before.clear();
     }
 
-    /// Drops the tracks whose passages are over once `passage` is audible.
+    /// Drops the tracks that are over once `passage` is audible.
     pub(super) fn forget_before(&mut self, passage: u64) {
         while self.before.front().is_some_and(|playing| playing.passage < passage) {
             self.before.pop_front();
         }
     }
 
-    /// Makes the track of `passage` the current one again, if later ones were begun ahead. Returns the track that came
-    /// next, which does not stand at its start. A new segment must follow.
+    /// Makes the track of `passage` current again if later ones have begun ahead of time. Returns the track after it,
+    /// which is not at its start. The caller must begin a new segment.
     pub(super) fn go_back_to(&mut self, passage: u64) -> Option<Track> {
         self.forget_before(passage);
         let mut after = None;
@@ -113,7 +113,7 @@ impl Passages {
 mod tests {
     use super::*;
 
-    /// Entries 0, 1 and 2, each begun after the one before.
+    /// Entries 0, 1 and 2 in succession.
     fn three() -> Passages {
         let mut passages = Passages::new(Track::silence(0, 3));
         passages.follow_with(Track::silence(1, 3));
@@ -126,13 +126,13 @@ mod tests {
         let mut passages = three();
         let (first, last) = (passages.earliest(), passages.current());
         assert_eq!([first, first + 1, last].map(|passage| passages.entry_in(passage)), [0, 1, 2]);
-        let after = passages.go_back_to(first).expect("there is a later one");
+        let after = passages.go_back_to(first).expect("a later track");
         assert_eq!((passages.track().info.entry, after.info.entry), (0, 1));
-        assert!(passages.go_back_to(first).is_none(), "it is there already");
+        assert!(passages.go_back_to(first).is_none(), "it is current already");
     }
 
     #[test]
-    fn what_is_over_is_forgotten_and_the_current_track_stays() {
+    fn past_tracks_are_dropped_and_the_current_one_stays() {
         let mut passages = three();
         passages.forget_before(passages.current());
         assert!(!passages.has_earlier());
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn no_passage_has_the_number_of_another() {
+    fn passage_numbers_are_unique() {
         let mut passages = three();
         let last = passages.current();
         let _ = passages.go_back_to(last - 1);

@@ -1,38 +1,38 @@
-//! Where the song is, and where it goes on.
+//! The song's current position, and the position at which the next segment starts.
 
 use std::time::{Duration, Instant};
 
 use super::segment::CurrentSegment;
 
-/// A place of the song.
+/// A position in the song.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Place {
-    /// The passage that it is in.
+    /// The passage that contains it.
     pub(super) passage: u64,
-    /// Time of its track, in seconds.
+    /// The time of its track, in seconds.
     pub(super) time: f64,
 }
 
-/// Where the song goes on.
+/// The start of the next segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Goal {
-    /// Time of the track, in seconds.
+    /// The time of the track, in seconds.
     pub(super) time: f64,
     /// True if only the output changed.
     pub(super) same_run: bool,
-    /// When that time is due, if the song is running.
+    /// The moment at which that time is due, if the song is running.
     pub(super) due: Option<Instant>,
 }
 
 impl Goal {
-    /// A seek or a skip.
+    /// The goal of a seek or a skip.
     pub(super) fn seek(time: f64) -> Self {
         Self { time, same_run: false, due: None }
     }
 }
 
 impl CurrentSegment {
-    /// The place that is audible; or the target of a seek that is not heard yet, in passage `earliest`.
+    /// The audible position. Until a seek is audible, its target in passage `earliest`.
     pub(super) fn place(&self, earliest: u64) -> Place {
         let heard = self.audible().and_then(|audible| self.audible_segments().lock().place(audible, 0.0));
         heard.map_or(Place { passage: earliest, time: self.start() }, |heard| Place {
@@ -41,8 +41,8 @@ impl CurrentSegment {
         })
     }
 
-    /// The passage and the place of the song at a moment if it runs on, whatever the output does. What is not heard
-    /// yet is in passage `earliest`.
+    /// The passage and position of the song at a moment, if it continues in real time regardless of the output. A
+    /// position that is not audible yet is in passage `earliest`.
     pub(super) fn course(&self, at: Instant, earliest: u64) -> (u64, Goal) {
         let Place { passage, time } = self.place(earliest);
         let stands = Goal { time, same_run: true, due: None };
@@ -50,7 +50,7 @@ impl CurrentSegment {
             return (passage, stands);
         }
         let Some(course) = self.course_of_output(at) else {
-            // Nothing of the segment has been heard yet.
+            // No frame of the segment has been audible yet.
             let runs = |due| {
                 let late: Duration = at.saturating_duration_since(due);
                 Goal { time: self.start() + late.as_secs_f64(), same_run: true, due: Some(at.max(due)) }

@@ -14,49 +14,50 @@ use crate::resample::{ResampleError, Resampler};
 use crate::track::TrackInfo;
 use mariana_music::StereoFrame;
 
-/// Depth of the ring, in seconds, or [`RING_BUFFERS`] buffers of the device if that is more.
+/// Depth of the ring, in seconds; at least [`RING_BUFFERS`] device buffers.
 const RING: f64 = 0.4;
 
-/// See [`RING`].
+/// Smallest depth of the ring, in device buffers.
 const RING_BUFFERS: usize = 4;
 
-/// How much of a segment must be ready before it is heard, in seconds: more than the analysis looks ahead.
+/// Seconds of a segment that must be ready before it is played: more than the look-ahead of the analysis.
 const PREFILL: f64 = 0.15;
 
-/// What a segment begins with.
+/// The start of a segment.
 pub(super) struct SegmentStart {
-    /// The passage of its first frame, and its track.
+    /// The passage of its first frame.
     pub(super) passage: u64,
-    /// What is known about that track.
+    /// Metadata of the passage's track.
     pub(super) info: Arc<TrackInfo>,
-    /// Time of the track of its first frame, in seconds.
+    /// The track time of its first frame, in seconds.
     pub(super) target: f64,
-    /// From the source's rate to that of the output.
+    /// The converter from the source's rate to the output's.
     pub(super) resampler: Resampler,
-    /// Frames of the source before the target: for the analysis alone.
+    /// Source frames before the target, which only the analysis uses.
     pub(super) skip: u64,
-    /// Whether the source stands at the track's start.
+    /// True if the source is at the track's start.
     pub(super) from_start: bool,
 }
 
-/// See the module. There is none before the first output, and after one that could not begin.
+/// The segment being filled and its output. There is no segment before the first output, or after one that could not
+/// begin.
 pub(super) struct CurrentSegment {
     audible_segments: SharedAudibleSegments,
     link: Option<OutputCallbackLink>,
     filling: Option<Filling>,
     last_id: u64,
-    /// Grows with each seek and each skip.
+    /// A number that grows with each seek and each skip.
     run: u64,
-    /// When the first frame of the segment is due, if it has to meet a time.
+    /// The moment at which the first frame is due, if it has to meet a time.
     due: Option<Instant>,
-    /// How many calls the output had made when the process last stood still.
+    /// The number of output calls when the process was last suspended.
     stood_still: Option<u64>,
-    /// Where to start once there is an output, in seconds.
+    /// The start of the next segment once there is an output, in seconds.
     start: f64,
 }
 
 impl CurrentSegment {
-    /// No segment yet, nor an output. What sounds when is noted in `audible_segments`.
+    /// Starts without a segment or an output. Positions are recorded in `audible_segments`.
     pub(super) fn new(audible_segments: SharedAudibleSegments) -> Self {
         Self {
             audible_segments,
@@ -70,41 +71,41 @@ impl CurrentSegment {
         }
     }
 
-    /// Takes another output; the next segment is for it.
+    /// Switches to another output for the next segment.
     pub(super) fn set_output(&mut self, link: OutputCallbackLink) {
         self.link = Some(link);
         self.stood_still = None;
     }
 
-    /// Frames per second of the output, if there is one.
+    /// The output's frames per second, if there is an output.
     pub(super) fn output_rate(&self) -> Option<u32> {
         self.link.as_ref().map(|link| link.rate)
     }
 
-    /// Frees what the output is done with.
+    /// Frees the segments that the output has returned.
     pub(super) fn clean_up(&mut self) {
         if let Some(link) = &mut self.link {
             link.clean_up();
         }
     }
 
-    /// Notes that the process stood still until now.
+    /// Records that the process was suspended until now.
     pub(super) fn note_standstill(&mut self) {
         self.stood_still = self.link.as_ref().map(|link| link.history.calls());
     }
 
-    /// Whether the process stood still, and so did the song: the output has not called since then.
+    /// True if the process was suspended and the output has not called since, so that the song has not moved.
     pub(super) fn stands_still(&self) -> bool {
         let calls = self.link.as_ref().map(|link| link.history.calls());
         calls.is_some() && self.stood_still == calls
     }
 
-    /// Whether there is a segment.
+    /// True if there is a segment.
     pub(super) fn is_filling(&self) -> bool {
         self.filling.is_some()
     }
 
-    /// Whether nothing more comes for it.
+    /// True if no more frames come for the segment.
     pub(super) fn is_finished(&self) -> bool {
         self.filling.as_ref().is_some_and(|filling| filling.exhausted)
     }
@@ -114,48 +115,48 @@ impl CurrentSegment {
         self.filling.as_mut()
     }
 
-    /// What sounds when.
+    /// The record of audible positions.
     pub(super) fn audible_segments(&self) -> &SharedAudibleSegments {
         &self.audible_segments
     }
 
-    /// When its first frame is due, if it has to meet a time.
+    /// The moment at which the first frame is due, if it has to meet a time.
     pub(super) fn due(&self) -> Option<Instant> {
         self.due
     }
 
-    /// Track time at which it starts, or will once there is an output, in seconds.
+    /// The track time at which the segment starts, now or once there is an output, in seconds.
     pub(super) fn start(&self) -> f64 {
         self.filling.as_ref().map_or(self.start, |filling| filling.target)
     }
 
-    /// What of it is audible now.
+    /// The audible frame of the segment.
     pub(super) fn audible(&self) -> Option<Audible> {
         let (link, filling) = (self.link.as_ref()?, self.filling.as_ref()?);
         link.history.at(Instant::now()).filter(|audible| audible.segment == filling.id)
     }
 
-    /// What of it is audible at a moment if the output runs on; none before any of it was heard.
+    /// The segment's audible frame at a moment if the output continues; `None` before its first frame was audible.
     pub(super) fn course_of_output(&self, at: Instant) -> Option<Course> {
         let (link, filling) = (self.link.as_ref()?, self.filling.as_ref()?);
         link.history.course(at).filter(|course| course.audible.segment == filling.id)
     }
 
-    /// Sets where the next segment starts, now or when there is an output.
+    /// Sets the start of the next segment.
     pub(super) fn aim(&mut self, goal: Goal) {
         self.start = goal.time.max(0.0);
         self.run += u64::from(!goal.same_run);
         self.due = goal.due;
     }
 
-    /// Ends the segment for another one, and forgets it if it was never handed over.
+    /// Drops the segment, and its record if it was never handed over.
     pub(super) fn abandon(&mut self) {
         if let Some(missed_audio) = self.filling.take().filter(|filling| filling.waiting.is_some()) {
             self.audible_segments.lock().discard(missed_audio.id);
         }
     }
 
-    /// Begins another segment for the output.
+    /// Begins a segment for the output.
     pub(super) fn begin(&mut self, start: SegmentStart) {
         let Some(link) = &self.link else { return };
         let SegmentStart { passage, info, target, resampler, skip, from_start } = start;
@@ -170,8 +171,8 @@ impl CurrentSegment {
         self.filling = Some(filling);
     }
 
-    /// Moves what is ready into the ring, and hands the segment over once enough of it is there. Returns whether more
-    /// is to be decoded now.
+    /// Moves ready frames into the ring, and hands the segment over once it holds enough. Returns true if more frames
+    /// should be decoded now.
     pub(super) fn push(&mut self) -> bool {
         let Some((link, filling)) = self.link.as_mut().zip(self.filling.as_mut()) else { return false };
         filling.push_ready();
@@ -181,7 +182,7 @@ impl CurrentSegment {
             self.audible_segments.lock().finish(filling.id, filling.pushed);
         }
         let prefill = ((PREFILL * f64::from(link.rate)) as u64).min(filling.ring.buffer().capacity() as u64);
-        // What is heard first must have its features, unless there is no room to wait for them.
+        // The first audible frames need their features, unless the ring is too full to wait for them.
         let is_full = !filling.is_pushed();
         let is_ready =
             filling.pushed >= prefill && (is_full || self.audible_segments.lock().has_begun(filling.id));
@@ -193,8 +194,8 @@ impl CurrentSegment {
         !filling.finished && filling.is_pushed()
     }
 
-    /// Notes that the track of `passage`, whose source has `rate` frames per second, ended before the target: the
-    /// segment starts at its end.
+    /// Handles a track that ended before the target: the segment starts at the track's end. `rate` is the source's
+    /// frames per second.
     pub(super) fn start_at_end(&mut self, passage: u64, rate: u32) {
         let Some(filling) = self.filling.as_mut().filter(|filling| filling.skip > 0) else { return };
         filling.target = (filling.target - filling.skip as f64 / f64::from(rate)).max(0.0);
@@ -202,7 +203,7 @@ impl CurrentSegment {
         self.audible_segments.lock().set_start(passage, filling.target);
     }
 
-    /// Goes on with the same track from its start.
+    /// Continues with the same track from its start.
     pub(super) fn begin_lap(&mut self) {
         let played = self.played();
         let Some(filling) = &mut self.filling else { return };
@@ -210,7 +211,7 @@ impl CurrentSegment {
         self.audible_segments.lock().begin_lap(filling.id, filling.next_time(), played);
     }
 
-    /// Goes on with another track from its start, as `passage`. Its frames come at the rate that was last set.
+    /// Continues with another track from its start, as `passage`. Its frames have the source rate that was set last.
     pub(super) fn begin_track(&mut self, passage: u64, info: Arc<TrackInfo>) {
         let played = self.played();
         let Some(filling) = &mut self.filling else { return };
@@ -218,10 +219,10 @@ impl CurrentSegment {
         self.audible_segments.lock().begin_track(filling.id, filling.next_time(), played, passage, info);
     }
 
-    /// Takes frames at this rate from now on.
+    /// Sets the source's rate for the following frames.
     ///
     /// # Errors
-    /// A rate that cannot be converted.
+    /// The rate cannot be converted.
     pub(super) fn set_source_rate(
         &mut self,
         rate: u32,
@@ -234,7 +235,7 @@ impl CurrentSegment {
         filling.change_resampler(Resampler::new(rate, link.rate)?, link.rate, scratch)
     }
 
-    /// Time of the segment that is certainly past, however late the picture is, in seconds.
+    /// The segment time that is certainly past even with the largest delay of the image, in seconds.
     fn played(&self) -> f64 {
         let rate = self.output_rate().unwrap_or(1);
         let audible = self.audible().map_or(0.0, |audible| audible.frame / f64::from(rate));

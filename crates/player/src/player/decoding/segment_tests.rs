@@ -1,4 +1,4 @@
-//! When a segment is handed over, and where the song is while nothing of it is heard.
+//! Tests of the handover of segments, and of the song's position before a segment is audible.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,7 +10,7 @@ use mariana_music::{Features, TimedFeatures};
 
 const RATE: u32 = 48_000;
 
-/// A segment that starts at 2 s, and the callback that it is for.
+/// A segment that starts at `goal`, and its callback.
 fn begun(goal: Goal) -> (CurrentSegment, OutputCallback) {
     let mut segment = CurrentSegment::new(SharedAudibleSegments::default());
     let controls = Arc::new(Controls::new(1.0, false));
@@ -30,11 +30,11 @@ fn begin(segment: &mut CurrentSegment, target: f64) {
 fn feed(segment: &mut CurrentSegment, seconds: f64) {
     let frames = vec![[0.5; 2]; (seconds * f64::from(RATE)) as usize];
     let filling = segment.filling().expect("there is a segment");
-    filling.feed(&frames, &mut Vec::new()).expect("nothing is converted");
+    filling.feed(&frames, &mut Vec::new()).expect("equal rates need no conversion");
 }
 
 #[test]
-fn what_is_heard_first_has_its_features() {
+fn the_first_audible_frames_have_features() {
     let (mut segment, callback) = begun(Goal::seek(2.0));
     feed(&mut segment, PREFILL + 0.01);
     assert!(segment.push() && !callback.is_offered());
@@ -43,14 +43,14 @@ fn what_is_heard_first_has_its_features() {
 }
 
 #[test]
-fn a_full_ring_waits_for_no_features_and_takes_no_more() {
+fn a_full_ring_does_not_wait_for_features() {
     let (mut segment, callback) = begun(Goal::seek(2.0));
     feed(&mut segment, RING + 0.01);
     assert!(!segment.push() && callback.is_offered());
 }
 
 #[test]
-fn a_short_end_is_heard_too() {
+fn a_short_end_is_played() {
     let (mut segment, callback) = begun(Goal::seek(2.0));
     feed(&mut segment, 0.01);
     segment.filling().expect("there is a segment").exhausted = true;
@@ -58,7 +58,7 @@ fn a_short_end_is_heard_too() {
 }
 
 #[test]
-fn what_is_not_heard_yet_runs_only_if_it_is_due() {
+fn an_inaudible_segment_runs_only_if_it_is_due() {
     let at = Instant::now();
     let seek = Goal::seek(2.0);
     let later = at + Duration::from_secs(3);
@@ -68,17 +68,21 @@ fn what_is_not_heard_yet_runs_only_if_it_is_due() {
     let due = Goal { time: 2.0, same_run: true, due: Some(at) };
     let (mut segment, _callback) = begun(due);
     let runs = Goal { time: 5.0, same_run: true, due: Some(later) };
-    assert_eq!(segment.course(later, 1), (1, runs), "another output meets the time");
+    assert_eq!(segment.course(later, 1), (1, runs), "a new output meets the due time");
     segment.note_standstill();
-    assert_eq!(segment.course(later, 1), (1, stands), "while the process stood still so did the song");
+    assert_eq!(
+        segment.course(later, 1),
+        (1, stands),
+        "the song does not move while the process is suspended"
+    );
 }
 
 #[test]
-fn only_seeks_and_skips_begin_a_run() {
+fn only_seeks_and_skips_start_a_run() {
     let (mut segment, _callback) = begun(Goal::seek(2.0));
     let run = segment.run;
     segment.aim(Goal { time: 2.5, same_run: true, due: None });
-    assert_eq!((segment.run, segment.start()), (run, 2.0), "the old segment is there until it is abandoned");
+    assert_eq!((segment.run, segment.start()), (run, 2.0), "the old segment remains until it is abandoned");
     segment.abandon();
     assert_eq!(segment.start(), 2.5);
     segment.aim(Goal::seek(-1.0));

@@ -1,4 +1,4 @@
-//! What plays and what comes next: the decoding thread's side of its talk with the list thread.
+//! The queue of tracks: the decoding thread's requests to the list thread and their answers.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,41 +9,41 @@ use crate::listed::{Edit, Edited};
 use crate::player::listing::{Request, SharedTrackErrors};
 use crate::track::{Found, Repeat, Track, TrackInfo, Wanted};
 
-/// After this many tracks in a row without a frame, silence is played.
+/// Number of successive empty tracks after which silence is played.
 const EMPTY_TRACKS_MAX: u32 = 64;
 
-/// What comes after the track that is being decoded.
+/// The successor of the track being decoded.
 enum Next {
     Unasked,
-    /// The list thread is looking for it, as this request.
+    /// Requested from the list thread under this id.
     Asked(u64),
     Again,
     Track(Track),
     End,
 }
 
-/// How it goes on where a track has ended.
+/// The continuation after the end of a track.
 pub(super) enum Following {
-    /// The list thread has not said yet.
+    /// The list thread has not answered yet.
     Unknown,
-    /// With the same track, which stands at its start again.
+    /// The same track, which is at its start again.
     Again,
-    /// With this one, which stands at its start.
+    /// Another track, which is at its start.
     Track(Track),
-    /// Not at all.
+    /// No track follows.
     End,
 }
 
-/// See the module.
+/// The tracks that have begun, and the requests for the next ones.
 pub(super) struct TrackQueue {
     /// The tracks that have begun.
     pub(super) passages: Passages,
     next: Next,
-    /// A skip for which the list thread is searching, as this request.
+    /// The id of the request for a skip.
     skipping: Option<u64>,
-    /// Steps of further skips that were asked for meanwhile.
+    /// Further skip steps since that request.
     steps: i32,
-    /// Tracks without a frame, in a row.
+    /// The number of successive tracks without a frame.
     empty_tracks: u32,
     list: Sender<Request>,
     last_request: u64,
@@ -51,7 +51,7 @@ pub(super) struct TrackQueue {
 }
 
 impl TrackQueue {
-    /// Begins with `first`; what follows is asked of `list`, and what is wrong is told to `track_errors`.
+    /// Starts with `first`. Requests go to `list`, errors to `track_errors`.
     pub(super) fn new(first: Track, list: Sender<Request>, track_errors: SharedTrackErrors) -> Self {
         Self {
             passages: Passages::new(first),
@@ -65,7 +65,7 @@ impl TrackQueue {
         }
     }
 
-    /// What is known about the track that was opened to follow the current one.
+    /// Metadata of the next track, if it is open.
     pub(super) fn opened_ahead(&self) -> Option<&Arc<TrackInfo>> {
         match &self.next {
             Next::Track(track) => Some(&track.info),
@@ -73,17 +73,18 @@ impl TrackQueue {
         }
     }
 
-    /// Whether the list thread is searching for another track than the one that would follow.
+    /// True if the list thread is searching for a track other than the next one.
     pub(super) fn is_skipping(&self) -> bool {
         self.skipping.is_some()
     }
 
-    /// Notes that the next track was asked for, or the one before.
+    /// Adds a step forward or back.
     pub(super) fn skip(&mut self, forward: bool) {
         self.steps += if forward { 1 } else { -1 };
     }
 
-    /// Asks for the track to which the skips lead from the one in passage `audible`, unless another is searched for.
+    /// Requests the target of the pending skips, counted from the track in passage `audible`, unless another search is
+    /// running.
     pub(super) fn ask_for_skips(&mut self, audible: u64) {
         if self.steps != 0 && self.skipping.is_none() {
             let steps = std::mem::take(&mut self.steps);
@@ -92,26 +93,27 @@ impl TrackQueue {
         }
     }
 
-    /// Asks for the first of these files, which become the list. Skips that were not carried out were of the old one.
+    /// Requests the first of these files, which replace the list. Pending skips are dropped: they refer to the old
+    /// list.
     pub(super) fn ask_for_files(&mut self, files: Vec<PathBuf>) {
         (self.skipping, self.steps) = (self.request(Wanted::Files(files)), 0);
     }
 
-    /// Asks for the track at that index of the list; skips that were not carried out were meant before.
+    /// Requests the track at this index of the list. Pending skips are dropped: the user gave them earlier.
     pub(super) fn ask_for_entry(&mut self, entry: usize) {
         (self.skipping, self.steps) = (self.request(Wanted::Entry(entry)), 0);
     }
 
-    /// Changes the list; passage `audible` is heard.
+    /// Edits the list while passage `audible` is heard.
     pub(super) fn edit(&mut self, edit: Edit, audible: u64) {
         let playing = self.passages.entry_in(audible);
-        // If the list thread has ended, the list stays as it is.
+        // If the list thread has ended, the list stays unchanged.
         let _ = self.list.send(Request::Edit { edit, playing });
     }
 
-    /// Takes the list thread's answer to a change of the list, while passage `audible` is heard; `ended` if nothing of
-    /// the segment is left to decode. True if a track that was begun ahead is gone: a new segment must begin where the
-    /// audible track is.
+    /// Handles the list thread's answer to an edit while passage `audible` is heard; `ended` if the segment is fully
+    /// decoded. Returns true if a track that had begun ahead of time was removed: a new segment must then begin at the
+    /// audible position.
     pub(super) fn take_edit(&mut self, edited: Edited, audible: u64, ended: bool) -> bool {
         let playing = self.passages.entry_in(audible);
         if edited.removed == Some(playing) || edited.resume {
@@ -122,8 +124,8 @@ impl TrackQueue {
         if ahead {
             self.go_back_to(audible);
         }
-        // What was opened ahead may follow no more. A list that has ended is not begun again because its order changed.
-        // One that is to go on, because an earlier change was asked about, still is.
+        // The track opened ahead may no longer be next. A list that has ended does not restart just because its order
+        // changed, but it continues if tracks were appended or an earlier edit is still being answered.
         let goes_on = !ended || edited.appended || matches!(self.next, Next::Asked(_));
         self.next = Next::Unasked;
         if goes_on {
@@ -132,7 +134,7 @@ impl TrackQueue {
         ahead
     }
 
-    /// Changes the order and the repeating of tracks.
+    /// Changes the repeat mode and the order.
     pub(super) fn set_order(&mut self, repeat: Repeat, shuffled: bool) {
         let current = self.passages.track().info.id;
         // If the list thread has ended, no track follows this one.
@@ -140,15 +142,15 @@ impl TrackQueue {
         self.ask(false);
     }
 
-    /// Asks for what follows the current track, unless that is known or asked for already.
+    /// Requests the next track unless it is known or requested already.
     pub(super) fn ask_ahead(&mut self) {
         if matches!(self.next, Next::Unasked) {
             self.ask(false);
         }
     }
 
-    /// Takes the list thread's answer to request `id`; `ended` if nothing of the segment is left to decode. True if
-    /// the current track, which may be another now, is to begin in a new segment.
+    /// Handles the list thread's answer to request `id`; `ended` if the segment is fully decoded. Returns true if the
+    /// current track, which may have changed, must begin in a new segment.
     pub(super) fn take(&mut self, id: u64, found: Found, ended: bool) -> bool {
         if self.skipping == Some(id) {
             self.skipping = None;
@@ -156,26 +158,25 @@ impl TrackQueue {
                 Found::Track(track) => self.replace_with(track),
                 Found::Again => {}
                 Found::End => {
-                    self.track_errors.tell("the list ends here; switch repeating on to play it again".into());
+                    self.track_errors.tell("the list ends here; turn on repeat to play it again".into());
                     return false;
                 }
-                // What is wrong has been reported already.
+                // The list has reported the errors already.
                 Found::Nothing => return false,
             }
             return true;
         }
         if !matches!(self.next, Next::Asked(asked) if asked == id) {
-            // The answer is no longer wanted.
             return false;
         }
         self.next = match found {
-            // The list had ended but goes on after all, because repeating was asked for.
+            // The list had ended but continues because repeat was turned on.
             Found::Track(track) if ended => {
                 self.replace_with(track);
                 return true;
             }
             Found::Again if ended => {
-                // So it goes on at each of the track's ends.
+                // From now on the track repeats at each of its ends.
                 self.next = Next::Again;
                 return true;
             }
@@ -187,7 +188,7 @@ impl TrackQueue {
         false
     }
 
-    /// What follows now that the current track has ended; `empty` if it had not a single frame.
+    /// The continuation now that the current track has ended; `empty` if it had no frame.
     pub(super) fn following(&mut self, empty: bool) -> Following {
         match std::mem::replace(&mut self.next, Next::Unasked) {
             Next::Unasked => self.ask(false),
@@ -206,7 +207,7 @@ impl TrackQueue {
             Next::Track(track) => {
                 self.empty_tracks = if empty { self.empty_tracks + 1 } else { 0 };
                 if self.empty_tracks > EMPTY_TRACKS_MAX {
-                    self.track_errors.tell("there is no sound in these tracks; choose others".into());
+                    self.track_errors.tell("these tracks contain no sound; choose others".into());
                     return Following::Track(self.silence());
                 }
                 return Following::Track(track);
@@ -219,7 +220,8 @@ impl TrackQueue {
         Following::Unknown
     }
 
-    /// Makes the track of `passage` the current one again, if the next one was begun ahead. A new segment must follow.
+    /// Makes the track of `passage` current again if the next one has begun ahead of time. The caller must begin a new
+    /// segment.
     pub(super) fn go_back_to(&mut self, passage: u64) {
         if let Some(mut later) = self.passages.go_back_to(passage) {
             self.next = if later.source.seek(0.0).is_ok() { Next::Track(later) } else { Next::Unasked };
@@ -237,14 +239,13 @@ impl TrackQueue {
         Track::silence(info.entry, info.count).with_id(info.id)
     }
 
-    /// Asks the list thread for what follows the current track; `anew` if that track would have to be opened again to
-    /// repeat.
+    /// Requests the track after the current one; `anew` if the current track would have to be opened again to repeat.
     fn ask(&mut self, anew: bool) {
         let after = self.passages.track().info.id;
         self.next = self.request(Wanted::Following { after, anew }).map_or(Next::End, Next::Asked);
     }
 
-    /// Asks the list thread; none if that has ended.
+    /// Sends a request to the list thread and returns its id; `None` if the thread has ended.
     fn request(&mut self, wanted: Wanted) -> Option<u64> {
         self.last_request += 1;
         let id = self.last_request;
@@ -263,17 +264,17 @@ mod tests {
         (TrackQueue::new(Track::silence(0, 9), list, SharedTrackErrors::default()), requests)
     }
 
-    /// What was last asked for, and as which request.
+    /// The last request and its id.
     fn asked(requests: &Receiver<Request>) -> (u64, Wanted) {
         let find = |request| match request {
             Request::Find { id, wanted } => Some((id, wanted)),
             Request::Order { .. } | Request::Edit { .. } => None,
         };
-        requests.try_iter().filter_map(find).last().expect("something was asked for")
+        requests.try_iter().filter_map(find).last().expect("a request")
     }
 
     #[test]
-    fn skips_that_come_during_a_search_are_taken_together_after_it() {
+    fn skips_during_a_search_are_merged() {
         let (mut queue, requests) = queue();
         queue.skip(true);
         queue.ask_for_skips(0);
@@ -283,14 +284,14 @@ mod tests {
             queue.skip(forward);
             queue.ask_for_skips(0);
         }
-        assert!(requests.try_iter().next().is_none(), "it is searched already");
+        assert!(requests.try_iter().next().is_none(), "a search is running already");
         assert!(queue.take(first, Found::Track(Track::silence(1, 9)), false));
         queue.ask_for_skips(queue.passages.current());
         assert_eq!(asked(&requests).1, Wanted::Skip { from: 1, steps: 2 });
     }
 
     #[test]
-    fn an_answer_that_is_no_longer_wanted_changes_nothing() {
+    fn an_outdated_answer_changes_nothing() {
         let (mut queue, requests) = queue();
         queue.ask_ahead();
         let (old, _) = asked(&requests);
@@ -304,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn a_list_that_has_ended_goes_on_when_it_is_to_repeat() {
+    fn an_ended_list_continues_when_repeat_is_turned_on() {
         let (mut queue, requests) = queue();
         queue.ask_ahead();
         assert!(!queue.take(asked(&requests).0, Found::End, false));
@@ -316,14 +317,14 @@ mod tests {
     }
 
     #[test]
-    fn a_list_that_has_ended_goes_on_after_an_append_whatever_is_changed_besides() {
+    fn an_ended_list_continues_after_an_append_despite_other_edits() {
         let (mut queue, requests) = queue();
         queue.ask_ahead();
         queue.take(asked(&requests).0, Found::End, false);
         assert!(matches!(queue.following(false), Following::End));
         let removed = |id| Edited { removed: Some(id), ..Edited::default() };
         assert!(!queue.take_edit(removed(7), 0, true));
-        assert!(requests.try_iter().next().is_none(), "it begins again because an entry was removed");
+        assert!(requests.try_iter().next().is_none(), "the removal of an entry restarts the list");
         assert!(!queue.take_edit(Edited { appended: true, ..Edited::default() }, 0, true));
         let early = asked(&requests).0;
         assert!(!queue.take_edit(removed(8), 0, true));
@@ -333,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn a_song_that_had_ended_was_repeated_only_once() {
+    fn an_ended_song_repeats_more_than_once() {
         let (mut queue, requests) = queue();
         queue.ask_ahead();
         queue.take(asked(&requests).0, Found::End, false);
@@ -345,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn tracks_without_sound_are_given_up_and_that_is_told() {
+    fn tracks_without_sound_are_given_up_and_reported() {
         let (mut queue, requests) = queue();
         let next = |queue: &mut TrackQueue| {
             queue.ask_ahead();
@@ -361,17 +362,17 @@ mod tests {
     }
 
     #[test]
-    fn a_skip_past_the_end_stays_and_is_told() {
+    fn a_skip_past_the_end_is_reported_and_changes_nothing() {
         let (mut queue, requests) = queue();
         queue.skip(true);
         queue.ask_for_skips(0);
         assert!(!queue.take(asked(&requests).0, Found::End, false));
         assert!(!queue.is_skipping());
-        assert!(queue.track_errors.get().last.expect("it is told").contains("ends here"));
+        assert!(queue.track_errors.get().last.expect("an error").contains("ends here"));
     }
 
     #[test]
-    fn without_a_list_thread_the_track_is_the_last() {
+    fn without_a_list_thread_no_track_follows() {
         let (mut queue, requests) = queue();
         drop(requests);
         queue.ask_ahead();
