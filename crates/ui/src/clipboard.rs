@@ -1,13 +1,13 @@
-//! The clipboard, on a thread of its own: asking for what another program copied waits for that program.
+//! The clipboard, on its own thread: a paste waits for the program that owns the copied text, and may block.
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::Builder;
 
-/// See the module. The thread starts when it is used for the first time.
+/// A handle to the clipboard thread, which starts at the first use.
 pub(crate) struct Clipboard {
     orders: Option<Sender<Order>>,
     pasted: Receiver<String>,
-    /// What the thread answers with, and what it wakes.
+    /// The thread's answer channel and wake function, until it starts.
     start: Option<(Sender<String>, Wake)>,
 }
 
@@ -19,7 +19,7 @@ enum Order {
 }
 
 impl Clipboard {
-    /// One that nobody has used. `wake` is called when something has come that was asked for.
+    /// Starts nothing yet. `wake` is called when pasted text has arrived.
     pub(crate) fn new(wake: impl Fn() + Send + 'static) -> Self {
         let (answers, pasted) = channel();
         Self { orders: None, pasted, start: Some((answers, Box::new(wake))) }
@@ -30,12 +30,12 @@ impl Clipboard {
         self.order(Order::Copy(text));
     }
 
-    /// Asks for what was copied last: [`Clipboard::pasted`] gives it when it comes.
+    /// Requests the clipboard's text; [`Clipboard::pasted`] returns it when it arrives.
     pub(crate) fn paste(&mut self) {
         self.order(Order::Paste);
     }
 
-    /// What was asked for and has come. Never blocks.
+    /// The text that arrived, if any. Never blocks.
     pub(crate) fn pasted(&self) -> Option<String> {
         self.pasted.try_recv().ok()
     }
@@ -47,34 +47,38 @@ impl Clipboard {
                 Builder::new().name("clipboard".into()).spawn(move || serve(&inbox, &answers, &*wake));
             match started {
                 Ok(_) => self.orders = Some(orders),
-                Err(error) => tracing::warn!("there is no clipboard: {error}"),
+                Err(error) => {
+                    tracing::warn!("cannot start the clipboard, so copy and paste do nothing: {error}")
+                }
             }
         }
         if let Some(orders) = &self.orders {
-            // A thread that has ended has told why.
+            // A send fails only after the thread has ended and logged the reason.
             let _ = orders.send(order);
         }
     }
 }
 
-/// Serves until nobody asks any more. Without a clipboard of the system the program has one of its own.
+/// Serves requests until the handle is dropped. Without a system clipboard, copied text stays within Mariana.
 fn serve(inbox: &Receiver<Order>, answers: &Sender<String>, wake: &dyn Fn()) {
     let mut system = arboard::Clipboard::new()
-        .inspect_err(|error| tracing::warn!("the system's clipboard cannot be used: {error}"))
+        .inspect_err(|error| {
+            tracing::warn!("cannot open the clipboard, so copied text stays within Mariana: {error}")
+        })
         .ok();
     let mut own = String::new();
     for order in inbox {
         match order {
             Order::Copy(text) => {
                 if let Some(Err(error)) = system.as_mut().map(|system| system.set_text(text.clone())) {
-                    tracing::warn!("the system's clipboard takes no text: {error}");
+                    tracing::warn!("cannot write to the clipboard: {error}");
                 }
                 own = text;
             }
             Order::Paste => {
                 let text = match system.as_mut().map(arboard::Clipboard::get_text) {
                     Some(Ok(text)) => text,
-                    // Nothing that is text.
+                    // The clipboard holds an image or something else without text.
                     Some(Err(arboard::Error::ContentNotAvailable)) => continue,
                     Some(Err(_)) | None => own.clone(),
                 };

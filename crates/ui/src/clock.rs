@@ -1,32 +1,32 @@
-//! The time of a session. It is the system's, unless a test lets it pass by hand.
+//! The time of a session: the system's, or one that a test advances by hand.
 //!
-//! A session and its panels live on one thread, so the simulated time is that thread's. Other threads keep the system's.
+//! A session and its panels share one thread, and simulated time applies to that thread only.
 
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 thread_local! {
     static SIMULATED: Cell<Option<Instant>> = const { Cell::new(None) };
-    /// How far this thread's time is ahead of the system's.
+    /// The lead of this thread's time over the system's.
     static AHEAD: Cell<Duration> = const { Cell::new(Duration::ZERO) };
 }
 
-/// Returns the time of this thread.
+/// Returns this thread's time.
 pub fn now() -> Instant {
     SIMULATED.get().unwrap_or_else(|| Instant::now() + AHEAD.get())
 }
 
-/// Returns how much time has passed since a moment; nothing before it.
+/// Returns the time since `moment`; zero if it is in the future.
 pub fn since(moment: Instant) -> Duration {
     now().saturating_duration_since(moment)
 }
 
-/// Lets the time of this thread pass by hand from now on, first by this much.
+/// Advances this thread's time and stops it: from now on it moves only by this function.
 pub fn advance(by: Duration) {
     SIMULATED.set(Some(now() + by));
 }
 
-/// Lets the time of this thread pass by hand alone while something is done. It never steps back afterwards.
+/// Runs `act` with the clock stopped, so that only [`advance`] moves it. Time never steps back afterwards.
 pub fn by_hand<T>(act: impl FnOnce() -> T) -> T {
     let is_simulated = SIMULATED.get().is_some();
     SIMULATED.set(Some(now()));
@@ -46,7 +46,7 @@ mod tests {
         let handle = std::thread::spawn(|| {
             advance(Duration::ZERO);
             let start = now();
-            assert_eq!(now(), start, "it stands still");
+            assert_eq!(now(), start, "the clock is stopped");
             advance(Duration::from_secs(3_600));
             assert_eq!(since(start), Duration::from_secs(3_600));
             assert_eq!(since(now() + Duration::from_secs(1)), Duration::ZERO);
@@ -59,12 +59,12 @@ mod tests {
         by_hand(|| {
             let start = now();
             std::thread::sleep(Duration::from_millis(2));
-            assert_eq!(now(), start, "it stands still");
+            assert_eq!(now(), start, "the clock is stopped");
             advance(Duration::from_secs(3_600));
         });
-        assert!(since(start) >= Duration::from_secs(3_600), "it steps back");
+        assert!(since(start) >= Duration::from_secs(3_600), "the clock stepped back");
         let start = now();
         std::thread::sleep(Duration::from_millis(2));
-        assert!(now() > start, "it goes on");
+        assert!(now() > start, "the clock runs again");
     }
 }

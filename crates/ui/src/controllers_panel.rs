@@ -1,6 +1,6 @@
-//! The panel of knobs from outside: what can be turned, by what it is turned, and how that is changed.
+//! The state of the controllers panel: parameters and actions, the MIDI controls mapped to them, and the phone page.
 //!
-//! It is a plain value: the overlay draws it, keys and pointer change it, and what they ask for is done by the stage.
+//! It is a plain value. The overlay draws it, keys and the pointer change it, and its commands go to the session.
 
 mod rows;
 #[cfg(test)]
@@ -22,69 +22,69 @@ use mariana_settings::KnobEdit;
 /// A row of the panel.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ControllerRow {
-    /// Words alone.
+    /// A line of text.
     Words {
-        /// The words.
+        /// The text.
         text: String,
-        /// Whether they are bad news.
+        /// True for an error.
         is_bad: bool,
     },
-    /// By what a phone comes.
+    /// The connection code for phones.
     Phone {
         /// The address and its code.
         pairing_address: Arc<PairingAddress>,
-        /// What there is to say of it.
+        /// Who can connect, or the number of connected phones.
         about: String,
     },
-    /// Whether a device's clock sets the tempo.
+    /// The switch for tempo from MIDI clock; true if it is on.
     Clock(bool),
-    /// Something that can be turned.
+    /// A parameter or an action to which a control can be mapped.
     Target {
-        /// What it is.
+        /// The mapping's target.
         target: Target,
-        /// What people call it.
+        /// Its display name.
         name: String,
-        /// How it stands, or what it does.
+        /// Its value or its meaning.
         about: String,
-        /// Whether a knob is being learned for it.
+        /// True while the panel waits for a control to map.
         learns: bool,
     },
-    /// What turns the thing above it.
+    /// A mapping, below its target.
     Knob {
         /// The mapping.
         mapping: Mapping,
-        /// What it is, in words.
+        /// The control and its device.
         words: String,
-        /// Where the parameter stands, 0..1, if it is one of the scene on the stage.
+        /// The parameter's present position, 0..1, if it belongs to the shown scene.
         stands: Option<f32>,
     },
 }
 
-/// What can be changed of a mapping, from the left.
+/// An editable part of a mapping, from left to right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Field {
-    /// Where the knob's lower end leads.
+    /// The value at the control's lower end.
     From,
-    /// Where its upper end leads.
+    /// The value at the control's upper end.
     To,
-    /// The other way around.
+    /// Swaps the ends.
     Invert,
-    /// See [`Curve`].
+    /// The response curve, a [`Curve`].
     Curve,
     /// The smoothing time.
     Smoothing,
-    /// Whether it takes hold only where it passes.
+    /// Soft takeover: the control acts only after it has passed the parameter's value.
     PickUp,
-    /// To forget it.
+    /// Removes the mapping.
     Remove,
 }
 
 impl Field {
-    /// All of them.
+    /// All parts, from left to right.
     pub const ALL: [Self; 7] =
         [Self::From, Self::To, Self::Invert, Self::Curve, Self::Smoothing, Self::PickUp, Self::Remove];
 
-    /// What it says of a mapping.
+    /// Its label.
     pub fn words(self, mapping: &Mapping) -> String {
         let [from, to] = mapping.range;
         let end = |end: f32| {
@@ -106,7 +106,7 @@ impl Field {
         }
     }
 
-    /// The command that a click or Enter on it sends, where the parameter stands there.
+    /// The command for a click or Enter on it. `stands` is the parameter's present position, which becomes the end.
     pub fn request(self, mapping: &Mapping, stands: Option<f32>) -> Option<Command> {
         let mut after = mapping.clone();
         let [from, to] = &mut after.range;
@@ -123,49 +123,49 @@ impl Field {
     }
 }
 
-/// Smoothing times that are offered, in seconds.
+/// The smoothing times on offer, in seconds.
 const SMOOTHINGS: [f32; 7] = [0.0, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0];
 
-/// The value behind one of a list; the first behind the last, and for one that is not in it.
+/// The value after `present` in a list; the first one after the last and for a value that is not listed.
 fn next<T: Copy + PartialEq>(all: &[T], present: T) -> T {
     let place = all.iter().position(|one| *one == present).map_or(0, |place| (place + 1) % all.len().max(1));
     all.get(place).copied().unwrap_or(present)
 }
 
-/// The page for phones.
+/// The state of the phone page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhoneFacts {
-    /// How it stands.
+    /// The server's state.
     pub state: RemoteState,
-    /// How many phones there are.
+    /// The number of connected phones.
     pub phones: usize,
 }
 
-/// What holds at present.
+/// The state from which the rows are made.
 pub struct ControllersState<'a> {
-    /// The title of the scene on the stage.
+    /// The title of the shown scene.
     pub scene: String,
     /// Its parameters.
     pub sliders: &'a [Slider],
-    /// How it stands with OSC; none if it is not wanted.
+    /// The state of OSC in words; `None` if it is off.
     pub osc: Option<String>,
-    /// How it stands with the page for phones; none if it is not wanted.
+    /// The state of the phone page; `None` if it is off.
     pub phone: Option<PhoneFacts>,
-    /// How it stands with MIDI; none if it is not wanted.
+    /// The state of MIDI; `None` if it is off.
     pub midi: Option<MidiState>,
-    /// Whether a device's clock sets the tempo.
+    /// True if a device's clock sets the tempo.
     pub clock: bool,
-    /// The tempo of the clock that is followed.
+    /// The tempo of the clock that is followed, in beats per minute.
     pub clock_tempo: Option<f64>,
-    /// Messages that came, and those that were ignored.
+    /// Received messages, and how many of them were ignored.
     pub counts: (u64, u64),
-    /// What is mapped.
+    /// All mappings.
     pub mappings: &'a [Mapping],
-    /// What is being learned.
+    /// The target that waits for a control.
     pub learning: Option<&'a Target>,
 }
 
-/// See the module.
+/// The panel's rows and selection.
 #[derive(Debug, Default)]
 pub struct ControllersPanel {
     rows: Vec<ControllerRow>,
@@ -180,26 +180,26 @@ impl ControllersPanel {
         &self.rows
     }
 
-    /// The place of the row that keys change.
+    /// The index of the selected row.
     pub fn selected(&self) -> usize {
         self.selected
     }
 
-    /// What of that row keys change, if it is a mapping.
+    /// The selected part of a mapping.
     pub fn field(&self) -> Field {
         Field::ALL.get(self.field).copied().unwrap_or(Field::From)
     }
 
-    /// A number that changes with what there is to see.
+    /// A number that changes with the panel's look.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Brings the rows up to date.
+    /// Updates the rows.
     pub fn update(&mut self, facts: &ControllersState<'_>) {
         let rows = rows_of(facts);
         if rows != self.rows {
-            // The same thing stays selected, wherever it is now.
+            // Keep the same item selected when its row moves.
             let before = self.rows.get(self.selected);
             let same = before.and_then(|before| rows.iter().position(|row| is_same(row, before)));
             self.selected = same.unwrap_or(self.selected);
@@ -211,7 +211,7 @@ impl ControllersPanel {
         }
     }
 
-    /// Takes a key. Returns whether it is the panel's, and the command that it sends.
+    /// Handles a key. Returns true if the panel used it, and the command for it.
     pub fn take_key(&mut self, key: &Key) -> (bool, Option<Command>) {
         let Key::Named(named) = key else { return (false, None) };
         let row = self.rows.get(self.selected);
@@ -250,7 +250,7 @@ impl ControllersPanel {
         (true, None)
     }
 
-    /// Selects the next row that can be changed, from a place on, downwards or upwards; none leaves the selection.
+    /// Selects the next changeable row from an index, downwards or upwards. Keeps the selection if there is none.
     fn select_from(&mut self, place: usize, down: bool) {
         let found = if down {
             self.rows.iter().enumerate().skip(place).find(|(_, row)| is_changeable(row))
@@ -263,7 +263,7 @@ impl ControllersPanel {
     }
 }
 
-/// Whether two rows are about the same thing, whatever they say of it.
+/// True if two rows are about the same item, whatever their texts.
 fn is_same(a: &ControllerRow, b: &ControllerRow) -> bool {
     match (a, b) {
         (ControllerRow::Clock(_), ControllerRow::Clock(_)) => true,

@@ -1,6 +1,7 @@
-//! The corners of the picture while they are moved by hand, with keys or with the pointer.
+//! The corner handles of the keystone correction.
 //!
-//! It is a plain value: the overlay draws it, keys and pointer change it, and the stage moves the picture.
+//! They are a plain value. The overlay draws them, keys and the pointer change them, and the stage moves the frame's
+//! corners.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -9,37 +10,38 @@ use mariana_commands::input::{Key, NamedKey};
 use mariana_commands::{Command, MovedCorner};
 use mariana_render::placement::{Area, Corners};
 
-/// How far an arrow moves a corner, as a share of the screen.
+/// Movement by an arrow key, as a fraction of the screen.
 const STEP: f64 = 0.001;
-/// The same with Shift held.
+/// Movement with Shift held.
 const LARGE_STEP: f64 = 0.01;
 
-/// See the module.
+/// The four corners and the selected one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CornerHandles {
     corners: Corners,
     selected: usize,
-    /// Where in the window the screen is that they are corners of.
+    /// The part of the window that shows the screen, as fractions of the window.
     area: Area,
 }
 
 impl CornerHandles {
-    /// Hands on these corners, of which the upper left is selected.
+    /// Shows handles for these corners and selects the upper left one.
     pub fn new(corners: Corners) -> Self {
         Self { corners, selected: 0, area: [0.0, 0.0, 1.0, 1.0] }
     }
 
-    /// Says where in the window the screen is, as shares of it.
+    /// Sets the part of the window that shows the screen, as fractions of the window.
     pub fn set_area(&mut self, area: Area) {
         self.area = area;
     }
 
-    /// Takes the corners as they are now; one of them is selected.
+    /// Takes over the present corners and selects one of them.
     pub fn take(&mut self, selected: usize, corners: Corners) {
         (self.selected, self.corners) = (selected.min(3), corners);
     }
 
-    /// Takes a key and returns the command that it sends, if any; `None` for keys that are not theirs. Tab selects the next corner, arrows move it, Home puts all of them back.
+    /// Handles a key. Tab selects the next corner, arrows move it, and Home resets all four. Returns `None` for other
+    /// keys, else the command for the key, if any.
     pub fn take_key(&mut self, key: &Key, shift: bool) -> Option<Option<Command>> {
         let step = if shift { LARGE_STEP } else { STEP };
         let way = match key {
@@ -59,25 +61,25 @@ impl CornerHandles {
         Some(Some(Command::MoveCorner(MovedCorner { corner: self.selected, place, settled: true })))
     }
 
-    /// Which corner keys move.
+    /// The index of the selected corner.
     pub fn selected(&self) -> usize {
         self.selected
     }
 
-    /// Where the corners are in the window, as shares of it.
+    /// The corners' positions in the window, as fractions of it.
     pub fn places(&self) -> [[f64; 2]; 4] {
         let [left, top, right, bottom] = self.area;
         <[[f64; 2]; 4]>::from(self.corners)
             .map(|[x, y]| [left + x * (right - left), top + y * (bottom - top)])
     }
 
-    /// The place of the screen at a place of the window.
+    /// Converts a position in the window to one on the screen.
     pub fn on_screen(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, right, bottom] = self.area;
         [(x - left) / (right - left).max(1e-9), (y - top) / (bottom - top).max(1e-9)]
     }
 
-    /// Another number for everything that looks different.
+    /// A number that changes with the handles' look.
     pub fn fingerprint(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
         self.selected.hash(&mut hasher);
@@ -110,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn places_in_the_window_are_those_on_the_screen_in_its_area() {
+    fn positions_convert_between_window_and_screen() {
         let mut handles = CornerHandles::new(Corners::default().with(2, [0.5, 0.75]).unwrap());
         let before = handles.fingerprint();
         handles.set_area([0.25, 0.0, 0.75, 1.0]);

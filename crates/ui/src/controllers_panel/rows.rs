@@ -1,4 +1,4 @@
-//! The rows of the panel, from what holds at present.
+//! Makes the rows of the panel from the state of the controllers.
 
 use super::{ControllerRow, ControllersState};
 use mariana_commands as commands;
@@ -7,11 +7,10 @@ use mariana_control::action::ValueType;
 use mariana_control::midi::{Mapping, Target};
 use mariana_remote::RemoteState;
 
-/// All rows, from the top.
 pub(super) fn rows_of(facts: &ControllersState<'_>) -> Vec<ControllerRow> {
     let words = |text: String| ControllerRow::Words { text, is_bad: false };
-    let osc = facts.osc.as_deref().unwrap_or("off; begin with --osc 9000");
-    // What is to be seen from afar comes first.
+    let osc = facts.osc.as_deref().unwrap_or("off; start Mariana with --osc 9000");
+    // The connection code comes first, so that a phone can scan it from a distance.
     let mut rows = Vec::from_iter(pairing_address(facts));
     rows.push(words(format!("OSC: {osc}")));
     rows.extend(phone_words(facts));
@@ -49,10 +48,16 @@ pub(super) fn rows_of(facts: &ControllersState<'_>) -> Vec<ControllerRow> {
                 &mut rows,
                 here,
                 format!("{} {}", row.name, facts.scene),
-                "this scene, by a pad".to_owned(),
+                "show this scene with a pad".to_owned(),
                 None,
             );
-            add(&mut rows, action(None), "scenes".to_owned(), "all, by program numbers".to_owned(), None);
+            add(
+                &mut rows,
+                action(None),
+                "scenes".to_owned(),
+                "choose a scene by program change".to_owned(),
+                None,
+            );
         } else {
             add(&mut rows, action(None), row.name.replace('_', " "), row.meaning.to_owned(), None);
         }
@@ -70,36 +75,36 @@ pub(super) fn rows_of(facts: &ControllersState<'_>) -> Vec<ControllerRow> {
     rows
 }
 
-/// The invitation of phones, while they can come.
+/// The phone's connection code, if the server is open.
 fn pairing_address(facts: &ControllersState<'_>) -> Option<ControllerRow> {
     let phone = facts.phone.as_ref()?;
     let RemoteState::Open(pairing_address) = &phone.state else { return None };
     let about = match (phone.phones, pairing_address.is_local) {
-        (0, true) => "Only this computer can: it is in no other network.".to_owned(),
-        (0, false) => "It has to be in the same network.".to_owned(),
-        (1, _) => "One phone is there.".to_owned(),
-        (count, _) => format!("{count} phones are there."),
+        (0, true) => "Only this computer can connect: it is not on a network.".to_owned(),
+        (0, false) => "The phone must be on the same network.".to_owned(),
+        (1, _) => "One phone is connected.".to_owned(),
+        (count, _) => format!("{count} phones are connected."),
     };
     Some(ControllerRow::Phone { pairing_address: pairing_address.clone(), about })
 }
 
-/// How it stands with phones, while they cannot come.
+/// The state of the phone page, unless it is open.
 fn phone_words(facts: &ControllersState<'_>) -> Option<ControllerRow> {
     let (text, is_bad) = match facts.phone.as_ref().map(|phone| &phone.state) {
-        None => ("Phone: off; begin with --remote 8080".to_owned(), false),
-        Some(RemoteState::Opening) => ("Phone: the port is being opened".to_owned(), false),
+        None => ("Phone: off; start Mariana with --remote 8080".to_owned(), false),
+        Some(RemoteState::Opening) => ("Phone: opening the port".to_owned(), false),
         Some(RemoteState::Refused(why)) => (format!("Phone: {why}"), true),
         Some(RemoteState::Open(_)) => return None,
     };
     Some(ControllerRow::Words { text, is_bad })
 }
 
-/// How many messages came of either kind, if any did.
+/// The number of received and ignored messages, if there are any.
 fn count_words(facts: &ControllersState<'_>) -> Option<String> {
     match facts.counts {
         (0, 0) => None,
-        (messages, 0) => Some(format!("{messages} messages came")),
-        (messages, ignored) => Some(format!("{messages} messages came, {ignored} were ignored")),
+        (messages, 0) => Some(format!("{messages} messages received")),
+        (messages, ignored) => Some(format!("{messages} messages received, {ignored} of them ignored")),
     }
 }
 
@@ -111,24 +116,26 @@ fn midi_words(facts: &ControllersState<'_>) -> Vec<ControllerRow> {
     }
     let devices = match &midi.devices[..] {
         [] if !midi.is_known => "looking for devices".to_owned(),
-        [] => "no device is there; plug one in".to_owned(),
+        [] => "no device found; plug one in".to_owned(),
         devices => devices.join(", "),
     };
     let mut rows = vec![words(format!("MIDI: {devices}"), false)];
-    rows.extend(midi.refused.iter().map(|(name, why)| words(format!("{name} cannot be heard: {why}"), true)));
+    rows.extend(
+        midi.refused.iter().map(|(name, why)| words(format!("cannot listen to {name}: {why}"), true)),
+    );
     if let (Some(device), Some(tempo)) = (&midi.clock_of, facts.clock_tempo) {
-        rows.push(words(format!("The clock of {device}: {tempo:.1} beats per minute"), false));
+        rows.push(words(format!("Clock of {device}: {tempo:.1} beats per minute"), false));
     }
     rows
 }
 
 fn knob_words(mapping: &Mapping, facts: &ControllersState<'_>) -> String {
     let devices = facts.midi.as_ref().map(|midi| &midi.devices[..]).unwrap_or_default();
-    let gone = if devices.contains(&mapping.device) { "" } else { ", which is not there" };
+    let gone = if devices.contains(&mapping.device) { "" } else { " (not connected)" };
     format!("{} of {}{gone}", mapping.source, mapping.device)
 }
 
-/// What people call something that knobs turn.
+/// The display name of a target.
 pub fn words_of(target: &Target) -> String {
     match target {
         Target::Param { scene, name } => format!("{name} in {scene}"),

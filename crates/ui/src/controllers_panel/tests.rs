@@ -1,4 +1,4 @@
-//! The panel as keys meet it.
+//! Keys in the panel, and the texts of its rows.
 
 use super::*;
 use mariana_commands as commands;
@@ -41,7 +41,7 @@ fn key(named: NamedKey) -> Key {
 }
 
 #[test]
-fn everything_that_can_be_turned_has_a_row_with_what_turns_it_below() {
+fn every_target_has_a_row_with_its_mappings_below() {
     let other = Target::Param { scene: "city".to_owned(), name: "fog".to_owned() };
     let panel = panel(&[knob(size()), knob(other)], None);
     let place = panel
@@ -51,7 +51,7 @@ fn everything_that_can_be_turned_has_a_row_with_what_turns_it_below() {
     let below = &panel.rows()[place.unwrap() + 1];
     assert!(
         matches!(below, ControllerRow::Knob { words, stands: Some(0.25), .. }
-            if words == "cc 7 on channel 1 of desk, which is not there"),
+            if words == "cc 7 on channel 1 of desk (not connected)"),
         "{below:?}"
     );
     let targets = panel.rows().iter().filter(|row| matches!(row, ControllerRow::Target { .. })).count();
@@ -61,7 +61,7 @@ fn everything_that_can_be_turned_has_a_row_with_what_turns_it_below() {
         matches!(last, Some(ControllerRow::Knob { words, .. }) if words.starts_with("fog in city")),
         "{last:?}"
     );
-    let counts = "7 messages came, 2 were ignored";
+    let counts = "7 messages received, 2 of them ignored";
     assert!(
         panel.rows().iter().any(|row| matches!(row, ControllerRow::Words { text, .. } if text == counts))
     );
@@ -77,7 +77,7 @@ fn keys_learn_change_and_forget() {
     panel.take_key(&key(NamedKey::ArrowDown));
     assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(Command::Learn(size())));
     panel.take_key(&key(NamedKey::ArrowDown));
-    // The lower end of its way is where the parameter stands.
+    // The lower end becomes the parameter's present value.
     let mut after = knob(size());
     after.range = [0.25, 1.0];
     assert_eq!(
@@ -96,7 +96,7 @@ fn keys_learn_change_and_forget() {
         panel.take_key(&key(NamedKey::Delete)).1,
         Some(Command::EditMappings(KnobEdit::Remove(knob(size()))))
     );
-    assert_eq!(panel.take_key(&Key::Character("n".into())), (false, None), "letters are the show's");
+    assert_eq!(panel.take_key(&Key::Character("n".into())), (false, None), "letters belong to the show");
     for _ in 0..100 {
         panel.take_key(&key(NamedKey::ArrowDown));
     }
@@ -115,7 +115,7 @@ fn a_row_that_moves_stays_selected() {
     {
         panel.take_key(&key(NamedKey::ArrowDown));
     }
-    // The scene has no parameters any more.
+    // The next scene has no parameters.
     panel.update(&ControllersState {
         scene: "city".to_owned(),
         sliders: &[],
@@ -132,7 +132,7 @@ fn a_row_that_moves_stays_selected() {
 }
 
 #[test]
-fn every_field_says_what_holds_and_goes_round() {
+fn every_field_shows_its_value_and_cycles() {
     let mut mapping = knob(size());
     for field in [Field::Curve, Field::Smoothing, Field::PickUp] {
         let first = field.words(&mapping);
@@ -151,12 +151,12 @@ fn every_field_says_what_holds_and_goes_round() {
         }
         assert!(seen.len() > 1, "{field:?}");
     }
-    assert_eq!(Field::To.request(&mapping, None), None, "nobody knows where it stands");
+    assert_eq!(Field::To.request(&mapping, None), None, "the present value is unknown");
     assert_eq!(Field::To.words(&mapping), "to 100 %");
 }
 
 #[test]
-fn what_is_learned_says_what_to_do() {
+fn a_target_that_is_being_learned_asks_for_a_control() {
     let panel = panel(&[], Some(&size()));
     let row = panel.rows().iter().find(|row| matches!(row, ControllerRow::Target { learns: true, .. }));
     assert!(
@@ -166,7 +166,7 @@ fn what_is_learned_says_what_to_do() {
 }
 
 #[test]
-fn the_invitation_of_phones_comes_first_and_why_none_can_come_is_told() {
+fn the_connection_code_comes_first_and_a_failed_server_shows_the_reason() {
     let panel_of = |state| {
         let mut panel = ControllersPanel::default();
         panel.update(&ControllersState {
@@ -189,8 +189,8 @@ fn the_invitation_of_phones_comes_first_and_why_none_can_come_is_told() {
     let Some(ControllerRow::Phone { pairing_address: shown, about }) = panel.rows().first() else {
         panic!("{:?}", panel.rows().first())
     };
-    assert_eq!((&**shown, &**about), (&pairing_address, "2 phones are there."));
-    assert!(panel.selected() > 0, "there is nothing to choose of it");
+    assert_eq!((&**shown, &**about), (&pairing_address, "2 phones are connected."));
+    assert!(panel.selected() > 0, "the code cannot be selected");
     let panel = panel_of(RemoteState::Refused("why".to_owned()));
     assert!(panel.rows().contains(&ControllerRow::Words { text: "Phone: why".to_owned(), is_bad: true }));
     assert!(!panel.rows().iter().any(|row| matches!(row, ControllerRow::Phone { .. })));

@@ -1,4 +1,4 @@
-//! What keys and the pointer do to the text.
+//! Keys and pointer events in the text.
 
 use mariana_commands::input::{Key, KeyPress, Modifiers, NamedKey};
 use mariana_commands::{Command, Panel};
@@ -14,9 +14,8 @@ use super::{Document, EditAction, Editor, EditorEvent, Question};
 /// Closes the editor.
 pub(super) const CLOSE: Command = Command::TogglePanel(Panel::Editor);
 
-/// Keys and letters.
 impl Editor {
-    /// Takes a key that was pressed while these are held. Returns whether it was meant for the editor.
+    /// Handles a key press with these modifiers. Returns true if the editor used it.
     pub fn take_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
         if self.focus.leaves_out(press.repeat) || self.take_small_key(press, held) {
             return true;
@@ -35,7 +34,7 @@ impl Editor {
         if self.take_editing_key(&press.key, held, plain) {
             return true;
         }
-        // With AltGr, some systems hold Ctrl and Alt.
+        // With AltGr, some systems report Ctrl and Alt.
         let types = plain || held.contains(Modifiers::CONTROL | Modifiers::ALT);
         match press
             .text
@@ -46,12 +45,12 @@ impl Editor {
                 self.type_text(text);
                 true
             }
-            // F11 and keys for media are the show's, as are those that only change others.
+            // Other keys without text, such as F11, media keys and modifiers, belong to the show.
             None => matches!(press.key, Key::Character(_)),
         }
     }
 
-    /// Takes a key for the line of what is looked for, or for the proposals.
+    /// Handles a key in the search line or in the completion list.
     fn take_small_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
         match self.finding.take_key(&press.key, held) {
             QueryKey::Next { forward } => self.find_next(forward),
@@ -66,7 +65,7 @@ impl Editor {
         true
     }
 
-    /// Takes a key that changes the text and is no letter; `plain` without others that are held, but Shift.
+    /// Handles keys that edit but type no letter. `plain` is true if no modifier except Shift is held.
     fn take_editing_key(&mut self, key: &Key, held: Modifiers, plain: bool) -> bool {
         let (select, word) = (held.shift_key(), held.control_key());
         match key {
@@ -98,13 +97,13 @@ impl Editor {
         true
     }
 
-    /// Shows letters at the cursor that are being put together and are not typed yet.
+    /// Shows text that an input method is composing at the cursor.
     pub fn set_preedit(&mut self, letters: &str) {
         self.focus.compose(letters);
         self.revision += 1;
     }
 
-    /// Puts in letters that were typed.
+    /// Inserts typed text.
     pub fn type_text(&mut self, text: &str) {
         self.focus.end_composing();
         if let Some(query) = self.finding.typed() {
@@ -116,7 +115,7 @@ impl Editor {
         self.propose(false);
     }
 
-    /// Puts in a text that was copied.
+    /// Inserts pasted text as its own undo step.
     pub(super) fn put_in(&mut self, text: &[u8]) {
         if let Some(query) = self.finding.typed() {
             query.extend(String::from_utf8_lossy(text).lines().next());
@@ -131,9 +130,8 @@ impl Editor {
     }
 }
 
-/// What is asked for.
 impl Editor {
-    /// Does what was asked for.
+    /// Handles an event of the pointer or of a button.
     pub fn obey(&mut self, request: EditorEvent) {
         match request {
             EditorEvent::Press { at, clicks, select } => self.press(at, clicks, select),
@@ -205,8 +203,8 @@ impl Editor {
                 let saved = self.texts.save();
                 self.tell_refusal(saved);
             }
-            EditAction::Undo => self.step(Editing::undo, "there is nothing to take back"),
-            EditAction::Redo => self.step(Editing::redo, "there is nothing to do again"),
+            EditAction::Undo => self.step(Editing::undo, "nothing to undo"),
+            EditAction::Redo => self.step(Editing::redo, "nothing to redo"),
             EditAction::Copy => self.copy(),
             EditAction::Cut => {
                 self.copy();
@@ -237,7 +235,7 @@ impl Editor {
             }
             EditAction::NextText => match self.texts.next_number() {
                 Some(number) => self.show_text(number),
-                None => self.tell("this scene includes no other text"),
+                None => self.tell("this scene includes no other file"),
             },
             EditAction::NextMistake => self.next_mistake(),
             EditAction::Light => {
@@ -261,7 +259,7 @@ impl Editor {
         }
     }
 
-    /// Does something to the text that shows, without changing it, and brings the cursor into sight.
+    /// Changes the cursor or selection, and scrolls to the cursor.
     pub(super) fn with_text(&mut self, act: impl FnOnce(&mut Document)) -> bool {
         if let Some(document) = self.texts.document_mut() {
             act(document);
@@ -271,7 +269,7 @@ impl Editor {
         true
     }
 
-    /// Changes the text that shows, if it can be changed.
+    /// Edits the text, or shows why it is read-only.
     fn edit(&mut self, change: impl FnOnce(&mut Editing) -> Result<(), Refused>) {
         let done = self.texts.edit(change);
         self.proposals.close();
@@ -294,9 +292,9 @@ impl Editor {
         let Some(document) = self.document() else { return };
         let selected = document.editing.selected();
         if selected.is_empty() {
-            return self.tell("select something to copy it");
+            return self.tell("select some text first");
         }
-        // Programs exchange text.
+        // The clipboard takes valid UTF-8 only.
         let text = String::from_utf8_lossy(selected).into_owned();
         self.clipboard.copy(text);
     }
@@ -324,7 +322,7 @@ impl Editor {
                 self.with_text(|document| document.editing.go_to(one.range.start, false));
             }
             Err(Some(text)) => self.show_text(text),
-            Err(None) => self.tell("there is no mistake"),
+            Err(None) => self.tell("no mistakes"),
         }
     }
 
@@ -336,7 +334,7 @@ impl Editor {
         }
     }
 
-    /// Does what was answered to the question about the text.
+    /// Carries out the answer to the question above the text.
     fn take_answer(&mut self, first: bool) {
         let Some(question) = self.texts.take_question() else { return };
         match (question, first) {
@@ -344,7 +342,7 @@ impl Editor {
             (Question::Kept(_), false) => self.texts.forget_kept(),
             (Question::Conflict(_) | Question::Gone, true) => self.texts.overwrite(),
             (Question::Conflict(theirs), false) => match self.texts.take_theirs(theirs) {
-                Ok(()) => self.tell("this is their text; Ctrl+Z brings yours back"),
+                Ok(()) => self.tell("loaded the other program's text; Ctrl+Z brings yours back"),
                 Err(refused) => self.tell(refused.to_string()),
             },
             (Question::Gone, false) => {}
@@ -352,7 +350,7 @@ impl Editor {
         self.revision += 1;
     }
 
-    /// Turns the number at the cursor by a key.
+    /// Turns the number at the cursor by one key press.
     fn turn_by_key(&mut self, up: bool, fine: bool) {
         let Some(document) = self.document() else { return };
         if let Err(words) = document.check_open() {
@@ -360,11 +358,11 @@ impl Editor {
         }
         match KeyTurn::of(document, up, fine) {
             Some(turn) => self.edit(|editing| turn.write(editing)),
-            None => self.tell("put the cursor into a number to turn it"),
+            None => self.tell("put the cursor on a number first"),
         }
     }
 
-    /// Makes a parameter with a slider of the number at the cursor.
+    /// Replaces the number at the cursor by a parameter with a slider.
     fn make_param(&mut self) {
         let Some(document) = self.document() else { return };
         match NewParam::of(document) {
@@ -379,18 +377,19 @@ impl Editor {
         }
     }
 
-    /// Looks what may be written at the cursor; what is `asked` for is told even if nothing was typed.
+    /// Opens the completion list. If the user `asked` for it, it needs no typed letters, and an empty result is
+    /// reported.
     fn propose(&mut self, asked: bool) {
         self.proposals.close();
         let Some(document) = self.texts.document().filter(|document| document.is_open()) else { return };
         let found = self.proposals.propose(document, asked);
         self.revision += 1;
         if asked && !found {
-            self.tell("no name of the language or of this text begins so");
+            self.tell("no name contains these letters");
         }
     }
 
-    /// Writes a proposal in the place of the name.
+    /// Writes a proposal over the name at the cursor.
     fn take_proposal(&mut self, number: usize) {
         if let Some(write) = self.proposals.take(number) {
             self.edit(write);

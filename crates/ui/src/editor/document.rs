@@ -1,4 +1,4 @@
-//! A text in the editor: whose it is, what it holds, what its file holds, and what is wrong with it.
+//! An open text: its owner, its edits, the contents of its file, and its mistakes.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -12,84 +12,83 @@ use mariana_field::lang::Word;
 use mariana_files::documents::{Bytes, Kept, OnDisk};
 use mariana_scenes::{Mistake, SceneSource};
 
-/// Whose text it is.
+/// The origin of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Owner {
-    /// A file's, which can be changed.
+    /// A file, which can be edited.
     File(PathBuf),
-    /// That of a scene that has no file of its own, which can be copied.
+    /// A shipped scene without a file, which can only be copied.
     Shipped(SceneSource),
 }
 
-/// Why the text of a shipped scene cannot be changed.
-const READ_ONLY: &str =
-    "this scene comes with Mariana: Ctrl+S copies it to your folder, and there it can be changed";
+/// The message for edits of a shipped scene.
+const READ_ONLY: &str = "this scene comes with Mariana: press Ctrl+S to make your own copy, then edit that";
 
-/// What the user is asked about a text.
+/// A question to the user about a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Question {
-    /// Text of an earlier run was kept that was not saved.
+    /// Unsaved text of an earlier run was found.
     Kept(Kept),
-    /// Another program has written the file while it was changed here.
+    /// Another program wrote the file while it had unsaved edits here.
     Conflict(OnDisk),
-    /// The file has gone.
+    /// The file was deleted.
     Gone,
 }
 
-/// A mistake where it stands now.
+/// A mistake at its present position.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Marked {
-    /// Its bytes; empty if it is about the whole.
+    /// Byte range; empty if the mistake concerns the whole text.
     pub range: Range<usize>,
-    /// The sentence.
+    /// The message.
     pub message: String,
-    /// What to do; may be empty.
+    /// A suggestion; may be empty.
     pub hint: String,
 }
 
-/// What another program's change of a file means for its text.
+/// The result of another program's change to the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Change {
-    /// Nothing, or a question.
+    /// Nothing to do, or a question to the user.
     None,
-    /// The text is theirs now.
+    /// The text was replaced by the file's new contents.
     Taken,
-    /// The file has gone.
+    /// The file was deleted.
     Gone,
-    /// The file cannot be read, in words.
+    /// The file cannot be read; the message says why.
     Unreadable(String),
 }
 
-/// See the module.
+/// An open text with the state of its file.
 pub(crate) struct Document {
     pub owner: Owner,
     pub editing: Editing,
     colors: RefCell<Colors>,
-    /// What the file holds, as far as is known; none while it is being read.
+    /// The file's contents as last seen; `None` while it is being read.
     pub disk: Option<OnDisk>,
     pub question: Option<Question>,
-    /// The mistakes of a version of the text.
+    /// The mistakes, with the version of the text in which they were found.
     found: (u64, Vec<Mistake>),
-    /// The version of the text that was last found to be right: the picture shows it.
+    /// The last version without mistakes, which the frame shows.
     shown: u64,
-    /// Which version of this text stood in the drafts from which version of those on.
+    /// Pairs of a drafts version and the text version it contains, oldest first.
     sent: VecDeque<(u64, u64)>,
-    /// The version of which the change was passed on last.
+    /// The version that was last passed on to the loader.
     noted: u64,
-    /// First line and first column that show.
+    /// First visible line and column.
     pub view: (f32, f32),
 }
 
-/// Most versions of a text that are on their way through the loader.
+/// Most entries of [`Document::sent`].
 const SENT_MAX: usize = 256;
 
 impl Document {
-    /// A text that is being read.
+    /// An empty text whose file is being read.
     pub(crate) fn of_file(file: &Path) -> Self {
         Self::new(Owner::File(file.to_owned()), Vec::new(), None)
     }
 
-    /// A text that cannot be changed.
+    /// The read-only text of a shipped scene.
     pub(crate) fn shipped(source: &SceneSource) -> Self {
         let text = source.text().map_or_else(|error| error.to_string(), std::borrow::Cow::into_owned);
         let bytes: Bytes = Arc::from(text.as_bytes());
@@ -111,7 +110,7 @@ impl Document {
         }
     }
 
-    /// Its file; none if it cannot be changed.
+    /// The file; `None` for a shipped scene.
     pub(crate) fn file(&self) -> Option<&Path> {
         match &self.owner {
             Owner::File(file) => Some(file),
@@ -119,7 +118,7 @@ impl Document {
         }
     }
 
-    /// Whether it is the text of a scene.
+    /// True if this is the main text of a scene.
     pub(crate) fn is_of(&self, source: &SceneSource) -> bool {
         match (&self.owner, source) {
             (Owner::File(own), SceneSource::File(file)) => own == file,
@@ -128,7 +127,7 @@ impl Document {
         }
     }
 
-    /// What it is called.
+    /// The file's name, or the scene's.
     pub(crate) fn name(&self) -> String {
         match &self.owner {
             Owner::File(file) => {
@@ -139,22 +138,22 @@ impl Document {
         }
     }
 
-    /// Whether it can be changed: it was read, and has a file.
+    /// True if the text can be edited: it has a file, and the file was read.
     pub(crate) fn is_open(&self) -> bool {
         self.file().is_some() && matches!(self.disk, Some(OnDisk::Bytes(_) | OnDisk::Missing))
     }
 
-    /// Looks whether it can be changed; otherwise says why not.
+    /// Returns why the text is read-only, if it is.
     pub(super) fn check_open(&self) -> Result<(), &'static str> {
         match (&self.owner, &self.disk) {
             _ if self.is_open() => Ok(()),
             (Owner::Shipped(_), _) => Err(READ_ONLY),
-            (_, None) => Err("the file is still being read"),
-            _ => Err("the file cannot be read, so it is not changed"),
+            (_, None) => Err("please wait: the file is still loading"),
+            _ => Err("the file cannot be read, so it cannot be edited"),
         }
     }
 
-    /// Takes in what was read of its file. Returns whether what was kept of an earlier run is needed no more.
+    /// Takes over the contents of the file. Returns true if the backup of an earlier run is no longer needed.
     pub(super) fn take_read(
         &mut self,
         holds: OnDisk,
@@ -181,7 +180,7 @@ impl Document {
         is_needless
     }
 
-    /// Another program has changed its file.
+    /// Handles a change of the file by another program.
     pub(super) fn take_change(&mut self, holds: OnDisk) -> Change {
         match holds {
             OnDisk::Bytes(bytes) if *bytes == *self.editing.buffer().bytes() => {
@@ -190,7 +189,7 @@ impl Document {
             }
             OnDisk::Bytes(bytes) if !self.is_dirty() => {
                 self.question = None;
-                // Longer than a text may be, it stays as it was.
+                // If the new text is too long, keep the old one.
                 if self.editing.replace_all(&bytes).is_ok() {
                     self.disk = Some(OnDisk::Bytes(bytes));
                     return Change::Taken;
@@ -203,13 +202,13 @@ impl Document {
                 return Change::Gone;
             }
             OnDisk::Unreadable(reason) => {
-                return Change::Unreadable(format!("{} cannot be read any more: {reason}", self.name()));
+                return Change::Unreadable(format!("cannot read {} again: {reason}", self.name()));
             }
         }
         Change::None
     }
 
-    /// Notes that the text's change is passed on. Returns whether it was not yet.
+    /// Marks the present version as passed on. Returns false if it was already.
     pub(super) fn note_change(&mut self) -> bool {
         let is_new = self.noted != self.editing.version();
         if is_new {
@@ -221,7 +220,7 @@ impl Document {
         is_new
     }
 
-    /// Whether it differs from what its file holds.
+    /// True if the text differs from its file.
     pub(crate) fn is_dirty(&self) -> bool {
         match &self.disk {
             Some(OnDisk::Bytes(bytes)) => self.editing.buffer().bytes() != &**bytes,
@@ -230,12 +229,12 @@ impl Document {
         }
     }
 
-    /// Its bytes, to be handed on.
+    /// A copy of the bytes for other threads.
     pub(crate) fn bytes(&self) -> Bytes {
         Arc::from(self.editing.buffer().bytes())
     }
 
-    /// Notes that a version of the drafts has this text.
+    /// Records that a version of the drafts contains the present text.
     pub(crate) fn note_sent(&mut self, drafts: u64) {
         if self.sent.len() >= SENT_MAX {
             self.sent.pop_front();
@@ -243,23 +242,23 @@ impl Document {
         self.sent.push_back((drafts, self.editing.version()));
     }
 
-    /// Takes the mistakes that were found with a version of the drafts.
+    /// Takes over the mistakes found in a version of the drafts.
     pub(crate) fn take_mistakes(&mut self, drafts: u64, mistakes: Vec<Mistake>) {
         let sent = self.sent.iter().rev().find(|(version, _)| *version <= drafts);
         self.found = (sent.map_or(0, |(_, version)| *version), mistakes);
     }
 
-    /// Notes that the version of which mistakes were taken last has none.
+    /// Records that the version of the last mistakes has none.
     pub(crate) fn note_shown(&mut self) {
         self.shown = self.found.0;
     }
 
-    /// Where bytes of the text that the picture shows stand now; none if they were changed since.
+    /// The present range of a part of the text that the frame shows; `None` if it was edited since.
     pub(crate) fn place_as_shown(&self, range: Range<usize>) -> Option<Range<usize>> {
         self.editing.place(self.shown, range)
     }
 
-    /// The mistakes where they stand now; those that were changed since have gone.
+    /// The mistakes at their present positions, without those whose text was edited since.
     pub(crate) fn mistakes(&self) -> impl Iterator<Item = Marked> {
         let (version, found) = &self.found;
         found.iter().filter_map(|one| {
@@ -268,7 +267,7 @@ impl Document {
         })
     }
 
-    /// The mistake to tell: the one at the cursor, or else the first.
+    /// The mistake at the cursor, or else the first one.
     pub(crate) fn mistake(&self) -> Option<Marked> {
         let cursor = self.editing.cursor();
         let at_cursor = |one: &Marked| (one.range.start..=one.range.end).contains(&cursor);
@@ -276,7 +275,7 @@ impl Document {
         all.iter().find(|one| at_cursor(one)).or(all.first()).cloned()
     }
 
-    /// The next mistake behind the cursor, around the end.
+    /// The next mistake after the cursor; wraps around.
     pub(super) fn next_mistake(&self) -> Option<Marked> {
         let cursor = self.editing.cursor();
         let all: Vec<Marked> = self.mistakes().collect();
@@ -288,17 +287,17 @@ impl Document {
         self.colors.borrow_mut().words(self.editing.buffer(), line)
     }
 
-    /// What is known of the name or the call at a place.
+    /// Documentation of the name or call at an offset, with the name's range.
     pub(crate) fn about(&self, offset: usize) -> Option<(Range<usize>, About)> {
         about(self.editing.buffer(), &mut self.colors.borrow_mut(), offset)
     }
 
-    /// What is known of the place at the cursor.
+    /// Documentation of the name or call at the cursor.
     pub(crate) fn about_cursor(&self) -> Option<About> {
         self.about(self.editing.cursor()).map(|(_, about)| about)
     }
 
-    /// The number at a place, and where its line begins.
+    /// The number at an offset, and the start of its line.
     pub(crate) fn number(&self, offset: usize) -> Option<(Number, usize)> {
         let buffer = self.editing.buffer();
         let line = buffer.line_of(offset);
@@ -306,12 +305,12 @@ impl Document {
         Some((Number::at(buffer.line(line), &self.words(line), offset - start)?, start))
     }
 
-    /// Does something with the colours.
+    /// Gives `act` access to the colour cache.
     pub(crate) fn with_colors<T>(&self, act: impl FnOnce(&mut Colors) -> T) -> T {
         act(&mut self.colors.borrow_mut())
     }
 
-    /// Notes that the text has changed from a line on.
+    /// Discards cached colours below a changed line.
     fn forget_colors(&self, line: usize) {
         self.colors.borrow_mut().forget_behind(line);
     }

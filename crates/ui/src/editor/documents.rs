@@ -1,4 +1,4 @@
-//! The open texts: which of them shows, and which part of it.
+//! The open texts of the editor, with the one that is visible and its scroll position.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -8,28 +8,28 @@ use mariana_scenes::{Findings, SceneSource};
 
 use super::document::Document;
 
-/// See the module.
+/// All texts that were opened in this run.
 pub(super) struct Documents {
     all: Vec<Document>,
-    /// The place of the one that shows.
+    /// Index of the visible text.
     shown: usize,
-    /// Lines and columns that show.
+    /// Visible lines and columns.
     rows: usize,
     columns: usize,
-    /// Cursor and view that the next text begins with: of what it is a copy.
+    /// Cursor and scroll position for the next text that is read, if it is a copy of the visible one.
     carried: Option<(usize, (f32, f32))>,
 }
 
-/// A text of the scene, as its tab shows it.
+/// A tab.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Tab {
-    /// The file's name.
+    /// File name.
     pub name: String,
-    /// Whether it is the one that shows.
+    /// True for the visible text.
     pub shows: bool,
-    /// Whether it has mistakes.
+    /// True if the text has mistakes.
     pub wrong: bool,
-    /// Whether it is not saved.
+    /// True if the text has unsaved edits.
     pub dirty: bool,
 }
 
@@ -38,7 +38,7 @@ impl Documents {
         Self { all: Vec::new(), shown: 0, rows: 20, columns: 60, carried: None }
     }
 
-    /// The text that shows.
+    /// The visible text.
     pub(super) fn shown(&self) -> Option<&Document> {
         self.all.get(self.shown)
     }
@@ -56,12 +56,12 @@ impl Documents {
         self.all.iter_mut().find(|document| document.file() == Some(file))
     }
 
-    /// Those that are not saved.
+    /// The texts with unsaved edits.
     pub(super) fn unsaved(&self) -> impl Iterator<Item = &Document> {
         self.all.iter().filter(|document| document.is_dirty())
     }
 
-    /// Shows the text of a scene. Returns its file if that must be read first.
+    /// Shows the text of a scene. Returns its file if it must be read first.
     pub(super) fn show_scene(&mut self, source: &SceneSource) -> Option<PathBuf> {
         match (self.all.iter().position(|document| document.is_of(source)), source) {
             (Some(known), _) => self.shown = known,
@@ -71,7 +71,7 @@ impl Documents {
         None
     }
 
-    /// Shows the text of a file. Returns whether that must be read first.
+    /// Shows the text of a file. Returns true if the file must be read first.
     pub(super) fn show_file(&mut self, file: &Path) -> bool {
         let known = self.all.iter().position(|document| document.file() == Some(file));
         match known {
@@ -86,19 +86,19 @@ impl Documents {
         self.shown = self.all.len() - 1;
     }
 
-    /// Lets the text that is read next begin with this cursor and view.
+    /// Sets the cursor and scroll position for the next text that is read.
     pub(super) fn carry(&mut self, cursor: usize, view: (f32, f32)) {
         self.carried = Some((cursor, view));
     }
 
-    /// Takes in what was read of a file. Returns whether what was kept of an earlier run is needed no more; `None` if
-    /// its text is not open.
+    /// Takes over the contents of a file. Returns true if the backup of an earlier run is no longer needed; `None` if
+    /// the file is not open.
     pub(super) fn take_read(&mut self, file: &Path, holds: OnDisk, kept: Option<Kept>) -> Option<bool> {
         let carried = self.carried.take();
         Some(self.of_mut(file)?.take_read(holds, kept, carried))
     }
 
-    /// Hands each text the mistakes that were found in it.
+    /// Distributes mistakes to their texts.
     pub(super) fn take_mistakes(&mut self, findings: &Findings) {
         let of_text = |text: usize| {
             findings.mistakes.iter().filter(move |one| one.text == text).cloned().collect::<Vec<_>>()
@@ -118,8 +118,7 @@ impl Documents {
         }
     }
 
-    /// The names of the scene's texts, whether each has mistakes, and whether it shows and is saved. Without includes
-    /// there is one.
+    /// The tabs: one for each text of the scene, or only the visible text while the scene's files are unknown.
     pub(super) fn tabs(&self, findings: Option<&Findings>) -> Vec<Tab> {
         let of_document = |document: &Document, shows| Tab {
             name: document.name(),
@@ -148,21 +147,20 @@ impl Documents {
     }
 }
 
-/// What is seen of the text.
 impl Documents {
-    /// Lines that show.
+    /// Visible lines.
     pub(super) fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Notes how many lines and columns show. Returns whether there were others before.
+    /// Sets the number of visible lines and columns. Returns true if it has changed.
     pub(super) fn resize(&mut self, rows: usize, columns: usize) -> bool {
         let is_new = (self.rows, self.columns) != (rows, columns);
         (self.rows, self.columns) = (rows, columns);
         is_new
     }
 
-    /// Moves what is seen by so many lines and columns.
+    /// Scrolls by a number of lines and columns.
     pub(super) fn scroll(&mut self, lines: f32, columns: f32) {
         let rows = self.rows as f32;
         let Some(document) = self.shown_mut() else { return };
@@ -171,7 +169,7 @@ impl Documents {
         document.view = ((top + lines).clamp(0.0, last), (left + columns).clamp(0.0, 1e6));
     }
 
-    /// Brings a line into sight.
+    /// Scrolls until a line is visible.
     pub(super) fn reveal_line(&mut self, line: usize) {
         let rows = self.rows.max(3) as f32;
         let Some(document) = self.shown_mut() else { return };
@@ -179,7 +177,7 @@ impl Documents {
         document.view = (top.min(line as f32 - 1.0).max(line as f32 + 3.0 - rows).max(0.0), left);
     }
 
-    /// Brings the cursor into sight.
+    /// Scrolls until the cursor is visible.
     pub(super) fn reveal(&mut self) {
         let columns = self.columns.max(8) as f32;
         let Some(document) = self.shown_mut() else { return };
@@ -193,7 +191,7 @@ impl Documents {
         self.reveal_line(line);
     }
 
-    /// Brings the cursor of the text that shows to a place of it as it was loaded.
+    /// Moves the cursor to a range of the visible text, given as it was loaded.
     pub(super) fn go_to_loaded(&mut self, range: Range<usize>) {
         if let Some(document) = self.shown_mut()
             && let Some(now) = document.place_as_shown(range)

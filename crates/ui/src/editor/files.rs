@@ -1,4 +1,4 @@
-//! The files of the texts: read, saved, copied, begun, and what is kept of those that are not saved.
+//! The files of the texts: reading, saving, copying, creating, and backups of unsaved text.
 
 use std::io;
 use std::path::Path;
@@ -10,13 +10,13 @@ use mariana_files::documents::{FileEvent, FileThread};
 
 use super::document::{Document, Question};
 
-/// The text that a new scene begins with.
+/// Text of a new scene.
 pub(super) const TEMPLATE: &str = include_str!("new.scene");
-/// How long the end of the program waits for texts to be kept.
+/// The longest the exit waits for backups.
 const KEEP_LIMIT: Duration = Duration::from_secs(3);
-const NO_FOLDER: &str = "the system has no place for your own scenes: start with --scene FILE.scene";
+const NO_FOLDER: &str = "there is no folder for your own scenes: start Mariana with --scene FILE.scene";
 
-/// See the module. Disks are the clerk's.
+/// Access to the file thread, which does all reading and writing.
 pub(super) struct Files {
     file_thread: FileThread,
 }
@@ -26,49 +26,49 @@ impl Files {
         Ok(Self { file_thread: FileThread::start(folders, wake)? })
     }
 
-    /// Begins to read a file.
+    /// Starts to read a file.
     pub(super) fn open(&self, file: &Path) {
         self.file_thread.open(file);
     }
 
-    /// What has happened to files.
+    /// The next finished file operation or change on disk.
     pub(super) fn file_events(&self) -> Option<FileEvent> {
         self.file_thread.file_events()
     }
 
-    /// Keeps a text while it is not saved.
+    /// Backs a text up while it has unsaved edits; deletes the backup otherwise.
     pub(super) fn keep(&self, document: &Document) {
         if let Some(file) = document.file() {
             self.file_thread.keep(file, document.is_dirty().then(|| document.bytes()));
         }
     }
 
-    /// Keeps a text whose file has gone.
+    /// Backs up a text whose file was deleted.
     pub(super) fn keep_gone(&self, document: &Document) {
         if let Some(file) = document.file() {
             self.file_thread.keep(file, Some(document.bytes()));
         }
     }
 
-    /// Keeps what was typed in an earlier run no longer.
+    /// Deletes the backup of an earlier run.
     pub(super) fn forget_kept(&self, file: &Path) {
         self.file_thread.keep(file, None);
     }
 
-    /// Saves a text, unless the file holds what nobody has seen here.
+    /// Saves a text, unless another program has changed the file in the meantime.
     pub(super) fn save(&self, document: &Document) -> Result<(), &'static str> {
         let Some(file) = document.file() else { return Ok(()) };
         if let Some(Question::Conflict(_)) = document.question {
-            return Err("another program has written this file: choose above whose text stays");
+            return Err("another program has changed this file: choose above which text to keep");
         }
         if !document.is_open() {
-            return Err("the file cannot be read, so nothing is written over it");
+            return Err("not saved: the file cannot be read, and saving could overwrite it");
         }
         self.file_thread.save(file, document.bytes(), document.disk.clone());
         Ok(())
     }
 
-    /// Saves a text whatever the file holds.
+    /// Saves a text even if another program has changed the file.
     pub(super) fn overwrite(&self, document: &Document) {
         if let Some(file) = document.file() {
             self.file_thread.save(file, document.bytes(), None);
@@ -82,14 +82,14 @@ impl Files {
         Ok(())
     }
 
-    /// Begins a new scene in a folder, or in the user's.
+    /// Creates a new scene in `folder`, or else in the user's folder.
     pub(super) fn begin(&self, folder: Option<&Path>) -> Result<(), &'static str> {
         let folder = folder.or_else(|| self.file_thread.own_scenes()).ok_or(NO_FOLDER)?;
         self.file_thread.create(folder, "new.scene", Arc::from(TEMPLATE.as_bytes()));
         Ok(())
     }
 
-    /// Waits until everything is kept: the program ends.
+    /// Waits for pending backups before the program exits.
     pub(super) fn finish(&self) {
         self.file_thread.finish(KEEP_LIMIT);
     }

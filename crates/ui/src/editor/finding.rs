@@ -1,30 +1,30 @@
-//! What is looked for in the text.
+//! Text search in the editor.
 
 use std::ops::Range;
 
 use mariana_commands::input::{Key, Modifiers, NamedKey};
 use mariana_editing::{Editing, find};
 
-/// What is looked for.
+/// The search line.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub(crate) struct Find {
-    /// The words.
+    /// Search text.
     pub query: String,
-    /// Whether keys go there.
+    /// True while keys are typed into it.
     pub typing: bool,
 }
 
-/// What a key means for the line of what is looked for.
+/// The meaning of a key for the search line.
 pub(super) enum QueryKey {
-    /// To go to the next place, or to the one before.
+    /// Go to the next or previous match.
     Next { forward: bool },
-    /// The words are others.
+    /// The search text changed.
     Changed,
-    /// Nothing.
+    /// The key does not belong to the search line.
     Other,
 }
 
-/// See the module.
+/// The search line, if it is open.
 #[derive(Default)]
 pub(super) struct Finding {
     line: Option<Find>,
@@ -35,7 +35,7 @@ impl Finding {
         self.line.as_ref()
     }
 
-    /// Opens the line for what is selected, or for what was looked for before.
+    /// Opens the search line with the selected text, or else with the last search.
     pub(super) fn begin(&mut self, selected: &[u8]) {
         let before = self.line.take().map(|find| find.query).unwrap_or_default();
         let selected = std::str::from_utf8(selected).ok();
@@ -47,12 +47,11 @@ impl Finding {
         self.line = None;
     }
 
-    /// The words, if letters go there.
+    /// The search text, if letters are typed into it.
     pub(super) fn typed(&mut self) -> Option<&mut String> {
         self.line.as_mut().filter(|find| find.typing).map(|find| &mut find.query)
     }
 
-    /// Takes a key.
     pub(super) fn take_key(&mut self, key: &Key, held: Modifiers) -> QueryKey {
         let Some(find) = self.line.as_mut().filter(|find| find.typing) else { return QueryKey::Other };
         match key {
@@ -69,12 +68,12 @@ impl Finding {
         }
     }
 
-    /// The next place in a text, or the one before; otherwise says that there is none. `None` if nothing is looked for.
+    /// The next or previous match, or a message that there is none; `None` without a search text.
     pub(super) fn next(&self, editing: &Editing, forward: bool) -> Option<Result<Range<usize>, String>> {
         let query = self.line.as_ref().map(|find| &find.query).filter(|query| !query.is_empty())?;
         let selection = editing.selection();
         let from = if forward { selection.end } else { selection.start };
         let place = find(editing.buffer().bytes(), query, from, forward);
-        Some(place.ok_or_else(|| format!("\u{2018}{query}\u{2019} stands nowhere in this text")))
+        Some(place.ok_or_else(|| format!("no match for \u{2018}{query}\u{2019}")))
     }
 }

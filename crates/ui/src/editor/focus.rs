@@ -1,15 +1,15 @@
-//! Whether keys are text, and the letters that are not typed yet.
+//! Keyboard focus of the editor, and text that an input method is composing.
 
-/// Most letters that are shown while they are put together.
+/// Most letters of a composition that are displayed.
 const PREEDIT_MAX: usize = 64;
 
-/// See the module.
+/// The focus and the composition.
 #[derive(Default)]
 pub(super) struct Focus {
     is_on: bool,
-    /// Whether a key is still held that was not meant for the text.
+    /// True while a key is held that was pressed before the editor got the focus.
     ignores_repeats: bool,
-    /// Letters that are being put together at the cursor.
+    /// Composed text, not yet in the document.
     preedit: String,
 }
 
@@ -18,7 +18,7 @@ impl Focus {
         self.is_on
     }
 
-    /// Gives keys to the text or to the show. Returns whether the other had them.
+    /// Gives the focus to the editor or back to the show. Returns true if it has changed.
     pub(super) fn set(&mut self, on: bool) -> bool {
         let is_new = self.is_on != on;
         self.ignores_repeats |= on && is_new;
@@ -29,18 +29,18 @@ impl Focus {
         is_new
     }
 
-    /// Whether a key is left out: it is still held since before it was the text's.
+    /// True if a repeated key must be ignored because it was pressed before the editor got the focus.
     pub(super) fn leaves_out(&mut self, repeat: bool) -> bool {
         self.ignores_repeats &= repeat;
         self.ignores_repeats
     }
 
-    /// Takes every key from now on.
+    /// Accepts every key from now on.
     pub(super) fn take_repeats(&mut self) {
         self.ignores_repeats = false;
     }
 
-    /// Shows letters that are being put together.
+    /// Sets the composed text.
     pub(super) fn compose(&mut self, letters: &str) {
         self.preedit = letters.chars().filter(|letter| !letter.is_control()).take(PREEDIT_MAX).collect();
     }
@@ -49,7 +49,7 @@ impl Focus {
         &self.preedit
     }
 
-    /// The letters were typed, or are given up.
+    /// Ends the composition; its text was typed or discarded.
     pub(super) fn end_composing(&mut self) {
         self.preedit.clear();
     }

@@ -1,27 +1,27 @@
-//! What the loader found: in the scene whose text shows, and in others that were shown before.
+//! The loader's findings about the edited scene and about scenes edited before.
 
 use std::path::{Path, PathBuf};
 
 use mariana_scenes::{Findings, SceneSource};
 
-/// See the module.
+/// The latest findings of each scene.
 #[derive(Default)]
 pub(super) struct Found {
-    /// The scene whose text is shown.
+    /// The edited scene.
     source: Option<SceneSource>,
-    /// What was found last in it.
+    /// Its latest findings.
     findings: Option<Findings>,
-    /// What was found in others.
+    /// Findings of other scenes.
     others: Vec<Findings>,
 }
 
 impl Found {
-    /// The scene whose text is shown.
+    /// The edited scene.
     pub(super) fn source(&self) -> Option<&SceneSource> {
         self.source.as_ref()
     }
 
-    /// Goes on with another scene, and with what is known of it.
+    /// Switches to another scene and its known findings.
     pub(super) fn show_scene(&mut self, source: &SceneSource) {
         self.source = Some(source.clone());
         self.others.extend(self.findings.take());
@@ -29,7 +29,7 @@ impl Found {
         self.findings = known.map(|at| self.others.swap_remove(at));
     }
 
-    /// Takes in what was found in a scene. Returns whether it is the one whose text is shown.
+    /// Takes over new findings. Returns true if they are about the edited scene.
     pub(super) fn take(&mut self, findings: Findings) -> bool {
         let is_shown = Some(&findings.source) == self.source.as_ref();
         if is_shown {
@@ -41,7 +41,7 @@ impl Found {
         is_shown
     }
 
-    /// What was found last in the scene whose text is shown.
+    /// The latest findings of the edited scene.
     pub(super) fn findings(&self) -> Option<&Findings> {
         self.findings.as_ref()
     }
@@ -56,7 +56,7 @@ impl Found {
         self.findings.as_ref()?.texts.iter().position(|one| one == file)
     }
 
-    /// The text of the first mistake.
+    /// The text with the first mistake.
     pub(super) fn first_wrong_text(&self) -> Option<usize> {
         self.findings.as_ref()?.mistakes.first().map(|one| one.text)
     }

@@ -1,74 +1,74 @@
-//! What keys do while they are text: one table, from which the handling and the page about the editor are made.
+//! The editor's keys: one table from which the key handling and the manual page are made.
 
 use mariana_commands::input::{Key, Modifiers, NamedKey};
 
 use mariana_editing::Move;
 
-/// What a key or a click asks of the editor.
+/// An action of a key or a button.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EditAction {
-    /// To save the text; a text without a file is copied to the user's folder.
+    /// Saves the text; copies a shipped scene to the user's folder.
     Save,
-    /// To take the last change back.
+    /// Undoes the last change.
     Undo,
-    /// To do it again.
+    /// Redoes the last undone change.
     Redo,
-    /// To copy what is selected.
+    /// Copies the selection.
     Copy,
-    /// To cut it out.
+    /// Cuts the selection.
     Cut,
-    /// To put in what was copied.
+    /// Pastes.
     Paste,
-    /// To select all.
+    /// Selects everything.
     SelectAll,
-    /// To find something.
+    /// Opens the search line.
     Find,
-    /// To go to the next place of what is looked for, or to the one before.
+    /// Goes to the next or previous match.
     FindNext {
-        /// Whether it is the next.
+        /// True for the next one.
         forward: bool,
     },
-    /// To leave lines out as comments, or to bring them back.
+    /// Comments lines out, or uncomments them.
     ToggleComment,
-    /// To propose what may be written.
+    /// Opens the completion list.
     Propose,
-    /// To make a parameter of the number at the cursor.
+    /// Replaces the number at the cursor by a parameter.
     MakeParam,
-    /// To turn the number at the cursor.
+    /// Turns the number at the cursor.
     TurnNumber {
-        /// Whether it becomes more.
+        /// True to increase it.
         up: bool,
     },
-    /// To begin a new scene.
+    /// Creates a new scene.
     New,
-    /// To go to the next text of the scene: those that it includes.
+    /// Shows the next text of the scene, including its include files.
     NextText,
-    /// To go to the next mistake.
+    /// Goes to the next mistake.
     NextMistake,
-    /// To light up what the lines at the cursor make, or to stop.
+    /// Highlights the parts of the frame that come from the lines at the cursor, or stops that.
     Light,
-    /// To show what objects cost, or to stop.
+    /// Shows or hides the cost of each object.
     Profile,
-    /// To answer what is asked about the text.
+    /// Answers the question above the text.
     Answer {
-        /// Whether the first answer is given.
+        /// True for the first answer.
         first: bool,
     },
-    /// To close what is open, and then the editor.
+    /// Closes what is open in the editor, then the editor itself.
     Leave,
 }
 
-/// A row of the table.
+/// A key binding.
 pub struct Row {
-    /// The key, letters in lower case.
+    /// The key; letters in lower case.
     key: Key<&'static str>,
-    /// What is held with it.
+    /// The modifiers.
     held: Modifiers,
-    /// The key as people write it.
+    /// The key as it is displayed; empty for an alternative that another row mentions.
     pub written: &'static str,
-    /// What it does.
+    /// The action.
     pub action: EditAction,
-    /// The same in words.
+    /// A description of the action.
     pub meaning: &'static str,
 }
 
@@ -95,11 +95,11 @@ const fn named(
     Row { key: Key::Named(key), held, written, action, meaning }
 }
 
-/// Every key with a meaning of its own. Shift turns finding around, and undoing into doing again.
+/// All key bindings. Shift turns Find next into Find previous, and Undo into Redo.
 pub const ROWS: &[Row] = &[
     letter("s", "Ctrl+S", EditAction::Save, "save; a shipped scene is copied to your folder"),
-    letter("z", "Ctrl+Z", EditAction::Undo, "take back"),
-    letter("y", "Ctrl+Y or Ctrl+Shift+Z", EditAction::Redo, "do again"),
+    letter("z", "Ctrl+Z", EditAction::Undo, "undo"),
+    letter("y", "Ctrl+Y or Ctrl+Shift+Z", EditAction::Redo, "redo"),
     letter("c", "Ctrl+C", EditAction::Copy, "copy"),
     letter("x", "Ctrl+X", EditAction::Cut, "cut"),
     letter("v", "Ctrl+V", EditAction::Paste, "paste"),
@@ -108,76 +108,70 @@ pub const ROWS: &[Row] = &[
         "f",
         "Ctrl+F",
         EditAction::Find,
-        "find; Enter goes to the next place, Shift+Enter to the one before",
+        "find; Enter goes to the next match, Shift+Enter to the previous one",
     ),
     letter(
         "g",
         "Ctrl+G or F3",
         EditAction::FindNext { forward: true },
-        "find the next one; with Shift the one before",
+        "find the next match; with Shift the previous one",
     ),
     named(NamedKey::F3, NONE, "", EditAction::FindNext { forward: true }, ""),
-    letter("/", "Ctrl+/", EditAction::ToggleComment, "leave lines out as comments, or bring them back"),
+    letter("/", "Ctrl+/", EditAction::ToggleComment, "comment lines out, or uncomment them"),
     named(
         NamedKey::Space,
         CTRL,
         "Ctrl+Space",
         EditAction::Propose,
-        "propose what may be written; Tab takes it",
+        "complete the name at the cursor; Tab accepts",
     ),
     letter(
         "p",
         "Ctrl+P",
         EditAction::MakeParam,
-        "make a parameter with a slider of the number at the cursor",
+        "turn the number at the cursor into a parameter with a slider",
     ),
     named(
         NamedKey::ArrowUp,
         ALT,
         "Alt+Up, Alt+Down",
         EditAction::TurnNumber { up: true },
-        "turn the number at the cursor; with Shift finely. Dragging its grip, or it with Alt, does the same",
+        "change the number at the cursor; with Shift in fine steps. Or drag its grip, or Alt+drag the number",
     ),
     named(NamedKey::ArrowDown, ALT, "", EditAction::TurnNumber { up: false }, ""),
     letter("e", "Ctrl+E or F8", EditAction::NextMistake, "go to the next mistake"),
     named(NamedKey::F8, NONE, "", EditAction::NextMistake, ""),
-    named(
-        NamedKey::Tab,
-        CTRL,
-        "Ctrl+Tab",
-        EditAction::NextText,
-        "the next text of this scene: those that it includes",
-    ),
-    letter("l", "Ctrl+L", EditAction::Light, "light up in the picture what the line at the cursor makes"),
+    named(NamedKey::Tab, CTRL, "Ctrl+Tab", EditAction::NextText, "go to the next file of this scene"),
+    letter("l", "Ctrl+L", EditAction::Light, "highlight in the image what the line at the cursor draws"),
     letter("k", "Ctrl+K", EditAction::Profile, "show what each object costs"),
     letter(
         "1",
         "Ctrl+1",
         EditAction::Answer { first: true },
-        "the first answer to what is asked above the text",
+        "the first answer to the question above the text",
     ),
     letter("2", "Ctrl+2", EditAction::Answer { first: false }, "the second answer"),
-    letter("n", "Ctrl+N", EditAction::New, "begin a new scene"),
+    letter("n", "Ctrl+N", EditAction::New, "create a new scene"),
     named(
         NamedKey::Escape,
         NONE,
         "Esc",
         EditAction::Leave,
-        "close what is open, then the editor; nothing is lost",
+        "close the open list or card, then the editor; your text is kept",
     ),
 ];
 
-/// The rows of the table that people read: the written key and its meaning.
+/// The bindings for display, without unnamed alternatives.
 pub fn written_rows() -> impl Iterator<Item = &'static Row> {
     ROWS.iter().filter(|row| !row.written.is_empty())
 }
 
-/// What a key asks for with what is held, if it has a meaning of its own. Where the keyboard has other letters, the
-/// key's place counts: `latin` is the letter that it has elsewhere.
+/// The action of a key with these modifiers. On non-Latin keyboards the key's position decides: `latin` is the letter
+/// that it has on a Latin keyboard.
 pub(super) fn action_of(key: &Key, latin: Option<char>, held: Modifiers) -> Option<EditAction> {
     let shift = held.shift_key();
     let mut held = held - Modifiers::SHIFT;
-    // What Ctrl does elsewhere, Command does on a Mac.
+    // On a Mac, Command replaces Ctrl.
     if held == Modifiers::SUPER && cfg!(target_os = "macos") {
         held = CTRL;
     }
@@ -202,7 +196,7 @@ pub(super) fn action_of(key: &Key, latin: Option<char>, held: Modifiers) -> Opti
     })
 }
 
-/// Where a key moves the cursor; `rows` lines are a page.
+/// The cursor movement of a key; a page has `rows` lines.
 pub(super) fn way_of(key: &Key, held: Modifiers, rows: usize) -> Option<Move> {
     let (Key::Named(named), word) = (key, held.control_key()) else { return None };
     Some(match named {
@@ -222,7 +216,7 @@ pub(super) fn way_of(key: &Key, held: Modifiers, rows: usize) -> Option<Move> {
     })
 }
 
-/// The table for the page about the editor.
+/// The Markdown table for docs/editor.md.
 pub fn markdown_table() -> String {
     let rows = written_rows().map(|row| format!("| {} | {} |\n", row.written, row.meaning));
     format!("| key | what it does |\n|---|---|\n{}", rows.collect::<String>())
@@ -236,12 +230,12 @@ mod tests {
     fn no_key_has_two_meanings() {
         for (index, row) in ROWS.iter().enumerate() {
             let same = |other: &Row| (&other.key, other.held) == (&row.key, row.held);
-            assert!(!ROWS[..index].iter().any(same), "{:?} stands twice", row.key);
+            assert!(!ROWS[..index].iter().any(same), "{:?} has two meanings", row.key);
         }
     }
 
     #[test]
-    fn letters_of_other_keyboards_are_taken_by_their_place() {
+    fn letters_of_other_keyboards_are_recognized_by_position() {
         let key = |text: &str| Key::Character(text.into());
         assert_eq!(action_of(&key("s"), None, CTRL), Some(EditAction::Save));
         assert_eq!(action_of(&key("ы"), Some('s'), CTRL), Some(EditAction::Save));

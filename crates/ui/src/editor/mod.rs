@@ -1,24 +1,25 @@
-//! The editor in the window: the text of the scene on the stage, its keys, its files, and what is told of it.
+//! The scene editor in the window: the text of the shown scene, its keys, its files and its messages.
 //!
-//! It is a plain value that keys and the pointer change, and the overlay draws it. Every change goes to the loader as a
-//! draft ([`Drafts`]), which stands in the place of the file: what is right shows in the next frame, what is not is marked
-//! here. Disks are the clerk's ([`mariana_files::documents::FileThread`]), the clipboard is its own thread's.
+//! It is a plain value that keys and the pointer change and the overlay draws. Every edit goes to the loader as a draft
+//! ([`Drafts`]) that replaces the file's contents. A valid draft shows in the next frame; the mistakes of an invalid
+//! one are marked in the text. A thread of [`mariana_files::documents::FileThread`] does all file access, and another
+//! one accesses the clipboard.
 //!
-//! [`Editor`] owns the parts and hands what one finds to another; each of them has a state of its own:
+//! [`Editor`] owns the parts and passes results between them:
 //!
-//! | part | what it is for |
+//! | part | purpose |
 //! |---|---|
-//! | `Texts` | the texts of the scene; it owns the four below |
-//! | `Documents` | the open texts: which of them shows, and which part of it |
-//! | `Files` | what is read, saved, copied and kept |
-//! | `Found` | what the loader found in the scene and in others |
-//! | `Outbox` | what the loader and the show get: drafts, numbers, commands |
-//! | `HeldNumbers` | numbers that are turned, colours that are picked, positions that are dragged |
-//! | `Finding` | what is looked for |
-//! | `Proposals` | what may be written at the cursor, with small pictures |
-//! | `Picture` | what is known of the picture: a point, what is lit up, what objects cost |
-//! | `Focus` | whether keys are text, and letters that are being put together |
-//! | `Notice` | the answer to the last key |
+//! | `Texts` | the texts of the scene; owns the next four |
+//! | `Documents` | the open texts, the visible one, and its scroll position |
+//! | `Files` | reading, saving, copying, backups |
+//! | `Found` | the loader's findings |
+//! | `Outbox` | drafts, values of turned numbers, commands |
+//! | `HeldNumbers` | turned numbers, picked colours, dragged positions |
+//! | `Finding` | the search line |
+//! | `Proposals` | the completion list and its previews |
+//! | `Picture` | information about the frame: the clicked point, highlights, costs |
+//! | `Focus` | keyboard focus and input methods |
+//! | `Notice` | the message line |
 
 mod acting;
 mod document;
@@ -65,78 +66,78 @@ use mariana_render::placement::Map;
 use mariana_scenes::probing::Answer;
 use mariana_scenes::{Drafts, SceneSource};
 
-/// What the pointer asks of the editor. Places are bytes of the text that shows.
+/// An event of the pointer in the editor. Positions are byte offsets in the visible text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum EditorEvent {
-    /// The pointer was pressed at a place.
+    /// A press at an offset.
     Press {
-        /// The place.
+        /// The offset.
         at: usize,
-        /// How often, quickly.
+        /// 1 for a single click, 2 for a double click, 3 for a triple click.
         clicks: u8,
-        /// Whether what lies between is selected.
+        /// True to extend the selection.
         select: bool,
     },
-    /// It was drawn to a place.
+    /// A drag to an offset.
     DragTo(usize),
-    /// It has taken the number at a place.
+    /// The number at an offset was grabbed.
     Grab(usize),
-    /// It turns that number by so many points.
+    /// The grabbed number was turned.
     Turn {
-        /// Points to the right.
+        /// Movement to the right, in points.
         points: f32,
-        /// How far that turns it.
+        /// Speed of the turn.
         speed: TurnSpeed,
     },
-    /// It has let go of the number, or of the three.
+    /// The grabbed numbers were released.
     LetGo,
-    /// To pick the colour whose three numbers are at a place.
+    /// The colour at an offset was clicked: open the picker.
     PickColor(usize),
-    /// To pick no colour any more.
+    /// The picker was closed.
     ClosePicker,
-    /// The colour that is picked, as it is in the text.
+    /// The picker's colour changed.
     SetColor([f64; 3]),
-    /// To move the position at the cursor by so much.
+    /// The position at the cursor was dragged by this vector.
     MovePlace([f64; 3]),
-    /// It scrolls by so many lines and columns.
+    /// The text was scrolled.
     Scroll {
-        /// Down.
+        /// Lines, positive downwards.
         lines: f32,
-        /// To the right.
+        /// Columns, positive to the right.
         columns: f32,
     },
-    /// Nothing: so many lines and columns were drawn.
+    /// The text was laid out with this many visible lines and columns.
     Drawn {
-        /// The lines.
+        /// Visible lines.
         rows: usize,
-        /// The columns.
+        /// Visible columns.
         columns: usize,
     },
-    /// What a key does, too.
+    /// A button with a key's action was clicked.
     Act(EditAction),
-    /// To show another text of the scene.
+    /// The tab of a text was clicked.
     ShowText(usize),
-    /// To go to what made the point of the picture that was clicked.
+    /// The card's source line was clicked.
     GoToProbed,
-    /// To close what is told of it.
+    /// The card was closed.
     CloseProbed,
-    /// To go to a byte of one of the scene's texts, as they were loaded.
+    /// A row of the cost table was clicked: go to a byte of one of the scene's texts, as they were loaded.
     GoTo {
-        /// The text.
+        /// The text's number.
         text: usize,
-        /// The byte.
+        /// The byte offset.
         byte: usize,
     },
-    /// To take a proposal.
+    /// A proposal was clicked.
     Take(usize),
-    /// An answer to what is asked about the text.
+    /// An answer above the text was clicked.
     Answer {
-        /// Whether the first thing is done, else the second.
+        /// True for the first answer.
         first: bool,
     },
 }
 
-/// See the module.
+/// The state of the editor.
 pub struct Editor {
     texts: Texts,
     clipboard: Clipboard,
@@ -159,10 +160,11 @@ impl std::fmt::Debug for Editor {
 }
 
 impl Editor {
-    /// An editor without a text, for a user with these folders. `wake` is called on other threads when there is something new for it.
+    /// Starts an editor without a text, for a user with these folders. `wake` is called on other threads when one of
+    /// their results arrives.
     ///
     /// # Errors
-    /// The system has no thread left.
+    /// The system cannot start another thread.
     pub fn start(
         drafts: Drafts,
         folders: &Folders,
@@ -181,7 +183,7 @@ impl Editor {
         })
     }
 
-    /// Shows the text of a scene, if it is another than before.
+    /// Shows the text of a scene, unless it is shown already.
     pub fn show_scene(&mut self, source: &SceneSource) {
         let source = match source {
             SceneSource::Blend(blend) => &blend.to.source,
@@ -197,7 +199,7 @@ impl Editor {
         self.revision += 1;
     }
 
-    /// Takes in what other threads have for the editor.
+    /// Takes over results of other threads.
     pub fn update(&mut self) {
         while let Some(file_events) = self.texts.file_events() {
             self.revision += 1;
@@ -216,12 +218,12 @@ impl Editor {
         self.revision += u64::from(changes.contains(&true));
     }
 
-    /// Whether keys are text.
+    /// True if keys are typed into the editor.
     pub fn has_focus(&self) -> bool {
         self.focus.is_on()
     }
 
-    /// Gives keys to the text or to the show.
+    /// Gives the keyboard focus to the editor or back to the show.
     pub fn set_focus(&mut self, focused: bool) {
         self.revision += u64::from(self.focus.set(focused));
         if !focused {
@@ -234,31 +236,31 @@ impl Editor {
         self.texts.take_commands()
     }
 
-    /// Keeps what is not saved: the program ends.
+    /// Backs up unsaved text before the program exits.
     pub fn finish(&mut self) {
         self.let_go();
         self.texts.finish();
     }
 
-    /// Whether it tells what is wrong with the scene.
+    /// True if it shows mistakes of the scene.
     pub fn tells_mistakes(&self) -> bool {
         self.texts.findings().is_some_and(|found| !found.mistakes.is_empty())
     }
 
-    /// Tells something for a moment.
+    /// Shows a message for a moment.
     pub fn tell(&mut self, words: impl Into<String>) {
         self.notice.say(words.into());
         self.revision += 1;
     }
 
-    /// Tells why something was not done.
+    /// Shows the message of a failed action.
     fn tell_refusal<E: ToString>(&mut self, done: Result<(), E>) {
         if let Err(words) = done {
             self.tell(words.to_string());
         }
     }
 
-    /// Closes what belongs to the moment: the line for finding, and proposals.
+    /// Closes the search line, the completion list and the picker.
     fn close_small(&mut self) {
         self.finding.close();
         self.proposals.close();
@@ -267,12 +269,11 @@ impl Editor {
     }
 }
 
-/// The picture.
 impl Editor {
-    /// Notes how the picture lies in the window, and from where it is seen.
+    /// Sets the frame's position in the window and its camera.
     pub fn set_view(&mut self, map: Map, camera: Option<Camera>) {
         let (is_new, moves) = self.picture.set_view(map, camera);
-        // Only a cross in the picture goes with the camera.
+        // Only the cross at a position follows the camera.
         let is_crossed =
             || self.document().is_some_and(|document| self.held_numbers.place(document).is_some());
         if is_new || moves && is_crossed() {
@@ -280,27 +281,27 @@ impl Editor {
         }
     }
 
-    /// Takes in what was found in the picture.
+    /// Takes over the result of a probe of the frame.
     pub fn take_answer_about_the_picture(&mut self, answer: Answer) {
         match answer {
-            Answer::TooLong => self.tell("this scene is too large to be looked into while it plays"),
+            Answer::TooLong => self.tell("this scene is too large to be inspected while it plays"),
             Answer::RayStatistics(source, ray_statistics) if Some(&source) == self.texts.source() => {
                 self.picture.take_ray_statistics(ray_statistics);
             }
             Answer::Point(probed) if Some(&probed.source) == self.texts.source() => {
                 self.picture.take_probed(probed);
-                // The line that made it comes into sight. The cursor stays where one writes.
+                // Scroll to the line that drew it, but leave the cursor where the user is typing.
                 if let Some(line) = self.probed_line() {
                     self.texts.reveal_line(line);
                 }
             }
-            // Of a scene that has gone.
+            // A late answer about a previous scene.
             Answer::Point(_) | Answer::RayStatistics(..) => return,
         }
         self.revision += 1;
     }
 
-    /// Brings the cursor to a place of one of the scene's texts as it was loaded.
+    /// Moves the cursor to a range of one of the scene's texts, given as it was loaded.
     fn go_to(&mut self, number: usize, range: Range<usize>) {
         let own = self.document().and_then(Document::file);
         if self.texts.file(number).is_some_and(|file| own != Some(file)) {
@@ -310,22 +311,21 @@ impl Editor {
         self.revision += 1;
     }
 
-    /// Closes what is told of a point. Whether there was something.
+    /// Closes the card of the clicked point. Returns true if it was open.
     pub fn close_probed(&mut self) -> bool {
         let was = self.picture.close_probed();
         self.revision += u64::from(was);
         was
     }
 
-    /// Whether it needs to know what the picture shows.
+    /// True if it needs ray statistics of the frame.
     pub fn wants_ray_statistics(&self) -> bool {
         self.picture.wants_ray_statistics()
     }
 }
 
-/// Numbers, colours and positions that are turned.
 impl Editor {
-    /// Takes the number at a place.
+    /// Grabs the number at an offset.
     fn grab(&mut self, at: usize) {
         self.close_small();
         match self.document().and_then(|document| document.number(at)) {
@@ -334,7 +334,7 @@ impl Editor {
         }
     }
 
-    /// Takes numbers of a line that begins at a byte.
+    /// Grabs numbers of the line that begins at `line_start`.
     fn take_numbers(&mut self, numbers: Vec<Number>, line_start: usize) {
         self.set_focus(true);
         let taken = self.held_numbers.take(numbers, line_start, &mut self.texts);
@@ -342,7 +342,7 @@ impl Editor {
         self.revision += 1;
     }
 
-    /// Takes the three numbers at a place, unless three are held. Returns whether three are held then.
+    /// Grabs the triple at an offset, unless one is grabbed. Returns true if one is grabbed then.
     fn take_three(&mut self, at: usize) -> bool {
         let found = self.document().and_then(|document| document.triple_at(at));
         if let Some((triple, line_start)) = found.filter(|_| !self.held_numbers.turns_three()) {
@@ -351,19 +351,19 @@ impl Editor {
         self.held_numbers.turns_three()
     }
 
-    /// Turns what the hand holds.
+    /// Changes the grabbed numbers.
     fn turn(&mut self, turn: impl FnOnce(&mut HeldNumbers, &mut Texts) -> Result<(), Refused>) {
         let done = turn(&mut self.held_numbers, &mut self.texts);
         self.tell_refusal(done);
         self.revision += 1;
     }
 
-    /// Lets go of it: the text holds from now on.
+    /// Releases the grabbed numbers.
     fn let_go(&mut self) {
         self.revision += u64::from(self.held_numbers.let_go(&mut self.texts));
     }
 
-    /// Opens what picks the colour at a place.
+    /// Opens the picker for the colour at an offset.
     fn pick_color(&mut self, at: usize) {
         self.let_go();
         self.set_focus(true);
@@ -378,7 +378,7 @@ impl Editor {
         self.held_numbers.pick(at);
     }
 
-    /// Gives the colour that is picked other numbers.
+    /// Sets the colour in the picker.
     fn set_color(&mut self, color: [f64; 3]) {
         if self.held_numbers.picked().is_some_and(|at| self.take_three(at)) {
             self.turn(|held_numbers, texts| held_numbers.turn_three(color.map(|part| part.max(0.0)), texts));
@@ -394,9 +394,8 @@ impl Editor {
     }
 }
 
-/// What the overlay shows.
 impl Editor {
-    /// Grows with everything that changes its look.
+    /// A number that grows with every change of the editor's look.
     pub(crate) fn revision(&self) -> u64 {
         self.revision
     }
@@ -406,48 +405,48 @@ impl Editor {
         &self.texts
     }
 
-    /// The one that shows.
+    /// The visible text.
     pub(crate) fn document(&self) -> Option<&Document> {
         self.texts.document()
     }
 
-    /// What is looked for.
+    /// The search line.
     pub(crate) fn find_line(&self) -> Option<&Find> {
         self.finding.line()
     }
 
-    /// The letters that are being put together at the cursor.
+    /// The text that an input method is composing.
     pub(crate) fn preedit(&self) -> &str {
         self.focus.preedit()
     }
 
-    /// What may be written at the cursor.
+    /// The completion list.
     pub(crate) fn proposals(&self) -> &Proposals {
         &self.proposals
     }
 
-    /// What the hand holds.
+    /// The grabbed numbers.
     pub(crate) fn held_numbers(&self) -> &HeldNumbers {
         &self.held_numbers
     }
 
-    /// The answer to the last key.
+    /// The message line.
     pub(crate) fn notice(&self) -> &Notice {
         &self.notice
     }
 
-    /// What is known of the picture.
+    /// Information about the frame.
     pub(crate) fn picture(&self) -> &Picture {
         &self.picture
     }
 
-    /// The line, from 0, of the text that shows which made the point that was clicked.
+    /// The line, from 0, of the visible text that drew the clicked point.
     pub(crate) fn probed_line(&self) -> Option<usize> {
         let (number, range) = self.picture.written()?;
         self.texts.shown_line_at(number, range)
     }
 
-    /// What is lit up.
+    /// The highlighted cells.
     pub(crate) fn light(&self) -> Option<Light> {
         self.picture.light(self.document()?, self.texts.number())
     }

@@ -1,13 +1,13 @@
-//! The answer to the last key, which stays for a moment.
+//! A short message of the editor that disappears after a moment.
 
 use std::time::{Duration, Instant};
 
 use crate::clock;
 
-/// How long an answer to a key stays.
+/// Lifetime of a message.
 const STAYS: Duration = Duration::from_secs(6);
 
-/// See the module.
+/// The present message, if any.
 #[derive(Default)]
 pub(crate) struct Notice {
     said: Option<(String, Instant)>,
@@ -22,7 +22,7 @@ impl Notice {
         self.said = None;
     }
 
-    /// Lets it go when its time is over. Returns whether it went.
+    /// Removes an expired message. Returns true if there was one.
     pub(super) fn update(&mut self) -> bool {
         let goes = self.said.as_ref().is_some_and(|(_, since)| clock::since(*since) > STAYS);
         if goes {
@@ -31,12 +31,12 @@ impl Notice {
         goes
     }
 
-    /// Its words.
+    /// The text of the message.
     pub(crate) fn words(&self) -> Option<&str> {
         self.said.as_ref().map(|(words, _)| words.as_str())
     }
 
-    /// When it goes.
+    /// The time at which it expires.
     pub(crate) fn goes_at(&self) -> Option<Instant> {
         self.said.as_ref().map(|(_, since)| *since + STAYS)
     }

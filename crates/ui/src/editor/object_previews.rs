@@ -1,5 +1,4 @@
-//! Small pictures of the library's shapes, for what may be written: each is drawn once, on a thread, when it is first
-//! looked at.
+//! Previews of the library's shapes for the completion list. A thread renders each preview when it is first needed.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -9,22 +8,22 @@ use std::thread::Builder;
 use mariana_field::lang::PICTURES;
 use mariana_field::ray_probe::preview;
 
-/// Pixels along each side.
+/// Width and height in pixels.
 pub(crate) const SIDE: usize = 48;
 
-/// A picture: red, green, blue and how much of a pixel is covered, from the upper left to the right.
+/// A preview: red, green, blue and coverage of each pixel, in rows from the upper left.
 pub(crate) type ObjectPreview = Arc<Vec<[u8; 4]>>;
 
-/// See the module.
+/// A cache of previews and its render thread.
 pub(super) struct ObjectPreviews {
-    /// Those that are there, or on their way.
+    /// Finished previews; `None` for those that are being rendered.
     known: BTreeMap<&'static str, Option<ObjectPreview>>,
     orders: Sender<(&'static str, &'static str)>,
     drawn: Receiver<(&'static str, ObjectPreview)>,
 }
 
 impl ObjectPreviews {
-    /// Starts the thread, which calls `wake` after each picture. Without one there are no pictures.
+    /// Starts the thread, which calls `wake` after each preview. If it cannot start, there are no previews.
     pub(super) fn new(wake: impl Fn() + Send + 'static) -> Self {
         let (orders, inbox) = channel::<(&'static str, &'static str)>();
         let (tell, drawn) = channel();
@@ -38,23 +37,23 @@ impl ObjectPreviews {
             }
         });
         if let Err(error) = started {
-            tracing::warn!("shapes have no small pictures: {error}");
+            tracing::warn!("cannot start the thread for shape previews, so there are none: {error}");
         }
         Self { known: BTreeMap::new(), orders, drawn }
     }
 
-    /// Asks for the picture of a function of the library, if it has one.
+    /// Requests the preview of a library function, if it has one.
     pub(super) fn want(&mut self, name: &str) {
         if let Some((name, formula)) = PICTURES.iter().find(|(known, _)| *known == name)
             && !self.known.contains_key(name)
         {
             self.known.insert(name, None);
-            // A thread that could not be started was told of.
+            // A send fails only if the thread did not start, which was logged.
             let _ = self.orders.send((name, formula));
         }
     }
 
-    /// Takes in those that were drawn; whether there were any.
+    /// Takes over finished previews. Returns true if there were any.
     pub(super) fn update(&mut self) -> bool {
         let mut any = false;
         while let Ok((name, picture)) = self.drawn.try_recv() {
@@ -64,7 +63,7 @@ impl ObjectPreviews {
         any
     }
 
-    /// The picture of a function, if it is there.
+    /// The preview of a function, if it is finished.
     pub(super) fn of(&self, name: &str) -> Option<&ObjectPreview> {
         self.known.get(name)?.as_ref()
     }

@@ -1,4 +1,4 @@
-//! What the editor sends to the show: its texts as drafts, numbers that a hand turns, and commands.
+//! Output of the editor: drafts for the loader, values of turned numbers, and commands for the show.
 
 use std::path::Path;
 
@@ -8,12 +8,12 @@ use mariana_scenes::{Drafts, Findings};
 
 use super::document::Document;
 
-/// See the module.
+/// Drafts, and the commands that wait to be sent.
 pub(super) struct Outbox {
     drafts: Drafts,
-    /// Whether numbers of a text are inputs of the frame: for their values it is not read.
+    /// True while numbers are turned as frame inputs, so that the text need not be reloaded.
     turns: bool,
-    /// Commands that wait to be sent.
+    /// Pending commands.
     commands: Vec<Command>,
 }
 
@@ -31,12 +31,12 @@ impl Outbox {
         std::mem::take(&mut self.commands)
     }
 
-    /// What the loader found since the last call.
+    /// Returns the loader's findings since the last call.
     pub(super) fn take_findings(&self) -> Vec<Findings> {
         self.drafts.take_findings()
     }
 
-    /// Hands a text to the loader as it is.
+    /// Passes a text to the loader.
     pub(super) fn draft(&mut self, document: &mut Document) {
         let Some(file) = document.file() else { return };
         let version = match document.is_dirty() {
@@ -47,14 +47,14 @@ impl Outbox {
         self.commands.push(Command::ReloadScene);
     }
 
-    /// Hands a changed text to the loader, unless its numbers go into the frame without it.
+    /// Passes a changed text to the loader, unless only turned numbers changed.
     pub(super) fn draft_change(&mut self, document: &mut Document) {
         if !self.turns {
             self.draft(document);
         }
     }
 
-    /// Lets a text stand for its file, which has gone.
+    /// Uses the text as a draft in place of its deleted file.
     pub(super) fn replace_file(&mut self, document: &mut Document) {
         let Some(file) = document.file() else { return };
         let version = self.drafts.set(file, document.bytes());
@@ -62,7 +62,7 @@ impl Outbox {
         self.commands.push(Command::ReloadScene);
     }
 
-    /// Makes numbers of a file's text inputs of the frame. Returns the version of the drafts from which on they are.
+    /// Turns numbers of a file into frame inputs. Returns the version of the drafts that has them.
     pub(super) fn hold(&mut self, file: &Path, turning: &[Turning], document: &mut Document) -> u64 {
         if document.is_dirty() {
             self.drafts.set(file, document.bytes());
@@ -74,7 +74,7 @@ impl Outbox {
         since
     }
 
-    /// Lets the text hold for its numbers again.
+    /// Turns frame inputs back into numbers of the text.
     pub(super) fn release(&mut self) {
         self.drafts.turn(None);
         self.turns = false;

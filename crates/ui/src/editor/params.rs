@@ -1,4 +1,4 @@
-//! Parameters that are made of numbers of the text.
+//! Conversion of a number in the text to a parameter.
 
 use std::ops::Range;
 
@@ -6,21 +6,21 @@ use mariana_editing::{Buffer, Editing, Refused};
 
 use super::document::Document;
 
-/// A parameter with a slider, made of the number at the cursor.
+/// A parameter with a slider, made from the number at the cursor.
 pub(super) struct NewParam {
-    /// Where the number stands.
+    /// Byte range of the number.
     number: Range<usize>,
-    /// Where the parameter is declared, and how.
+    /// Position and text of the declaration.
     at: usize,
     line: String,
     name: String,
 }
 
 impl NewParam {
-    /// Of the number at the cursor; otherwise says why there is none.
+    /// Prepares the parameter, or returns a message if there is no suitable number at the cursor.
     pub(super) fn of(document: &Document) -> Result<Self, &'static str> {
         let found = document.number(document.editing.selection().start);
-        let (number, line_start) = found.ok_or("put the cursor into a number to make a parameter of it")?;
+        let (number, line_start) = found.ok_or("put the cursor on a number first")?;
         let buffer = document.editing.buffer();
         let line = buffer.line(buffer.line_of(line_start));
         let (name, at) = (name_for(buffer.bytes(), line, number.digits), param_place(buffer));
@@ -34,17 +34,17 @@ impl NewParam {
         let line = format!("param {name} = {written} in {least} .. {most}{end}");
         let number = line_start + number.range.start..line_start + number.range.end;
         if number.start < at {
-            return Err("numbers of parameters stay numbers");
+            return Err("this number already belongs to a parameter");
         }
         Ok(Self { number, at, line, name })
     }
 
-    /// What is told of it.
+    /// The message after the change.
     pub(super) fn reported(&self) -> String {
-        format!("{} is a parameter now: Tab, without the editor, shows its slider", self.name)
+        format!("{} is now a parameter: close the editor and press Tab to see its slider", self.name)
     }
 
-    /// Writes it.
+    /// Applies the change as one undo step.
     pub(super) fn write(self, editing: &mut Editing) -> Result<(), Refused> {
         let name = self.at + "param ".len()..self.at + "param ".len() + self.name.len();
         let number = (self.number, self.name.into_bytes());
@@ -54,8 +54,8 @@ impl NewParam {
     }
 }
 
-/// Where a parameter is declared: behind those that are there, or before the first line that is no comment, no blank and
-/// no include.
+/// The position for the declaration: after the last parameter, or before the first line that is neither blank nor a
+/// comment or an include.
 fn param_place(buffer: &Buffer) -> usize {
     let starts = |line: usize, word: &[u8]| buffer.line(line).trim_ascii_start().starts_with(word);
     let last = (0..buffer.line_count()).rev().find(|line| starts(*line, b"param "));
@@ -69,7 +69,7 @@ fn param_place(buffer: &Buffer) -> usize {
     buffer.line_start(first)
 }
 
-/// A name that the text does not have: that of the field to which the number belongs, or a plain one.
+/// A name that is unused in the text, made from the field to which the number belongs.
 fn name_for(text: &[u8], line: &[u8], digits: usize) -> String {
     let before = String::from_utf8_lossy(line.get(..digits).unwrap_or_default()).into_owned();
     let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -82,7 +82,7 @@ fn name_for(text: &[u8], line: &[u8], digits: usize) -> String {
     let text = String::from_utf8_lossy(text);
     let is_there = |name: &str| text.split(|c| !is_letter(c)).any(|word| word == name);
     let names = (0_usize..).map(|number| match number {
-        // A field's name alone would hide nothing, but reads like the field.
+        // The suffix tells the parameter from the field in the text.
         0 => format!("{stem}_knob"),
         number => format!("{stem}_knob{}", number + 1),
     });

@@ -1,5 +1,5 @@
-//! What the editor knows of the picture: the point that was clicked, which parts the lines at the cursor make, and what
-//! each object costs.
+//! Information about the rendered frame: the clicked point, the parts drawn by the lines at the cursor, and the cost of
+//! each object.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -12,65 +12,65 @@ use mariana_render::frame::camera::Camera;
 use mariana_render::placement::Map;
 use mariana_scenes::probing::Probed;
 
-/// See the module.
+/// The editor's knowledge about the frame.
 #[derive(Default)]
 pub(crate) struct Picture {
-    /// Leads from places in the window to places in the picture.
+    /// Maps positions in the window to positions in the frame.
     map: Option<Map>,
-    /// From where it is seen.
+    /// The camera of the frame.
     camera: Option<Camera>,
     probed: Option<Probed>,
-    /// Whether what the lines at the cursor make is lit up.
+    /// True while parts from the lines at the cursor are highlighted.
     lights: bool,
-    /// Whether the table of what objects cost shows.
+    /// True while the cost table is shown.
     profiles: bool,
     ray_statistics: Option<Arc<RayStatistics>>,
 }
 
-/// What of the picture is lit up.
+/// Highlighted cells of the frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Light {
-    /// Cells side by side.
+    /// Cells in a row.
     pub columns: usize,
-    /// Whether each cell is made by the lines at the cursor.
+    /// For each cell, true if the lines at the cursor draw it.
     pub cells: Vec<bool>,
 }
 
 impl Picture {
-    /// Notes how it lies in the window, and from where it is seen. Returns whether each is new.
+    /// Sets the frame's position in the window and its camera. Returns for each whether it has changed.
     pub(super) fn set_view(&mut self, map: Map, camera: Option<Camera>) -> (bool, bool) {
         let is_new = (self.map != Some(map), self.camera != camera);
         (self.map, self.camera) = (Some(map), camera);
         is_new
     }
 
-    /// Takes in what was found at the point that was clicked.
+    /// Takes over the result of a click.
     pub(super) fn take_probed(&mut self, probed: Probed) {
         tracing::debug!("probed: {probed:?}");
         self.probed = Some(probed);
     }
 
-    /// Takes in what was found in the whole.
+    /// Takes over the ray statistics of a whole frame.
     pub(super) fn take_ray_statistics(&mut self, ray_statistics: Arc<RayStatistics>) {
         self.ray_statistics = Some(ray_statistics);
     }
 
-    /// Closes what is told of a point. Returns whether there was something.
+    /// Closes the card of the clicked point. Returns true if it was open.
     pub(super) fn close_probed(&mut self) -> bool {
         self.probed.take().is_some()
     }
 
-    /// Lights up what the lines at the cursor make, or does not any more. Returns which, in words.
+    /// Turns the highlighting on or off. Returns a message.
     pub(super) fn toggle_light(&mut self) -> &'static str {
         self.lights = !self.lights;
         self.forget_ray_statistics_if_unused();
         match self.lights {
-            true => "what the line at the cursor makes is lit up",
-            false => "nothing is lit up",
+            true => "highlighting what the line at the cursor draws",
+            false => "highlighting off",
         }
     }
 
-    /// Shows what objects cost, or does not any more.
+    /// Shows or hides the cost table.
     pub(super) fn toggle_profile(&mut self) {
         self.profiles = !self.profiles;
         self.forget_ray_statistics_if_unused();
@@ -82,22 +82,22 @@ impl Picture {
         }
     }
 
-    /// Another scene shows.
+    /// Discards the results when another scene is shown.
     pub(super) fn forget(&mut self) {
         (self.probed, self.ray_statistics) = (None, None);
     }
 
-    /// Whether it needs to know what the whole shows.
+    /// True if ray statistics are needed.
     pub(super) fn wants_ray_statistics(&self) -> bool {
         self.lights || self.profiles
     }
 
-    /// The text and the bytes that made the point that was clicked, as they were loaded.
+    /// The text and byte range that drew the clicked point, as they were loaded.
     pub(super) fn written(&self) -> Option<(usize, Range<usize>)> {
         self.probed.as_ref()?.surface.as_ref()?.written.clone()
     }
 
-    /// What is lit up of a text with this number.
+    /// The highlighted cells for the visible text, which has the number `own`.
     pub(super) fn light(&self, document: &Document, own: usize) -> Option<Light> {
         let ray_statistics = self.ray_statistics.as_ref().filter(|_| self.lights)?;
         let (buffer, selection) = (document.editing.buffer(), document.editing.selection());
@@ -125,29 +125,28 @@ impl Picture {
     }
 }
 
-/// What the overlay shows.
 impl Picture {
-    /// Leads from places in the window to places in the picture, both as shares.
+    /// Maps positions in the window to positions in the frame, both as fractions.
     pub(crate) fn map(&self) -> Option<&Map> {
         self.map.as_ref()
     }
 
-    /// The same, and from where the picture is seen.
+    /// The same with the frame's camera.
     pub(crate) fn view(&self) -> Option<(&Map, &Camera)> {
         self.map.as_ref().zip(self.camera.as_ref())
     }
 
-    /// The point that was clicked.
+    /// The result of the last click.
     pub(crate) fn probed(&self) -> Option<&Probed> {
         self.probed.as_ref()
     }
 
-    /// Whether each switch is on: for lighting up, and for the table of costs.
+    /// The states of the highlighting and of the cost table.
     pub(crate) fn switches(&self) -> (bool, bool) {
         (self.lights, self.profiles)
     }
 
-    /// What objects cost, the dearest first, then the sky, of a survey.
+    /// The objects by descending cost, with the statistics that also contain the sky.
     pub(crate) fn profile(&self) -> Option<(Arc<RayStatistics>, Vec<ObjectCost>)> {
         let ray_statistics = self.ray_statistics.as_ref().filter(|_| self.profiles)?;
         let mut objects = ray_statistics.objects.clone();
@@ -156,8 +155,8 @@ impl Picture {
     }
 }
 
-/// What the lines cost that make parts of an object, the dearest first, with their numbers and words. Nothing of an
-/// object that one line makes.
+/// The lines that draw parts of an object, by descending cost: line number, text and cost. Empty if one line draws the
+/// whole object.
 pub(crate) fn parts_of(object: &ObjectCost, texts: &Texts) -> Vec<(usize, String, PartCost)> {
     let mut lines: Vec<(usize, String, PartCost)> = Vec::new();
     for part in &object.parts {

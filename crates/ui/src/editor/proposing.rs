@@ -1,4 +1,4 @@
-//! What may be written at the cursor, as it is proposed while one types.
+//! The completion list.
 
 use mariana_commands::input::{Key, Modifiers, NamedKey};
 use mariana_editing::{Editing, Proposal, Refused, proposals};
@@ -6,55 +6,55 @@ use mariana_editing::{Editing, Proposal, Refused, proposals};
 use super::document::Document;
 use super::object_previews::{ObjectPreview, ObjectPreviews};
 
-/// Proposals for the name at the cursor.
+/// Candidates for the name at the cursor.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Proposing {
-    /// Where the name begins.
+    /// Byte offset of the name.
     pub from: usize,
-    /// What may be written, best first.
+    /// Candidates, best first.
     pub list: Vec<Proposal>,
-    /// The one that is selected.
+    /// Index of the selected candidate.
     pub selected: usize,
-    /// Whether the user has gone through them, so that Enter takes one.
+    /// True after the user has moved the selection, so that Enter accepts a candidate.
     moved: bool,
 }
 
 impl Proposing {
-    /// The name of the selected one, if the language itself has it.
+    /// The name of the selected candidate, if it is a library function.
     fn of_library(&self) -> Option<&str> {
         let one = self.list.get(self.selected)?;
         (one.about.is_function && !one.about.facts.is_empty()).then_some(one.name.as_str())
     }
 }
 
-/// What a key means for the proposals.
+/// The meaning of a key for the list.
 pub(super) enum Choice {
-    /// Nothing.
+    /// The key does not belong to the list.
     Other,
-    /// Another one is selected, or they have gone.
+    /// The selection moved, or the list closed.
     Changed,
-    /// To take one.
+    /// Accept a candidate.
     Take(usize),
 }
 
-/// See the module.
+/// The list, if it is open, and the previews of shapes.
 pub(crate) struct Proposals {
     proposing: Option<Proposing>,
     object_previews: ObjectPreviews,
 }
 
 impl Proposals {
-    /// None. `wake` is called on another thread when there is a new small picture.
+    /// Starts with a closed list. `wake` is called on another thread when a preview is finished.
     pub(super) fn new(wake: impl Fn() + Send + 'static) -> Self {
         Self { proposing: None, object_previews: ObjectPreviews::new(wake) }
     }
 
-    /// Those that show.
+    /// The open list.
     pub(crate) fn shown(&self) -> Option<&Proposing> {
         self.proposing.as_ref()
     }
 
-    /// The picture of the one that is selected, if it is there.
+    /// The preview of the selected candidate, if it is finished.
     pub(crate) fn object_preview(&self) -> Option<&ObjectPreview> {
         self.object_previews.of(self.proposing.as_ref()?.of_library()?)
     }
@@ -63,7 +63,7 @@ impl Proposals {
         self.proposing = None;
     }
 
-    /// Looks after the picture of the one that is selected. Returns whether pictures came.
+    /// Requests the preview of the selected candidate. Returns true if previews arrived.
     pub(super) fn update(&mut self) -> bool {
         if let Some(name) = self.proposing.as_ref().and_then(Proposing::of_library) {
             self.object_previews.want(name);
@@ -71,8 +71,8 @@ impl Proposals {
         self.object_previews.update()
     }
 
-    /// Looks what may be written at the cursor; what is `asked` for is told even if nothing was typed. Returns whether
-    /// there is something.
+    /// Finds candidates for the name at the cursor; if the user `asked`, even without typed letters. Returns true if
+    /// there are any.
     pub(super) fn propose(&mut self, document: &Document, asked: bool) -> bool {
         let (buffer, cursor) = (document.editing.buffer(), document.editing.cursor());
         let (range, list) = document.with_colors(|colors| proposals(buffer, colors, cursor, asked));
@@ -81,7 +81,7 @@ impl Proposals {
         self.proposing.is_some()
     }
 
-    /// Goes through the proposals by keys.
+    /// Handles keys that move in the list.
     pub(super) fn choose(&mut self, key: &Key, held: Modifiers) -> Choice {
         let Some(proposing) = &mut self.proposing else { return Choice::Other };
         let (Key::Named(named), true) = (key, held.is_empty()) else { return Choice::Other };
@@ -101,7 +101,7 @@ impl Proposals {
         Choice::Changed
     }
 
-    /// Takes one: what writes it in the place of the name.
+    /// Accepts a candidate: closes the list and returns the edit.
     pub(super) fn take(
         &mut self,
         number: usize,

@@ -1,4 +1,4 @@
-//! The editor without a window: its keys, its files, and a loader that is called by hand.
+//! Tests of the editor without a window: keys, files, and a loader called directly.
 
 mod picture;
 
@@ -22,16 +22,16 @@ const BALL: &str = "let r = 0.5\nobject ball { shape = length(p) - r }\n";
 struct TestEditor {
     folder: TempDir,
     editor: Editor,
-    /// What the loader gets.
+    /// Shared with the loader.
     drafts: Drafts,
     woken: Receiver<()>,
     edits: NumberEdits,
-    /// What the show was asked for since it was looked at.
+    /// Commands sent since the last call of [`TestEditor::commands`].
     commands: Vec<Command>,
 }
 
 impl TestEditor {
-    /// An editor on `main.scene` with this text, which was read.
+    /// An editor with this text as `main.scene`, already read.
     fn new(text: &[u8]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("main.scene"), text).unwrap();
@@ -86,7 +86,7 @@ impl TestEditor {
         self.commands().into_iter().filter(|command| *command == Command::ReloadScene).count()
     }
 
-    /// Does what the loader does; returns whether the scene can be drawn.
+    /// Loads the drafts. Returns true if the scene can be drawn.
     fn load(&mut self) -> bool {
         let (source, texts) = (self.source(), self.drafts.texts());
         let (result, _) = source.ready_with(&mut TextureCache::default(), &mut self.edits, &texts);
@@ -149,7 +149,7 @@ impl TestEditor {
 }
 
 #[test]
-fn every_key_goes_to_the_loader_and_what_is_undone_is_the_files_again() {
+fn every_edit_goes_to_the_loader_and_undoing_all_removes_the_draft() {
     let mut setup = TestEditor::new(BALL.as_bytes());
     assert!(setup.load());
     setup.go_to("0.5");
@@ -164,7 +164,7 @@ fn every_key_goes_to_the_loader_and_what_is_undone_is_the_files_again() {
 }
 
 #[test]
-fn a_mistake_stands_where_it_is_and_moves_with_the_text() {
+fn a_mistake_is_marked_and_moves_with_the_text() {
     let mut setup = TestEditor::new(BALL.as_bytes());
     setup.go_to("- r");
     setup.type_text("- q ");
@@ -174,7 +174,7 @@ fn a_mistake_stands_where_it_is_and_moves_with_the_text() {
         setup.text()[one.range].to_owned()
     };
     assert_eq!(marked(&setup), "q");
-    // Typed above before the loader has seen it: the mark moves.
+    // An edit above, before the loader has seen it, moves the mark.
     setup.go_to("let");
     setup.type_text("# a ball\n");
     assert_eq!(marked(&setup), "q");
@@ -191,26 +191,26 @@ fn a_mistake_stands_where_it_is_and_moves_with_the_text() {
 }
 
 #[test]
-fn a_text_is_saved_and_what_others_write_meanwhile_is_asked_about() {
+fn a_text_is_saved_and_a_conflict_is_asked_about() {
     let mut setup = TestEditor::new(BALL.as_bytes());
     setup.go_to("0.5");
     setup.type_text("1");
     setup.ctrl("s");
     setup.wait("the save", |editor| !editor.document().unwrap().is_dirty());
     assert_eq!(fs::read_to_string(setup.file()).unwrap(), BALL.replace("0.5", "10.5"));
-    // Saved by another program while there is nothing to lose: it is taken.
+    // Without unsaved edits, another program's change is loaded.
     fs::write(setup.file(), "let r = 3\nlength(p) - r").unwrap();
     setup.wait("their text", |editor| {
         editor.document().unwrap().editing.buffer().bytes().starts_with(b"let r = 3")
     });
     assert!(setup.asked().is_none());
-    // And while there is.
+    // With unsaved edits, the user is asked.
     setup.go_to("3");
     setup.type_text("4");
     fs::write(setup.file(), "theirs").unwrap();
     setup.ctrl("s");
     setup.wait("the question", |editor| editor.document().unwrap().question.is_some());
-    setup.wait("all that is told of it", |_| true);
+    setup.wait("further messages", |_| true);
     assert_eq!(fs::read_to_string(setup.file()).unwrap(), "theirs");
     setup.ctrl("s");
     assert!(setup.said().contains("choose"), "{}", setup.said());
@@ -224,18 +224,18 @@ fn a_text_is_saved_and_what_others_write_meanwhile_is_asked_about() {
 }
 
 #[test]
-fn a_deleted_file_stays_on_the_stage_and_is_written_again() {
+fn a_deleted_file_stays_on_screen_and_can_be_written_again() {
     let mut setup = TestEditor::new(BALL.as_bytes());
     fs::remove_file(setup.file()).unwrap();
     setup.wait("the question", |editor| editor.document().unwrap().question == Some(Question::Gone));
-    assert!(setup.load(), "its draft stands for it");
+    assert!(setup.load(), "the draft replaces it");
     setup.ctrl("1");
     setup.wait("the file", |editor| !editor.document().unwrap().is_dirty());
     assert_eq!(fs::read_to_string(setup.file()).unwrap(), BALL);
 }
 
 #[test]
-fn what_was_typed_and_not_saved_is_offered_again() {
+fn unsaved_text_is_offered_in_the_next_run() {
     let mut setup = TestEditor::new(BALL.as_bytes());
     setup.go_to("0.5");
     setup.type_text("7");
@@ -245,7 +245,7 @@ fn what_was_typed_and_not_saved_is_offered_again() {
     assert_eq!(setup.text(), BALL);
     setup.ctrl("1");
     assert_eq!(setup.text(), BALL.replace("0.5", "70.5"));
-    // Saved, it is offered no more; nor is what was thrown away.
+    // After a save the backup is gone, and after "throw it away", too.
     setup.ctrl("s");
     setup.wait("the save", |editor| !editor.document().unwrap().is_dirty());
     setup.go_to("70");
@@ -259,31 +259,31 @@ fn what_was_typed_and_not_saved_is_offered_again() {
 }
 
 #[test]
-fn while_a_number_is_turned_no_text_is_read() {
+fn turning_a_number_does_not_parse_the_text() {
     let mut setup = TestEditor::new(BALL.as_bytes());
     assert!(setup.load());
     let at = BALL.find("0.5").unwrap();
     setup.editor.obey(EditorEvent::Grab(at + 1));
-    assert_eq!(setup.reloads(), 1, "once, to make it an input");
+    assert_eq!(setup.reloads(), 1, "one load makes it an input");
     assert!(setup.load());
     for _ in 0..50 {
         setup.editor.obey(EditorEvent::Turn { points: 2.0, speed: TurnSpeed::Usual });
     }
     let commands = setup.commands();
-    assert_eq!(commands.len(), 50, "no text is read: {commands:?}");
+    assert_eq!(commands.len(), 50, "the text is not parsed: {commands:?}");
     let last = Command::TurnNumbers(TurnedNumbers { file: setup.file(), values: vec![(at, 0.7)] });
     assert_eq!(commands.last(), Some(&last));
     assert_eq!(setup.text(), BALL.replace("0.5", "0.7"));
     setup.editor.obey(EditorEvent::LetGo);
-    assert_eq!(setup.reloads(), 1, "the text holds again");
+    assert_eq!(setup.reloads(), 1, "the text defines the number again");
     assert!(setup.load());
     assert_eq!(setup.editor.texts.findings().unwrap().numbers, [0_usize; 0]);
     setup.ctrl("z");
-    assert_eq!(setup.text(), BALL, "all of it is taken back at once");
+    assert_eq!(setup.text(), BALL, "one undo step restores it");
 }
 
 #[test]
-fn a_hand_that_leaves_the_room_of_a_number_goes_on_in_another() {
+fn a_value_beyond_the_range_of_a_number_starts_a_new_range() {
     let mut setup = TestEditor::new(BALL.as_bytes());
     let at = BALL.find("0.5").unwrap();
     setup.editor.obey(EditorEvent::Grab(at));
@@ -301,7 +301,7 @@ fn a_hand_that_leaves_the_room_of_a_number_goes_on_in_another() {
         _ => false,
     };
     assert!(is(&commands, at, 4.7), "{commands:?}");
-    // Below nothing it has a sign of its own, and the digits stand behind it.
+    // A negative value gets a minus, and the digits move behind it.
     setup.editor.obey(EditorEvent::Turn { points: -400.0, speed: TurnSpeed::Coarse });
     assert_eq!(setup.text(), BALL.replace("0.5", "-3.3"));
     assert!(setup.load());
@@ -313,7 +313,7 @@ fn a_hand_that_leaves_the_room_of_a_number_goes_on_in_another() {
 }
 
 #[test]
-fn a_number_on_which_the_meaning_depends_is_read_each_time() {
+fn a_structural_number_is_parsed_at_each_value() {
     let text = "object o { shape = length(p) - sum(for i in 0..4: 0.1) }";
     let mut setup = TestEditor::new(text.as_bytes());
     setup.editor.obey(EditorEvent::Grab(text.find("4:").unwrap()));
@@ -327,7 +327,7 @@ fn a_number_on_which_the_meaning_depends_is_read_each_time() {
 }
 
 #[test]
-fn keys_turn_numbers_and_make_parameters_of_them() {
+fn keys_turn_numbers_and_convert_them_to_parameters() {
     let mut setup = TestEditor::new(
         b"# A ball.\nmaterial m { roughness = 0.3 }\nobject o { shape = length(p) - 1  material = m }\n",
     );
@@ -352,7 +352,7 @@ fn keys_turn_numbers_and_make_parameters_of_them() {
 }
 
 #[test]
-fn proposals_come_while_one_types_and_tab_takes_them() {
+fn proposals_appear_while_typing_and_tab_accepts_one() {
     let mut setup = TestEditor::new(b"object o { shape =  }");
     setup.go_to(" }");
     setup.type_text("smooth_u");
@@ -361,7 +361,7 @@ fn proposals_come_while_one_types_and_tab_takes_them() {
     assert!(!first.about.text.is_empty());
     assert!(setup.named(NamedKey::Tab));
     assert!(setup.text().contains("smooth_union( }"), "{}", setup.text());
-    // Enter is a new line unless somebody has gone through them.
+    // Enter starts a new line unless the selection was moved.
     setup.type_text("sph\n");
     assert!(setup.text().contains("(sph\n"), "{}", setup.text());
     setup.type_text("bo");
@@ -373,14 +373,14 @@ fn proposals_come_while_one_types_and_tab_takes_them() {
     assert!(setup.named(NamedKey::Escape) && setup.editor.proposals.shown().is_none());
     assert!(
         setup.commands().iter().all(|command| *command == Command::ReloadScene),
-        "Esc has closed the list only"
+        "Esc closes only the list"
     );
     setup.named(NamedKey::Escape);
     assert_eq!(setup.commands(), [CLOSE]);
 }
 
 #[test]
-fn a_shipped_scene_says_how_it_can_be_changed() {
+fn a_shipped_scene_says_how_to_copy_it() {
     let mut setup = TestEditor::new(BALL.as_bytes());
     let orb = SceneSource::Shipped("orb".into());
     setup.editor.show_scene(&orb);
@@ -389,7 +389,7 @@ fn a_shipped_scene_says_how_it_can_be_changed() {
     setup.type_text("x");
     assert_eq!(setup.text(), before);
     assert!(setup.said().contains("Ctrl+S"), "{}", setup.said());
-    // What was typed in the other text is still there when it comes back.
+    // Unsaved text is still there after the scene changes back.
     let main = setup.source();
     setup.editor.show_scene(&main);
     setup.go_to("0.5");
@@ -400,7 +400,7 @@ fn a_shipped_scene_says_how_it_can_be_changed() {
 }
 
 #[test]
-fn ten_megabytes_bytes_that_are_no_text_and_mixed_line_ends_harm_nothing() {
+fn huge_pastes_invalid_bytes_and_mixed_line_ends_do_no_harm() {
     let bytes = b"# \xff\xfe\r\nlet r = 1\nlength(p) - r\r\n\0";
     let mut setup = TestEditor::new(bytes);
     assert!(!setup.load());
@@ -413,7 +413,7 @@ fn ten_megabytes_bytes_that_are_no_text_and_mixed_line_ends_harm_nothing() {
     setup.ctrl("s");
     setup.wait("the save", |editor| !editor.document().unwrap().is_dirty());
     assert_eq!(fs::read(setup.file()).unwrap(), b"# \xff\xfe\r\nlet r = 21\nlength(p) - r\r\n\0");
-    // A binary file is shown as what it is.
+    // A binary file opens and keeps its bytes.
     let binary: Vec<u8> = (0..=255).cycle().take(70_000).collect();
     fs::write(setup.file(), &binary).unwrap();
     setup.wait("the bytes", |editor| {
@@ -423,7 +423,7 @@ fn ten_megabytes_bytes_that_are_no_text_and_mixed_line_ends_harm_nothing() {
 }
 
 #[test]
-fn words_are_found_from_key_to_key() {
+fn the_search_finds_the_next_match() {
     let mut setup = TestEditor::new(b"one two\ntwo one\n");
     setup.ctrl("f");
     setup.type_text("two");
@@ -433,7 +433,7 @@ fn words_are_found_from_key_to_key() {
     assert_eq!(selected(&setup), 4..7);
     setup.named(NamedKey::Enter);
     setup.named(NamedKey::F3);
-    assert_eq!(selected(&setup), 4..7, "around the end");
+    assert_eq!(selected(&setup), 4..7, "it wraps around");
     setup.named(NamedKey::Escape);
     assert!(setup.commands().is_empty() && setup.editor.find_line().is_none());
     setup.type_text("2");
@@ -441,7 +441,7 @@ fn words_are_found_from_key_to_key() {
 }
 
 #[test]
-fn the_key_that_opened_the_editor_is_not_typed_while_it_is_held() {
+fn the_key_that_opened_the_editor_is_not_typed() {
     let mut setup = TestEditor::new(b"y");
     setup.editor.set_focus(false);
     setup.editor.set_focus(true);
@@ -453,12 +453,12 @@ fn the_key_that_opened_the_editor_is_not_typed_while_it_is_held() {
     let mut take = |repeat| setup.editor.take_key(&press(repeat), Modifiers::empty());
     assert!(take(false) && take(true));
     assert_eq!(setup.text(), "eey");
-    // Keys without letters are the show's.
+    // Keys without letters belong to the show.
     assert!(!setup.named(NamedKey::F11) && !setup.named(NamedKey::MediaPlayPause));
 }
 
 #[test]
-fn a_new_scene_begins_with_something_to_see() {
+fn the_template_of_new_scenes_is_valid() {
     let source = SceneSource::Formula(super::files::TEMPLATE.to_owned());
     assert!(source.ready().is_ok(), "{:?}", source.ready().err());
 }

@@ -1,5 +1,4 @@
-//! The texts of the scene on the stage: it brings together those that are open, their files, and what the loader is given
-//! and finds.
+//! The texts of the edited scene. Connects the open documents, their files, and the loader's drafts and findings.
 
 use std::io;
 use std::ops::Range;
@@ -18,7 +17,7 @@ use super::files::Files;
 use super::found::Found;
 use super::outbox::Outbox;
 
-/// See the module.
+/// All state about the scene's texts.
 pub(crate) struct Texts {
     documents: Documents,
     found: Found,
@@ -40,7 +39,7 @@ impl Texts {
         })
     }
 
-    /// The text that shows.
+    /// The visible text.
     pub(crate) fn document(&self) -> Option<&Document> {
         self.documents.shown()
     }
@@ -49,22 +48,22 @@ impl Texts {
         self.documents.shown_mut()
     }
 
-    /// The scene whose text is shown.
+    /// The edited scene.
     pub(super) fn source(&self) -> Option<&SceneSource> {
         self.found.source()
     }
 
-    /// What the loader found last in it.
+    /// The loader's latest findings in it.
     pub(super) fn findings(&self) -> Option<&Findings> {
         self.found.findings()
     }
 
-    /// The scene's texts for their tabs.
+    /// The tabs of the scene's texts.
     pub(crate) fn tabs(&self) -> Vec<Tab> {
         self.documents.tabs(self.found.findings())
     }
 
-    /// Whether the text that shows is the scene's own, and not one that it includes.
+    /// True if the visible text is the scene's main file, not an include.
     pub(super) fn is_main(&self) -> bool {
         self.source().zip(self.document()).is_some_and(|(source, document)| document.is_of(source))
     }
@@ -74,13 +73,13 @@ impl Texts {
         self.found.file(number)
     }
 
-    /// The number of the text that shows among the scene's.
+    /// The number of the visible text among the scene's texts.
     pub(super) fn number(&self) -> usize {
         let file = self.document().and_then(Document::file);
         file.and_then(|file| self.found.number_of(file)).unwrap_or(0)
     }
 
-    /// The number of the text behind the one that shows; `None` if there is but one.
+    /// The number of the next text; `None` if there is only one.
     pub(super) fn next_number(&self) -> Option<usize> {
         let tabs = self.tabs();
         let at = tabs.iter().position(|tab| tab.shows).unwrap_or(0);
@@ -95,7 +94,7 @@ impl Texts {
         }
     }
 
-    /// The line of a place of a text as it was loaded: its file's name, its number from 1, and its words.
+    /// The line of a range as it was loaded: file name, line number from 1, and trimmed text.
     pub(crate) fn line_at(&self, number: usize, range: Range<usize>) -> Option<(String, usize, String)> {
         let document = self.text(number)?;
         let now = document.place_as_shown(range)?;
@@ -105,7 +104,7 @@ impl Texts {
         Some((document.name(), line + 1, words))
     }
 
-    /// The line, from 0, of such a place, if its text shows.
+    /// The line, from 0, of a range as it was loaded, if its text is visible.
     pub(super) fn shown_line_at(&self, number: usize, range: Range<usize>) -> Option<usize> {
         let document = self.text(number)?;
         let shows = self.document().is_some_and(|shown| std::ptr::eq(shown, document));
@@ -113,14 +112,13 @@ impl Texts {
         Some(document.editing.buffer().line_of(now.start))
     }
 
-    /// The next mistake of the text that shows, or the text that has one.
+    /// The next mistake of the visible text; if it has none, the text that has one.
     pub(super) fn next_mistake(&self) -> Result<Marked, Option<usize>> {
         let next = self.document().and_then(Document::next_mistake);
         next.ok_or_else(|| self.found.first_wrong_text())
     }
 }
 
-/// Which text shows.
 impl Texts {
     /// Shows the text of a scene.
     pub(super) fn show_scene(&mut self, source: &SceneSource) {
@@ -137,7 +135,7 @@ impl Texts {
         self.mark_mistakes();
     }
 
-    /// Shows a file's text, which is read if it is not open. Returns whether it is.
+    /// Shows a file's text. Returns true if it must be read first.
     fn open(&mut self, file: &Path) -> bool {
         let is_new = self.documents.show_file(file);
         if is_new {
@@ -146,11 +144,11 @@ impl Texts {
         is_new
     }
 
-    /// Brings the cursor to a place of one of the scene's texts as it was loaded.
+    /// Moves the cursor to a range of one of the scene's texts, given as it was loaded.
     pub(super) fn go_to(&mut self, number: usize, range: Range<usize>) {
         if let Some(file) = self.file(number).map(Path::to_owned) {
             if self.open(&file) {
-                // It is read first.
+                // The cursor is set when the file has been read.
                 return self.documents.carry(range.start, (0.0, 0.0));
             }
         } else if number > 0 {
@@ -160,37 +158,35 @@ impl Texts {
     }
 }
 
-/// What is seen of it.
 impl Texts {
-    /// Lines that show.
+    /// Visible lines.
     pub(super) fn rows(&self) -> usize {
         self.documents.rows()
     }
 
-    /// Notes how many lines and columns show. Returns whether there were others before.
+    /// Sets the number of visible lines and columns. Returns true if it has changed.
     pub(super) fn resize(&mut self, rows: usize, columns: usize) -> bool {
         self.documents.resize(rows, columns)
     }
 
-    /// Moves what is seen by so many lines and columns.
+    /// Scrolls by a number of lines and columns.
     pub(super) fn scroll(&mut self, lines: f32, columns: f32) {
         self.documents.scroll(lines, columns);
     }
 
-    /// Brings the cursor into sight.
+    /// Scrolls until the cursor is visible.
     pub(super) fn reveal(&mut self) {
         self.documents.reveal();
     }
 
-    /// Brings a line into sight.
+    /// Scrolls until a line is visible.
     pub(super) fn reveal_line(&mut self, line: usize) {
         self.documents.reveal_line(line);
     }
 }
 
-/// What changes texts.
 impl Texts {
-    /// Changes the text that shows, if it can be changed; otherwise says why not.
+    /// Edits the visible text, or returns why it is read-only.
     pub(super) fn edit(
         &mut self,
         change: impl FnOnce(&mut Editing) -> Result<(), Refused>,
@@ -203,19 +199,19 @@ impl Texts {
         changed.map_err(|refused| refused.to_string())
     }
 
-    /// Passes a change of the text that shows on: to the loader, and to be kept.
+    /// Passes a change of the visible text to the loader and to the backup.
     pub(super) fn note_change(&mut self) {
         if let Some(document) = self.documents.shown_mut() {
             pass_on(document, &self.files, &mut self.outbox);
         }
     }
 
-    /// Takes out what is asked about the text that shows.
+    /// Removes and returns the question about the visible text.
     pub(super) fn take_question(&mut self) -> Option<Question> {
         self.document_mut()?.question.take()
     }
 
-    /// Saves the text that shows, or copies one that has no file.
+    /// Saves the visible text; copies a shipped scene.
     pub(super) fn save(&mut self) -> Result<(), &'static str> {
         let Some(document) = self.documents.shown() else { return Ok(()) };
         if let Owner::File(_) = document.owner {
@@ -227,14 +223,14 @@ impl Texts {
         Ok(())
     }
 
-    /// Saves it whatever the file holds.
+    /// Saves the visible text even if another program has changed the file.
     pub(super) fn overwrite(&self) {
         if let Some(document) = self.document() {
             self.files.overwrite(document);
         }
     }
 
-    /// Takes the text that another program has written. What was typed can be brought back by undoing.
+    /// Takes over the other program's text. Undo brings back the user's.
     pub(super) fn take_theirs(&mut self, theirs: OnDisk) -> Result<(), Refused> {
         let Some(document) = self.documents.shown_mut() else { return Ok(()) };
         if let OnDisk::Bytes(bytes) = &theirs {
@@ -245,26 +241,25 @@ impl Texts {
         Ok(())
     }
 
-    /// Keeps what was typed in an earlier run no longer.
+    /// Deletes the backup of an earlier run.
     pub(super) fn forget_kept(&self) {
         if let Some(file) = self.document().and_then(Document::file) {
             self.files.forget_kept(file);
         }
     }
 
-    /// Begins a new scene beside the one that shows, or in the user's folder.
+    /// Creates a new scene in the folder of the edited one, or in the user's folder.
     pub(super) fn begin_scene(&self) -> Result<(), &'static str> {
         self.files.begin(self.source().and_then(SceneSource::file).and_then(Path::parent))
     }
 
-    /// Keeps what is not saved: the program ends.
+    /// Backs up unsaved text before the program exits.
     pub(super) fn finish(&self) {
         self.documents.unsaved().for_each(|document| self.files.keep(document));
         self.files.finish();
     }
 }
 
-/// What the loader and the show get.
 impl Texts {
     pub(super) fn send(&mut self, command: Command) {
         self.outbox.send(command);
@@ -274,17 +269,17 @@ impl Texts {
         self.outbox.take_commands()
     }
 
-    /// Makes numbers of a file's text inputs of the frame. Returns the version of the drafts from which on they are.
+    /// Turns numbers of a file into frame inputs. Returns the version of the drafts that has them.
     pub(super) fn hold(&mut self, file: &Path, turning: &[Turning]) -> Option<u64> {
         Some(self.outbox.hold(file, turning, self.documents.shown_mut()?))
     }
 
-    /// Gives such numbers values.
+    /// Sends values for such numbers.
     pub(super) fn turn_numbers(&mut self, file: PathBuf, values: Vec<(usize, f32)>) {
         self.outbox.send(Command::TurnNumbers(TurnedNumbers { file, values }));
     }
 
-    /// Lets the text hold for its numbers again.
+    /// Turns frame inputs back into numbers of the text.
     pub(super) fn release(&mut self) {
         self.outbox.release();
         if let Some(document) = self.documents.shown_mut() {
@@ -293,9 +288,8 @@ impl Texts {
     }
 }
 
-/// What comes from other threads.
 impl Texts {
-    /// Takes in what the loader found since the last call. Returns whether it found something in the scene that shows.
+    /// Takes over the loader's findings. Returns true if any are about the edited scene.
     pub(super) fn take_findings(&mut self) -> bool {
         let mut any = false;
         for findings in self.outbox.take_findings() {
@@ -313,12 +307,12 @@ impl Texts {
         }
     }
 
-    /// What has happened to files.
+    /// The next finished file operation or change on disk.
     pub(super) fn file_events(&self) -> Option<FileEvent> {
         self.files.file_events()
     }
 
-    /// Takes it in. Returns what is to be told of it.
+    /// Handles a file event. Returns a message for the user, if any.
     pub(super) fn take_news(&mut self, file_events: FileEvent) -> Option<String> {
         match file_events {
             FileEvent::Opened { file, holds, kept } => {
@@ -334,12 +328,12 @@ impl Texts {
                 document.disk = Some(OnDisk::Bytes(text));
                 document.question = None;
                 if document.is_dirty() {
-                    // More was typed meanwhile.
+                    // More was typed during the save.
                     self.files.keep(document);
                 } else {
                     self.outbox.draft(document);
                 }
-                Some(format!("{} is saved", document.name()))
+                Some(format!("saved {}", document.name()))
             }
             FileEvent::Refused { file, holds } => {
                 self.documents.of_mut(&file)?.question = Some(Question::Conflict(holds));
@@ -348,24 +342,24 @@ impl Texts {
             FileEvent::Failed { reason, .. } => Some(reason),
             FileEvent::Changed { file, holds } => self.take_change(&file, holds),
             FileEvent::Created { file } => {
-                let words = format!("this is your own scene now: {}", file.display());
+                let words = format!("this is your own copy: {}", file.display());
                 self.outbox.send(Command::ShowScene(Box::new(SceneSource::File(file))));
                 Some(words)
             }
         }
     }
 
-    /// Another program has changed a file.
+    /// Handles a change of a file by another program.
     fn take_change(&mut self, file: &Path, holds: OnDisk) -> Option<String> {
         let document = self.documents.of_mut(file)?;
         match document.take_change(holds) {
             Change::None => None,
             Change::Taken => {
                 pass_on(document, &self.files, &mut self.outbox);
-                Some("another program has changed the file: this is its new text".to_owned())
+                Some("reloaded: another program has changed the file".to_owned())
             }
             Change::Gone => {
-                // The scene stays on the stage by its draft.
+                // The draft keeps the scene on screen.
                 self.files.keep_gone(document);
                 self.outbox.replace_file(document);
                 None
@@ -375,7 +369,7 @@ impl Texts {
     }
 }
 
-/// Passes a change of a text on: to the loader, and to be kept.
+/// Passes a change of a text to the loader and to the backup.
 fn pass_on(document: &mut Document, files: &Files, outbox: &mut Outbox) {
     if document.note_change() {
         files.keep(document);

@@ -1,9 +1,8 @@
-//! Numbers that are turned in the text: the text changes with the hand, and the picture does without the text being read
-//! again.
+//! Numbers that are turned like knobs: text and frame follow without reloading the scene.
 //!
-//! When a number is taken, the scene is loaded once more with this number as an input of a frame that has a range. From
-//! then on its value goes straight into the frame. Only when the hand leaves the range, or for a number on which the
-//! scene's meaning depends, the text is read again.
+//! When the user grabs a number, the scene is loaded once more with this number as a frame input that has a range. From
+//! then on, values go straight into the frame. The text is parsed again only when a value leaves the range, or if the
+//! number affects the scene's structure.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -14,99 +13,99 @@ use mariana_field::lang::Turning;
 use super::document::Document;
 use super::texts::Texts;
 
-/// Points of the hand for a key.
+/// Pointer movement, in points, that equals one key press.
 const POINTS_OF_KEY: f64 = 10.0;
 
-/// Numbers of one line that are being turned: one, or the three of a `vec3`.
+/// Numbers of one line that are being turned: one number, or the three of a `vec3`.
 #[derive(Debug, Clone, PartialEq)]
 struct Turn {
     file: PathBuf,
-    /// Each as it was taken, and where it stands now.
+    /// Each number as it was grabbed, and its present range.
     numbers: Vec<(Number, Range<usize>)>,
-    /// How far the hand has moved, in points of the usual speed.
+    /// Pointer movement so far, in points at the usual speed.
     held_numbers: f64,
-    /// What three numbers are, before they are rounded to be written.
+    /// Values of a triple before they are rounded for the text.
     exact: [f64; 3],
     held: Option<Held>,
 }
 
-/// The numbers as inputs of a frame.
+/// The numbers as frame inputs.
 #[derive(Debug, Clone, PartialEq)]
 struct Held {
     inputs: Vec<HeldNumber>,
-    /// The version of the drafts from which on they are.
+    /// The version of the drafts that has them.
     since: u64,
 }
 
-/// A number as an input of a frame.
+/// A number as a frame input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct HeldNumber {
-    /// Its place among the numbers of the text.
+    /// Its index among the numbers of the text.
     place: usize,
-    /// Where its digits begin in the text that was loaded.
+    /// Offset of its digits in the loaded text.
     digits: usize,
-    /// Whether a sign stands before them there.
+    /// True if a minus precedes the digits there.
     negated: bool,
-    /// From what to what a frame may set it.
+    /// The range of values that a frame may set.
     room: (f32, f32),
 }
 
 impl Turn {
-    /// Where the numbers stand, from the first to the last.
+    /// The range from the first to the last number.
     fn range(&self) -> Range<usize> {
         let ends = self.numbers.first().zip(self.numbers.last());
         ends.map_or(0..0, |(first, last)| first.1.start..last.1.end)
     }
 
-    /// Whether they are three.
+    /// True for a `vec3`.
     fn is_triple(&self) -> bool {
         self.numbers.len() == 3
     }
 }
 
-/// Numbers that a hand holds, and the colour that is picked.
+/// The grabbed numbers, and the colour in the picker.
 #[derive(Default)]
 pub(crate) struct HeldNumbers {
     turn: Option<Turn>,
-    /// Where the colour stands that is picked.
+    /// Offset of the colour in the picker.
     picked: Option<usize>,
 }
 
 impl HeldNumbers {
-    /// Where the number stands that is being turned, or the three.
+    /// The range of the grabbed numbers.
     pub(crate) fn turned(&self) -> Option<Range<usize>> {
         self.turn.as_ref().map(Turn::range)
     }
 
-    /// Whether three numbers are turned together.
+    /// True if a `vec3` is grabbed.
     pub(crate) fn turns_three(&self) -> bool {
         self.turn.as_ref().is_some_and(Turn::is_triple)
     }
 
-    /// Where the colour stands that is picked.
+    /// Offset of the colour in the picker.
     pub(super) fn picked(&self) -> Option<usize> {
         self.picked
     }
 
-    /// Where the colour stands that is picked, and its numbers.
+    /// Offset and value of the colour in the picker.
     pub(crate) fn picked_color(&self, document: &Document) -> Option<(usize, [f64; 3])> {
         let at = self.picked?;
         let (triple, _) = document.triple_at(at)?;
         Some((at, triple.values()))
     }
 
-    /// The position at the cursor, in the scene, unless a colour is picked.
+    /// The position at the cursor in the scene's coordinates, unless the picker is open.
     pub(crate) fn place(&self, document: &Document) -> Option<[f64; 3]> {
         let (values, sign) = document.place_at_cursor().filter(|_| self.picked.is_none())?;
         Some(values.map(|value| sign * value))
     }
 
-    /// Picks the colour at a place from now on.
+    /// Opens the picker for the colour at an offset.
     pub(super) fn pick(&mut self, at: usize) {
         self.picked = Some(at);
     }
 
-    /// Picks no colour any more. Returns whether one was picked.
+    /// Closes the picker. Returns true if it was open.
     pub(super) fn close_picker(&mut self, texts: &mut Texts) -> bool {
         let was = self.picked.take().is_some();
         if was && self.turns_three() {
@@ -115,7 +114,7 @@ impl HeldNumbers {
         was
     }
 
-    /// Takes numbers of a line that begins at a byte; otherwise says why not.
+    /// Grabs numbers of the line that begins at `line_start`, or returns why the text is read-only.
     pub(super) fn take(
         &mut self,
         numbers: Vec<Number>,
@@ -156,16 +155,16 @@ impl HeldNumbers {
         Ok(())
     }
 
-    /// Makes the numbers inputs, with room around their values; the text is read for that.
+    /// Turns the numbers into frame inputs with a range around their values. The text is parsed for that.
     fn hold(&mut self, places: &[usize], values: &[f64], texts: &mut Texts) {
         let (Some(turn), Some(document)) = (&mut self.turn, texts.document()) else { return };
         let mut inputs = Vec::new();
         let is_triple = turn.is_triple();
         for (((_, now), place), value) in turn.numbers.iter().zip(places).zip(values) {
-            // A sign may have come or gone.
+            // The minus may have been added or removed since.
             let negated = document.editing.buffer().slice(now.start..now.start + 1) == b"-";
             let digits = digits_value(*value, negated);
-            // What three numbers are is a colour or a place: no text divides by it, so it may pass 0.
+            // No scene divides by a colour or a position, so its range may include 0.
             let wide = 4.0 * digits.abs().max(1.0);
             let room = if is_triple { (-wide, wide) } else { Number::room(digits) };
             let digits = now.start + usize::from(negated);
@@ -178,7 +177,7 @@ impl HeldNumbers {
         turn.held = texts.hold(&turn.file, &turning).map(|since| Held { inputs, since });
     }
 
-    /// Turns the number by so many points of the hand.
+    /// Turns the number by a pointer movement.
     pub(super) fn turn(&mut self, points: f64, speed: TurnSpeed, texts: &mut Texts) -> Result<(), Refused> {
         let Some(turn) = &mut self.turn else { return Ok(()) };
         turn.held_numbers += points * speed.factor();
@@ -187,14 +186,14 @@ impl HeldNumbers {
         self.write(&[text], texts)
     }
 
-    /// Gives the three numbers that are turned other values.
+    /// Sets the grabbed triple.
     pub(super) fn turn_three(&mut self, values: [f64; 3], texts: &mut Texts) -> Result<(), Refused> {
         let Some(turn) = self.turn.as_mut().filter(|turn| turn.is_triple()) else { return Ok(()) };
         turn.exact = values;
         self.write(&values.map(mariana_editing::written_part), texts)
     }
 
-    /// Moves the position that the three numbers are.
+    /// Moves the position of the grabbed triple.
     pub(super) fn move_three(&mut self, way: [f64; 3], texts: &mut Texts) -> Result<(), Refused> {
         let Some(before) = self.turn.as_ref().map(|turn| turn.exact) else { return Ok(()) };
         let place = texts.document().and_then(Document::place_at_cursor);
@@ -202,7 +201,7 @@ impl HeldNumbers {
         self.turn_three(std::array::from_fn(|axis| before[axis] + sign * way[axis]), texts)
     }
 
-    /// Writes numbers in the place of those that are turned, and hands their values on.
+    /// Writes the numbers into the text and sends their values to the frame.
     fn write(&mut self, written: &[String], texts: &mut Texts) -> Result<(), Refused> {
         let (Some(turn), Some(document)) = (&mut self.turn, texts.document_mut()) else { return Ok(()) };
         let whole = turn.range();
@@ -224,7 +223,7 @@ impl HeldNumbers {
         done
     }
 
-    /// Hands values on to the frame, if the numbers are inputs of it.
+    /// Sends values to the frame, if the numbers are its inputs.
     fn hand_on(&mut self, values: &[f64], texts: &mut Texts) {
         let Some(turn) = &self.turn else { return };
         let Some(held) = &turn.held else { return };
@@ -235,14 +234,14 @@ impl HeldNumbers {
             let values = of_frame.into_iter().map(|(input, value)| (input.digits, value)).collect();
             texts.turn_numbers(turn.file.clone(), values);
         } else {
-            // Read with the new text, as numbers that go on from there.
+            // Out of range: parse the new text, with a range around the new values.
             let places: Vec<usize> = held.inputs.iter().map(|input| input.place).collect();
             self.hold(&places, values, texts);
         }
     }
 
-    /// Looks whether the numbers have become inputs, after the loader has found something. Where the meaning depends on
-    /// them, they have not, and the text is read for each value.
+    /// Checks after new findings if the numbers have become inputs. Numbers that affect the scene's structure cannot;
+    /// for them the text is parsed at each value.
     pub(super) fn check(&mut self, texts: &mut Texts) {
         let (Some(turn), Some(findings)) = (&mut self.turn, texts.findings()) else { return };
         let Some(held) = &turn.held else { return };
@@ -253,7 +252,7 @@ impl HeldNumbers {
         }
     }
 
-    /// Lets go of the numbers: the text holds from now on. Returns whether there were any.
+    /// Releases the numbers, so that the text defines them again. Returns true if there were any.
     pub(super) fn let_go(&mut self, texts: &mut Texts) -> bool {
         let Some(turn) = self.turn.take() else { return false };
         if let Some(document) = texts.document_mut() {
@@ -266,14 +265,14 @@ impl HeldNumbers {
     }
 }
 
-/// A number that a key turns.
+/// A number turned by a key.
 pub(super) struct KeyTurn {
     range: Range<usize>,
     text: String,
 }
 
 impl KeyTurn {
-    /// The number at the cursor, turned by a key.
+    /// Computes the new text of the number at the cursor.
     pub(super) fn of(document: &Document, up: bool, fine: bool) -> Option<Self> {
         let (number, line_start) = document.number(document.editing.selection().start)?;
         let speed = if fine { TurnSpeed::Fine } else { TurnSpeed::Usual };
@@ -283,7 +282,6 @@ impl KeyTurn {
         Some(Self { range: line_start + number.range.start..line_start + number.range.end, text })
     }
 
-    /// Writes it.
     pub(super) fn write(self, editing: &mut Editing) -> Result<(), Refused> {
         let start = self.range.start;
         editing.turn(self.range, self.text.as_bytes())?;
@@ -292,7 +290,7 @@ impl KeyTurn {
     }
 }
 
-/// What the digits of a number are by themselves if a sign stands before them, or does not.
+/// The value of the digits alone, without the minus before them.
 fn digits_value(value: f64, negated: bool) -> f32 {
     if negated { -value as f32 } else { value as f32 }
 }

@@ -1,4 +1,4 @@
-//! What the editor knows of the picture, and what is turned there: probes, lit lines, colours, positions.
+//! Tests of probes, highlights, colours and positions.
 
 use super::*;
 use mariana_music::Features;
@@ -20,7 +20,7 @@ fn line_of_cursor(setup: &TestEditor) -> usize {
     document.editing.buffer().line_of(document.editing.cursor()) + 1
 }
 
-/// A picture of a scene after a second of silence, twice as wide as it is high.
+/// A frame of a scene after a second of silence, twice as wide as high.
 fn scenery_of(source: SceneSource) -> Scenery {
     let ready = source.ready().unwrap();
     let frame = Frame::new(&ready.world, 1.0, Features::SILENCE, (200, 100));
@@ -37,11 +37,11 @@ fn probe(setup: &mut TestEditor, at: [f64; 2]) {
 }
 
 #[test]
-fn the_card_of_a_point_brings_the_cursor_to_what_made_it() {
+fn the_card_of_a_point_leads_to_its_source_line() {
     let mut setup = TestEditor::new(SCENE.as_bytes());
     assert!(setup.load());
     probe(&mut setup, [0.5, 0.5]);
-    assert_eq!((line_of_cursor(&setup), setup.editor.probed_line()), (1, Some(2)), "one goes on writing");
+    assert_eq!((line_of_cursor(&setup), setup.editor.probed_line()), (1, Some(2)), "the cursor stays");
     setup.editor.set_focus(false);
     setup.editor.obey(EditorEvent::GoToProbed);
     assert_eq!((line_of_cursor(&setup), setup.editor.has_focus()), (3, true));
@@ -50,7 +50,7 @@ fn the_card_of_a_point_brings_the_cursor_to_what_made_it() {
     probe(&mut setup, [0.5, 0.9]);
     setup.editor.obey(EditorEvent::GoToProbed);
     assert_eq!(line_of_cursor(&setup), 6);
-    // The picture knows the text that was loaded; meanwhile a line was put in above.
+    // The frame comes from the loaded text; meanwhile a line was added above.
     let scenery = scenery_of(setup.source());
     setup.go_to("object near");
     setup.type_text("# far\n");
@@ -64,7 +64,7 @@ fn the_card_of_a_point_brings_the_cursor_to_what_made_it() {
         (name.as_str(), line, words.as_str()),
         ("main.scene", 4, "shape = sphere(p - vec3(0, 0, 5), 1)")
     );
-    // The sky has no line, and Esc closes what is told before it closes the editor.
+    // The sky has no line. Esc closes the card before the editor.
     probe(&mut setup, [0.5, 0.1]);
     setup.editor.obey(EditorEvent::GoToProbed);
     assert_eq!((line_of_cursor(&setup), setup.editor.picture.probed().unwrap().surface.as_ref()), (4, None));
@@ -74,7 +74,7 @@ fn the_card_of_a_point_brings_the_cursor_to_what_made_it() {
 }
 
 #[test]
-fn a_point_that_an_included_text_made_shows_that_text() {
+fn a_point_drawn_by_an_included_text_leads_there() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("part.scene"), "# a part\nfn ball(q) = sphere(q, 1)\n").unwrap();
     let main = "include \"part.scene\"\nobject o { shape = ball(p - vec3(0, 0, 5)) }\n\
@@ -83,13 +83,13 @@ fn a_point_that_an_included_text_made_shows_that_text() {
     let mut setup = TestEditor::in_folder(folder);
     assert!(setup.load());
     probe(&mut setup, [0.5, 0.5]);
-    assert_eq!(setup.editor.probed_line(), None, "it stands in another text");
+    assert_eq!(setup.editor.probed_line(), None, "it is in another text");
     setup.editor.obey(EditorEvent::GoToProbed);
     setup.wait("the included text", |editor| {
         editor.document().is_some_and(|document| document.disk.is_some() && document.name() == "part.scene")
     });
     assert_eq!(line_of_cursor(&setup), 2);
-    // It is there already.
+    // The text is open already.
     setup.editor.show_text(0);
     probe(&mut setup, [0.5, 0.5]);
     setup.editor.obey(EditorEvent::GoToProbed);
@@ -97,7 +97,7 @@ fn a_point_that_an_included_text_made_shows_that_text() {
 }
 
 #[test]
-fn what_the_line_at_the_cursor_makes_is_lit_up() {
+fn the_line_at_the_cursor_highlights_what_it_draws() {
     let mut setup = TestEditor::new(SCENE.as_bytes());
     assert!(setup.load());
     setup.ctrl("l");
@@ -127,7 +127,7 @@ fn what_the_line_at_the_cursor_makes_is_lit_up() {
 }
 
 #[test]
-fn the_dearest_object_is_told_first() {
+fn the_most_expensive_object_comes_first() {
     let mut setup = TestEditor::new(SCENE.as_bytes());
     assert!(setup.load());
     setup.ctrl("k");
@@ -142,7 +142,7 @@ fn the_dearest_object_is_told_first() {
 }
 
 #[test]
-fn lines_that_make_parts_of_an_object_are_told_with_it() {
+fn lines_that_draw_parts_of_an_object_are_listed_below_it() {
     let text = "object two { shape = smooth_union(sphere(p - vec3(1, 0, 0), 0.8),\n  \
                 sphere(p + vec3(1, 0, 0), 0.8), sphere(p + vec3(1, 1, 0), 0.5),\n  0.3) }\n\
                 object one { shape = union(sphere(p - vec3(0, 2, 0), 0.4), sphere(p + vec3(0, 2, 0), 0.4)) }\n\
@@ -160,11 +160,11 @@ fn lines_that_make_parts_of_an_object_are_told_with_it() {
     assert_eq!(named("two").run, parts.iter().map(|(_, _, part)| part.run).sum::<u64>());
     lines.sort_unstable();
     assert_eq!(lines, [1, 2], "{parts:?}");
-    // Both balls of the other one stand on one line.
+    // Both balls of the other object are on one line.
     assert!(named("one").parts.len() == 2 && parts_of(named("one"), &setup.editor.texts).is_empty());
 }
 
-/// What the commands of a hand were: how often the text was read, and the values that went into the frame.
+/// The number of reloads, and the values sent to the frame.
 fn turned(setup: &mut TestEditor) -> (usize, Vec<Vec<f32>>) {
     let (mut reads, mut all) = (0, Vec::new());
     for command in setup.commands() {
@@ -180,14 +180,14 @@ fn turned(setup: &mut TestEditor) -> (usize, Vec<Vec<f32>>) {
 }
 
 #[test]
-fn a_colour_is_picked_without_a_reading_of_the_text_and_is_one_step() {
+fn picking_a_colour_does_not_parse_the_text_and_is_one_undo_step() {
     let mut setup = TestEditor::new(SCENE.as_bytes());
     assert!(setup.load());
     setup.editor.obey(EditorEvent::PickColor(SCENE.find("vec3(0.9").unwrap()));
     assert_eq!(setup.picked_color().unwrap().1, [0.9, 0.3, 0.1]);
     assert_eq!(turned(&mut setup), (0, vec![]));
     setup.editor.obey(EditorEvent::SetColor([0.8, 0.3, 0.1]));
-    assert_eq!(turned(&mut setup), (1, vec![vec![0.8, 0.3, 0.1]]), "once, to make it three inputs");
+    assert_eq!(turned(&mut setup), (1, vec![vec![0.8, 0.3, 0.1]]), "one load makes it three inputs");
     assert!(setup.load());
     assert_eq!(setup.editor.texts.findings().unwrap().numbers.len(), 3);
     for step in 1..=20 {
@@ -196,10 +196,10 @@ fn a_colour_is_picked_without_a_reading_of_the_text_and_is_one_step() {
     let (reads, values) = turned(&mut setup);
     assert_eq!((reads, values.len(), &values[19][..]), (0, 20, &[0.8, 0.4, 0.0][..]));
     setup.editor.obey(EditorEvent::LetGo);
-    assert_eq!(turned(&mut setup), (1, vec![]), "the text holds again");
+    assert_eq!(turned(&mut setup), (1, vec![]), "the text defines the colour again");
     assert_eq!(setup.text(), SCENE.replace("vec3(0.9, 0.3, 0.1)", "vec3(0.8, 0.4, 0)"));
     assert!(setup.load());
-    // It goes on being picked, brighter than white, too.
+    // Picking continues with a colour brighter than white.
     setup.editor.obey(EditorEvent::PickColor(setup.text().find("vec3(2").unwrap()));
     setup.editor.obey(EditorEvent::SetColor([2.0, 1.5, 0.25]));
     setup.named(NamedKey::Escape);
@@ -207,11 +207,11 @@ fn a_colour_is_picked_without_a_reading_of_the_text_and_is_one_step() {
     assert!(setup.text().contains("emission = vec3(2, 1.5, 0.25)"), "{}", setup.text());
     setup.ctrl("z");
     setup.ctrl("z");
-    assert_eq!(setup.text(), SCENE, "each is taken back at once");
+    assert_eq!(setup.text(), SCENE, "each is one undo step");
 }
 
 #[test]
-fn a_position_is_moved_through_nothing_without_a_reading_of_the_text() {
+fn moving_a_position_across_zero_does_not_parse_the_text() {
     let mut setup = TestEditor::new(SCENE.as_bytes());
     assert!(setup.load());
     setup.go_to("0, 0, 5), 1)");
@@ -230,20 +230,20 @@ fn a_position_is_moved_through_nothing_without_a_reading_of_the_text() {
     assert!(setup.load());
     setup.ctrl("z");
     assert_eq!(setup.text(), SCENE);
-    // What is added to a point lies on the other side of the origin.
+    // `p + v` puts the object at -v.
     let text = SCENE.replace("p - vec3(0, 0, 5)", "p + vec3(1, 2, -5)");
     let mut setup = TestEditor::new(text.as_bytes());
     setup.go_to("vec3(1, 2");
     assert_eq!(setup.place(), Some([-1.0, -2.0, 5.0]));
     setup.editor.obey(EditorEvent::MovePlace([1.0, 0.0, 0.0]));
     assert!(setup.text().contains("p + vec3(0, 2, -5)"), "{}", setup.text());
-    // A colour is no place.
+    // A colour is not a position.
     setup.go_to("0.9, 0.3");
     assert_eq!(setup.place(), None);
 }
 
 #[test]
-fn colours_of_a_shipped_scene_are_not_picked() {
+fn colours_of_a_shipped_scene_cannot_be_picked() {
     let mut setup = TestEditor::new(SCENE.as_bytes());
     let orb = SceneSource::Shipped("first_steps".into());
     setup.editor.show_scene(&orb);
@@ -255,7 +255,7 @@ fn colours_of_a_shipped_scene_are_not_picked() {
 }
 
 #[test]
-fn only_a_cross_in_the_picture_is_drawn_again_when_the_camera_moves() {
+fn a_moving_camera_redraws_only_a_cross() {
     let mut setup = TestEditor::new(SCENE.as_bytes());
     let scenery = scenery_of(setup.source());
     let (map, mut camera) = (Placement::default().map(), scenery.frame.camera);
@@ -272,17 +272,17 @@ fn only_a_cross_in_the_picture_is_drawn_again_when_the_camera_moves() {
 }
 
 #[test]
-fn a_shape_that_is_proposed_has_a_small_picture() {
+fn a_proposed_shape_has_a_preview() {
     let mut setup = TestEditor::new(b"object o { shape =  }");
     setup.go_to(" }");
     setup.type_text("toru");
     assert_eq!(setup.editor.proposals.shown().unwrap().list[0].name, "torus");
-    setup.wait("its picture", |editor| editor.proposals.object_preview().is_some());
+    setup.wait("its preview", |editor| editor.proposals.object_preview().is_some());
     let picture = setup.editor.proposals.object_preview().unwrap();
     assert_eq!(picture.len(), super::super::PREVIEW_SIDE * super::super::PREVIEW_SIDE);
     let covered = picture.iter().filter(|pixel| pixel[3] == 255).count();
     assert!((200..2000).contains(&covered), "{covered}");
-    // What one has written oneself has none.
+    // The user's own functions have no preview.
     let mut setup = TestEditor::new(b"fn torus_of_mine(p) = length(p) - 1\nobject o { shape =  }");
     setup.go_to(" }");
     setup.type_text("torus_of");
@@ -292,7 +292,7 @@ fn a_shape_that_is_proposed_has_a_small_picture() {
 }
 
 #[test]
-fn letters_that_are_put_together_are_not_in_the_text_before_they_are_typed() {
+fn composed_letters_are_not_in_the_text_before_they_are_typed() {
     let mut setup = TestEditor::new(b"# ");
     setup.editor.obey(EditorEvent::Press { at: 2, clicks: 1, select: false });
     setup.editor.set_preedit("\u{304b}\n");
@@ -301,5 +301,5 @@ fn letters_that_are_put_together_are_not_in_the_text_before_they_are_typed() {
     assert_eq!((setup.editor.preedit(), setup.text().as_str()), ("", "# \u{5bb6}"));
     setup.editor.set_preedit("\u{304b}");
     setup.editor.set_focus(false);
-    assert_eq!(setup.editor.preedit(), "", "keys are the show's");
+    assert_eq!(setup.editor.preedit(), "", "keys belong to the show");
 }
