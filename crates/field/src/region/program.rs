@@ -1,27 +1,27 @@
-//! A list of steps: a tape before registers are allocated. Pruning turns it into shorter ones.
+//! A program: a list of steps, like a tape before register allocation. Pruning turns it into shorter programs.
 
 pub(super) use crate::graph::Arg;
 use crate::graph::{FrameInputs, Op, Operation, Properties};
 
-/// Values of a distance that exist before its first step: x, y, z and the penumbra.
+/// Number of values before the first step of a distance: x, y, z and the penumbra.
 pub(super) const INPUTS: usize = 4;
-/// The index of the penumbra, the last of them.
+/// The index of the penumbra, the last input.
 pub(super) const PENUMBRA: u32 = 3;
 
-/// Which of a step's arguments is its number.
+/// The argument of a step that is its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Form {
-    /// None: both are values.
+    /// Neither: both are values.
     Values,
-    /// The second.
+    /// The second argument.
     NumberRight,
-    /// The first.
+    /// The first argument.
     NumberLeft,
 }
 
 /// An operator on one or two arguments, at least one of which is a value. The fields are flat so that loops over
-/// steps rarely branch: where an argument is a number or missing, the other value is repeated.
+/// steps rarely branch: in place of a number or a missing argument, the other value is repeated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Step {
     pub(super) op: Op,
@@ -32,7 +32,7 @@ pub(super) struct Step {
 }
 
 impl Step {
-    /// The step; `None` if both arguments are numbers.
+    /// Creates a step; `None` if both arguments are numbers.
     fn new(op: Op, a: Arg, b: Arg) -> Option<Self> {
         Some(match (a, b) {
             (Arg::Value(a), _) if op.arity() == 1 => Self { op, form: Form::Values, a, b: a, number: 0.0 },
@@ -43,7 +43,6 @@ impl Step {
         })
     }
 
-    /// The first argument.
     #[inline(always)]
     pub(super) fn first(&self) -> Arg {
         if self.form == Form::NumberLeft { Arg::Number(self.number) } else { Arg::Value(self.a) }
@@ -55,7 +54,7 @@ impl Step {
         Operation { op: self.op, a: self.first(), b: self.second() }
     }
 
-    /// The second argument; for a one-operand operator it is the same as the first.
+    /// The second argument, which repeats the first for a one-operand operator.
     #[inline(always)]
     pub(super) fn second(&self) -> Arg {
         if self.form == Form::NumberRight { Arg::Number(self.number) } else { Arg::Value(self.b) }
@@ -67,12 +66,12 @@ pub(super) const BOUND: usize = 0;
 pub(super) const ESTIMATE: usize = 1;
 pub(super) const OBJECT: usize = 2;
 
-/// Steps, each of which reads only what precedes it, and their results: of a distance bound, estimate and object.
+/// Steps, each of which reads only earlier values, and their results: of a distance bound, estimate and object.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Program {
-    /// Values that exist before the first step.
+    /// Number of values before the first step.
     pub(super) inputs: usize,
-    /// Those of them that lie in registers at the start; the others are samples of textures.
+    /// Number of inputs that are in registers at the start; the others are texture samples.
     pub(super) in_registers: usize,
     pub(super) steps: Vec<Step>,
     pub(super) roots: Vec<Arg>,
@@ -85,8 +84,8 @@ impl Default for Program {
 }
 
 impl Program {
-    /// [`Program::push`], where 0 - (0 - x) is x, too. Then x is kept for longer than without, and the program may need
-    /// a register more.
+    /// Like [`Program::push`], but also simplifies 0 - (0 - x) to x. This keeps x longer, and the program may need
+    /// one register more.
     #[inline]
     pub(super) fn push_shorter(&mut self, op: Op, a: Arg, b: Arg, frame: &FrameInputs) -> Arg {
         if let (Op::Sub, Arg::Number(0.0), Arg::Value(value)) = (op, a, b)
@@ -97,14 +96,14 @@ impl Program {
         self.push(op, a, b, frame)
     }
 
-    /// Appends a step and says where its value is found. Simplifications that are exact in floating point are done at
-    /// once. None of them makes the program keep more values at a time: known numbers never take registers.
+    /// Appends a step and returns its value. Applies simplifications that are exact in floating point. None of them
+    /// lets the program keep more values at a time, because known numbers never take registers.
     #[inline]
     pub(super) fn push(&mut self, op: Op, a: Arg, b: Arg, frame: &FrameInputs) -> Arg {
         use Arg::Number;
         let b = if op.arity() == 1 { Number(0.0) } else { b };
         match (op, a, b) {
-            // One-operand operators.
+            // One-operand operators of values are kept.
             (_, Arg::Value(_), _) if op.arity() == 1 => {}
             (_, Number(a), Number(b)) => {
                 let value = op.value(a, b, frame);
@@ -117,7 +116,7 @@ impl Program {
             (Op::Mask, Number(condition), b) => return if condition == 0.0 { Number(0.0) } else { b },
             _ => {}
         }
-        // A clause can take a number on either side; on the right is the usual form.
+        // A clause takes a number on either side; the right is the usual form.
         let (a, b) = match (a, b) {
             (Number(_), Arg::Value(_)) if op.properties().has(Properties::COMMUTATIVE) => (b, a),
             both => both,
@@ -128,14 +127,14 @@ impl Program {
         }
     }
 
-    /// Appends a step as it is.
+    /// Appends a step without simplifying it.
     #[inline(always)]
     pub(super) fn push_step(&mut self, step: Step) -> Arg {
         self.steps.push(step);
         Arg::Value((self.inputs + self.steps.len() - 1) as u32)
     }
 
-    /// A number that identifies the program; two programs share it only with a chance of one in 2^64.
+    /// A hash of the program. Two programs collide with a probability of one in 2^64.
     pub(super) fn hash(&self) -> u64 {
         const FACTORS: [u64; 3] = [0x9E37_79B9_7F4A_7C15, 0xBF58_476D_1CE4_E5B9, 0x94D0_49BB_1331_11EB];
         // Words are mixed outside of the chain, so that the chain has one product per step.
@@ -162,11 +161,11 @@ impl Program {
             Arg::Value(value) => mix(hash, u64::from(*value), 1),
             Arg::Number(number) => mix(hash, u64::from(number.to_bits()), 2),
         });
-        // The upper bits are the well mixed ones.
+        // The upper bits are mixed best.
         hash ^ hash >> 29
     }
 
-    /// The step that gives a value; `None` for an input.
+    /// The step that computes a value; `None` for an input.
     #[inline]
     pub(super) fn step(&self, value: u32) -> Option<Step> {
         self.steps.get((value as usize).checked_sub(self.inputs)?).copied()
@@ -178,24 +177,26 @@ impl Program {
     }
 }
 
-/// Facts about each step of a program that pruning needs repeatedly.
+/// Properties of a program's steps that pruning needs repeatedly.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Structure {
-    /// For minima and maxima: the value whose bounds decide which operands count. A minimum that is read only by
-    /// another minimum uses that one's value, so that nested minima are pruned as one minimum of many operands.
+    /// For minima and maxima, the value whose bounds decide which operands count. If another minimum is the only
+    /// reader of a minimum, this is the outer one's value, so that nested minima are pruned as one minimum of many
+    /// operands.
     pub(super) outermost: Vec<u32>,
-    /// Whether the step may become a constant, or one of its arguments, somewhere.
+    /// True if the step may become a constant or one of its arguments in some cell.
     pub(super) may_settle: Vec<bool>,
-    /// By value: the steps that only it needs, itself included.
+    /// For each value, the number of steps that only it needs, itself included.
     weight: Vec<u16>,
-    /// By value: how many steps read it, and the last one that does.
+    /// For each value, the number of its readers.
     uses: Vec<u8>,
+    /// For each value, its last reader.
     reader: Vec<u32>,
 }
 
 impl Structure {
-    /// Whether it saves next to nothing that a step becomes one of its operands, given the one that is dropped. A sum
-    /// of what lies outside is a chain, and one part of it hardly saves anything without the others.
+    /// True if replacing a step by one of its operands saves almost nothing, given the dropped operand. A sum of
+    /// outside distances is a chain: one part of it hardly saves anything without the others.
     pub(super) fn saves_little(&self, step: &Step, dropped: Arg) -> bool {
         let most = match step.op {
             Op::OutsideAdd | Op::Mask => return false,
@@ -209,7 +210,7 @@ impl Structure {
         saved <= most
     }
 
-    /// Collects these facts about a program.
+    /// Collects the properties of a program's steps.
     pub(super) fn look_at(&mut self, program: &Program) {
         let count = program.values();
         refill(&mut self.uses, count, 0u8);
@@ -253,13 +254,13 @@ impl Structure {
     }
 }
 
-/// Turns a list into `count` equal elements, reusing its memory.
+/// Fills a list with `count` copies of an element, reusing its memory.
 pub(super) fn refill<T: Clone>(list: &mut Vec<T>, count: usize, element: T) {
     list.clear();
     list.resize(count, element);
 }
 
-/// Whether an operator can be one number all over a cell although its operands are not.
+/// True if an operator can be constant all over a cell although its operands are not.
 fn settles(op: Op) -> bool {
     use Op::{Ceil, Floor, Fract, Mask, Max, Min, Mod, OutsideAdd, Round, Sign, Trunc};
     let steps = matches!(op, Floor | Ceil | Round | Trunc | Sign | Fract | Mod);

@@ -1,4 +1,4 @@
-//! Reads a tree on the CPU as the shaders do: for tests, and for tracing without a GPU.
+//! Reads a tree on the CPU in the same way as the shaders, for tests and for tracing without a GPU.
 
 use super::tree::Regions;
 use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_SIDE, gradient};
@@ -8,13 +8,13 @@ use crate::tape::{Clause, Instruction, Operand, opcode};
 /// A cell of the tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
-    /// Everywhere in the cell the distance is at least this; 0 where a surface may be.
+    /// A lower bound of the distance in the cell; 0 if it may contain a surface.
     pub bound: f32,
     /// First texel of its tape.
     pub tape: u32,
     /// Number of the nearest object; `None` if several may be nearest.
     pub object: Option<u32>,
-    /// Bounds of the gradient where a surface may be, if the value is not a distance.
+    /// Bounds of the gradient if the value is not a distance and the cell may contain a surface.
     pub slopes: [Interval; 3],
     /// Lower corner.
     pub low: [f32; 3],
@@ -57,14 +57,14 @@ impl Regions {
         }
     }
 
-    /// Runs a tape at a point with a penumbra: gives bound and estimate, or the object twice.
+    /// Runs a tape at a point with a penumbra. Returns bound and estimate, or the object twice.
     pub fn run(&self, tape: u32, point: [f32; 3], penumbra: f32, frame: &FrameInputs) -> [f32; 2] {
         let mut registers = [0.0f32; 256];
         registers[..4].copy_from_slice(&[point[0], point[1], point[2], penumbra]);
         run_texels(self.texels.get(tape as usize..).unwrap_or(&[]), &mut registers, &[], frame)
     }
 
-    /// Clauses of the tape that begins at a texel.
+    /// Number of clauses of the tape that begins at a texel.
     pub fn clauses_of(&self, tape: u32) -> u64 {
         let mut clauses = 0;
         for texel in self.texels.get(tape as usize..).unwrap_or(&[]) {
@@ -96,8 +96,8 @@ impl Regions {
     }
 }
 
-/// Runs a tape whose inputs are in the registers, with samples of textures, four channels each; gives its first two
-/// results. The others are in their registers.
+/// Runs a tape whose inputs are in the registers, with texture samples of four channels each. Returns its first two
+/// results; the others are in their registers.
 pub(crate) fn run_texels(
     texels: &[[u32; 4]],
     registers: &mut [f32; 256],

@@ -1,10 +1,10 @@
-//! Trees that take over bricks of the tree of the frame before.
+//! Tests of trees that reuse bricks of the previous frame's tree.
 
 use super::tests::{LATTICE, MANY, inputs_of, point};
 use super::*;
 use crate::world::testing::{SPEAKERS, world_of};
 
-/// Balls of which one follows the sound, and waves that end: no distance.
+/// Squared balls, one of which follows the sound: not a distance.
 const NON_LIPSCHITZ: &str = "
 object balls {
   shape = union(for i in 0..6: dot(p - vec3(4 * i - 10, 0, 0), p - vec3(4 * i - 10, 0, 0)) - 1 - select(i - 2, 0, band(3)))
@@ -12,13 +12,13 @@ object balls {
 fn select(i, a, b) = if abs(i) < 0.5 then b else a
 ";
 
-/// Balls of which half are as large as the spectrum says at their place.
+/// Balls, some of which follow the spectrum.
 const HEARS: &str = "
 fn ball(i) = sphere(p - vec3(3 * i - 9, 0, 0), 0.8 + (if i < 3 then 0.4 * spectrum(0.5 + 0.01 * p.x) else 0))
 union(for i in 0..6: ball(i))
 ";
 
-/// The texels of a tape, and those of its object's tape.
+/// The texels of a tape and of its object's tape.
 fn tapes(tree: &Regions, tape: u32) -> [Vec<[u32; 4]>; 2] {
     let from = |first: u32| {
         let texels = &tree.texels[first as usize..];
@@ -48,7 +48,8 @@ fn assert_same_cells(tree: &Regions, fresh: &Regions, inputs: &FrameInputs, poin
     }
 }
 
-/// Follows a scene through frames, each tree after the one before; gives the share of the bricks that were copied.
+/// Builds a tree for each frame after the previous frame's tree, compares it with a fresh one, and returns the
+/// fraction of bricks that were copied.
 fn fraction_copied(text: &str, parts: usize, frames: &[(f32, f32)]) -> f64 {
     let world = world_of(text);
     let plan = RegionPlan::new(&world);
@@ -72,7 +73,7 @@ fn fraction_copied(text: &str, parts: usize, frames: &[(f32, f32)]) -> f64 {
 const FRAMES: [(f32, f32); 4] = [(3.0, 0.5), (3.0, 0.52), (3.1, 0.55), (3.1, 0.55)];
 
 #[test]
-fn what_is_copied_is_what_would_be_made() {
+fn copied_bricks_equal_fresh_ones() {
     for (text, least) in [(SPEAKERS, 0.2), (MANY, 0.2), (NON_LIPSCHITZ, 0.2)] {
         for parts in [1, 3] {
             let fraction = fraction_copied(text, parts, &FRAMES);
@@ -82,14 +83,14 @@ fn what_is_copied_is_what_would_be_made() {
 }
 
 #[test]
-fn what_reads_a_table_of_the_sound_is_made_anew() {
-    // No number of the program changes, only the table.
+fn bricks_that_read_sound_tables_are_not_copied() {
+    // Only the table changes, no number of the program.
     let fraction = fraction_copied(HEARS, 1, &[(3.0, 0.1), (3.0, 0.9), (3.0, 0.2)]);
     assert!(fraction > 0.1 && fraction < 0.9, "{fraction}");
 }
 
 #[test]
-fn a_tree_without_room_and_one_elsewhere_are_copied_from_without_harm() {
+fn full_and_moved_trees_are_safe_sources() {
     let world = world_of(MANY);
     let plan = RegionPlan::new(&world);
     let [one, other] = [(3.0, 0.7), (3.0, 0.72)].map(|(time, loud)| inputs_of(&world, time, loud));

@@ -1,13 +1,13 @@
-//! Programs of materials and light, shortened for the places where they run.
+//! Shortens the programs of materials and light for parts of space.
 //!
-//! A program's own grid of 8x8x8 cells says which tape runs at a point or, for the sky, in a direction. The outermost
-//! cells reach as far as anything is drawn, so every point has a cell. As in the tree of distances, intervals of a
-//! frame's values decide what a cell does not need, and cells that need the same share a tape, and so do the
-//! eight cells of a block unless some of them need much less than the block. In its cell a shortened tape gives the same
-//! bits as the whole one. `world::shortening` decides which programs are worth it.
+//! Each program has its own grid of 8x8x8 cells, which maps a point, or for the sky a direction, to a tape. The
+//! outermost cells extend as far as anything is drawn, so every point has a cell. As in the tree of distances,
+//! interval arithmetic on a frame's values decides which steps a cell does not need. Cells with the same steps share
+//! a tape. So do the eight cells of a block, except those that need far fewer steps than the block. In its cell a
+//! shortened tape gives the same bits as the whole one. `world::shortening` selects the programs.
 //!
-//! Cells in which no surface may be seen keep the whole tape, so that no time is spent on them: the tree of distances
-//! and the planes say where surfaces are ([`Surfaces`]).
+//! Cells in which no surface can be visible keep the whole tape and take no time: the tree of distances and the
+//! planes show where surfaces are ([`Surfaces`]).
 
 use std::collections::HashMap;
 
@@ -21,38 +21,41 @@ use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Input, Interval, N
 
 /// Cells of a grid along each axis.
 pub(crate) const SIDE: usize = 8;
-/// Values that exist before the first step: the point and the normal.
+/// Number of values before the first step: the point and the normal.
 const OF_POINT: usize = Input::OF_POINT.len();
-/// Nothing is drawn farther away than this.
+/// Largest coordinate at which anything is drawn.
 const FARTHEST: f32 = 1e7;
-/// Cells overlap by this share of their distance from the origin and their size, because shaders round differently.
+/// Overlap of cells as a fraction of their size and their distance from the origin, because shaders round
+/// differently.
 const OVERLAP: f32 = 1e-5;
-/// Components of normals and directions are at most this large, however they are rounded.
+/// Largest component of normals and directions, after rounding.
 const NORMAL_MAX: f32 = 1.001;
-/// What a texture gives lies between these numbers.
+/// Bounds of texture samples.
 const SAMPLED: Interval = Interval { lo: 0.0, hi: 1.0 };
-/// Texels of a grid beyond those of a single cell.
+/// Texels of a grid in addition to those of a single cell.
 const GRID_TEXELS: usize = SIDE * SIDE * SIDE / 4 - 1;
-/// Programs up to this length are the same everywhere.
+/// Programs up to this length are not shortened.
 const WHOLE_MAX: usize = 24;
-/// Nodes of all programs of a frame that are shortened, at most: about 20 to 40 ms. Longer programs stay whole.
+/// Most nodes of all programs that are shortened in a frame: about 20 to 40 ms. Further programs stay whole.
 const NODES_MAX: usize = 4096;
-/// A cell has a tape of its own where that has at most this share of the clauses of its block's.
+/// A cell has its own tape if that has at most this fraction of its block's clauses. Tried: an own tape for every
+/// cell that saves anything. Other scenes run up to 10 % fewer clauses, but the tapes of wave_tank fill 32,000 texels
+/// before every program has its own.
 const OWN_FRACTION: f32 = 0.75;
-/// Texels of a shortened tape, at most, as a share of those of the whole one.
+/// A shortened tape has at most this fraction of the whole one's texels.
 const SHORTER_FRACTION: f32 = 0.9;
 
-/// What a program's grid divides.
+/// The domain of a program's grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Over {
     /// Space.
     Points,
-    /// The directions in which the sky is seen; the point is the origin.
+    /// The directions in which the sky is visible; the point is the origin.
     Directions,
 }
 
-/// A grid: the cell of a point, or of a direction, is the part of `(point - low) * scale` before the point, but at
-/// least 0 and at most [`SIDE`] - 1 along each axis.
+/// A grid. The cell of a point or direction is `floor((point - low) * scale)`, clamped to 0..[`SIDE`] along each
+/// axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Grid {
     pub(crate) low: [f32; 3],
@@ -61,13 +64,13 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The grid whose cells would be as large as each other if the outermost did not reach farther than the box.
+    /// The grid that divides a box into equal cells; its outermost cells extend beyond the box.
     pub(crate) fn of_box(low: [f32; 3], high: [f32; 3]) -> Self {
         let size = |axis: usize| (high[axis] - low[axis]).max(1e-3);
         Self { low, scale: std::array::from_fn(|axis| SIDE as f32 / size(axis)) }
     }
 
-    /// The number of a point's cell, as the shaders find it.
+    /// The number of a point's cell, computed in the same way as in the shaders.
     #[cfg(test)]
     pub(crate) fn cell_of(&self, point: [f32; 3]) -> usize {
         (0..3).rev().fold(0, |cell, axis| {
@@ -76,7 +79,7 @@ impl Grid {
         })
     }
 
-    /// Whether any vector of length 1 may lie in a cell of the grid over directions.
+    /// True if a cell of the grid over directions may contain a vector of length 1.
     fn may_hold_a_direction(&self, cell: [usize; 3]) -> bool {
         let (mut nearest, mut farthest) = (0.0, 0.0);
         for (axis, place) in cell.into_iter().enumerate() {
@@ -88,7 +91,7 @@ impl Grid {
         nearest <= NORMAL_MAX && farthest >= 2.0 - NORMAL_MAX
     }
 
-    /// What the cells `first..end` along an axis span, and a little more.
+    /// The extent of the cells `first..end` along an axis, slightly enlarged.
     fn span(&self, axis: usize, first: usize, end: usize, farthest: f32) -> Interval {
         let face = |number: usize| self.low[axis] + number as f32 / self.scale[axis];
         let around = OVERLAP * face(0).abs().max(face(SIDE).abs()).max(face(SIDE) - face(0));
@@ -99,19 +102,19 @@ impl Grid {
     }
 }
 
-/// Where surfaces are in a frame.
+/// The surfaces of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surfaces<'a> {
     /// The tree of the distances; without cells it excludes nothing.
     pub regions: &'a Regions,
     /// The planes: `[a, b, c, d]` of `a*x + b*y + c*z + d`.
     pub planes: &'a [[f32; 4]],
-    /// Programs are also asked this far from surfaces.
+    /// Programs may also run this far from surfaces.
     pub around: f32,
 }
 
 impl Surfaces<'_> {
-    /// Whether a program may be asked in a box.
+    /// True if a program may run in a box.
     fn may_meet(&self, sides: [Interval; 3]) -> bool {
         let sides = sides.map(|side| Interval { lo: side.lo - self.around, hi: side.hi + self.around });
         let meets = |[a, b, c, d]: &[f32; 4]| {
@@ -127,7 +130,7 @@ impl Surfaces<'_> {
 }
 
 impl Regions {
-    /// Whether a surface may lie in a box, as far as the root's cells tell.
+    /// True if a box may contain a surface, judging by the root's cells.
     fn may_hold_a_surface(&self, sides: [Interval; 3]) -> bool {
         let last = ROOT_SIDE as f32 - 1.0;
         let place = |axis: usize, at: f32| (at - self.low[axis]) / self.size[axis] * ROOT_SIDE as f32;
@@ -168,7 +171,7 @@ pub(crate) struct ShortTape {
     pub(crate) outputs: Vec<u8>,
     /// The clauses, with END.
     pub(crate) texels: Vec<Texel>,
-    /// Whether it reads any texture.
+    /// True if it reads any texture.
     pub(crate) samples: bool,
 }
 
@@ -176,19 +179,19 @@ pub(crate) struct ShortTape {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct ShortTapes {
     pub(crate) grid: Grid,
-    /// The tape of each cell; `None` where the whole one runs. Empty if that is so everywhere.
+    /// The tape of each cell; `None` for the whole one. Empty if all cells use the whole one.
     pub(crate) cells: Vec<Option<usize>>,
     pub(crate) tapes: Vec<ShortTape>,
-    /// The share of the whole tape's texels that is saved, 0..1, on average over the cells in which the program may be
-    /// asked; `None` if there was no time or no room to find out.
+    /// The fraction of the whole tape's texels that is saved, averaged over the cells in which the program may run;
+    /// `None` if there was no time or room to compute it.
     pub(crate) saved: Option<f32>,
 }
 
 impl SurfacePlan {
-    /// The plan of a graph's roots, where textures have no coordinates: they are sampled before.
+    /// Creates the plan of a graph's roots. Textures have no coordinates here, because they are sampled beforehand.
     ///
     /// # Errors
-    /// Those of [`Graph::check`].
+    /// Returns the error of [`Graph::check`].
     pub(crate) fn new(
         graph: &Graph,
         roots: &[NodeId],
@@ -206,7 +209,7 @@ impl SurfacePlan {
         })
     }
 
-    /// Whether it is long enough, and not too long, to be shortened in any frame.
+    /// True if the program's length allows shortening in any frame.
     pub(crate) fn may_become_shorter(&self) -> bool {
         (WHOLE_MAX + 1..=NODES_MAX).contains(&self.nodes.len())
     }
@@ -216,7 +219,7 @@ impl SurfacePlan {
         self.reads.key(frame)
     }
 
-    /// The program with a frame's numbers.
+    /// The program with a frame's numbers folded in.
     fn folded(&self, frame: &FrameInputs) -> Program {
         let mut program = Program {
             inputs: OF_POINT + 4 * self.textures,
@@ -244,11 +247,11 @@ pub(crate) struct Shortener<'a> {
     frame: &'a FrameInputs,
     /// The grid over space.
     grid: Grid,
-    /// By cell of that grid: whether programs may be asked in it.
+    /// For each cell of that grid, true if programs may run in it.
     asked: Vec<bool>,
-    /// Texels there is room for.
+    /// Remaining room in texels.
     room: usize,
-    /// Nodes of programs there is time for.
+    /// Remaining time in nodes of programs.
     nodes: usize,
     encoder: Encoder,
     rows: Vec<Lanes>,
@@ -258,7 +261,7 @@ pub(crate) struct Shortener<'a> {
 }
 
 impl<'a> Shortener<'a> {
-    /// For an interpreter with these compounds and so many registers.
+    /// Creates a shortener for an interpreter with these compounds and registers.
     pub(crate) fn new(
         frame: &'a FrameInputs,
         grid: Grid,
@@ -285,7 +288,7 @@ impl<'a> Shortener<'a> {
         }
     }
 
-    /// The tapes of a program whose whole tape has `whole` texels, its header included.
+    /// Shortens a program whose whole tape has `whole` texels, including its header.
     pub(crate) fn shorten(&mut self, plan: &SurfacePlan, whole: usize) -> ShortTapes {
         let grid = match plan.over {
             Over::Points => self.grid,
@@ -309,7 +312,7 @@ impl<'a> Shortener<'a> {
         let mut known = HashMap::new();
         short.cells.resize(SIDE.pow(3), None);
         for cells in cells.chunks(CELLS) {
-            // Where there are fewer, the last one is repeated.
+            // The last cell fills up the lanes.
             let at = |lane: usize| cells.get(lane).or(cells.last()).copied().unwrap_or_default();
             let lanes: [[usize; 3]; CELLS] = std::array::from_fn(at);
             self.bound(&program, plan, grid, &lanes);
@@ -349,8 +352,8 @@ impl<'a> Shortener<'a> {
         bound(program, &mut self.rows, self.frame);
     }
 
-    /// The tapes of 64 cells in which the program's values are bounded. A cell has a tape of its own where that is much
-    /// shorter than the one that it would share with its block: tapes that hardly differ would cost more than they save.
+    /// The tapes of 64 cells in which the program's values are bounded. A cell has its own tape if that is much
+    /// shorter than the tape of its block: tapes that hardly differ would cost more than they save.
     fn tapes(
         &mut self,
         program: &Program,
@@ -389,7 +392,7 @@ impl<'a> Shortener<'a> {
         found
     }
 
-    /// The program of a group of cells, as was decided last.
+    /// The program of a group of cells, by the last decisions.
     fn shortened(&mut self, program: &Program, group: u64) -> Program {
         let mut short = Program::default();
         let (frame, scratch) = (self.frame, &mut self.scratch);
@@ -397,7 +400,7 @@ impl<'a> Shortener<'a> {
         short
     }
 
-    /// The number of a program's tape; `None` if the whole one is hardly longer or there is no room.
+    /// The number of a program's tape; `None` if it saves too little or there is no room.
     fn tape(
         &mut self,
         program: &Program,
@@ -430,7 +433,7 @@ impl<'a> Shortener<'a> {
     }
 }
 
-/// Texels besides those of a tape: the header, and one of each texture.
+/// Texels in addition to a tape's clauses: the header, and one for each texture.
 fn beside(program: &Program) -> usize {
     1 + (program.inputs - program.in_registers) / 4
 }

@@ -6,7 +6,7 @@ use crate::graph::{Point, random};
 use crate::tape::{PointEvaluator, Tape, TapeOptions, opcode};
 use crate::world::testing::{SPEAKERS, world_of};
 
-/// A frame of a world with some sound.
+/// Inputs of a frame with some sound.
 pub(super) fn inputs_of(world: &World, time: f32, loud: f32) -> FrameInputs {
     let mut inputs = FrameInputs {
         time,
@@ -24,7 +24,7 @@ pub(super) fn inputs_of(world: &World, time: f32, loud: f32) -> FrameInputs {
     inputs
 }
 
-/// Points spread over the tree's box and a little around it; the same number always gives the same point.
+/// A point in or slightly around the tree's box, determined by a number.
 pub(super) fn point(regions: &Regions, number: u32) -> [f32; 3] {
     let places = [0.754_877_67, 0.569_840_3, 0.438_579_22_f64];
     std::array::from_fn(|axis| {
@@ -77,7 +77,7 @@ fn the_speakers_are_the_same_in_every_cell() {
     }
 }
 
-/// Boxes, and balls that flow together, as two objects.
+/// Boxes and smoothly joined balls, as two objects.
 pub(super) const MANY: &str = "
 fn place(i) = vec3(5 * sin(12.9898 * i), 3 + 3 * sin(78.233 * i), 5 * sin(37.719 * i))
 object boxes { shape = union(for i in 0..60: box(p - place(i), vec3(0.2 + 0.1 * sin(i), 0.3, 0.25))) }
@@ -91,7 +91,7 @@ fn many_shapes_are_the_same_in_every_cell() {
     assert!(mean < 60.0, "{mean} texels for a tape");
 }
 
-/// Balls and bars in cells of 4, each node with a size of its own, as far as 22 from the eye in the middle.
+/// Balls and bars in cells of 4, each node with its own size, up to 22 from the eye in the middle.
 pub(super) const LATTICE: &str = "
 fn node(p) = round(p / 4)
 object frame {
@@ -118,7 +118,7 @@ fn cells_that_differ_in_little_share_a_tape() {
     let stats = RegionPlan::new(&world)
         .build(&inputs, &RegionOptions { texels_max: 1 << 22, ..Default::default() })
         .stats;
-    // If every cell took what it needs and nothing else, there would be twice as many.
+    // If every cell had exactly the steps it needs, there would be twice as many tapes.
     assert!(stats.cells > 100_000 && stats.tapes < 9_000, "{stats:?}");
 }
 
@@ -199,7 +199,7 @@ fn a_tree_in_parts_is_the_same_tree() {
     }
 }
 
-/// How many registers a tape of the tree touches, with those of its results.
+/// Number of registers that a tape of the tree uses, including its results.
 fn registers_of(tree: &Regions, tape: u32) -> usize {
     let mut most = 0;
     for texel in &tree.texels[tape as usize..] {
@@ -207,7 +207,7 @@ fn registers_of(tree: &Regions, tape: u32) -> usize {
             let [number, output, a, b] = word.to_le_bytes();
             let bytes = match (number, number & 0xC0) {
                 (opcode::END, _) => [0, a, b],
-                // The operand of LOAD, and the form of other clauses.
+                // LOAD has an immediate; the form shows the operands of other clauses.
                 (opcode::LOAD, _) => [output, 0, 0],
                 (_, 0x80) => [output, a, 0],
                 (_, 0xC0) => [output, 0, b],
@@ -223,8 +223,8 @@ fn registers_of(tree: &Regions, tape: u32) -> usize {
 }
 
 #[test]
-fn what_the_place_in_the_history_is_computed_from_has_registers() {
-    // Of each sum one half is kept while the other is computed, and nothing else takes as many registers.
+fn operands_of_history_reads_have_registers() {
+    // Half of each sum is kept while the other half is computed. Nothing else takes as many registers.
     fn sum(first: u32, count: u32) -> String {
         match count {
             1 => format!("length(p - vec3({first}, 0.5 * {first}, 2))"),
@@ -288,7 +288,7 @@ fn without_cells_there_is_the_whole_tape() {
 }
 
 #[test]
-fn surfaces_lie_within_the_bounds_of_the_frame() {
+fn surfaces_are_within_the_bounds_of_the_frame() {
     let world = world_of("object ball { shape = sphere(p - vec3(4 * sin(t), 0, 0), 0.5 + band(3)) }");
     let plan = RegionPlan::new(&world);
     for (time, loud) in [(0.3, 0.0), (1.6, 0.9), (4.5, 0.4)] {
@@ -302,7 +302,7 @@ fn surfaces_lie_within_the_bounds_of_the_frame() {
 }
 
 #[test]
-fn equal_keys_are_for_what_the_distance_reads_alone() {
+fn keys_contain_only_inputs_of_the_distance() {
     let world = world_of(
         "object ball { shape = sphere(p, 1 + band(3)) material = m }\nmaterial m { color = vec3(band(4)) }",
     );
@@ -358,7 +358,7 @@ proptest! {
     }
 }
 
-/// If the value is not a distance, each cell with a surface says how steep it may be.
+/// If the value is not a distance, each cell with a surface has bounds of its slopes.
 #[test]
 fn cells_hold_the_slopes_in_them() {
     for (text, widest) in [
@@ -379,7 +379,7 @@ fn cells_hold_the_slopes_in_them() {
             let at = point(&regions, number);
             let Some(cell) = regions.cell_at(at).filter(|cell| cell.bound <= 0.0) else { continue };
             let found = gradients.at(&Point::at(at[0], at[1], at[2]))[0];
-            // Solid throughout: no surface, no slope.
+            // A solid cell has no surface and no slope.
             if cell.slopes == [crate::graph::Interval::point(0.0); 3] && found.value < 0.0 {
                 continue;
             }
@@ -399,8 +399,8 @@ fn cells_hold_the_slopes_in_them() {
     }
 }
 
-/// Shared values lived until they were last read, and numbers of the frame counted as values, so that no interpreter
-/// could run the scene.
+/// Regression: shared values were kept until their last use, and numbers of the frame counted as values, so that no
+/// interpreter could run the scene.
 #[test]
 fn a_foam_of_many_parts_needed_more_than_256_registers() {
     let plan_of = |center: &str| {
@@ -409,12 +409,12 @@ fn a_foam_of_many_parts_needed_more_than_256_registers() {
         (world, plan)
     };
     let numbers = plan_of("vec3(3 * sin(i * 12.9898 + t), 2 + sin(i + 0.7 * t), 3 * sin(i * 37.719 - t))");
-    // Each height is that of two parts, 400 parts apart.
+    // Each height belongs to two parts, 400 parts apart.
     let shared = plan_of("vec3(3 * sin(i * 12.9898), 2 + sin(t + mod(i, 400)), 3 * sin(i * 37.719))");
     for (world, plan) in [numbers, shared] {
         assert!(plan.runs(), "{:?}", plan.variant().registers);
         assert!(!plan.variant().operators.contains(&Op::Sin), "{:?}", plan.variant().operators);
-        // The tree's tapes are those of the formula.
+        // The tree's tapes give the values of the formula.
         let inputs = inputs_of(&world, 3.5, 0.8);
         let regions = plan.build(&inputs, &RegionOptions::default());
         for number in 0..500 {

@@ -1,8 +1,8 @@
-//! The tree: the common start of its parts (`part.rs`), and how the parts are put together.
+//! Builds a tree: the common start of its parts (`part.rs`), and the assembly of the finished parts.
 //!
-//! **Bounds of a frame.** At one moment surfaces reach less far than over all sounds and times. Up to three passes
-//! over 64 cells therefore shrink the world's box before the tree is built. Rays, shadows and occlusion keep to the
-//! smaller box.
+//! **Bounds of a frame.** In one frame surfaces extend less far than over all sounds and times. Up to three passes
+//! over 64 cells therefore shrink the world's box before the tree is built. Rays, shadows and occlusion are limited
+//! to the smaller box.
 
 use super::encode::{Encoder, Texel};
 use super::lanes::{CELLS, Lanes, bound};
@@ -13,17 +13,17 @@ use super::reuse::{Before, Memory};
 use super::{BRICK_SIDE, ROOT_SIDE, RegionVariant};
 use crate::graph::{FrameInputs, Interval};
 
-/// How a tree is built.
+/// Options for building a tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RegionOptions {
-    /// Whether there are cells at all; if not, one tape, the whole one, serves everywhere.
+    /// True for a tree with cells; otherwise the whole tape serves everywhere.
     pub cells: bool,
-    /// Most texels: what the driver reports for a texture buffer.
+    /// Most texels that the driver supports in a texture buffer.
     pub texels_max: usize,
     /// Centre of the tree if the scene has no bounds.
     pub center: [f32; 3],
-    /// In a scene with bounds: about where the eye is, if it is within them. Cells that look small from there are not
-    /// divided; in a scene without bounds this holds around its centre.
+    /// In a scene with bounds: the approximate position of the eye, if it is within them. Cells that look small from
+    /// there are not divided. A scene without bounds uses `center` instead.
     pub eye: Option<[f32; 3]>,
 }
 
@@ -40,7 +40,7 @@ pub struct RegionStats {
     pub cells: usize,
     /// Passes, each of which bounds 64 cells at once.
     pub passes: usize,
-    /// Groups of 64 cells that are copied from the tree of the frame before.
+    /// Groups of 64 cells that are copied from the previous frame's tree.
     pub copied: usize,
     /// Distinct tapes.
     pub tapes: usize,
@@ -48,9 +48,9 @@ pub struct RegionStats {
     pub whole_clauses: usize,
     /// Clauses of all distinct tapes.
     pub clauses: usize,
-    /// Bytes that the shaders read.
+    /// Size of the shaders' data in bytes.
     pub bytes: usize,
-    /// Cells that have the whole tape because there was no room for a tape of their own.
+    /// Cells that use the whole tape because there was no room for a shorter one.
     pub overflowed: usize,
 }
 
@@ -63,13 +63,13 @@ pub struct Regions {
     pub low: [f32; 3],
     /// Extent of the box; 0 if there are no cells.
     pub size: [f32; 3],
-    /// Lower and upper corner of a box that holds all surfaces of the frame except planes, if such a box is known.
+    /// Lower and upper corner of a box that contains all surfaces of the frame except planes, if known.
     pub bounds: Option<([f32; 3], [f32; 3])>,
     /// First texel of the whole tape.
     pub whole_tape: u32,
     /// The sizes of the tree.
     pub stats: RegionStats,
-    /// What the tree of the next frame needs to copy from this one.
+    /// Lookup tables for the next frame's tree.
     pub(super) memory: Memory,
 }
 
@@ -77,12 +77,12 @@ pub struct Regions {
 const TIGHTENINGS_MAX: usize = 3;
 /// Half the side of the tree of a scene without bounds.
 const UNBOUNDED_REACH: f32 = 32.0;
-/// Up to this distance from surfaces penumbras and occlusion ask for distances: slightly more than the highest probe.
+/// Penumbras and occlusion ask for distances up to this far from surfaces: slightly more than the highest probe.
 pub(super) const AROUND: f32 = 1.2;
-/// Bounds are reduced by this share of the box's distance from the origin and its size, because GPUs round
-/// differently: two dozen roundings of numbers of that size amount to 3e-6 of it.
+/// Bounds are reduced by this fraction of the box's size and its distance from the origin, because GPUs round
+/// differently: two dozen roundings of numbers of that size amount to a fraction of 3e-6.
 const ROUNDING: f32 = 1e-5;
-/// Cells overlap by this share because rays look for their cell a hundred-thousandth of a root cell further on.
+/// Cells overlap by this fraction, because rays look up their cell a hundred-thousandth of a root cell further on.
 const OVERLAP: f32 = 4e-6;
 /// Largest penumbra: distance from a light over its sharpness.
 const PENUMBRA_MAX: f32 = 1e9;
@@ -102,14 +102,14 @@ pub(super) struct Trunk<'a> {
     pub(super) options: &'a RegionOptions,
     pub(super) program: Program,
     pub(super) root: Root,
-    /// The root, which is still empty, and the whole tapes.
+    /// The still empty root, and the whole tapes.
     pub(super) texels: Vec<Texel>,
     pub(super) variant: &'a RegionVariant,
-    /// [`crate::world::Slopes::steepest`], for a variant that is steep.
+    /// [`crate::world::Slopes::steepest`], for a variant that is not Lipschitz.
     pub(super) steepest: f32,
-    /// The tree of the frame before, if anything can be copied from it.
+    /// The previous frame's tree, if anything can be copied from it.
     pub(super) before: Option<Before<'a>>,
-    /// Whether the tree lies around the eye.
+    /// True if the tree is centred on the eye.
     pub(super) unbounded: bool,
     pub(super) rounding: Rounding,
     pub(super) whole: Whole,
@@ -130,9 +130,9 @@ pub(super) struct Root {
 /// Allowances for rounding errors, for the size of the tree's box.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rounding {
-    /// Bounds are reduced by this.
+    /// Subtracted from bounds.
     pub(super) margin: f32,
-    /// Cells are enlarged by this.
+    /// Added to cells on all sides.
     pub(super) overlap: f32,
 }
 
@@ -143,12 +143,12 @@ pub(super) struct Whole {
     pub(super) object: u32,
 }
 
-/// What rays can hit in a world.
+/// The world that the rays meet, apart from its program.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Traced<'a> {
-    /// Whether there is anything but planes.
+    /// True if there are surfaces other than planes.
     pub(super) has_rest: bool,
-    /// What the tapes may demand.
+    /// The features that tapes may use.
     pub(super) variant: &'a RegionVariant,
     /// [`crate::world::Slopes::steepest`].
     pub(super) steepest: f32,
@@ -156,7 +156,7 @@ pub(super) struct Traced<'a> {
     pub(super) last: Option<&'a Regions>,
 }
 
-/// Builds the tree of a program with the frame's numbers folded in. `run` has to build the given number of parts.
+/// Builds the tree of a program with the frame's numbers folded in. `run` has to build all of the parts.
 pub(super) fn build(
     program: Program,
     bounds: Option<([f32; 3], [f32; 3])>,
@@ -168,7 +168,7 @@ pub(super) fn build(
     let bounds = bounds.map(|bounds| if has_rest { tightened(&program, bounds, frame) } else { bounds });
     let (low, size) = extent(bounds, options.center);
     let farthest = (0..3).map(|axis| low[axis].abs().max((low[axis] + size[axis]).abs())).fold(0.0, f32::max);
-    // Where the value is not a distance, rays cannot do without cells.
+    // If the value is not a distance, rays need cells.
     let cells =
         (options.cells || variant.non_lipschitz) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
     let mut trunk = Trunk {
@@ -241,15 +241,15 @@ impl RegionStats {
 }
 
 impl Trunk<'_> {
-    /// What writes tapes that keep within the variant.
+    /// An encoder whose tapes stay within the variant.
     pub(super) fn encoder(&self) -> Encoder {
         Encoder::new(self.variant.compounds, self.variant.registers)
     }
 
-    /// Writes the whole tape and that of the object.
+    /// Writes the whole tape and the object's.
     fn write_whole(&mut self) {
         let mut encoder = self.encoder();
-        // A program that needs too many values at once has no tape here; the plan has reported it.
+        // A program with too many simultaneous values has no tape here; the plan has reported it.
         if let Ok(texels) = encoder.encode(&self.program, &[OBJECT, OBJECT]) {
             self.whole.object = self.texels.len() as u32;
             self.texels.extend_from_slice(texels);
@@ -274,7 +274,7 @@ impl Trunk<'_> {
     }
 }
 
-/// Bounds of all surfaces of a frame, within those over all frames.
+/// Shrinks the bounds over all frames to one frame's surfaces.
 fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInputs) -> ([f32; 3], [f32; 3]) {
     let (mut low, mut high) = bounds;
     let mut rows = Vec::new();
@@ -284,7 +284,7 @@ fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInput
         let farthest = low.iter().chain(&high).fold(0.0f32, |most, side| most.max(side.abs()));
         bound_cells(program, block, farthest * OVERLAP, &mut rows, frame);
         let held = |cell: usize| match program.roots[BOUND] {
-            // A value that may be a NaN may be a surface.
+            // A NaN may be a surface.
             Arg::Value(value) => !surely_above(rows[value as usize].lo[cell], farthest * ROUNDING),
             Arg::Number(number) => !surely_above(number, 0.0),
         };
@@ -303,7 +303,7 @@ fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInput
     (low, high)
 }
 
-/// Also false for a value that may be a NaN.
+/// False for NaN.
 fn surely_above(value: f32, limit: f32) -> bool {
     value > limit
 }
@@ -322,7 +322,7 @@ fn extent(bounds: Option<([f32; 3], [f32; 3])>, center: [f32; 3]) -> ([f32; 3], 
     (low, size)
 }
 
-/// Bounds of all values of a program in the cells of a block, each cell enlarged by `overlap` on all sides.
+/// Bounds all values of a program in the cells of a block, each enlarged by `overlap` on all sides.
 pub(super) fn bound_cells(
     program: &Program,
     block: Block,
@@ -359,7 +359,7 @@ pub(super) fn cells_of(mut mask: u64) -> impl Iterator<Item = usize> {
 }
 
 impl Block {
-    /// The block that one of the cells forms.
+    /// The block inside one of the cells.
     pub(super) fn child(&self, place: [usize; 3]) -> Self {
         Self {
             low: std::array::from_fn(|axis| self.low[axis] + place[axis] as f32 * self.cell[axis]),
