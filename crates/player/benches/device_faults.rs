@@ -30,10 +30,9 @@ use tone::Tone;
 const FRAME: Duration = Duration::from_nanos(16_666_667);
 /// A larger difference between the clock's step and the passed time counts as a step, in seconds.
 const STEP: f64 = 0.05;
-/// The time for which each output of a flap plays after it was noticed, in seconds.
+/// The time for which each output of a flap plays after it was noticed.
 const HEARD: Duration = Duration::from_millis(250);
 
-/// Observations of the clock.
 #[derive(Default)]
 struct Seen {
     looks: u64,

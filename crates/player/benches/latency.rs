@@ -181,7 +181,6 @@ fn live() {
     println!("      {} frames lost, buffers {:.1} ms old on arrival", status.lost, 1e3 * status.age);
 }
 
-/// The bursts as a song.
 struct Song(u64);
 
 impl FrameSource for Song {

@@ -17,10 +17,9 @@
 //! - The reported position never steps. If it differs from the audible one (a device resumed after a pause, or the
 //!   latency changed), the clock runs at [`SLOWEST`] to [`FASTEST`] times its pace until both agree.
 //! - Only a seek, a skip or another track moves the position at once. A pause or an underrun holds it.
-//! - If no reader looked and no device called for [`AWAY_MAX`], the process was suspended, and the song stood still
-//!   with it.
+//! - If no reader looked and no device called for [`AWAY_MAX`], the process was suspended, and the song did not move.
 //!
-//! All times are those of the monotonic clock.
+//! All times are of the monotonic clock.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering, fence};
 use std::sync::{Arc, OnceLock};

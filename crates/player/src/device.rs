@@ -84,7 +84,6 @@ pub(crate) type OpenResult<L> = Result<(Running, Opened<L>), (DeviceError, Error
 
 /// The failure of a running stream.
 pub(crate) struct Failure {
-    /// The system's error message.
     pub(crate) reason: String,
     pub(crate) kind: ErrorKind,
 }
@@ -152,7 +151,6 @@ pub(crate) fn refusal(
     }
 }
 
-/// Finds the device for a target.
 pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device, (DeviceError, ErrorKind)> {
     let none = |error| (error, ErrorKind::DeviceNotAvailable);
     let hosts = || hosts_by_preference().into_iter().filter_map(|id| Some((id, host(id).ok()?)));

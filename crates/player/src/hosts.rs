@@ -10,7 +10,7 @@ use cpal::traits::{DeviceTrait, HostTrait};
 
 use super::server_connection::{self, ServerConnection};
 
-/// The suffix that turns the id of an output into that of its monitor (PulseAudio, PipeWire).
+/// The suffix that an output's id gets in its monitor's id (PulseAudio, PipeWire).
 const MONITOR_SUFFIX: &str = ".monitor";
 
 /// The kept connection for queries and inputs.

@@ -4,7 +4,6 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ServerConnection {}
 
-/// Returns the result of `open`.
 pub(super) fn opened_by<T, E>(
     open: impl FnOnce() -> Result<T, E>,
 ) -> Result<(T, Option<ServerConnection>), E> {

@@ -65,7 +65,7 @@ pub struct PlayerOptions {
     pub paused: bool,
     /// A device or the silent clock.
     pub output: OutputChoice,
-    /// The gain control for quiet and loud songs.
+    /// The gain control, by which quiet and loud songs can drive a scene alike.
     pub gain: Gain,
 }
 

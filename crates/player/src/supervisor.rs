@@ -97,7 +97,6 @@ impl<P: Port> Supervisor<P> {
         Ok(Self { events, status, worker })
     }
 
-    /// The current state.
     pub(crate) fn status(&self) -> StreamStatus<P::Note> {
         lock(&self.status).clone()
     }
@@ -119,7 +118,6 @@ impl<P: Port> Supervisor<P> {
 pub(crate) struct NoteReader<N>(Arc<Mutex<StreamStatus<N>>>);
 
 impl<N: Clone> NoteReader<N> {
-    /// The current data.
     pub(crate) fn note(&self) -> N {
         lock(&self.0).note.clone()
     }

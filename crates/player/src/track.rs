@@ -11,7 +11,6 @@ use super::song::{Song, display_name};
 use super::source::{FrameSource, SourceError};
 use mariana_music::StereoFrame;
 
-/// Sample rate of [`Track::silence`], in hertz.
 const SILENCE_RATE: u32 = 48_000;
 /// Frames of silence per block.
 const SILENCE_BLOCK: usize = 1024;

@@ -5,7 +5,6 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
 use std::thread::{Builder, JoinHandle, Thread};
 use std::time::Duration;
 
-/// A named thread.
 pub(crate) struct Worker {
     handle: Option<JoinHandle<()>>,
     done: Receiver<()>,
@@ -35,7 +34,6 @@ impl Worker {
         self.handle.as_ref().map(JoinHandle::thread)
     }
 
-    /// True if the thread has ended.
     pub(crate) fn has_ended(&self) -> bool {
         matches!(self.done.try_recv(), Err(TryRecvError::Disconnected))
     }

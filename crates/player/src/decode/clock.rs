@@ -32,7 +32,6 @@ impl Clock {
         u64::from(self.numer) * u64::from(rate) == u64::from(self.denom)
     }
 
-    /// True if [`raw_frame`](Self::raw_frame) returns a value.
     pub(super) fn is_usable(&self, rate: u32) -> bool {
         self.is_exact(rate) || (self.numer > 0 && self.grid.is_some())
     }

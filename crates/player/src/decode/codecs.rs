@@ -21,7 +21,6 @@ static REGISTRY: LazyLock<CodecRegistry> = LazyLock::new(|| {
     registry
 });
 
-/// Creates a decoder for a track.
 pub(super) fn make(name: &str, params: &AudioCodecParameters) -> Result<Box<dyn AudioDecoder>, DecodeError> {
     let channels = params.channels.as_ref().map_or(1, |channels| channels.count());
     let mut params = params.clone();

@@ -33,7 +33,6 @@ impl TagBytes {
 /// A stream of bytes that can be opened repeatedly.
 #[derive(Debug, Clone)]
 pub(super) enum Input {
-    /// A file on disk.
     File {
         /// The path at which it was opened.
         path: PathBuf,

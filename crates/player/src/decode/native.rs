@@ -29,7 +29,6 @@ const HOLE_SECONDS_MAX: i64 = 10;
 /// A forward seek of at most this many seconds decodes up to the target instead of jumping.
 const NEAR_SECONDS: i64 = 1;
 
-/// A decoder of one file.
 pub(super) struct NativeDecoder {
     input: Input,
     reader: PacketReader,
@@ -68,7 +67,6 @@ struct RawPlace {
 }
 
 impl RawPlace {
-    /// The position before the first packet.
     const START: Self = Self { next: 0, settled: false, at_start: true, filled: 0 };
 }
 
@@ -125,7 +123,6 @@ impl NativeDecoder {
         cover::of(&self.input)
     }
 
-    /// The stream's metadata.
     pub(super) fn info(&self) -> &StreamInfo {
         &self.info
     }

@@ -32,7 +32,6 @@ use super::{codecs, contained, sniff};
 /// Consecutive failures of the demuxer after which the stream ends: the demuxer has lost the packets.
 const DEMUXER_FAILURES_MAX: u32 = 16;
 
-/// One decoded packet.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
     /// The frames' rate, in hertz.
@@ -47,7 +46,6 @@ pub(super) struct Block {
     pub(super) new_link: Option<u64>,
 }
 
-/// The file's tags.
 #[derive(Debug, Default)]
 pub(super) struct Tags {
     pub(super) title: Option<String>,
@@ -85,7 +83,6 @@ struct Stream {
     announced_delay: Option<u64>,
 }
 
-/// Mixes packets down to stereo.
 #[derive(Default)]
 struct Mixer {
     /// The weights for the channels of the last packet.

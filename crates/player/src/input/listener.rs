@@ -52,7 +52,6 @@ impl Ear {
         Self { epoch: Instant::now(), stop: AtomicBool::new(false), signal_ns, began_ns }
     }
 
-    /// Seconds since the epoch.
     pub(super) fn now(&self) -> f64 {
         self.epoch.elapsed().as_secs_f64()
     }
@@ -68,7 +67,6 @@ impl Ear {
     }
 }
 
-/// The state of the listening thread.
 pub(super) struct Listener {
     ear: Arc<Ear>,
     moments: Producer<Heard>,
@@ -142,7 +140,6 @@ impl Listener {
         self.link = link;
     }
 
-    /// Analyses the received frames.
     fn listen(&mut self) {
         let now = self.ear.now();
         self.analyzer.set_gain(self.gain.get());

@@ -44,7 +44,7 @@ const END_LIMIT: Duration = Duration::from_millis(500);
 pub struct LiveOptions {
     /// The input.
     pub target: Target,
-    /// The gain control for quiet and loud sound.
+    /// The gain control, by which quiet and loud sound can drive a scene alike.
     pub gain: Gain,
 }
 

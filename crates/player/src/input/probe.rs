@@ -25,7 +25,6 @@ const PAUSE: Duration = Duration::from_secs(2);
 /// Longest wait between two searches.
 const PAUSE_MAX: Duration = Duration::from_secs(30);
 
-/// The search and its result.
 pub(super) struct Prober {
     search: Option<(Worker, Receiver<Option<ListedDevice>>)>,
     found: Option<ListedDevice>,

@@ -14,10 +14,13 @@ use mariana_music::{Alignment, Analyzer, StereoFrame, TimedFeatures};
 /// The messages of the decoding thread, in order.
 pub(crate) enum AnalysisInput {
     /// Begins a passage. `position` is the index of the next frame in its track; samples are multiplied by `gain`.
-    Begin { passage: u64, sample_rate: u32, position: u64, gain: f32 },
-    /// The next frames of the passage.
+    Begin {
+        passage: u64,
+        sample_rate: u32,
+        position: u64,
+        gain: f32,
+    },
     Frames(Vec<StereoFrame>),
-    /// Ends the passage.
     Finish,
 }
 

@@ -51,7 +51,6 @@ const WAIT_MAX: Duration = Duration::from_millis(500);
 /// A step back at a later position than this, in seconds, returns to the start of the same track.
 const STEP_BACK_WITHIN: f64 = 3.0;
 
-/// The state of the decoding thread.
 pub(crate) struct Decoding {
     queue: TrackQueue,
     segment: CurrentSegment,

@@ -69,7 +69,7 @@ struct TestPlayback {
     clock: Clock,
     last: f64,
     looks: u32,
-    /// The time for which the clock has stood still, and its maximum.
+    /// The time for which the clock has stopped, and its maximum.
     still: Duration,
     stillest: Duration,
 }
@@ -216,7 +216,7 @@ fn the_position_is_smooth_while_a_device_is_lost() {
     assert!(evening.ahead().abs() < 0.002, "{} s ahead on the new device", evening.ahead());
     let drift = evening.last - from.0 - (evening.now - from.1).as_secs_f64();
     assert!(drift.abs() < 0.002, "the song is {drift} s from where it would be");
-    assert!(evening.stillest.is_zero(), "the clock stood still for {:?}", evening.stillest);
+    assert!(evening.stillest.is_zero(), "the clock stopped for {:?}", evening.stillest);
 }
 
 #[test]
@@ -255,7 +255,7 @@ fn the_position_is_smooth_during_many_device_changes() {
     assert!(evening.looks > 5000, "{} looks", evening.looks);
     assert!(
         evening.stillest <= Duration::from_millis(100),
-        "the clock stood still for {:?}",
+        "the clock stopped for {:?}",
         evening.stillest
     );
     // In the end the clock agrees with the sound.

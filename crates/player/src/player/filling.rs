@@ -114,7 +114,6 @@ impl Filling {
         resampled
     }
 
-    /// The source's rate, in hertz.
     pub(super) fn source_hz(&self) -> u32 {
         self.conversion.resampler.from_hz()
     }

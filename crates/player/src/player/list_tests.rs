@@ -30,7 +30,6 @@ fn reported(player: &mut Player) -> (String, usize, usize) {
     (track.name.clone(), track.entry, track.count)
 }
 
-/// Waits until this track plays.
 fn expect(player: &mut Player, name: &str, entry: usize, count: usize) {
     wait_for(player, &format!("{name} as {entry} of {count}"), |player| {
         reported(player) == (name.to_owned(), entry, count)

@@ -8,7 +8,6 @@ use super::decoding::Command;
 use crate::listed::Edit;
 use crate::track::{Repeat, TrackList, Wanted};
 
-/// The requests of the decoding thread.
 pub(crate) enum Request {
     /// Finds a track; the answer carries `id`.
     Find { id: u64, wanted: Wanted },
@@ -50,7 +49,6 @@ pub struct TrackErrors {
     pub last: Option<String>,
 }
 
-/// [`TrackErrors`] for several threads.
 #[derive(Clone, Default)]
 pub(crate) struct SharedTrackErrors(Arc<Mutex<TrackErrors>>);
 

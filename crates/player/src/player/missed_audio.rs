@@ -95,7 +95,6 @@ impl MissedAudioWatch {
         }
     }
 
-    /// The missed parts so far.
     pub(super) fn reported(&self) -> MissedAudio {
         self.reported
     }

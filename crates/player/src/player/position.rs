@@ -34,7 +34,6 @@ pub(super) struct Place {
 }
 
 impl Position {
-    /// Starts at the beginning of `track`.
     pub(super) fn new(
         outputs: OutputWatch,
         audible_segments: SharedAudibleSegments,
@@ -50,7 +49,6 @@ impl Position {
         self.look().seconds
     }
 
-    /// The current position.
     pub(super) fn look(&self) -> Place {
         // A reader that panicked leaves the clock usable.
         self.0.lock().unwrap_or_else(PoisonError::into_inner).look()

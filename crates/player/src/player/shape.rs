@@ -35,7 +35,6 @@ pub struct LoudnessShape {
     pub levels: Vec<f32>,
 }
 
-/// The shapes of requested tracks.
 #[derive(Default)]
 pub(super) struct Shapes {
     shared: SharedShapes,
@@ -174,7 +173,6 @@ struct Sums {
     squares: Vec<f32>,
     frames: u64,
     sum: f64,
-    /// Frames in `sum`.
     count: u32,
 }
 

@@ -150,7 +150,6 @@ pub(super) struct Heard {
     /// The frame's index in the song, if the sample is not faded.
     pub(super) index: Option<f64>,
     pub(super) reported_index: f64,
-    /// The index of the list entry.
     pub(super) entry: usize,
     pub(super) lap: u32,
     pub(super) segment: u64,

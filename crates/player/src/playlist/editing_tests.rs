@@ -97,7 +97,7 @@ proptest! {
             all.sort_unstable();
             prop_assert_eq!(round, all);
         }
-        // Without shuffle, the order is that of the listing.
+        // Without shuffle, the order equals the listing.
         list.set_order(Repeat::All, true, playing);
         list.set_order(Repeat::All, false, playing);
         let order: Vec<usize> = std::iter::successors(list.order.first(), |id| list.order.beside(*id, true, false))

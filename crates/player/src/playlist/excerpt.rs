@@ -1,4 +1,4 @@
-//! A part of a source, as a source of its own.
+//! A source that plays a part of another source.
 
 use super::cue::DISC_FRAMES;
 use super::lists::Cut;
@@ -12,7 +12,6 @@ pub(super) struct Excerpt {
     start: u64,
     /// The end of the range (exclusive); `u64::MAX` is the source's end.
     end: u64,
-    /// The next frame.
     position: u64,
 }
 

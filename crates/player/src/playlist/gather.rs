@@ -64,7 +64,6 @@ impl Entry {
     }
 }
 
-/// The gathered entries and errors.
 #[derive(Debug, Default)]
 pub(super) struct Gathered {
     /// The tracks in order, at most the limits' `playlist_tracks_max`.

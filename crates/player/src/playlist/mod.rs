@@ -12,8 +12,7 @@
 //! **Unplayable entries never stop the show.** Every failure of a list or track becomes a message (`TrackErrors`). The
 //! list thread continues with the next track that opens; if none does, a track of silence plays. Lists are read within
 //! the limits of `limits.rs`. The program refuses to open the window only for a single file that cannot be played, or
-//! for lists without any entry. After 64 successive tracks without a frame, silence is played, so that the threads do
-//! not spin.
+//! for lists without any entry. After 64 successive tracks without a frame, silence is played, so that no thread spins.
 
 mod cue;
 mod editing;

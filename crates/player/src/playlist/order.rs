@@ -8,7 +8,6 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 
 use crate::track::Repeat;
 
-/// An order of entries.
 #[derive(Debug, Clone)]
 pub(super) struct Order {
     /// Every entry once, and holes.
@@ -48,12 +47,10 @@ impl Order {
         order
     }
 
-    /// The first entry.
     pub(super) fn first(&self) -> Option<u64> {
         self.sequence.iter().copied().find(|id| !self.holes.contains(id))
     }
 
-    /// The repeat mode.
     pub(super) fn repeat(&self) -> Repeat {
         self.repeat
     }

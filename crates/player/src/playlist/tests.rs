@@ -17,7 +17,6 @@ fn write_song(path: &Path) {
     std::fs::write(path, bytes).unwrap();
 }
 
-/// Creates a folder with these songs.
 fn folder_of(songs: &[&str]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     songs.iter().for_each(|song| write_song(&folder.path().join(song)));

@@ -31,7 +31,6 @@ fn named(name: &str) -> Target {
     Target::Named(name.into())
 }
 
-/// The current device list.
 fn device_list() -> std::sync::Arc<DeviceList> {
     DeviceWatch::shared().expect("a device watch").latest().1
 }

@@ -44,7 +44,6 @@ impl Default for Programs {
     }
 }
 
-/// A file that ffmpeg decodes.
 pub(super) struct FfmpegDecoder {
     programs: Programs,
     /// The absolute path of the file.

@@ -31,7 +31,6 @@ pub(super) struct Format {
     tags: Tags,
 }
 
-/// A stream of the file.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Stream {
@@ -97,7 +96,6 @@ impl Format {
 }
 
 impl Stream {
-    /// True if ffmpeg knows the codec.
     pub(super) fn is_known(&self) -> bool {
         self.codec_name.as_deref().is_some_and(|name| !["", "unknown", "none"].contains(&name))
     }

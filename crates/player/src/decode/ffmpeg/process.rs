@@ -26,7 +26,6 @@ const END_LIMIT: Duration = Duration::from_millis(500);
 pub(super) enum Failure {
     /// The program is not installed.
     Missing,
-    /// The program could not be started.
     Start(io::Error),
     /// The program was silent for too long.
     Stalled,

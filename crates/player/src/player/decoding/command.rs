@@ -11,7 +11,6 @@ use crate::track::{Found, Repeat};
 pub(crate) enum Command {
     /// Plays on this output from `at` on.
     Output {
-        /// The output.
         link: OutputCallbackLink,
         /// The time at which it opened.
         at: Instant,
@@ -22,26 +21,19 @@ pub(crate) enum Command {
     SeekBy(f64),
     /// Skips to the next or the previous track.
     Skip {
-        /// True for the next track.
         forward: bool,
     },
-    /// Replaces the list by these files.
     Files(Vec<PathBuf>),
     /// Plays the track at this index of the list.
     PlayEntry(usize),
-    /// Edits the list.
     Edit(Edit),
-    /// The result of an edit.
     Edited(Edited),
     /// Changes the repeat mode and the order.
     Order(Repeat, bool),
     /// The list thread's answer to request `id`.
     Found {
-        /// The request's id.
         id: u64,
-        /// The answer.
         found: Found,
     },
-    /// Ends the thread.
     Quit,
 }

@@ -26,7 +26,6 @@ impl Passages {
         Self { current: Playing { passage: 0, track: first }, before: VecDeque::new(), last: 0 }
     }
 
-    /// The track being decoded.
     pub(super) fn track(&self) -> &Track {
         &self.current.track
     }

@@ -4,10 +4,8 @@ use std::time::{Duration, Instant};
 
 use super::segment::CurrentSegment;
 
-/// A position in the song.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Place {
-    /// The passage that contains it.
     pub(super) passage: u64,
     /// The time of its track, in seconds.
     pub(super) time: f64,

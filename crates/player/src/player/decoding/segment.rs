@@ -23,11 +23,9 @@ const RING_BUFFERS: usize = 4;
 /// Seconds of a segment that must be ready before it is played: more than the look-ahead of the analysis.
 const PREFILL: f64 = 0.15;
 
-/// The start of a segment.
 pub(super) struct SegmentStart {
     /// The passage of its first frame.
     pub(super) passage: u64,
-    /// Metadata of the passage's track.
     pub(super) info: Arc<TrackInfo>,
     /// The track time of its first frame, in seconds.
     pub(super) target: f64,
@@ -100,7 +98,6 @@ impl CurrentSegment {
         calls.is_some() && self.stood_still == calls
     }
 
-    /// True if there is a segment.
     pub(super) fn is_filling(&self) -> bool {
         self.filling.is_some()
     }
@@ -110,12 +107,10 @@ impl CurrentSegment {
         self.filling.as_ref().is_some_and(|filling| filling.exhausted)
     }
 
-    /// The segment, if there is one.
     pub(super) fn filling(&mut self) -> Option<&mut Filling> {
         self.filling.as_mut()
     }
 
-    /// The record of audible positions.
     pub(super) fn audible_segments(&self) -> &SharedAudibleSegments {
         &self.audible_segments
     }
@@ -130,7 +125,6 @@ impl CurrentSegment {
         self.filling.as_ref().map_or(self.start, |filling| filling.target)
     }
 
-    /// The audible frame of the segment.
     pub(super) fn audible(&self) -> Option<Audible> {
         let (link, filling) = (self.link.as_ref()?, self.filling.as_ref()?);
         link.history.at(Instant::now()).filter(|audible| audible.segment == filling.id)
@@ -156,7 +150,6 @@ impl CurrentSegment {
         }
     }
 
-    /// Begins a segment for the output.
     pub(super) fn begin(&mut self, start: SegmentStart) {
         let Some(link) = &self.link else { return };
         let SegmentStart { passage, info, target, resampler, skip, from_start } = start;

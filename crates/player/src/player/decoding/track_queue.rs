@@ -30,7 +30,6 @@ pub(super) enum Following {
     Again,
     /// Another track, which is at its start.
     Track(Track),
-    /// No track follows.
     End,
 }
 
@@ -264,7 +263,6 @@ mod tests {
         (TrackQueue::new(Track::silence(0, 9), list, SharedTrackErrors::default()), requests)
     }
 
-    /// The last request and its id.
     fn asked(requests: &Receiver<Request>) -> (u64, Wanted) {
         let find = |request| match request {
             Request::Find { id, wanted } => Some((id, wanted)),
