@@ -135,9 +135,5 @@ fn main() {
         }
     }
     worst.sort_by(f64::total_cmp);
-    println!(
-        "longest frame / sum: median {:.2}, worst {:.2}",
-        median(&worst),
-        worst.last().unwrap()
-    );
+    println!("longest frame / sum: median {:.2}, worst {:.2}", median(&worst), worst.last().unwrap());
 }

@@ -125,8 +125,8 @@ fn scenes_fade_and_a_fade_of_nothing_is_a_cut() {
         app.press(&["n"]);
         app.wait_until_reported("b is shown");
         // Some pictures later.
-        let pictures = count(&app.reported(), "a picture in ");
-        app.wait_until("pictures", |app| count(&app.reported(), "a picture in ") > pictures + 3);
+        let pictures = count(&app.reported(), "a frame took ");
+        app.wait_until("pictures", |app| count(&app.reported(), "a frame took ") > pictures + 3);
         let reported = app.quit_content();
         assert_eq!(count(&reported, "a fade begins"), fades, "{options:?}: {reported}");
     }
@@ -153,8 +153,8 @@ fn files_in(folder: &Path) -> usize {
 
 /// Waits for this many more pictures.
 fn wait_for_pictures(app: &App, more: usize) {
-    let before = count(&app.reported(), "a picture in ");
-    app.wait_until("pictures", |app| count(&app.reported(), "a picture in ") >= before + more);
+    let before = count(&app.reported(), "a frame took ");
+    app.wait_until("pictures", |app| count(&app.reported(), "a frame took ") >= before + more);
 }
 
 /// Mesa's software renderers keep a file of each program and of each form of it that they compile.

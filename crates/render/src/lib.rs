@@ -2,7 +2,7 @@
 //! image.
 //!
 //! ```text
-//! world, time, sound ─► frame ─► gpu: samples, edges, more samples, light, picture ─► pixels | a window's framebuffer
+//! world, time, sound ─► frame ─► gpu: samples, edges, more samples, light, image ─► pixels | a window's framebuffer
 //! ```
 //!
 //! [`SceneRenderer`] is the simplest way to draw. It uses the current OpenGL context: your window's, or a [`Headless`]

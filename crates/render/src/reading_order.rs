@@ -1,25 +1,25 @@
-//! The order in which the words of a line are seen, by Unicode's bidirectional algorithm (UAX #9).
+//! Reorders the words of a line for display by Unicode's bidirectional algorithm (UAX #9).
 //!
-//! egui joins Arabic letters and writes each word of Arabic and Hebrew from right to left, but sets words side by side
-//! from left to right. So it is given the words in the order of their places.
+//! egui joins Arabic letters and writes each word of Arabic and Hebrew from right to left, but places words from left
+//! to right. It therefore gets the words in display order.
 
 use std::borrow::Cow;
 
 use unicode_bidi::{BidiInfo, Level};
 
-/// Nothing below this is written from right to left.
+/// No smaller code is written from right to left.
 const FIRST: char = '\u{590}';
-/// Begins a part that is ordered by itself, and ends it.
+/// First-strong isolate and pop directional isolate: the delimiters of a part that is ordered separately.
 const ISOLATE: [char; 2] = ['\u{2068}', '\u{2069}'];
 
-/// A part of a line, such as a title, that is ordered by itself: what follows it is no part of its words.
+/// Isolates a part of a line, such as a title, from the words that follow it.
 pub fn isolated(part: &str) -> Cow<'_, str> {
     let [begin, end] = ISOLATE;
     let plain = part.chars().all(|letter| letter < FIRST);
     if plain { Cow::Borrowed(part) } else { Cow::Owned(format!("{begin}{part}{end}")) }
 }
 
-/// `text` with its words in the order in which they stand in a line that begins at the left; each word stays as it is.
+/// Reorders the words of `text` for a line that begins at the left. The letters of each word keep their order.
 pub fn as_seen(text: &str) -> Cow<'_, str> {
     if text.chars().all(|letter| letter < FIRST) {
         return Cow::Borrowed(text);
@@ -40,12 +40,12 @@ pub fn as_seen(text: &str) -> Cow<'_, str> {
             }
         }
     }
-    // They have no look.
+    // The delimiters have no glyphs.
     seen.retain(|letter| !ISOLATE.contains(&letter));
     Cow::Owned(seen)
 }
 
-/// Adds a word of a line that is turned around: the space after it comes to stand before it.
+/// Adds a word of a reversed run. The space after it moves in front of it.
 fn push_turned(seen: &mut String, word: &str) {
     let bare = word.trim_end_matches(' ');
     seen.push_str(word.get(bare.len()..).unwrap_or_default());
@@ -58,17 +58,17 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn words_from_right_to_left_stand_in_that_order() {
+    fn words_from_right_to_left_are_reordered() {
         assert_eq!(as_seen("one two"), "one two");
         assert_eq!(as_seen("Grüße · 日本 🎵"), "Grüße · 日本 🎵");
         assert_eq!(as_seen("שיר של אהבה"), "אהבה של שיר");
-        // A number is read from the left, and what is around it is not.
+        // A number is read from the left, the words around it from the right.
         assert_eq!(as_seen("שיר 12 חדש"), "חדש 12 שיר");
         assert_eq!(as_seen("play أغنية جديدة now"), "play جديدة أغنية now");
     }
 
     #[test]
-    fn the_number_after_a_title_became_one_of_its_words() {
+    fn the_number_after_an_isolated_title_is_no_part_of_it() {
         let line = |title: &str| format!("{} · {} · 1 of 2", isolated(title), isolated("זמר ידוע"));
         assert_eq!(as_seen(&line("שיר חדש")), "חדש שיר · ידוע זמר · 1 of 2");
         assert_eq!(as_seen(&line("Grüße 日本")), "Grüße 日本 · ידוע זמר · 1 of 2");

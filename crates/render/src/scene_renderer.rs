@@ -1,4 +1,4 @@
-//! Draws one world: the short way in.
+//! [`SceneRenderer`]: the simplest way to draw a world.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ pub struct SceneRenderer {
 }
 
 impl SceneRenderer {
-    /// Uploads a world and compiles its program. Drivers take tens of milliseconds to several seconds.
+    /// Uploads a world and compiles its program, which takes tens of milliseconds to several seconds.
     ///
     /// # Errors
     /// A world over its limits, or an error of the driver.
@@ -40,7 +40,7 @@ impl SceneRenderer {
         Ok(Self { renderer: Renderer::new(gl, &library, Counting::Off)?, program, resources })
     }
 
-    /// Draws the world at `time` seconds with the sound that is audible then, in `size` pixels.
+    /// Draws the world at `time` seconds with the sound audible then, in `size` pixels.
     ///
     /// # Errors
     /// A size over the driver's limit, or an error of the driver.
@@ -49,7 +49,7 @@ impl SceneRenderer {
         self.draw_frame(&frame)
     }
 
-    /// Draws a frame of your own: another camera, other parameters.
+    /// Draws a frame with changes of your own, such as another camera or other parameters.
     ///
     /// # Errors
     /// As [`SceneRenderer::draw`].
@@ -57,7 +57,7 @@ impl SceneRenderer {
         self.renderer.draw(frame, &self.resources, &self.program)
     }
 
-    /// Copies the picture to the default framebuffer of `window` pixels.
+    /// Copies the image to the default framebuffer of `window` pixels.
     ///
     /// # Errors
     /// An error of the driver.
@@ -65,17 +65,16 @@ impl SceneRenderer {
         self.renderer.show(window)
     }
 
-    /// The picture: four bytes of sRGB and alpha per pixel, the top row first. Empty before the first draw.
+    /// The image: four bytes of sRGB and alpha per pixel, top row first. Empty before the first draw.
     pub fn read(&self) -> Vec<u8> {
         self.renderer.read()
     }
 
-    /// The world.
     pub fn world(&self) -> &World {
         self.resources.world()
     }
 
-    /// The renderer, which also limits flashes, fades and places pictures.
+    /// The renderer, which also limits flashes, fades and places images.
     pub fn renderer(&mut self) -> &mut Renderer {
         &mut self.renderer
     }

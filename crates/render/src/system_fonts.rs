@@ -1,7 +1,7 @@
-//! Fonts of the system, for letters that the program's own fonts lack: Japanese, Arabic, emoji.
+//! System fonts for letters that the program's own fonts lack, such as Japanese, Arabic and emoji.
 //!
-//! Finding them reads folders and files, so whoever must not wait asks on a thread of its own. A file that is damaged
-//! is passed over, and so is a letter that its font would draw many times larger than the others.
+//! The search reads folders and files, so time-critical callers run it on another thread. It skips damaged files, and
+//! letters that their font would draw many times larger than others.
 
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
@@ -16,11 +16,11 @@ use skrifa::{FontRef, MetadataProvider};
 
 use crate::limits::LIMITS;
 
-/// How far a letter may reach from its origin, in sizes of the font.
+/// Largest distance of a letter's outline from its origin, in font sizes.
 const LETTER_REACH_MAX: f32 = 8.0;
 
-/// A writing whose letters look different from another one's with the same code: how a locale begins, the language in
-/// which a font for it names itself, and the end of such a font's name.
+/// A script whose letters differ from those of others with the same codes (Han unification): the prefix of its locales,
+/// the language of its fonts' names, and the suffix of their names.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Writing(&'static str, &'static str, &'static str);
 
@@ -34,13 +34,13 @@ const WRITINGS: [Writing; 5] = [
     Writing("zh", "Chinese", " SC"),
 ];
 
-/// The fonts of the system, of which some are taken.
+/// The system's fonts, and a record of those in use.
 pub struct SystemFonts {
-    /// Instead of the system's folders.
+    /// Replaces the system's folders.
     folder: Option<PathBuf>,
     /// Read when it is first needed.
     database: Option<Database>,
-    /// That of the user.
+    /// The user's script.
     writing: Option<Writing>,
     taken: Vec<ID>,
     bytes_left: u64,
@@ -49,24 +49,24 @@ pub struct SystemFonts {
 /// A font with some of the letters.
 struct Candidate {
     id: ID,
-    /// Which of the wanted letters it has.
+    /// The wanted letters that the font has.
     has: Vec<char>,
     rank: Rank,
 }
 
-/// What makes one of two fonts with equally many letters better, the most important first: the user's writing, upright
-/// letters, their usual weight and width, letters of different widths, no serifs.
+/// Criteria between two fonts with equally many letters, the most important first: the user's script, upright style,
+/// normal weight, normal width, proportional, sans-serif.
 type Rank = (bool, bool, Reverse<u16>, Reverse<u16>, bool, bool);
 
 impl SystemFonts {
-    /// Those of the system, for the user's language. Reads nothing yet.
+    /// The system's fonts, for the user's language. Reads nothing yet.
     pub fn new() -> Self {
         let variables = ["LC_ALL", "LC_CTYPE", "LANG"].map(|name| std::env::var(name).unwrap_or_default());
         let locale = variables.iter().find(|value| !value.is_empty());
         Self { writing: locale.and_then(|locale| writing_of(locale)), ..Self::in_folder(None) }
     }
 
-    /// Those in a folder and in the folders within it. Reads nothing yet.
+    /// The fonts of a folder and its subfolders. Reads nothing yet.
     pub fn in_folder(folder: Option<PathBuf>) -> Self {
         Self {
             folder,
@@ -77,8 +77,8 @@ impl SystemFonts {
         }
     }
 
-    /// Fonts that were not given before and together have as many of `letters` as the system's fonts have, those with
-    /// most letters first. Says in the log what letters no font has.
+    /// Returns unused fonts that together cover as many of `letters` as the system can, those with most letters first.
+    /// Logs the letters that no font has.
     pub fn with_letters(&mut self, letters: &BTreeSet<char>) -> Vec<FontInsert> {
         let folder = self.folder.as_deref();
         let database = self.database.get_or_insert_with(|| read_fonts(folder));
@@ -102,7 +102,7 @@ impl SystemFonts {
             let Some(best) = best.map(|at| candidates.swap_remove(at)) else { break };
             let Some(face) = database.face(best.id) else { continue };
             if let Some((font, bytes)) = insert(face, self.bytes_left) {
-                tracing::info!("letters of the font {} stand in for what is missing", font.name);
+                tracing::info!("using the font {} for missing letters", font.name);
                 self.taken.push(best.id);
                 self.bytes_left -= bytes;
                 missing.retain(|letter| !best.has.contains(letter));
@@ -112,7 +112,7 @@ impl SystemFonts {
         if !missing.is_empty() {
             let letters: Vec<String> =
                 missing.iter().map(|letter| format!("{letter} (U+{:04X})", u32::from(*letter))).collect();
-            tracing::warn!("no font of this system has {}: boxes stand for it", letters.join(", "));
+            tracing::warn!("no font of this system has {}: boxes are shown instead", letters.join(", "));
         }
         found
     }
@@ -134,12 +134,12 @@ fn read_fonts(folder: Option<&Path>) -> Database {
     database
 }
 
-/// The writing of a locale such as `ja_JP.UTF-8`.
+/// The script of a locale such as `ja_JP.UTF-8`.
 fn writing_of(locale: &str) -> Option<Writing> {
     WRITINGS.into_iter().find(|writing| locale.starts_with(writing.0))
 }
 
-/// The writing that letters tell: syllables of Japanese and Korean stand in no other one.
+/// The script that letters identify: Japanese kana and Korean syllables occur in no other one.
 fn writing_among(letters: &BTreeSet<char>) -> Option<Writing> {
     let any = |first: char, last: char| letters.range(first..=last).next().is_some();
     if any('\u{3041}', '\u{30FF}') {
@@ -167,7 +167,7 @@ fn rank(face: &FaceInfo, writing: Option<Writing>) -> Rank {
     )
 }
 
-/// Those of `letters` that a font can draw.
+/// The letters that a font can draw.
 fn letters_in(database: &Database, id: ID, letters: &BTreeSet<char>) -> Vec<char> {
     let drawn = database.with_face_data(id, |data, index| {
         let Ok(font) = FontRef::from_index(data, index) else { return Vec::new() };
@@ -176,7 +176,7 @@ fn letters_in(database: &Database, id: ID, letters: &BTreeSet<char>) -> Vec<char
     drawn.unwrap_or_default()
 }
 
-/// Whether `font` has a picture or an outline of usual size for `letter`.
+/// True if `font` has a bitmap, a colour glyph or an outline of normal size for `letter`.
 fn can_draw(font: &FontRef<'_>, letter: char) -> bool {
     let Some(glyph) = font.charmap().map(letter).filter(|glyph| glyph.to_u32() != 0) else { return false };
     if font.color_glyphs().get(glyph).is_some() {
@@ -185,7 +185,7 @@ fn can_draw(font: &FontRef<'_>, letter: char) -> bool {
     if font.bitmap_strikes().glyph_for_size(Size::new(64.0), glyph).is_some() {
         return true;
     }
-    // In sizes of the font.
+    // In font sizes.
     let metrics = font.glyph_metrics(Size::new(1.0), LocationRef::default());
     let fits = metrics.bounds(glyph).is_some_and(|bounds| {
         [bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max]
@@ -195,7 +195,7 @@ fn can_draw(font: &FontRef<'_>, letter: char) -> bool {
     fits && font.outline_glyphs().get(glyph).is_some()
 }
 
-/// The font for egui, behind all others, and how many bytes it has; none if it cannot be read or has more than
+/// The font for egui, with the lowest priority, and its size in bytes. `None` if the file cannot be read or exceeds
 /// `bytes_max`.
 fn insert(face: &FaceInfo, bytes_max: u64) -> Option<(FontInsert, u64)> {
     let (Source::File(path) | Source::SharedFile(path, _)) = &face.source else { return None };
@@ -203,7 +203,7 @@ fn insert(face: &FaceInfo, bytes_max: u64) -> Option<(FontInsert, u64)> {
     File::open(path).ok()?.take(bytes_max.saturating_add(1)).read_to_end(&mut data).ok()?;
     let bytes = data.len() as u64;
     if bytes > bytes_max || FontRef::from_index(&data, face.index).is_err() {
-        tracing::debug!("{} is passed over: damaged, or too large", path.display());
+        tracing::debug!("skipping {}: the font is damaged or too large", path.display());
         return None;
     }
     let behind = |family| InsertFontFamily { family, priority: FontPriority::Lowest };
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn few_fonts_have_all_letters_and_each_is_given_once() {
+    fn few_fonts_cover_all_letters_and_each_is_returned_once() {
         let folder = folder_of(&[
             ("a.ttf", TinyFont::new("Few", "日").bytes()),
             ("b.ttf", TinyFont::new("Most", "日本語").bytes()),
@@ -234,7 +234,7 @@ mod tests {
         ]);
         let mut fonts = SystemFonts::in_folder(Some(folder.path().to_owned()));
         assert_eq!(found(&mut fonts, "日本語한ب"), ["Most", "Hangul"]);
-        assert_eq!(found(&mut fonts, "日"), ["Few"], "the others are there already");
+        assert_eq!(found(&mut fonts, "日"), ["Few"], "the other fonts are in use already");
         assert_eq!(found(&mut fonts, "ب"), [""; 0]);
     }
 
@@ -253,12 +253,12 @@ mod tests {
         assert_eq!(first("骨", "zh_CN.UTF-8"), ["SomeCJKSC"]);
         assert_eq!(first("骨", "ja_JP.UTF-8"), ["SomeCJKJP"]);
         assert_eq!(first("骨", "ko_KR.UTF-8"), ["Myeongjo"]);
-        assert_eq!(first("骨あ", "zh_CN.UTF-8"), ["SomeCJKJP"], "kana tell that the title is Japanese");
+        assert_eq!(first("骨あ", "zh_CN.UTF-8"), ["SomeCJKJP"], "kana identify the title as Japanese");
         assert_eq!(first("骨한", "C"), ["Myeongjo"]);
     }
 
     #[test]
-    fn damaged_fonts_are_passed_over() {
+    fn damaged_fonts_are_skipped() {
         let whole = TinyFont::new("Whole", "日").bytes();
         let cut = |bytes: usize| whole[..bytes].to_vec();
         let mut damaged: Vec<(String, Vec<u8>)> =
@@ -266,7 +266,7 @@ mod tests {
         for at in (0..whole.len()).step_by(3) {
             let mut bytes = whole.clone();
             bytes[at] = !bytes[at];
-            // The name would not be that of the whole one.
+            // Damage inside the name would change the result.
             damaged.push((format!("x{at}.ttf"), bytes));
         }
         damaged.push(("huge.ttf".into(), TinyFont { side: 9_000, ..TinyFont::new("Huge", "語") }.bytes()));
@@ -275,7 +275,7 @@ mod tests {
         let folder = folder_of(&files);
         let mut fonts = SystemFonts::in_folder(Some(folder.path().to_owned()));
         assert_eq!(found(&mut fonts, "語"), [""; 0], "a letter of nine sizes");
-        // Some damage does not matter; what is taken has the letter.
+        // Some damage is harmless, but the font must have the letter.
         assert!(found(&mut fonts, "日").len() <= 1);
         let mut nothing = SystemFonts::in_folder(Some(folder.path().join("nothing")));
         assert_eq!(found(&mut nothing, "日"), [""; 0]);

@@ -11,7 +11,8 @@ use super::swing::{
 
 const _: () = assert!(FLASHES_MAX == 3, "the shaders remember six changes before the newest one");
 const _: () = assert!(COLUMNS.is_multiple_of(2) && COLUMNS <= 48, "half a row fits into the bits of a float");
-const _: () = assert!(WIDTH <= 16 && HEIGHT <= 16 && WIDTH < COLUMNS / 2, "the shaders count bits in words of 16");
+const _: () =
+    assert!(WIDTH <= 16 && HEIGHT <= 16 && WIDTH < COLUMNS / 2, "the shaders count bits in words of 16");
 
 /// The text of `flash_rules.glsl`.
 pub fn rules_glsl() -> String {

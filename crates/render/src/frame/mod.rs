@@ -197,7 +197,11 @@ mod tests {
             let (name, of_song) = (input.name(), input.is_of_song());
             let heard = Features::SILENCE.number(name).is_some();
             let known = SongMoment::UNKNOWN.number(name).is_some();
-            assert_eq!((heard, known), (!of_song, of_song), "exactly one of analysis and song must provide `{name}`");
+            assert_eq!(
+                (heard, known),
+                (!of_song, of_song),
+                "exactly one of analysis and song must provide `{name}`"
+            );
         }
         assert_eq!(mariana_field::graph::BAND_COUNT, mariana_music::BAND_COUNT);
     }

@@ -55,7 +55,10 @@ mod tests {
         let (spectrum, rest) = texels.split_at(SPECTRUM_POINTS - 1);
         let (waveform, history) = rest.split_at(WAVEFORM_POINTS - 1);
         assert!(spectrum.iter().all(|piece| *piece == [0.25, 0.0, 0.0, 0.0]));
-        assert!(waveform.iter().all(|points| *points == [0.0; 4]), "a table of three points is replaced by silence");
+        assert!(
+            waveform.iter().all(|points| *points == [0.0; 4]),
+            "a table of three points is replaced by silence"
+        );
         assert_eq!(history.len(), 6 * (HISTORY_POINTS - 1), "one row before, two after");
         assert!(history.iter().all(|piece| *piece == [0.5, 0.0, 0.0, 0.0]));
         let silence = super::texels(&FrameInputs::default());

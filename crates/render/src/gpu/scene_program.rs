@@ -1,13 +1,13 @@
-//! The program that draws a scene, in its two forms: interpreted and compiled.
+//! The program that draws a scene, in an interpreted and a compiled form.
 //!
-//! Both are `scene.frag`; they differ in the file `scene_functions.glsl` that it includes. The compiled form contains
-//! the scene's expressions. The interpreted form runs them from a texture buffer, and so fits every scene for which
-//! its variant has the operators, registers and textures.
+//! Both forms are `scene.frag`; they differ in the file `scene_functions.glsl` that it includes. The compiled form
+//! contains the scene's expressions. The interpreted form runs them from a texture buffer, and draws every scene that
+//! needs no more operators, registers and textures than its variant has.
 //!
-//! **One loop around the interpreter.** Drivers inline every call and compile it anew. Therefore one call in a loop
+//! **One loop around the interpreter.** Drivers inline every call and compile it again. Therefore one call in a loop
 //! computes normals, object and occlusion of a surface, and another the material and ambient light. A renderer that
-//! never skips a branch would compute textures and rare operators for every clause; so they are computed between
-//! loops over the rest.
+//! never skips a branch would compute textures and rare operators for every clause, so they are computed between loops
+//! over the rest.
 
 use super::cell_use::CellUse;
 pub use super::error::DoesNotFit;
@@ -31,22 +31,22 @@ pub const COUNTING_DEFINE: &str = "COUNT_EVALUATIONS";
 /// The define of scenes whose value is not a distance.
 const NON_LIPSCHITZ_DEFINE: &str = "NON_LIPSCHITZ 1";
 
-/// Scenes with more clauses are interpreted unless compiling is asked for: drivers take minutes for them.
+/// Scenes with more clauses are interpreted unless the user requests compiling, because drivers would take minutes.
 pub const COMPILED_BY_ITSELF_MAX: usize = 6_000;
 
 /// A variant of the interpreter.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interpreter {
-    /// What runs materials and light.
+    /// The interpreter of materials and light.
     tapes: interpreter::Variant,
-    /// What runs the regions' tapes.
+    /// The interpreter of the regions' tapes.
     regions: RegionVariant,
-    /// What else the shaders hold.
+    /// Other features of the shaders.
     features: SceneFeatures,
 }
 
 impl Interpreter {
-    /// The narrowest variant for a scene on this driver.
+    /// The smallest variant for a scene on this driver.
     pub fn for_scene(
         features: SceneFeatures,
         buffers: &TapeBuffers,
@@ -57,8 +57,8 @@ impl Interpreter {
         Self { tapes, regions: plan.variant().clone(), features }
     }
 
-    /// The variant that draws nearly every scene whose value is a distance or, `non_lipschitz`, is none: on GPUs it is made
-    /// before anyone edits.
+    /// The variant that draws almost every scene, for values that are distances or, with `non_lipschitz`, other values.
+    /// On GPUs it is compiled before editing starts.
     pub fn universal(non_lipschitz: bool) -> Self {
         Self {
             tapes: interpreter::Variant::universal(),
@@ -67,12 +67,12 @@ impl Interpreter {
         }
     }
 
-    /// Whether it draws scenes whose value is no distance.
+    /// True if the variant draws scenes whose value is not a distance.
     pub fn is_non_lipschitz(&self) -> bool {
         self.regions.non_lipschitz
     }
 
-    /// Whether this variant can draw every scene that `other` can.
+    /// True if this variant can draw every scene that `other` can.
     pub fn covers(&self, other: &Self) -> bool {
         let (regions, others) = (&self.regions, &other.regions);
         let every_case = self.tapes.every_case;
@@ -87,10 +87,10 @@ impl Interpreter {
             && regions.compounds.covers(others.compounds)
     }
 
-    /// Whether a scene's buffers fit what the driver reports.
+    /// Checks that a scene's buffers fit the driver's limits.
     ///
     /// # Errors
-    /// [`DoesNotFit`].
+    /// [`DoesNotFit`] if they do not.
     pub fn fits(buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Result<(), DoesNotFit> {
         if !plan.runs() {
             return Err(DoesNotFit::Registers);
@@ -100,7 +100,7 @@ impl Interpreter {
         if needed <= available { Ok(()) } else { Err(DoesNotFit::Texels { needed, available }) }
     }
 
-    /// The shader's text of the variant.
+    /// The shader text of the variant.
     pub fn variant(&self, counting: Counting) -> Variant {
         let mut variant = common(self.tapes.textures, self.features, counting);
         if self.regions.non_lipschitz {
@@ -119,8 +119,7 @@ impl Interpreter {
     }
 }
 
-/// The shader's text of a scene whose functions are `functions`: [`World::compiled_glsl`], or others of the same
-/// names.
+/// The shader text of a scene with the given `functions`: [`World::compiled_glsl`], or others with the same names.
 pub fn compiled_variant(
     functions: &str,
     textures: usize,
@@ -133,7 +132,7 @@ pub fn compiled_variant(
     variant
 }
 
-/// What both forms share.
+/// The parts that both forms have in common.
 fn common(textures: usize, features: SceneFeatures, counting: Counting) -> Variant {
     let mut variant = Variant::default();
     variant.defines.extend(block_defines());
@@ -145,16 +144,16 @@ fn common(textures: usize, features: SceneFeatures, counting: Counting) -> Varia
         variant.defines.push(COUNTING_DEFINE.to_owned());
     }
     variant.generated.push(("cell_hash.glsl".into(), CELL_HASH_GLSL.to_owned()));
-    // Read only by views.
+    // These two are only used by views.
     variant.generated.push(("view_scales.glsl".into(), scale::glsl()));
     variant.generated.push(("view_dispatch.glsl".into(), scale::dispatch_glsl()));
     variant
 }
 
-/// The shader's text of a world as GLSL generated for it.
+/// The shader text of a world with generated GLSL.
 ///
 /// # Errors
-/// Generated GLSL that is rejected.
+/// The generated GLSL is invalid.
 pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant, GpuError> {
     let functions = world.compiled_glsl()?;
     let mut variant = compiled_variant(&functions, world.pictures.len(), world.features, counting);
@@ -168,7 +167,7 @@ pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant,
 /// The variant of a world in a mode.
 ///
 /// # Errors
-/// A scene over its limits, generated GLSL that is rejected, or a tape for which the driver has no room.
+/// A scene over its limits, invalid generated GLSL, or a tape that exceeds the driver's limits.
 pub fn variant_of(
     world: &World,
     buffers: &TapeBuffers,
@@ -186,14 +185,14 @@ pub fn variant_of(
     }
 }
 
-/// The variant of a compiled scene that is drawn without cells ([`CellUse::divides`]): it holds no code that looks them
-/// up, and draws the same picture in less time. No scene whose value is not a distance has one.
+/// The variant of a compiled scene that is drawn without cells ([`CellUse::divides`]). It contains no cell lookups and
+/// draws the same image faster. Not for scenes whose value is not a distance.
 pub fn without_cells(mut variant: Variant) -> Variant {
     variant.defines.push("NO_CELLS 1".to_owned());
     variant
 }
 
-/// The variant that draws a compiled world's pictures, with code that looks up cells or without.
+/// The variant that draws frames of a compiled world, with or without cell lookups.
 ///
 /// # Errors
 /// As [`compiled_variant_of`].
@@ -202,7 +201,7 @@ pub fn compiled_drawing_variant(world: &World, has_cells: bool) -> Result<Varian
     Ok(if has_cells { variant } else { without_cells(variant) })
 }
 
-/// The variant that draws a world's pictures in a mode, with the code for cells if they are used.
+/// The variant that draws frames of a world in a mode, with cell lookups if cells are used.
 ///
 /// # Errors
 /// As [`variant_of`].
@@ -219,19 +218,19 @@ pub fn drawing_variant_of(
     }
 }
 
-/// The variant that draws views, made from one that counts.
+/// Turns a counting variant into one that draws views.
 pub fn as_views(mut counting: Variant) -> Variant {
     counting.defines.push("VIEWS 1".to_owned());
     counting
 }
 
-/// The variant that leaves out the sky where the eye sees it, for pictures that are laid over others.
+/// The variant without a visible sky, for images that are laid over others.
 pub fn without_sky(mut variant: Variant) -> Variant {
     variant.defines.push("NO_SKY 1".to_owned());
     variant
 }
 
-/// The variant whose light is the share of a ray from the eye that meets no sky: 1 where there is a surface without
+/// The variant whose light is the fraction of a ray from the eye that does not reach the sky: 1 on a surface without
 /// haze.
 pub fn as_coverage(variant: Variant) -> Variant {
     let mut variant = without_sky(variant);
@@ -242,7 +241,7 @@ pub fn as_coverage(variant: Variant) -> Variant {
 /// Links the program of a variant.
 ///
 /// # Errors
-/// What the driver refuses, with its log.
+/// The driver's log, if it rejects the program.
 pub fn link_scene(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<Program, GpuError> {
     Program::link(gl, library, SCENE_SHADER, variant)
 }

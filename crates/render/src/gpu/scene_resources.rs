@@ -1,4 +1,4 @@
-//! What a scene keeps on the GPU in addition to its program: its pictures, its tapes and its regions.
+//! The GPU objects of a scene besides its program: textures, tapes and regions.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -30,83 +30,83 @@ use mariana_field::world::{
     ShortPrograms, ShortenOptions, ShortenRequest, TapeBuffers, World, WorthShortening,
 };
 
-/// A world, uploaded.
+/// An uploaded world.
 pub struct SceneResources {
     world: Arc<World>,
     buffers: Arc<TapeBuffers>,
-    /// The world's pictures; scenes that are loaded one after the other share those that both read.
+    /// The world's images. Consecutive scenes reuse the textures that both read.
     pictures: Vec<Rc<Texture>>,
     on_gpu: SceneBuffers,
-    /// Whether the driver has room for the tape.
+    /// True if the driver has room for the tape.
     is_interpretable: bool,
     plan: Arc<RegionPlan>,
-    /// Whether any expression reads the sound's tables.
+    /// True if any expression reads the sound tables.
     hears_tables: bool,
     texels_max: usize,
-    /// What its pixels cost.
+    /// The cost of its pixels.
     costs: Costs,
-    /// Whether empty space is skipped.
+    /// True if empty space is skipped.
     with_cells: Cell<bool>,
-    /// Whether programs of materials and light are shortened.
+    /// True if tapes of materials and light are shortened.
     shortens: Cell<bool>,
-    /// Which of them.
+    /// The tapes that are worth shortening.
     worth: RefCell<WorthShortening>,
-    /// Those that were uploaded last.
+    /// The regions that were uploaded last.
     uploaded: RefCell<Option<Arc<BuiltRegions>>>,
 }
 
-/// Grid spacing of the places of the eye for which trees are built.
+/// Grid spacing of the eye positions for which trees are built.
 const CENTER_STEP: f32 = 8.0;
 
-/// What regions were built for: equal requests give equal trees.
+/// The inputs of a region tree. Equal requests give equal trees.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionRequest {
-    /// What the distance reads.
+    /// The inputs that the distance reads.
     pub key: RegionKey,
-    /// How the tree is built.
+    /// Options of the tree.
     pub options: RegionOptions,
-    /// Which programs of materials and light are shortened, and what they read.
+    /// The tapes of materials and light to shorten, and the inputs that they read.
     pub programs: ShortenRequest,
 }
 
-/// Regions, and what they were built for.
+/// Built regions with their request.
 #[derive(Debug)]
 pub struct BuiltRegions {
-    /// What they were built for.
+    /// The request that they were built for.
     pub request: RegionRequest,
     /// The tree.
     pub regions: Arc<Regions>,
-    /// The programs of materials and light.
+    /// The shortened tapes of materials and light.
     pub programs: ShortPrograms,
-    /// How long it took.
+    /// The build time.
     pub time: Duration,
-    /// How long the tree took, times the threads that built it; what it was for the last one where that was taken over.
+    /// The tree's build time, times the threads that built it. A reused tree keeps its build time.
     work: Duration,
 }
 
-/// What builds the regions of a scene's frames, on any thread.
+/// Builds the regions of a scene's frames, on any thread.
 #[derive(Debug, Clone)]
 pub struct RegionMaker {
-    /// Its tree.
+    /// The scene's region plan.
     pub plan: Arc<RegionPlan>,
-    /// Its programs.
+    /// The scene's tapes.
     pub buffers: Arc<TapeBuffers>,
-    /// The last regions: their tree need not be built again where only numbers of materials and light have changed.
+    /// The previous regions. Their tree is reused if only numbers of materials and light have changed.
     pub last: Option<Arc<BuiltRegions>>,
 }
 
 impl RegionRequest {
-    /// What the tree of a frame is built for, with whole programs.
+    /// The request for a frame's tree, without shortened tapes.
     pub fn of(plan: &RegionPlan, frame: &Frame, options: RegionOptions) -> Self {
         Self { key: plan.key(&frame.inputs), options, programs: ShortenRequest::default() }
     }
 
-    /// Whether the trees are equal.
+    /// True if both requests have the same tree.
     fn has_tree_of(&self, other: &Self) -> bool {
         self.key == other.key && self.options == other.options
     }
 
-    /// Whether a picture can be drawn with what was built for `other`.
+    /// True if regions built for `other` also serve this request.
     fn is_served_by(&self, other: &Self) -> bool {
         self.has_tree_of(other) && self.programs.is_served_by(&other.programs)
     }
@@ -118,7 +118,7 @@ impl RegionMaker {
         self.build_while(frame, request, &|| true)
     }
 
-    /// The same, for as long as somebody wants them. Unusable if they were given up.
+    /// Like [`RegionMaker::build`], while `is_wanted` returns true. The result of a cancelled build is unusable.
     pub fn build_while(
         &self,
         frame: &Frame,
@@ -142,7 +142,7 @@ impl RegionMaker {
         let surfaces = Surfaces {
             regions: &regions,
             planes: &frame.values.planes,
-            // As far as GLOW_PROBE in occlusion.glsl, and a little more.
+            // The range of GLOW_PROBE in occlusion.glsl, with a small margin.
             around: 0.26 * frame.values.reach.max(0.0) + 1e-3,
         };
         let RegionOptions { texels_max, center, .. } = request.options;
@@ -156,19 +156,19 @@ impl RegionMaker {
     }
 }
 
-/// For a scene of fewer clauses, building the tree takes less time than starting a thread ..
+/// For scenes with fewer clauses, building the tree takes less time than starting a thread,
 const SMALL_TAPE: usize = 64;
-/// .. unless the last one took longer than this.
+/// unless the previous tree took longer than this.
 const QUICK_TREE: Duration = Duration::from_millis(3);
-/// Most threads that build a tree: each has tapes of its own.
+/// Most threads that build a tree. Each has its own tapes.
 const THREADS_MAX: usize = 4;
 
-/// How many threads are useful.
+/// The number of useful threads.
 fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, |count| count.get().min(THREADS_MAX))
 }
 
-/// Builds each part on a thread of its own; the first, and those for which there is no thread, on this one.
+/// Builds each part on a separate thread. The first part, and those without a thread, are built on this one.
 fn build_side_by_side(parts: &mut [Part], is_wanted: &(dyn Fn() -> bool + Sync)) {
     let Some((first, others)) = parts.split_first_mut() else { return };
     std::thread::scope(|scope| {
@@ -189,11 +189,11 @@ fn build_side_by_side(parts: &mut [Part], is_wanted: &(dyn Fn() -> bool + Sync))
 }
 
 impl SceneResources {
-    /// Uploads a world's pictures and its tape. A tape for which the driver has no room is left out: such a scene can
-    /// only be compiled (see [`Interpreter::fits`]).
+    /// Uploads a world's images and tape. A tape that exceeds the driver's limits is left out; such a scene can only be
+    /// compiled (see [`Interpreter::fits`]).
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub fn upload(
         gl: &Gl,
         world: Arc<World>,
@@ -203,10 +203,10 @@ impl SceneResources {
         Self::upload_after(None, gl, world, buffers, plan)
     }
 
-    /// The same, without uploading again the pictures that `last` has.
+    /// Like [`SceneResources::upload`], but reuses the textures of `last`.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub fn upload_after(
         last: Option<&Self>,
         gl: &Gl,
@@ -247,55 +247,53 @@ impl SceneResources {
         self.world.pictures.iter().zip(&self.pictures)
     }
 
-    /// What the legend of a view says about the scene, drawn in a mode.
+    /// Facts for the legend of a view that is drawn in a mode.
     pub fn drawn(&self, mode: Mode) -> Drawn {
-        // If the distance is not a signed distance field, there are cells in any case.
+        // If the distance is not a signed distance field, cells are always used.
         let cells = self.with_cells.get() || self.world.non_lipschitz;
         Drawn { interpreted: mode == Mode::Interpreted, cells, clauses: self.buffers.cost.distance }
     }
 
-    /// The world that was uploaded.
+    /// The uploaded world.
     pub fn world(&self) -> &Arc<World> {
         &self.world
     }
 
-    /// Expects that its pixels cost what those of its last version cost, or a good deal more.
+    /// Assumes that pixels cost several times as much as those of the scene's previous version.
     pub fn expect_costs_of(&self, last: &Self) {
         self.costs.expect(&last.costs);
     }
 
-    /// What its pixels cost.
+    /// The cost of its pixels.
     pub(super) fn costs(&self) -> &Costs {
         &self.costs
     }
 
-    /// Its programs.
+    /// Its tapes.
     pub fn buffers(&self) -> &Arc<TapeBuffers> {
         &self.buffers
     }
 
-    /// What builds its regions.
+    /// Its region plan.
     pub fn plan(&self) -> &Arc<RegionPlan> {
         &self.plan
     }
 
-    /// Whether space is divided into cells for a mode, if that is wanted. A formula that is not a distance cannot do
-    /// without them.
+    /// True if space is divided into cells in this mode. Formulas that are not distances always need cells.
     pub fn uses_cells(&self, wish: CellUse, mode: Mode) -> bool {
         wish.divides(&self.world, &self.buffers, mode)
     }
 
-    /// Chooses whether space is divided into cells, of which empty ones are skipped, or the whole tape holds
-    /// everywhere.
-    /// For the interpreted mode, cells also shorten the programs of materials and light.
+    /// Enables or disables cells. With cells, empty ones are skipped, and in the interpreted mode the tapes of
+    /// materials and light are shortened. Without them, the whole tape applies everywhere.
     pub fn set_cells(&self, cells: bool, mode: Mode) {
         self.with_cells.set(cells);
         self.shortens.set(cells && mode == Mode::Interpreted);
     }
 
-    /// How the tree of a frame is built.
+    /// Options for the tree of a frame.
     pub fn region_options(&self, frame: &Frame) -> RegionOptions {
-        // A tree follows an eye among the surfaces, but not at every step.
+        // The tree follows an eye among the surfaces in large steps.
         let eye = frame.camera.position.as_vec3();
         let near_eye = (CENTER_STEP * (eye / CENTER_STEP).round()).to_array();
         let (center, eye) = match self.world.bounds {
@@ -308,7 +306,7 @@ impl SceneResources {
         RegionOptions { cells, texels_max, center, eye }
     }
 
-    /// What the regions of a frame are built for.
+    /// The request for the regions of a frame.
     pub fn region_request(&self, frame: &Frame) -> RegionRequest {
         let options = self.region_options(frame);
         let programs = if self.shortens.get() && self.is_interpretable {
@@ -319,17 +317,17 @@ impl SceneResources {
         RegionRequest { programs, ..RegionRequest::of(&self.plan, frame, options) }
     }
 
-    /// What builds the regions of the next frame.
+    /// The builder of the next frame's regions.
     pub fn region_maker(&self) -> RegionMaker {
         RegionMaker { plan: self.plan.clone(), buffers: self.buffers.clone(), last: self.regions() }
     }
 
-    /// The regions of the last picture.
+    /// The regions of the last frame.
     pub fn regions(&self) -> Option<Arc<BuiltRegions>> {
         self.uploaded.borrow().clone()
     }
 
-    /// Takes regions that were built elsewhere.
+    /// Uploads regions that were built elsewhere.
     pub fn take_regions(&self, built: Arc<BuiltRegions>) {
         let last = self.regions();
         if last.as_ref().is_some_and(|last| Arc::ptr_eq(last, &built)) {
@@ -342,7 +340,8 @@ impl SceneResources {
         *self.uploaded.borrow_mut() = Some(built);
     }
 
-    /// The tree of a frame. If it is missing it is built: no picture is drawn with regions of other inputs.
+    /// The region tree of a frame. Builds the regions if they are missing, because regions of other inputs would be
+    /// wrong.
     pub(super) fn tree_of(&self, frame: &Frame) -> RegionTree {
         let request = self.region_request(frame);
         let known = self.regions().filter(|built| request.is_served_by(&built.request));
@@ -355,7 +354,7 @@ impl SceneResources {
         RegionTree { low, size, bounds, whole_tape }
     }
 
-    /// Uploads the programs and the tables of a frame, whose regions are there already.
+    /// Uploads the tapes and sound tables of a frame whose regions are uploaded already.
     pub(super) fn upload_inputs(&self, frame: &Frame) {
         let inputs = &frame.inputs;
         if self.is_interpretable {
@@ -371,7 +370,7 @@ impl SceneResources {
         }
     }
 
-    /// The driver's names of everything.
+    /// The OpenGL names of the scene's objects.
     pub fn names(&self) -> SceneNames {
         self.on_gpu.names(self.pictures.iter().map(|picture| picture.native()).collect())
     }
@@ -385,7 +384,7 @@ pub(super) struct SceneBuffers {
 }
 
 impl SceneBuffers {
-    /// Without a tape and without regions, but with these tables of the sound.
+    /// Creates buffers with these sound tables and without a tape or regions.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no object left.
@@ -397,7 +396,7 @@ impl SceneBuffers {
         })
     }
 
-    /// What is bound for a scene with these pictures.
+    /// The names of these buffers, together with these images.
     pub(super) fn names(&self, pictures: Vec<glow::NativeTexture>) -> SceneNames {
         SceneNames {
             pictures,
@@ -408,8 +407,8 @@ impl SceneBuffers {
     }
 }
 
-/// What is bound for a scene. The names are valid while its [`SceneResources`] live; afterwards they draw something
-/// else, or make the driver report an error.
+/// The OpenGL names to bind for a scene. They are valid while its [`SceneResources`] exist. Later they name other
+/// objects, or the driver reports an error.
 #[derive(Debug, Clone)]
 pub struct SceneNames {
     pictures: Vec<glow::NativeTexture>,
@@ -419,9 +418,10 @@ pub struct SceneNames {
 }
 
 impl SceneNames {
-    /// Binds everything to its units.
+    /// Binds all textures to their units.
     pub(super) fn bind(&self, gl: &Gl) {
-        // SAFETY: with names of another scene, or invalid ones, the driver reports an error.
+        // SAFETY: for names that are invalid or belong to another scene, the driver reports an error or binds another
+        // texture.
         unsafe {
             for (unit, picture) in (glow::TEXTURE0..).zip(&self.pictures) {
                 gl.active_texture(unit);

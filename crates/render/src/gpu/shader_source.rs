@@ -1,8 +1,8 @@
-//! Shader text: where it comes from, and how its includes are resolved.
+//! Loads shader texts and resolves their includes.
 //!
-//! A shader is a file of `shaders/`. A line `#include "name.glsl"` includes another file of the same folder by its
-//! bare name, once per shader however often it is named. The files are embedded in the binary; `--shaders DIR` reads
-//! them from disk instead, for work on them. This module does not depend on OpenGL.
+//! A shader is a file of `shaders/`. A line `#include "name.glsl"` includes another file of the same folder by its bare
+//! name, once per shader, however often it appears. The files are embedded in the binary; `--shaders DIR` reads them
+//! from disk instead, for editing. This module does not use OpenGL.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -18,44 +18,42 @@ use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
 static EMBEDDED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../shaders");
 
-/// A generated file: what the shaders know about materials is made from the table of their fields.
+/// A generated file: the material fields of the shaders, from the table of fields.
 const MATERIAL_FIELDS: &str = "material_fields.glsl";
 
-/// A generated file: the numbers of the flash limiter, which the processor's has, too.
+/// A generated file: the constants of the flash limiter, shared with the CPU's.
 const FLASH_RULES: &str = "flash_rules.glsl";
 
-/// The first lines of every shader that a driver sees: the language of OpenGL 3.3 core, and whether the driver computes
-/// pictures on the processor (`SOFTWARE`).
+/// The first lines of every shader: the GLSL version, and the define `SOFTWARE` for software renderers.
 pub fn driver_preamble(info: &GlInfo) -> &'static str {
     if info.software { "#version 330 core\n#define SOFTWARE 1\n" } else { "#version 330 core\n" }
 }
 
-/// A folder of shader files: the embedded one, or one on disk.
+/// A folder of shader files, embedded or on disk.
 #[derive(Debug, Clone, Default)]
 pub struct ShaderLibrary {
     folder: Option<PathBuf>,
 }
 
 impl ShaderLibrary {
-    /// The shaders that were compiled into the program.
+    /// The shaders embedded in the binary.
     pub fn embedded() -> Self {
         Self { folder: None }
     }
 
-    /// The shaders of `folder`, read again at every [`ShaderLibrary::assemble`].
+    /// The shaders of `folder`, which are read again at every [`ShaderLibrary::assemble`].
     pub fn on_disk(folder: &Path) -> Self {
         Self { folder: Some(folder.to_owned()) }
     }
 
-    /// The text of `name` after `preamble`, a `#define` line for each of the variant's macros, and all includes;
-    /// those that the variant generates are taken from it.
+    /// Assembles the text of `name`: `preamble`, a `#define` line for each of the variant's macros, and the file with
+    /// all includes. Files that the variant generates take precedence.
     ///
-    /// Comments mark where each file begins and continues, so that [`name_places`] can turn a driver's line numbers
-    /// into those of the files. (`#line` would do, but Mesa forgets the file at the next `#ifdef`.)
+    /// Comments mark where each file begins and continues, so that [`name_places`] can convert a driver's line numbers
+    /// to those of the files. (`#line` is not used, because Mesa loses the file at the next `#ifdef`.)
     ///
     /// # Errors
-    /// A file that is missing or unreadable, an include line that is not a bare name, and text over the limits of
-    /// depth and length.
+    /// A missing or unreadable file, an include line without a bare name, or a text over the limits of depth or length.
     pub fn assemble(
         &self,
         name: &str,
@@ -74,7 +72,7 @@ impl ShaderLibrary {
         Ok(assembly.text)
     }
 
-    /// The names of all files of the library, sorted.
+    /// The names of all embedded files, sorted.
     pub fn embedded_names() -> Vec<String> {
         let mut names: Vec<String> =
             EMBEDDED.files().map(|file| file.path().to_string_lossy().into_owned()).collect();
@@ -98,17 +96,17 @@ impl ShaderLibrary {
     }
 }
 
-/// What distinguishes one variant of a shader from another.
+/// The macros and generated files of one variant of a shader.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Variant {
     /// Macros, each as `NAME` or `NAME VALUE`.
     pub defines: Vec<String>,
-    /// Generated files: the names and texts of what is made for a scene.
+    /// Names and texts of files that are generated for a scene.
     pub generated: Vec<(String, String)>,
 }
 
 impl Variant {
-    /// A variant of macros alone.
+    /// A variant with macros only.
     pub fn of(defines: &[&str]) -> Self {
         Self { defines: defines.iter().map(|define| (*define).to_owned()).collect(), generated: Vec::new() }
     }
@@ -157,13 +155,13 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// The next line of the text is `line` of `file`.
+    /// Marks the next line of the text as `line` of `file`.
     fn mark(&mut self, file: &str, line: usize) {
         self.text.push_str(&format!("{PLACE_MARK}{file}:{line}\n"));
     }
 }
 
-/// Begins a comment that names the file and the line of what follows.
+/// Starts a comment with the file and line of the following text.
 const PLACE_MARK: &str = "//@ ";
 
 /// The file and its line at `line` (from 1) of an assembled text, as `name:line`.
@@ -174,8 +172,8 @@ fn place_at(text: &str, line: usize) -> Option<String> {
     Some(format!("{file}:{}", first.parse::<usize>().ok()? + before.len() - mark - 1))
 }
 
-/// A driver's `log` about the assembled `text`, with the places in files instead of those in the text. Drivers write
-/// `0:12(3): ...`, `0(12) : ...` or `ERROR: 0:12: ...`.
+/// Replaces the line numbers in a driver's `log` about an assembled `text` by files and lines. Drivers write `0:12(3):
+/// ...`, `0(12) : ...` or `ERROR: 0:12: ...`.
 pub fn name_places(log: &str, text: &str) -> String {
     let named = |line: &str| {
         let (_, rest) = line.strip_prefix("ERROR: ").unwrap_or(line).split_once([':', '('])?;
@@ -208,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn an_include_is_taken_once_and_lines_keep_their_numbers() {
+    fn a_file_is_included_once_and_lines_keep_their_numbers() {
         let (_folder, library) =
             library(&[("a", "one\n#include \"b\"\n#include \"b\"\nfour"), ("b", "in b\n#include \"a\"")]);
         let text = library.assemble("a", "#version 330 core\n", &Variant::of(&["X 1"])).unwrap();
@@ -218,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn drivers_messages_get_the_places_in_the_files() {
+    fn driver_messages_name_files_and_lines() {
         let (_folder, library) = library(&[("a", "one\n#include \"b\"\nthree"), ("b", "in b\nb two")]);
         let text = library.assemble("a", "#version 330 core\n", &Variant::default()).unwrap();
         let line = |wanted: &str| text.lines().position(|line| line == wanted).unwrap() + 1;

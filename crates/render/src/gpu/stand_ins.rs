@@ -1,9 +1,9 @@
-//! What a program is warmed up with instead of a scene's own pictures and buffers.
+//! Placeholder textures and buffers for warming up a program.
 //!
-//! A context that compiles beside the window shares no object with it (see [`super::program::ReadyProgram`]), so it
-//! has stand-ins of its own. They are small, but equal in everything that a driver compiles into a program: Mesa's
-//! software renderers make another program for textures whose sides are powers of two, and for those of a single
-//! level.
+//! A context that compiles in parallel with the window shares no objects with it (see
+//! [`super::program::ReadyProgram`]), so it uses its own placeholders. They are small, but agree with the scene's
+//! objects in everything that drivers compile into a program. Mesa's software renderers compile different programs for
+//! textures whose sides are powers of two, and for textures with a single level.
 
 use std::collections::HashMap;
 
@@ -18,8 +18,7 @@ use crate::frame::sound_tables;
 use mariana_field::graph::FrameInputs;
 use mariana_field::world::World;
 
-/// The properties of a scene's textures that a driver compiles into programs: width and height of a stand-in for
-/// each.
+/// The properties of a scene's textures that drivers compile into programs, as the sizes of their placeholders.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneShape {
     pictures: Vec<(u32, u32)>,
@@ -33,7 +32,7 @@ impl SceneShape {
     }
 }
 
-/// The side of a stand-in for a picture with this side: 1, a power of two, or neither, like that side.
+/// The side of a placeholder: 1, a power of two, or neither, as the given side.
 fn stand_in_side(side: u32) -> u32 {
     match side {
         0 | 1 => 1,
@@ -42,8 +41,7 @@ fn stand_in_side(side: u32) -> u32 {
     }
 }
 
-/// Pictures and buffers of a context in which scenes are warmed up. They grow by one picture for each kind of size,
-/// nine in all.
+/// The placeholders of a context in which scenes are warmed up. It creates one texture per kind of size, at most nine.
 pub(super) struct StandIns {
     gl: Gl,
     pictures: HashMap<(u32, u32), Texture>,
@@ -51,7 +49,7 @@ pub(super) struct StandIns {
 }
 
 impl StandIns {
-    /// For the current context.
+    /// Creates buffers in the current context.
     ///
     /// # Errors
     /// The driver has no object left.
@@ -60,7 +58,7 @@ impl StandIns {
         Ok(Self { gl: gl.clone(), pictures: HashMap::new(), buffers: SceneBuffers::new(gl, &silence)? })
     }
 
-    /// What stands in for a scene.
+    /// The placeholders for a scene.
     ///
     /// # Errors
     /// The driver has no object left.
@@ -84,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stand_ins_are_of_the_kind_that_drivers_compile_in() {
+    fn stand_ins_agree_in_the_properties_that_drivers_compile() {
         assert_eq!([1, 2, 3, 512, 640].map(stand_in_side), [1, 4, 6, 4, 6]);
     }
 }

@@ -24,13 +24,13 @@ pub struct Target {
 /// The texel format of a colour attachment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Texel {
-    /// One byte, stored as it is written.
+    /// One byte, stored without conversion.
     R8,
     /// A 16-bit float.
     R16F,
     /// A 32-bit float.
     R32F,
-    /// Four bytes, stored as they are written.
+    /// Four bytes, stored without conversion.
     Rgba8,
     /// Four 16-bit floats.
     Rgba16F,
@@ -55,13 +55,14 @@ impl Texel {
 pub struct Stencil(Renderbuffer);
 
 impl Stencil {
-    /// A depth and stencil buffer of `size` pixels.
+    /// Creates a depth and stencil buffer of `size` pixels.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has none left.
     pub fn new(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
         let buffer = Renderbuffer::new(gl)?;
-        // SAFETY: the renderbuffer is ours; sizes were checked against the driver by the target.
+        // SAFETY: the renderbuffer was just created in the current context; the target checks sizes against the
+        // driver's limit.
         unsafe {
             gl.bind_renderbuffer(glow::RENDERBUFFER, Some(buffer.native()));
             gl.renderbuffer_storage(
@@ -76,7 +77,7 @@ impl Stencil {
 }
 
 impl Target {
-    /// Checks that the driver has targets of `size` pixels.
+    /// Checks that the driver supports targets of `size` pixels.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`] if it does not.
@@ -88,10 +89,10 @@ impl Target {
         Ok(())
     }
 
-    /// A target of `size` pixels with a colour texture for each of `texels`.
+    /// Creates a target of `size` pixels with a colour texture for each of `texels`.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] beyond the driver's size, [`GpuError::Object`] if it refuses the combination.
+    /// [`GpuError::TooLarge`] over the driver's limit, [`GpuError::Object`] if the driver rejects the combination.
     pub fn new(
         gl: &Gl,
         size: (u32, u32),
@@ -100,16 +101,16 @@ impl Target {
     ) -> Result<Self, GpuError> {
         Self::check_size(gl, size)?;
         if faults::strikes(Fault::NoTarget) {
-            let reason = "no memory is left (a deliberate fault)".to_owned();
+            let reason = "no memory is left (a fault injected by a test)".to_owned();
             return Err(GpuError::Object { what: "a render target", reason });
         }
         Self::made(gl, size, texels, stencil)
     }
 
-    /// A target in place of a window of `size` pixels, exempt from the faults of tests.
+    /// Creates a target that replaces a window of `size` pixels. Injected faults do not affect it.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] beyond the driver's size, [`GpuError::Object`] if it refuses.
+    /// [`GpuError::TooLarge`] over the driver's limit, [`GpuError::Object`] if the driver rejects it.
     pub fn of_window(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
         Self::check_size(gl, size)?;
         Self::made(gl, size, &[Texel::Rgba8], None)
@@ -123,7 +124,7 @@ impl Target {
     ) -> Result<Self, GpuError> {
         let framebuffer = Framebuffer::new(gl)?;
         let mut colors = Vec::with_capacity(texels.len());
-        // SAFETY: all names are ours and made in the current context.
+        // SAFETY: all names were just created in the current context, and no data is passed.
         unsafe {
             gl.bind_framebuffer(glow::FRAMEBUFFER, Some(framebuffer.native()));
             let mut attachments = Vec::with_capacity(texels.len());
@@ -177,9 +178,9 @@ impl Target {
         Ok(Self { gl: gl.clone(), framebuffer, colors, _stencil: stencil, size })
     }
 
-    /// From now on, reads of colour texture 0 between texels mix their neighbours.
+    /// Enables linear filtering of colour texture 0.
     pub fn smooth(self) -> Self {
-        // SAFETY: the texture is ours.
+        // SAFETY: `self` owns the texture, which belongs to the current context.
         unsafe {
             self.gl.bind_texture(glow::TEXTURE_2D, self.colors.first().map(Texture::native));
             for name in [glow::TEXTURE_MIN_FILTER, glow::TEXTURE_MAG_FILTER] {
@@ -194,23 +195,23 @@ impl Target {
         self.size
     }
 
-    /// How many colour attachments it has.
+    /// The number of colour attachments.
     pub(super) fn colors(&self) -> usize {
         self.colors.len()
     }
 
-    /// Directs the draws of the following passes here, over the whole size.
+    /// Directs the following draws to the whole target.
     pub fn bind(&self) {
-        // SAFETY: the framebuffer is ours and complete.
+        // SAFETY: `self` owns the complete framebuffer, which belongs to the current context.
         unsafe {
             self.gl.bind_framebuffer(glow::FRAMEBUFFER, Some(self.framebuffer.native()));
             self.gl.viewport(0, 0, self.size.0.cast_signed(), self.size.1.cast_signed());
         }
     }
 
-    /// Makes colour texture `index` readable at texture unit `unit`.
+    /// Binds colour texture `index` to texture unit `unit`.
     pub fn bind_color(&self, index: usize, unit: u32) {
-        // SAFETY: the texture is ours.
+        // SAFETY: `self` owns the texture, which belongs to the current context.
         unsafe {
             self.gl.active_texture(glow::TEXTURE0 + unit);
             self.gl.bind_texture(glow::TEXTURE_2D, self.colors.get(index).map(Texture::native));
@@ -222,7 +223,7 @@ impl Target {
         self.framebuffer.native()
     }
 
-    /// Copies colour attachment 0 to the window's framebuffer of `window` pixels, enlarged if that is larger.
+    /// Copies colour attachment 0 to the window's framebuffer of `window` pixels, enlarged if the window is larger.
     pub fn blit_to_window(&self, window: (u32, u32)) {
         self.blit(self.gl.window(), window);
     }
@@ -235,7 +236,8 @@ impl Target {
     fn blit(&self, other: Option<glow::NativeFramebuffer>, size: (u32, u32)) {
         let filter = if size == self.size { glow::NEAREST } else { glow::LINEAR };
         let (width, height) = (self.size.0.cast_signed(), self.size.1.cast_signed());
-        // SAFETY: both framebuffers are complete; conversion is off, so bytes are copied as they are.
+        // SAFETY: both framebuffers are complete and belong to the current context. Without sRGB conversion, bytes are
+        // copied.
         unsafe {
             self.gl.disable(glow::FRAMEBUFFER_SRGB);
             self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer.native()));
@@ -255,8 +257,8 @@ impl Target {
         }
     }
 
-    /// Puts a picture of `size` pixels, four bytes each, the top row first, over colour attachment 0, with its left
-    /// and upper edge `place` pixels from the target's. A picture that would reach outside is left out altogether.
+    /// Draws an image of `size` pixels, four bytes each, top row first, over colour attachment 0, with its left and
+    /// upper edge at `place`. An image that does not fit is not drawn at all.
     pub fn put_rgba8(&self, place: (u32, u32), size: (u32, u32), rgba: &[u8]) {
         let row = size.0 as usize * 4;
         let fits = place.0 + size.0 <= self.size.0 && place.1 + size.1 <= self.size.1;
@@ -267,7 +269,8 @@ impl Target {
         let mut bytes = rgba.to_vec();
         flip_rows(&mut bytes, row);
         let y = self.size.1 - place.1 - size.1;
-        // SAFETY: the texture is ours, the part lies within it, and the slice holds exactly its texels.
+        // SAFETY: `self` owns the texture, the area is inside it, and `bytes` holds exactly the area's texels, as
+        // checked above.
         unsafe {
             self.gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
             self.gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
@@ -285,7 +288,7 @@ impl Target {
         }
     }
 
-    /// Reads colour attachment `index` as bytes, four per pixel, the top row first.
+    /// Reads colour attachment `index` as bytes, four per pixel, top row first.
     pub fn read_rgba8(&self, index: u32) -> Vec<u8> {
         let row = self.size.0 as usize * 4;
         let mut bytes = vec![0; row * self.size.1 as usize];
@@ -294,21 +297,21 @@ impl Target {
         bytes
     }
 
-    /// Reads the red of the last colour attachment as floats, the lowest row first.
+    /// Reads the red channel of the last colour attachment as floats, lowest row first.
     pub fn read_last_red32f(&self) -> Vec<f32> {
         let mut bytes = vec![0; self.size.0 as usize * 4 * self.size.1 as usize];
         self.read(self.colors.len().saturating_sub(1) as u32, glow::RED, glow::FLOAT, &mut bytes);
         bytes.as_chunks::<4>().0.iter().map(|word| f32::from_ne_bytes(*word)).collect()
     }
 
-    /// Reads the red of colour attachment 0 as bytes, the lowest row first.
+    /// Reads the red channel of colour attachment 0 as bytes, lowest row first.
     pub fn read_red(&self) -> Vec<u8> {
         let mut bytes = vec![0; self.size.0 as usize * self.size.1 as usize];
         self.read(0, glow::RED, glow::UNSIGNED_BYTE, &mut bytes);
         bytes
     }
 
-    /// Reads colour attachment `index` as floats, four per pixel, the top row first.
+    /// Reads colour attachment `index` as floats, four per pixel, top row first.
     pub fn read_rgba32f(&self, index: u32) -> Vec<f32> {
         let row = self.size.0 as usize * 4;
         let mut bytes = vec![0; row * 4 * self.size.1 as usize];
@@ -319,9 +322,9 @@ impl Target {
         floats
     }
 
-    /// Copies colour attachment 0 into a buffer of the driver, four bytes per pixel, the lowest row first.
+    /// Copies colour attachment 0 into a driver buffer, four bytes per pixel, lowest row first.
     pub(super) fn read_into(&self, buffer: &Buffer) {
-        // SAFETY: both are ours, and the buffer has room for these texels.
+        // SAFETY: both objects belong to the current context; the caller provides a buffer with four bytes per pixel.
         unsafe {
             self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer.native()));
             self.gl.read_buffer(glow::COLOR_ATTACHMENT0);
@@ -335,7 +338,7 @@ impl Target {
     }
 
     fn read(&self, index: u32, format: u32, kind: u32, bytes: &mut [u8]) {
-        // SAFETY: the slice holds exactly the texels of this size in this format.
+        // SAFETY: `self` owns the framebuffer; the callers pass a slice that holds exactly its texels in this format.
         unsafe {
             self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer.native()));
             self.gl.read_buffer(glow::COLOR_ATTACHMENT0 + index);
@@ -354,7 +357,7 @@ impl Target {
     }
 }
 
-/// OpenGL's first row is the lowest one; a picture's is the top.
+/// Reverses the order of rows. OpenGL's first row is the lowest one, an image's is the top one.
 fn flip_rows<T: Copy>(values: &mut [T], row: usize) {
     if row == 0 {
         return;

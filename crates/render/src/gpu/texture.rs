@@ -1,4 +1,4 @@
-//! Pictures as mipmapped textures.
+//! Uploads images as mipmapped textures.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -12,11 +12,11 @@ use crate::srgb;
 
 /// Texture anisotropy on a GPU: enough for floors at grazing angles and for cabinet sides, at little cost.
 const ANISOTROPY: f32 = 8.0;
-/// The same on a software renderer: Mesa's llvmpipe walks the whole footprint of a texel, including lanes without a
-/// hit, and was seen not to return from it.
+/// Texture anisotropy on a software renderer. Mesa's llvmpipe samples the whole footprint of a texel, even in lanes
+/// without a hit, and has been seen to hang there.
 const ANISOTROPY_SOFTWARE: f32 = 1.0;
 
-/// The picture's texels as 16-bit floats in linear light. By tables: this is done between two frames.
+/// Converts an image to 16-bit floats in linear light. Uses tables, because it runs between two frames.
 fn linear_texels(picture: &RgbaImage) -> Vec<u8> {
     let light = srgb::linear_of_bytes().map(|light| half_bits(light).to_ne_bytes());
     let alpha: [[u8; 2]; 256] = std::array::from_fn(|byte| half_bits(byte as f32 / 255.0).to_ne_bytes());
@@ -38,14 +38,14 @@ struct Level {
 }
 
 impl Level {
-    /// The level below a picture. None if the picture is a single texel.
+    /// The first level below the full image; `None` if the image is a single texel.
     fn below(picture: &RgbaImage) -> Option<Self> {
         let (light, pixels) = (srgb::linear_of_bytes(), picture.as_raw().as_chunks::<4>().0);
         let of = |byte: u8| light.get(usize::from(byte)).copied().unwrap_or_default();
         halved(picture.dimensions(), pixels, |[r, g, b, a]| [of(*r), of(*g), of(*b), f32::from(*a) / 255.0])
     }
 
-    /// The next one.
+    /// The next smaller level.
     fn next(&self) -> Option<Self> {
         halved(self.size, &self.texels, |texel| *texel)
     }
@@ -56,7 +56,7 @@ impl Level {
     }
 }
 
-/// Half the size, rounded down: each texel is the mean of what it covers. None of a single texel.
+/// Halves the size, rounded down; each texel is the mean of the area that it covers. `None` for a single texel.
 fn halved<T>((width, height): (u32, u32), texels: &[T], light: impl Fn(&T) -> [f32; 4]) -> Option<Level> {
     if width.max(height) < 2 {
         return None;
@@ -81,8 +81,8 @@ fn halved<T>((width, height): (u32, u32), texels: &[T], light: impl Fn(&T) -> [f
     Some(Level { size, texels: below })
 }
 
-/// For each of the texels along a side that has `below`, where it had `above`: the first one that it covers, and the shares
-/// of its mean that this one and the next have.
+/// For each texel of a side with `below` texels, reduced from `above`: the first texel that it covers, and the
+/// fractions of its mean for this and the following texels.
 fn covered(above: u32, below: u32) -> Vec<(usize, Vec<f32>)> {
     let length = f64::from(above) / f64::from(below);
     let of = |texel: u32| {
@@ -95,27 +95,27 @@ fn covered(above: u32, below: u32) -> Vec<(usize, Vec<f32>)> {
     (0..below).map(of).collect()
 }
 
-/// The bits of the nearest 16-bit float; halfway between two, of the even one. `value` is within 0..=1; below 2^-14, a
-/// sixteen-thousandth, it may become anything that is smaller still.
+/// The bits of the nearest 16-bit float, ties to even. `value` must be within 0..=1; below 2^-14 the result may be any
+/// smaller value.
 fn half_bits(value: f32) -> u16 {
-    /// Bits of a mantissa that a 16-bit float has no room for.
+    /// Mantissa bits that a 16-bit float lacks.
     const DROPPED: u32 = 13;
-    /// The difference of the exponents' biases, in its place.
+    /// The difference of the exponents' biases, shifted to the exponent.
     const BIAS: u32 = (127 - 15) << 10;
     let bits = value.to_bits();
     let rounded = (bits + (1 << (DROPPED - 1)) - 1 + ((bits >> DROPPED) & 1)) >> DROPPED;
     rounded.saturating_sub(BIAS) as u16
 }
 
-/// GL_TEXTURE_MAX_ANISOTROPY, which core GL has only since 4.6.
+/// GL_TEXTURE_MAX_ANISOTROPY, part of core OpenGL only since 4.6.
 const TEXTURE_MAX_ANISOTROPY: u32 = 0x84FE;
 
-/// Uploads an sRGB picture: sampled in linear light, with all mip levels, trilinear and anisotropic, repeated beyond
-/// 0..1. A software renderer gets it as 16-bit floats in linear light: it would convert eight texels for every
-/// one that it samples, which was a fifth of a frame.
+/// Uploads an sRGB image: sampled in linear light, with all mip levels, trilinear and anisotropic, repeated beyond
+/// 0..1. A software renderer gets 16-bit floats in linear light, because it would convert eight texels per sample,
+/// which took a fifth of a frame.
 ///
 /// # Errors
-/// [`GpuError::TooLarge`] beyond the driver's texture size; [`GpuError::Object`] if it has no object left.
+/// [`GpuError::TooLarge`] over the driver's texture size; [`GpuError::Object`] if it has no object left.
 pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
     let (width, height) = picture.dimensions();
     let limit = gl.info().texture_side_max;
@@ -129,7 +129,8 @@ pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
     let (format, kind) =
         if software { (glow::RGBA16F, glow::HALF_FLOAT) } else { (glow::SRGB8_ALPHA8, glow::UNSIGNED_BYTE) };
     let anisotropy = wanted.min(gl.info().anisotropy_max);
-    // SAFETY: the texture is ours, and the slice holds width * height RGBA texels.
+    // SAFETY: the texture was just created in the current context, and `texels` holds width * height RGBA texels of
+    // `kind`.
     unsafe {
         gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
         gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
@@ -166,13 +167,13 @@ pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
     Ok(texture)
 }
 
-/// Puts the lower mip levels into the texture that is bound. llvmpipe would compile a program for this in each context,
-/// while the first picture waits.
+/// Uploads the lower mip levels of the bound texture. llvmpipe would compile a program for generating them in each
+/// context, while the first frame waits.
 fn upload_levels(gl: &Gl, picture: &RgbaImage) {
     let levels = std::iter::successors(Level::below(picture), Level::next);
     for (number, level) in (1..).zip(levels) {
         let (width, height) = level.size;
-        // SAFETY: the slice holds width * height RGBA texels.
+        // SAFETY: the caller has bound the texture, and the slice holds width * height RGBA texels.
         unsafe {
             gl.tex_image_2d(
                 glow::TEXTURE_2D,
@@ -196,7 +197,7 @@ mod tests {
     #[test]
     fn texels_are_the_nearest_16_bit_floats_of_their_light() {
         assert_eq!([0.0, 1.0, 0.5, 0.25].map(half_bits), [0, 0x3c00, 0x3800, 0x3400]);
-        // Between two of them the nearest, and from the middle the even one.
+        // Between two 16-bit floats the nearest, and from the middle the even one.
         let between = |sixteenths: f32| half_bits(0.5 + sixteenths / 16.0 / 2048.0);
         assert_eq!([7.0, 8.0, 9.0, 24.0].map(between), [0x3800, 0x3800, 0x3801, 0x3802]);
         assert_eq!(half_bits(1.0 - f32::EPSILON), 0x3c00);

@@ -29,7 +29,7 @@ pub(super) struct TextureBuffer {
 }
 
 impl TextureBuffer {
-    /// A texture buffer that holds these bytes.
+    /// Creates a texture buffer with these bytes.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no object left.
@@ -40,7 +40,7 @@ impl TextureBuffer {
             BufferTexel::Rgba32F => glow::RGBA32F,
         };
         let (texture, buffer) = (Texture::new(gl)?, Buffer::new(gl)?);
-        // SAFETY: both names are ours, made in the current context.
+        // SAFETY: texture and buffer were just created in the current context.
         unsafe {
             gl.bind_buffer(glow::TEXTURE_BUFFER, Some(buffer.native()));
             gl.buffer_data_u8_slice(glow::TEXTURE_BUFFER, &padded(bytes), glow::STATIC_DRAW);
@@ -50,14 +50,14 @@ impl TextureBuffer {
         Ok(Self { gl: gl.clone(), texture, buffer })
     }
 
-    /// The driver's name of the texture.
+    /// The OpenGL name of the texture.
     pub(super) fn texture(&self) -> glow::NativeTexture {
         self.texture.native()
     }
 
-    /// Replaces its content, for a frame.
+    /// Replaces the content for a frame.
     pub(super) fn replace(&self, bytes: &[u8]) {
-        // SAFETY: the buffer is ours.
+        // SAFETY: `self` owns the buffer, which belongs to the current context.
         unsafe {
             self.gl.bind_buffer(glow::TEXTURE_BUFFER, Some(self.buffer.native()));
             self.gl.buffer_data_u8_slice(glow::TEXTURE_BUFFER, &padded(bytes), glow::STREAM_DRAW);
@@ -68,10 +68,10 @@ impl TextureBuffer {
 /// Most bytes of a texel.
 const TEXEL_BYTES: usize = 16;
 
-/// The bytes, padded to a length of the one kind for which Mesa's software renderers have compiled a program. Tapes and
-/// regions have lengths of all kinds, and each other kind is compiled for in the middle of a show, for seconds: powers
-/// of two, and those whose remainder by 65,536 is less than 256, because the second byte of a buffer's length is read
-/// as the number of a texture's last mip level.
+/// Pads the bytes to a length for which Mesa's software renderers use the program compiled already. Tapes and regions
+/// have all kinds of lengths, and some lengths need another program, which takes seconds to compile during a show.
+/// Those are powers of two, and lengths whose remainder by 65,536 is less than 256, because the second byte of a
+/// buffer's length is read as the number of a texture's last mip level.
 fn padded(bytes: &[u8]) -> Cow<'_, [u8]> {
     let length = bytes.len();
     let stored = if length & 0xff00 == 0 {
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn buffers_of_some_sizes_were_compiled_for_once_more() {
+    fn buffer_sizes_that_need_another_program_are_padded() {
         for length in [0, 16, 48, 240, 256, 1024, 1 << 16, (1 << 16) + 16, (1 << 20) + 240] {
             let buffer = vec![1; length];
             let stored = padded(&buffer);

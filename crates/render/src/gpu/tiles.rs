@@ -1,17 +1,13 @@
-//! Draws in parts, so that no single draw occupies a renderer for long: a window stays responsive, and no driver's
-//! watchdog takes a long draw for a hang.
+//! Splits draws into parts, so that a window stays responsive and no driver's watchdog takes a long draw for a hang.
 //!
-//! The cost of a pixel is measured: by probes all over the picture if nothing is known of a program, then by each
-//! part.
+//! The cost of a pixel is probed all over a scene's first frame, then measured with each part. Each pass is split so
+//! that no part takes longer than a quarter of a second.
 //!
-//! **Pictures are drawn in parts.** A draw that takes seconds keeps a window from answering, and a driver's watchdog
-//! may take it for a hang. The cost of a pixel is probed all over a scene's first picture, then measured
-//! (`gpu::tiles`), and each pass is cut so that no part takes longer than a quarter of a second. In the window a
-//! picture takes as many goes as it needs. Between two goes the show handles its keys, and the previous picture
-//! stays. A picture that would take far too long is begun again with fewer pixels. The first tree of a scene is built
-//! before it comes onto the stage, but for an edit of what is there, and the previous scene stays until the first
-//! picture is finished: if either takes more than `picture_seconds_max`, the new scene is refused with the reason why it
-//! is expensive. Most pictures are one part; in parts they are the same bit for bit.
+//! In the window, a frame takes as many calls as it needs. Between two calls the show handles input, and the previous
+//! image stays visible. A frame that would take far too long is started again with fewer pixels. A scene's first region
+//! tree is built before the scene is shown, except after an edit of the current scene. The previous scene stays until
+//! the first frame is finished: if either takes more than `picture_seconds_max`, the new scene is refused with the
+//! reason why it is expensive. Most frames are a single part; splitting does not change a bit of the image.
 
 use std::cell::Cell;
 use std::time::Duration;
@@ -19,36 +15,33 @@ use std::time::Duration;
 use super::program::Program;
 use crate::faults::{self, Fault};
 
-/// The time that a part should take, in seconds: half of what is allowed (`limits.rs`), because pixels differ.
+/// Target time of a part in seconds: half of the limit (`limits.rs`), because pixels differ.
 pub(super) const PART_SECONDS: f64 = 0.12;
-/// Time that does not depend on the pixels, in seconds: for giving a driver work and waiting for it.
+/// Time in seconds for submitting a draw and waiting for it, independent of the pixels.
 const OVERHEAD: f64 = 0.00025;
-/// How much dearer than all others a part may be to be believed.
+/// Largest factor by which a part's cost per pixel may exceed all others; more is clamped.
 const OUTLIER: f64 = 4.0;
-/// How many times what a scene's pixels cost those of its next version are thought to cost.
+/// Assumed growth of the cost per pixel from one version of a scene to the next.
 const WARY: f64 = 4.0;
-/// Probes along each side of a picture, each a square of [`GRAIN`] pixels to a side.
+/// Probes along each side of an image; each is a square of [`GRAIN`] pixels a side.
 const PROBES: u32 = 6;
-/// The sides of parts are multiples of this many pixels, because renderers draw neighbours together.
+/// The sides of parts are multiples of this, because renderers draw neighbouring pixels together.
 const GRAIN: u32 = 8;
-/// Rows of this height, or multiples of it, are best for a software renderer, which sorts its work into squares of
-/// this size.
+/// Multiples of this height are best for a software renderer, which bins its work into squares of this size.
 const ROW: u32 = 64;
-/// Pictures with fewer pixels are not worth probing: their parts begin with the smallest.
+/// Smaller images are not probed: their parts start small instead.
 const PROBED_MIN: u64 = 4 * (PROBES * GRAIN) as u64 * (PROBES * GRAIN) as u64;
-/// Number of probes after which a picture's time can be predicted.
+/// Number of probes after which the time of a frame can be predicted.
 const TELLING: u32 = 9;
 
 /// A part of a target, in pixels from its lower left corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Part {
-    /// From the left.
+    /// Left edge.
     pub(super) x: u32,
-    /// From below.
+    /// Lower edge.
     pub(super) y: u32,
-    /// Pixels across.
     pub(super) width: u32,
-    /// Pixels up.
     pub(super) height: u32,
 }
 
@@ -58,49 +51,49 @@ impl Part {
         Self { x: 0, y: 0, width, height }
     }
 
-    /// Its pixels.
+    /// The number of pixels.
     pub(super) fn pixels(self) -> u64 {
         u64::from(self.width) * u64::from(self.height)
     }
 }
 
-/// The cost of a scene's pixel with one of its programs: the greatest in the last picture and in this one, because a
-/// cheap sky says nothing about what is above it.
+/// The cost of a scene's pixel with one of its programs: the highest of the last frame and this one, because a cheap
+/// part such as the sky says nothing about the rest.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct PixelCost {
-    /// Seconds that hardly any pixel of the last picture exceeded; 0 if nothing is known.
+    /// Seconds that almost no pixel of the last frame exceeded; 0 if unknown.
     last: f64,
-    /// The two greatest of this picture, so far.
+    /// The two highest costs of this frame so far.
     this: [f64; 2],
 }
 
 impl PixelCost {
-    /// Whether anything is known.
+    /// True if anything was measured.
     fn is_known(self) -> bool {
         self.greatest() > 0.0
     }
 
-    /// How many pixels a part may have.
+    /// The most pixels of a part.
     fn pixels(self) -> u64 {
         if self.is_known() { (PART_SECONDS / self.greatest()) as u64 } else { 0 }
     }
 
-    /// Seconds that so many pixels will take at most; 0 if nothing is known.
+    /// The most seconds that so many pixels will take; 0 if unknown.
     pub(super) fn seconds(self, pixels: u64) -> f64 {
         self.greatest() * pixels as f64
     }
 
-    /// Notes how long a part took.
+    /// Records the time of a part.
     pub(super) fn note(&mut self, pixels: u64, time: Duration) {
         let seconds = time.as_secs_f64();
-        // A part that takes hardly longer than the overhead may cost up to that.
+        // A part that takes little more than the overhead may cost up to the overhead.
         let cost = if seconds > 2.0 * OVERHEAD { seconds - OVERHEAD } else { OVERHEAD };
         let (cost, [first, second]) = (cost / pixels.max(1) as f64, self.this);
         self.this = if cost > first { [cost, first] } else { [first, second.max(cost)] };
     }
 
-    /// Seconds that hardly any pixel exceeds. One part alone counts for no more than [`OUTLIER`] times the next: the
-    /// system may have been busy with something else, and a small part would seem very dear.
+    /// Seconds that almost no pixel exceeds. A single part counts for at most [`OUTLIER`] times the next one. The
+    /// system may have been busy, and the pixels of a small part would then seem very expensive.
     fn greatest(self) -> f64 {
         self.last.max(self.of_this())
     }
@@ -112,7 +105,7 @@ impl PixelCost {
         }
     }
 
-    /// Notes that a picture is finished.
+    /// Records that a frame is finished.
     pub(super) fn finish_picture(&mut self) {
         if self.of_this() > 0.0 {
             (self.last, self.this) = (self.of_this(), [0.0; 2]);
@@ -120,12 +113,12 @@ impl PixelCost {
     }
 }
 
-/// What the pixels of a scene cost with the program that drew it last.
+/// The cost of a scene's pixels with the program that drew it last.
 #[derive(Debug, Default)]
 pub(super) struct Costs(Cell<Option<(u32, PixelCost)>>);
 
 impl Costs {
-    /// What is known for a program.
+    /// The known cost for a program.
     pub(super) fn of(&self, program: &Program) -> PixelCost {
         self.0
             .get()
@@ -133,7 +126,7 @@ impl Costs {
             .map_or_else(PixelCost::default, |(_, cost)| cost)
     }
 
-    /// Expects of a scene what is known of its last version, and a good deal more: it may have become dearer.
+    /// Assumes several times the cost of the scene's last version, because the scene may have become more expensive.
     pub(super) fn expect(&self, of_last_version: &Self) {
         let expected = of_last_version
             .0
@@ -142,31 +135,31 @@ impl Costs {
         self.0.set(expected);
     }
 
-    /// Remembers what has been learnt.
+    /// Stores a measured cost.
     pub(super) fn keep(&self, program: &Program, cost: PixelCost) {
         self.0.set(Some((program.number(), cost)));
     }
 }
 
-/// The parts of a draw, one after the other.
+/// Iterates over the parts of a draw.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Parts {
     areas: Vec<Part>,
-    /// The row of the last area that is being cut, and what is left of it.
+    /// The remainder of the row of parts in progress.
     row: Option<Part>,
-    /// Whether the next draw is not measured, because the driver may compile the program at it.
+    /// True if the next draw is not measured, because the driver may compile the program during it.
     warms_up: bool,
-    /// Whether the part that was given last is that draw.
+    /// True if the last part was that draw.
     warming_up: bool,
-    /// Probes to come.
+    /// Remaining probes.
     probes: u32,
-    /// Whether the part that was given last is a probe.
+    /// True if the last part was a probe.
     probing: bool,
     probed: Measured,
     size: (u32, u32),
 }
 
-/// A number of pixels, and the seconds that they took.
+/// A number of pixels and their time in seconds.
 #[derive(Debug, Clone, Copy, Default)]
 struct Measured {
     count: u32,
@@ -175,7 +168,7 @@ struct Measured {
 }
 
 impl Parts {
-    /// The parts of some areas of a target of `size`, the last area first.
+    /// Splits areas of a target of `size`, starting with the last area.
     pub(super) fn of(areas: Vec<Part>, size: (u32, u32), cost: PixelCost) -> Self {
         let pixels: u64 = areas.iter().map(|area| area.pixels()).sum();
         let probes = if cost.is_known() || pixels < PROBED_MIN { 0 } else { PROBES * PROBES };
@@ -183,22 +176,22 @@ impl Parts {
         Self { areas, warms_up, probes, size, ..Self::default() }
     }
 
-    /// Whether everything that is left is drawn at once.
+    /// True if the rest is a single draw.
     pub(super) fn are_one(&self, cost: PixelCost) -> bool {
         !self.warms_up && self.probes == 0 && cost.is_known() && cost.pixels() >= self.pixels_left()
     }
 
-    /// Whether the part that was given last was the only one.
+    /// True if the last part was the only one.
     pub(super) fn were_one(&self) -> bool {
         !self.probing && !self.warming_up && self.probed.pixels == 0 && self.pixels_left() == 0
     }
 
-    /// Pixels that are still to be drawn.
+    /// Pixels that remain to be drawn.
     fn pixels_left(&self) -> u64 {
         self.areas.iter().chain(&self.row).map(|area| area.pixels()).sum()
     }
 
-    /// The next part; none when everything is drawn.
+    /// The next part; `None` when everything is drawn.
     pub(super) fn next(&mut self, cost: PixelCost) -> Option<Part> {
         self.warming_up = std::mem::take(&mut self.warms_up);
         if self.warming_up {
@@ -250,7 +243,7 @@ impl Parts {
         Some(row)
     }
 
-    /// A square somewhere in the picture. The probes are spread all over it, so the first few are representative.
+    /// A square in the image. The probes are spread over the image, so the first few are representative.
     fn probe(&self) -> Part {
         // 7 and 36 have no common divisor.
         let number = (self.probes * 7 + 3) % (PROBES * PROBES);
@@ -262,7 +255,7 @@ impl Parts {
         Part { x, y, width: GRAIN.min(self.size.0), height: GRAIN.min(self.size.1) }
     }
 
-    /// Notes how long the part took that was given last.
+    /// Records the time of the last part.
     pub(super) fn note(&mut self, part: Part, time: Duration, cost: &mut PixelCost) {
         if self.warming_up {
             return;
@@ -275,7 +268,7 @@ impl Parts {
         self.probed.seconds += (time.as_secs_f64() - OVERHEAD).max(0.0);
     }
 
-    /// How long everything will take, in seconds, without the driver's compiling; none until enough is known.
+    /// Estimated total time in seconds, without the driver's compilation; `None` until enough is known.
     pub(super) fn seconds(&self) -> Option<f64> {
         let known = self.probed;
         let tells = known.count >= TELLING || (self.probes == 0 && known.pixels > 0);
@@ -288,7 +281,7 @@ impl Parts {
 mod tests {
     use super::*;
 
-    /// Draws all parts, each pixel at `cost` seconds, and counts how often each was drawn.
+    /// Draws all parts, with each pixel taking `cost` seconds, and counts how often each pixel is drawn.
     fn drawn(areas: Vec<Part>, size: (u32, u32), cost: impl Fn(u32, u32) -> f64) -> (Vec<u32>, f64) {
         let mut seen = vec![0; (size.0 * size.1) as usize];
         let (mut known, mut longest) = (PixelCost::default(), 0.0_f64);
@@ -310,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn every_pixel_is_drawn_once_whatever_it_costs() {
+    fn every_pixel_is_drawn_once_at_any_cost() {
         for size in [(1, 1), (7, 300), (161, 91), (640, 360)] {
             for cost in [0.0, 1e-7, 2e-5, 3e-3] {
                 let (seen, _) = drawn(vec![Part::whole(size)], size, |_, _| cost);
@@ -320,10 +313,10 @@ mod tests {
     }
 
     #[test]
-    fn a_changed_scene_is_not_probed_and_its_parts_are_no_longer_if_it_is_four_times_as_dear() {
+    fn a_changed_scene_is_not_probed_and_may_cost_four_times_as_much() {
         let (last, next) = (Costs::default(), Costs::default());
         next.expect(&last);
-        assert_eq!(next.0.get(), None, "nothing is known of either");
+        assert_eq!(next.0.get(), None, "neither cost is known");
         let mut cost = PixelCost::default();
         cost.note(64, Duration::from_millis(20));
         last.0.set(Some((7, cost)));
@@ -338,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn areas_are_drawn_and_nothing_beside_them() {
+    fn only_the_areas_are_drawn() {
         let areas =
             vec![Part { x: 0, y: 0, width: 90, height: 10 }, Part { x: 0, y: 10, width: 30, height: 2 }];
         let (seen, _) = drawn(areas, (100, 20), |_, _| 1e-4);
@@ -347,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dear_scene_was_one_draw_of_minutes() {
+    fn an_expensive_scene_is_drawn_in_short_parts() {
         // A foam at 2.8 ms per pixel, with sky above it or below it.
         for foam_is_below in [true, false] {
             let cost = |_, y| if (y < 120) == foam_is_below { 2.8e-3 } else { 1e-6 };
@@ -359,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn the_time_of_a_dear_picture_is_foretold_by_its_first_probes() {
+    fn the_first_probes_predict_the_time_of_an_expensive_frame() {
         let size = (320, 180);
         let mut cost = PixelCost::default();
         let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
@@ -373,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn a_driver_that_compiled_at_the_first_draw_made_a_scene_seem_dear() {
+    fn compilation_at_the_first_draw_does_not_count_as_cost() {
         for size in [(160, 90), (30, 20)] {
             let mut cost = PixelCost::default();
             let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
@@ -390,7 +383,7 @@ mod tests {
     }
 
     #[test]
-    fn a_busy_system_made_one_small_part_seem_dear_and_thousands_of_the_rest() {
+    fn one_slow_part_on_a_busy_system_does_not_split_the_rest() {
         let size = (320, 180);
         let mut cost = PixelCost::default();
         let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
@@ -405,7 +398,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cheap_picture_is_one_draw_once_it_is_known() {
+    fn a_cheap_frame_of_known_cost_is_one_draw() {
         let (size, mut cost) = ((640, 360), PixelCost::default());
         cost.note(64, Duration::from_micros(100));
         cost.finish_picture();

@@ -1,5 +1,4 @@
-//! How long the GPU itself takes, by GL_TIME_ELAPSED. The times of software renderers are meaningless: do not use
-//! them.
+//! Measures the GPU's time with GL_TIME_ELAPSED. The times of software renderers are meaningless; do not use them.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -19,7 +18,7 @@ pub struct GpuTimer {
 }
 
 impl GpuTimer {
-    /// A timer in the current context.
+    /// Creates a timer in the current context.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no query left.
@@ -27,9 +26,9 @@ impl GpuTimer {
         Ok(Self { gl: gl.clone(), query: Query::new(gl)? })
     }
 
-    /// Runs `draws`, waits for the GPU and returns what they returned and how long the GPU took.
+    /// Runs `draws`, waits for the GPU, and returns the result of `draws` and the GPU's time.
     pub fn time<T>(&self, draws: impl FnOnce() -> T) -> (T, Duration) {
-        // SAFETY: the query is ours and no other is active; the result is waited for by the driver.
+        // SAFETY: `self` owns the query, and no other timer is active; the driver waits for the result.
         unsafe {
             self.gl.begin_query(glow::TIME_ELAPSED, self.query.native());
             let result = draws();
@@ -40,7 +39,7 @@ impl GpuTimer {
     }
 }
 
-/// Most frames whose times are not known yet.
+/// Most pending times.
 const TIMES_ON_THEIR_WAY: usize = 4;
 
 /// A timer of frames that never waits: times arrive some frames later.
@@ -52,7 +51,7 @@ pub(super) struct FrameTimer {
 }
 
 impl FrameTimer {
-    /// A timer in the current context.
+    /// Creates a timer in the current context.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no query left.
@@ -61,13 +60,13 @@ impl FrameTimer {
         Ok(Self { gl: gl.clone(), free, running: None, on_their_way: VecDeque::new() })
     }
 
-    /// Begins a frame. It is not timed if too many times are still unknown.
+    /// Begins a frame. It is not timed if too many times are pending.
     pub(super) fn begin(&mut self) {
         if self.running.is_some() {
             return;
         }
         let Some(query) = self.free.pop() else { return };
-        // SAFETY: the query is ours and no other is active.
+        // SAFETY: `self` owns the query, and no other is active.
         unsafe { self.gl.begin_query(glow::TIME_ELAPSED, query.native()) }
         self.running = Some(query);
     }
@@ -75,16 +74,16 @@ impl FrameTimer {
     /// Ends the frame.
     pub(super) fn end(&mut self) {
         let Some(query) = self.running.take() else { return };
-        // SAFETY: the query is the active one.
+        // SAFETY: the query is the active one, which `begin` started.
         unsafe { self.gl.end_query(glow::TIME_ELAPSED) }
         self.on_their_way.push_back(query);
     }
 
-    /// How long the GPU took for the newest frame whose time has become known since the last call.
+    /// The GPU time of the latest frame whose time has become known since the last call.
     pub(super) fn take(&mut self) -> Option<Duration> {
         let mut newest = None;
         while let Some(query) = self.on_their_way.pop_front() {
-            // SAFETY: the query is ours and has ended.
+            // SAFETY: `self` owns the query, and `end` has ended it.
             let time = unsafe {
                 let available = self.gl.get_query_parameter_u32(query.native(), glow::QUERY_RESULT_AVAILABLE);
                 (available != 0).then(|| self.gl.get_query_parameter_u64(query.native(), glow::QUERY_RESULT))
@@ -100,16 +99,16 @@ impl FrameTimer {
     }
 }
 
-/// Measures GPU times of pictures that are drawn in one go. The default measures nothing.
+/// Measures GPU times of frames that are drawn in one call. The default measures nothing.
 #[derive(Default)]
 pub(super) struct PictureClock {
     timer: Option<FrameTimer>,
-    /// The newest time, until [`PictureClock::take_cost`] returns it.
+    /// The latest time, until [`PictureClock::take_cost`] returns it.
     cost: Option<Duration>,
 }
 
 impl PictureClock {
-    /// A clock that measures.
+    /// Creates a clock that measures.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no query left.
@@ -117,24 +116,24 @@ impl PictureClock {
         Ok(Self { timer: Some(FrameTimer::new(gl)?), cost: None })
     }
 
-    /// Begins a picture.
+    /// Begins a frame.
     pub(super) fn begin(&mut self) {
         self.timer.iter_mut().for_each(FrameTimer::begin);
     }
 
-    /// Ends the picture.
+    /// Ends the frame.
     pub(super) fn end(&mut self) {
         self.timer.iter_mut().for_each(FrameTimer::end);
     }
 
-    /// The newest time, if a new one is known since the last call.
+    /// The latest time, if another has become known since the last call.
     pub(super) fn take(&mut self) -> Option<Duration> {
         let time = self.timer.as_mut()?.take();
         self.cost = time.or(self.cost);
         time
     }
 
-    /// The newest time that [`PictureClock::take`] returned; `None` the second time.
+    /// Returns the latest time of [`PictureClock::take`] once.
     pub(super) fn take_cost(&mut self) -> Option<Duration> {
         self.cost.take()
     }

@@ -1,29 +1,29 @@
-//! A caption in a picture's lower left corner: a song's title, and who made it. The processor draws it.
+//! A caption in the lower left corner of an image, with a song's title and artist. Drawn on the CPU.
 
 use super::letters::{Letters, Line};
 
-/// Size of the first line's letters relative to the picture's smaller side, and their smallest and largest in pixels.
+/// Size of the first line's letters relative to the image's smaller side, and its range in pixels.
 const LETTERS_FRACTION: f32 = 1.0 / 15.0;
 const LETTERS: (f32, f32) = (9.0, 160.0);
 /// Size of the second line's letters relative to the first line's.
 const SECOND: f32 = 0.62;
-/// Distance from the picture's edges relative to its smaller side.
+/// Distance from the image's edges relative to its smaller side.
 const MARGIN_FRACTION: f32 = 0.07;
-/// How much of the picture is seen where a letter's shadow is darkest.
+/// Fraction of the image that remains visible where a letter's shadow is darkest.
 const SHADOW: f32 = 0.35;
 
-/// Lines of letters in their places.
+/// Positioned lines of letters.
 pub struct Caption {
-    /// Width and height of the picture, in pixels.
+    /// Width and height of the image, in pixels.
     size: (usize, usize),
-    /// Each with its left and its upper edge.
+    /// Each line with its left and upper edge.
     lines: Vec<((usize, usize), Line)>,
-    /// How far the shadow lies to the right of the letters and below them, in pixels.
+    /// Offset of the shadow to the right and downwards, in pixels.
     shadow: usize,
 }
 
 impl Caption {
-    /// The caption for pictures of `size` pixels. Text that is too wide is set smaller and then cut.
+    /// Lays out the caption for images of `size` pixels. Text that is too wide becomes smaller, then it is cut.
     pub fn new(first: &str, second: Option<&str>, size: (u32, u32)) -> Self {
         let (width, height) = (size.0 as usize, size.1 as usize);
         let side = size.0.min(size.1) as f32;
@@ -34,7 +34,7 @@ impl Caption {
         let texts = [Some((first, letters_size)), second.map(|text| (text, (letters_size * SECOND).round()))];
         let mut bottom = height.saturating_sub(margin);
         let mut lines = Vec::new();
-        // From below.
+        // The last line first, because lines are placed from the bottom up.
         for (text, wanted) in texts.into_iter().flatten().rev() {
             let line = fitting(&mut letters, text, wanted, room);
             bottom = bottom.saturating_sub(line.size.1);
@@ -43,13 +43,13 @@ impl Caption {
         Self { size: (width, height), lines, shadow: (letters_size / 18.0).ceil() as usize }
     }
 
-    /// Draws it over a picture of RGBA bytes, premultiplied, the top row first; `strength` is 0 for nothing to 1.
+    /// Draws the caption over an image of premultiplied RGBA bytes, top row first. `strength` is 0 for invisible to 1.
     pub fn draw_over(&self, rgba: &mut [u8], strength: f32) {
         self.blend(rgba, self.shadow, 0.0, strength * (1.0 - SHADOW));
         self.blend(rgba, 0, 255.0, strength);
     }
 
-    /// Blends a grey into what the letters cover, moved to the right and down.
+    /// Blends a grey into the pixels covered by the letters, shifted to the right and downwards.
     fn blend(&self, rgba: &mut [u8], shift: usize, grey: f32, strength: f32) {
         for ((left, top), line) in &self.lines {
             for (index, cover) in line.cover.iter().enumerate().filter(|(_, cover)| **cover > 0) {
@@ -68,8 +68,8 @@ impl Caption {
     }
 }
 
-/// A line of letters of the wanted size, or smaller to be at most `room` pixels wide; where they would become too small,
-/// the text's end is left out.
+/// Lays out a line at the wanted size, or smaller to be at most `room` pixels wide. If the letters would become too
+/// small, the end of the text is cut.
 fn fitting(letters: &mut Letters, text: &str, wanted: f32, room: usize) -> Line {
     let line = letters.line(text, wanted);
     if line.size.0 <= room {
@@ -79,7 +79,7 @@ fn fitting(letters: &mut Letters, text: &str, wanted: f32, room: usize) -> Line 
     let mut kept: Vec<char> = text.chars().collect();
     let mut line = letters.line(text, smaller);
     while line.size.0 > room && !kept.is_empty() {
-        // As much as is too wide, and the last letters one by one.
+        // Cut the excess width, then single letters.
         let fraction = room as f32 / line.size.0 as f32;
         kept.truncate(((kept.len() as f32 * fraction) as usize).min(kept.len() - 1));
         let cut: String = kept.iter().collect();
@@ -92,7 +92,7 @@ fn fitting(letters: &mut Letters, text: &str, wanted: f32, room: usize) -> Line 
 mod tests {
     use super::*;
 
-    /// How many pixels of a grey picture a caption changes, and the rightmost of them.
+    /// The number of pixels of a grey image that a caption changes, and the rightmost column of them.
     fn changed(first: &str, size: (u32, u32), strength: f32) -> (usize, usize) {
         let grey = vec![90; 4 * (size.0 * size.1) as usize];
         let mut seen = grey.clone();
@@ -103,16 +103,16 @@ mod tests {
     }
 
     #[test]
-    fn letters_are_seen_as_strongly_as_asked() {
+    fn the_strength_sets_the_opacity_of_letters() {
         let (whole, _) = changed("A song", (640, 360), 1.0);
         assert!(whole > 300, "{whole} pixels");
         assert_eq!(changed("A song", (640, 360), 0.0).0, 0);
-        // A picture of one pixel has no room for a letter, which is no mistake.
+        // An image of one pixel has no room for a letter; that must not fail.
         changed("A song", (1, 1), 1.0);
     }
 
     #[test]
-    fn a_long_title_stays_within_the_picture() {
+    fn a_long_title_stays_within_the_image() {
         let (pixels, right) = changed(&"Sonata ".repeat(40), (640, 360), 1.0);
         assert!(pixels > 300 && right < 640 - 20, "{pixels} pixels, the last in column {right}");
     }

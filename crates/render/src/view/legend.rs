@@ -1,5 +1,4 @@
-//! Legends: what a view's colours mean. The processor draws them, so that they are the same in a window, a still and
-//! a video.
+//! Legends that explain a view's colours. Drawn on the CPU, so that they are the same in a window, a still and a video.
 
 use std::sync::Arc;
 
@@ -11,9 +10,9 @@ use super::scale::{Color, heat};
 pub struct Legend {
     /// The view's name.
     pub title: String,
-    /// What it shows, in lines.
+    /// The description, in lines.
     pub lines: Vec<String>,
-    /// A scale, with the meaning of places on it.
+    /// A scale with labelled positions.
     pub scale: Option<Scale>,
     /// Single colours with their meanings.
     pub colors: Vec<(Color, String)>,
@@ -24,7 +23,7 @@ pub struct Legend {
 pub struct Scale {
     /// Its colours.
     pub ramp: Ramp,
-    /// Places on it, 0..1, with their values.
+    /// Positions on the scale, 0..1, with their labels.
     pub ticks: Vec<(f32, String)>,
 }
 
@@ -40,7 +39,7 @@ pub enum Ramp {
 }
 
 impl Ramp {
-    /// The colour of a place, 0..1.
+    /// The colour at a position, 0..1.
     pub fn at(self, fraction: f32) -> Color {
         match self {
             Ramp::Heat => heat(fraction),
@@ -50,14 +49,14 @@ impl Ramp {
     }
 }
 
-/// A legend as a picture, opaque.
+/// A legend as an opaque image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LegendPicture {
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Its distance from the picture's left and upper edges, in pixels.
+    /// Distance from the left and upper edge of the frame, in pixels.
     pub margin: u32,
-    /// Four bytes per pixel, the top row first.
+    /// Four bytes per pixel, top row first.
     pub rgba: Vec<u8>,
 }
 
@@ -65,21 +64,21 @@ const GROUND: Color = [0.035, 0.040, 0.050];
 const TEXT: Color = [0.91, 0.92, 0.93];
 const DIM: Color = [0.66, 0.68, 0.73];
 
-/// Size of letters relative to a picture's height, and their smallest and largest size in pixels.
+/// Size of letters relative to the frame's height, and its range in pixels.
 const LETTERS_FRACTION: f32 = 1.0 / 44.0;
 const LETTERS: (f32, f32) = (11.0, 44.0);
-/// The greatest share of the picture's width and height that a legend takes; a larger one is left out.
+/// The largest fraction of the frame's width and height that a legend may take. Larger legends are left out.
 const FRACTION_MAX: (f32, f32) = (0.7, 0.7);
-/// Entries of single colours in one column.
+/// Entries of single colours per column.
 const ROWS_MAX: usize = 6;
 
-/// Draws legends, and remembers the last one.
+/// Draws legends, and caches the last one.
 pub struct LegendPainter {
     letters: Letters,
     last: Option<Known>,
 }
 
-/// A legend that was drawn for a picture's size; none if it did not fit.
+/// A legend drawn for a frame's size; `drawn` is `None` if it did not fit.
 struct Known {
     legend: Legend,
     size: (u32, u32),
@@ -93,7 +92,7 @@ impl Default for LegendPainter {
 }
 
 impl LegendPainter {
-    /// The legend for a picture of `size` pixels; none if it would cover too much of it.
+    /// The legend for a frame of `size` pixels; `None` if it would cover too much of the frame.
     pub fn picture(&mut self, legend: Legend, size: (u32, u32)) -> Option<Arc<LegendPicture>> {
         if let Some(known) = self.last.as_ref().filter(|known| known.legend == legend && known.size == size) {
             return known.drawn.clone();
@@ -104,7 +103,7 @@ impl LegendPainter {
     }
 }
 
-/// Something at a position.
+/// A text or a colour block.
 enum Part {
     Text { text: String, size: f32, color: Color },
     Block { size: (usize, usize), ramp: Option<Ramp>, color: Color },
@@ -159,7 +158,7 @@ fn draw(letters: &mut Letters, legend: &Legend, picture: (u32, u32)) -> Option<L
     lay_out(letters, &parts, (padding, bottom), picture)
 }
 
-/// Places the parts and paints them, if they fit the picture.
+/// Places the parts and paints them, if they fit the frame.
 fn lay_out(
     letters: &mut Letters,
     parts: &[((usize, usize), Part)],
@@ -218,7 +217,7 @@ fn lay_out(
     Some(LegendPicture { size: (width, height), margin, rgba })
 }
 
-/// A value as the byte that the screen stores.
+/// Converts a value of 0..1 to a byte.
 pub fn byte(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
 }
@@ -237,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn a_legend_has_its_colours_and_letters_and_is_left_out_of_a_small_picture() {
+    fn a_legend_shows_colours_and_letters_and_is_left_out_of_small_frames() {
         let mut painter = LegendPainter::default();
         let picture = painter.picture(legend(), (1280, 720)).unwrap();
         assert_eq!(picture.rgba.len() as u32, 4 * picture.size.0 * picture.size.1);
@@ -249,13 +248,13 @@ mod tests {
             assert!(count(color) > 10, "{color:?} is missing");
         }
         let letters = count(TEXT);
-        assert!(letters > 60, "only {letters} pixels are letters");
+        assert!(letters > 60, "only {letters} pixels belong to letters");
         assert!(picture.size.0 < 640 && picture.size.1 < 360, "{:?}", picture.size);
         assert!(painter.picture(legend(), (640, 360)).is_some());
         for size in [(160, 90), (1, 1), (16_384, 1)] {
             assert_eq!(painter.picture(legend(), size), None, "{size:?}");
         }
-        // Another text gives another picture, because its letters differ.
+        // Another text gives another image, because its letters differ.
         let other = Legend { title: "depth".into(), ..legend() };
         assert_ne!(painter.picture(other, (1280, 720)).unwrap(), picture);
     }

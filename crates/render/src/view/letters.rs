@@ -1,4 +1,4 @@
-//! Letters drawn by the processor, in the overlay's font.
+//! Draws letters on the CPU, in the overlay's font.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -9,30 +9,30 @@ use epaint::{Color32, ColorImage, FontId};
 use crate::reading_order::as_seen;
 use crate::system_fonts::SystemFonts;
 
-/// The fonts, and the letters that were needed so far.
+/// Fonts and their cached glyphs.
 pub(super) struct Letters {
     fonts: Fonts,
     system: SystemFonts,
-    /// Letters that were looked for among the system's fonts.
+    /// Letters already searched for in the system's fonts.
     looked_for: BTreeSet<char>,
 }
 
-/// A line of text: how much of each pixel is covered by its letters.
+/// A line of text: the coverage of each pixel by its letters.
 pub(super) struct Line {
     /// Width and height in pixels.
     pub size: (usize, usize),
-    /// Row after row from the top, 0..255.
+    /// Coverage, 0..255, row by row from the top.
     pub cover: Vec<u8>,
 }
 
 impl Letters {
-    /// Reads the font.
+    /// Loads the built-in fonts.
     pub(super) fn new() -> Self {
         let fonts = Fonts::new(TextOptions::default(), FontDefinitions::default());
         Self { fonts, system: SystemFonts::new(), looked_for: BTreeSet::new() }
     }
 
-    /// Takes fonts of the system for what the present ones lack of `text`.
+    /// Adds system fonts for letters of `text` that the current fonts lack.
     fn complete(&mut self, text: &str) {
         let mut fonts = self.fonts.with_pixels_per_point(1.0);
         let font = FontId::proportional(1.0);
@@ -53,7 +53,7 @@ impl Letters {
         self.fonts = Fonts::new(TextOptions::default(), definitions);
     }
 
-    /// A line of letters of `size` pixels.
+    /// Lays out a line of letters of `size` pixels.
     pub(super) fn line(&mut self, text: &str, size: f32) -> Line {
         self.complete(text);
         let mut fonts = self.fonts.with_pixels_per_point(1.0);
@@ -79,7 +79,7 @@ impl Letters {
                         let from = usize::from(y) * atlas.size[0] + usize::from(x);
                         let (to, from) = (cover.get_mut(line * width + column), atlas.pixels.get(from));
                         if let (Some(to), Some(from)) = (to, from) {
-                            // The same thrice, but for letters with colours of their own: they become grey.
+                            // The three channels are equal except in coloured letters, which become grey.
                             let [red, green, blue, _] = from.to_array().map(u16::from);
                             *to = (*to).max(((red + green + blue) / 3) as u8);
                         }

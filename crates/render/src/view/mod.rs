@@ -1,14 +1,14 @@
-//! Views: how a picture is made, shown in colours with a legend. One table names them for the key, the command line
-//! and the shaders.
+//! Views: false-colour images of the rendering process, with a legend. One table names them for the key, the command
+//! line and the shaders.
 //!
 //! `shaders/view.glsl` draws them; the colours and numbers that it shares with the legends come from [`scale`].
 //!
-//! **Views are programs of their own.** A view (key V, `--view`) is drawn by a variant of the scene's program that
-//! counts and records the first surface that it meets, so that it shows how the picture itself is made, not a copy of
-//! it. It is compiled when a view is first asked for, while the picture goes on, and costs the picture nothing. Its
-//! colours go straight into the finished picture, one sample per pixel, because a mean of two counts, or a
-//! tone-mapped normal, would mean nothing. Its legend is drawn by the processor and put over it, with the same bytes
-//! in a window, a still and a video; shaders and legends take their colours from one table (`view::scale`).
+//! **Views have their own programs.** A view (key V, `--view`) is drawn by a variant of the scene's program that counts
+//! evaluations and records the first surface of each ray. It therefore measures the real rendering, not a copy of it.
+//! The variant is compiled when a view is first requested, while the show continues, and costs normal frames nothing.
+//! Its colours go straight into the finished image, one sample per pixel, because a mean of two counts, or a
+//! tone-mapped normal, would mean nothing. The CPU draws the legend over it, with the same bytes in a window, a still
+//! and a video.
 
 pub mod caption;
 pub mod legend;
@@ -22,22 +22,23 @@ use std::str::FromStr;
 pub struct ViewRow {
     /// The view.
     pub view: View,
-    /// Its name on the command line and in the title, and behind `view_` that of its function in `shaders/view.glsl`.
+    /// Name on the command line and in the title. Its function in `shaders/view.glsl` is `view_NAME`.
     pub name: &'static str,
-    /// What it shows.
+    /// Description of the view.
     pub meaning: &'static str,
-    /// What the number after its name means, for views that take one.
+    /// Meaning of the number after the name, for views that take one.
     pub number: Option<&'static str>,
 }
 
-/// Makes [`View`] and [`VIEWS`] from rows: documentation, view, name, meaning, and the meaning of the number if it takes one.
+/// Defines [`View`] and [`VIEWS`] from rows: documentation, view, name, description, and the meaning of the number if
+/// the view takes one.
 macro_rules! define_views {
     ($( $(#[$documentation:meta])* $view:ident, $name:literal, $meaning:literal $(, $number:literal)?; )*) => {
-        /// What a view shows. Each view's number is its place in [`VIEWS`], in the shaders too.
+        /// A view. Its number is its index in [`VIEWS`], in the shaders too.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum View { $( $(#[$documentation])* $view, )* }
 
-        /// Every view, in the order of the key.
+        /// All views, in the order of the key.
         pub const VIEWS: [ViewRow; [$($name),*].len()] = [$( ViewRow {
             view: View::$view,
             name: $name,
@@ -47,25 +48,25 @@ macro_rules! define_views {
     };
 }
 
-// A new view takes three places, and compilers name what is missing: its row here, its arm in `setup`, and its function
-// `view_NAME` in `shaders/view.glsl`.
+// A new view needs three additions, and the compilers report missing ones: its row here, its arm in `setup`, and its
+// function `view_NAME` in `shaders/view.glsl`.
 define_views! {
     /// Steps of the ray from the eye.
     Steps, "steps", "steps of the ray from the eye, blue to red", "the count shown in red, 100 by default";
-    /// The distance on a plane through what the camera looks at.
-    Slice, "slice", "the distance on a plane through what the camera looks at, as lines",
+    /// The distance on a plane through the camera's target.
+    Slice, "slice", "the distance on a plane through the camera's target, as lines",
         "the distance between two lines";
     /// Normals by finite differences.
-    Normals, "normals", "directions of the surfaces, by differences of the distance",
-        "the length of a difference, by default a share of the pixel";
-    /// The share of the lamps' light that arrives.
-    Shadow, "shadow", "the share of the lamps' light that arrives";
-    /// The share of the ambient light that arrives.
-    Occlusion, "occlusion", "the share of the light from everywhere that arrives";
+    Normals, "normals", "normals of the surfaces, by finite differences of the distance",
+        "the step of the differences, by default a fraction of a pixel";
+    /// The fraction of direct light that arrives.
+    Shadow, "shadow", "the fraction of direct light that arrives";
+    /// The fraction of the ambient light that arrives.
+    Occlusion, "occlusion", "the fraction of the ambient light that arrives";
     /// The work done for a pixel.
-    Clauses, "clauses", "clauses that the interpreter runs; evaluations if compiled", "the count shown in red";
+    Clauses, "clauses", "clauses that the interpreter runs; distance evaluations if compiled", "the count shown in red";
     /// The cells of the regions.
-    Cells, "cells", "the cells of the regions, and how long their tapes are";
+    Cells, "cells", "the cells of the regions, and the lengths of their tapes";
     /// Objects.
     Materials, "materials", "a colour for each object";
     /// The distance along the ray to the surface.
@@ -75,28 +76,28 @@ define_views! {
 /// Range of the number after a view's name.
 const NUMBERS: (f32, f32) = (1e-5, 1e6);
 
-/// A view, and its number if one was chosen.
+/// A view with its optional number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ViewChoice {
-    /// Which view.
+    /// The view.
     pub view: View,
-    /// The number, as [`ViewRow::number`] explains it; none for the view's own choice.
+    /// The number explained by [`ViewRow::number`]; `None` for the view's default.
     pub number: Option<f32>,
 }
 
-/// Why a text does not name a view.
+/// An invalid name or number of a view.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NoView {
     /// There is no view of that name.
     #[error("there is no view '{0}'; the views are {names}", names = names())]
     Unknown(String),
-    /// It takes no number.
+    /// The view takes no number.
     #[error("the view '{0}' takes no number: leave out ':{1}'")]
     TakesNone(&'static str, String),
-    /// What follows the colon is not a number.
+    /// The text after the colon is not a number.
     #[error("'{1}' after '{0}:' is not a number: write it as {0}:0.5")]
     NoNumber(&'static str, String),
-    /// The number is out of its range.
+    /// The number is out of range.
     #[error("{1} after '{0}:' is out of range: write a number from 0.00001 to 1000000")]
     OutOfRange(&'static str, String),
 }
@@ -105,9 +106,9 @@ fn names() -> String {
     VIEWS.map(|row| row.name).join(", ")
 }
 
-/// The views as text for the command line: a line each.
+/// The list of views for the command line's help, one per line.
 pub fn help() -> String {
-    let mut text = String::from("Show how the picture is made, with a legend:\n");
+    let mut text = String::from("Show a view of the rendering process, with a legend:\n");
     for row in &VIEWS {
         text.push_str(&format!("- {}: {}", row.name, row.meaning));
         if let Some(number) = row.number {
@@ -119,12 +120,12 @@ pub fn help() -> String {
 }
 
 impl View {
-    /// Its row.
+    /// Its row of [`VIEWS`].
     pub fn row(self) -> &'static ViewRow {
         &VIEWS[self as usize % VIEWS.len()]
     }
 
-    /// The view after this one, or before; none at the table's ends, and the first or last from none.
+    /// The next or previous view. `None` is before the first and after the last one.
     pub fn beside(view: Option<Self>, forward: bool) -> Option<Self> {
         let places = VIEWS.len() + 1;
         let place = view.map_or(0, |view| view as usize + 1);
@@ -176,8 +177,8 @@ impl std::fmt::Display for ViewChoice {
 }
 
 impl ViewChoice {
-    /// The same view with the next larger or smaller number of 1, 2, 5, 10 ... after `present`; below the smallest
-    /// one it is the view's own choice again.
+    /// The view with the next larger or smaller number of the series 1, 2, 5, 10 ... after `present`. Below the
+    /// smallest one follows the view's default.
     pub fn stepped(self, present: Option<f32>, larger: bool) -> Self {
         let row = self.view.row();
         if row.number.is_none() {
@@ -192,7 +193,7 @@ impl ViewChoice {
     }
 }
 
-/// The smallest number that the key reaches.
+/// The smallest number that the key can select.
 const STEP_MIN: f32 = 1e-3;
 
 #[cfg(test)]
@@ -200,7 +201,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_name_is_read_again() {
+    fn every_name_is_parsed_again() {
         for row in &VIEWS {
             assert_eq!(row.name.parse(), Ok(ViewChoice::from(row.view)));
             let with_number = format!("{}:0.5", row.name).parse::<ViewChoice>();
@@ -209,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_view_is_told_with_what_there_is() {
+    fn invalid_views_are_reported() {
         let error = "step".parse::<ViewChoice>().unwrap_err().to_string();
         assert!(VIEWS.iter().all(|row| error.contains(row.name)), "{error}");
         for (text, expected) in [
@@ -225,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn the_key_goes_through_all_of_them_and_the_picture() {
+    fn the_key_cycles_through_all_views_and_the_image() {
         let mut seen = vec![None];
         for _ in 0..VIEWS.len() {
             seen.push(View::beside(seen[seen.len() - 1], true));
@@ -238,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_go_by_one_two_five() {
+    fn numbers_step_by_one_two_five() {
         let mut choice = ViewChoice::from(View::Normals);
         let mut numbers = Vec::new();
         for _ in 0..5 {

@@ -1,13 +1,13 @@
-//! Colours of the views, the same in the shaders and in the legends, and numbers written for people.
+//! Colours of the views, shared by the shaders and the legends, and formatting of numbers.
 //!
-//! Colours are the values that the screen gets, bytes divided by 255: no exposure, no tone mapping.
+//! Colours are the displayed values, bytes divided by 255, without exposure or tone mapping.
 
 use super::VIEWS;
 
-/// A colour as the screen gets it, 0..1.
+/// A displayed colour, 0..1.
 pub type Color = [f32; 3];
 
-/// From little, blue, to much, red; the steps are of equal width.
+/// Colours from blue for low values to red for high ones, in steps of equal width.
 pub const HEAT: [Color; 6] = [
     [0.07, 0.13, 0.50],
     [0.10, 0.45, 0.90],
@@ -17,22 +17,22 @@ pub const HEAT: [Color; 6] = [
     [0.78, 0.07, 0.09],
 ];
 
-/// Where a view has nothing to show.
+/// Colour of pixels without data.
 pub const NOTHING: Color = [0.11, 0.12, 0.18];
-/// A surface that faces away from every lamp; shadows do not count.
+/// A surface that faces away from every light; shadows do not count.
 pub const FACES_AWAY: Color = [0.20, 0.25, 0.45];
-/// A cell that holds no surface.
+/// A cell without surfaces.
 pub const EMPTY_CELL: Color = [0.27, 0.29, 0.34];
 /// A point outside of all cells.
 pub const NO_CELL: Color = [0.16, 0.16, 0.16];
-/// Outside of what a formula describes, and inside.
+/// Positive distances, outside of a shape.
 pub const OUTSIDE: Color = [0.93, 0.66, 0.33];
-/// See [`OUTSIDE`].
+/// Negative distances, inside of a shape.
 pub const INSIDE: Color = [0.32, 0.55, 0.86];
-/// Where the distance is 0.
+/// The zero of the distance.
 pub const ZERO: Color = [1.0, 1.0, 1.0];
 
-/// Colours of objects, in order; after the last they begin again.
+/// Colours of objects, in order; they repeat after the last.
 pub const OBJECTS: [Color; 12] = [
     [0.90, 0.62, 0.20],
     [0.34, 0.71, 0.91],
@@ -48,7 +48,7 @@ pub const OBJECTS: [Color; 12] = [
     [0.86, 0.30, 0.42],
 ];
 
-/// The colour at a place on a scale, 0..1.
+/// The colour at a position on a scale, 0..1.
 pub fn heat(fraction: f32) -> Color {
     let along = fraction.clamp(0.0, 1.0) * (HEAT.len() - 1) as f32;
     let left = (along as usize).min(HEAT.len() - 2);
@@ -61,7 +61,7 @@ pub fn of_object(number: usize) -> Color {
     OBJECTS[number % OBJECTS.len()]
 }
 
-/// The views' numbers and their colours for the shaders: `view_scales.glsl`.
+/// The text of `view_scales.glsl`: the views' numbers and colours for the shaders.
 pub fn glsl() -> String {
     let color = |[r, g, b]: Color| format!("vec3({r:?}, {g:?}, {b:?})");
     let list = |colors: &[Color]| colors.iter().map(|of| color(*of)).collect::<Vec<_>>().join(", ");
@@ -88,7 +88,7 @@ pub fn glsl() -> String {
     text
 }
 
-/// The colour of the view that is chosen, by the function of each, `view_NAME`: `view_dispatch.glsl`.
+/// The text of `view_dispatch.glsl`, which calls the function `view_NAME` of the chosen view.
 pub fn dispatch_glsl() -> String {
     let mut text = String::from("vec3 view_color(vec3 direction) {\n");
     for row in &VIEWS {
@@ -102,7 +102,7 @@ pub fn dispatch_glsl() -> String {
     text
 }
 
-/// The smallest of 1, 2, 5, 10, 20 ... and their tenths that is not less than `value`.
+/// The smallest number of the series 1, 2, 5, 10, 20 ... (and their tenths) that is not less than `value`.
 pub fn nice(value: f32) -> f32 {
     let value = if value.is_finite() { value.clamp(1e-6, 1e9) } else { 1.0 };
     let decade = 10_f64.powi(f64::from(value).log10().floor() as i32);
@@ -110,12 +110,12 @@ pub fn nice(value: f32) -> f32 {
     steps.into_iter().find(|step| *step >= value * 0.9999).unwrap_or(value)
 }
 
-/// The next of those numbers, larger or smaller.
+/// The next larger or smaller number of that series.
 pub fn beside(value: f32, larger: bool) -> f32 {
     if larger {
         return nice(value * 1.01);
     }
-    // Going up from a fifth brings to the largest one below.
+    // From a twelfth of the value, go up to the largest number below it.
     let mut below = nice(value / 12.0);
     while nice(below * 1.01) < value * 0.999 {
         below = nice(below * 1.01);
@@ -123,7 +123,7 @@ pub fn beside(value: f32, larger: bool) -> f32 {
     below
 }
 
-/// A number written for people: three significant digits, thousands separated.
+/// Formats a number for display: three significant digits, thousands separated.
 pub fn written(value: f32) -> String {
     let decimals = match value.abs() {
         size if size >= 100.0 || size.fract() == 0.0 => 0,

@@ -1,4 +1,4 @@
-//! What a view of one frame needs: its numbers for the shaders and its legend.
+//! The numbers for the shaders and the legend of a view of a frame.
 
 use glam::DVec3;
 
@@ -11,12 +11,12 @@ use mariana_field::world::World;
 /// The block `ViewBlock` of `shaders/view_notes.glsl`.
 pub type ViewBlock = [[f32; 4]; 2];
 
-/// What a legend says about the way a scene is drawn.
+/// Facts about the drawing mode for legends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Drawn {
-    /// Whether the interpreter draws it.
+    /// True if the interpreter draws the scene.
     pub interpreted: bool,
-    /// Whether space is divided into cells.
+    /// True if space is divided into cells.
     pub cells: bool,
     /// Clauses of the scene's distance.
     pub clauses: usize,
@@ -27,25 +27,25 @@ pub struct Drawn {
 pub struct ViewSetup {
     /// Numbers for the shaders.
     pub block: ViewBlock,
-    /// What the colours mean.
+    /// The legend.
     pub legend: Legend,
-    /// The view's number, chosen or its own; none if it takes none.
+    /// The view's number, chosen or default; `None` if it takes none.
     pub number: Option<f32>,
 }
 
-/// Number of steps shown in red: as many as the thesis allowed (Abt 2022, figure 4).
+/// Number of steps shown in red: the limit of steps in the thesis (Abt 2022, figure 4).
 const STEPS_RED: f32 = 100.0;
 /// Number of distance evaluations of a pixel shown in red.
 const RUNS_RED: f32 = 100.0;
-/// Approximate number of the slice's lines across the picture's height.
+/// Approximate number of the slice's lines across the image's height.
 const SLICE_LINES: f32 = 40.0;
-/// Distance shown in black, as a multiple of the distance to what the camera looks at.
+/// Distance shown in black, as a multiple of the distance to the camera's target.
 const DEPTH_BLACK: f32 = 1.6;
 /// Most objects that a legend names.
 const OBJECTS_NAMED: usize = 11;
 
 impl ViewSetup {
-    /// The view of a frame of a world.
+    /// Sets up a view of a frame of a world.
     pub fn of(choice: ViewChoice, frame: &Frame, world: &World, drawn: Drawn) -> Self {
         let reach = (frame.camera.position - frame.target()).length() as f32;
         let number = |own: f32| choice.number.unwrap_or(own);
@@ -68,7 +68,7 @@ impl ViewSetup {
             View::Materials => (None, materials(legend, world)),
             View::Depth => with(number(nice(DEPTH_BLACK * reach)), |black| depth(legend, black)),
         };
-        // The plane of the slice goes through what the camera looks at, and faces the camera.
+        // The plane of the slice contains the camera's target and faces the camera.
         let normal: DVec3 = frame.camera.forward;
         let offset = -normal.dot(frame.target());
         let [x, y, z] = normal.as_vec3().to_array();
@@ -81,12 +81,12 @@ impl ViewSetup {
     }
 }
 
-/// A number and the legend that shows it.
+/// A number and a legend that depends on it.
 fn with(number: f32, legend: impl FnOnce(f32) -> Legend) -> (Option<f32>, Legend) {
     (Some(number), legend(number))
 }
 
-/// A legend's entry for places where nothing is met.
+/// The legend entry of pixels without a surface.
 fn nothing() -> (Color, String) {
     (scale::NOTHING, "no surface".to_owned())
 }
@@ -102,7 +102,7 @@ fn marks(ramp: Ramp, full: f32, unit: &str) -> Scale {
 }
 
 fn steps(legend: Legend, number: f32) -> Legend {
-    let lines = ["Steps of the ray from the eye: evaluations", "of the distance. Skipped cells cost none."];
+    let lines = ["Steps of the ray from the eye: evaluations", "of the distance. Skipped cells need none."];
     Legend { lines: lines.map(str::to_owned).to_vec(), scale: Some(marks(Ramp::Heat, number, "+")), ..legend }
 }
 
@@ -110,9 +110,9 @@ fn slice(legend: Legend, spacing: f32, world: &World) -> Legend {
     let what = if world.non_lipschitz { "Values of the formula" } else { "Distances to the nearest surface" };
     Legend {
         lines: vec![
-            format!("{what} on the plane through what"),
-            "the camera looks at. Surfaces before it are faint.".to_owned(),
-            format!("A line every {}, a strong one every {}.", written(spacing), written(5.0 * spacing)),
+            format!("{what} on a plane through the"),
+            "camera's target. Surfaces in front are faint.".to_owned(),
+            format!("A line every {}, a bold one every {}.", written(spacing), written(5.0 * spacing)),
         ],
         colors: vec![
             (scale::OUTSIDE, "outside".to_owned()),
@@ -125,8 +125,8 @@ fn slice(legend: Legend, spacing: f32, world: &World) -> Legend {
 
 fn normals(legend: Legend, number: Option<f32>) -> Legend {
     let length = match number {
-        Some(number) => format!("by differences over {}", written(number)),
-        None => "by differences over 0.6 of the pixel's radius".to_owned(),
+        Some(number) => format!("by finite differences over {}", written(number)),
+        None => "by finite differences over 0.6 pixel radii".to_owned(),
     };
     let axis = |place: usize, sign: f32| -> Color {
         std::array::from_fn(|axis| if axis == place { 0.5 + 0.5 * sign } else { 0.5 })
@@ -137,22 +137,22 @@ fn normals(legend: Legend, number: Option<f32>) -> Legend {
         [(axis(place, 1.0), format!("+{letter} {plus}")), (axis(place, -1.0), format!("-{letter} {minus}"))]
     });
     let colors = colors.chain([nothing()]).collect();
-    let lines = vec!["Directions of the surfaces,".to_owned(), length];
+    let lines = vec!["Normals of the surfaces,".to_owned(), length];
     Legend { lines, colors, ..legend }
 }
 
 fn shadow(legend: Legend) -> Legend {
     Legend {
-        lines: vec!["The share of the lamps' light that arrives.".to_owned()],
+        lines: vec!["The fraction of direct light that arrives.".to_owned()],
         scale: Some(marks(Ramp::Light, 1.0, "")),
-        colors: vec![(scale::FACES_AWAY, "no lamp reaches it".to_owned()), nothing()],
+        colors: vec![(scale::FACES_AWAY, "faces away from lights".to_owned()), nothing()],
         ..legend
     }
 }
 
 fn occlusion(legend: Legend) -> Legend {
     Legend {
-        lines: vec!["The share of the light from everywhere".to_owned(), "that arrives.".to_owned()],
+        lines: vec!["The fraction of the ambient light".to_owned(), "that arrives.".to_owned()],
         scale: Some(marks(Ramp::Light, 1.0, "")),
         colors: vec![nothing()],
         ..legend
@@ -163,27 +163,28 @@ fn clauses(legend: Legend, number: f32, drawn: Drawn) -> Legend {
     let lines = if drawn.interpreted {
         ["Clauses that the interpreter runs for a pixel:", "rays, normals, shadows, occlusion, materials."]
     } else {
-        ["Compiled: no clauses are run. Shown are the", "evaluations of the distance for a pixel."]
+        ["Compiled: no clauses are interpreted. Shown", "are distance evaluations for a pixel."]
     };
     Legend { lines: lines.map(str::to_owned).to_vec(), scale: Some(marks(Ramp::Heat, number, "+")), ..legend }
 }
 
 fn cells(legend: Legend, number: f32, drawn: Drawn) -> Legend {
     if !drawn.cells {
-        let lines = ["Regions are off: one tape holds everywhere.", "Key R, or --regions on, divides space."];
+        let lines =
+            ["Regions are off: one tape applies everywhere.", "Key R, or --regions on, divides space."];
         return Legend { lines: lines.map(str::to_owned).to_vec(), ..legend };
     }
     let lines = [
-        "Cells at the surfaces, and the clauses of the",
-        "tape inside. Lines are the faces of cells,",
-        "strong ones those of the root's.",
+        "Cells at the surfaces, and the clauses of",
+        "their tapes. Lines are the faces of cells,",
+        "bold lines those of the root's cells.",
     ];
     Legend {
         lines: lines.map(str::to_owned).to_vec(),
         scale: Some(marks(Ramp::Heat, number, "+")),
         colors: vec![
             (scale::EMPTY_CELL, "a cell without a traced surface".to_owned()),
-            (scale::NO_CELL, "outside of the tree".to_owned()),
+            (scale::NO_CELL, "outside the tree".to_owned()),
             nothing(),
         ],
         ..legend
@@ -209,12 +210,12 @@ fn materials(legend: Legend, world: &World) -> Legend {
         colors.push((scale::of_object(named), format!("and {} more", objects.len() - named)));
     }
     colors.push(nothing());
-    Legend { lines: vec!["Objects, and what they are made of.".to_owned()], colors, ..legend }
+    Legend { lines: vec!["Objects and their materials.".to_owned()], colors, ..legend }
 }
 
 fn depth(legend: Legend, number: f32) -> Legend {
     Legend {
-        lines: vec!["The way from the eye to the surface,".to_owned(), "in the scene's units.".to_owned()],
+        lines: vec!["Distance from the eye to the surface,".to_owned(), "in the scene's units.".to_owned()],
         scale: Some(marks(Ramp::Dark, number, "+")),
         colors: vec![nothing()],
         ..legend

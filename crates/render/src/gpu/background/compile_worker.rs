@@ -102,10 +102,7 @@ impl CompileWorker {
             };
             if let Some((program, binary)) = taken {
                 self.warm_up(&program, &asked)?;
-                tracing::info!(
-                    "loaded a stored program in {:.0} ms",
-                    1000.0 * start.elapsed().as_secs_f64()
-                );
+                tracing::info!("loaded a stored program in {:.0} ms", 1000.0 * start.elapsed().as_secs_f64());
                 return Ok(Made { program: ReadyProgram::new(texts, Some(binary)), to_keep: None });
             }
             tracing::info!("the driver rejects a stored program: compiling it again");
