@@ -167,8 +167,7 @@ impl Session {
 }
 
 impl Playback {
-    /// Shows the scene with this title or number. Numbers start at 1, with the favourite scenes
-    /// first.
+    /// Shows the scene with this title or number. Numbers start at 1, with the favourite scenes first.
     fn show_scene_named(&mut self, name: SceneName) {
         match name {
             SceneName::Title(title) => {

@@ -59,8 +59,7 @@ impl Cues {
         Some(Arc::new(show.with_cues(song, &self.pressed)))
     }
 
-    /// Notes a key press at `time` seconds of the song. After a seek back, later presses are
-    /// forgotten.
+    /// Notes a key press at `time` seconds of the song. After a seek back, later presses are forgotten.
     pub(super) fn press(&mut self, time: f64) -> Pressed {
         let Some((show, song)) = &self.show else { return Pressed::NoCues };
         let cues = show.cues();

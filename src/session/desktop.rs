@@ -8,7 +8,6 @@ pub(crate) trait DesktopControls {
     /// Returns the next command from the desktop, if any.
     fn poll(&self) -> Option<Command>;
 
-    /// Reports the state of playback to the desktop. A song that has not `started` waits for the
-    /// first frame.
+    /// Reports the state of playback to the desktop. A song that has not `started` waits for the first frame.
     fn show(&self, status: &PlayerStatus, started: bool, fullscreen: bool);
 }

@@ -118,8 +118,7 @@ impl Direction {
         }
     }
 
-    /// Updates the track and its song structure. The director chooses among `scenes`. Returns news
-    /// about the show.
+    /// Updates the track and its song structure. The director chooses among `scenes`. Returns news about the show.
     pub(crate) fn update(
         &mut self,
         track: OfTrack,
@@ -147,8 +146,7 @@ impl Direction {
                     self.of = Some((source, track));
                     self.loader.request(key);
                 } else if self.of.take().is_some() {
-                    // The show of the last track is over. The current scene stays until this track
-                    // is known.
+                    // The show of the last track is over. The current scene stays until this track is known.
                     return Some(ShowNotice::PreparedShow(None));
                 }
             }

@@ -1,4 +1,4 @@
-//! Draws the window: the scene's picture if it is to look different, and the overlay over it.
+//! Draws the window: the scene's frame if it must change, and the overlay over it.
 
 use std::time::{Duration, Instant};
 
@@ -16,22 +16,22 @@ use crate::session::screen::Screen;
 use crate::ui::overlay::{Overlay, OverlayContent, Painted, PanelSwitches};
 use mariana_player::Moment;
 
-/// How often a window without a picture is painted again: something may have covered it.
+/// How often a window without a frame is painted again, since something may have covered it.
 const WAITING_AGAIN: Duration = Duration::from_millis(250);
 
 impl Session {
-    /// Draws the window, or a part of a picture that takes long. Returns whether it shows its first picture, with
-    /// which the song starts.
+    /// Draws the window, or a part of a slow frame. Returns `true` for the first frame, with which the song starts.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub(super) fn draw(&mut self) -> Result<bool, SessionError> {
         if let Some(seconds) = self.playback.first_shown_after.take() {
-            // Nothing is dimmed in the first picture, so it was shown before the driver had made the limiter's programs.
+            // Nothing is dimmed in the first frame, so it was shown before the driver had compiled the limiter's
+            // programs.
             self.playback.renderer.limit_flashes(seconds)?;
         }
         let begun = clock::now();
-        // A picture whose regions have come was due before.
+        // A frame whose regions are finished was already due earlier.
         if !self.playback.scene.composer().has_regions() && !self.playback.scene.composer().is_drawing() {
             self.playback.pace.begun(begun, self.playback.controllers.are_unseen());
         }
@@ -43,8 +43,8 @@ impl Session {
         let Some((size, moment)) = size.and_then(|size| Some((size, self.playback.moment()?))) else {
             return Ok(false);
         };
-        // A picture that takes long, or that the window system is slow to ask for, must not look as if the show stood
-        // still: it would be begun again with all pixels.
+        // A slow frame, or a late redraw request, must not make the show look idle: the frame would be restarted at
+        // full quality.
         self.playback.pace.note_wanted(Some(moment), self.playback.scene.revision(), begun);
         let level = self.playback.level(begun);
         let drawn = drawn_size(level, whole, self.playback.side_max(&*self.screen));
@@ -53,7 +53,7 @@ impl Session {
         }
         let wanted =
             Shown { moment, size: drawn, edges: level.edges, revision: self.playback.scene.revision() };
-        // A picture that is held is what is wanted.
+        // A frozen frame stays wanted.
         let held = self.playback.holds_picture();
         let wanted = self.playback.pace.shown().filter(|_| held).unwrap_or(wanted);
         let new = self.playback.draw_picture(wanted, level, whole, begun)?;
@@ -62,7 +62,7 @@ impl Session {
         self.present(Picture { wanted, new, dims, level, begun }, &lay, size)
     }
 
-    /// Returns `true` once a resting show has its best picture. A frozen picture always rests.
+    /// Returns `true` once an idle show has its best frame. A frozen frame is always at rest.
     pub(super) fn is_at_rest(&self, now: Instant) -> bool {
         let playback = &self.playback;
         let is_drawn =
@@ -70,10 +70,10 @@ impl Session {
         playback.holds_picture() || playback.pace.stands_still(now) && is_drawn
     }
 
-    /// Shows the picture and what is over it, if either looks different. Returns whether it is the first picture.
+    /// Shows the frame and the overlay, if either has changed. Returns `true` for the first frame.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     fn present(&mut self, picture: Picture, lay: &Lay, size: (u32, u32)) -> Result<bool, SessionError> {
         let Picture { wanted, new, dims, level, begun } = picture;
         let corner = self.interface.corner_line(&self.playback, begun);
@@ -101,7 +101,7 @@ impl Session {
             return self.show_waiting(size).map(|()| false);
         };
         let handing_over = clock::now();
-        // Without a new picture there is something to show only if the overlay or the window changes.
+        // Without a new frame, only the overlay or the window may have changed.
         let waits = new.is_none() && !dims && (shown != wanted || is_drawing);
         let has_words = self.interface.overlay.due(&content, begun).is_some_and(|due| due <= begun)
             && self.screen.shows_words();
@@ -146,10 +146,10 @@ impl Session {
         Ok(first)
     }
 
-    /// Says in a window without a picture what is being prepared: an unpainted window looks broken.
+    /// Shows the name of the scene being prepared in a window without a frame: an empty window looks broken.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), SessionError> {
         let now = clock::now();
         let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
@@ -167,24 +167,24 @@ impl Session {
     }
 }
 
-/// A picture that is drawn or shown.
+/// A frame to be shown.
 struct Picture {
-    /// What it is to show.
+    /// The wanted frame.
     wanted: Shown,
-    /// What was drawn of it anew.
+    /// The new frame, if one was drawn.
     new: Option<Drawn>,
-    /// Whether it is brighter or darker than before.
+    /// True if the brightness has changed.
     dims: bool,
     level: Level,
     begun: Instant,
 }
 
 impl Playback {
-    /// Draws the picture that is wanted, or a part of it, if another one shows. `whole` are the pixels of its screen.
-    /// Returns it once it is complete.
+    /// Draws the wanted frame, or a part of it, if another one is shown. `whole` is the size of its screen in pixels.
+    /// Returns the frame once it is complete.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     fn draw_picture(
         &mut self,
         wanted: Shown,
@@ -197,7 +197,7 @@ impl Playback {
         if is_there || waits_for_text {
             return Ok(None);
         }
-        // The curves take longer than all other inputs of a frame, so they are only computed for scenes that read them.
+        // The curves cost more than all other inputs of a frame, so they are computed only for scenes that read them.
         let hears_curves = self.scene.scenes().hear_curves();
         let curves = if hears_curves { self.listening.curves() } else { Default::default() };
         let Shown { moment, size, .. } = wanted;
@@ -214,11 +214,11 @@ impl Playback {
         Ok(new)
     }
 
-    /// Dims the picture as the masters and the limiter of flashes say, and notes it. Returns whether its light changes
-    /// though it is no new one; `None` if the driver has no memory for that.
+    /// Dims the frame for the master output and the flash limiter. Returns `true` if the brightness of an old frame
+    /// changes; `None` if the driver has no memory for that.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     fn finish_picture(&mut self, new: Option<&Drawn>, begun: Instant) -> Result<Option<bool>, SessionError> {
         let gain = self.master_output.gain(begun);
         let dims = self.pace.shown().is_some() && gain != self.renderer.gain();
@@ -226,7 +226,7 @@ impl Playback {
             self.renderer.dim(gain)?;
             let since_last = self.pace.note_picture(begun);
             if self.pace.shown().is_some() {
-                // What flashes too often is dimmed.
+                // Dims flashes that are too frequent.
                 let limited = self.renderer.limit_flashes(since_last);
                 if self.without_room_smaller(limited)?.is_none() {
                     return Ok(None);
@@ -244,10 +244,10 @@ impl Playback {
         Ok(Some(dims))
     }
 
-    /// Lets the driver make the programs that all scenes share while it makes that of the first one.
+    /// Compiles the programs shared by all scenes while the first scene's program is compiled.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     fn warm_up(&mut self) -> Result<(), SessionError> {
         let Some(picture) = self.scene.scenes().coming_picture() else { return Ok(()) };
         let (scene, mut updated) = (&mut self.scene, Ok(()));
@@ -261,13 +261,13 @@ impl Playback {
         Ok(updated?)
     }
 
-    /// What the next picture shows: what is heard now, or what the last picture showed if it would look the same.
+    /// The moment that the next frame shows: the current one, or that of the last frame if it would look the same.
     pub(super) fn moment(&mut self) -> Option<Moment> {
         let now = self.listening.now()?;
         Some(self.pace.moment(now, self.scene.moves_by_itself()))
     }
 
-    /// Whether a show that stands still could be drawn better than it is.
+    /// True if an idle show could be drawn at a better quality.
     pub(super) fn could_be_better(&self, screen: &dyn Screen, now: Instant) -> bool {
         self.pace.could_be_better(now, self.scene.composer().view().is_some(), self.side_max(screen))
     }
@@ -280,27 +280,26 @@ impl Playback {
         screen.gl().info().texture_side_max
     }
 
-    /// Checks whether the picture that is being drawn takes too long: then it is drawn with fewer pixels or, if that
-    /// would not be enough, not at all.
+    /// Checks if the frame in progress takes too long. It is then drawn with fewer pixels or, if that is not enough,
+    /// its scene is removed.
     fn weigh_picture(&mut self, level: Level, now: Instant) {
         let Some(seconds) = self.scene.composer().seconds_of_picture() else { return };
         match self.pace.weigh(level, seconds, now) {
             Verdict::GoOn => {}
             Verdict::DrawSmaller => self.scene.composer_mut().give_picture_up(),
             Verdict::TakeBack => {
-                self.scene.take_back(&format!("a picture of this window would take about {seconds:.0} s"));
+                self.scene.take_back(&format!("a frame of this window would take about {seconds:.0} s"));
             }
         }
     }
 
-    /// What was made. If the driver has no memory for a picture, the next one is drawn smaller and this one is left
-    /// out.
+    /// Returns what was made. If the driver has no memory for a frame, skips it and draws the next one smaller.
     fn without_room_smaller<T>(&mut self, made: Result<T, GpuError>) -> Result<Option<T>, GpuError> {
         match made {
             Err(GpuError::Object { what, reason }) if self.pace.make_smaller() => {
                 tracing::warn!("the driver could not make {what}: {reason}");
                 self.reports.answer(
-                    "the driver has no memory for a picture of this size: a smaller one is drawn".to_owned(),
+                    "the driver has no memory for a frame of this size: drawing a smaller one".to_owned(),
                 );
                 self.scene.composer_mut().give_picture_up();
                 Ok(None)
@@ -309,8 +308,8 @@ impl Playback {
         }
     }
 
-    /// What a picture cost that took `drawing` until it was handed over and `showing` in all. Handing over waits for a
-    /// monitor, but on a software renderer it is what draws.
+    /// The cost of a frame that took `drawing` until it was handed over and `showing` in total. Handing over usually
+    /// waits for the monitor, but a software renderer does its drawing then.
     pub(super) fn cost(&mut self, screen: &mut dyn Screen, drawing: Duration, showing: Duration) -> Duration {
         match (screen.gl().info().software, self.renderer.gpu_time()) {
             (true, _) => showing,
@@ -320,7 +319,7 @@ impl Playback {
 }
 
 impl Interface {
-    /// Takes what was done in the panels and what they want of the screen.
+    /// Takes the events of the panels and their requests to the screen.
     fn take_painted(&mut self, screen: &mut dyn Screen, painted: Painted) {
         self.ui_events.extend(painted.events);
         if let Some(controls) = painted.controls {
@@ -334,7 +333,7 @@ impl Interface {
         }
     }
 
-    /// When the window has to be drawn again because of the overlay.
+    /// The next time that the overlay needs a redraw.
     pub(super) fn overlay_due(
         &mut self,
         playback: &mut Playback,
@@ -354,12 +353,12 @@ impl Interface {
         );
         content.next = playback.preview.next().filter(|_| !self.ui_state.bare);
         let due = self.overlay.due(&content, now);
-        // The bar goes when the pointer has rested.
+        // The bar disappears when the pointer has rested.
         let goes = self.pointer_rest.falls_asleep().filter(|_| seen.awake);
         due.into_iter().chain(goes).min()
     }
 
-    /// What the overlay needs to know of the pointer and the track.
+    /// The overlay's inputs about pointer and track.
     fn look_around_ui_state(
         &mut self,
         playback: &mut Playback,
@@ -371,7 +370,7 @@ impl Interface {
         let (lists, shows_bar) =
             (self.ui_state.panels.open() == Some(Panel::Tracks), awake && !self.ui_state.is_quiet());
         let song = playback.listening.with_song(|player| {
-            // How loud the track is is not measured before the bar shows it.
+            // The loudness of the track is measured only when the bar shows it.
             let shape = if shows_bar { player.shape() } else { None };
             (lists.then(|| player.playlist()), shape)
         });
@@ -382,7 +381,7 @@ impl Interface {
         Seen { awake, assisted, fullscreen, tracks, shape, follows, song }
     }
 
-    /// Notes which scene is on the stage, and its place among the others.
+    /// Updates the shown scene's name and position in the list.
     fn note_scene(&mut self, playback: &mut Playback) {
         let Some(source) = playback.scene.scenes().shown_source() else { return };
         if self.ui_state.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
@@ -390,7 +389,7 @@ impl Interface {
         }
     }
 
-    /// The line about the scene and how it is drawn, if it is wanted.
+    /// The line about the scene and its drawing, if it is shown.
     fn corner_line(&self, playback: &Playback, now: Instant) -> Option<String> {
         let wanted = self.ui_state.panels.corner();
         wanted
@@ -401,10 +400,10 @@ impl Interface {
     }
 }
 
-/// Paints a window that has no picture yet: what there is to say, and the scene's title, over black.
+/// Paints a window that has no frame yet: messages and the scene's title on black.
 ///
 /// # Errors
-/// What the driver refuses.
+/// The driver's error.
 pub(super) fn paint_waiting(
     screen: &mut dyn Screen,
     overlay: &mut Overlay,

@@ -1,4 +1,4 @@
-//! When pictures are drawn, and how well: what the last one showed, how long pictures take, and whether the show moves.
+//! The pace and the quality of frames: when the next one is due, how long frames take, and if the show is idle.
 
 use std::time::{Duration, Instant};
 
@@ -11,33 +11,32 @@ use crate::session::pacing::Pacing;
 use crate::session::scene::Shown;
 use mariana_player::Moment;
 
-/// After standing still for this long, a show is drawn as well as possible.
+/// An idle show gets the best quality after this time.
 const STANDS_STILL: Duration = Duration::from_millis(400);
 
-/// How to go on with a picture that is being drawn.
+/// The decision about a frame in progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// As it was begun.
     GoOn,
-    /// Anew, with fewer pixels.
+    /// Start again with fewer pixels.
     DrawSmaller,
-    /// Not at all: fewer pixels would not be enough.
+    /// Give up the scene: fewer pixels would not be enough.
     TakeBack,
 }
 
-/// How many new pictures there are in a second: counted for a second or more, so that the number can be read.
+/// The number of new frames per second, counted over a second or more so that it is readable.
 #[derive(Debug, Default)]
 struct PictureRate {
-    /// When counting began, and the pictures since.
+    /// Start of the count, and the frames since then.
     counted: Option<(Instant, u32)>,
-    /// The last picture.
+    /// Time of the last frame.
     last: Option<Instant>,
     per_second: Option<f64>,
 }
 
 impl PictureRate {
     const COUNTED_FOR: Duration = Duration::from_secs(1);
-    /// Without a new picture for this long there is no rate.
+    /// The rate is forgotten after this time without a new frame.
     const GONE_AFTER: Duration = Duration::from_secs(3);
 
     fn note(&mut self, now: Instant) {
@@ -59,24 +58,24 @@ impl PictureRate {
     }
 }
 
-/// See the module.
+/// Decides when and at which level frames are drawn.
 pub(crate) struct DrawingPace {
     pacing: Pacing,
     resolution: DynamicResolution,
     times: FrameTimes,
-    /// What the last frame showed. A show that stands still is not drawn again.
+    /// The last frame. An idle show is not drawn again.
     shown: Option<Shown>,
-    /// The window's size at the last drawing.
+    /// The window's size at the last frame.
     window_size: Option<(u32, u32)>,
-    /// When the show last moved.
+    /// Time of the last change in the show.
     moved: Instant,
-    /// When the last new picture was begun.
+    /// Time when the last new frame was begun.
     pictured: Option<Instant>,
     rate: PictureRate,
 }
 
 impl DrawingPace {
-    /// For at most `fps` frames per second from `now` on, drawn by a GPU or by `software`.
+    /// Starts at `now` with at most `fps` frames per second. `software` is true for a software renderer.
     pub(crate) fn new(quality: QualityChoice, fps: f64, software: bool, now: Instant) -> Self {
         let resolution = if software { DynamicResolution::beginning_small } else { DynamicResolution::new };
         Self {
@@ -91,27 +90,27 @@ impl DrawingPace {
         }
     }
 
-    /// The same for another context, in which nothing was drawn yet.
+    /// The same for a new context, in which nothing has been drawn.
     pub(crate) fn renewed(self, now: Instant) -> Self {
         Self { shown: None, pictured: None, moved: now, ..self }
     }
 
-    /// Draws by another choice from now on.
+    /// Changes the quality setting.
     pub(crate) fn set_quality(&mut self, quality: QualityChoice) {
         self.resolution = self.resolution.chosen_anew(quality);
     }
 
-    /// What the last frame showed.
+    /// The last frame.
     pub(crate) fn shown(&self) -> Option<Shown> {
         self.shown
     }
 
-    /// How long frames took, for the log.
+    /// Frame times, for the log.
     pub(crate) fn times(&self) -> &FrameTimes {
         &self.times
     }
 
-    /// When the next frame is due, perhaps one that answers a hand.
+    /// The time of the next frame. `answers` is true if a controller is waiting for it.
     pub(crate) fn due(&self, answers: bool) -> Instant {
         self.pacing.due(answers)
     }
@@ -121,18 +120,18 @@ impl DrawingPace {
         self.pacing.begun(now, answers);
     }
 
-    /// Notes the window's size at a drawing; none while it has no area.
+    /// Sets the window's size; `None` while it has no area.
     pub(crate) fn set_window_size(&mut self, size: Option<(u32, u32)>) {
         self.window_size = size;
     }
 
-    /// What the next picture shows: what is heard `now`, or what the last picture showed if it would look the same.
+    /// The moment that the next frame shows: `now`, or that of the last frame if it would look the same.
     pub(crate) fn moment(&self, now: Moment, moves_by_itself: bool) -> Moment {
         let same = |shown: &Shown| shown.moment.features == now.features && !moves_by_itself;
         self.shown.filter(same).map_or(now, |shown| shown.moment)
     }
 
-    /// Notes what would be shown at `now`. Returns whether the show moves.
+    /// Notes the frame that would be shown at `now`. Returns `true` if it differs from the last one.
     pub(crate) fn note_wanted(&mut self, moment: Option<Moment>, revision: u64, now: Instant) -> bool {
         let moves = self.shown.is_none_or(|shown| moment != Some(shown.moment) || shown.revision != revision);
         if moves {
@@ -146,8 +145,7 @@ impl DrawingPace {
         now.saturating_duration_since(self.moved) >= STANDS_STILL
     }
 
-    /// How the next picture is drawn: as well as possible if it stands still, and also if it is a view, whose legend
-    /// is read.
+    /// The level of the next frame: the best for an idle show, and for a view, whose legend must be readable.
     pub(crate) fn level(&self, now: Instant, is_view: bool) -> Level {
         if self.stands_still(now) || is_view {
             self.resolution.still_level()
@@ -156,40 +154,39 @@ impl DrawingPace {
         }
     }
 
-    /// Says whether samples are saved because the scene is being edited. A show that stands still is drawn well all the
-    /// same: there is time.
+    /// Sets if samples are saved because the scene is being edited. An idle show still gets the best quality: there
+    /// is time.
     pub(crate) fn set_edited(&mut self, edited: bool) {
         self.resolution.set_edited(edited);
     }
 
-    /// Whether a show that stands still could be drawn better than it is, by a driver whose textures have up to
-    /// `side_max` texels.
+    /// True if an idle show could be drawn at a better quality with textures of up to `side_max` texels.
     pub(crate) fn could_be_better(&self, now: Instant, is_view: bool, side_max: u32) -> bool {
         let Some((shown, window)) = self.shown.zip(self.window_size) else { return false };
         let level = self.level(now, is_view);
         (shown.size, shown.edges) != (drawn_size(level, window, side_max), level.edges)
     }
 
-    /// Notes a new picture that was begun at `begun`. Returns the seconds since the one before, 0 for the first.
+    /// Notes a new frame that was begun at `begun`. Returns the seconds since the previous one, 0 for the first.
     pub(crate) fn note_picture(&mut self, begun: Instant) -> f64 {
         let last = self.pictured.replace(begun).unwrap_or(begun);
         self.rate.note(begun);
         begun.saturating_duration_since(last).as_secs_f64()
     }
 
-    /// The rate and the size of pictures, such as "60 fps · 1280x720"; no rate while nothing moves.
+    /// The rate and the size of frames, such as "60 fps · 1280x720". Without a rate while the show is idle.
     pub(crate) fn about_pictures(&self, now: Instant) -> String {
         let rate = self.rate.at(now).map(|rate| format!("{rate:.0} fps"));
         let size = self.shown.map(|Shown { size: (width, height), .. }| format!("{width}x{height}"));
         rate.into_iter().chain(size).collect::<Vec<_>>().join(" · ")
     }
 
-    /// In words, such as "high quality".
+    /// The quality as text, such as "high quality".
     pub(crate) fn quality(&self) -> String {
         self.resolution.to_string()
     }
 
-    /// Judges a picture that will take this many seconds. For one that stands still there is time.
+    /// Judges a frame that will take this many seconds. The frame of an idle show has time.
     pub(crate) fn weigh(&mut self, level: Level, seconds: f64, now: Instant) -> Verdict {
         if level != self.resolution.level() {
             Verdict::GoOn
@@ -202,17 +199,18 @@ impl DrawingPace {
         }
     }
 
-    /// Draws fewer pixels from now on, because the driver had no memory for a picture. False if that is no help.
+    /// Draws fewer pixels from now on, because the driver had no memory for a frame. Returns `false` if that is not
+    /// possible.
     pub(crate) fn make_smaller(&mut self) -> bool {
         self.shown.is_some() && self.resolution.make_smaller()
     }
 
-    /// Notes what the window shows. Returns whether it is the first picture.
+    /// Notes the frame that the window shows. Returns `true` for the first one.
     pub(crate) fn show(&mut self, shown: Shown) -> bool {
         self.shown.replace(shown).is_none()
     }
 
-    /// Notes that a new picture took `time` until it was shown, and `cost` without waiting for the monitor.
+    /// Notes that a new frame took `time` until it was shown, and `cost` without waiting for the monitor.
     pub(crate) fn note_times(&mut self, level: Level, time: Duration, cost: Duration) {
         self.times.note(time);
         if level == self.resolution.level() {
@@ -221,14 +219,14 @@ impl DrawingPace {
     }
 }
 
-/// The size in which a level draws a window. A size beyond the driver's textures, whose sides have up to `side_max`
-/// texels, or with more pixels than a picture may have, is reduced too.
+/// The size in which a level draws a window. Reduced to texture sides of `side_max` texels and to the maximum number
+/// of pixels.
 pub(crate) fn drawn_size(level: Level, window: (u32, u32), side_max: u32) -> (u32, u32) {
     let within = (window.0.min(side_max), window.1.min(side_max));
     level.size_in(within_pixels(within, LIMITS.picture_pixels_max))
 }
 
-/// A size of at most `max` pixels and of the same shape, as far as whole pixels allow.
+/// A size of at most `max` pixels with the same aspect ratio, up to rounding.
 fn within_pixels(size: (u32, u32), max: u64) -> (u32, u32) {
     let pixels = f64::from(size.0) * f64::from(size.1);
     let scale = (max as f64 / pixels.max(1.0)).sqrt().min(1.0);
@@ -249,33 +247,33 @@ mod tests {
         Moment { song_time, features, segment: 1, ..Moment::default() }
     }
 
-    /// A pace whose last picture showed `moment`, drawn as it is drawn at `now`.
+    /// A pace whose last frame showed `moment` at the level of `now`.
     fn shows(moment: Moment, now: Instant) -> DrawingPace {
         let mut pace = DrawingPace::new(QualityChoice::Auto, 60.0, false, now);
         pace.set_window_size(Some(WINDOW));
         let level = pace.level(now, false);
         let shown = Shown { moment, size: WINDOW, edges: level.edges, revision: 3 };
-        assert!(pace.show(shown) && !pace.show(shown), "only the first is the first");
+        assert!(pace.show(shown) && !pace.show(shown), "only the first call reports the first frame");
         pace
     }
 
     #[test]
-    fn the_rate_is_that_of_the_last_second_and_goes_when_nothing_moves() {
+    fn the_rate_covers_the_last_second_and_ends_when_the_show_is_idle() {
         let start = Instant::now();
         let at = |milliseconds: u64| start + Duration::from_millis(milliseconds);
         let mut rate = PictureRate::default();
         (0..50).for_each(|n| rate.note(at(20 * n)));
-        assert_eq!(rate.at(at(980)), None, "not yet a second");
+        assert_eq!(rate.at(at(980)), None, "less than a second");
         rate.note(at(1_000));
         assert_eq!(rate.at(at(1_000)), Some(50.0));
         (1..=10).for_each(|n| rate.note(at(1_000 + 100 * n)));
         assert_eq!((rate.at(at(2_000)), rate.at(at(5_001))), (Some(10.0), None));
         rate.note(at(60_000));
-        assert_eq!(rate.at(at(60_000)), None, "the pause is no slow picture");
+        assert_eq!(rate.at(at(60_000)), None, "a pause does not count as a slow frame");
     }
 
     #[test]
-    fn what_would_look_the_same_is_the_moment_that_is_shown() {
+    fn an_unchanged_sound_keeps_the_shown_moment() {
         let pace = shows(moment(1.0, 0.5), Instant::now());
         let (same, louder) = (moment(2.0, 0.5), moment(2.0, 0.6));
         assert_eq!(pace.moment(same, false).song_time, 1.0);
@@ -284,18 +282,18 @@ mod tests {
     }
 
     #[test]
-    fn a_show_that_stands_still_is_drawn_once_more_and_better() {
+    fn an_idle_show_is_drawn_once_more_at_the_best_quality() {
         let now = Instant::now();
         let mut pace = shows(moment(1.0, 0.5), now);
         assert!(!pace.note_wanted(Some(moment(1.0, 0.5)), 3, now));
         assert!(!pace.could_be_better(now, false, SIDE_MAX));
-        assert!(pace.could_be_better(now, true, SIDE_MAX), "the legend of a view is read");
+        assert!(pace.could_be_better(now, true, SIDE_MAX), "the legend of a view must be readable");
         let later = now + STANDS_STILL;
         assert!(pace.could_be_better(later, false, SIDE_MAX));
         let level = pace.level(later, false);
         pace.show(Shown { moment: moment(1.0, 0.5), size: WINDOW, edges: level.edges, revision: 3 });
         assert!(!pace.could_be_better(later, false, SIDE_MAX));
-        // It moves if the sound does, if the scene does, and if there is nothing to hear.
+        // The show changes with the sound, with the revision, and if there is no sound.
         assert!(pace.note_wanted(Some(moment(1.0, 0.6)), 3, later));
         assert!(pace.note_wanted(Some(moment(1.0, 0.5)), 4, later));
         assert!(pace.note_wanted(None, 3, later));
@@ -303,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_that_take_too_long_are_smaller_or_none_and_stills_have_time() {
+    fn slow_frames_get_smaller_or_are_given_up_and_stills_have_time() {
         let now = Instant::now();
         let mut pace = shows(moment(1.0, 0.5), now);
         let (moving, still) = (pace.level(now, false), pace.level(now + STANDS_STILL, false));
@@ -317,18 +315,18 @@ mod tests {
     }
 
     #[test]
-    fn another_context_begins_with_a_first_picture() {
+    fn a_new_context_begins_with_a_first_frame() {
         let now = Instant::now();
         let mut pace = shows(moment(1.0, 0.5), now);
         assert_eq!(pace.note_picture(now), 0.0);
         assert_eq!(pace.note_picture(now + Duration::from_millis(500)), 0.5);
         let mut pace = pace.renewed(now);
         assert_eq!((pace.shown(), pace.note_picture(now + Duration::from_secs(9))), (None, 0.0));
-        assert!(!pace.make_smaller(), "the first picture is not the one that was too large");
+        assert!(!pace.make_smaller(), "no frame was shown that could be too large");
     }
 
     #[test]
-    fn windows_beyond_what_can_be_drawn_are_drawn_smaller() {
+    fn windows_beyond_the_limits_are_drawn_smaller() {
         let level =
             DrawingPace::new(QualityChoice::Best, 60.0, false, Instant::now()).level(Instant::now(), false);
         assert_eq!(drawn_size(level, WINDOW, SIDE_MAX), WINDOW);

@@ -1,18 +1,16 @@
-//! Keeps the window's frame rate: if frames take too long it draws fewer pixels with cheaper terms, and more again
-//! when there is time left.
+//! Keeps the window's frame rate: draws fewer pixels with cheaper terms when frames take too long, and more again
+//! when there is time.
 //!
-//! A pure controller: the frames' times and costs come in, a level comes out. It gives way within a quarter of a
-//! second, and comes back one level at a time after seconds without doubt. One slow frame changes nothing. A level
-//! that had to be left soon after it was tried is tried again later and later, so that nothing oscillates at a
-//! boundary.
+//! A pure controller: frame times and costs are its input, a level its output. It reduces the level within a quarter
+//! of a second, by as many levels as needed, and raises it by one level after seconds without a slow frame. A single
+//! slow frame changes nothing. A level that was raised too early is retried after longer and longer waits, so that
+//! nothing oscillates at a boundary.
 //!
-//! **The window gives way, the files do not.** `session::dynamic_resolution` chooses among fourteen levels. A level sets
-//! the number of pixels, which `upscale.frag` enlarges, and the shaders' `frame_quality`, which lets costly and
-//! hardly noticed terms become cheaper. A frame's cost is what the GPU's timer reports, or the clock on a software
-//! renderer. A quarter of a second of frames that take too long is answered at once, by as many levels as it takes;
-//! the way back is one level at a time, and slower each time it was too early. Levels below half of the pixels' width
-//! are used only for a show that would not move otherwise. If fewer pixels prove to be no help, they come back. A
-//! picture that stands still is drawn at the best level; stills, videos and measurements always are.
+//! **Only the window adapts.** Stills, videos and measurements always use the best level, and so does the frame of an
+//! idle show. There are fourteen levels. A level sets the number of pixels, which `upscale.frag` enlarges, and the
+//! shaders' `frame_quality`, which makes costly, hardly visible terms cheaper. The cost of a frame is the time
+//! reported by the GPU's timer, or the wall time with a software renderer. Levels below half of the window's width
+//! are used only if the show would not move otherwise. If fewer pixels do not help, they are restored.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -21,10 +19,10 @@ use crate::config::QualityChoice;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::session::scene::edits;
 
-/// How a picture is drawn.
+/// The quality of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Level {
-    /// Share of the window's width and height that is drawn, 0..1; the rest is interpolated.
+    /// Fraction of the window's width and height that is drawn, 0..1; the rest is interpolated.
     pub scale: f64,
     /// The shaders' `frame_quality`.
     pub quality: f32,
@@ -36,10 +34,10 @@ const fn moving(scale: f64, quality: f32) -> Level {
     Level { scale, quality, edges: EdgeSamples::Four }
 }
 
-/// The best level, at which stills are drawn.
+/// The best level, for stills.
 const STILL: Level = Level { scale: 1.0, quality: 1.0, edges: EdgeSamples::Sixteen };
 
-/// From the best level down. Each costs about a fifth less than the one before, so that no step between two is seen.
+/// From the best level down. Each costs about a fifth less than the previous one, so that a step is not visible.
 const LEVELS: [Level; 14] = [
     moving(1.0, 1.0),
     moving(0.92, 0.8),
@@ -56,41 +54,41 @@ const LEVELS: [Level; 14] = [
     moving(0.28, 0.0),
     moving(0.25, 0.0),
 ];
-/// Sides of no more than this many pixels are not reduced.
+/// Sides of at most this many pixels are not reduced.
 const SIDE_MIN: u32 = 16;
 const HIGH: usize = 2;
 const MEDIUM: usize = 5;
 const LOW: usize = 8;
-/// From this level on the picture suffers visibly: it is used only for a show that would not move otherwise.
+/// The first level with visible losses. It is used only if the show would not move otherwise.
 const POOR: usize = 8;
-/// Below this many frames per second a show counts as not moving.
+/// Below this many frames per second a show does not seem to move.
 const FPS_USABLE: f64 = 24.0;
 
-/// What is looked at before giving way: the frames of this time, but at least this many.
+/// The frames considered before the level is reduced: those of this time, but at least this many.
 const LOOK: (Duration, usize) = (Duration::from_millis(250), 3);
-/// Two frames in a row that take this many times as long as they may are reason enough to give way.
+/// Two frames in a row that exceed their time by this factor reduce the level at once.
 const FAR_TOO_LONG: f64 = 4.0;
-/// How long there must be no doubt before a better level is tried: at first, and at most.
+/// Time without slow frames before a better level is tried: initial and maximal.
 const PATIENCE: (Duration, Duration) = (Duration::from_secs(2), Duration::from_secs(64));
 const PATIENCE_FRAMES: usize = 8;
-/// A level that is left again within this time was tried too early.
+/// A level left again within this time was tried too early.
 const TOO_EARLY: Duration = Duration::from_secs(12);
-/// ... which is forgotten after a better level has held for this long.
+/// An early try is forgotten after a better level has held for this long.
 const FORGOTTEN: Duration = Duration::from_secs(60);
-/// Most costs that are remembered.
+/// The most costs that are stored.
 const FRAMES_MAX: usize = 4096;
-/// Frames after a change of level that are ignored: targets are being made, and the GPU's times come later.
+/// Frames ignored after a change of level: targets are being created, and the GPU's times arrive late.
 const SETTLING: usize = 1;
-/// After a longer time without a frame, the frames before it are ignored.
+/// After a longer gap without frames, earlier costs are ignored.
 const PAUSE: Duration = Duration::from_secs(3);
-/// Shares of the time for a frame: the controller gives way above the first, aims at the second, and requires a
-/// better level to fit into the third.
+/// Fractions of the time for a frame. The controller reduces the level above `FULL`, aims at `AIM`, and raises the
+/// level if the cost would stay below `FREE`.
 const FULL: f64 = 0.97;
 const AIM: f64 = 0.8;
 const FREE: f64 = 0.72;
-/// If a lower level saves less than this share of the cost, the pixels are not what costs.
+/// If a lower level saves less than this fraction of the cost, pixels are not the bottleneck.
 const HELP: f64 = 0.1;
-/// For how long the level then stays as it is: at first, and at most.
+/// The level is then kept for this time: initial and maximal.
 const HELPLESS: (Duration, Duration) = (Duration::from_secs(10), Duration::from_secs(320));
 
 impl Level {
@@ -101,7 +99,7 @@ impl Level {
         (side(window.0), side(window.1))
     }
 
-    /// Its approximate cost, where the best level costs 1.
+    /// Approximate cost relative to the best level.
     fn cost(self) -> f64 {
         self.scale * self.scale * (0.85 + 0.15 * f64::from(self.quality))
     }
@@ -115,23 +113,23 @@ fn level_at(index: usize) -> Level {
 #[derive(Debug, Clone)]
 pub(crate) struct DynamicResolution {
     choice: QualityChoice,
-    /// Seconds for a frame.
+    /// Seconds per frame.
     interval: f64,
     level: usize,
-    /// When the last frames at this level were, and what they cost in seconds.
+    /// Times and costs in seconds of the last frames at this level.
     frames: VecDeque<(Instant, f64)>,
     settling: usize,
-    /// Whether fewer samples are taken, because the scene is being edited.
+    /// True if fewer samples are taken because the scene is being edited.
     edited: bool,
-    /// Whether the next cost that counts decides by itself which level is drawn.
+    /// True if the next valid cost alone chooses the level.
     begins: bool,
-    /// Whether the driver once had no memory for a picture.
+    /// True if the driver has once had no memory for a frame.
     lacks_room: bool,
     last: Option<Instant>,
     patience: Duration,
-    /// When a better level was last tried.
+    /// Time when a better level was last tried.
     tried: Option<Instant>,
-    /// The level and the cost before giving way, until that proves to help.
+    /// The level and the cost before a reduction, until its effect is known.
     gave_way: Option<(usize, f64)>,
     helpless_until: Option<Instant>,
     helpless: Duration,
@@ -164,8 +162,8 @@ impl DynamicResolution {
         }
     }
 
-    /// The same for a software renderer. It begins with the fewest pixels, so that the first picture is there soon, and then
-    /// takes the level that suits what that cost.
+    /// The same for a software renderer. It starts with the fewest pixels for a fast first frame, and then chooses
+    /// the level from that frame's cost.
     pub(crate) fn beginning_small(choice: QualityChoice, fps: f64) -> Self {
         let new = Self::new(choice, fps);
         if choice == QualityChoice::Auto {
@@ -175,30 +173,29 @@ impl DynamicResolution {
         }
     }
 
-    /// A controller for as many frames per second, by another choice.
+    /// A new controller for the same frame rate with another quality setting.
     pub(crate) fn chosen_anew(&self, choice: QualityChoice) -> Self {
         Self::new(choice, 1.0 / self.interval)
     }
 
-    /// How the next picture is drawn.
+    /// The level of the next frame.
     pub(crate) fn level(&self) -> Level {
         let level = level_at(self.level);
         if self.edited { Level { edges: edits::SAMPLES, ..level } } else { level }
     }
 
-    /// From now on samples are saved because the scene is being edited, or no longer. What was chosen is drawn so in any
-    /// case.
+    /// Sets if samples are saved because the scene is being edited. Only automatic quality does so.
     pub(crate) fn set_edited(&mut self, edited: bool) {
         if self.choice == QualityChoice::Auto && self.edited != edited {
             self.edited = edited;
-            // What frames cost with other samples tells nothing.
+            // Costs measured with other samples are of no use.
             self.gave_way = None;
             self.frames.clear();
             self.settling = SETTLING;
         }
     }
 
-    /// How a picture that stands still is drawn: there is time for it.
+    /// The level of an idle show: there is time for it.
     pub(crate) fn still_level(&self) -> Level {
         match self.choice {
             QualityChoice::Auto | QualityChoice::Best if !self.lacks_room => STILL,
@@ -206,8 +203,7 @@ impl DynamicResolution {
         }
     }
 
-    /// Notes a picture that was drawn at `now` and cost `cost` of the time for a frame, without waiting for the
-    /// monitor.
+    /// Notes a frame that was drawn at `now` at `cost`, which excludes the wait for the monitor.
     pub(crate) fn note(&mut self, now: Instant, cost: Duration) {
         if self.choice != QualityChoice::Auto {
             return;
@@ -242,8 +238,8 @@ impl DynamicResolution {
         }
     }
 
-    /// Notes that a picture that was begun will take this many seconds. Returns whether to begin it again at another
-    /// level.
+    /// Notes the expected time of a frame in progress, in seconds. Returns `true` if it should be restarted at
+    /// another level.
     pub(crate) fn expects(&mut self, now: Instant, seconds: f64) -> bool {
         let before = self.level;
         if self.choice == QualityChoice::Auto && seconds > FAR_TOO_LONG * self.time_at(self.level) {
@@ -252,10 +248,11 @@ impl DynamicResolution {
         self.level != before
     }
 
-    /// Draws fewer pixels from now on, whatever they cost. False if neither moving pictures nor stills can be smaller.
+    /// Draws fewer pixels from now on, regardless of their cost. Returns `false` if neither moving frames nor stills
+    /// can get smaller.
     pub(crate) fn make_smaller(&mut self) -> bool {
         let has_smaller = self.level + 1 < LEVELS.len();
-        // Stills had all pixels so far.
+        // Until now stills had all pixels.
         let shrinks_stills = !std::mem::replace(&mut self.lacks_room, true);
         if has_smaller {
             self.change(self.level + 1);
@@ -263,12 +260,12 @@ impl DynamicResolution {
         has_smaller || shrinks_stills
     }
 
-    /// Seconds for a frame at a level.
+    /// Seconds per frame at a level.
     fn time_at(&self, level: usize) -> f64 {
         if level < POOR { self.interval } else { self.interval.max(1.0 / FPS_USABLE) }
     }
 
-    /// The cost of a typical recent frame, exceptions left out; none before there are enough frames.
+    /// The cost of a typical recent frame, without outliers; `None` before there are enough frames.
     fn recent(&self, now: Instant) -> Option<f64> {
         let last_two = self.cost_of(2, 0.0).filter(|_| self.frames.len() >= 2);
         let far_too_long = last_two.filter(|cost| *cost > FAR_TOO_LONG * self.time_at(self.level));
@@ -280,14 +277,14 @@ impl DynamicResolution {
         (self.frames.len() >= count).then(|| self.cost_of(count, 0.5))?
     }
 
-    /// The cost that this share of the last `count` frames does not exceed.
+    /// The cost that the fraction `part` of the last `count` frames does not exceed.
     fn cost_of(&self, count: usize, part: f64) -> Option<f64> {
         let mut costs: Vec<f64> = self.frames.iter().rev().take(count).map(|(_, cost)| *cost).collect();
         costs.sort_by(f64::total_cmp);
         costs.get(((costs.len() as f64 * part) as usize).min(costs.len().saturating_sub(1))).copied()
     }
 
-    /// Whether fewer pixels proved to be no help. Then the level is what it was before.
+    /// True if fewer pixels have not helped. Restores the previous level then.
     fn looks_helpless(&mut self, now: Instant, cost: f64) -> bool {
         let Some((before, cost_before)) = self.gave_way.take() else { return false };
         let expected = level_at(self.level).cost() / level_at(before).cost();
@@ -302,7 +299,7 @@ impl DynamicResolution {
         true
     }
 
-    /// Takes the best level that has room for what a picture of the present one costs.
+    /// Chooses the best level that fits, judged by the cost of one frame at the current level.
     fn begin(&mut self, cost: f64) {
         let fraction = cost / self.level().cost();
         let fits = |level: &usize| fraction * level_at(*level).cost() <= FREE * self.time_at(*level);
@@ -328,10 +325,10 @@ impl DynamicResolution {
     }
 
     fn come_back(&mut self, now: Instant) {
-        // A level that fits because samples are saved would be left again when the text rests.
+        // A level that fits only because samples are saved would be left again when the text rests.
         let Some(better) = self.level.checked_sub(1).filter(|_| !self.edited) else { return };
         let since = self.frames.front().map(|(then, _)| now.saturating_duration_since(*then));
-        // Frames a little younger than the patience are the oldest that there can be.
+        // The oldest frames stored are a little younger than the patience.
         let waited = since.is_some_and(|since| since + LOOK.0 >= self.patience);
         if !waited || self.frames.len() < PATIENCE_FRAMES {
             return;
@@ -355,7 +352,7 @@ impl DynamicResolution {
     }
 
     fn tell_level(&self) {
-        tracing::info!("{} of the window's width and height are drawn", self.level().scale);
+        tracing::info!("drawing {} of the window's width and height", self.level().scale);
     }
 }
 

@@ -2,7 +2,7 @@ use super::*;
 
 const FPS: f64 = 60.0;
 
-/// A window whose pictures have a cost at each level, and what became of its level.
+/// A simulated window whose frames have a cost at each level, and the level changes.
 struct Window {
     dynamic_resolution: DynamicResolution,
     now: Instant,
@@ -25,7 +25,7 @@ impl Window {
         self.now.duration_since(self.start).as_secs_f64()
     }
 
-    /// Shows pictures for some seconds that cost `cost(frame, level)` seconds each.
+    /// Shows frames for `seconds`, which cost `cost(frame, level)` seconds each.
     fn show(&mut self, seconds: f64, mut cost: impl FnMut(usize, Level) -> f64) -> &mut Self {
         let end = self.now + Duration::from_secs_f64(seconds);
         for frame in 0.. {
@@ -43,24 +43,24 @@ impl Window {
         self
     }
 
-    /// Changes after a time.
+    /// The number of changes after a time.
     fn changes_after(&self, seconds: f64) -> usize {
         self.changes.iter().filter(|(time, _)| *time > seconds).count()
     }
 }
 
-/// The cost in seconds of a scene that takes `best` at the best level, of which `fixed` does not depend on the level.
+/// The cost in seconds of a scene: `best` at the best level, plus `fixed` at every level.
 fn scene(best: f64, fixed: f64) -> impl Fn(usize, Level) -> f64 {
     move |_, level| fixed + best * level.scale.powi(2) * (0.6 + 0.4 * f64::from(level.quality))
 }
 
-/// Noise of -1..1.
+/// Noise in -1..1.
 fn noise(frame: usize) -> f64 {
     f64::from((frame as u32).wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 23) - 1.0
 }
 
 #[test]
-fn a_load_that_fits_is_drawn_best_and_named_choices_are_what_they_are() {
+fn a_light_load_gets_the_best_level_and_fixed_qualities_do_not_change() {
     let mut window = Window::new();
     window.show(60.0, scene(0.012, 0.001));
     assert_eq!(window.changes, []);
@@ -80,12 +80,12 @@ fn a_load_that_fits_is_drawn_best_and_named_choices_are_what_they_are() {
 }
 
 #[test]
-fn a_software_renderer_begins_with_the_fewest_pixels_and_takes_the_level_that_suits_at_once() {
+fn a_software_renderer_begins_with_the_fewest_pixels_and_finds_its_level_at_once() {
     for best in [0.002, 0.02, 0.05, 0.1, 2.0] {
         let mut window = Window::new();
         window.dynamic_resolution = DynamicResolution::beginning_small(QualityChoice::Auto, FPS);
         assert_eq!(window.dynamic_resolution.level, LEVELS.len() - 1);
-        // The first picture also compiles and makes targets, so it tells nothing.
+        // The first frame also compiles and creates targets, so its cost is ignored.
         let load = scene(best, 0.0);
         window.show(1.0, |frame, level| if frame == 0 { 0.5 } else { load(frame, level) });
         let (found, reported) = (&window.dynamic_resolution, format!("{best} s: {:?}", window.changes));
@@ -99,7 +99,7 @@ fn a_software_renderer_begins_with_the_fewest_pixels_and_takes_the_level_that_su
 }
 
 #[test]
-fn every_constant_load_settles_within_its_time_and_stays_there() {
+fn every_constant_load_settles_within_its_frame_time() {
     for best in [0.017, 0.02, 0.025, 0.04, 0.06, 0.1, 0.3, 1.0] {
         for fixed in [0.0, 0.002, 0.006] {
             for noisy in [0.0, 0.15] {
@@ -115,7 +115,7 @@ fn every_constant_load_settles_within_its_time_and_stays_there() {
                 );
                 assert!(window.changes_after(60.0) <= 2, "{reported}");
                 assert!(window.changes.len() <= 8, "{reported}");
-                // And not much worse than it has to be.
+                // The level is not much lower than necessary.
                 let better = level_at(level.saturating_sub(3));
                 assert!(
                     level == 0 || load(0, better) > 0.72 * window.dynamic_resolution.interval,
@@ -127,7 +127,7 @@ fn every_constant_load_settles_within_its_time_and_stays_there() {
 }
 
 #[test]
-fn a_sudden_load_is_given_way_to_at_once_and_come_back_from_slowly() {
+fn the_level_drops_at_once_under_load_and_recovers_slowly() {
     let mut window = Window::new();
     window.show(20.0, scene(0.008, 0.001)).show(20.0, scene(0.05, 0.001));
     let (first, _) = window.changes[0];
@@ -142,12 +142,12 @@ fn a_sudden_load_is_given_way_to_at_once_and_come_back_from_slowly() {
 }
 
 #[test]
-fn slow_frames_here_and_there_change_nothing() {
+fn single_slow_frames_change_nothing() {
     let mut window = Window::new();
     let quiet = scene(0.01, 0.001);
     window.show(60.0, |frame, level| if frame % 40 == 7 { 0.4 } else { quiet(frame, level) });
     assert_eq!(window.changes, []);
-    // Nor while it has given way.
+    // The same at a reduced level.
     let heavy = scene(0.04, 0.001);
     window.show(30.0, &heavy);
     let settled = window.changes.len();
@@ -156,7 +156,7 @@ fn slow_frames_here_and_there_change_nothing() {
 }
 
 #[test]
-fn a_load_that_comes_and_goes_does_not_make_it_pump() {
+fn an_intermittent_load_does_not_make_the_level_oscillate() {
     for period in [0.5, 2.0, 7.0, 20.0] {
         let mut window = Window::new();
         let (calm, wild) = (scene(0.012, 0.001), scene(0.024, 0.001));
@@ -166,14 +166,14 @@ fn a_load_that_comes_and_goes_does_not_make_it_pump() {
             time += cost.max(1.0 / FPS);
             cost
         });
-        // In the last three minutes: less than once in ten seconds.
+        // In the last three minutes: less than one change in ten seconds.
         let late = window.changes_after(220.0);
         assert!(late <= 18, "period {period}: {late} changes, {:?}", window.changes);
     }
 }
 
 #[test]
-fn where_pixels_are_not_what_costs_none_are_taken_away_for_long() {
+fn the_level_returns_soon_if_pixels_are_not_the_bottleneck() {
     let mut window = Window::new();
     window.show(300.0, |_, _| 0.03);
     let away: f64 = window.changes.chunks(2).map(|pair| pair.last().unwrap().0 - pair[0].0).sum();
@@ -182,7 +182,7 @@ fn where_pixels_are_not_what_costs_none_are_taken_away_for_long() {
 }
 
 #[test]
-fn a_pause_says_nothing_and_a_slow_processor_gets_a_show_that_moves() {
+fn a_pause_is_ignored_and_a_slow_processor_gets_a_moving_show() {
     let mut window = Window::new();
     window.show(10.0, scene(0.35, 0.004));
     let cost = scene(0.35, 0.004)(0, window.dynamic_resolution.level());
@@ -195,7 +195,7 @@ fn a_pause_says_nothing_and_a_slow_processor_gets_a_show_that_moves() {
 }
 
 #[test]
-fn short_sides_stay() {
+fn short_sides_are_not_reduced() {
     assert_eq!(LEVELS[13].size_in((1, 16_384)), (1, 4096));
     assert_eq!(LEVELS[13].size_in((0, 40)), (1, 16));
     assert_eq!(LEVELS[0].size_in((1280, 720)), (1280, 720));
@@ -206,16 +206,16 @@ fn short_sides_stay() {
 }
 
 #[test]
-fn an_edited_scene_saves_samples_gives_way_if_it_must_and_comes_back_when_it_rests() {
+fn an_edited_scene_saves_samples_and_recovers_when_the_text_rests() {
     let mut window = Window::new();
-    // What samples cost, too: too much at the best level even if they are saved.
+    // Includes the cost of samples: too much at the best level even with saved samples.
     let cost = |_, level: Level| 0.02 * level.scale.powi(2) * (1.0 + level.edges.count() as f64 / 4.0);
     window.dynamic_resolution.set_edited(true);
     assert_eq!(window.dynamic_resolution.level().edges, EdgeSamples::Two);
     window.show(1.0, cost);
     let edited = window.dynamic_resolution.level;
-    assert!(edited > 0, "late frames still give way");
-    // There is time left, but the samples that come back will need it.
+    assert!(edited > 0, "slow frames still reduce the level");
+    // There is time left, but the restored samples will need it.
     window.show(30.0, |_, _| 0.001);
     assert_eq!(window.dynamic_resolution.level, edited);
     window.dynamic_resolution.set_edited(false);
@@ -225,17 +225,17 @@ fn an_edited_scene_saves_samples_gives_way_if_it_must_and_comes_back_when_it_res
 
     let mut chosen = DynamicResolution::new(QualityChoice::High, FPS);
     chosen.set_edited(true);
-    assert_eq!(chosen.level().edges, EdgeSamples::Four, "what was chosen stays");
+    assert_eq!(chosen.level().edges, EdgeSamples::Four, "a fixed quality does not change");
     let mut window = DynamicResolution::new(QualityChoice::Auto, FPS);
     window.set_edited(true);
-    assert_eq!(window.still_level().edges, EdgeSamples::Sixteen, "there is time for what stands still");
+    assert_eq!(window.still_level().edges, EdgeSamples::Sixteen, "an idle show gets all samples");
 }
 
 #[test]
-fn stills_shrink_before_a_lack_of_memory_ends_the_show() {
+fn a_lack_of_memory_shrinks_stills_too() {
     let mut controller = DynamicResolution::beginning_small(QualityChoice::Auto, FPS);
     assert_eq!(controller.still_level().scale, 1.0);
     assert!(controller.make_smaller(), "stills had all pixels");
     assert_eq!(controller.still_level().scale, controller.level().scale);
-    assert!(!controller.make_smaller(), "nothing is smaller");
+    assert!(!controller.make_smaller(), "there is no smaller level");
 }

@@ -1,4 +1,4 @@
-//! The editor of the scene on the stage: opened and closed, its keys, and what it wants of the show.
+//! The editor of the scene's text: opening, closing, input and commands.
 
 use super::{Interface, Session};
 use crate::clock;
@@ -7,7 +7,7 @@ use crate::input::Input;
 use crate::ui::editor::{Editor, EditorEvent};
 
 impl Session {
-    /// Gives keys to an editor that is open without them; whether there is one.
+    /// Gives the key focus to an editor that is open without it. Returns `true` if it did.
     pub(super) fn gives_focus_to_editor(&mut self) -> bool {
         let waits = self.interface.is_edited() && !self.interface.editor_has_focus();
         if waits {
@@ -16,14 +16,14 @@ impl Session {
         waits
     }
 
-    /// Opens the editor on the scene's text, or notes that it is closed.
+    /// Opens the editor with the scene's text, or closes it.
     pub(super) fn write_text(&mut self, open: bool) {
         if open && self.interface.ui_state.editor.is_none() {
             let waker = self.interface.waker.clone();
             match Editor::start(self.interface.drafts.clone(), &self.interface.folders, move || waker.wake())
             {
                 Ok(editor) => self.interface.ui_state.editor = Some(editor),
-                Err(error) => self.playback.reports.answer(format!("there is no editor: {error}")),
+                Err(error) => self.playback.reports.answer(format!("cannot open the editor: {error}")),
             }
         }
         self.playback.scene.library_mut().set_written(open);
@@ -39,7 +39,7 @@ impl Session {
         self.follow_editor();
     }
 
-    /// Takes input for the editor. Returns whether it was meant for the text.
+    /// Takes input for the editor. Returns `true` if the text consumed it.
     pub(super) fn take_for_editor(&mut self, input: &Input) -> bool {
         if !self.interface.is_edited() {
             return false;
@@ -47,7 +47,7 @@ impl Session {
         let (held, begun) = (self.interface.input.held(), clock::now());
         let Some(editor) = &mut self.interface.ui_state.editor else { return false };
         let taken = match input {
-            // The overlay takes those on the editor.
+            // The overlay takes clicks on the editor.
             Input::PointerButton { pressed: true, .. } => {
                 editor.set_focus(false);
                 false
@@ -68,7 +68,7 @@ impl Session {
         taken
     }
 
-    /// Takes what was done in the editor.
+    /// Takes an event of the editor panel.
     pub(super) fn take_editor_event(&mut self, event: EditorEvent) {
         if let Some(editor) = &mut self.interface.ui_state.editor {
             editor.obey(event);
@@ -76,7 +76,7 @@ impl Session {
         self.follow_editor();
     }
 
-    /// Takes in what other threads have for the editor, and shows it the scene on the stage.
+    /// Takes results of other threads for the editor, and shows it the current scene.
     pub(super) fn update_editor(&mut self) {
         let open = self.interface.is_edited();
         let Some(editor) = &mut self.interface.ui_state.editor else { return };
@@ -94,7 +94,7 @@ impl Session {
     pub(super) fn follow_editor(&mut self) {
         let Some(editor) = &mut self.interface.ui_state.editor else { return };
         let commands = editor.take_commands();
-        // However many keys have come, the text is loaded once.
+        // The text is loaded once, regardless of the number of keys.
         let (reloads, others): (Vec<_>, Vec<_>) =
             commands.into_iter().partition(|command| *command == Command::ReloadScene);
         if !reloads.is_empty() {
@@ -109,7 +109,7 @@ impl Session {
 }
 
 impl Interface {
-    /// Whether keys are text of the scene.
+    /// True if keys are input for the scene's text.
     pub(super) fn editor_has_focus(&self) -> bool {
         self.is_edited() && self.ui_state.editor.as_ref().is_some_and(Editor::has_focus)
     }

@@ -1,4 +1,4 @@
-//! Errors that keep the window from showing. Each message says what, where and what to do.
+//! Errors that end a session. Each message says what happened, where, and what to do.
 
 use crate::export::ExportError;
 use crate::gpu::error::GpuError;
@@ -7,42 +7,42 @@ use crate::sending::SendError;
 use crate::ui::UiError;
 use mariana_player::PlayerError;
 
-/// An error of the window.
+/// An error that ends a session.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
     /// No display to open a window on.
     #[error(
-        "no window can be opened ({0}): start Mariana in a graphical session, or use 'mariana still' or 'mariana \
+        "cannot open a window ({0}): start Mariana in a graphical session, or use 'mariana still' or 'mariana \
          video', which need none"
     )]
     NoDisplay(String),
-    /// The window system was there and has gone.
+    /// The connection to the window system was lost.
     #[error(
         "the window is gone because its display ended or closed the connection: start Mariana in a running session"
     )]
     DisplayLost,
-    /// A wallpaper on Wayland without the protocol for it.
+    /// A wallpaper on Wayland without the required protocol.
     #[error(
-        "this Wayland compositor gives no place below its windows (it lacks the protocol zwlr_layer_shell_v1), which \
+        "this Wayland compositor lacks the protocol zwlr_layer_shell_v1 for surfaces below its windows, which \
          --wallpaper needs: start Mariana in an X11 session, or in one of KDE Plasma, Sway, Hyprland or another \
          compositor with that protocol"
     )]
     NoLayerShell,
     /// A wallpaper without a monitor.
-    #[error("there is no monitor: connect one")]
+    #[error("no monitor found: connect one")]
     NoMonitor,
-    /// The system gives no thread.
+    /// The system cannot start a thread.
     #[error(
         "the system cannot start another thread ({0}): close other programs, or allow more memory or processes \
          (ulimit -a)"
     )]
     NoThread(String),
-    /// The window system refused.
+    /// The window system reports an error.
     #[error("the window system refuses {doing}: {reason}")]
     Window {
-        /// What was being done.
+        /// The operation that failed.
         doing: &'static str,
-        /// What the system said.
+        /// The system's message.
         reason: String,
     },
     /// No usable OpenGL for the window.
@@ -51,7 +51,7 @@ pub enum SessionError {
          LIBGL_ALWAYS_SOFTWARE=1 to use Mesa's software renderer"
     )]
     NoContext(String),
-    /// Standard output is full.
+    /// Standard output cannot be written.
     #[error(transparent)]
     Print(#[from] ExportError),
     /// The panels cannot be drawn.
@@ -60,13 +60,13 @@ pub enum SessionError {
     /// The scene cannot be read, or has mistakes.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The picture cannot be drawn.
+    /// The frame cannot be drawn.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// The song that is to continue cannot: it was damaged or removed.
+    /// The song cannot continue, because it was damaged or removed.
     #[error("the song cannot continue: {0}")]
     SongLost(String),
-    /// Pictures cannot be sent.
+    /// Frames cannot be sent.
     #[error(transparent)]
     Send(#[from] SendError),
     /// The song cannot be played.

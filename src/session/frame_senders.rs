@@ -1,4 +1,4 @@
-//! The picture of the window on its way to other programs: it is read back without waiting, and handed to the sends.
+//! Sends the window's frames to other programs. Frames are read back without waiting.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,10 +11,10 @@ use crate::gpu::renderer::Renderer;
 use crate::placement::{Placement, fitted, within};
 use crate::sending::{OutgoingFrame, SendError, SenderTarget, Sending};
 
-/// How often it is looked whether a picture has arrived that is on its way.
+/// How often to check for a frame that is being read back.
 const LOOK: Duration = Duration::from_millis(3);
 
-/// Sends that have begun, before there is a picture.
+/// Senders that were started before the first frame.
 pub(crate) struct Sends {
     sends: Vec<Sending>,
     size: (u32, u32),
@@ -22,12 +22,12 @@ pub(crate) struct Sends {
 }
 
 impl Sends {
-    /// Begins to send pictures of at most `size` pixels, `fps` times a second.
+    /// Starts to send frames of at most `size` pixels, `fps` times a second.
     ///
     /// # Errors
-    /// A place that nothing can be sent to.
+    /// A target that cannot be reached.
     pub(crate) fn start(targets: &[SenderTarget], size: (u32, u32), fps: f64) -> Result<Self, SendError> {
-        // Four pixels share their colour.
+        // Groups of four pixels share their colour, so sides must be even.
         let size = (even(size.0), even(size.1));
         let sends =
             targets.iter().map(|target| Sending::start(target, size, fps)).collect::<Result<_, _>>()?;
@@ -36,47 +36,47 @@ impl Sends {
     }
 }
 
-/// See the module.
+/// The senders, and the reader of their frames.
 pub(crate) struct FrameSenders {
     sends: Vec<Sending>,
-    /// Made with the first picture.
+    /// Created with the first frame.
     reader: Option<PictureReader>,
     size: (u32, u32),
     period: Duration,
-    /// When the next picture is to be read.
+    /// Time of the next read.
     due: Instant,
-    /// Whether the picture that shows was not read yet.
+    /// True if the shown frame has not been read.
     is_new: bool,
-    /// Whether somebody took pictures when it was last looked.
+    /// True if a receiver wanted frames at the last check.
     was_wanted: bool,
 }
 
 impl FrameSenders {
-    /// Feeds these sends.
+    /// Uses these senders.
     pub(crate) fn of(sends: Sends) -> Self {
         let Sends { sends, size, period } = sends;
         Self { sends, reader: None, size, period, due: clock::now(), is_new: false, was_wanted: true }
     }
 
-    /// Whether somebody may see the picture who does not see the window.
+    /// True if frames are sent, so that a hidden window is drawn too.
     pub(crate) fn are_any(&self) -> bool {
         !self.sends.is_empty()
     }
 
-    /// Forgets what belongs to a context that is lost.
+    /// Drops everything that belongs to a lost context.
     pub(crate) fn let_go(&mut self) {
         (self.reader, self.is_new) = (None, true);
     }
 
-    /// Notes that another picture shows than before.
+    /// Notes a new frame.
     pub(crate) fn note_picture(&mut self) {
         self.is_new = !self.sends.is_empty();
     }
 
-    /// Reads the picture that shows, if it is time for one, and hands on what has arrived. Returns when to look again.
+    /// Reads the shown frame if it is due, and passes on finished reads. Returns the time of the next check.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub(crate) fn go_on(
         &mut self,
         gl: &Gl,
@@ -87,7 +87,7 @@ impl FrameSenders {
             return Ok(None);
         }
         let is_wanted = self.sends.iter().any(Sending::is_wanted);
-        // Whoever comes gets the picture that shows, also where it has stood for long.
+        // A new receiver gets the current frame, even if it has not changed for long.
         self.is_new |= is_wanted && !self.was_wanted;
         self.was_wanted = is_wanted;
         if self.is_new && is_wanted && now >= self.due {
@@ -95,7 +95,7 @@ impl FrameSenders {
                 Some(reader) => reader,
                 none => none.insert(PictureReader::new(gl, self.size)?),
             };
-            // What is sent is the whole picture, however it lies in the window.
+            // The whole frame is sent, however it is placed in the window.
             let whole = Placement::default();
             let area = renderer.shape().map_or([0.0, 0.0, 1.0, 1.0], |shape| fitted(shape, self.size));
             if renderer.send_placed(reader, &within(area, &whole.map()), whole.part())? {
@@ -114,7 +114,7 @@ impl FrameSenders {
         Ok(if reader.is_waiting() { Some(now + LOOK) } else { next })
     }
 
-    /// What there is to say of the receivers since the last call.
+    /// Messages about receivers since the last call.
     pub(crate) fn news(&self) -> Vec<String> {
         self.sends.iter().flat_map(Sending::news).collect()
     }

@@ -1,14 +1,14 @@
-//! How long frames took, for the log.
+//! Frame times, for the log.
 
 use std::time::Duration;
 
-/// Frames that are remembered: about a minute.
+/// Stored frame times: about a minute.
 const KEPT: usize = 4096;
 
-/// The durations of the last frames.
+/// The times of the last frames.
 #[derive(Debug, Default)]
 pub(crate) struct FrameTimes {
-    /// In milliseconds; a ring once it is full.
+    /// In milliseconds; a ring buffer once it is full.
     last: Vec<f32>,
     count: usize,
 }
@@ -27,7 +27,7 @@ impl FrameTimes {
 }
 
 impl std::fmt::Display for FrameTimes {
-    /// The number of frames, and of the last ones the median, what 99 of 100 stay within, and the longest.
+    /// The number of frames; then the median, the 99th percentile and the maximum of the last ones.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut sorted = self.last.clone();
         sorted.sort_by(f32::total_cmp);
@@ -46,7 +46,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_frames_are_summed_up() {
+    fn the_last_frames_are_summarized() {
         let mut times = FrameTimes::default();
         assert_eq!(times.to_string(), "no frames");
         times.note(Duration::from_millis(900));

@@ -1,4 +1,4 @@
-//! What the editor asks about the picture: a point that was clicked, and what the lines of the text make.
+//! Queries of the editor about the frame: a clicked point, and the effect of the text's lines.
 
 use super::{Interface, Playback};
 use crate::placement::{Map, led};
@@ -7,18 +7,18 @@ use crate::probing::Scenery;
 use crate::session::screen::Screen;
 use crate::ui::editor::Editor;
 
-/// The thread that looks into pictures, once it was needed, and how the picture lies in the window.
+/// The thread that inspects frames, once needed, and the frame's position in the window.
 #[derive(Default)]
 pub(crate) struct Probing {
     prober: Option<Prober>,
-    /// Leads from a place in the window to the place in the picture, both as shares.
+    /// Maps positions in the window to positions in the frame, both as fractions.
     map: Option<Map>,
-    /// Of which picture the last survey was asked for.
+    /// The frame of the last ray statistics.
     surveyed: Option<u64>,
 }
 
 impl Interface {
-    /// Notes how the picture lies in the window.
+    /// Sets the frame's position in the window.
     pub(super) fn note_map(&mut self, playback: &mut Playback, map: Map) {
         self.probing.map = Some(map);
         if let Some(editor) = &mut self.ui_state.editor {
@@ -26,7 +26,7 @@ impl Interface {
         }
     }
 
-    /// Asks what is at a place of the window, in pixels, if the editor is open.
+    /// Queries a position in the window, in pixels, if the editor is open.
     pub(super) fn look_at(&mut self, playback: &mut Playback, screen: &mut dyn Screen, place: [f64; 2]) {
         if !self.is_edited() {
             return;
@@ -42,7 +42,7 @@ impl Interface {
         }
     }
 
-    /// Takes in what was found, and asks for what the editor needs next.
+    /// Takes the answers, and sends the editor's next query.
     pub(super) fn update_probing(&mut self, playback: &mut Playback) {
         for answer in self.probing.prober.iter().flat_map(Prober::answers).collect::<Vec<_>>() {
             if let Some(editor) = &mut self.ui_state.editor {
@@ -75,7 +75,7 @@ impl Interface {
             match Prober::start(move || waker.wake()) {
                 Ok(prober) => self.probing.prober = Some(prober),
                 Err(error) => {
-                    return self.tell_in_editor(&format!("the picture cannot be looked into: {error}"));
+                    return self.tell_in_editor(&format!("cannot inspect the frame: {error}"));
                 }
             }
         }

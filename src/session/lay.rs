@@ -1,35 +1,35 @@
-//! How a picture lies on its screen, and the copies of it that show there.
+//! The placement of a frame on its screen, and copies of it.
 
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
 use crate::placement::{Area, Map, Placement, WHOLE, fitted, product, within};
 
-/// How a picture lies on its screen.
+/// The placement of a frame on its screen.
 pub(crate) struct Lay {
-    /// What it loses, and where its corners are.
+    /// Crop and corner positions.
     pub(crate) placement: Placement,
-    /// Width and height of the screen that it is drawn for, in pixels.
+    /// Width and height of the target screen in pixels.
     pub(crate) screen: (u32, u32),
-    /// Whether it is one that is held: it keeps its shape on a screen of another one.
+    /// True for a frozen frame, which keeps its aspect ratio on a screen of another one.
     pub(crate) is_held: bool,
 }
 
-/// A part of a window, and the part of the picture that fills it.
+/// A part of a window, and the part of the frame that fills it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Panel {
-    /// Where it is in the window, as shares of it.
+    /// The part of the window, as fractions.
     pub(crate) area: Area,
-    /// From places in the area to places in the picture.
+    /// Maps positions in the area to positions in the frame.
     pub(crate) map: Map,
-    /// The part of the picture that shows.
+    /// The visible part of the frame.
     pub(crate) part: Area,
 }
 
 impl Lay {
-    /// Copies the picture to the current window of `size` pixels, whose part `area` is the screen.
+    /// Copies the frame to the current window of `size` pixels. `area` is the part used as the screen.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub(crate) fn show(&self, renderer: &mut Renderer, size: (u32, u32), area: Area) -> Result<(), GpuError> {
         let inner = self.inner(renderer);
         if self.placement.is_plain() && inner == WHOLE && area == WHOLE {
@@ -38,16 +38,16 @@ impl Lay {
         renderer.show_placed(size, &self.map(renderer, area), self.placement.part())
     }
 
-    /// The part of the screen that the picture fills.
+    /// The part of the screen that the frame fills.
     fn inner(&self, renderer: &Renderer) -> Area {
         let shape = renderer.shape().filter(|_| self.is_held);
         shape.map_or(WHOLE, |shape| fitted(self.placement.rest_of(shape), self.screen))
     }
 
-    /// Fills a part of the current window of `size` pixels with the picture.
+    /// Fills a part of the current window of `size` pixels with the frame.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub(crate) fn show_panel(
         &self,
         renderer: &mut Renderer,
@@ -60,10 +60,10 @@ impl Lay {
         renderer.show_in_part(size, area, &map, part)
     }
 
-    /// Copies the picture into a part of the current window of `size` pixels, on a ground that is no part of it.
+    /// Copies the frame into a part of the current window of `size` pixels. The background is not part of the frame.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub(crate) fn show_small(
         &self,
         renderer: &mut Renderer,
@@ -74,12 +74,13 @@ impl Lay {
         renderer.show_in_part(size, area, &map, self.placement.part())
     }
 
-    /// Leads from a place in a window, of which `area` is the screen, to the place in the picture, both as shares.
+    /// Maps positions in a window to positions in the frame, both as fractions. `area` is the part used as the
+    /// screen.
     pub(crate) fn map(&self, renderer: &Renderer, area: Area) -> Map {
         within(area, &within(self.inner(renderer), &self.placement.map()))
     }
 
-    /// The part of a window of `size` pixels that shows what the screen does.
+    /// The part of a window of `size` pixels that shows the whole screen.
     pub(crate) fn area_in(&self, size: (u32, u32)) -> Area {
         fitted(self.screen, size)
     }

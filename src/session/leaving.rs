@@ -1,6 +1,6 @@
-//! The state that the next show begins with: volume, window, scene, sliders, tracks, and the place in them.
+//! The state saved for the next run: volume, window, scene, sliders, tracks and position.
 //!
-//! It is written while the show runs, soon after each change: a driver may block the show so that it never reaches its end.
+//! It is written during the run, soon after each change: a driver may block, so that the program never ends normally.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -12,26 +12,26 @@ use crate::config::{LastShow, PlaySettings};
 use crate::scenes::SceneSource;
 use mariana_player::ListedTracks;
 
-/// With less of a track left than this, in seconds, the next show begins with the next track.
+/// If less than this is left of a track, in seconds, the next run starts it from the beginning.
 const LEFT_MIN: f64 = 5.0;
 
 /// How often changes are looked for.
 const LOOK_PERIOD: Duration = Duration::from_secs(1);
 
-/// How often the place in the song is written while nothing else changes.
+/// How often the position in the song is written while nothing else changes.
 const PLACE_PERIOD: Duration = Duration::from_secs(10);
 
-/// The state that was written for the next show.
+/// The state that was written for the next run.
 #[derive(Default)]
 pub(super) struct Legacy {
     looked: Option<Instant>,
-    /// The contents of the file, and when they were written.
+    /// The contents of the file, and the time of writing.
     written: Option<(Left, Instant)>,
-    /// The revision of the written list of tracks; `Some(None)` once the list was removed.
+    /// The revision of the saved track list; `Some(None)` once the list was removed.
     tracks: Option<Option<u64>>,
 }
 
-/// The state for the next show, except for the list of tracks.
+/// The state for the next run, except the track list.
 #[derive(Clone, PartialEq)]
 struct Left {
     show: LastShow,
@@ -40,7 +40,7 @@ struct Left {
 }
 
 impl Left {
-    /// Compares all but the place in the song.
+    /// Compares everything except the position in the song.
     fn is_same_elsewhere(&self, other: &Self) -> bool {
         let show = LastShow { seconds: self.show.seconds, ..other.show.clone() };
         *self == Self { show, ..other.clone() }
@@ -57,7 +57,7 @@ impl Legacy {
         is_due
     }
 
-    /// Returns `true` if `left` has to be written at `now`. `before` is the state in the file at the start.
+    /// Returns `true` if `left` must be written at `now`. `before` is the state in the file at the start.
     fn takes(&mut self, left: &Left, before: impl FnOnce() -> Left, now: Instant) -> bool {
         let (written, at) = self.written.get_or_insert_with(|| (before(), now));
         let is_due = now.saturating_duration_since(*at) >= PLACE_PERIOD;
@@ -68,14 +68,14 @@ impl Legacy {
         is_new
     }
 
-    /// Returns `true` if the list of this revision has to be written, or removed for `None`.
+    /// Returns `true` if the list of this revision must be written, or removed for `None`.
     fn takes_tracks(&mut self, revision: Option<u64>) -> bool {
         self.tracks.replace(revision) != Some(revision)
     }
 }
 
 impl Session {
-    /// Finishes what is written while the show runs.
+    /// Finishes everything that is written during the run.
     pub(super) fn leave_to_the_next(&mut self, settings: &PlaySettings) {
         if let Some(editor) = &mut self.interface.ui_state.editor {
             editor.finish();
@@ -88,7 +88,7 @@ impl Session {
         }
     }
 
-    /// Remembers a running show for the next one if it has changed, unless the user wants nothing remembered.
+    /// Saves the state of a running show if it has changed, unless saving is off.
     pub(super) fn remember_show(&mut self, settings: &PlaySettings, now: Instant) {
         if !settings.remembered || !self.playback.listening.has_started() || !self.legacy.is_due(now) {
             return;
@@ -141,7 +141,7 @@ impl Session {
         }
     }
 
-    /// Keeps the list of tracks of a song if it has changed.
+    /// Saves the track list if it has changed.
     fn remember_tracks(&mut self) {
         let Some(list) = self.playback.listening.with_song(|player| player.playlist()) else { return };
         let list = Some(list).filter(|_| self.choices.last_tracks);
@@ -164,12 +164,12 @@ impl Playback {
     }
 }
 
-/// The files of a list. `None` if one has none: it is inside the program, or a part of a file, which no list can name.
+/// The files of a list. `None` if an entry is built in or a part of a file, which a saved list cannot name.
 fn files_of(list: &ListedTracks) -> Option<Vec<PathBuf>> {
     list.entries.iter().map(|track| track.file.clone().filter(|_| track.start.is_none())).collect()
 }
 
-/// How the next show names a scene; a formula has no name.
+/// The saved name of a scene; a formula has none.
 fn name_of(source: &SceneSource) -> Option<String> {
     match source {
         SceneSource::Shipped(name) => Some(name.clone()),
@@ -184,7 +184,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_left_is_written_after_each_change_and_the_place_now_and_then() {
+    fn the_state_is_written_after_each_change_and_the_position_periodically() {
         let start = Instant::now();
         let at = |seconds: u64| start + Duration::from_secs(seconds);
         let left = |seconds: f64, volume: f32| Left {
@@ -194,12 +194,12 @@ mod tests {
         };
         let mut legacy = Legacy::default();
         let mut takes = |now, wanted: Left| legacy.takes(&wanted, || left(90.0, 1.0), at(now));
-        assert!(!takes(0, left(0.0, 1.0)), "the place of the last show, before the song sounds");
+        assert!(!takes(0, left(0.0, 1.0)), "the saved position stays until the song starts");
         assert!(!takes(5, left(95.0, 1.0)));
         assert!(takes(6, left(96.0, 0.5)), "the volume");
         assert!(!takes(15, left(105.0, 0.5)));
-        assert!(takes(16, left(106.0, 0.5)), "the place");
-        assert!(!takes(60, left(106.0, 0.5)), "a song that is paused");
+        assert!(takes(16, left(106.0, 0.5)), "the position");
+        assert!(!takes(60, left(106.0, 0.5)), "the song is paused");
         let taken = [None, None, Some(1), Some(1), Some(2), None].map(|list| legacy.takes_tracks(list));
         assert_eq!(taken, [true, false, true, false, true, true]);
     }

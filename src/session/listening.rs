@@ -1,4 +1,4 @@
-//! What is listened to, as the user steers it: pause, skips, the order of tracks, the tapped tempo.
+//! The user's control of the sound: pause, skips, track order, tapped tempo.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,36 +18,36 @@ use mariana_music::{Gain, LiveEnergy, SongMoment, SongStructure, Tables, TapTemp
 use mariana_player::input::LiveStatus;
 use mariana_player::{Moment, Player, PlayerStatus};
 
-/// What is said of files in a show that began with an input.
+/// The answer to opening files in a show that started with an input.
 const NO_SONG: &str = "this show listens to an input: start Mariana without --mic and --system to play files";
 
-/// See the module. What it returns in words is for the user to read.
+/// The sound, with everything known about it. Returned strings are messages for the user.
 pub(crate) struct Listening {
     sound: Sound,
-    /// What listens to whole tracks; none without a thread for it.
+    /// Analyses whole tracks; `None` if its thread could not start.
     songs: Option<SongReader>,
-    /// The energy of what is not known as a whole.
+    /// Energy of sound that has not been analysed as a whole.
     energy: LiveEnergy,
-    /// The tempo tapped by hand.
+    /// The tempo tapped by the user.
     taps: TapTempo,
-    /// The clock of a device; it comes before taps.
+    /// The clock of a device, which has priority over taps.
     clock: Option<ClockReading>,
-    /// Its seconds when it was last looked at, and that moment.
+    /// The device's clock in seconds at the last update, and the time of that update.
     clock_now: (f64, Instant),
-    /// What the user wants; until the first picture the player waits in any case.
+    /// The user's request. The player always waits for the first frame.
     paused: bool,
-    /// Set by the first picture.
+    /// True after the first frame.
     started: bool,
-    /// How loud it was at the last look, 0..1.
+    /// The volume at the last call of `now`, 0..1.
     level: f32,
     /// The kind of song in the latest status.
     playing: Playing,
-    /// The number of the track that was heard last.
+    /// Id of the last track heard.
     track: u64,
 }
 
 impl Listening {
-    /// Begins with a sound that waits for the first picture.
+    /// Starts with a sound that waits for the first frame.
     pub(crate) fn new(sound: Sound, songs: Option<SongReader>) -> Self {
         let (energy, taps) = (LiveEnergy::default(), TapTempo::default());
         let (clock, clock_now) = (None, (0.0, clock::now()));
@@ -66,38 +66,38 @@ impl Listening {
         }
     }
 
-    /// Whether the user wants a pause.
+    /// True if the user has paused the sound.
     pub(crate) fn is_paused(&self) -> bool {
         self.paused
     }
 
-    /// Returns `true` once the first picture has let the sound begin.
+    /// Returns `true` once the first frame has started the sound.
     pub(crate) fn has_started(&self) -> bool {
         self.started
     }
 
-    /// Whether a song goes on. An input may fall silent at any time, and its time with it.
+    /// True if a song is running. An input may fall silent at any time, which stops its clock.
     pub(crate) fn runs(&mut self) -> bool {
         !self.paused && self.with_song(|player| !player.status().ended).unwrap_or_default()
     }
 
-    /// Notes whether the user wants a pause.
+    /// Sets the user's pause request.
     pub(crate) fn want_paused(&mut self, paused: bool) {
         self.paused = paused;
     }
 
-    /// Pauses the sound or lets it run, as the user wants.
+    /// Pauses or resumes the sound as the user requested.
     pub(crate) fn follow_request(&mut self) {
         self.started = true;
         self.sound.set_paused(self.paused);
     }
 
-    /// Does something with the song, if it is what is listened to; else there is nothing to return.
+    /// Applies `act` to the song. Returns `None` if another source plays.
     pub(crate) fn with_song<T>(&mut self, act: impl FnOnce(&mut Player) -> T) -> Option<T> {
         self.sound.player().map(act)
     }
 
-    /// Changes the order of the tracks and says how; does nothing while another source is listened to.
+    /// Changes the order of the tracks and returns a message. Does nothing while another source plays.
     pub(crate) fn set_order(&mut self, change: impl FnOnce(TrackOrder) -> TrackOrder) -> Option<String> {
         let player = self.sound.player()?;
         let status = player.status();
@@ -107,8 +107,8 @@ impl Listening {
         Some(words_of(before, after).to_owned())
     }
 
-    /// Plays files instead of what was listened to, or says why not. If they are to follow the tracks that are there,
-    /// it says that they do.
+    /// Plays files instead of the current source, or appends them to the tracks. Returns a message for appended files
+    /// and for errors.
     pub(crate) fn play_files(&mut self, files: Vec<PathBuf>, append: bool) -> Option<String> {
         if append {
             return Some(match self.sound.song() {
@@ -128,7 +128,7 @@ impl Listening {
         }
     }
 
-    /// Takes this moment as a beat, and says which tempo that makes.
+    /// Takes this moment as a beat. Returns a message with the resulting tempo.
     pub(crate) fn tap(&mut self) -> Option<String> {
         let Moment { song_time, .. } = self.sound.now()?;
         self.taps.tap(song_time);
@@ -138,50 +138,49 @@ impl Listening {
         })
     }
 
-    /// Sets the tempo in beats per minute, or gives it back to what is heard, and says so.
+    /// Sets the tempo in beats per minute; `None` returns to the measured one. Returns a message.
     pub(crate) fn set_tempo(&mut self, tempo: Option<f64>) -> Option<String> {
         let Some(tempo) = tempo else {
             self.taps = TapTempo::default();
-            return Some("the tempo is that of the sound again".to_owned());
+            return Some("the tempo follows the sound again".to_owned());
         };
         let Moment { song_time, .. } = self.sound.now()?;
         self.taps.set(tempo, song_time);
         let (least, most) = TapTempo::TEMPOS.into_inner();
         Some(match TapTempo::TEMPOS.contains(&tempo) {
             true => format!("{tempo:.0} beats per minute"),
-            false => format!("{tempo:.0} beats per minute are no tempo: send {least:.0} to {most:.0}"),
+            false => format!("{tempo:.0} beats per minute is out of range: send {least:.0} to {most:.0}"),
         })
     }
 
-    /// Goes to the next track, or back. A tapped tempo belonged to the track before, so it is forgotten.
+    /// Skips to the next or the previous track. Resets the tapped tempo, which belongs to the old track.
     pub(crate) fn skip(&mut self, forward: bool) {
         self.taps = TapTempo::default();
         let _ = self.with_song(|player| player.skip(forward));
     }
 
-    /// Listens to a source of the list that shows. A tapped tempo belonged to the one before, so it is forgotten.
+    /// Switches to a source of the shown list. Resets the tapped tempo, which belongs to the old source.
     pub(crate) fn choose_source(&mut self, place: usize) {
         self.taps = TapTempo::default();
         self.sound.choose_from_list(place);
     }
 
-    /// Shows the list of sources.
     pub(crate) fn show_sources(&mut self) {
         self.sound.show_list();
     }
 
-    /// Listens to the next source. A tapped tempo belonged to the one before, so it is forgotten.
+    /// Switches to the next source. Resets the tapped tempo, which belongs to the old source.
     pub(crate) fn next_source(&mut self) {
         self.taps = TapTempo::default();
         self.sound.next_source();
     }
 
-    /// Shows the picture later by this many steps, and says how late that is.
+    /// Delays the frames by this many steps. Returns a message with the delay.
     pub(crate) fn shift(&mut self, steps: f64) -> String {
         self.sound.shift(steps)
     }
 
-    /// Shifts the picture to so many milliseconds; `settled` if they are to be remembered for the device.
+    /// Sets the delay of the frames in milliseconds. `settled` saves it for the device.
     pub(crate) fn shift_to(&mut self, shift: f64, settled: bool) {
         self.sound.shift_to(shift, settled);
     }
@@ -191,12 +190,12 @@ impl Listening {
         self.sound.choose_output(id);
     }
 
-    /// Levels the sound for the picture from now on, or no longer.
+    /// Sets how the sound's level is adjusted for the frame.
     pub(crate) fn set_gain(&mut self, gain: Gain) {
         self.sound.set_gain(gain);
     }
 
-    /// What the panel of settings shows, while these choices hold in this run.
+    /// The data of the settings panel, with the choices of this run.
     pub(crate) fn facts<'a>(&'a mut self, choices: &'a Choices, names_output: bool) -> Facts<'a> {
         let outputs = self.sound.outputs();
         Facts {
@@ -210,13 +209,13 @@ impl Listening {
         }
     }
 
-    /// What is wrong with settings and devices since the last call.
+    /// Problems with settings and devices since the last call.
     pub(crate) fn take_reported_problems(&mut self) -> Vec<String> {
         self.sound.take_reported_problems()
     }
 
-    /// What is heard now, with its place in the song, and with the tapped tempo. Of an input the energy is known, and the
-    /// bar where it is sure; of a track that was not listened to yet, only the energy.
+    /// The current sound, with its position in the song and the tapped tempo. For an input the song data contain the
+    /// energy, and the bar if it is certain; for a track not yet analysed, only the energy.
     pub(crate) fn now(&mut self) -> Option<Moment> {
         let mut now = self.sound.now()?;
         self.track = now.track;
@@ -226,7 +225,7 @@ impl Listening {
             None => {
                 let energy = self.energy.at(now.song_time, now.features.level_db);
                 let heard = SongMoment::of_live(energy, &now.features);
-                // A bar that is heard does not go with a beat that is tapped.
+                // A measured bar does not match a tapped beat.
                 let is_tapped = self.taps.at(now.song_time).is_some();
                 if is_tapped { SongMoment { energy, ..SongMoment::UNKNOWN } } else { heard }
             }
@@ -238,13 +237,13 @@ impl Listening {
         Some(now)
     }
 
-    /// Follows the clock of a device from now on, which says this at these seconds of it; or none.
+    /// Follows the clock of a device, given as a reading and the device's seconds; `None` ends that.
     pub(crate) fn set_clock(&mut self, clock: Option<(ClockReading, f64)>) {
         self.clock = clock.map(|(reading, _)| reading);
         self.clock_now = (clock.map_or(0.0, |(_, now)| now), clock::now());
     }
 
-    /// Replaces tempo, phase and bar by those of the clock, if there is one.
+    /// Replaces tempo, phase and bar by those of the device's clock, if there is one.
     fn apply_clock(&self, now: &mut Moment) {
         let (seconds, at) = self.clock_now;
         let seconds = seconds + clock::since(at).as_secs_f64();
@@ -262,7 +261,7 @@ impl Listening {
         }
     }
 
-    /// How loud it was when [`Listening::now`] was last asked, 0..1.
+    /// The volume at the last call of [`Listening::now`], 0..1.
     pub(crate) fn level(&self) -> f32 {
         self.level
     }
@@ -272,22 +271,22 @@ impl Listening {
         self.sound.heard().tables
     }
 
-    /// What is remembered from run to run.
+    /// The saved settings.
     pub(crate) fn settings(&self) -> &Settings {
         self.sound.settings()
     }
 
-    /// Keeps a list of tracks for the next show, or none.
+    /// Saves a track list for the next run; `None` removes it.
     pub(crate) fn keep_tracks(&mut self, tracks: Option<Vec<PathBuf>>) {
         self.sound.keep_tracks(tracks);
     }
 
-    /// Remembers a change of it.
+    /// Saves a change of the settings.
     pub(crate) fn remember(&mut self, change: impl Fn(&mut Settings) + Send + 'static) {
         self.sound.remember(change);
     }
 
-    /// The state of the song, if it is what is listened to. What plays and what follows will be known.
+    /// The state of the song, if it is the current source. Requests the analysis of this track and the next.
     pub(crate) fn song_status(&mut self) -> Option<PlayerStatus> {
         let status = self.sound.song_status()?;
         let content = status.track.reopen.content();
@@ -299,32 +298,31 @@ impl Listening {
         Some(PlayerStatus { paused: self.paused, ..status })
     }
 
-    /// The source of the sound.
     pub(crate) fn playing(&self) -> Playing {
         if self.sound.plays_song() { self.playing } else { Playing::Input }
     }
 
-    /// What is known of the whole track that was heard last.
+    /// The analysis of the last track heard.
     pub(crate) fn present_structure(&self) -> Option<Arc<SongStructure>> {
         self.structure(self.track)
     }
 
-    /// The number of the track that is heard at a moment; none if it is an input.
+    /// The id of the track at a moment; `None` for an input.
     pub(crate) fn track_of(&self, moment: Moment) -> Option<u64> {
         self.sound.plays_song().then_some(moment.track)
     }
 
-    /// What is known of a whole track, by its number; nothing of an input.
+    /// The analysis of a track by its id; `None` for an input.
     pub(crate) fn structure(&self, track: u64) -> Option<Arc<SongStructure>> {
         self.songs.as_ref().filter(|_| self.sound.plays_song())?.get(track)
     }
 
-    /// The state of the input, if one is listened to.
+    /// The state of the input, if it is the current source.
     pub(crate) fn live_status(&mut self) -> Option<LiveStatus> {
         self.sound.live_status()
     }
 
-    /// Adds what there is to show of the sources; `clips` while the user keeps their list open.
+    /// Adds the hints and the source list to the overlay. `clips` is true while the user keeps the list open.
     pub(crate) fn show_in<'a>(&'a self, content: &mut OverlayContent<'a>, clips: bool, now: Instant) {
         content.hint = self.sound.hint().or(content.hint);
         content.sources = self.sound.list(clips, now);

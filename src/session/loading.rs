@@ -10,15 +10,12 @@ use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneSource, TextureCache};
 
-/// Background work of a show, started before its window opens.
+/// Background work of a session, started before its window opens.
 pub(crate) struct BackgroundWork {
-    /// The scene loaders.
     pub(crate) loaders: SceneLoaders,
-    /// The first scene.
     pub(crate) first: LoadedScene,
     /// Edited scene texts.
     pub(crate) drafts: Drafts,
-    /// The frame senders.
     pub(crate) sends: Sends,
 }
 
@@ -41,8 +38,8 @@ impl BackgroundWork {
     }
 }
 
-/// Starts the loaders, one for the scene that is shown and, if it `prepares_ahead`, two for its neighbours, and waits for
-/// the scene at the start: without it there is no show.
+/// Starts one loader for the shown scene and, if it `prepares_ahead`, two for its neighbours. Waits for the first
+/// scene: there is no show without it.
 ///
 /// # Errors
 /// The scene cannot be shown, or the system has no thread left.
@@ -67,7 +64,7 @@ fn load_first(
     Ok((SceneLoaders { shown: loader, ahead }, first))
 }
 
-/// Starts a loader that has nothing to load yet. It tells an editor what it found.
+/// Starts an idle loader. It reports its findings to the editor.
 fn start_loader(waker: &Waker, drafts: &Drafts) -> Result<SceneLoader, SessionError> {
     let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
     let waker = waker.clone();

@@ -1,26 +1,26 @@
-//! What is done to every picture alike, whatever shows: brightness, blackout, and holding the last picture.
+//! The master output: brightness, blackout and freeze, which apply to every frame.
 
 use std::time::{Duration, Instant};
 
 use crate::show::Picture;
 
-/// See the module.
+/// The state of the master output.
 #[derive(Debug, Clone)]
 pub(crate) struct MasterOutput {
-    /// 0..1 of the light.
+    /// Fraction of the light, 0..1.
     brightness: f32,
-    /// How long a blackout takes to come and to go, and a picture that was held to give way.
+    /// Duration of fades to and from black, and of the fade after a freeze.
     fade: Duration,
     is_black: bool,
-    /// How much light the blackout leaves, 0..1, and when that was so.
+    /// Fraction of the light that the blackout leaves, 0..1, and the time of that value.
     light: (f32, Option<Instant>),
     is_frozen: bool,
-    /// What the show does besides.
+    /// The effects of the show.
     shown: Picture,
 }
 
 impl MasterOutput {
-    /// Everything shows, by a brightness of 0..1; what is changed takes `fade` seconds.
+    /// Starts without blackout or freeze, with a brightness of 0..1. Changes take `fade` seconds.
     pub(crate) fn new(brightness: f32, fade: f64) -> Self {
         let mut master_output = Self {
             brightness: 1.0,
@@ -35,69 +35,68 @@ impl MasterOutput {
         master_output
     }
 
-    /// From now on pictures have this share of their light, 0..1.
+    /// Sets the fraction of the light, 0..1. Ignores values that are not finite.
     pub(crate) fn set_brightness(&mut self, brightness: f32) {
         if brightness.is_finite() {
             self.brightness = brightness.clamp(0.0, 1.0);
         }
     }
 
-    /// From now on a change takes this many seconds.
+    /// Sets the duration of changes in seconds.
     pub(crate) fn set_fade(&mut self, seconds: f64) {
         self.fade = Duration::try_from_secs_f64(seconds).unwrap_or_default();
     }
 
-    /// How long a change takes, in seconds.
+    /// Duration of changes in seconds.
     pub(crate) fn fade_seconds(&self) -> f64 {
         self.fade.as_secs_f64()
     }
 
-    /// Begins a blackout, or ends it. Returns whether it will be black.
+    /// Starts or ends a blackout. Returns `true` if it starts.
     pub(crate) fn toggle_blackout(&mut self, now: Instant) -> bool {
-        // What has changed until now changed in the other direction.
+        // The change so far was in the other direction.
         self.light = (self.light_at(now), Some(now));
         self.is_black = !self.is_black;
         self.is_black
     }
 
-    /// Whether it is black, or on its way there.
+    /// True during a blackout and the fade to it.
     pub(crate) fn is_black(&self) -> bool {
         self.is_black
     }
 
-    /// Holds the picture that shows, or lets it go. Returns whether it is held.
+    /// Freezes or releases the frame. Returns `true` if it is frozen.
     pub(crate) fn toggle_freeze(&mut self) -> bool {
         self.is_frozen = !self.is_frozen;
         self.is_frozen
     }
 
-    /// Whether a hand holds the picture.
+    /// True if the user has frozen the frame.
     pub(crate) fn is_frozen(&self) -> bool {
         self.is_frozen
     }
 
-    /// From now on the show does this to pictures. Returns what it did before.
+    /// Sets the effects of the show. Returns the previous ones.
     pub(crate) fn follow_show(&mut self, shown: Picture) -> Picture {
         std::mem::replace(&mut self.shown, shown)
     }
 
-    /// Whether the picture is held, by a hand or by the show.
+    /// True if the frame is frozen by the user or held by the show.
     pub(crate) fn hold(&self) -> bool {
         self.is_frozen || self.shown.held.is_some_and(|held| held.fraction >= 1.0)
     }
 
-    /// Whether the show has a share of a picture that is held.
+    /// True if the show mixes in a held frame.
     pub(crate) fn is_held_by_show(&self) -> bool {
         self.shown.held.is_some()
     }
 
-    /// Whether no hand does anything to a picture that is shown at `now`.
+    /// True if the user has no effect on a frame shown at `now`.
     pub(crate) fn are_idle(&self, now: Instant) -> bool {
         !self.is_frozen && self.brightness >= 1.0 && self.light_at(now) >= 1.0
     }
 
-    /// How much of its light a picture has that is shown at `now`, 0..1. A fade is even in light, not in the numbers of
-    /// the screen.
+    /// Fraction of its light that a frame shown at `now` has, 0..1. A fade is linear in light, not in encoded values.
     pub(crate) fn gain(&self, now: Instant) -> f32 {
         self.brightness * self.light_at(now) * self.shown.brightness
     }
@@ -120,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_blackout_fades_in_and_out_and_turns_round_where_it_is() {
+    fn a_blackout_fades_and_can_be_reversed_halfway() {
         let start = Instant::now();
         let at = |ms| start + Duration::from_millis(ms);
         let mut master_output = MasterOutput::new(0.5, 1.0);
@@ -129,7 +128,7 @@ mod tests {
         assert_eq!([0, 500, 1_000, 9_000].map(|ms| master_output.gain(at(ms))), [0.5, 0.25, 0.0, 0.0]);
         assert!(!master_output.toggle_blackout(at(9_000)));
         assert_eq!([9_000, 9_750, 10_000].map(|ms| master_output.gain(at(ms))), [0.0, 0.375, 0.5]);
-        // Not before it was complete.
+        // Turned back before it was complete.
         master_output.toggle_blackout(at(20_000));
         master_output.toggle_blackout(at(20_400));
         assert!((master_output.gain(at(20_600)) - 0.4).abs() < 1e-6);
@@ -137,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_fade_it_cuts_and_nonsense_changes_no_brightness() {
+    fn without_a_fade_it_cuts_and_invalid_values_are_ignored() {
         let now = Instant::now();
         let mut master_output = MasterOutput::new(1.0, 0.0);
         master_output.toggle_blackout(now);

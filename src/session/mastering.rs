@@ -1,5 +1,4 @@
-//! What the hands on a show do to every picture alike: blackout, brightness, holding it, where it lies, and nothing over
-//! it.
+//! The user's control of the master output: blackout, brightness, freeze, placement, and hiding the panels.
 
 use std::time::Instant;
 
@@ -17,7 +16,7 @@ use crate::ui::desk_picture::{is_within, small_in};
 use crate::ui::overlay::PanelSwitches;
 
 impl Session {
-    /// Hides every word and panel until this is called again.
+    /// Hides or shows all texts and panels.
     pub(super) fn toggle_clean(&mut self) {
         self.interface.ui_state.bare = !self.interface.ui_state.bare;
         self.screen.request_redraw();
@@ -25,19 +24,19 @@ impl Session {
             self.interface.ui_state.panels = PanelSwitches::default();
             self.leave_panels();
         } else {
-            self.playback.reports.answer("words and panels show again".to_owned());
+            self.playback.reports.answer("texts and panels are visible again".to_owned());
         }
     }
 
-    /// Where the picture lies on its screen.
+    /// The placement of the frame on its screen.
     pub(super) fn placement(&self) -> Placement {
         self.choices.stage.placement()
     }
 
-    /// Lets the corners be moved, or no longer.
+    /// Opens or closes the corner handles.
     pub(super) fn show_corners(&mut self, open: bool) {
         if !open && self.interface.ui_state.corners.is_some() {
-            // One may still be held.
+            // A handle may still be dragged.
             let setting = Setting::Corners(self.choices.stage.corners);
             self.change_setting(SetSetting { setting, settled: true });
         }
@@ -45,16 +44,16 @@ impl Session {
         self.screen.request_redraw();
     }
 
-    /// Moves a corner of the picture to a place of its screen, and remembers it once that is settled. A place at which
-    /// nothing could be drawn is left out.
+    /// Moves a corner of the frame on its screen. Saves it once `settled`. Ignores positions at which the frame could
+    /// not be drawn.
     pub(super) fn move_corner(&mut self, MovedCorner { corner, place, settled }: MovedCorner) {
-        // Finer than a pixel is no use to anybody.
+        // Steps finer than a pixel are of no use.
         let place = place.map(|fraction| (fraction * 1e4).round() / 1e4);
         let before = self.choices.stage.corners;
         self.set_corners(before.with(corner, place).unwrap_or(before), corner, settled);
     }
 
-    /// Sets all corners, of which one is selected, and remembers them once they are settled.
+    /// Sets all corners and the selected one. Saves them once `settled`.
     pub(super) fn set_corners(&mut self, corners: Corners, selected: usize, settled: bool) {
         if let Some(controllers) = &mut self.interface.ui_state.corners {
             controllers.take(selected, corners);
@@ -64,36 +63,36 @@ impl Session {
 }
 
 impl Playback {
-    /// Lets the picture fade to black, or come back.
+    /// Fades the frame to black or back.
     pub(crate) fn toggle_blackout(&mut self) {
         let words = match self.master_output.toggle_blackout(clock::now()) {
-            true => "blackout: X brings the picture back",
-            false => "the picture comes back",
+            true => "blackout: press X to end it",
+            false => "the blackout ends",
         };
         self.reports.answer(words.to_owned());
     }
 
-    /// Holds the picture that shows while the song goes on, or lets it go.
+    /// Freezes or releases the frame; the song continues.
     pub(crate) fn toggle_freeze(&mut self) {
         let words = match self.master_output.toggle_freeze() {
             true => {
                 self.scene.composer_mut().give_picture_up();
-                "the picture is held: Z lets it go"
+                "frozen: press Z to continue"
             }
             false => {
                 self.scene.fade_from_held(self.master_output.fade_seconds());
-                "the picture goes on"
+                "no longer frozen"
             }
         };
         self.reports.answer(words.to_owned());
     }
 
-    /// Whether the picture that shows is held.
+    /// True if the shown frame is frozen.
     pub(super) fn holds_picture(&self) -> bool {
         self.master_output.hold() && self.pace.shown().is_some()
     }
 
-    /// Does to whole pictures what the show does to them at `time` seconds of the song.
+    /// Applies the show's effects on whole frames at `time` seconds of the song.
     pub(super) fn follow_master_output(&mut self, time: f64) {
         let shown = self.scene.show().picture_at(time);
         let before = self.master_output.follow_show(shown);
@@ -107,18 +106,18 @@ impl Playback {
             self.scene.composer_mut().fading_mut().hold_anew();
         }
         match is {
-            // It is held as it is.
+            // Completely held: the current frame stays.
             Some(1.0..) => self.scene.composer_mut().give_picture_up(),
             fraction => self.scene.composer_mut().mix_held(fraction),
         }
     }
 
-    /// Whether the picture that shows is brighter or darker than it is to be.
+    /// True if the brightness of the shown frame must change.
     pub(super) fn is_dimming(&self, now: Instant) -> bool {
         self.pace.shown().is_some() && self.master_output.gain(now) != self.renderer.gain()
     }
 
-    /// All scenes in the order of their numbers: marked ones first.
+    /// All scenes in the order of their numbers, favourites first.
     pub(super) fn numbered_scenes(&self) -> Vec<SceneSource> {
         let marks = &self.listening.settings().favourite_scenes;
         let scenes = self.scene.library().all_sources();
@@ -127,29 +126,29 @@ impl Playback {
         marked.into_iter().chain(others).collect()
     }
 
-    /// Shows the scene of this number, from 1, marked ones first.
+    /// Shows the scene with this number, from 1, favourites first.
     pub(super) fn show_scene_number(&mut self, number: usize) {
         let mut scenes = self.numbered_scenes();
         match number.checked_sub(1).filter(|place| *place < scenes.len()) {
             Some(place) => self.scene.show_source(scenes.swap_remove(place)),
             None => {
                 let count = scenes.len();
-                self.reports.answer(format!("there is no scene {number} among these {count}: B shows them"));
+                self.reports.answer(format!("there is no scene {number} of {count}: press B for a list"));
             }
         }
     }
 }
 
 impl Interface {
-    /// Where in the window of `size` pixels the picture lies: as large as it can, or small beside the panels while an output
-    /// shows it. It is large there, too, while its corners are moved, and where nothing else is to be seen.
+    /// The part of a window of `size` pixels for the frame: as large as possible, or small beside the panels while an
+    /// output shows it. Always large while its corners are moved and while the panels are hidden.
     pub(super) fn note_area(&mut self, screen: &mut dyn Screen, lay: &Lay, size: (u32, u32)) -> Area {
         let is_small = screen.has_output() && !self.ui_state.bare && self.ui_state.corners.is_none();
         self.ui_state.picture = is_small.then(|| small_in(size, lay.screen));
         self.ui_state.picture.unwrap_or_else(|| lay.area_in(size))
     }
 
-    /// Whether what the pointer does at a place of the window, in pixels, is meant for the picture.
+    /// True if pointer input at this position, in pixels, is meant for the frame.
     pub(super) fn is_for_picture(&self, screen: &dyn Screen, place: [f64; 2]) -> bool {
         let size = screen.size().unwrap_or_default();
         self.ui_state.picture.is_none_or(|area| is_within(area, size, place))

@@ -386,9 +386,8 @@ impl Playback {
         }
     }
 
-    /// Shows the next or the previous view. The flash limiter is reset, because it would distort
-    /// the colours of a view, which encode numbers. The key does not repeat: only single key
-    /// presses bypass the limiter.
+    /// Shows the next or the previous view. The flash limiter is reset, because it would distort the colours of a
+    /// view, which encode numbers. The key does not repeat: only single key presses bypass the limiter.
     pub(super) fn go_view(&mut self, forward: bool) {
         self.scene.go_view(forward);
         self.renderer.forget_flashes();
@@ -441,8 +440,7 @@ impl Interface {
         }
     }
 
-    /// Passes a key to the controls if they have the focus or get it. Returns `true` if they used
-    /// the key.
+    /// Passes a key to the controls if they have the focus or get it. Returns `true` if they used the key.
     fn go_through_controls(&mut self, screen: &mut dyn Screen, key: &Key, held: Modifiers) -> bool {
         let begins = *key == Key::Named(NamedKey::Tab)
             && (held.shift_key() || self.overlay.is_assisted())

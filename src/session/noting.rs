@@ -1,4 +1,4 @@
-//! What is recorded of a show, and what is said of it.
+//! Recording of a show, and the messages about it.
 
 use std::time::Instant;
 
@@ -9,7 +9,7 @@ use crate::show::Finish;
 use mariana_player::Moment;
 
 impl Playback {
-    /// Begins to record what hands do, or ends that.
+    /// Starts or stops recording.
     pub(super) fn toggle_recording(&mut self) {
         let begins = self.recording.toggle(clock::now());
         if let Some(shown) = self.pace.shown().filter(|_| begins) {
@@ -17,20 +17,19 @@ impl Playback {
         }
         let words = match begins {
             true if self.listening.song_status().is_none() => {
-                "what hands do is recorded as soon as a song plays: an input cannot be played again"
+                "recording starts with the next song: an audio input cannot be recorded"
             }
-            true => "what hands do is recorded: F9 ends it",
-            false => "the recording has ended",
+            true => "recording: press F9 to stop",
+            false => "recording stopped",
         };
         self.reports.answer(words.to_owned());
     }
 
-    /// Whether it is recorded what hands do.
     pub(super) fn is_recording(&self) -> bool {
         self.recording.is_on()
     }
 
-    /// Notes a picture that shows and was begun at `begun`.
+    /// Records a shown frame that was begun at `begun`.
     pub(super) fn record(&mut self, moment: Moment, begun: Instant) {
         if !self.recording.is_on() {
             return;
@@ -39,7 +38,7 @@ impl Playback {
         let picture = self.finish(begun);
         let Some(performed) = self.scene.performed(moment.song_time) else { return };
         let performed = Performed { picture, ..performed };
-        // A scene that stands still is drawn as of the moment at which it came to rest.
+        // A still scene was drawn for the moment at which it became still.
         let now = self.listening.now().filter(|_| !self.scene.moves_by_itself());
         let time = now.map_or(moment.song_time, |now| now.song_time);
         let of = (track, self.reports.playing().title.as_str());
@@ -48,7 +47,7 @@ impl Playback {
         }
     }
 
-    /// Notes that the picture which shows still shows: it is held, or its light changes.
+    /// Records that the shown frame stays, because it is frozen or its brightness changes.
     pub(super) fn record_again(&mut self, begun: Instant) {
         if !self.recording.is_on() {
             return;
@@ -59,7 +58,7 @@ impl Playback {
         self.recording.note_picture(track, now.song_time, &picture, is_held);
     }
 
-    /// What is done to the whole picture that was begun at `begun`.
+    /// The effects on the whole frame that was begun at `begun`.
     pub(super) fn finish(&self, begun: Instant) -> Finish {
         let fraction =
             if self.holds_picture() { 1.0 } else { self.scene.composer().fading().fraction_held() };
@@ -68,7 +67,7 @@ impl Playback {
         Finish { numbers: [self.master_output.gain(begun), fraction], is_shown }
     }
 
-    /// Says what became of a recording.
+    /// Reports the results of saved recordings.
     pub(super) fn tell_recording(&mut self) {
         self.recording.update(clock::now());
         if let Some(news) = self.recording.news() {

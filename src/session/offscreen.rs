@@ -1,5 +1,5 @@
-//! A session that nobody sees: it draws into memory, and whoever holds it is its user. Tests press its keys; a program
-//! that embeds a show gives it commands.
+//! A session without a window: it draws into memory, and its owner acts as the user. Tests press its keys; a program
+//! that embeds a show sends commands.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -29,49 +29,49 @@ use crate::monitor::Monitor;
 use crate::placement::Area;
 use mariana_player::PlayerStatus;
 
-/// Frames per second where nothing else is asked for.
+/// Frames per second.
 const FPS: f64 = 60.0;
-/// How long a step waits at most for something to happen.
+/// The longest wait of a step.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// See the module. It lives on the thread that made it.
+/// A session that draws into memory. It stays on the thread that created it.
 pub struct Offscreen {
     /// `None` after an error.
     run: Option<Run>,
     shared: Rc<RefCell<Shared>>,
 }
 
-/// What the user of a session and its screen both know.
+/// State shared by the session's owner and its screen.
 struct Shared {
     size: (u32, u32),
-    /// What happens next.
+    /// Events for the next steps.
     events: VecDeque<Event>,
     title: String,
     fullscreen: bool,
     cursor: CursorIcon,
     composes: bool,
     controls: Option<TreeUpdate>,
-    /// How often a picture was shown.
+    /// The number of frames shown.
     shown: u64,
-    /// Whether the window is to be drawn.
+    /// True if the window must be drawn.
     is_due: bool,
     picture: RgbaImage,
 }
 
 impl Offscreen {
-    /// Begins a prepared session. Its window has the size of the settings; programs compile between frames.
+    /// Starts a prepared session. The window has the size in the settings; programs are compiled between frames.
     ///
     /// # Errors
-    /// The scene or the song cannot be shown, or the driver gives no context.
+    /// The scene or the song cannot be shown, or there is no OpenGL context.
     pub fn open(prepared: Prepared) -> Result<Self, SessionError> {
         Self::begin(prepared, false)
     }
 
-    /// The same, with a thread that compiles programs on EGL's default display. Programs compile between frames if EGL
-    /// has no such display.
+    /// Starts a session with a compiler thread on EGL's default display. Without such a display, programs are
+    /// compiled between frames.
     ///
     /// # Errors
-    /// As [`Offscreen::open`].
+    /// The same as for [`Offscreen::open`].
     pub fn open_with_compiler(prepared: Prepared) -> Result<Self, SessionError> {
         Self::begin(prepared, true)
     }
@@ -81,7 +81,7 @@ impl Offscreen {
         let started = clock::now();
         let (wakes, woken) = channel();
         let waker = Waker::new(move || {
-            // After the end there is nobody to wake.
+            // After the end there is no receiver.
             let _ = Channel::send(&wakes, ());
         });
         let backstage = BackgroundWork::start(&settings, &scene, &waker)?;
@@ -99,8 +99,8 @@ impl Offscreen {
         Ok(Self { run: Some(Run::new(session, settings, scene, waker, started)), shared })
     }
 
-    /// Runs one step: takes input, waits briefly for due work, draws if the picture changes. Replaces a lost context.
-    /// Returns `false` once the session has ended.
+    /// Runs one step: takes input, waits briefly for due work, draws if the frame must change. Replaces a lost
+    /// context. Returns `false` once the session has ended.
     ///
     /// # Errors
     /// An error that ends the session.
@@ -115,7 +115,7 @@ impl Offscreen {
         Ok(goes_on)
     }
 
-    /// Lets a user do something, at the next step.
+    /// Queues input for the next step.
     pub fn send(&mut self, input: Input) {
         self.shared.borrow_mut().events.push_back(Event::Input(input));
     }
@@ -133,12 +133,12 @@ impl Offscreen {
         (shared.size, shared.is_due) = (size, true);
     }
 
-    /// The picture that shows, with what is over it.
+    /// The shown frame, including the overlay.
     pub fn picture(&self) -> RgbaImage {
         self.shared.borrow().picture.clone()
     }
 
-    /// How often a picture was shown.
+    /// The number of frames shown.
     pub fn shown(&self) -> u64 {
         self.shared.borrow().shown
     }
@@ -148,12 +148,12 @@ impl Offscreen {
         self.shared.borrow().title.clone()
     }
 
-    /// The look of the pointer; [`CursorIcon::None`] hides it.
+    /// The pointer's shape; [`CursorIcon::None`] hides it.
     pub fn cursor(&self) -> CursorIcon {
         self.shared.borrow().cursor
     }
 
-    /// Whether input methods may put letters together.
+    /// True if input methods may compose letters.
     pub fn composes(&self) -> bool {
         self.shared.borrow().composes
     }
@@ -163,12 +163,12 @@ impl Offscreen {
         self.run.as_mut().map(|run| run.session.state()).unwrap_or_default()
     }
 
-    /// Returns `true` once a resting show has its best picture. A frozen picture always rests.
+    /// Returns `true` once an idle show has its best frame. A frozen frame is always at rest.
     pub fn is_at_rest(&self) -> bool {
         self.run.as_ref().is_none_or(|run| run.session.is_at_rest(clock::now()))
     }
 
-    /// Ends the session as its user would, so that everything is kept that is remembered.
+    /// Ends the session as a user would, and saves its state.
     pub fn finish(mut self) {
         if let Some(run) = &mut self.run {
             run.finish();
@@ -176,14 +176,14 @@ impl Offscreen {
     }
 }
 
-/// The window of a session that nobody sees.
+/// The window of an offscreen session.
 struct OffscreenWindow {
     target: Target,
     shared: Rc<RefCell<Shared>>,
     woken: Receiver<()>,
-    /// Compile programs on a thread.
+    /// True to compile programs on a thread.
     has_compiler: bool,
-    // Last: the target is made in it.
+    // Last, because the target belongs to it.
     context: Headless,
 }
 
@@ -210,7 +210,7 @@ impl OffscreenWindow {
         Ok((Self { target, shared: shared.clone(), woken, has_compiler, context }, shared))
     }
 
-    /// Has a target of the window's size.
+    /// Resizes the target to the window's size.
     fn fit(&mut self) -> Result<(u32, u32), SessionError> {
         let size = self.shared.borrow().size;
         if self.target.size() != size {
@@ -219,7 +219,7 @@ impl OffscreenWindow {
         Ok(size)
     }
 
-    /// Takes what was drawn for what shows.
+    /// Publishes the drawn frame.
     fn present(&self) {
         let (width, height) = self.target.size();
         let picture = RgbaImage::from_raw(width, height, self.target.read_rgba8(0)).unwrap_or_default();
@@ -229,7 +229,7 @@ impl OffscreenWindow {
     }
 }
 
-/// A target that stands for the window.
+/// A target that takes the place of the window.
 fn target_of(gl: &Gl, size: (u32, u32)) -> Result<Target, GpuError> {
     let target = Target::of_window(gl, size)?;
     gl.replace_window(Some(&target));
@@ -248,7 +248,7 @@ impl Screen for OffscreenWindow {
         }
         while self.woken.try_recv().is_ok() {}
         let mut shared = self.shared.borrow_mut();
-        // One at a time: what each key does is drawn before the next one comes.
+        // One at a time, so that the effect of each key is drawn before the next one.
         let events: Vec<Event> = shared.events.pop_front().into_iter().collect();
         let redraw = std::mem::take(&mut shared.is_due).then_some(Event::Redraw);
         events.into_iter().chain(redraw).collect()
@@ -322,7 +322,7 @@ impl Screen for OffscreenWindow {
     }
 
     fn request_redraw(&self) {
-        // Called while the screen shows something, too.
+        // Also called while the screen is showing a frame.
         if let Ok(mut shared) = self.shared.try_borrow_mut() {
             shared.is_due = true;
         }
@@ -392,7 +392,7 @@ impl Screen for OffscreenWindow {
     }
 }
 
-/// No desktop is there to control the player.
+/// Stands for a missing desktop.
 struct NoDesktop;
 
 impl DesktopControls for NoDesktop {

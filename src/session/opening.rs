@@ -1,9 +1,8 @@
-//! What a show begins with: everything that lives as long as the window, created on the show's thread.
+//! The start of a session: creates everything that lives as long as the window, on the session's thread.
 //!
-//! **A lost context is made anew.** When the driver reports that its context is lost, everything that belongs to it
-//! is dropped while it is still current, and made again from the worlds, which are plain values
-//! (`session::opening::renewed`); the song does not notice. A picture for which the driver has no memory is drawn
-//! smaller. `faults` lets tests cause both.
+//! **A lost context is replaced.** When the driver reports a lost context, everything that belongs to it is dropped
+//! while it is still current and recreated from the worlds, which are plain values (`renewed`); the song is not
+//! affected. If the driver has no memory for a frame, a smaller one is drawn. `faults` lets tests cause both.
 
 use std::sync::Arc;
 
@@ -43,52 +42,52 @@ use crate::ui::user_input::UserInput;
 use mariana_player::playlist::Opened;
 use mariana_player::{OutputChoice, Player, PlayerOptions, Position, Target};
 
-/// Frame cap where the monitor reports no rate.
+/// Frame rate limit if the monitor reports no rate.
 const FPS_DEFAULT: f64 = 60.0;
-/// Threads that compile programs: one for the scene's own, one for the interpreter's.
+/// Threads that compile programs: one for the scene's own, one for the interpreter.
 const COMPILERS: usize = 2;
 
-/// What a show is to play and show.
+/// Everything that a session plays and shows.
 pub struct Prepared {
-    /// What is played; none if only an input is listened to.
+    /// The tracks; `None` for an audio input only.
     pub tracks: Option<Opened>,
-    /// How it is played and shown.
+    /// The settings of playback and window.
     pub settings: PlaySettings,
-    /// How scenes are drawn.
+    /// The choice of scenes, and how they are drawn.
     pub scene: SceneChoice,
-    /// What is remembered.
+    /// The saved settings and their folders.
     pub memory: Memory,
 }
 
-/// What is known before the window opens.
+/// Everything that exists before the window opens.
 pub(crate) struct Opening<'a> {
-    /// What is played; none if only an input is listened to.
+    /// The tracks; `None` for an audio input only.
     pub(crate) tracks: Option<Opened>,
-    /// How the window plays and shows it.
+    /// The settings of playback and window.
     pub(crate) settings: &'a PlaySettings,
-    /// How scenes are drawn.
+    /// The choice of scenes, and how they are drawn.
     pub(crate) scene: &'a SceneChoice,
-    /// What is remembered.
+    /// The saved settings and their folders.
     pub(crate) memory: Memory,
-    /// What works behind it already.
+    /// Background work that has already started.
     pub(crate) backstage: BackgroundWork,
-    /// Where pictures are shown.
+    /// The screen that shows the frames.
     pub(crate) screen: Box<dyn Screen>,
-    /// Makes the desktop's controls for players, which ask for the place in the song.
+    /// Creates the desktop's media controls, which query the position in the song.
     pub(crate) desktop: Box<dyn FnOnce(Option<Position>) -> Box<dyn DesktopControls>>,
 }
 
 impl Opening<'_> {
-    /// Makes everything that the show needs in a window.
+    /// Creates the session.
     ///
     /// # Errors
-    /// What the driver or the system refuses.
+    /// An error of the driver or the system.
     pub(crate) fn session(self, waker: &Waker) -> Result<Session, SessionError> {
         let Self { tracks, settings, scene, memory, backstage, mut screen, desktop } = self;
         let BackgroundWork { loaders, first, drafts, sends } = backstage;
         let choices = settings.choices.clone();
-        tracing::info!("what holds in this run: {choices:?}");
-        // First of all, so that the song is known before its first picture.
+        tracing::info!("choices of this run: {choices:?}");
+        // First, so that the song is analysed before its first frame.
         let folders = memory.folders.clone();
         let songs = start_song_reader(&folders, waker);
         if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
@@ -98,13 +97,13 @@ impl Opening<'_> {
             screen.set_fullscreen(true);
         }
         let (choice, title) = (scene, first.source.title());
-        // Requested first: the driver compiles it while everything else is made.
+        // Requested first: the driver compiles it while everything else is created.
         let mut scene = start_scene(&*screen, (settings, choice), loaders, first, waker)?;
         scene.parameters_mut().remember(&title, &settings.sliders);
         let of_fonts = waker.clone();
         let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
         paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
-        tracing::info!("the window says what it prepares");
+        tracing::info!("the window shows what it prepares");
         let renderer = renderer(screen.gl(), &choices, choice)?;
         let mut announcer = Announcer::default();
         let player = tracks.map(|tracks| start_player(tracks, settings, &mut announcer)).transpose()?;
@@ -159,7 +158,7 @@ impl Opening<'_> {
     }
 }
 
-/// The scenes of the show, with the first of them on its way.
+/// Starts the scene session, which prepares the first scene.
 fn start_scene(
     screen: &dyn Screen,
     (settings, choice): (&PlaySettings, &SceneChoice),
@@ -180,7 +179,7 @@ fn start_scene(
     Ok(scene)
 }
 
-/// What plays the tracks. It starts with the first picture, so that nothing of the song is missed.
+/// Starts the player. It waits for the first frame, so that nothing of the song is missed.
 fn start_player(
     tracks: Opened,
     settings: &PlaySettings,
@@ -206,7 +205,7 @@ fn start_player(
     Ok(player)
 }
 
-/// What is listened to: the tracks, or an input.
+/// Starts the sound: the player or an input.
 fn start_sound(
     player: Option<Player>,
     memory: Memory,
@@ -223,7 +222,7 @@ fn start_sound(
     })
 }
 
-/// What makes a plan of each track.
+/// Starts the thread that creates a show for each track.
 fn start_direction(settings: &PlaySettings, waker: &Waker) -> Result<Direction, SessionError> {
     let waker = waker.clone();
     let (file, follow) = (settings.show.clone(), settings.choices.follow_song);
@@ -231,17 +230,17 @@ fn start_direction(settings: &PlaySettings, waker: &Waker) -> Result<Direction, 
         .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })
 }
 
-/// What listens to whole songs. Without it their numbers stay unknown.
+/// Starts the analysis of whole songs. Without it their data stay unknown.
 fn start_song_reader(folders: &Folders, waker: &Waker) -> Option<SongReader> {
     let waker = waker.clone();
     let started = SongReader::start(StructureCache::among(folders), move || waker.wake());
-    started.inspect_err(|error| tracing::warn!("whole songs are not listened to: {error}")).ok()
+    started.inspect_err(|error| tracing::warn!("cannot analyse whole songs: {error}")).ok()
 }
 
-/// The output that songs play on at the start.
+/// The output for songs at the start.
 fn output_of(settings: &PlaySettings) -> Target {
     match (settings.device.as_deref(), &settings.choices.output) {
-        // With an input, the device is that.
+        // With an input, `device` names the input.
         (Some(DEFAULT_DEVICE), _) => Target::Default,
         (Some(name), _) if settings.listen.is_none() => Target::Named(name.to_owned()),
         (_, Some(id)) => Target::Preferred(id.clone()),
@@ -249,7 +248,7 @@ fn output_of(settings: &PlaySettings) -> Target {
     }
 }
 
-/// What programs are made from.
+/// The sources that programs are compiled from.
 fn sources(settings: &PlaySettings, scene: &SceneChoice) -> Sources {
     Sources { library: scene.shaders.clone(), cache: Arc::new(settings.program_cache.clone()) }
 }
@@ -266,10 +265,10 @@ fn renderer(gl: &Gl, choices: &Choices, scene: &SceneChoice) -> Result<Renderer,
     Ok(renderer)
 }
 
-/// Makes everything anew that belonged to a lost context. The song and everything that was chosen go on meanwhile.
+/// Recreates everything that belonged to a lost context. The song and all choices are kept.
 ///
 /// # Errors
-/// The driver gives no other context.
+/// The driver provides no new context.
 pub(super) fn renewed(
     session: Session,
     settings: &PlaySettings,
@@ -279,7 +278,7 @@ pub(super) fn renewed(
     let Session { playback, interface, screen, .. } = session;
     let Playback { renderer: old_renderer, scene: old_scene, mut frame_senders, mut reports, .. } = playback;
     let Interface { overlay, .. } = interface;
-    // What was made in the context is dropped while it is current: in the next one its names mean something else.
+    // Objects of the old context are dropped while it is current: in the new one their names mean other objects.
     let assisted = overlay.is_assisted();
     drop(overlay);
     drop(old_renderer);
@@ -306,7 +305,7 @@ pub(super) fn renewed(
         overlay.assist(Assistance::Begins);
     }
     scenes.take_over(kept.controllers, kept.wanted);
-    reports.answer("the driver had lost the picture: it is drawn anew".to_owned());
+    reports.answer("the graphics driver lost its context: the frame is drawn again".to_owned());
     let playback = Playback {
         renderer: renderer(screen.gl(), &session.choices, scene)?,
         scene: scenes,

@@ -1,5 +1,4 @@
-//! When the next frame is due: a frame limiter for drivers whose vertical sync does not work, as under a virtual
-//! display.
+//! A frame limiter for drivers whose vertical sync does not work, as under a virtual display.
 
 use std::time::{Duration, Instant};
 
@@ -11,22 +10,22 @@ pub struct Pacing {
 }
 
 impl Pacing {
-    /// Allows at most `fps` frames per second from `now` on.
+    /// Allows at most `fps` frames per second, starting at `now`.
     pub fn new(fps: f64, now: Instant) -> Self {
         let interval = Duration::try_from_secs_f64(1.0 / fps).unwrap_or(Duration::from_millis(16));
         Self { interval, due: now }
     }
 
-    /// When the next frame is due; one that answers a hand may be begun as soon as the one before it was due, in the
-    /// place of the next one.
+    /// The time of the next frame. A frame that `answers` a controller may be begun one interval early; it replaces
+    /// the next one.
     pub fn due(&self, answers: bool) -> Instant {
         let early = if answers { self.interval } else { Duration::ZERO };
         self.due.checked_sub(early).unwrap_or(self.due)
     }
 
-    /// Notes a frame that was begun at `now`. A late frame delays the following ones: no burst makes up for it.
-    /// Frames outside the rhythm, such as those drawn while a window is resized, delay the next one by at most an
-    /// interval; one that `answers` a hand takes the place of the next one, which may be two intervals later.
+    /// Notes a frame that was begun at `now`. A late frame delays the following ones: no burst makes up for it. Extra
+    /// frames, such as those drawn while a window is resized, delay the next one by at most an interval. A frame that
+    /// `answers` a controller replaces the next one, which may then be two intervals later.
     pub fn begun(&mut self, now: Instant, answers: bool) {
         let latest = now + if answers { 2 * self.interval } else { self.interval };
         self.due = (self.due + self.interval).clamp(now, latest);
@@ -38,13 +37,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_keep_their_rhythm_and_lateness_is_not_made_up_for() {
+    fn frames_keep_their_rhythm_and_late_ones_cause_no_burst() {
         let start = Instant::now();
         let mut pacing = Pacing::new(100.0, start);
         let ms = |n: u64| start + Duration::from_millis(n);
         pacing.begun(ms(0), false);
         assert_eq!(pacing.due(false), ms(10));
-        // A little late: the grid stays.
+        // A little late: the rhythm stays.
         pacing.begun(ms(12), false);
         assert_eq!(pacing.due(false), ms(20));
         // Very late: the next frame is due at once, and only one.
@@ -55,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn many_redraws_of_a_resize_do_not_freeze_the_picture() {
+    fn many_redraws_of_a_resize_do_not_delay_frames_for_long() {
         let start = Instant::now();
         let mut pacing = Pacing::new(2.0, start);
         for _ in 0..30 {
@@ -65,16 +64,16 @@ mod tests {
     }
 
     #[test]
-    fn a_knob_is_answered_at_once_and_no_more_frames_are_drawn_than_without() {
+    fn a_controller_is_answered_at_once_without_extra_frames() {
         let start = Instant::now();
         let ms = |n: u64| start + Duration::from_millis(n);
         let mut pacing = Pacing::new(100.0, start);
         pacing.begun(ms(0), false);
         assert_eq!((pacing.due(true), pacing.due(false)), (ms(0), ms(10)));
-        // In the place of the frame at 10.
+        // Replaces the frame at 10.
         pacing.begun(ms(3), true);
         assert_eq!((pacing.due(true), pacing.due(false)), (ms(10), ms(20)));
-        // A knob that never rests has a frame for each interval, like a picture that moves.
+        // A constantly moving controller gets one frame per interval, like an animated scene.
         let mut frames = 0;
         for now in 3..1000 {
             if ms(now) >= pacing.due(true) {

@@ -1,5 +1,5 @@
-//! What the lists over the picture do: tracks, sources, scenes, files. Each is a plain value that keys and pointer
-//! change; what was chosen in it is done here.
+//! The panels over the frame: tracks, sources, scenes, files. Each panel is a plain value, changed by keys and the
+//! pointer; this module carries out its commands.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -20,13 +20,13 @@ pub(super) fn thumbnails_ahead_at(now: Instant) -> Instant {
 }
 
 impl Session {
-    /// Opens a panel instead of the one that is open, or closes it.
+    /// Opens a panel instead of the current one, or closes it.
     pub(super) fn toggle_panel(&mut self, panel: Panel) {
         if panel == Panel::Editor && self.gives_focus_to_editor() {
             return;
         }
         self.interface.ui_state.panels.toggle(panel);
-        // Keys act on the panel.
+        // Keys now act on the panel.
         self.interface.overlay.drop_key_focus();
         self.write_text(self.interface.ui_state.panels.open() == Some(Panel::Editor));
         if self.interface.ui_state.panels.open() == Some(Panel::Sources) {
@@ -48,7 +48,7 @@ impl Session {
         self.show_corners(self.interface.ui_state.panels.open() == Some(Panel::Corners));
     }
 
-    /// Takes what was done in the list of files, and carries out what it asks for.
+    /// Takes an event of the file list and carries out its commands.
     fn take_file_event(&mut self, event: FileListEvent) {
         let Some(files) = &mut self.interface.ui_state.files else { return };
         let commands = match event {
@@ -67,7 +67,7 @@ impl Session {
         self.carry_out_all(commands);
     }
 
-    /// Takes what was done in the list of scenes, and carries out what it asks for.
+    /// Takes an event of the scene list and carries out its commands.
     fn take_scene_event(&mut self, event: SceneListEvent) {
         let Some(browser) = &mut self.interface.ui_state.browser else { return };
         let commands = match event {
@@ -83,7 +83,7 @@ impl Session {
         self.carry_out_all(commands);
     }
 
-    /// Closes what is open, or leaves full screen.
+    /// Closes the open panel, or leaves full screen.
     pub(super) fn leave(&mut self) {
         if self.playback.controllers.stop_learning() {
             return self.interface.update_controllers(&mut self.playback);
@@ -94,7 +94,7 @@ impl Session {
         self.leave_panels();
     }
 
-    /// Leaves what belongs to panels that are closed.
+    /// Cleans up after closed panels.
     pub(super) fn leave_panels(&mut self) {
         self.interface.look_through_scenes(&mut self.playback, false);
         self.interface.look_through_files(&mut self.playback, false);
@@ -104,7 +104,7 @@ impl Session {
         self.show_corners(false);
     }
 
-    /// Takes what was done in the panels during the last picture. Returns the commands in it.
+    /// Takes the panels' events of the last frame. Returns their commands.
     pub(super) fn take_ui_events(&mut self) -> Vec<Command> {
         let mut commands = Vec::new();
         for event in std::mem::take(&mut self.interface.ui_events) {
@@ -121,7 +121,7 @@ impl Session {
 }
 
 impl Playback {
-    /// The folder of the track that plays, if it is a file.
+    /// The folder of the current track, if it is a file.
     fn folder_of_track(&mut self) -> Option<PathBuf> {
         let entry = self.reports.playing().place.0;
         let tracks = self.listening.with_song(|player| player.playlist())?;
@@ -131,12 +131,12 @@ impl Playback {
 }
 
 impl Interface {
-    /// Whether keys are text at present.
+    /// True if keys are text input at the moment.
     pub(super) fn takes_text(&self) -> bool {
         self.ui_state.browser.is_some() || self.ui_state.files.is_some() || self.editor_has_focus()
     }
 
-    /// Opens the list of files, or closes it.
+    /// Opens or closes the file list.
     fn look_through_files(&mut self, playback: &mut Playback, open: bool) {
         self.ui_state.files = None;
         if !open {
@@ -146,17 +146,17 @@ impl Interface {
         let folder = self.last_folder.clone().or_else(|| playback.folder_of_track());
         match FileBrowser::start(folder, move || waker.wake()) {
             Ok(files) => self.ui_state.files = Some(files),
-            Err(error) => playback.reports.answer(format!("folders cannot be read: {error}")),
+            Err(error) => playback.reports.answer(format!("cannot read folders: {error}")),
         }
     }
 
-    /// Shows the last scene among these files, and plays the others or adds them to the tracks.
+    /// Shows the last scene among these files, and plays the other files or appends them to the tracks.
     pub(super) fn open_files(&mut self, playback: &mut Playback, Files { files, append }: Files) {
         self.last_folder = files.last().and_then(|file| file.parent()).map(Path::to_owned);
         let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
         if let Some(scene) = scenes.into_iter().next_back() {
             playback.scene.show_source(SceneSource::File(scene));
-            // The file may be from another folder.
+            // The file may be in another folder.
             self.thumbnails_ahead = Some(thumbnails_ahead_at(clock::now()));
         }
         if !music.is_empty() {
@@ -165,7 +165,7 @@ impl Interface {
         }
     }
 
-    /// Opens the list of scenes, or closes it.
+    /// Opens or closes the scene list.
     fn look_through_scenes(&mut self, playback: &mut Playback, open: bool) {
         self.ui_state.browser = None;
         if !open {
@@ -181,18 +181,18 @@ impl Interface {
         self.ui_state.browser = Some(browser);
     }
 
-    /// Has something that finds pictures of scenes.
+    /// Starts the thumbnail finder if needed.
     fn look_for_thumbnails(&mut self) {
         if self.thumbnails.is_none() {
             let waker = self.waker.clone();
             match Thumbnails::start(&self.folders, move || waker.wake()) {
                 Ok(thumbnails) => self.thumbnails = Some(thumbnails),
-                Err(error) => tracing::warn!("there are no pictures of scenes ({error})"),
+                Err(error) => tracing::warn!("cannot show thumbnails of scenes: {error}"),
             }
         }
     }
 
-    /// Requests thumbnails of the folder's scenes before the list of scenes is opened.
+    /// Requests thumbnails of the folder's scenes before the scene list is opened.
     fn draw_thumbnails_ahead(&mut self, playback: &mut Playback) {
         if self.thumbnails_ahead.take_if(|due| clock::now() >= *due).is_none() {
             return;
@@ -209,7 +209,7 @@ impl Interface {
         }
     }
 
-    /// Gives what was found out about scenes to whoever looks at them, and asks for what phones want to see.
+    /// Passes finished thumbnails to the scene list and the phones, and requests those that phones want.
     pub(super) fn update_thumbnails(&mut self, playback: &mut Playback) {
         self.draw_thumbnails_ahead(playback);
         let wanted = playback.controllers.wanted_pictures();

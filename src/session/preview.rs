@@ -1,8 +1,8 @@
-//! The scene that comes next, as a small picture on the desk: beside an output, or where the settings say so.
+//! A small preview of the next scene in the window: beside an output, or if the settings ask for it.
 //!
-//! **It costs no picture of the show.** It is drawn a few times a second, and only where there is time until the next
-//! picture is due: as long as such a picture took lately. It is read back without waiting. Only the first picture of each
-//! scene is drawn in any case, as each scene is once before it shows.
+//! **It takes no time from the show.** It is drawn a few times a second, and only if the time until the next frame is
+//! longer than the last previews took. It is read back without waiting. Only the first preview of each scene is drawn
+//! in any case, because every scene is drawn once before it is shown.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -18,52 +18,52 @@ use crate::session::screen::Screen;
 use crate::ui::overlay::NextScene;
 use mariana_music::Sound;
 
-/// Size of the picture in pixels.
+/// Size of the preview in pixels.
 const SIZE: (u32, u32) = (160, 90);
-/// How often it is drawn at most, and how often level and beat change.
+/// The shortest interval of previews, and of updates of level and beat.
 const EVERY: Duration = Duration::from_millis(200);
-/// What it takes until that is known.
+/// Assumed drawing time before the first measurement.
 const ASSUMED: Duration = Duration::from_millis(6);
-/// How long one may take while nothing moves.
+/// The longest drawing time while the show is idle.
 const AT_REST: Duration = Duration::from_millis(100);
-/// For so much longer than the last one there has to be time.
+/// The available time must exceed the last drawing time by this factor.
 const RESERVE: f64 = 1.5;
 
-/// See the module.
+/// The preview and its measured cost.
 pub(super) struct Preview {
     sketch: Sketch,
-    /// Made with the first picture.
+    /// Created with the first preview.
     reader: Option<PictureReader>,
     due: Instant,
-    /// How long the last one took.
+    /// Drawing time of the last preview.
     took: Duration,
-    /// The scene that was drawn last.
+    /// The preview that was drawn last.
     drawn: Option<Drawn>,
     next: Option<NextScene>,
 }
 
-/// A picture that was drawn: its scene's title, and the moment of the song.
+/// A drawn preview: its scene's title, and the moment of the song.
 type Drawn = (String, f64);
 
 impl Preview {
-    /// Nothing was drawn yet.
+    /// Starts without a preview.
     pub(super) fn new() -> Self {
         let (sketch, reader, drawn, next) = (Sketch::default(), None, None, None);
         Self { sketch, reader, due: clock::now(), took: ASSUMED, drawn, next }
     }
 
-    /// What there is to show.
+    /// The preview to show, if any.
     pub(super) fn next(&self) -> Option<&NextScene> {
         self.next.as_ref()
     }
 }
 
 impl Session {
-    /// Brings the picture of the next scene up to date, if there is time. `rest` is how long it is until the next picture of
-    /// the show is due; none while nothing moves.
+    /// Updates the preview, if there is time. `rest` is the time until the next frame of the show is due; `None`
+    /// while the show is idle.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub(super) fn update_preview(&mut self, now: Instant, rest: Option<Duration>) -> Result<(), GpuError> {
         let is_wanted =
             self.choices.next_scene || (self.screen.has_output() && !self.interface.ui_state.clean);
@@ -91,7 +91,7 @@ impl Session {
         }
         let has_one = self.playback.preview.drawn.as_ref().is_some_and(|(drawn, _)| *drawn == title);
         if has_one && self.playback.preview.took.mul_f64(RESERVE) > rest {
-            // What took long once may take less time later.
+            // A preview that was slow once may be faster later.
             self.playback.preview.took = self.playback.preview.took.mul_f64(0.9);
             return Ok(());
         }
@@ -122,7 +122,7 @@ impl Session {
 }
 
 impl Playback {
-    /// Takes a picture that has arrived.
+    /// Takes a preview that has been read back.
     fn take_preview(&mut self, screen: &mut dyn Screen, title: &str) {
         let Preview { reader, drawn, next, .. } = &mut self.preview;
         let picture = reader

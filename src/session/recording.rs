@@ -1,7 +1,7 @@
-//! Records what hands do to the pictures of a song, as a show that does it again.
+//! Records everything that changes the frames of a song, as a show that repeats it.
 //!
-//! It notes the pictures themselves, so it does not matter which hand changed them. Each track gets its own file, a journal:
-//! it is rewritten within a second of each change, so that an end without warning costs no more than that.
+//! It records the resulting frames, so it does not matter which controller changed them. Each track gets its own
+//! file, which is rewritten within a second of each change, so that a crash loses at most that second.
 
 use std::time::{Duration, Instant};
 
@@ -12,61 +12,61 @@ use crate::session::scene::Performed;
 use crate::show::{Finish, OnStage, Performance, TimedTransition, TransitionKind, name_of, print};
 use mariana_field::lang::Way;
 
-/// How often a performance is written while it changes.
+/// How often a changing performance is written.
 const KEPT_EVERY: Duration = Duration::from_secs(1);
 
-/// A performance that goes on.
+/// A performance that is being recorded.
 struct Take {
     number: u64,
     track: OfTrack,
     title: String,
     performance: Performance,
     kept: Instant,
-    /// Set when something is noted, cleared when it is written.
+    /// Set when something is recorded, cleared when it is written.
     has_changed: bool,
-    /// What was on in the last picture.
+    /// The scene in the last frame.
     shown: Option<Showing>,
-    /// Whether it was told that there is no more room.
+    /// True once the user knows that the performance is full.
     reported_full: bool,
-    /// Whether the picture that was noted last is held.
+    /// True if the last recorded frame is frozen.
     is_held: bool,
 }
 
-/// What is on.
+/// The recorded scene, and how it was introduced.
 struct Showing {
     source: SceneSource,
-    /// What shows call it.
+    /// The scene's name in shows.
     scene: String,
-    /// One of its cameras.
+    /// Name of its camera, if not the default one.
     camera: Option<String>,
     transition: TimedTransition,
-    /// Since when, in seconds of the song.
+    /// Start in seconds of the song.
     start: f64,
 }
 
-/// See the module.
+/// Records performances into files.
 pub(crate) struct Recording {
     files: PerformanceFiles,
     take: Option<Take>,
     is_on: bool,
-    /// How many performances there were.
+    /// The number of performances so far.
     count: u64,
-    /// Whether the next file that is kept is to be told.
+    /// True if the next saved file is to be reported.
     tells: bool,
 }
 
 impl Recording {
-    /// Nothing is recorded yet.
+    /// Starts without a recording.
     pub(crate) fn new(files: PerformanceFiles) -> Self {
         Self { files, take: None, is_on: false, count: 0, tells: false }
     }
 
-    /// Whether what shows is recorded.
+    /// True while recording.
     pub(crate) fn is_on(&self) -> bool {
         self.is_on
     }
 
-    /// Begins, or ends and keeps what was recorded. Returns whether it begins.
+    /// Starts or stops recording. Stopping saves the performance. Returns `true` if it starts.
     pub(crate) fn toggle(&mut self, now: Instant) -> bool {
         self.is_on = !self.is_on;
         if !self.is_on {
@@ -75,14 +75,14 @@ impl Recording {
         self.is_on
     }
 
-    /// Keeps what was recorded.
+    /// Saves the current performance.
     pub(crate) fn finish(&mut self, now: Instant) {
         let Some(mut take) = self.take.take() else { return };
         self.tells = true;
         keep(&self.files, &mut take, now);
     }
 
-    /// Notes a picture of a track at `time` seconds. Returns what is to be said about it.
+    /// Records a frame of a track at `time` seconds. Returns a message once the performance is full.
     pub(crate) fn note(
         &mut self,
         (track, title): (OfTrack, &str),
@@ -115,10 +115,10 @@ impl Recording {
         take.note(time, seen);
         take.has_changed = true;
         let is_news = take.performance.is_full() && !std::mem::replace(&mut take.reported_full, true);
-        is_news.then_some("the performance is longer than a show may be: what comes now is not recorded")
+        is_news.then_some("the recording has reached the maximum length of a show: the rest is not recorded")
     }
 
-    /// Notes that the picture of a track which was noted last still shows at `time` seconds, and what is done to it.
+    /// Records that the last frame of a track is still shown at `time` seconds, and the effects on it.
     pub(crate) fn note_picture(&mut self, track: OfTrack, time: f64, picture: &Finish, is_held: bool) {
         let Some(take) = self.take.as_mut().filter(|take| take.track == track) else { return };
         if is_held && !take.is_held {
@@ -129,7 +129,7 @@ impl Recording {
         take.performance.note_picture(time, picture);
     }
 
-    /// Writes a changed performance, at most once per [`KEPT_EVERY`] and only after the last write is done.
+    /// Writes a changed performance, at most once per [`KEPT_EVERY`] and only after the last write has finished.
     pub(crate) fn update(&mut self, now: Instant) {
         let is_due =
             |take: &&mut Take| take.has_changed && now.saturating_duration_since(take.kept) >= KEPT_EVERY;
@@ -140,19 +140,16 @@ impl Recording {
         }
     }
 
-    /// What became of a file, to be said.
+    /// A message about a saved file or an error.
     pub(crate) fn news(&mut self) -> Option<String> {
         let kept = self.files.poll()?;
         match kept {
             Ok(path) if self.tells => {
                 self.tells = false;
-                Some(format!(
-                    "recorded: {}; `mariana video SONG --show` and that file renders it",
-                    path.display()
-                ))
+                Some(format!("recorded: {}; render it with `mariana video SONG --show FILE`", path.display()))
             }
             Ok(_) => None,
-            Err(error) => Some(format!("{error}: the performance is not kept; make room for it")),
+            Err(error) => Some(format!("{error}: the recording is not saved; free some disk space")),
         }
     }
 }
@@ -168,7 +165,8 @@ impl Take {
             (None, Some(directed)) => directed,
             (Some(shown), Some(directed)) if directed.1 >= shown.start => directed,
             (None, None) => (TimedTransition::CUT, time),
-            // What nobody directs any more stays as it is; so does what the show takes over in the middle of a scene.
+            // A scene that is no longer directed stays as it is, and so does a scene that the show takes over in the
+            // middle.
             (Some(shown), _) if shown.goes_on_in(&seen, time) => (shown.transition, shown.start),
             (Some(shown), _) if shown.source == *seen.source => (TimedTransition::CUT, time),
             (Some(_), _) => changes,
@@ -187,17 +185,17 @@ impl Take {
 }
 
 impl Showing {
-    /// Whether a picture at `time` shows the same in the same way.
+    /// True if a frame at `time` shows the same scene in the same way.
     fn goes_on_in(&self, seen: &Performed<'_>, time: f64) -> bool {
         let is_same = self.source == *seen.source && self.camera.as_deref() == seen.camera;
-        // A picture that is held ends a fade by hand: behind it the scene is alone.
+        // A frozen frame ends a manual fade: behind it the scene is alone.
         let fades =
             self.transition.kind == TransitionKind::Fade && time < self.start + self.transition.seconds;
         is_same && self.start <= time && (seen.directed.is_some() || seen.fades || !fades)
     }
 }
 
-/// What shows call a scene, wherever they are.
+/// The name of a scene in shows, independent of the current folder.
 fn named(source: &SceneSource) -> String {
     match source {
         SceneSource::File(path) => {
@@ -214,13 +212,13 @@ fn keep(files: &PerformanceFiles, take: &mut Take, now: Instant) {
         return;
     }
     let comments = [
-        format!("What was played to {}.", take.title),
-        "`mariana video SONG --show` and this file renders it.".to_owned(),
+        format!("A performance to {}.", take.title),
+        "Render it with `mariana video SONG --show FILE`.".to_owned(),
     ];
-    // A long performance is a long text: it is written out where no picture waits.
+    // A long performance is a long text, so it is printed on the file thread.
     let performance = take.performance.clone();
     if !files.keep(take.number, &take.title, move || print(&performance.cue_list(), &comments)) {
-        tracing::warn!("there is no folder for performances");
+        tracing::warn!("cannot save the recording: there is no folder for recordings");
     }
 }
 
@@ -246,13 +244,13 @@ mod tests {
     }
 
     #[test]
-    fn each_track_has_its_file_with_what_was_on_and_how_it_came() {
+    fn each_track_has_its_file_with_scenes_and_transitions() {
         let folder = tempfile::tempdir().unwrap();
         let mut recording = Recording::new(PerformanceFiles::in_folder(Some(folder.path().to_owned())));
         let now = Instant::now();
         let [orb, city, heart] = ["orb", "city", "heart"].map(|name| SceneSource::Shipped(name.to_owned()));
         recording.note((Some(0), "one"), 1.0, seen(&orb, None), now);
-        assert!(recording.take.is_none(), "nobody asked for it");
+        assert!(recording.take.is_none(), "recording has not been started");
         assert!(recording.toggle(now));
         for (time, scene, faded) in
             [(2.0, &orb, None), (3.0, &orb, None), (4.0, &city, Some((0.5, 3.75))), (5.0, &city, None)]
@@ -286,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn a_recording_was_on_disk_only_after_it_had_ended() {
+    fn a_recording_is_written_while_it_is_made() {
         let folder = tempfile::tempdir().unwrap();
         let mut recording = Recording::new(PerformanceFiles::in_folder(Some(folder.path().to_owned())));
         let start = Instant::now();
@@ -294,8 +292,8 @@ mod tests {
         recording.toggle(start);
         recording.note((Some(0), "one"), 2.0, seen(&orb, None), start);
         recording.update(start);
-        assert!(recording.files.is_idle(), "each picture was written");
-        // The picture is still: nothing more is noted.
+        assert!(recording.files.is_idle(), "not every frame is written");
+        // The frame is still: nothing more is recorded.
         recording.update(start + KEPT_EVERY);
         assert!(!recording.files.is_idle());
         let mut path = None;
@@ -310,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn what_ends_a_fade_or_looks_from_elsewhere_begins_a_part_of_its_own() {
+    fn the_end_of_a_fade_and_another_camera_begin_new_entries() {
         let now = Instant::now();
         let orb = SceneSource::Shipped("orb".to_owned());
         let city = SceneSource::Shipped("city".to_owned());
@@ -330,7 +328,7 @@ mod tests {
         let with = |more: &[_]| reported(&[&begins[..], more].concat());
         let usual = ["at 0:01  orb  cut", "at 0:02  city  fade over 4 s"];
         assert_eq!(with(&[(3.0, &city, fade, true, None), (7.0, &city, None, false, None)]), usual);
-        // A show's fade goes on though nobody directs any more.
+        // A show's fade continues even if the scene is no longer directed.
         assert_eq!(with(&[(3.0, &city, None, true, None)]), usual);
         let held = with(&[(3.0, &city, None, false, None), (4.0, &city, None, false, None)]);
         assert_eq!(held, [usual[0], "at 0:02  city  fade over 4 s unfinished", "at 0:03  city  cut"]);

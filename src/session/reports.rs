@@ -1,4 +1,4 @@
-//! What the show reports while it plays: over the picture, in the title, on the terminal, to the desktop.
+//! The reports of a session: over the frame, in the title, on the terminal and to the desktop.
 
 use std::time::{Duration, Instant};
 
@@ -11,26 +11,25 @@ use crate::ui::overlay::{Notice, NowPlaying};
 use mariana_player::PlayerStatus;
 use mariana_player::input::LiveStatus;
 
-/// How often the state of the sound is looked at.
+/// How often the state of the sound is checked.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// See the module.
+/// The reports, and what was reported last.
 pub(crate) struct Reports {
     announcer: Announcer,
     desktop: Box<dyn DesktopControls>,
-    /// When the state of the sound is to be looked at.
+    /// Time of the next check of the sound.
     due: Instant,
-    /// Whether it was told that there is no sound.
+    /// True once the missing sound was reported.
     reported_silent: bool,
-    /// Why the last choice of an output was refused, if it was.
+    /// The reported reason why the chosen output is not used, if any.
     reported_refused: Option<String>,
-    /// The window's title.
     title: String,
     playing: NowPlaying,
 }
 
 impl Reports {
-    /// Begins with what `announcer` has to say already.
+    /// Starts with the notices of `announcer`.
     pub(crate) fn new(announcer: Announcer, desktop: Box<dyn DesktopControls>, now: Instant) -> Self {
         Self {
             announcer,
@@ -43,7 +42,7 @@ impl Reports {
         }
     }
 
-    /// Whether the state of the sound is to be looked at now. If so, it is a while until it is again.
+    /// True if the state of the sound is to be checked now. Schedules the next check.
     pub(crate) fn is_due(&mut self, now: Instant) -> bool {
         let is_due = now >= self.due;
         if is_due {
@@ -52,53 +51,53 @@ impl Reports {
         is_due
     }
 
-    /// Looks at the state of the sound at once, because something was changed.
+    /// Makes the next check due at once.
     pub(crate) fn hurry(&mut self) {
         self.due = clock::now();
     }
 
-    /// The next command of media keys and the desktop, if any.
+    /// The next command from media keys or the desktop, if any.
     pub(crate) fn command_of_desktop(&self) -> Option<Command> {
         self.desktop.poll()
     }
 
-    /// Shows `text` over the picture at once.
+    /// Shows `text` over the frame at once.
     pub(crate) fn answer(&mut self, text: String) {
         self.announcer.answer(text);
     }
 
-    /// The same with a share below the text, 0..1.
+    /// Shows `text` at once, with a bar of length 0..1 below it.
     pub(crate) fn answer_fraction(&mut self, text: String, fraction: Option<f32>) {
         self.announcer.answer_fraction(text, fraction);
     }
 
-    /// Shows where in the track we are.
+    /// Shows the position in the track.
     pub(crate) fn answer_position(&mut self) {
         self.announcer.answer_position(&self.playing);
     }
 
-    /// What played when it was last looked at.
+    /// The playback at the last check.
     pub(crate) fn playing(&self) -> &NowPlaying {
         &self.playing
     }
 
-    /// Shows `text` over the picture when there is room.
+    /// Shows `text` over the frame after the current notices.
     pub(crate) fn say(&mut self, text: String) {
         self.announcer.say(text);
     }
 
-    /// Makes room over the picture for the sentences that wait.
+    /// Shows the next waiting notice once the current one has faded.
     pub(crate) fn update(&mut self, now: Instant) {
         self.announcer.update(now);
     }
 
-    /// What shows over the picture.
+    /// The current notice.
     pub(crate) fn notice(&self) -> Option<Notice<'_>> {
         self.announcer.notice()
     }
 
-    /// Tells once why an output that was chosen does not play, and why there is no sound, unless `silence_asked`. That the reason changes meanwhile (a server that has
-    /// died has no devices either) is no news.
+    /// Reports, once each, why the chosen output is not used, and why there is no sound unless `silence_asked`. A
+    /// changed reason for the silence is not reported again: a sound server that died has no devices either.
     pub(crate) fn tell_silence(&mut self, status: &PlayerStatus, silence_asked: bool) {
         if let Some(reason) = status.silent.as_ref().filter(|_| !silence_asked && !self.reported_silent) {
             tell(&format!("the song plays without sound: {reason}"));
@@ -113,7 +112,8 @@ impl Reports {
         }
     }
 
-    /// Reports what is new of the song, over the picture and to the desktop; `started` once it plays or could.
+    /// Reports news about the song, over the frame and to the desktop. `started` is true once the first frame has
+    /// been shown.
     pub(crate) fn look(&mut self, status: &PlayerStatus, started: bool, fullscreen: bool) {
         self.playing = NowPlaying::of_song(status);
         self.announcer.follow(&self.playing);
@@ -121,13 +121,13 @@ impl Reports {
         self.desktop.show(status, started, fullscreen);
     }
 
-    /// Notes what is new of the input.
+    /// Updates the state of the input.
     pub(crate) fn look_at_input(&mut self, status: &LiveStatus, paused: bool) {
         self.playing = NowPlaying::of_input(status, paused);
         self.announcer.follow(&self.playing);
     }
 
-    /// The window's title, if it is another than before. (Window systems take their time for each.)
+    /// The window's title, if it has changed. Some window systems are slow to set it.
     pub(crate) fn changed_title(&mut self, title: String) -> Option<&str> {
         let is_new = title != self.title;
         self.title = title;

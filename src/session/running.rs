@@ -1,4 +1,4 @@
-//! The loop of a session.
+//! The main loop of a session.
 
 use std::time::{Duration, Instant};
 
@@ -13,24 +13,24 @@ use crate::export::painter::SceneChoice;
 use crate::gpu::error::GpuError;
 use crate::ui::UiError;
 
-/// A context that is lost again this soon after it was made anew is not made again.
+/// A context lost again within this time after its replacement is not replaced again.
 const RENEWED_AGAIN: Duration = Duration::from_secs(5);
 
-/// A session that runs.
+/// A running session.
 pub(crate) struct Run {
     settings: PlaySettings,
     scene: SceneChoice,
     waker: Waker,
     started: Instant,
-    /// Whether it is to end.
+    /// True if the session must end.
     over: bool,
-    /// The time of the last new context.
+    /// Time of the last new context.
     renewed_at: Option<Instant>,
     pub(super) session: Session,
 }
 
 impl Run {
-    /// A run of a session by these settings, which was begun at `started`.
+    /// Runs a session with these settings. `started` is the time of the program's start.
     pub(crate) fn new(
         session: Session,
         settings: PlaySettings,
@@ -41,10 +41,10 @@ impl Run {
         Self { settings, scene, waker, started, over: false, renewed_at: None, session }
     }
 
-    /// Runs until somebody ends it. A context that the driver loses is made anew.
+    /// Runs until the session ends. Replaces a lost OpenGL context.
     ///
     /// # Errors
-    /// An error that the session cannot go on after.
+    /// An error that ends the session.
     pub(crate) fn go_on(mut self) -> Result<(), SessionError> {
         loop {
             match self.until_the_end() {
@@ -75,13 +75,13 @@ impl Run {
     /// Moves the session to a new context.
     ///
     /// # Errors
-    /// The driver refuses a context.
+    /// The driver provides no new context.
     pub(super) fn renewed(self) -> Result<Self, SessionError> {
         let session = renewed(self.session, &self.settings, &self.scene, &self.waker)?;
         Ok(Self { renewed_at: Some(clock::now()), session, ..self })
     }
 
-    /// Leaves to the next session what it begins with.
+    /// Saves the state for the next run.
     pub(super) fn finish(&mut self) {
         self.session.leave_to_the_next(&self.settings);
     }
@@ -93,15 +93,14 @@ impl Run {
         Ok(())
     }
 
-    /// Whether the session is to end.
     pub(super) fn is_over(&self) -> bool {
         self.over
     }
 
-    /// Takes in what has happened, waits until something happens or is due, and draws if that is to be seen.
+    /// Handles finished work, waits for the next event or due time, and draws if needed.
     ///
     /// # Errors
-    /// An error that the session cannot go on after.
+    /// An error that ends the session.
     pub(super) fn step(&mut self) -> Result<(), SessionError> {
         let until = self.look_around()?;
         if self.over {
@@ -134,7 +133,7 @@ impl Run {
         Ok(())
     }
 
-    /// Takes in what has happened, and returns when to look again if nothing happens before.
+    /// Handles finished work. Returns when to look again if nothing happens earlier.
     fn look_around(&mut self) -> Result<Instant, SessionError> {
         self.obey_desktop();
         self.obey_controllers();
@@ -178,7 +177,7 @@ impl Run {
     }
 }
 
-/// What the session was doing when the driver lost the context; `None` for other errors.
+/// The operation during which the driver lost the context; `None` for other errors.
 fn doing_at_loss(error: &SessionError) -> Option<&'static str> {
     match error {
         SessionError::Gpu(GpuError::ContextLost { doing })
@@ -192,7 +191,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_loss_that_the_panels_noticed_ended_the_show() {
+    fn a_context_lost_in_the_panels_is_recognized() {
         let lost = || GpuError::ContextLost { doing: "drawing" };
         assert_eq!(doing_at_loss(&SessionError::Gpu(lost())), Some("drawing"));
         assert_eq!(doing_at_loss(&SessionError::Ui(UiError::Gpu(lost()))), Some("drawing"));

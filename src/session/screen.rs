@@ -1,4 +1,4 @@
-//! Where a session shows its pictures: a window with its outputs, or a surface that nobody sees.
+//! The screen of a session: a window with its outputs, or an offscreen surface.
 
 use std::time::{Duration, Instant};
 
@@ -15,43 +15,43 @@ use crate::monitor::Monitor;
 use crate::placement::Area;
 use crate::ui::overlay::Assistance;
 
-/// Something that happened where the session is shown.
+/// An event of the screen.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Event {
-    /// A user did something.
+    /// User input.
     Input(Input),
-    /// Assistive technology asks for something.
+    /// A request of assistive technology.
     Assistance(Assistance),
-    /// The window is to be drawn.
+    /// The window must be drawn.
     Redraw,
-    /// The session is to end.
+    /// The session must end.
     End,
 }
 
-/// Paints over the picture in the current framebuffer of so many pixels.
+/// Paints over the frame in the current framebuffer of the given size in pixels.
 pub(crate) type Paint<'a> = &'a mut dyn FnMut((u32, u32)) -> Result<(), SessionError>;
 
-/// See the module. The context of [`Screen::gl`] is current on the session's thread.
+/// The surface that shows a session. The context of [`Screen::gl`] is current on the session's thread.
 ///
-/// Changes of the window are requests: whether and when the window system follows them shows in later answers.
+/// Changes of the window are requests: the window system may follow them later or never, as later queries show.
 pub(crate) trait Screen {
-    /// Waits until something happens, at most until a moment. Returns what happened since the last call, in order; of
-    /// several requests to draw, one.
+    /// Waits for an event, at most until the given time. Returns the events since the last call, in order. Several
+    /// redraw requests become one.
     fn wait(&mut self, until: Instant) -> Vec<Event>;
 
     /// The functions of the context.
     fn gl(&self) -> &Gl;
 
-    /// Contexts for compiling programs on other threads; fewer than asked for if the driver gives fewer.
+    /// Contexts for compiling programs on other threads; fewer than `count` if the driver provides fewer.
     fn worker_contexts(&self, count: usize) -> Vec<WorkerContext>;
 
-    /// Makes the context anew, because the driver has lost it. What was made in the old one must be gone.
+    /// Replaces a lost context. Everything created in the old one must have been dropped.
     ///
     /// # Errors
-    /// The driver gives no other context.
+    /// The driver provides no new context.
     fn renew(self: Box<Self>) -> Result<Box<dyn Screen>, SessionError>;
 
-    /// Frames per second of the monitor, if they are known.
+    /// The monitor's frames per second, if known.
     fn refresh_rate(&self) -> Option<f64>;
 
     /// Width and height of the window in pixels; `None` while it has no area.
@@ -60,17 +60,17 @@ pub(crate) trait Screen {
     /// Pixels per point of the window.
     fn scale(&self) -> f32;
 
-    /// Width and height of the screen that pictures are drawn for, in pixels: the output's, else the wallpaper's, else
-    /// the window's.
+    /// Width and height in pixels of the screen that frames are drawn for: the output's, otherwise the wallpaper's,
+    /// otherwise the window's.
     fn picture_size(&self) -> Option<(u32, u32)>;
 
-    /// Where the window begins on the desktop while it does not fill the screen, in pixels; `None` if nobody knows.
+    /// The window's position on the desktop in pixels, unless it fills the screen; `None` if unknown.
     fn place(&self) -> Option<(i32, i32)>;
 
-    /// Whether the window fills its screen.
+    /// True if the window fills its screen.
     fn is_fullscreen(&self) -> bool;
 
-    /// Lets the window fill its screen, or no longer.
+    /// Enters or leaves full screen.
     fn set_fullscreen(&mut self, on: bool);
 
     /// Sets the title.
@@ -79,39 +79,39 @@ pub(crate) trait Screen {
     /// Shows the window in front of others.
     fn raise(&mut self);
 
-    /// Sets the look of the pointer; [`CursorIcon::None`] hides it.
+    /// Sets the pointer's shape; [`CursorIcon::None`] hides it.
     fn set_cursor(&mut self, cursor: CursorIcon);
 
-    /// Lets input methods put letters together, or not.
+    /// Allows or forbids input methods to compose letters.
     fn allow_composing(&mut self, on: bool);
 
-    /// Reports where letters are typed, in pixels.
+    /// Reports the position of the text cursor, in pixels.
     fn set_place_of_letters(&mut self, place: Rect);
 
-    /// Reports whether keys are text, so that no letter ends the program.
+    /// Reports if keys are text, so that no letter ends the program.
     fn set_keys_are_text(&mut self, on: bool);
 
     /// Reports the controls to assistive technology.
     fn show_controls(&mut self, controls: TreeUpdate);
 
-    /// Requests a [`Event::Redraw`].
+    /// Requests an [`Event::Redraw`].
     fn request_redraw(&self);
 
-    /// Whether somebody may see the pictures.
+    /// True if the frames may be visible.
     fn is_seen(&self) -> bool;
 
-    /// Whether words over the picture would be shown.
+    /// True if texts over the frame would be visible.
     fn shows_words(&self) -> bool;
 
-    /// Whether something other than the window is to be drawn, although the picture is the same.
+    /// True if something other than the window must be redrawn, even with an unchanged frame.
     fn is_stale(&self) -> bool;
 
-    /// Shows the picture in the window, or where the wallpaper is, with what `paint` paints over it. It lies in the
-    /// part `small` of the window if there is one. `is_new` if it looks different. Returns how long it took until the
-    /// window system was to show it.
+    /// Shows the frame in the window or the wallpaper, overpainted by `paint`. The frame fills the part `small` of
+    /// the window, if given. `is_new` is true if it has changed. Returns the time taken until it was handed to the
+    /// window system.
     ///
     /// # Errors
-    /// What the driver refuses, or `paint` returns.
+    /// An error of the driver or of `paint`.
     fn show(
         &mut self,
         renderer: &mut Renderer,
@@ -121,34 +121,34 @@ pub(crate) trait Screen {
         paint: Paint<'_>,
     ) -> Result<Duration, SessionError>;
 
-    /// Shows black with what `paint` paints over it; nothing where there is no window to be seen.
+    /// Shows black overpainted by `paint`; does nothing without a visible window.
     ///
     /// # Errors
-    /// What the driver refuses, or `paint` returns.
+    /// An error of the driver or of `paint`.
     fn show_waiting(&mut self, paint: Paint<'_>) -> Result<(), SessionError>;
 
-    /// Whether there is an output that shows the picture.
+    /// True if an output shows the frame.
     fn has_output(&self) -> bool;
 
-    /// Brings outputs and wallpaper up to date with the monitors. Returns sentences about what has changed.
+    /// Updates outputs and wallpaper after changes of monitors. Returns messages about the changes.
     fn update(&mut self) -> Vec<String>;
 
-    /// The monitors that are there.
+    /// The connected monitors.
     fn monitors(&self) -> Vec<Monitor>;
 
-    /// Looks for monitors from now on.
+    /// Watches for changes of monitors from now on.
     fn look_at_monitors(&mut self);
 
-    /// Fills the monitor with this name or number with the picture, once it is there, or none.
+    /// Shows the frame on the monitor with this name or number, once it is connected; `None` ends the output.
     fn want_output(&mut self, monitor: Option<String>);
 
-    /// The picture lies otherwise than before on the output.
+    /// Notes that the placement of the frame has changed.
     fn lie_differently(&mut self);
 
-    /// Shows the picture on the output, if that shows another one; `is_new` if it looks different.
+    /// Shows the frame on the output, if it is out of date. `is_new` is true if the frame has changed.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     fn show_on_output(
         &mut self,
         renderer: &mut Renderer,

@@ -1,4 +1,4 @@
-//! Hands the picture that shows to other programs.
+//! Sends the shown frames to other programs.
 
 use std::time::Instant;
 
@@ -8,10 +8,10 @@ use crate::session::SessionError;
 use crate::session::screen::Screen;
 
 impl Playback {
-    /// Sends what is to be sent. Returns when to look again, if that is before anything else happens.
+    /// Sends due frames. Returns when to look again, if that is before the next event.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The driver's error.
     pub(super) fn send(
         &mut self,
         screen: &mut dyn Screen,

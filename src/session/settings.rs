@@ -1,4 +1,4 @@
-//! What is chosen in the panel of settings: it takes effect at once, and is remembered.
+//! The settings panel: changes take effect at once and are saved.
 
 use super::{Playback, Session};
 use crate::commands::{Command, Panel, SetSetting};
@@ -8,7 +8,7 @@ use crate::ui::overlay::SettingEvent;
 use crate::ui::settings_panel::{Facts, SettingsPanel};
 
 impl Session {
-    /// Opens the panel of settings, or closes it.
+    /// Opens or closes the settings panel.
     pub(super) fn show_settings(&mut self, open: bool) {
         if open {
             self.screen.look_at_monitors();
@@ -17,7 +17,7 @@ impl Session {
         self.update_settings();
     }
 
-    /// Brings the panel up to date, if it is open.
+    /// Updates the panel, if it is open.
     pub(super) fn update_settings(&mut self) {
         if let Some(panel) = &mut self.interface.ui_state.settings {
             let facts = self.playback.listening.facts(&self.choices, self.names_output);
@@ -25,7 +25,7 @@ impl Session {
         }
     }
 
-    /// Takes what was done in the panel, and carries out what it asks for.
+    /// Takes an event of the panel and carries out its command.
     pub(super) fn take_setting_event(&mut self, event: SettingEvent) {
         let Some(panel) = &mut self.interface.ui_state.settings else { return };
         let command = match event {
@@ -36,7 +36,7 @@ impl Session {
         self.carry_out_all(command);
     }
 
-    /// Lets a setting take effect, and remembers it once it is settled.
+    /// Applies a setting, and saves it once it is settled.
     pub(super) fn change_setting(&mut self, SetSetting { setting, settled }: SetSetting) {
         match &setting {
             Setting::Output(id) => {
@@ -46,7 +46,7 @@ impl Session {
             Setting::Quality(quality) => self.playback.pace.set_quality(*quality),
             Setting::FlashLimiter(on) => {
                 if let Err(error) = self.playback.limit_flashes(*on) {
-                    return self.playback.reports.answer(format!("flashes cannot be limited: {error}"));
+                    return self.playback.reports.answer(format!("cannot limit flashes: {error}"));
                 }
             }
             Setting::ToneMap(tone_map) => {

@@ -1,4 +1,4 @@
-//! What the show listens to: the song or a live input, and how much later the picture is shown.
+//! The source of the sound, a song or a live input, and the delay of the frames.
 
 mod reported_problems;
 
@@ -20,58 +20,58 @@ use mariana_player::input::{Live, LiveOptions, LiveStatus};
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 use mariana_player::{Moment, Player, PlayerStatus, Target};
 
-/// How long the list of sources stays after it was asked for.
+/// How long the source list stays visible.
 const LIST_STANDS: Duration = Duration::from_secs(4);
 
-/// Something to listen to.
+/// A source of sound.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Source {
     Song,
     Live(Target),
 }
 
-/// See the module.
+/// The current source, the settings file, and the devices.
 pub(crate) struct Sound {
     player: Option<Player>,
     live: Option<Live>,
-    /// What the user wants.
+    /// The user's pause request.
     paused: bool,
     kept: KeptSettings,
-    /// The shift of this run, in milliseconds, if it was given on the command line.
+    /// The delay of this run in milliseconds, if set on the command line.
     asked_ms: Option<f64>,
     gain: Gain,
-    /// What songs play on; none is silence on purpose.
+    /// The output for songs; `None` for intended silence.
     output: Option<Target>,
-    /// Id of the device in use, as far as is known, and its name.
+    /// The device in use, once known.
     device: Option<ListedDevice>,
     watch: Option<Arc<DeviceWatch>>,
     list: Option<(Vec<(Source, String)>, Instant)>,
-    /// A choice that is remembered only once the list is gone: on the way to it others were chosen for moments.
+    /// A choice to be saved when the list has disappeared: intermediate choices on the way are not saved.
     unremembered: Option<Target>,
     hints: Hints,
     reported_problems: ReportedProblems,
 }
 
-/// What the show starts with.
+/// The initial state of the sound.
 pub(crate) struct Start {
-    /// The song; none if only an input is listened to.
+    /// The player; `None` for an audio input only.
     pub player: Option<Player>,
-    /// What is remembered.
+    /// The saved settings.
     pub memory: Memory,
-    /// An input.
+    /// The kind of input, if any.
     pub listen: Option<ListenChoice>,
-    /// The input's id, name, or a part of one.
+    /// The input's id or name, or a part of it.
     pub device: Option<String>,
-    /// What songs play on; none is silence on purpose.
+    /// The output for songs; `None` for intended silence.
     pub output: Option<Target>,
-    /// The shift of this run, in seconds.
+    /// The delay of this run in seconds.
     pub latency: Option<f64>,
-    /// Whether quiet and loud sound move the picture alike.
+    /// How the sound's level is adjusted for the frame.
     pub gain: Gain,
 }
 
 impl Sound {
-    /// Starts to listen; a song waits until it is started.
+    /// Starts the sound. A song waits until it is resumed.
     ///
     /// # Errors
     /// A thread cannot be started.
@@ -101,17 +101,17 @@ impl Sound {
         Ok(sound)
     }
 
-    /// The song, if it is what is listened to.
+    /// The player, if the song is the current source.
     pub(crate) fn player(&mut self) -> Option<&mut Player> {
         self.player.as_mut().filter(|_| self.live.is_none())
     }
 
-    /// Whether the song is what is listened to.
+    /// True if the song is the current source.
     pub(crate) fn plays_song(&self) -> bool {
         self.live.is_none() && self.player.is_some()
     }
 
-    /// Pauses or goes on.
+    /// Pauses or resumes.
     pub(crate) fn set_paused(&mut self, paused: bool) {
         self.paused = paused;
         if let Some(live) = &mut self.live {
@@ -121,7 +121,7 @@ impl Sound {
         }
     }
 
-    /// What is heard now.
+    /// The current sound.
     pub(crate) fn now(&mut self) -> Option<Moment> {
         let shift = self.shift_ms() / 1000.0;
         match (&mut self.live, &mut self.player) {
@@ -140,7 +140,7 @@ impl Sound {
         }
     }
 
-    /// The state of the song, if it is what is listened to. Notes its device.
+    /// The state of the song, if it is the current source. Updates the device in use.
     pub(crate) fn song_status(&mut self) -> Option<PlayerStatus> {
         let status = self.player()?.status();
         if let Some(device) = status.device.as_ref().filter(|device| self.device.as_ref() != Some(device)) {
@@ -150,7 +150,7 @@ impl Sound {
         Some(status)
     }
 
-    /// The state of the input, if one is listened to. Prints what is new on the terminal.
+    /// The state of the input, if it is the current source. Prints news on the terminal.
     pub(crate) fn live_status(&mut self) -> Option<LiveStatus> {
         if self.list(false, clock::now()).is_none() {
             self.remember_choice();
@@ -161,21 +161,21 @@ impl Sound {
         Some(status)
     }
 
-    /// Shifts the picture by steps of [`SHIFT_STEP_MS`], and remembers the shift for the device. Returns it in words.
+    /// Changes the delay of the frames by steps of [`SHIFT_STEP_MS`] and saves it for the device. Returns a message.
     pub(crate) fn shift(&mut self, steps: f64) -> String {
         let shift = self.shift_to(self.shift_ms() + steps * SHIFT_STEP_MS, true);
         shift_in_words(shift, self.device.as_ref().map(|device| &*device.name))
     }
 
-    /// Shifts the picture to so many milliseconds, as far as is possible, and returns them. If they are `settled` they
-    /// are remembered for the device.
+    /// Sets the delay of the frames in milliseconds, within its limits, and returns it. `settled` saves it for the
+    /// device.
     pub(crate) fn shift_to(&mut self, shift: f64, settled: bool) -> f64 {
         // Live sound cannot be shown before it arrives.
         let least = if self.live.is_some() { 0.0 } else { -PLAYER_LIMITS.latency_ms_max };
         let shift = shift.clamp(least, PLAYER_LIMITS.latency_ms_max);
         self.asked_ms = Some(shift);
         if let Some(device) = self.device.clone().filter(|_| settled) {
-            // From now on it is remembered for the device; another device has its own shift.
+            // The saved value now counts; another device has its own delay.
             self.asked_ms = None;
             self.remember(move |settings| {
                 settings.latency_ms.insert(device.id.clone(), shift);
@@ -184,25 +184,25 @@ impl Sound {
         shift
     }
 
-    /// What people call the device in use, as far as is known.
+    /// The name of the device in use, once known.
     pub(crate) fn device_name(&self) -> Option<&str> {
         self.device.as_ref().map(|device| &*device.name)
     }
 
-    /// Plays songs on the output with this id while it is there, or on the system's default.
+    /// Plays songs on the output with this id while it is connected, otherwise on the system's default.
     pub(crate) fn choose_output(&mut self, id: Option<String>) {
         let target = id.map_or(Target::Default, Target::Preferred);
         if let Some(player) = &self.player {
             player.choose_output(target.clone());
         }
         if self.live.is_none() {
-            // A shift that the command line gave belonged to another device.
+            // A delay from the command line belonged to the old device.
             self.asked_ms = None;
         }
         self.output = Some(target);
     }
 
-    /// Levels the sound for the picture from now on, or no longer.
+    /// Sets how the sound's level is adjusted for the frame.
     pub(crate) fn set_gain(&mut self, gain: Gain) {
         self.gain = gain;
         if let Some(player) = &self.player {
@@ -213,7 +213,7 @@ impl Sound {
         }
     }
 
-    /// The outputs that songs can play on, the system's default first; none in a show without songs.
+    /// The outputs for songs, the system's default first; empty without songs.
     pub(crate) fn outputs(&mut self) -> Vec<settings_panel::Output> {
         if self.player.is_none() {
             return Vec::new();
@@ -223,19 +223,19 @@ impl Sound {
         outputs_of(&device_list, self.output.as_ref(), open)
     }
 
-    /// How much later than the device says the picture is shown, in milliseconds.
+    /// The delay of the frames relative to the device's own latency, in milliseconds.
     pub(crate) fn shift_ms(&self) -> f64 {
         let remembered = || self.kept.settings().latency_ms.get(&self.device.as_ref()?.id).copied();
         self.asked_ms.or_else(remembered).unwrap_or(0.0)
     }
 
-    /// Everything that can be listened to now; none if the devices cannot be watched.
+    /// The available sources; `None` if the devices cannot be watched.
     fn latest_sources(&mut self) -> Option<Vec<(Source, String)>> {
         let device_list = self.device_list()?;
         Some(self.sources(&device_list))
     }
 
-    /// The devices that there are now; none if they cannot be watched.
+    /// The connected devices; `None` if they cannot be watched.
     fn device_list(&mut self) -> Option<Arc<DeviceList>> {
         if let Some(watch) = &self.watch {
             return Some(watch.latest().1);
@@ -249,12 +249,12 @@ impl Sound {
         }
     }
 
-    /// The song, whatever is listened to.
+    /// The player, even if an input is the current source.
     pub(crate) fn song(&mut self) -> Option<&mut Player> {
         self.player.as_mut()
     }
 
-    /// Listens to the song instead of an input; there is none in a show that began with an input. Returns it.
+    /// Switches from an input to the song. Returns the player; `None` if the session started with an input.
     pub(crate) fn listen_to_song(&mut self) -> Option<&mut Player> {
         if self.player.is_some() && self.live.is_some() {
             self.choose(Source::Song);
@@ -262,14 +262,14 @@ impl Sound {
         self.player()
     }
 
-    /// Shows the list of sources, as it is now.
+    /// Shows the current list of sources.
     pub(crate) fn show_list(&mut self) {
         if let Some(sources) = self.latest_sources() {
             self.list = Some((sources, clock::now()));
         }
     }
 
-    /// Listens to the source at this place of the list that shows.
+    /// Switches to the source at an index of the shown list.
     pub(crate) fn choose_from_list(&mut self, place: usize) {
         let Some((sources, since)) = &mut self.list else { return };
         let Some((source, _)) = sources.get(place) else { return };
@@ -280,7 +280,7 @@ impl Sound {
         }
     }
 
-    /// Listens to the next source, or to the one that has a signal, and shows the list of them.
+    /// Switches to the next source, or to a suggested one with a signal, and shows the list.
     pub(crate) fn next_source(&mut self) {
         let Some(sources) = self.latest_sources() else { return };
         let present = self.present();
@@ -300,7 +300,7 @@ impl Sound {
         self.live.as_ref().map_or(Source::Song, |live| Source::Live(live.target().clone()))
     }
 
-    /// Everything that can be listened to, with its name.
+    /// The available sources with their names.
     fn sources(&self, device_list: &DeviceList) -> Vec<(Source, String)> {
         let name_of =
             |entry: Option<&ListedDevice>| entry.map_or("currently none", |entry| &*entry.name).to_owned();
@@ -310,7 +310,7 @@ impl Sound {
         }
         let monitor = name_of(device_list.default_monitor());
         let input = device_list.default_input.as_deref().and_then(|id| device_list.input(id));
-        sources.push((Source::Live(Target::Monitor), format!("what the computer plays ({monitor})")));
+        sources.push((Source::Live(Target::Monitor), format!("the computer's sound ({monitor})")));
         sources.push((Source::Live(Target::Default), format!("the default input ({})", name_of(input))));
         for entry in &device_list.inputs {
             sources.push((Source::Live(Target::Named(entry.id.clone())), entry.name.clone()));
@@ -327,16 +327,16 @@ impl Sound {
     fn choose(&mut self, source: Source) {
         self.hints.forget();
         self.device = None;
-        // The shift that was asked for belonged to another device.
+        // The delay set before belonged to another device.
         self.asked_ms = None;
         match source {
             Source::Song => {
-                // Closing waits for the sound system, and the picture must not wait.
+                // Closing waits for the sound system, and frames must not wait.
                 if let Some(live) = self.live.take() {
                     let closing = std::thread::Builder::new().name("closing".into());
-                    // If there is no thread, the input is closed here, which has a time limit too.
+                    // Without a thread, the input is closed here, which has a time limit too.
                     if let Err(error) = closing.spawn(move || drop(live)) {
-                        tracing::warn!("the input was closed on the window's thread ({error})");
+                        tracing::warn!("closed the input on the window's thread: {error}");
                     }
                 }
                 self.unremembered = None;
@@ -363,12 +363,12 @@ impl Sound {
         }
     }
 
-    /// What stays over the picture.
+    /// The hint over the frame.
     pub(crate) fn hint(&self) -> Option<&str> {
         self.hints.shown.as_deref().filter(|_| self.live.is_some())
     }
 
-    /// The list of sources, as long as it shows; `clips` while the user keeps it open.
+    /// The list of sources while it is visible. `clips` is true while the user keeps it open.
     pub(crate) fn list(&self, clips: bool, now: Instant) -> Option<SourceList> {
         let (sources, since) = self.list.as_ref()?;
         let present = self.present();
@@ -384,22 +384,22 @@ impl Sound {
         }
     }
 
-    /// What is remembered from run to run.
+    /// The saved settings.
     pub(crate) fn settings(&self) -> &Settings {
         self.kept.settings()
     }
 
-    /// Keeps a list of tracks for the next show, or none.
+    /// Saves a track list for the next run; `None` removes it.
     pub(crate) fn keep_tracks(&mut self, tracks: Option<Vec<PathBuf>>) {
         self.kept.keep_tracks(tracks);
     }
 
-    /// Remembers a change of it, here and in the file.
+    /// Changes the settings, here and in the file.
     pub(crate) fn remember(&mut self, change: impl Fn(&mut Settings) + Send + 'static) {
         self.kept.change(change);
     }
 
-    /// What was complained of since the last call.
+    /// Problems reported since the last call.
     pub(crate) fn take_reported_problems(&mut self) -> Vec<String> {
         while let Some(error) = self.kept.poll() {
             self.reported_problems.add(&error.to_string());
@@ -417,7 +417,7 @@ impl Drop for Sound {
     }
 }
 
-/// What to listen to: the device that was asked for, or the one that is remembered, or the default.
+/// The input to open: the requested device, otherwise the saved one, otherwise the default.
 fn wanted(choice: ListenChoice, device: Option<String>, settings: &Settings) -> Target {
     let (remembered, default) = match choice {
         ListenChoice::Microphone => (&settings.microphone, Target::Default),
@@ -431,12 +431,12 @@ fn wanted(choice: ListenChoice, device: Option<String>, settings: &Settings) -> 
     asked.or_else(|| remembered.clone().map(Target::Named)).unwrap_or(default)
 }
 
-/// Remembers a choice, by name.
+/// Saves a choice of an input.
 fn note_choice(settings: &mut Settings, target: &Target) {
     match target {
         Target::Default => settings.microphone = None,
         Target::Monitor => settings.system = None,
-        // Given on the command line, for one run.
+        // Set on the command line, for one run only.
         Target::MonitorOf(_) => {}
         Target::Named(id) | Target::Preferred(id) => {
             let entry = ListedDevice { id: id.clone(), name: String::new() };
@@ -446,8 +446,8 @@ fn note_choice(settings: &mut Settings, target: &Target) {
     }
 }
 
-/// The outputs of a list of devices as rows, of which the one that is meant by `target` is chosen; `open` is the one that
-/// a song plays on.
+/// The outputs in a device list as rows of the settings panel. The output that `target` means is marked; `open` is
+/// the device that a song plays on.
 fn outputs_of(
     device_list: &DeviceList,
     target: Option<&Target>,
@@ -457,7 +457,7 @@ fn outputs_of(
     let default = device_list.outputs.iter().find(|entry| Some(&entry.id) == default);
     let chosen = match target {
         Some(Target::Preferred(id)) => Some(id),
-        // A name of the command line may be a part of one.
+        // A name on the command line may be incomplete.
         Some(Target::Named(_)) => open.map(|entry| &entry.id),
         _ => None,
     };
@@ -473,18 +473,18 @@ fn outputs_of(
         is_chosen: chosen == Some(&entry.id),
     }));
     if let Some(id) = chosen.filter(|id| !device_list.outputs.iter().any(|entry| entry.id == **id)) {
-        let name = format!("{id}, which is not there now");
+        let name = format!("{id} (not connected)");
         outputs.push(settings_panel::Output { id: Some(id.clone()), name, is_chosen: true });
     }
     outputs
 }
 
-/// A shift in words.
+/// A delay as text.
 fn shift_in_words(shift: f64, device: Option<&str>) -> String {
     let words = match shift {
-        0.0 => "the picture is shown without a shift".to_owned(),
-        later if later > 0.0 => format!("the picture is shown {later:.0} ms later"),
-        sooner => format!("the picture is shown {:.0} ms sooner", -sooner),
+        0.0 => "frames are shown without a delay".to_owned(),
+        later if later > 0.0 => format!("frames are shown {later:.0} ms later"),
+        sooner => format!("frames are shown {:.0} ms sooner", -sooner),
     };
     match device {
         Some(device) => format!("{words} · {device}"),
@@ -497,7 +497,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_device_that_is_asked_for_wins_over_one_that_is_remembered() {
+    fn a_requested_device_has_priority_over_the_saved_one() {
         let settings = Settings {
             microphone: Some("p:mic".into()),
             system: Some("p:tv.monitor".into()),
@@ -518,7 +518,7 @@ mod tests {
     }
 
     #[test]
-    fn outputs_are_listed_with_the_one_that_is_meant() {
+    fn outputs_are_listed_and_the_chosen_one_is_marked() {
         let entry = |id: &str| ListedDevice { id: id.into(), name: id.to_uppercase() };
         let device_list = DeviceList {
             known: true,
@@ -536,13 +536,13 @@ mod tests {
         assert_eq!(rows(Some(Target::Default), Some("p:b")), [&format!(">{default}"), "P:A", "P:B"]);
         assert_eq!(rows(Some(Target::Preferred("p:a".into())), None), [default, ">P:A", "P:B"]);
         assert_eq!(rows(Some(Target::Named("A".into())), Some("p:a")), [default, ">P:A", "P:B"]);
-        assert_eq!(rows(None, None), [default, "P:A", "P:B"], "silence on purpose");
+        assert_eq!(rows(None, None), [default, "P:A", "P:B"], "intended silence");
         let gone = rows(Some(Target::Preferred("p:usb".into())), Some("p:b"));
-        assert_eq!(gone[3], ">p:usb, which is not there now");
+        assert_eq!(gone[3], ">p:usb (not connected)");
     }
 
     #[test]
-    fn choices_are_remembered_where_they_belong() {
+    fn choices_are_saved_by_kind_of_input() {
         let mut settings = Settings::default();
         for name in ["p:mic", "p:tv.monitor"] {
             note_choice(&mut settings, &Target::Named(name.into()));
@@ -556,7 +556,7 @@ mod tests {
     }
 
     #[test]
-    fn shifts_are_told_with_their_sign() {
+    fn delays_are_reported_with_their_direction() {
         assert!(shift_in_words(35.0, Some("TV")).contains("35 ms later · TV"));
         assert!(shift_in_words(-5.0, None).contains("5 ms sooner"));
         assert!(!shift_in_words(0.0, None).contains("ms"));

@@ -1,18 +1,18 @@
-//! How long keys of the editor took to be seen, for the log.
+//! The response times of the editor's keys, for the log.
 
 use std::time::{Duration, Instant};
 
-/// Durations that are remembered.
+/// The most stored times per kind.
 const KEPT: usize = 4096;
 
-/// See the module.
+/// The response times of keys: work, text and frame.
 #[derive(Debug, Default)]
 pub(crate) struct TypingTimes {
-    /// When the first key was pressed that does not show in the text yet.
+    /// Time of the first key that is not yet visible in the text.
     pressed: Option<Instant>,
-    /// When the first one was pressed that does not show in the picture yet, and the scene that was on the stage then.
+    /// Time of the first key that is not yet visible in the frame, and the scene shown then.
     drafted: Option<(Instant, Option<u64>)>,
-    /// What the keys took that do not show yet.
+    /// Processing time of the keys that are not yet visible.
     taken: Duration,
     work: Vec<f32>,
     text: Vec<f32>,
@@ -20,24 +20,24 @@ pub(crate) struct TypingTimes {
 }
 
 impl TypingTimes {
-    /// Notes a key that was taken in so much time.
+    /// Adds the processing time of a key.
     pub(crate) fn note_taken(&mut self, time: Duration) {
         self.taken += time;
     }
 
-    /// Notes a key that changed the text over the scene with this number.
+    /// Notes a key that changed the text while the scene with this id was shown.
     pub(crate) fn note_key(&mut self, scene: Option<u64>, now: Instant) {
         self.pressed.get_or_insert(now);
         self.drafted.get_or_insert((now, scene));
     }
 
-    /// Notes that no picture will come of the last keys: there is a mistake.
+    /// Notes that the last keys lead to no frame, because the text has a mistake.
     pub(crate) fn note_mistake(&mut self) {
         self.drafted = None;
     }
 
-    /// Notes that the window shows what there was to show, perhaps with a new picture of the scene with this number. The
-    /// overlay was laid out and painted in `painting`.
+    /// Notes that the window was shown, with a new frame of the scene with this id if `is_new`. The overlay took
+    /// `painting`.
     pub(crate) fn note_shown(&mut self, scene: Option<u64>, is_new: bool, painting: Duration, now: Instant) {
         let taken = std::mem::take(&mut self.taken);
         if let Some(pressed) = self.pressed.take() {
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_count_until_they_show_and_mistakes_make_no_picture() {
+    fn keys_count_until_visible_and_mistakes_count_for_no_frame() {
         let start = Instant::now();
         let at = |ms| start + Duration::from_millis(ms);
         let mut times = TypingTimes::default();

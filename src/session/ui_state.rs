@@ -1,4 +1,4 @@
-//! What the window shows over the picture beside what the scene has to say: first words, the bar, the lists.
+//! The state of the user interface over the frame: welcome text, bar, panels.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -20,53 +20,53 @@ use crate::ui::settings_panel::SettingsPanel;
 use mariana_music::SongStructure;
 use mariana_player::{ListedTracks, LoudnessShape};
 
-/// See the module.
+/// The open panels, and what they show.
 pub(crate) struct UiState {
-    /// What the user has turned on.
+    /// The panels that the user has opened.
     pub(crate) panels: PanelSwitches,
-    /// The scene on the stage, with its place among the others in words.
+    /// The shown scene, and its position in the list as text.
     pub(super) placed_scene: Option<(SceneSource, String)>,
-    /// When the words at the start came up.
+    /// Time when the welcome text appeared.
     pub(super) welcomed: Option<Instant>,
-    /// The list of scenes, while it is open.
+    /// The scene list, while open.
     pub(super) browser: Option<SceneBrowser>,
-    /// The list of files, while it is open.
+    /// The file list, while open.
     pub(super) files: Option<FileBrowser>,
-    /// The settings, while they are open.
+    /// The settings panel, while open.
     pub(super) settings: Option<SettingsPanel>,
-    /// The editor, once it was opened.
+    /// The editor, after its first use.
     pub(super) editor: Option<Editor>,
-    /// Knobs from outside, while they are open.
+    /// The controllers panel, while open.
     pub(super) controllers: Option<ControllersPanel>,
-    /// The corners of the picture, while they are moved.
+    /// The corner handles of the frame, while they are moved.
     pub(super) corners: Option<CornerHandles>,
-    /// The part of the window in which the picture lies small, beside the panels, if an output shows it.
+    /// The part of the window with the small frame beside the panels, if an output shows the frame.
     pub(super) picture: Option<Area>,
-    /// Whether nothing shows over the picture but what was asked for and what is wrong.
+    /// Hide everything except requested panels and errors.
     pub(super) clean: bool,
-    /// Whether only panels show that were opened since.
+    /// Hide everything except panels opened since.
     pub(super) bare: bool,
 }
 
-/// The pointer and the track at a moment.
+/// The state of pointer and track.
 pub(super) struct Seen {
-    /// Whether the pointer has moved lately or does something with a panel.
+    /// True if the pointer has moved recently or is used in a panel.
     pub(super) awake: bool,
-    /// Whether screen readers are told what there is.
+    /// True if a screen reader is active.
     pub(super) assisted: bool,
     /// `true` in full screen.
     pub(super) fullscreen: bool,
-    /// The list of tracks, if it shows.
+    /// The track list, if visible.
     pub(super) tracks: Option<Arc<ListedTracks>>,
-    /// How loud the track is from its start to its end, if the bar shows.
+    /// The loudness along the track, if the bar is visible.
     pub(super) shape: Option<Arc<LoudnessShape>>,
-    /// A show is on.
+    /// True if scenes follow the song.
     pub(super) follows: bool,
-    /// What the track is made of, if the bar shows and that is known.
+    /// The analysis of the track, if known and the bar is visible.
     pub(super) song: Option<Arc<SongStructure>>,
 }
 
-/// What is shown over the picture of the scene: its messages, its sliders, and what the window adds.
+/// The overlay over a scene's frame: its messages and sliders, and the corner text.
 pub(super) fn content_of<'a>(
     scene: &'a mut SceneSession,
     corner: Option<&'a str>,
@@ -85,7 +85,7 @@ pub(super) fn content_of<'a>(
 }
 
 impl UiState {
-    /// Nothing is open yet.
+    /// Starts without open panels.
     pub(super) fn new(clean: bool) -> Self {
         Self {
             panels: PanelSwitches::default(),
@@ -103,12 +103,12 @@ impl UiState {
         }
     }
 
-    /// Whether nothing shows that was not asked for.
+    /// True if only requested panels are visible.
     pub(super) fn is_quiet(&self) -> bool {
         self.clean || self.bare
     }
 
-    /// Adds to `content` what is to be shown now.
+    /// Adds everything that is visible now to `content`.
     pub(super) fn add_to<'a>(
         &'a self,
         content: &mut OverlayContent<'a>,
@@ -147,14 +147,14 @@ impl UiState {
             let (title, artist) = (&*playing.title, playing.artist.as_deref());
             content.welcome = Some(Welcome { title, artist, scene, since });
         }
-        // Screen readers find its buttons at any time.
+        // Screen readers must always find the buttons of the bar.
         let shows_bar = seen.awake && !self.is_quiet();
         if seen.assisted || shows_bar {
             content.bar = Some(Bar {
                 now: playing,
                 shape: seen.shape.as_deref(),
                 song: seen.song.as_deref(),
-                // Unseen, it need not be laid out anew for each sound.
+                // While the bar is hidden, a changing level must not cause a new layout.
                 level: if shows_bar { listening.level() } else { 0.0 },
                 scene,
                 open,

@@ -62,7 +62,7 @@ fn without_an_x_server_there_are_no_monitors_to_list_and_no_ground_to_draw_on() 
     place.run(&["--wallpaper"]).refused(&["monitors are known on X11 only", "start Mariana"]);
     let mut wayland = place.command(&["--wallpaper"]);
     wayland.env("WAYLAND_DISPLAY", "wayland-none");
-    Outcome::of(&mut wayland, RUN_LIMIT).refused(&["no window can be opened", "start Mariana"]);
+    Outcome::of(&mut wayland, RUN_LIMIT).refused(&["cannot open a window", "start Mariana"]);
     for number in ["nothing", "0", "0x7fffffff"] {
         let mut saver = place.command(&["--silent"]);
         saver.env("XSCREENSAVER_WINDOW", number);

@@ -126,7 +126,7 @@ fn messages_turn_parameters_and_the_last_hand_wins() {
     let place = Place::new();
     let osc = Sender::new();
     let app = place.open(&["--osc", &osc.port.to_string(), "--size", "320x180"]);
-    app.wait_until_reported(&format!("OSC is heard on 127.0.0.1:{}", osc.port));
+    app.wait_until_reported(&format!("receiving OSC on 127.0.0.1:{}", osc.port));
     wait_for_colour(&app, "green", [false, true, false]);
     osc.send("/param/red", &[2.0]);
     wait_for_colour(&app, "yellow", [true, true, false]);
@@ -159,7 +159,7 @@ fn messages_go_to_scenes_and_what_was_turned_is_found_again() {
     let place = Place::new();
     let osc = Sender::new();
     let app = place.open(&["--osc", &osc.port.to_string()]);
-    app.wait_until_reported("OSC is heard");
+    app.wait_until_reported("receiving OSC");
     wait_for_colour(&app, "green", [false, true, false]);
     osc.send("/param/red", &[2.0]);
     wait_for_colour(&app, "yellow", [true, true, false]);
@@ -186,7 +186,7 @@ fn rubbish_is_ignored_and_the_show_goes_on() {
     let place = Place::new();
     let osc = Sender::new();
     let app = place.open(&["--osc", &osc.port.to_string()]);
-    app.wait_until_reported("OSC is heard");
+    app.wait_until_reported("receiving OSC");
     let nested = (0..2_000).rev().fold(message("/param/red", &[2.0]), |inner, _| {
         if inner.len() > 60_000 {
             return inner;
@@ -221,7 +221,7 @@ fn a_port_that_is_taken_costs_a_sentence_and_no_show() {
     app.wait_until_reported("OSC is not heard: another program has 127.0.0.1:");
     wait_for_colour(&app, "green", [false, true, false]);
     drop(taken);
-    app.wait_until_reported(&format!("OSC is heard on 127.0.0.1:{port}"));
+    app.wait_until_reported(&format!("receiving OSC on 127.0.0.1:{port}"));
     app.quit_by_key();
 }
 
@@ -255,7 +255,7 @@ fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
     let place = Place::new();
     place.plug("desk");
     let app = place.open(&[]);
-    app.wait_until_reported("MIDI is heard from desk (fake port)");
+    app.wait_until_reported("receiving MIDI from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
     place.learn_first(&app, "desk", &turned(127));
     let text = fs::read_to_string(place.knobs()).unwrap();
@@ -278,7 +278,7 @@ fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
     app.quit_by_key();
     // The next show knows it.
     let app = place.open(&[]);
-    app.wait_until_reported("MIDI is heard from desk (fake port)");
+    app.wait_until_reported("receiving MIDI from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
     app.wait_until("yellow", |_| {
         place.play("desk", &turned(0));
@@ -296,12 +296,12 @@ fn a_device_that_is_pulled_while_learning_is_said_and_learning_goes_on_when_it_i
     let place = Place::new();
     place.plug("desk");
     let app = place.open(&[]);
-    app.wait_until_reported("MIDI is heard from desk (fake port)");
+    app.wait_until_reported("receiving MIDI from desk (fake port)");
     // The parameters are there with the picture.
     wait_for_colour(&app, "green", [false, true, false]);
     begin_to_learn(&app);
     place.pull("desk");
-    app.wait_until_reported("desk (fake port) was pulled; learning goes on");
+    app.wait_until_reported("desk (fake port) was disconnected; learning continues");
     place.plug("desk");
     // A pad this time, which has no way to pass: it jumps.
     app.wait_until("what was learned", |_| {
@@ -324,7 +324,7 @@ fn floods_of_rubbish_from_a_device_leave_the_show_alone() {
     let place = Place::new();
     place.plug("desk");
     let app = place.open(&[]);
-    app.wait_until_reported("MIDI is heard from desk (fake port)");
+    app.wait_until_reported("receiving MIDI from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
     place.learn_first(&app, "desk", &turned(0));
     let exclusive: Vec<u8> = std::iter::once(0xf0).chain((0..60_000_u32).map(|n| (n % 128) as u8)).collect();
@@ -353,7 +353,7 @@ fn a_damaged_file_of_knobs_is_said_and_kept_aside() {
     fs::write(place.knobs(), "[[knob]]\ndevice = 7\n").unwrap();
     let app = place.open(&[]);
     app.wait_until_reported("knobs.toml cannot be understood");
-    app.wait_until_reported("MIDI is heard from desk (fake port)");
+    app.wait_until_reported("receiving MIDI from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
     place.learn_first(&app, "desk", &turned(5));
     let kept = fs::read_to_string(place.knobs().with_extension("toml.broken")).unwrap();
@@ -368,8 +368,8 @@ fn the_clock_of_a_device_sets_the_tempo_until_it_ends() {
     place.plug("drums");
     let osc = Sender::new();
     let app = place.open(&["--osc", &osc.port.to_string()]);
-    app.wait_until_reported("MIDI is heard from drums (fake port)");
-    app.wait_until_reported("OSC is heard");
+    app.wait_until_reported("receiving MIDI from drums (fake port)");
+    app.wait_until_reported("receiving OSC");
     let tempo = |bytes: &[u8]| number_in(bytes, "/tempo", ",f");
     ask(&app, &osc, "/query/tempo", |bytes| tempo(bytes) == Some(0.0));
     place.play("drums", &[0xfa]);
@@ -398,7 +398,7 @@ fn a_hand_takes_a_parameter_from_a_show_which_takes_it_back_with_its_next_moveme
     fs::write(&show, "at start wall.scene\n set red = 2\n set red = 1 after 30 s\n").unwrap();
     let port = osc.port.to_string();
     let app = place.open(&["--osc", &port, "--show", show.to_str().unwrap()]);
-    app.wait_until_reported("OSC is heard");
+    app.wait_until_reported("receiving OSC");
     let of_red = |bytes: &[u8]| number_in(bytes, "/param/red", ",ffffs");
     let held = |value: f32, hand: &'static str| {
         move |bytes: &[u8]| of_red(bytes) == Some(value) && bytes.ends_with(&padded(hand))

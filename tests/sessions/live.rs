@@ -133,7 +133,7 @@ fn devices_that_come_and_go_are_told_and_the_picture_goes_on() {
         1,
         "{reported_problems}"
     );
-    assert_eq!(reported_problems.matches("nothing is heard: ").count(), 2, "{reported_problems}");
+    assert_eq!(reported_problems.matches("no sound: ").count(), 2, "{reported_problems}");
     assert!(reported_problems.contains("pipewire-pulse"), "{reported_problems}");
     assert_eq!(place.saved_settings(), "microphone = [", "it was touched");
 }

@@ -13,7 +13,7 @@ use mariana_testing::process::output_of;
 /// Whether the log says that fewer pixels are drawn.
 fn tells_fewer(reported: &str) -> bool {
     let mut fractions = reported.lines().filter_map(|line| {
-        let (before, _) = line.split_once(" of the window's width and height are drawn")?;
+        let (before, _) = line.split_once(" of the window's width and height")?;
         before.rsplit(' ').next()?.parse::<f64>().ok()
     });
     fractions.any(|fraction| fraction < 1.0)

@@ -70,7 +70,7 @@ impl Place {
         let network = ["--osc", &port, "--osc-send", &to];
         let app = self.inner.open(&self.song, &[&usual[..], &network, options].concat());
         app.wait_until_reported("first picture");
-        app.wait_until_reported("OSC is heard");
+        app.wait_until_reported("receiving OSC");
         app
     }
 

@@ -1,4 +1,4 @@
-//! MIDI in the show: devices that are heard, what their knobs turn, and what is being learned.
+//! MIDI input: connected devices, mappings of knobs, and learning.
 
 use std::time::Instant;
 
@@ -13,23 +13,23 @@ use mariana_control::midi::{
 };
 use mariana_control::{InputQueue, Param};
 
-/// See the module.
+/// The MIDI devices and the mappings of their knobs.
 pub(super) struct Midi {
     hub: Option<MidiHub>,
     memory: KnobMemory,
     learning: Option<Learning>,
-    /// The devices when they were last told; none before the first look.
+    /// The devices reported last; `None` before the first check.
     reported: Option<Vec<String>>,
-    /// Sentences that are to be told, and whether each is bad news.
+    /// Messages to report; `true` for bad news.
     news: Vec<(String, bool)>,
-    /// The zero of the seconds of learning.
+    /// Start of the clock used for learning.
     zero: Instant,
-    /// Counts the changes of what is mapped and learned.
+    /// Counts the changes of mappings and learning.
     revision: u64,
 }
 
 impl Midi {
-    /// Hears devices from now on, if they are wanted.
+    /// Starts receiving from devices, if MIDI is on.
     pub(super) fn start(
         settings: &ControllerSettings,
         folders: &Folders,
@@ -43,12 +43,12 @@ impl Midi {
         let hub =
             settings.midi.then(|| MidiHub::start(ports(folders), input_queue.clone(), move || of_hub.wake()));
         let hub = hub.and_then(|started| {
-            started.map_err(|error| news.push((format!("MIDI is not heard: {error}"), true))).ok()
+            started.map_err(|error| news.push((format!("cannot receive MIDI: {error}"), true))).ok()
         });
         Self { hub, memory, learning: None, reported: None, news, zero: clock::now(), revision: 0 }
     }
 
-    /// What is new of devices: a sentence, and whether it is bad news.
+    /// The next message about devices; `true` for bad news.
     pub(super) fn news(&mut self) -> Option<(String, bool)> {
         self.look_at_devices();
         while let Some(kept) = self.memory.poll() {
@@ -68,66 +68,66 @@ impl Midi {
         let is_first = before.is_none();
         let before = before.unwrap_or_default();
         for gone in before.iter().filter(|name| !state.devices.contains(name)) {
-            let learning = if self.learning.is_some() { "; learning goes on with what is there" } else { "" };
-            self.news.push((format!("{gone} was pulled{learning}"), true));
+            let learning =
+                if self.learning.is_some() { "; learning continues with the other devices" } else { "" };
+            self.news.push((format!("{gone} was disconnected{learning}"), true));
         }
         for come in state.devices.iter().filter(|name| !before.contains(name)) {
-            // What was there at the start is no news to anybody who looks at the picture.
-            self.news.push((format!("MIDI is heard from {come}"), !is_first));
+            // Devices connected at the start are not announced over the frame.
+            self.news.push((format!("receiving MIDI from {come}"), !is_first));
         }
     }
 
-    /// How it stands with devices; none if MIDI is not wanted.
+    /// The state of the devices; `None` if MIDI is off.
     pub(super) fn state(&self) -> Option<MidiState> {
         self.hub.as_ref().map(MidiHub::state)
     }
 
-    /// What is mapped.
     pub(super) fn mappings(&self) -> &[Mapping] {
         self.memory.file().mappings.list()
     }
 
-    /// Whether a device's clock sets the tempo, if one has a clock.
+    /// True if a device's clock sets the tempo, if there is one.
     pub(super) fn follows_clock(&self) -> bool {
         self.memory.file().clock
     }
 
-    /// What the clock says that is followed, and its seconds now.
+    /// The reading of the followed clock, and its current time in seconds.
     pub(super) fn clock(&self) -> Option<(ClockReading, f64)> {
         self.hub.as_ref().filter(|_| self.follows_clock())?.clock()
     }
 
-    /// A number that changes with what is mapped and learned, and with the devices.
+    /// A number that changes with mappings, learning and devices.
     pub(super) fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// What is being learned.
+    /// The target that is being learned.
     pub(super) fn learning(&self) -> Option<&Target> {
         self.learning.as_ref().map(Learning::target)
     }
 
-    /// Learns what turns something, or stops learning it.
+    /// Starts or stops learning the knob for `target`.
     pub(super) fn learn(&mut self, target: Target) {
         let is_same = self.learning() == Some(&target);
         self.learning = (!is_same).then(|| Learning::of(target));
         self.revision += 1;
     }
 
-    /// Stops learning. Returns whether something was being learned.
+    /// Stops learning. Returns `true` if learning was active.
     pub(super) fn stop_learning(&mut self) -> bool {
         let learned = self.learning.take().is_some();
         self.revision += u64::from(learned);
         learned
     }
 
-    /// Changes what is mapped. What cannot be kept is told.
+    /// Changes the mappings. A failed save is reported.
     pub(super) fn edit(&mut self, edit: &KnobEdit) {
         self.memory.change(edit);
         self.revision += 1;
     }
 
-    /// What follows from knobs that moved. A knob that is being learned turns nothing meanwhile.
+    /// The effects of moved knobs. While learning, moved knobs have no effect.
     pub(super) fn take(&mut self, knobs: &[KnobMove], scene: &SceneSession) -> Vec<Outcome> {
         let title = scene.scenes().name().unwrap_or_default();
         let stands = |name: &str| {
@@ -150,7 +150,7 @@ impl Midi {
         outcomes
     }
 
-    /// Notes what was learned, once that is known, and says it.
+    /// Stores a learned mapping, once complete. Returns a message.
     pub(super) fn finish_learning(&mut self) -> Option<String> {
         let now = clock::since(self.zero).as_secs_f64();
         let mapping = self.learning.as_ref()?.learned(now)?;
@@ -164,14 +164,14 @@ impl Midi {
         Some(format!("{source} of {device} turns {target}{again}"))
     }
 
-    /// When something that is being learned is known.
+    /// Time when the learned knob will be known.
     pub(super) fn due(&self) -> Option<Instant> {
         let at = self.learning.as_ref()?.known_at()?;
         Some(self.zero + std::time::Duration::try_from_secs_f64(at).unwrap_or_default())
     }
 }
 
-/// The system's ports, or in builds for tests those of a folder.
+/// The system's ports, or in test builds those of a folder.
 fn ports(folders: &Folders) -> Box<dyn Ports> {
     #[cfg(all(unix, any(debug_assertions, feature = "fake-midi")))]
     if let Some(folder) = &folders.midi_ports {

@@ -1,7 +1,7 @@
-//! Hands from outside: what devices and networks wish for, and what the show tells them.
+//! External controllers: MIDI, OSC and phones. This module takes their input and sends them the show's state.
 //!
-//! Everything that a hand can do stands in the table of commands. What hands wish for comes in by [`InputQueue`], the newest
-//! value of each parameter; the show takes it once for each picture.
+//! The table of commands lists everything that a controller can do. Input arrives through [`InputQueue`], which keeps
+//! the newest value of each parameter; the session takes it once per frame.
 
 mod midi;
 mod network;
@@ -26,37 +26,37 @@ use mariana_control::midi::{ClockReading, KnobMove, Outcome, Target};
 use mariana_control::{Board, InputBatch, InputQueue, Present, Slider};
 use mariana_music::{Features, SongMoment};
 
-/// How often wishes are taken at most: a flood must not keep the show from drawing.
+/// The shortest interval between two input batches: a flood of messages must not keep the session from drawing.
 const INTERVAL: Duration = Duration::from_millis(4);
-/// How old what is put up for others gets at most while the show is awake.
+/// The longest time between two updates of the published state, while the session is awake.
 const BOARD_AGE: Duration = Duration::from_millis(40);
-/// The same of the panel.
+/// The same for the controllers panel.
 const PANEL_AGE: Duration = Duration::from_millis(100);
 
-/// See the module.
+/// All controllers, with the times of their next tasks.
 pub(crate) struct Controllers {
     input_queue: InputQueue,
     board: Board,
     network: Network,
     phones: Phones,
     midi: Midi,
-    /// When wishes may be taken again.
+    /// Time from which input may be taken again.
     free: Instant,
-    /// When the first of the wishes came that no frame shows yet, and the revision of the scene that shows them.
+    /// Arrival of the first input that no frame shows yet, and the scene revision that shows it.
     unseen: Option<(Instant, u64)>,
-    /// From messages to frames.
+    /// Times from messages to frames.
     times: FrameTimes,
-    /// When the board is put up again.
+    /// Time of the next update of the published state.
     board_due: Instant,
-    /// When the panel is brought up to date again, and what it knew of mappings.
+    /// Time of the next update of the panel, and the mappings' revision that it shows.
     panel_due: Instant,
     panel_revision: u64,
-    /// All scenes with their titles, as they were when this scene came on.
+    /// All scenes with their titles, and the scene that was shown when they were listed.
     scenes: (String, Vec<(String, SceneSource)>),
 }
 
 impl Controllers {
-    /// Hands that wake the show when they wish for something.
+    /// Starts the controllers, which wake the session on input.
     pub(crate) fn start(settings: &ControllerSettings, folders: &Folders, waker: &Waker) -> Self {
         let of_input_queue = waker.clone();
         let input_queue = InputQueue::new(move || of_input_queue.wake());
@@ -81,17 +81,17 @@ impl Controllers {
         }
     }
 
-    /// What is new of devices and networks: a sentence, and whether it is bad news.
+    /// The next message about devices and networks; `true` for bad news.
     pub(crate) fn news(&mut self) -> Option<(String, bool)> {
         self.network.news().or_else(|| self.phones.news()).or_else(|| self.midi.news())
     }
 
-    /// What is heard now, for those outside.
+    /// Sends the current sound to OSC receivers.
     pub(crate) fn note_sound(&mut self, features: &Features, song: &SongMoment, now: Instant) {
         self.network.note_sound(features, song, now);
     }
 
-    /// Whether the board is to be put up now; `turned` if something was turned or done.
+    /// True if the published state is due; `turned` is true after input.
     pub(crate) fn board_is_due(&mut self, turned: bool, now: Instant) -> bool {
         let is_asked = self.network.is_asked() || self.phones.is_asked();
         let is_due = is_asked && (turned || now >= self.board_due);
@@ -101,17 +101,17 @@ impl Controllers {
         is_due
     }
 
-    /// Whether all scenes are to be noted, because another one is on the stage.
+    /// True if the list of scenes must be updated, because another scene is shown.
     pub(crate) fn wants_scenes(&self, scene: &str) -> bool {
         self.scenes.0 != scene || self.scenes.1.is_empty()
     }
 
-    /// Notes all scenes, in the order of their numbers, while this one is on the stage.
+    /// Updates the list of scenes, in the order of their numbers, for the shown scene.
     pub(crate) fn note_scenes(&mut self, scene: String, scenes: Vec<SceneSource>) {
         self.scenes = (scene, scenes.into_iter().map(|source| (source.title(), source)).collect());
     }
 
-    /// The scenes of which phones want small pictures that nobody looks for yet.
+    /// The scenes whose thumbnails phones have requested since the last call.
     pub(crate) fn wanted_pictures(&mut self) -> Vec<SceneSource> {
         let all = &self.scenes.1;
         let of =
@@ -119,18 +119,18 @@ impl Controllers {
         self.phones.wanted_pictures().into_iter().filter_map(of).collect()
     }
 
-    /// Takes in what was found out about a scene, for phones.
+    /// Passes a result of the thumbnail finder to the phones.
     pub(crate) fn note_picture(&mut self, looked: &Looked) {
         self.phones.note_picture(looked);
     }
 
-    /// Puts up how the show stands, with these sliders.
+    /// Publishes the show's state with these sliders.
     pub(crate) fn put_up(&mut self, present: Present, sliders: &[Slider]) {
         let scenes = self.scenes.1.iter().map(|(title, _)| title.clone()).collect();
         self.board.put(Present { scenes, params: sliders.to_vec(), ..present });
     }
 
-    /// What was wished for, if it is time to look.
+    /// Takes the input, if it is due.
     pub(crate) fn take(&mut self, now: Instant) -> Option<InputBatch> {
         if now < self.free || !self.input_queue.has_any() {
             return None;
@@ -139,7 +139,7 @@ impl Controllers {
         Some(self.input_queue.take())
     }
 
-    /// What follows from knobs that moved, and what was learned by them, in words.
+    /// The effects of moved knobs, and a message about a learned one.
     pub(crate) fn take_knobs(
         &mut self,
         knobs: &[KnobMove],
@@ -148,7 +148,7 @@ impl Controllers {
         (self.midi.take(knobs, scene), self.midi.finish_learning())
     }
 
-    /// The parameter of a scene that a knob is being learned for.
+    /// The parameter of a scene whose knob is being learned.
     pub(crate) fn learning_param(&self, scene: Option<&SceneSource>) -> Option<&str> {
         match self.midi.learning()? {
             Target::Param { scene: of, name } if scene.is_some_and(|scene| scene.title() == *of) => {
@@ -158,22 +158,22 @@ impl Controllers {
         }
     }
 
-    /// Learns what turns something, or stops learning it.
+    /// Starts or stops learning the knob for `target`.
     pub(crate) fn learn(&mut self, target: Target) {
         self.midi.learn(target);
     }
 
-    /// Stops learning. Returns whether something was being learned.
+    /// Stops learning. Returns `true` if learning was active.
     pub(crate) fn stop_learning(&mut self) -> bool {
         self.midi.stop_learning()
     }
 
-    /// Changes what is mapped.
+    /// Changes the mappings.
     pub(crate) fn edit(&mut self, edit: &KnobEdit) {
         self.midi.edit(edit);
     }
 
-    /// Whether MIDI is heard at all, or why not, as the end of a sentence.
+    /// The reason why MIDI is not available, if so, as the end of a message.
     pub(crate) fn midi_trouble(&self) -> Option<String> {
         match self.midi.state() {
             None => Some("it is off (--midi off)".to_owned()),
@@ -181,7 +181,7 @@ impl Controllers {
         }
     }
 
-    /// What the panel shows, of a scene with these sliders.
+    /// The data of the controllers panel, for a scene with these sliders.
     pub(crate) fn facts<'a>(&'a self, scene: String, sliders: &'a [Slider]) -> ControllersState<'a> {
         let (messages, refusals) = self.input_queue.counts();
         ControllersState {
@@ -198,7 +198,7 @@ impl Controllers {
         }
     }
 
-    /// Whether the panel is to be brought up to date: something was changed, or it is a while since.
+    /// True if the panel must be updated, after a change or after [`PANEL_AGE`].
     pub(crate) fn panel_is_due(&mut self, now: Instant) -> bool {
         let is_due = now >= self.panel_due || self.midi.revision() != self.panel_revision;
         if is_due {
@@ -207,42 +207,42 @@ impl Controllers {
         is_due
     }
 
-    /// What a device's clock says, and the clock's seconds now; none without one.
+    /// The reading of a device's clock, and its current time in seconds; `None` without a clock.
     pub(crate) fn clock(&self) -> Option<(ClockReading, f64)> {
         self.midi.clock()
     }
 
-    /// Whether messages have changed the scene and no picture shows it yet.
+    /// True if input has changed the scene and no frame shows it yet.
     pub(crate) fn are_unseen(&self) -> bool {
         self.unseen.is_some()
     }
 
-    /// Wishes that came first at `since` have changed the scene, which shows them from this revision on.
+    /// Notes that input since `since` has changed the scene, which shows it from this revision on.
     pub(crate) fn note_turned(&mut self, since: Option<Instant>, revision: u64) {
         self.unseen = self.unseen.or(since.map(|since| (since, revision)));
     }
 
-    /// A frame is on the screen that shows the scene at this revision.
+    /// Notes that a frame of this revision is on the screen.
     pub(crate) fn note_shown(&mut self, revision: u64) {
         if let Some((since, _)) = self.unseen.take_if(|(_, turned)| revision >= *turned) {
             self.times.note(clock::since(since));
         }
     }
 
-    /// How long it took from messages to frames, for the log.
+    /// Times from messages to frames, for the log.
     pub(crate) fn times(&self) -> &FrameTimes {
         &self.times
     }
 
-    /// When there is something to do for hands.
+    /// The time of the next task.
     pub(crate) fn due(&self) -> Option<Instant> {
         let input_queue = self.input_queue.has_any().then_some(self.free);
-        // What a phone has done is to be seen there also where nothing else wakes the show.
+        // A phone shows the effect of its input even if nothing else wakes the session.
         let board = self.phones.are_there().then_some(self.board_due);
         input_queue.into_iter().chain(board).chain(self.network.sample_due()).chain(self.midi.due()).min()
     }
 
-    /// Counts what nothing here is meant by.
+    /// Counts input for an unknown target.
     pub(crate) fn note_unknown(&self) {
         self.input_queue.refuse(|refusals| refusals.unknown += 1);
     }

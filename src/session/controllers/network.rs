@@ -1,4 +1,4 @@
-//! OSC, as the command line wants it: what is heard, what is answered, and what of the sound is sent.
+//! OSC as set on the command line: receiving, answers, and sending of sound values.
 
 use std::time::{Duration, Instant};
 
@@ -11,22 +11,22 @@ use mariana_control::{Board, InputQueue};
 use mariana_field::graph::SoundInput;
 use mariana_music::{Features, SongMoment};
 
-/// See the module.
+/// The OSC receiver and sender.
 pub(super) struct Network {
     receiver: Option<OscReceiver>,
     sender: Option<OscSender>,
-    /// Between two samples.
+    /// Interval between two samples.
     interval: Duration,
-    /// When the next sample is due.
+    /// Time of the next sample.
     sample_due: Instant,
-    /// What was told of the receiver, and of the sender.
+    /// The reported state of the receiver; `true` once a problem of the sender was reported.
     reported: (ReceiverState, bool),
-    /// What went wrong at the start, until it is told.
+    /// An error at the start, until it is reported.
     trouble: Option<String>,
 }
 
 impl Network {
-    /// Starts what the settings ask for.
+    /// Starts the receiver and the sender that the settings ask for.
     pub(super) fn start(
         settings: &ControllerSettings,
         input_queue: &InputQueue,
@@ -35,7 +35,7 @@ impl Network {
     ) -> Self {
         let mut trouble = None;
         let mut no_thread = |error: std::io::Error| {
-            trouble = Some(format!("OSC is neither heard nor sent: the system gives no thread ({error})"));
+            trouble = Some(format!("cannot receive or send OSC: the system cannot start a thread ({error})"));
         };
         let wake = || {
             let waker = waker.clone();
@@ -59,12 +59,12 @@ impl Network {
         Self { receiver, sender, interval, sample_due: clock::now(), reported, trouble }
     }
 
-    /// Whether anybody may ask how the show stands.
+    /// True if an OSC client may query the show's state.
     pub(super) fn is_asked(&self) -> bool {
         self.receiver.is_some()
     }
 
-    /// What is new: a sentence, and whether it is bad news.
+    /// The next message; `true` for bad news.
     pub(super) fn news(&mut self) -> Option<(String, bool)> {
         if let Some(trouble) = self.trouble.take() {
             return Some((trouble, true));
@@ -75,7 +75,7 @@ impl Network {
             self.reported.0 = state;
             match &self.reported.0 {
                 ReceiverState::Opening => {}
-                ReceiverState::Open(address) => return Some((format!("OSC is heard on {address}"), false)),
+                ReceiverState::Open(address) => return Some((format!("receiving OSC on {address}"), false)),
                 ReceiverState::Refused(why) => return Some((why.clone(), true)),
             }
         }
@@ -84,21 +84,21 @@ impl Network {
         problem.map(|problem| (problem, true))
     }
 
-    /// How it stands with hearing, in words; none if it is not wanted.
+    /// The receiver's state as text; `None` if OSC is off.
     pub(super) fn state(&self) -> Option<String> {
         self.receiver.as_ref().map(|receiver| match receiver.state() {
-            ReceiverState::Opening => "the port is being opened".to_owned(),
-            ReceiverState::Open(address) => format!("heard on {address}"),
+            ReceiverState::Opening => "opening the port".to_owned(),
+            ReceiverState::Open(address) => format!("receiving on {address}"),
             ReceiverState::Refused(why) => why,
         })
     }
 
-    /// When what is heard is wanted for those outside.
+    /// The time of the next sample to send.
     pub(super) fn sample_due(&self) -> Option<Instant> {
         self.sender.as_ref().map(|_| self.sample_due)
     }
 
-    /// What is heard now, for those outside.
+    /// Sends the current sound, if a sample is due.
     pub(super) fn note_sound(&mut self, features: &Features, song: &SongMoment, now: Instant) {
         let Some(sender) = self.sender.as_ref().filter(|_| now >= self.sample_due) else { return };
         self.sample_due = now + self.interval;
@@ -106,12 +106,12 @@ impl Network {
     }
 }
 
-/// The addresses of what is sent, in their order.
+/// The addresses of a sample, in order.
 pub(super) fn sent_addresses() -> impl Iterator<Item = String> {
     sample(&Features::SILENCE, &SongMoment::UNKNOWN).into_iter().map(|(address, _)| address)
 }
 
-/// The numbers that scenes read, by their addresses; lists of numbers are one message each.
+/// The sound values that scenes read, by address. A list of numbers is one message.
 fn sample(features: &Features, song: &SongMoment) -> Sample {
     let mut sample = vec![
         ("/sound/bands".to_owned(), features.bands.to_vec()),
@@ -128,13 +128,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_number_that_scenes_read_is_sent_and_fits_one_packet() {
+    fn every_sound_value_is_sent_and_all_fit_one_packet() {
         let features = Features { bass: 0.5, ..Features::SILENCE };
         let sample = sample(&features, &SongMoment::UNKNOWN);
         let single = SoundInput::ALL.iter().filter(|input| !input.name().starts_with("chroma(")).count();
-        assert_eq!(sample.len(), single + 2, "a number of the sound has no value here");
+        assert_eq!(sample.len(), single + 2, "a sound value is missing in the sample");
         assert!(sample.contains(&("/sound/bass".to_owned(), vec![0.5])));
         let bytes: usize = sample.iter().map(|(name, numbers)| name.len() + 16 + 5 * numbers.len()).sum();
-        assert!(bytes < 1_400, "{bytes} bytes are more than a network passes on in one piece");
+        assert!(bytes < 1_400, "{bytes} bytes do not fit in one packet");
     }
 }

@@ -1,4 +1,4 @@
-//! The page for phones, as the command line wants it.
+//! Remote control by phones, as set on the command line.
 
 use crate::commands;
 use crate::config::ControllerSettings;
@@ -8,19 +8,19 @@ use crate::ui::controllers_panel::PhoneFacts;
 use mariana_control::{Board, InputQueue};
 use mariana_remote::{Album, Remote, RemoteState};
 
-/// See the module.
+/// The server for phones, and their thumbnails.
 pub(super) struct Phones {
     remote: Option<Remote>,
-    /// Pictures of scenes that they can look at.
+    /// Thumbnails of scenes for the phones.
     album: Album,
-    /// What was told of it.
+    /// The server state that was reported last.
     reported: RemoteState,
-    /// What went wrong at the start, until it is told.
+    /// An error at the start, until it is reported.
     trouble: Option<String>,
 }
 
 impl Phones {
-    /// Starts what the settings ask for.
+    /// Starts the server if the settings ask for it.
     pub(super) fn start(
         settings: &ControllerSettings,
         input_queue: &InputQueue,
@@ -34,18 +34,18 @@ impl Phones {
             let table = commands::for_phones();
             let shown = (board.clone(), album.clone());
             let started = Remote::start(place, table, input_queue.clone(), shown, move || waker.wake());
-            let words = |error| trouble = Some(format!("phones are not listened to: {error}"));
+            let words = |error| trouble = Some(format!("phones cannot connect: {error}"));
             started.map_err(words).ok()
         });
         Self { remote, album, reported: RemoteState::default(), trouble }
     }
 
-    /// The titles of scenes of which they want pictures that nobody looks for yet.
+    /// The titles of scenes whose thumbnails were requested since the last call.
     pub(super) fn wanted_pictures(&self) -> Vec<String> {
         self.album.take_wanted()
     }
 
-    /// Takes in what was found out about a scene, if they can come.
+    /// Passes a result of the thumbnail finder to the phones, if the server runs.
     pub(super) fn note_picture(&self, looked: &Looked) {
         if self.remote.is_none() {
             return;
@@ -61,17 +61,17 @@ impl Phones {
         }
     }
 
-    /// Whether anybody wants to know how the show stands.
+    /// True if a phone is connected.
     pub(super) fn are_there(&self) -> bool {
         self.remote.as_ref().is_some_and(|remote| remote.phones() > 0)
     }
 
-    /// Whether anybody may come who wants to know.
+    /// True if phones may connect.
     pub(super) fn is_asked(&self) -> bool {
         self.remote.is_some()
     }
 
-    /// What is new: a sentence, and whether it is bad news.
+    /// The next message; `true` for bad news.
     pub(super) fn news(&mut self) -> Option<(String, bool)> {
         if let Some(trouble) = self.trouble.take() {
             return Some((trouble, true));
@@ -81,14 +81,14 @@ impl Phones {
             RemoteState::Opening => None,
             RemoteState::Open(pairing_address) => {
                 let url = &pairing_address.url;
-                let only = if pairing_address.is_local { "; only this computer can" } else { "" };
-                Some((format!("a phone can open {url} or the code behind J{only}"), false))
+                let only = if pairing_address.is_local { " (only on this computer)" } else { "" };
+                Some((format!("a phone can open {url}, or press J for the code{only}"), false))
             }
             RemoteState::Refused(why) => Some((why.clone(), true)),
         }
     }
 
-    /// How it stands; none if it is not wanted.
+    /// The server's state; `None` if it is off.
     pub(super) fn facts(&self) -> Option<PhoneFacts> {
         let remote = self.remote.as_ref()?;
         Some(PhoneFacts { state: remote.state(), phones: remote.phones() })
@@ -100,7 +100,7 @@ mod tests {
     use super::*;
     use mariana_control::action::ValueType;
 
-    /// The values of an attribute in the page, with the rest of their elements.
+    /// The values of an attribute in the page, each with the rest of its element.
     fn elements(attribute: &str) -> Vec<(&'static str, &'static str)> {
         let parts = mariana_remote::page_text().split(attribute).skip(1);
         parts.filter_map(|part| part.split_once('"')).collect()

@@ -1,10 +1,9 @@
 //! The next and the previous scene, prepared while the current one is shown, so that a change to
 //! them takes one frame.
 //!
-//! They have the lowest priority: one at a time, when the current scene is complete and the
-//! compilers are idle. Each has its own loader, which watches its files, so that prepared scenes
-//! are always up to date. When a prepared scene is shown, its loader goes with it; the scene shown
-//! until then stays prepared on the other side.
+//! They have the lowest priority: one at a time, when the current scene is complete and the compilers are idle. Each
+//! has its own loader, which watches its files, so that prepared scenes are always up to date. When a prepared scene
+//! is shown, its loader goes with it; the scene shown until then stays prepared on the other side.
 
 use std::sync::Arc;
 
@@ -274,8 +273,7 @@ impl PreparedAhead {
         }
     }
 
-    /// Continues with the first neighbour that is not ready: requests its load, or returns its
-    /// missing parts.
+    /// Continues with the first neighbour that is not ready: requests its load, or returns its missing parts.
     pub(super) fn go_on(&mut self, sdf: SdfChoice) -> Option<Lacking> {
         for neighbour in self.all_mut() {
             match &mut neighbour.state {

@@ -1,8 +1,7 @@
 //! The wait of the next frame for an edited text, after a key in the editor.
 //!
-//! A frame that begins while the text is being read shows the old text; with a software renderer it
-//! also takes CPU time from the loader. The wait shows edits one frame earlier and costs less than
-//! a frame.
+//! A frame that begins while the text is being read shows the old text; with a software renderer it also takes CPU
+//! time from the loader. The wait shows edits one frame earlier and costs less than a frame.
 
 use std::time::{Duration, Instant};
 

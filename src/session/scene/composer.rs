@@ -1,5 +1,4 @@
-//! The composer of frames: draws the current scene and the one that fades out, in as many steps as
-//! needed.
+//! The composer of frames: draws the current scene and the one that fades out, in as many steps as needed.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -30,8 +29,7 @@ use crate::view::legend::LegendPicture;
 use mariana_music::Sound;
 use mariana_player::Moment;
 
-/// A fade joined later than this fraction of its length starts from the last frame instead of both
-/// scenes.
+/// A fade joined later than this fraction of its length starts from the last frame instead of both scenes.
 const LATE_FRACTION: f32 = 0.35;
 
 /// The frame to show next.
@@ -121,10 +119,9 @@ impl SceneComposer {
         }
     }
 
-    /// Draws the current scene at a moment for which its regions are built, or continues the frame
-    /// in progress, for about `go`. Returns `None` if it is not finished. Requests missing
-    /// resources. `revision` is that of the whole session. Scenes that are neither shown nor fading
-    /// out are kept only as neighbours.
+    /// Draws the current scene at a moment for which its regions are built, or continues the frame in progress, for
+    /// about `go`. Returns `None` if it is not finished. Requests missing resources. `revision` is that of the whole
+    /// session. Scenes that are neither shown nor fading out are kept only as neighbours.
     ///
     /// # Errors
     /// The driver reports an error.
@@ -208,8 +205,7 @@ impl SceneComposer {
         Ok(Some(drawn))
     }
 
-    /// Abandons a frame in progress that is not the wanted one. Returns `true` if no frame is in
-    /// progress now.
+    /// Abandons a frame in progress that is not the wanted one. Returns `true` if no frame is in progress now.
     fn give_up_another(&mut self, of: Ingredients<'_>, wanted: &WantedPicture) -> bool {
         let Some((id, mode)) = shown(of) else { return false };
         let now = (id, mode, self.views.choice());
@@ -266,8 +262,7 @@ impl SceneComposer {
         let drawable = self.regions.drawable((scene.id, mode), &scene.resources, wanted, sound, draw_options);
         let Some((frame, shown)) = drawable else { return Ok(None) };
         if outgoing.is_some() && shown != wanted {
-            // The only tree there is belongs to an older moment. Both scenes must be drawn at the
-            // same moment.
+            // The only tree there is belongs to an older moment. Both scenes must be drawn at the same moment.
             return Ok(None);
         }
         let frame = frame.in_window(scene.resources.world(), aspect, quality);
@@ -293,8 +288,7 @@ impl SceneComposer {
                 self.fading.begin_picture(renderer, Begun { now, moment: &wanted.moment, runs, is_live });
             }
         }
-        // Set the samples only now: another number of samples discards the kept light of the last
-        // frame.
+        // Set the samples only now: another number of samples discards the kept light of the last frame.
         renderer.set_edge_samples(shown.edges);
         let begun = match self.views.program(scene, mode) {
             None => {
@@ -342,8 +336,7 @@ impl SceneComposer {
         self.change.note_left(left, self.pictures.took(), self.camera.orbit(), show, parameters);
     }
 
-    /// Starts a fade from the outgoing to the incoming scene. Views are cut, because their colours
-    /// encode numbers.
+    /// Starts a fade from the outgoing to the incoming scene. Views are cut, because their colours encode numbers.
     pub(super) fn fade_if_it_can(&mut self, of: Ingredients<'_>) {
         if self.fades_with_both(of) {
             self.fading.cut();
@@ -418,8 +411,7 @@ impl SceneComposer {
             && !self.fading.goes_on()
     }
 
-    /// True if the frame in progress must be finished: an edit may cancel a frame, but never two in
-    /// a row.
+    /// True if the frame in progress must be finished: an edit may cancel a frame, but never two in a row.
     pub(super) fn must_finish(&self) -> bool {
         self.making.is_some() && self.has_interrupted
     }

@@ -4,9 +4,8 @@
 //! If the outgoing scene cannot be drawn any more, its last frame is mixed into the frames of the
 //! incoming one ([`Renderer::keep_light`]). A frozen frame fades in the same way.
 //!
-//! **A fade follows the song's time,** as the fades of shows do: the frame at a moment of the song
-//! depends only on that moment, and a recording has the same fade. Only a fade that begins while
-//! nothing plays uses the clock.
+//! **A fade follows the song's time,** as the fades of shows do: the frame at a moment of the song depends only on
+//! that moment, and a recording has the same fade. Only a fade that begins while nothing plays uses the clock.
 
 use std::time::{Duration, Instant};
 
@@ -14,8 +13,7 @@ use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
 use mariana_player::Moment;
 
-/// The most time that one frame takes from a fade, so that a slow frame does not turn it into a
-/// cut.
+/// The most time that one frame takes from a fade, so that a slow frame does not turn it into a cut.
 const STEP_MAX: Duration = Duration::from_millis(125);
 
 /// The state of the fade between scenes.
@@ -147,8 +145,7 @@ impl Fading {
         }
     }
 
-    /// The show holds another frame: the last one drawn, including the fraction of the one held
-    /// before.
+    /// The show holds another frame: the last one drawn, including the fraction of the one held before.
     pub(crate) fn hold_anew(&mut self) {
         if let State::ActionValue(_, kept) = &mut self.state {
             *kept = false;
@@ -206,8 +203,7 @@ impl Fading {
         if self.from == From::HeldPicture && self.goes_on() { self.fraction } else { 0.0 }
     }
 
-    /// The duration and the start of a fade in song time between scenes, in seconds; `None` if
-    /// there is none.
+    /// The duration and the start of a fade in song time between scenes, in seconds; `None` if there is none.
     pub(super) fn of_scene_with_song(&self) -> Option<(f64, f64)> {
         match self.state {
             State::WithSong(start, _) if self.from == From::Scene => Some((self.going.as_secs_f64(), start)),
@@ -240,8 +236,7 @@ impl Fading {
         renderer.set_fade(fraction);
     }
 
-    /// The fraction of the outgoing scene in a frame that begins; `None` if there is no fade or it
-    /// has ended.
+    /// The fraction of the outgoing scene in a frame that begins; `None` if there is no fade or it has ended.
     fn step(&mut self, begun: Begun<'_>) -> Option<f32> {
         let since = self
             .begun
@@ -253,8 +248,7 @@ impl Fading {
             State::Wanted => {
                 self.announce();
                 let time = begun.moment.song_time;
-                // Cue lists store times in milliseconds, and the first frame must already mix both
-                // scenes.
+                // Cue lists store times in milliseconds, and the first frame must already mix both scenes.
                 let start = ((time * 1e3).floor() - 1.0) / 1e3;
                 self.state = match begun.runs && start >= 0.0 {
                     true => State::WithSong(start, of_what(begun.moment)),
@@ -280,8 +274,7 @@ impl Fading {
         fraction
     }
 
-    /// The same formula as in [`crate::show::Timeline::at`], so that a recording has the same
-    /// fraction.
+    /// The same formula as in [`crate::show::Timeline::at`], so that a recording has the same fraction.
     fn fraction_in_song(&self, moment: &Moment) -> Option<f32> {
         let State::WithSong(start, of) = self.state else { return None };
         let gone = (moment.song_time - start) / self.going.as_secs_f64();

@@ -1,7 +1,6 @@
 //! The parameters of scenes. All controllers change one model; sliders and frames read it.
 //!
-//! A frame is drawn with the values of one moment, which is set between frames and never during
-//! one.
+//! A frame is drawn with the values of one moment, which is set between frames and never during one.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -127,8 +126,7 @@ impl Parameters {
         self.revision += 1;
     }
 
-    /// Sets the parameter of a slider. A slider moved back to the text's default follows the text
-    /// again.
+    /// Sets the parameter of a slider. A slider moved back to the text's default follows the text again.
     fn turn_at(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>, place: usize, turn: Turn) {
         let Some((slider, knob)) = scene.knobs.get(place) else { return };
         let param = param_of(slider);

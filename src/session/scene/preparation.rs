@@ -298,8 +298,7 @@ impl ScenePreparation {
         if scenes.present().next().is_none() { Err(error) } else { Ok(refused) }
     }
 
-    /// Requests the remaining mode for a scene and reports the reason. Returns a refusal if there
-    /// is none.
+    /// Requests the remaining mode for a scene and reports the reason. Returns a refusal if there is none.
     fn fall_back(
         &mut self,
         id: u64,
@@ -334,8 +333,7 @@ impl ScenePreparation {
         None
     }
 
-    /// The id and the first tree of a new scene, once finished. The tree is `None` if it takes too
-    /// long.
+    /// The id and the first tree of a new scene, once finished. The tree is `None` if it takes too long.
     pub(super) fn poll_tree(&self) -> Option<(u64, Option<Arc<BuiltRegions>>)> {
         self.trials.poll()
     }
@@ -376,9 +374,8 @@ impl ScenePreparation {
         TreeVerdict::Refused(too_expensive(&expensive, TREE_TOO_LONG))
     }
 
-    /// Takes a scene that proved too slow in `mode`. If its compiled program is available or being
-    /// made, the scene returns with that one; otherwise it is refused. `why` is the beginning of a
-    /// sentence.
+    /// Takes a scene that proved too slow in `mode`. If its compiled program is available or being made, the scene
+    /// returns with that one; otherwise it is refused. `why` is the beginning of a sentence.
     pub(super) fn take_back(
         &mut self,
         mut expensive: PreparedScene,

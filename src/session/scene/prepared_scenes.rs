@@ -1,5 +1,4 @@
-//! All scenes that can be drawn now or soon: the shown, the coming, the outgoing and the
-//! neighbouring ones.
+//! All scenes that can be drawn now or soon: the shown, the coming, the outgoing and the neighbouring ones.
 
 use super::ahead::PreparedAhead;
 use super::prepared_scene::PreparedScene;

@@ -53,9 +53,8 @@ impl NextPicture {
         Ok(Self { asked: None, too_expensive: None, builder: RegionBuilder::start(wake)? })
     }
 
-    /// Draws a hidden frame of the next scene with the values of `parameters` at `time` seconds of
-    /// the song, and sends it to `reader`. Returns its title, or `None` if there is nothing to draw
-    /// now.
+    /// Draws a hidden frame of the next scene with the values of `parameters` at `time` seconds of the song, and
+    /// sends it to `reader`. Returns its title, or `None` if there is nothing to draw now.
     ///
     /// # Errors
     /// The driver's error.

@@ -58,8 +58,7 @@ impl ProgramLibrary {
         }
     }
 
-    /// The next finished program or its compile error, together with its purpose. The purpose is
-    /// stored nowhere else.
+    /// The next finished program or its compile error, together with its purpose. The purpose is stored nowhere else.
     pub(super) fn poll(&mut self) -> Option<(Task, Result<Program, GpuError>)> {
         while let Some(finished) = self.compiler.poll() {
             if let Some(task) = self.tasks.remove(&finished.id) {
@@ -150,8 +149,7 @@ impl ProgramLibrary {
         })
     }
 
-    /// Redirects the pending program of one of the scenes `alike` to the scene `id`: their programs
-    /// are identical.
+    /// Redirects the pending program of one of the scenes `alike` to the scene `id`: their programs are identical.
     pub(super) fn make_for(&mut self, alike: &[u64], id: u64) {
         let is_theirs = |task: &&mut Task| matches!(task, Task::Compiled { id, .. } if alike.contains(id));
         if let Some(Task::Compiled { id: of, .. }) = self.tasks.values_mut().find(is_theirs) {
@@ -159,8 +157,7 @@ impl ProgramLibrary {
         }
     }
 
-    /// Drops requests for all other scenes. A program already being compiled is dropped when it is
-    /// finished.
+    /// Drops requests for all other scenes. A program already being compiled is dropped when it is finished.
     pub(super) fn forget_all_but(&mut self, kept: &[u64]) {
         self.tasks.retain(|_, task| match task {
             Task::Compiled { id, .. } | Task::Views(ViewsOf::Compiled(id)) => kept.contains(id),

@@ -1,15 +1,13 @@
 //! Region trees, built on their own thread while frames are drawn.
 //!
-//! Only the latest request counts: it replaces one that has not begun. The tree is returned
-//! together with the frame it was requested for. A build is cancelled when it exceeds its time
-//! limit or is no longer needed.
+//! Only the latest request counts: it replaces one that has not begun. The tree is returned together with the frame
+//! it was requested for. A build is cancelled when it exceeds its time limit or is no longer needed.
 //!
-//! **A frame is drawn with the inputs of its tree.** `Renderer::draw` builds missing regions
-//! itself; stills, videos and measurements use only this path. The window requests trees from this
-//! thread and draws a frame when its tree is finished, even if late; with slow inputs, fewer frames
-//! follow the sound. If the compiled program draws faster than a tree is built, it draws without
-//! cells. An interpreter without cells takes tens of times as long as with them, which is longer
-//! than any tree takes. The line of key I shows which is used.
+//! **A frame is drawn with the inputs of its tree.** `Renderer::draw` builds missing regions itself; stills, videos
+//! and measurements use only this path. The window requests trees from this thread and draws a frame when its tree is
+//! finished, even if late; with slow inputs, fewer frames follow the sound. If the compiled program draws faster than
+//! a tree is built, it draws without cells. An interpreter without cells takes tens of times as long as with them,
+//! which is longer than any tree takes. The line of key I shows which is used.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -114,8 +112,7 @@ impl<Tag> Drop for RegionBuilder<Tag> {
         state.next = None;
         drop(state);
         self.shared.changed.notify_one();
-        // A tree takes milliseconds. The tree of a scene too large to draw takes minutes and is not
-        // awaited.
+        // A tree takes milliseconds. The tree of a scene too large to draw takes minutes and is not awaited.
         let until = Instant::now() + END_WAIT;
         let Some(thread) = self.thread.take() else { return };
         while !thread.is_finished() && Instant::now() < until {

@@ -101,9 +101,8 @@ impl SceneRegions {
         })
     }
 
-    /// A frame of the scene `id` that can be drawn now, and its identity: either `wanted` with
-    /// `sound`, or an earlier frame whose tree is now finished. `None` if there is nothing new to
-    /// draw.
+    /// A frame of the scene `id` that can be drawn now, and its identity: either `wanted` with `sound`, or an earlier
+    /// frame whose tree is now finished. `None` if there is nothing new to draw.
     pub(super) fn drawable(
         &mut self,
         (id, mode): (u64, Mode),
@@ -192,8 +191,7 @@ impl SceneRegions {
         self.builder.has_built()
     }
 
-    /// Notes the time of a frame drawn with `built`. Returns `true` if the choice about trees has
-    /// changed.
+    /// Notes the time of a frame drawn with `built`. Returns `true` if the choice about trees has changed.
     pub(super) fn note_frame_time(
         &mut self,
         drawn: (u64, Mode),

@@ -102,8 +102,7 @@ impl SceneChange {
         self.left.as_ref().map(|left| &left.source)
     }
 
-    /// Saves the state of the outgoing scene. `took` is the time of its last frame, `orbit` its
-    /// camera motion.
+    /// Saves the state of the outgoing scene. `took` is the time of its last frame, `orbit` its camera motion.
     pub(super) fn note_left(
         &mut self,
         scene: &PreparedScene,
@@ -134,8 +133,7 @@ impl SceneChange {
         self.left = Some(LeftScene { source: scene.source.clone(), clip, numbers, moved });
     }
 
-    /// The parameters of the outgoing scene at `time` seconds of the song, and the number of its
-    /// camera.
+    /// The parameters of the outgoing scene at `time` seconds of the song, and the number of its camera.
     pub(super) fn numbers(
         &self,
         scene: &PreparedScene,

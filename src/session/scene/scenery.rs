@@ -106,8 +106,7 @@ impl SeenPictures {
         self.of
     }
 
-    /// The shorter of the last two frame times: a single frame may have waited for the driver or
-    /// the processors.
+    /// The shorter of the last two frame times: a single frame may have waited for the driver or the processors.
     pub(super) fn took(&self) -> Duration {
         self.took[0].min(self.took[1])
     }

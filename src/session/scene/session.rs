@@ -50,8 +50,7 @@ pub(crate) struct SceneSession {
 }
 
 impl SceneSession {
-    /// Prepares the first scene, which a loader watches. `wake` is called when a thread has a
-    /// result.
+    /// Prepares the first scene, which a loader watches. `wake` is called when a thread has a result.
     ///
     /// # Errors
     /// An error of the driver or the system.
@@ -88,8 +87,7 @@ impl SceneSession {
         Ok(session)
     }
 
-    /// Drops everything that belongs to the OpenGL context, and returns the state for another
-    /// session.
+    /// Drops everything that belongs to the OpenGL context, and returns the state for another session.
     pub(crate) fn let_go(self) -> KeptScenes {
         let DrawingChoice { sdf, cells } = self.preparation.choice();
         let PreparedScenes { shown, coming, ahead, .. } = self.scenes;
@@ -488,8 +486,7 @@ impl SceneSession {
         self.composer.look_different();
     }
 
-    /// Shows the next or the previous view. The normal frame comes between the last and the first
-    /// view.
+    /// Shows the next or the previous view. The normal frame comes between the last and the first view.
     pub(crate) fn go_view(&mut self, forward: bool) {
         self.show_view(self.composer.views.beside(forward));
     }

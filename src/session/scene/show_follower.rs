@@ -1,9 +1,7 @@
-//! Follows a show: selects the requested scene, the scenes to prepare, and the clips that move the
-//! parameters.
+//! Follows a show: selects the requested scene, the scenes to prepare, and the clips that move the parameters.
 //!
-//! A transition that mixes worlds is a scene of its own ([`SceneSource::Blend`]), prepared ahead
-//! like any other. If it is not ready in time, or the machine cannot draw it, the scenes fade
-//! instead.
+//! A transition that mixes worlds is a scene of its own ([`SceneSource::Blend`]), prepared ahead like any other. If
+//! it is not ready in time, or the machine cannot draw it, the scenes fade instead.
 
 use std::sync::Arc;
 
@@ -82,8 +80,7 @@ pub(super) struct Outgoing {
 }
 
 impl ShowFollower {
-    /// Follows a show from now on; `None` follows none. `cue` is a scene that may be requested at
-    /// any moment.
+    /// Follows a show from now on; `None` follows none. `cue` is a scene that may be requested at any moment.
     pub(crate) fn set_prepared_show(
         &mut self,
         prepared_show: Option<Arc<PreparedShow>>,
@@ -194,8 +191,7 @@ impl ShowFollower {
         self.course.asked.as_ref() == Some(source)
     }
 
-    /// The scenes to prepare ahead: the next ones of the show, or otherwise the neighbours of
-    /// `wanted` in the list.
+    /// The scenes to prepare ahead: the next ones of the show, or otherwise the neighbours of `wanted` in the list.
     pub(super) fn wanted_ahead(&self, wanted: &SceneSource) -> WantedAhead {
         if self.course.asked.is_some() {
             WantedAhead::Upcoming(self.course.upcoming.clone())
@@ -399,8 +395,7 @@ mod tests {
         SceneSource::Shipped(name.to_owned())
     }
 
-    /// A follower of a director's show with three scenes, and a moment in each of the first two
-    /// clips.
+    /// A follower of a director's show with three scenes, and a moment in each of the first two clips.
     fn follower() -> (ShowFollower, [(f64, SceneSource); 2]) {
         let section =
             |start: f64, energy| Section { start, end: start + 30.0, letter: format!("{start}"), energy };

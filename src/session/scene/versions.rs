@@ -6,11 +6,9 @@ use super::prepared_scene::{FirstTree, PreparedScene};
 use super::prepared_scenes::PreparedScenes;
 use crate::faults::{self, Fault};
 
-/// A scene whose last tree took longer gets a trial tree before it is shown: an edit can make a
-/// slow tree too slow.
+/// A scene whose last tree took longer gets a trial tree before it is shown: an edit can make a slow tree too slow.
 const TREE_MAX: Duration = Duration::from_millis(50);
-/// The same for a distance with more than this many times the clauses of the last version, plus
-/// [`CLAUSES_MORE`].
+/// The same for a distance with more than this many times the clauses of the last version, plus [`CLAUSES_MORE`].
 const CLAUSES_TIMES: usize = 2;
 /// Clauses that an edit may add in any case.
 const CLAUSES_MORE: usize = 64;

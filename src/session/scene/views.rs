@@ -34,9 +34,8 @@ impl Views {
         Self { choice, ..Self::default() }
     }
 
-    /// The chosen view of a scene with a program and the program's mode. Prefers the given mode;
-    /// the other one is used until that program is ready, so that a view stays when the mode
-    /// changes.
+    /// The chosen view of a scene with a program and the program's mode. Prefers the given mode; the other one is
+    /// used until that program is ready, so that a view stays when the mode changes.
     pub(super) fn program(
         &mut self,
         scene: &PreparedScene,

@@ -9,7 +9,7 @@ use mariana_player::input::LiveStatus;
 /// Hints about the live input.
 #[derive(Default)]
 pub(super) struct Hints {
-    /// The hint over the picture.
+    /// The hint over the frame.
     pub(super) shown: Option<String>,
     /// A device that has a signal.
     pub(super) suggestion: Option<ListedDevice>,
@@ -24,7 +24,7 @@ impl Hints {
         self.shown = status.silent.clone().or_else(|| status.refused.clone()).or_else(|| status.flat.clone());
         if self.reported != status.silent {
             if let Some(reason) = &status.silent {
-                tell(&format!("nothing is heard: {reason}"));
+                tell(&format!("no sound: {reason}"));
             }
             self.reported.clone_from(&status.silent);
         }
@@ -40,12 +40,12 @@ impl Hints {
 #[derive(Default)]
 pub(super) struct ReportedProblems {
     all: BTreeSet<String>,
-    /// Not shown over the picture yet.
+    /// Not shown over the frame yet.
     unsaid: Vec<String>,
 }
 
 impl ReportedProblems {
-    /// Prints a problem on the terminal and queues it for the picture.
+    /// Prints a problem on the terminal and queues it for the overlay.
     pub(super) fn add(&mut self, text: &str) {
         if self.all.insert(text.to_owned()) {
             tell(text);
