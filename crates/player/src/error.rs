@@ -76,8 +76,8 @@ pub enum DeviceError {
     },
     /// The sound that the computer plays cannot be recorded here.
     #[error(
-        "the computer's own sound can only be captured through PulseAudio or PipeWire, and neither answers; install and \
-         start one (the package is pipewire-pulse or pulseaudio), or use --mic"
+        "the computer's own sound can only be captured through PulseAudio or PipeWire, and neither answers; \
+         install and start one (the package is pipewire-pulse or pulseaudio), or use --mic"
     )]
     NoLoopback,
     /// Another program holds the device.
@@ -92,8 +92,8 @@ pub enum DeviceError {
     },
     /// The system denies access to the device.
     #[error(
-        "the system denies access to the sound {direction} {device}; allow it in the privacy settings, or add your user to \
-         the group 'audio'"
+        "the system denies access to the sound {direction} {device}; allow it in the privacy settings, or add your user \
+         to the group 'audio'"
     )]
     Denied {
         /// The direction of the sound.
@@ -139,7 +139,8 @@ pub enum DeviceError {
     },
     /// Opening the device took too long.
     #[error(
-        "the sound {direction} did not answer within {seconds} s; restart the sound server or choose another with --device"
+        "the sound {direction} did not answer within {seconds} s; restart the sound server or choose \
+         another with --device"
     )]
     Timeout {
         /// The direction of the sound.

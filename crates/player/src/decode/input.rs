@@ -193,7 +193,7 @@ impl Input {
             Error::LimitError(what) => DecodeError::OverLimit {
                 name,
                 what: format!("an oversized header ({what})"),
-                limit: "that of the format's reader".into(),
+                limit: "fixed by the format's reader".into(),
             },
             Error::IoError(_) => DecodeError::Damaged { name, what: "it ends within its header".into() },
             Error::DecodeError(what) => {

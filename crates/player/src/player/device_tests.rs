@@ -253,11 +253,7 @@ fn the_position_is_smooth_during_many_device_changes() {
         evening.pass(random(1200), false);
     }
     assert!(evening.looks > 5000, "{} looks", evening.looks);
-    assert!(
-        evening.stillest <= Duration::from_millis(100),
-        "the clock stopped for {:?}",
-        evening.stillest
-    );
+    assert!(evening.stillest <= Duration::from_millis(100), "the clock stopped for {:?}", evening.stillest);
     // In the end the clock agrees with the sound.
     evening.pass(12_000, false);
     assert!(evening.ahead().abs() < 0.002, "{} s ahead of the sound", evening.ahead());
