@@ -81,7 +81,7 @@ pub enum GpuError {
     },
     /// The context is lost, for example because the GPU was reset.
     #[error(
-        "the driver has lost its context while {doing}: restart Mariana if the picture does not come back"
+        "the driver has lost its context while {doing}: restart Mariana if no image appears"
     )]
     ContextLost {
         /// The operation that failed.

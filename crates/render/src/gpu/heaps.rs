@@ -5,8 +5,8 @@
 //! resident memory was free but kept. Threads that share two heaps reuse it. Each heap also reserves 64 MiB of
 //! addresses, which counts under `ulimit -v` and in some containers.
 //!
-//! **Returned memory.** A compiler takes up to 50 MiB for a long program. When it frees them, longer-lived blocks keep
-//! the pages from returning to the system, so [`give_back`] follows each compilation.
+//! **Returned memory.** A compiler takes up to 50 MiB for a long program. When it frees this memory, longer-lived
+//! blocks keep its pages from returning to the system, so [`give_back`] follows each compilation.
 
 #![expect(unsafe_code, reason = "the C library's allocator is set up by C functions")]
 
