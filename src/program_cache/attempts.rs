@@ -1,9 +1,9 @@
-//! What a driver did with a program before: a mark lies in the folder while it is tried, so that the next run knows if
-//! the driver took the process along.
+//! Detects that a driver crashed the process: a mark file exists while the driver works on a program, and a mark that
+//! is left over shows a crash to the next run.
 //!
-//! A mark is locked for as long as the process lives: one that can be locked was left behind. A process that is killed
-//! while a driver is at work leaves one, too, and one that dies leaves those of its other threads. That costs speed only,
-//! and the sentence about it names the file.
+//! A live process holds a lock on its marks, so a mark that can be locked is left over. A process that is killed leaves
+//! marks too, and a crash leaves the marks of all threads. A wrong guess costs only speed, and the message about it
+//! names the file.
 
 use std::fs::{self, File};
 use std::io::{Read as _, Write as _};
@@ -12,13 +12,13 @@ use std::path::{Path, PathBuf};
 use crate::ending::{self, Undo};
 use crate::gpu::program_store::Work;
 
-/// Every kind of work, and the word that stands for it in a mark.
+/// The words for kinds of work in mark files.
 const WORKS: [(Work, &str); 2] = [(Work::Taking, "taking"), (Work::Compiling, "compiling")];
 
-/// Work that was begun; dropping it says that the process has outlived it.
+/// Work in progress. Dropping it removes the mark: the process has survived the work.
 #[derive(Debug)]
 pub(super) struct Attempt {
-    // Open, and so locked, for as long as it lives.
+    // Open, and therefore locked, until the drop.
     _mark: File,
     undo: Option<Undo>,
     path: PathBuf,
@@ -35,8 +35,8 @@ impl Drop for Attempt {
     }
 }
 
-/// Puts a mark at `path`. None if another process is at the same work, which has put one, or if there is no room for
-/// a file: then nobody learns of a death.
+/// Creates a mark at `path`. Returns `None` if another process is doing the same work, or if the file cannot be
+/// created; a crash then remains undetected.
 pub(super) fn begin(path: &Path, work: Work) -> Option<Attempt> {
     let word = WORKS.iter().find(|(known, _)| *known == work).map_or("", |(_, word)| word);
     let begun = ending::begin(|| {
@@ -53,7 +53,7 @@ pub(super) fn begin(path: &Path, work: Work) -> Option<Attempt> {
     Some(Attempt { _mark: mark, undo: Some(undo), path: path.to_owned() })
 }
 
-/// The work in which an earlier process died, if a mark tells of one. The mark is taken away.
+/// Returns the work during which an earlier process died, and removes its mark; `None` without a left-over mark.
 pub(super) fn death(path: &Path) -> Option<Work> {
     let mark = File::options().read(true).write(true).open(path).ok()?;
     mark.try_lock().ok()?;

@@ -1,12 +1,12 @@
-//! A kept program as bytes: a header that says what it is, then the driver's own form.
+//! The file format of a cached program: a header, then the driver's binary.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 8 | `mariana` and 0 |
-//! | 4 | version of this table |
+//! | 4 | version of this format |
 //! | 16 | the key |
-//! | 8 | length of what follows the header |
-//! | 8 | its checksum |
+//! | 8 | length of the binary |
+//! | 8 | checksum of the binary |
 //!
 //! Numbers are little-endian.
 
@@ -16,15 +16,14 @@ use crate::gpu::program_store::ProgramKey;
 
 const MAGIC: [u8; 8] = *b"mariana\0";
 const VERSION: u32 = 1;
-/// Bytes before the content.
+/// Size of the header, in bytes.
 pub(super) const HEADER: usize = 8 + 4 + 16 + 8 + 8;
 
-/// The bytes of an entry.
 pub(super) fn encode(key: ProgramKey, content: &[u8]) -> Vec<u8> {
     [&header(key, content)[..], content].concat()
 }
 
-/// The content of an entry; none unless it is whole and of this key.
+/// The binary in an entry; `None` if the entry is damaged or has another key.
 pub(super) fn decode(key: ProgramKey, bytes: &[u8]) -> Option<&[u8]> {
     let (found, content) = bytes.split_at_checked(HEADER)?;
     (found == header(key, content)).then_some(content)
@@ -47,7 +46,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_what_is_whole_and_of_the_key_is_taken() {
+    fn only_intact_entries_with_the_same_key_are_decoded() {
         let key = ProgramKey::of(["driver", "text"]);
         let bytes = encode(key, b"machine code");
         assert_eq!(bytes.len(), HEADER + 12);

@@ -1,20 +1,20 @@
-//! Programs in a driver's own form, kept from run to run in the user's folder for caches, and what a driver did with
-//! them before.
+//! A cache of compiled programs in the driver's binary format, in the user's cache folder, with a record of programs at
+//! which a driver failed or crashed.
 //!
-//! | file | what it is |
+//! | file | content |
 //! |---|---|
 //! | `KEY.program` | a program ([`entry`]) |
-//! | `KEY.attempt` | a mark while a driver is at work on it ([`attempts`]) |
-//! | `KEY.given-up` | a program that is not tried, and why |
+//! | `KEY.attempt` | a mark while a driver works on it ([`attempts`]) |
+//! | `KEY.given-up` | the reason why a program is not tried |
 //!
-//! **A program is given up for good only after two deaths.** A process may die while the driver compiles for reasons that
-//! have nothing to do with the driver: it is killed, or the power fails. After the first death the next run leaves the
-//! program out, so that a driver that does crash cannot keep the program from starting; a later run tries it once more.
-//! If that compiles, the death is forgotten.
+//! **A program is given up only after two crashes.** A process may die during compilation for reasons that are not the
+//! driver's fault: somebody kills it, or the power fails. The run after the first crash skips the program, so that a
+//! driver that does crash cannot prevent the start. A later run tries the program again; if that succeeds, the crash is
+//! forgotten.
 //!
-//! A key is made of all that decides what a driver makes of a program: its name, its version, and the texts. Everything
-//! in the folder may be deleted at any time. A file that is damaged or of another key is removed; one that cannot be
-//! written costs a sentence in the log. What was used last is kept longest.
+//! The key is a hash of everything that determines the result: the driver's name and version, and the sources. All
+//! files in the folder may be deleted at any time. A file that is damaged or has another key is removed, a failed write
+//! is logged, and the least recently used files are deleted first.
 
 mod attempts;
 mod entry;
@@ -36,38 +36,38 @@ use crate::atomic_file::AtomicFile;
 use crate::gpu::program_store::{GivenUp, ProgramKey, ProgramStore, Work};
 use crate::limits::LIMITS;
 
-/// Every reason, and the word that stands for it in a file.
+/// The words for reasons in files.
 const REASONS: [(GivenUp, &str); 3] =
     [(GivenUp::Refused, "refused"), (GivenUp::DiedOnce, "died once"), (GivenUp::DiedTwice, "died twice")];
 
-/// The kept programs. Clones are of the same folder; any thread may use them.
+/// The cache. Clones share the folder; any thread may use them.
 #[derive(Debug, Clone)]
 pub struct ProgramCache {
-    /// None if nothing is kept.
+    /// `None` if nothing is cached.
     folder: Option<Arc<Folder>>,
 }
 
 #[derive(Debug)]
 struct Folder {
     path: PathBuf,
-    /// Whether it was told that nothing can be written.
+    /// True once a failed write was logged.
     complained: AtomicBool,
-    /// Programs of which this run found the first death.
+    /// Programs whose first crash was found in this run.
     left_out: Mutex<HashSet<ProgramKey>>,
 }
 
 impl ProgramCache {
-    /// Keeps nothing.
+    /// A cache that stores nothing.
     pub fn off() -> Self {
         Self { folder: None }
     }
 
-    /// In a subfolder of `caches`; off without it.
+    /// A cache in a subfolder of `caches`; without one it stores nothing.
     pub fn within(caches: Option<&Path>) -> Self {
         caches.map_or_else(Self::off, |caches| Self::in_folder(caches.join("programs")))
     }
 
-    /// In this folder, which is made when something is written.
+    /// A cache in this folder, which is created at the first write.
     pub fn in_folder(path: PathBuf) -> Self {
         Self {
             folder: Some(Arc::new(Folder {
@@ -112,7 +112,7 @@ impl ProgramCache {
         Some(folder)
     }
 
-    /// Writes a file of the folder, whole or not at all, and makes room.
+    /// Writes a file atomically, and deletes old files if the cache is too large.
     fn write(&self, key: ProgramKey, kind: &str, bytes: &[u8]) {
         let Some((folder, path)) = self.make_folder().zip(self.path(key, kind)) else { return };
         match AtomicFile::create(&path).and_then(|file| file.write(bytes)) {
@@ -123,7 +123,7 @@ impl ProgramCache {
 }
 
 impl ProgramStore for ProgramCache {
-    /// The program of this key, if there is one that is whole; any other is removed.
+    /// Loads an intact program of this key; removes a damaged file.
     fn load(&self, key: ProgramKey) -> Option<Vec<u8>> {
         let path = self.path(key, PROGRAM)?;
         let bytes = read_file(&path, LIMITS.kept_program_bytes_max + entry::HEADER)?.unwrap_or_default();
@@ -136,14 +136,14 @@ impl ProgramStore for ProgramCache {
         Some(content.to_owned())
     }
 
-    /// Keeps a program, unless it is larger than [`crate::limits::Limits::kept_program_bytes_max`].
+    /// Saves a program, unless it is larger than [`crate::limits::Limits::kept_program_bytes_max`].
     fn save(&self, key: ProgramKey, content: &[u8]) {
         if content.len() <= LIMITS.kept_program_bytes_max {
             self.write(key, PROGRAM, &entry::encode(key, content));
         }
     }
 
-    /// Forgets a program.
+    /// Removes a program.
     fn discard(&self, key: ProgramKey) {
         if let Some(path) = self.path(key, PROGRAM) {
             let _ = fs::remove_file(path);
@@ -154,17 +154,17 @@ impl ProgramStore for ProgramCache {
         Some(Box::new(self.begin(key, work)?))
     }
 
-    /// The work on a program in which an earlier run died. It is told once.
+    /// The work on a program during which an earlier run died. Reported once.
     fn death(&self, key: ProgramKey) -> Option<Work> {
         attempts::death(&self.path(key, ATTEMPT)?)
     }
 
-    /// Notes that the driver refused a program: it is not tried again.
+    /// Records that the driver refused a program, so that it is not tried again.
     fn note_refused(&self, key: ProgramKey) {
         self.give_up(key, GivenUp::Refused);
     }
 
-    /// Notes that an earlier process died while the driver compiled a program.
+    /// Records that an earlier process died while the driver compiled a program.
     fn note_died(&self, key: ProgramKey) {
         let Some(folder) = &self.folder else { return };
         folder.left_out().insert(key);
@@ -172,14 +172,14 @@ impl ProgramStore for ProgramCache {
         self.give_up(key, if died_before { GivenUp::DiedTwice } else { GivenUp::DiedOnce });
     }
 
-    /// Notes that the driver compiled a program: earlier deaths are forgotten.
+    /// Records that the driver compiled a program: earlier crashes are forgotten.
     fn note_compiled(&self, key: ProgramKey) {
         if let Some(path) = self.path(key, GIVEN_UP) {
             let _ = fs::remove_file(path);
         }
     }
 
-    /// Why a program is not tried in this run, and the file of the record; `None` if it may be tried.
+    /// The reason why a program is not tried in this run, and the file of the record; `None` if it may be tried.
     fn given_up(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
         let is_retried = |why| why == GivenUp::DiedOnce && !self.is_left_out(key);
         self.noted(key).filter(|(why, _)| !is_retried(*why))
@@ -201,21 +201,21 @@ impl Folder {
     }
 }
 
-/// The kinds of files.
+/// Extensions of the files.
 const PROGRAM: &str = "program";
 const ATTEMPT: &str = "attempt";
 const GIVEN_UP: &str = "given-up";
 
-/// What a file takes on a disk, however small it is, in bytes.
+/// Smallest size that a file occupies on disk, in bytes.
 const BLOCK: u64 = 4096;
 
-/// More bytes than any reason for giving up has.
+/// More bytes than the longest of [`REASONS`].
 const WORD_MAX: usize = 16;
 
-/// The bytes of a file, or an error if there are more than `limit` or it cannot be read; `None` if there is no such file,
-/// or something else has its name.
+/// The bytes of a file. An error if there are more than `limit` or it cannot be read; `None` if there is no regular
+/// file of this name.
 fn read_file(path: &Path, limit: usize) -> Option<io::Result<Vec<u8>>> {
-    // No device, no pipe: opening one may block for ever.
+    // Opening a device or a pipe could block forever.
     if !fs::symlink_metadata(path).ok()?.is_file() {
         return None;
     }
@@ -227,12 +227,12 @@ fn read_file(path: &Path, limit: usize) -> Option<io::Result<Vec<u8>>> {
     })
 }
 
-/// Notes that a file was used now.
+/// Sets a file's time of use to now.
 fn touch(path: &Path) {
     let _ = File::options().write(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
 }
 
-/// Removes the files that were used longest ago until the rest takes no more than `bytes_max`.
+/// Removes the least recently used files until the others have at most `bytes_max`.
 fn make_room(folder: &Path, bytes_max: u64) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     let mut files: Vec<(SystemTime, u64, PathBuf)> = entries

@@ -44,13 +44,13 @@ fn a_damaged_or_foreign_file_is_removed() {
     let whole = fs::read(&path).unwrap();
     fs::copy(&path, cache.path(other, PROGRAM).unwrap()).unwrap();
     assert_eq!(cache.load(other), None);
-    assert_eq!(names(&cache), [format!("{key}.program")], "the foreign one lies there");
+    assert_eq!(names(&cache), [format!("{key}.program")], "the file with another key was not removed");
     for damaged in [&whole[..whole.len() - 1], b"", &[0; 100]] {
         fs::write(&path, damaged).unwrap();
         assert_eq!(cache.load(key), None);
         assert!(!path.exists());
     }
-    // No file at all, and one that is too large.
+    // A folder instead of a file, and a file that is too large.
     fs::create_dir(&path).unwrap();
     assert_eq!(cache.load(key), None);
     let large = vec![0; LIMITS.kept_program_bytes_max + 1];
@@ -60,7 +60,7 @@ fn a_damaged_or_foreign_file_is_removed() {
 }
 
 #[test]
-fn a_folder_that_takes_no_files_costs_nothing() {
+fn a_folder_that_cannot_be_written_causes_no_error() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("taken"), "").unwrap();
     let cache = ProgramCache::in_folder(folder.path().join("taken/programs"));
@@ -74,7 +74,7 @@ fn a_folder_that_takes_no_files_costs_nothing() {
 }
 
 #[test]
-fn what_was_used_longest_ago_makes_room() {
+fn the_least_recently_used_files_are_deleted_first() {
     let (_folder, cache) = cache();
     let keys = ["a", "b", "c"].map(|text| ProgramKey::of([text]));
     for (age, key) in (1..).zip(keys) {
@@ -84,7 +84,7 @@ fn what_was_used_longest_ago_makes_room() {
     }
     let folder = cache.folder.as_ref().unwrap().path.clone();
     fs::write(folder.join("notes.txt"), "of the user's").unwrap();
-    // The oldest is used.
+    // Makes the oldest one the most recently used.
     assert!(cache.load(keys[2]).is_some());
     make_room(&folder, 2 * (5000 + entry::HEADER as u64));
     assert_eq!(keys.map(|key| cache.load(key).is_some()), [true, false, true]);
@@ -93,18 +93,18 @@ fn what_was_used_longest_ago_makes_room() {
 }
 
 #[test]
-fn a_death_at_work_is_told_once_and_work_that_goes_on_or_is_over_is_none() {
+fn a_crash_is_reported_once_and_running_or_finished_work_is_no_crash() {
     let (_folder, cache) = cache();
     let key = ProgramKey::of([]);
     let path = cache.path(key, ATTEMPT).unwrap();
     for work in [Work::Taking, Work::Compiling] {
         let attempt = cache.attempt(key, work).unwrap();
-        assert_eq!(cache.death(key), None, "it lives");
-        assert!(cache.attempt(key, work).is_none(), "two are at it");
-        // As if the process had gone: its mark stays, without a lock.
+        assert_eq!(cache.death(key), None, "the work is still running");
+        assert!(cache.attempt(key, work).is_none(), "two attempts at the same time");
+        // As after a crash: the mark exists without a lock.
         let mark = fs::read(&path).unwrap();
         drop(attempt);
-        assert!(!path.exists(), "a mark is left of work that is over");
+        assert!(!path.exists(), "finished work left its mark");
         fs::write(&path, mark).unwrap();
         assert_eq!((cache.death(key), cache.death(key)), (Some(work), None));
     }
@@ -113,7 +113,7 @@ fn a_death_at_work_is_told_once_and_work_that_goes_on_or_is_over_is_none() {
 }
 
 #[test]
-fn what_was_given_up_is_remembered_until_the_file_is_deleted() {
+fn a_program_stays_given_up_until_the_file_is_deleted() {
     let (_folder, cache) = cache();
     let [key, other] = ["a", "b"].map(|text| ProgramKey::of([text]));
     for why in [GivenUp::Refused, GivenUp::DiedTwice] {
@@ -134,14 +134,14 @@ fn one_crash_while_compiling_banned_a_program_for_ever() {
     let why = |run: &ProgramCache| run.given_up(key).map(|(why, _)| why);
     // A run that dies while the driver compiles.
     let die = |run: ProgramCache| {
-        assert_eq!(why(&run), None, "it is not tried");
+        assert_eq!(why(&run), None, "the program is not tried");
         let attempt = run.attempt(key, Work::Compiling).unwrap();
         let mark = run.path(key, ATTEMPT).unwrap();
         let content = fs::read(&mark).unwrap();
         drop(attempt);
         fs::write(mark, content).unwrap();
     };
-    // The run after it, which finds out.
+    // The next run, which finds the mark.
     let find_out = || {
         let run = start();
         assert_eq!(run.death(key), Some(Work::Compiling));
@@ -150,17 +150,21 @@ fn one_crash_while_compiling_banned_a_program_for_ever() {
     };
     die(start());
     let next = find_out();
-    assert_eq!([why(&next), why(&next)], [Some(GivenUp::DiedOnce); 2], "it is left out once");
+    assert_eq!(
+        [why(&next), why(&next)],
+        [Some(GivenUp::DiedOnce); 2],
+        "the program is not skipped in the next run"
+    );
     let retried = start();
-    assert_eq!(why(&retried), None, "a later start tries it");
+    assert_eq!(why(&retried), None, "a later run does not try it");
     retried.note_compiled(key);
-    assert!(names(&cache).is_empty(), "the death is not forgotten");
-    // Two deaths without success in between are enough.
+    assert!(names(&cache).is_empty(), "the crash is not forgotten");
+    // Two crashes without a success in between suffice.
     die(start());
     find_out();
     die(start());
     find_out();
     assert_eq!([why(&start()), why(&start())], [Some(GivenUp::DiedTwice); 2]);
-    // Another version of the driver is another program.
+    // Another version of the driver has another key.
     assert_eq!(start().given_up(ProgramKey::of(["driver 2", "text"])), None);
 }

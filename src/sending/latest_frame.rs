@@ -1,59 +1,59 @@
-//! The newest picture of a send, and what there is to say of it. Whoever puts one waits for nobody.
+//! A mailbox with the latest frame for a receiver, and messages about the receiver. Putting a frame never blocks.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// A picture to be sent.
+/// A frame to be sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OutgoingFrame {
     /// Width and height in pixels, both even.
     pub size: (u32, u32),
-    /// Four bytes for each pixel, the top row first.
+    /// RGBA bytes, top row first.
     pub rgba: Arc<Vec<u8>>,
 }
 
-/// A receiver that has taken nothing for this long blocks.
+/// A write that takes longer than this is reported as blocked.
 const BLOCKS_AFTER: Duration = Duration::from_secs(2);
 
-/// See the module.
+/// The mailbox, shared by the show and the sending threads.
 pub(super) struct LatestFrame {
     state: Mutex<State>,
     changed: Condvar,
-    /// Where it is sent to, in words.
+    /// The target, for messages.
     to: String,
 }
 
 #[derive(Default)]
 struct State {
-    /// With its number, from 1.
+    /// The frame with its number, counted from 1.
     picture: Option<(u64, OutgoingFrame)>,
     count: u64,
     over: bool,
     receivers: usize,
     news: Vec<String>,
-    /// Since when a receiver takes a picture.
+    /// Start of the current write to a receiver.
     writing: Option<Instant>,
-    /// Whether it was told that this receiver is slow, or blocks.
+    /// True once this receiver was reported as slow or blocked.
     reported_slow: bool,
 }
 
 impl LatestFrame {
-    /// No picture yet; `to` is where it is sent, in words.
+    /// An empty mailbox for the target `to`.
     pub(super) fn new(to: String) -> Self {
         Self { state: Mutex::default(), changed: Condvar::new(), to }
     }
 
-    /// Where it is sent, in words.
+    /// The target, for messages.
     pub(super) fn to(&self) -> &str {
         &self.to
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
-        // Whoever panicked has left whole values.
+        // The state is valid even after a panic.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// This is the newest picture.
+    /// Replaces the frame.
     pub(super) fn put(&self, picture: OutgoingFrame) {
         let mut state = self.lock();
         state.count += 1;
@@ -61,23 +61,23 @@ impl LatestFrame {
         self.changed.notify_all();
     }
 
-    /// There will be no more.
+    /// Ends all receivers.
     pub(super) fn end(&self) {
         self.lock().over = true;
         self.changed.notify_all();
     }
 
-    /// Whether there will be no more.
+    /// True after [`LatestFrame::end`].
     pub(super) fn is_over(&self) -> bool {
         self.lock().over
     }
 
-    /// The newest picture, as soon as there is one; none at the end.
+    /// Waits for a frame; `None` at the end.
     pub(super) fn first(&self) -> Option<OutgoingFrame> {
         self.after(0).map(|(_, picture)| picture)
     }
 
-    /// The newest picture, as soon as its number is greater than this; none at the end.
+    /// Waits for a frame with a higher number; `None` at the end.
     pub(super) fn after(&self, number: u64) -> Option<(u64, OutgoingFrame)> {
         let is_old = |state: &mut State| {
             !state.over && state.picture.as_ref().is_none_or(|(latest_frame, _)| *latest_frame <= number)
@@ -86,18 +86,18 @@ impl LatestFrame {
         state.picture.clone().filter(|_| !state.over)
     }
 
-    /// Waits for so long, or until the end. Returns whether it is the end.
+    /// Waits for `time`, or until the end. Returns true at the end.
     pub(super) fn rest(&self, time: Duration) -> bool {
         let waited = self.changed.wait_timeout_while(self.lock(), time, |state| !state.over);
         waited.unwrap_or_else(PoisonError::into_inner).0.over
     }
 
-    /// There is this to say.
+    /// Adds a message for the user.
     pub(super) fn tell(&self, sentence: String) {
         self.lock().news.push(sentence);
     }
 
-    /// Another receiver has come, of which nothing was told. The first one waits for a picture of its own time.
+    /// Counts a new receiver. The first one does not get a frame from before its time.
     pub(super) fn has_receiver(&self) {
         let mut state = self.lock();
         state.reported_slow = false;
@@ -107,45 +107,45 @@ impl LatestFrame {
         }
     }
 
-    /// A receiver has gone.
+    /// Counts a lost receiver.
     pub(super) fn has_lost_receiver(&self) {
         let mut state = self.lock();
         state.receivers = state.receivers.saturating_sub(1);
     }
 
-    /// Whether somebody takes pictures, or waits for the first.
+    /// True if a receiver reads frames, or waits for the first.
     pub(super) fn is_wanted(&self) -> bool {
         let state = self.lock();
         state.receivers > 0 || state.count == 0
     }
 
-    /// Whether a receiver is taking a picture.
+    /// Notes the start or the end of a write to a receiver.
     pub(super) fn note_writing(&self, writes: bool) {
         self.lock().writing = writes.then(Instant::now);
     }
 
-    /// The receiver is too slow for all pictures. It is told once.
+    /// Reports once that the receiver is too slow for all frames.
     pub(super) fn note_slow(&self) {
         let mut state = self.lock();
         if !std::mem::replace(&mut state.reported_slow, true) {
-            let sentence = format!("{} takes pictures too slowly: some are left out", self.reader());
+            let sentence = format!("{} is too slow: some frames are dropped", self.reader());
             state.news.push(sentence);
         }
     }
 
-    /// What there is to say since the last call.
+    /// Messages since the last call.
     pub(super) fn news(&self) -> Vec<String> {
         let mut state = self.lock();
         let blocks = state.writing.is_some_and(|since| since.elapsed() > BLOCKS_AFTER);
         if blocks && !std::mem::replace(&mut state.reported_slow, true) {
-            let sentence = format!("{} takes no pictures: the show goes on without it", self.reader());
+            let sentence = format!("{} has stopped reading: the show continues without it", self.reader());
             state.news.push(sentence);
         }
         std::mem::take(&mut state.news)
     }
 
     fn reader(&self) -> String {
-        format!("whoever reads {}", self.to)
+        format!("the reader of {}", self.to)
     }
 }
 
@@ -174,20 +174,20 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_receiver_is_told_once_and_the_next_one_anew() {
+    fn each_slow_receiver_is_reported_once() {
         let latest_frame = LatestFrame::new("a place".into());
         latest_frame.note_slow();
         latest_frame.note_slow();
         let reported = latest_frame.news();
         assert!(
-            matches!(&reported[..], [one] if one.contains("a place") && one.contains("left out")),
+            matches!(&reported[..], [one] if one.contains("a place") && one.contains("dropped")),
             "{reported:?}"
         );
-        assert!(latest_frame.is_wanted(), "the first picture is");
+        assert!(latest_frame.is_wanted(), "the first frame is not wanted");
         latest_frame.put(picture(1));
         assert!(!latest_frame.is_wanted());
         latest_frame.has_receiver();
-        assert!(latest_frame.is_wanted() && latest_frame.lock().picture.is_none(), "an old picture is left");
+        assert!(latest_frame.is_wanted() && latest_frame.lock().picture.is_none(), "an old frame was kept");
         latest_frame.put(picture(2));
         latest_frame.has_receiver();
         latest_frame.has_lost_receiver();

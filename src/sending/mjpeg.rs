@@ -1,8 +1,8 @@
-//! MJPEG over HTTP on the loopback interface: each picture is a part of an answer that never ends
-//! (`multipart/x-mixed-replace`), as OBS, browsers and players read it.
+//! MJPEG over HTTP on the loopback interface: a response without end (`multipart/x-mixed-replace`) with a part for each
+//! frame, as OBS, browsers and players read it.
 //!
-//! A picture becomes a JPEG once, and only while somebody reads. Each reader has a thread that always writes the newest
-//! one. Nothing but this is answered, and nobody beyond the machine is.
+//! A frame is encoded once, and only while there is a reader. Each reader has a thread that always writes the latest
+//! frame. All other requests, and requests for other hosts, are refused.
 
 use std::io::Write;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
@@ -18,21 +18,21 @@ use super::{SendError, SenderTarget};
 use crate::limits::LIMITS;
 use mariana_remote::http::{Head, HeadBounds, answer_in_words, read_head};
 
-/// What separates parts.
+/// The separator of parts.
 const BOUNDARY: &str = "mariana-picture";
-/// Quality of the JPEGs, of 100.
+/// Quality of the JPEGs, 1 to 100.
 const QUALITY: u8 = 90;
-/// How long a reader may take for its question.
+/// Longest time for a client to send its request.
 const QUESTION_TIME: Duration = Duration::from_secs(5);
-/// How long nobody is answered after the system could not give a connection.
+/// Pause after the system could not accept a connection.
 const AGAIN: Duration = Duration::from_millis(200);
-/// A reader that takes nothing of a picture for this long is left.
+/// A reader is disconnected if a write blocks for this long.
 const ANSWER_TIME: Duration = Duration::from_secs(30);
 
-/// Starts to answer on a port.
+/// Starts the server on a port.
 ///
 /// # Errors
-/// Another program has it, or the system gives no thread.
+/// The port is in use, or the system cannot start a thread.
 pub(super) fn start(port: u16, latest_frame: Arc<LatestFrame>) -> Result<(), SendError> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|error| SendError::Refused {
         to: SenderTarget::Mjpeg(port).to_string(),
@@ -42,11 +42,11 @@ pub(super) fn start(port: u16, latest_frame: Arc<LatestFrame>) -> Result<(), Sen
     std::thread::Builder::new().name("sending".into()).spawn(accept).map(drop).map_err(SendError::Thread)
 }
 
-/// What the readers share.
+/// State that all readers share.
 #[derive(Default)]
 struct Readers {
     count: AtomicUsize,
-    /// The newest JPEG, with the number of its picture.
+    /// The latest JPEG, with the number of its frame.
     jpeg: Mutex<(u64, Arc<Vec<u8>>)>,
 }
 
@@ -57,11 +57,11 @@ fn accept(listener: &TcpListener, latest_frame: &Arc<LatestFrame>) {
             return;
         }
         let Ok(stream) = stream else {
-            // Such as too many open files: asked again at once, the system would say it again at once.
+            // For example too many open files. Trying again at once would fail again.
             latest_frame.rest(AGAIN);
             continue;
         };
-        // Counted here, so that no more threads are started than there may be readers.
+        // Counted before a thread is started, to limit the threads too.
         if readers.count.fetch_add(1, Ordering::AcqRel) >= LIMITS.send_readers_max {
             readers.count.fetch_sub(1, Ordering::AcqRel);
             let words = "too many programs read this already: close one";
@@ -72,12 +72,12 @@ fn accept(listener: &TcpListener, latest_frame: &Arc<LatestFrame>) {
         let latest_frame = latest_frame.clone();
         let serve = move || serve(stream, &latest_frame, &place.0);
         if let Err(error) = std::thread::Builder::new().name("sending".into()).spawn(serve) {
-            tracing::warn!("a reader of pictures gets none: {error}");
+            tracing::warn!("a client cannot be served: {error}");
         }
     }
 }
 
-/// A reader's place, free again when dropped.
+/// A reader's place in the count, freed by dropping it.
 struct Place(Arc<Readers>);
 
 impl Drop for Place {
@@ -86,7 +86,7 @@ impl Drop for Place {
     }
 }
 
-/// Answers one reader until it goes.
+/// Serves one client until it disconnects.
 fn serve(stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) {
     let bounds = HeadBounds {
         bytes_max: LIMITS.send_request_bytes_max,
@@ -115,22 +115,22 @@ fn serve(stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) {
     tracing::info!("a reader of {} has gone ({gone:?})", latest_frame.to());
 }
 
-/// What is wrong with a question that could be read, as an HTTP status and a sentence.
+/// Refuses other requests with an HTTP status and a message.
 fn judge(head: &Head) -> Result<(), (&'static str, &'static str)> {
-    // A page of another place that a browser shows must not read it under a name of its own.
+    // Protects against DNS rebinding: a web page must not read frames under its own host name.
     let host = head.field("Host");
     let name = host.map(|host| host.rsplit_once(':').map_or(host, |(name, _)| name));
     match (&*head.method, &*head.path) {
         _ if head.has("Host") && !name.is_some_and(|name| ["127.0.0.1", "localhost"].contains(&name)) => {
-            Err(("403 Forbidden", "only this machine is answered: ask 127.0.0.1"))
+            Err(("403 Forbidden", "only clients on this machine are served: use the address 127.0.0.1"))
         }
         ("GET", "/") => Ok(()),
-        ("GET", _) => Err(("404 Not Found", "the pictures are at /")),
-        _ => Err(("405 Method Not Allowed", "pictures can only be read: ask with GET")),
+        ("GET", _) => Err(("404 Not Found", "the frames are at /")),
+        _ => Err(("405 Method Not Allowed", "frames can only be read: use GET")),
     }
 }
 
-/// Writes one picture after the other, always the newest.
+/// Writes frames, always the latest one.
 fn answer(mut stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) -> std::io::Result<()> {
     stream.write_all(
         format!(
@@ -146,7 +146,7 @@ fn answer(mut stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) 
         let head = format!("Content-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", jpeg.len());
         stream.write_all(head.as_bytes())?;
         stream.write_all(&jpeg)?;
-        // Browsers show a picture when its end has come.
+        // Browsers show a frame when they see its end.
         stream.write_all(format!("\r\n--{BOUNDARY}\r\n").as_bytes())?;
         stream.flush()?;
     }
@@ -154,7 +154,7 @@ fn answer(mut stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) 
 }
 
 impl Readers {
-    /// A picture as a JPEG. The reader that needs it first makes it, and the others wait for that.
+    /// The JPEG of a frame. The first reader that needs it encodes it; the others wait.
     fn jpeg_of(&self, number: u64, picture: &OutgoingFrame) -> std::io::Result<Arc<Vec<u8>>> {
         let mut known = self.jpeg.lock().unwrap_or_else(PoisonError::into_inner);
         if known.0 != number {
@@ -176,7 +176,7 @@ mod tests {
 
     use super::*;
 
-    /// A send on a port that is free, and its port.
+    /// A server on a free port, and the port.
     fn sending() -> (Arc<LatestFrame>, u16) {
         for port in 20_000..60_000 {
             let latest_frame = Arc::new(LatestFrame::new("a place".into()));
@@ -193,14 +193,14 @@ mod tests {
         stream
     }
 
-    /// The next line without its end.
+    /// The next line without its line ending.
     fn line(lines: &mut impl BufRead) -> String {
         let mut line = String::new();
         lines.read_line(&mut line).unwrap();
         line.trim_end().to_owned()
     }
 
-    /// The next picture of an answer.
+    /// The next frame of a response.
     fn next_picture(lines: &mut impl BufRead) -> image::RgbImage {
         while line(lines) != format!("--{BOUNDARY}") {}
         assert_eq!(line(lines), "Content-Type: image/jpeg");
@@ -216,10 +216,10 @@ mod tests {
     }
 
     #[test]
-    fn readers_get_pictures_and_one_that_does_not_read_holds_nobody() {
+    fn readers_get_frames_and_one_that_does_not_read_blocks_nobody() {
         let (latest_frame, port) = sending();
         let question = "GET / HTTP/1.1\r\nHost: localhost:1\r\n\r\n";
-        // It asks and never reads.
+        // A client that never reads.
         let _blocks = ask(port, question);
         let mut lines = BufReader::new(ask(port, question));
         assert_eq!(line(&mut lines), "HTTP/1.1 200 OK");
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn other_questions_are_answered_with_what_is_wrong() {
+    fn other_requests_are_refused_with_a_status() {
         let (latest_frame, port) = sending();
         latest_frame.put(picture(1));
         let long = format!("GET / HTTP/1.1\r\nX: {}\r\n\r\n", "x".repeat(LIMITS.send_request_bytes_max));
@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn there_are_no_more_readers_than_there_may_be() {
+    fn the_number_of_readers_is_limited() {
         let (latest_frame, port) = sending();
         latest_frame.put(picture(1));
         let question = "GET / HTTP/1.1\r\n\r\n";
@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn a_port_that_is_taken_is_told() {
+    fn a_port_in_use_is_reported() {
         let (_newest, port) = sending();
         let refused = start(port, Arc::new(LatestFrame::new("a place".into()))).unwrap_err().to_string();
         assert!(refused.contains("choose another port") && refused.contains(&port.to_string()), "{refused}");

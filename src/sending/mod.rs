@@ -1,8 +1,8 @@
-//! The picture of the window for other programs: each send has a thread of its own, which always has the newest picture
-//! and leaves out what its receiver is too slow for.
+//! Sends the window's frames to other programs. Each target has a thread that always takes the latest frame, so slow
+//! receivers skip frames.
 //!
-//! **A receiver never holds the show.** The show leaves a picture in a mailbox ([`LatestFrame`]) and goes on. A receiver that
-//! blocks, goes away or comes back costs one sentence each time ([`Sending::news`]).
+//! **A receiver never blocks the show.** The show puts a frame into a mailbox ([`LatestFrame`]) and continues. A
+//! receiver that blocks, disconnects or returns causes one message each time ([`Sending::news`]).
 
 mod latest_frame;
 mod mjpeg;
@@ -17,36 +17,36 @@ use latest_frame::LatestFrame;
 pub use latest_frame::OutgoingFrame;
 pub use target::SenderTarget;
 
-/// Why pictures cannot be sent.
+/// Errors of starting to send.
 #[derive(Debug, thiserror::Error)]
 pub enum SendError {
-    /// Nothing can be opened under this name, or it is of the wrong kind.
-    #[error("pictures cannot be sent to {to}: {reason}")]
+    /// The target does not exist, or is of the wrong kind.
+    #[error("frames cannot be sent to {to}: {reason}")]
     Refused {
-        /// Where to.
+        /// The target.
         to: String,
-        /// Why, and what to do.
+        /// The reason, and what to do.
         reason: String,
     },
-    /// The system gives no thread.
+    /// The system cannot start a thread.
     #[error(
-        "pictures cannot be sent, because the system cannot start another thread ({0}): close other programs"
+        "frames cannot be sent, because the system cannot start another thread ({0}): close other programs"
     )]
     Thread(std::io::Error),
 }
 
-/// A send that goes on until this is dropped.
+/// Frames being sent to a target. Dropping this ends it.
 pub struct Sending {
     latest_frame: Arc<LatestFrame>,
     target: SenderTarget,
 }
 
 impl Sending {
-    /// Begins to send pictures of `size` pixels, both even, `fps` times a second. Returns at once: a receiver may come
+    /// Starts sending frames of `size` pixels, both even, `fps` times a second. Returns at once: a receiver may connect
     /// later.
     ///
     /// # Errors
-    /// [`SendError`], each with what to do.
+    /// [`SendError`]
     pub fn start(target: &SenderTarget, size: (u32, u32), fps: f64) -> Result<Self, SendError> {
         let latest_frame = Arc::new(LatestFrame::new(target.to_string()));
         match target {
@@ -62,22 +62,22 @@ impl Sending {
         Ok(Self { latest_frame, target: target.clone() })
     }
 
-    /// Where it sends to.
+    /// The target.
     pub fn target(&self) -> &SenderTarget {
         &self.target
     }
 
-    /// Sends this picture from now on.
+    /// Replaces the frame that is sent.
     pub fn offer(&self, picture: OutgoingFrame) {
         self.latest_frame.put(picture);
     }
 
-    /// Whether somebody takes pictures, or waits for the first.
+    /// True if a receiver reads frames, or waits for the first.
     pub fn is_wanted(&self) -> bool {
         self.latest_frame.is_wanted()
     }
 
-    /// What there is to say of the receiver since the last call.
+    /// Messages about receivers since the last call.
     pub fn news(&self) -> Vec<String> {
         self.latest_frame.news()
     }
@@ -85,7 +85,7 @@ impl Sending {
 
 impl Drop for Sending {
     fn drop(&mut self) {
-        // A thread that a receiver blocks is left behind: the program's end does not wait for it.
+        // A thread blocked by its receiver is abandoned; the process does not wait for it when it ends.
         self.latest_frame.end();
     }
 }
@@ -107,6 +107,6 @@ fn start_v4l2(
     _fps: f64,
     _newest: Arc<LatestFrame>,
 ) -> Result<(), SendError> {
-    let reason = "only Linux has such devices; send MJPEG instead".to_owned();
+    let reason = "only Linux has such devices: send MJPEG instead".to_owned();
     Err(SendError::Refused { to: path.display().to_string(), reason })
 }

@@ -1,6 +1,7 @@
-//! Sends at an even rate: y4m into a FIFO or to standard output, and whatever else takes one picture after the other.
+//! Sends frames at a constant rate to receivers that read one frame after another: y4m into a FIFO or to standard
+//! output, and v4l2 devices.
 //!
-//! Receivers count pictures to know the time, so a show that stands still sends the same picture again and again.
+//! Receivers derive the time from the number of frames, so an unchanged frame is sent again.
 
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};
@@ -12,31 +13,32 @@ use super::latest_frame::{LatestFrame, OutgoingFrame};
 use super::{SendError, SenderTarget};
 use crate::y4m::{self, Chroma};
 
-/// What takes pictures at an even rate, on the thread of a send. Each call may block for as long as the receiver likes.
+/// A receiver of frames at a constant rate, used on the thread of its target. Each call may block for as long as the
+/// receiver likes.
 pub(super) trait Receiver: Send + 'static {
-    /// Waits for a receiver.
+    /// Waits for a reader.
     ///
     /// # Errors
-    /// There can be none any more.
+    /// No reader can connect any more.
     fn open(&mut self) -> std::io::Result<()>;
 
-    /// Writes a picture.
+    /// Writes a frame.
     ///
     /// # Errors
-    /// The receiver has gone, or nothing can be written.
+    /// The reader has disconnected, or writing failed.
     fn write(&mut self, picture: &OutgoingFrame) -> std::io::Result<()>;
 
-    /// Whether another receiver may come when one has gone.
+    /// True if another reader may connect after one has disconnected.
     fn can_come_again(&self) -> bool;
 }
 
-/// How long nothing is tried again after a receiver that could not be opened.
+/// Pause before waiting for the next reader.
 const PAUSE: Duration = Duration::from_millis(500);
 
-/// Starts the thread of a send.
+/// Starts the thread of a target.
 ///
 /// # Errors
-/// The system gives no thread.
+/// The system cannot start a thread.
 pub(super) fn start(
     receiver: impl Receiver,
     fps: f64,
@@ -48,12 +50,12 @@ pub(super) fn start(
 
 fn send(mut receiver: impl Receiver, fps: f64, latest_frame: &LatestFrame) {
     let period = Duration::try_from_secs_f64(1.0 / fps).unwrap_or(Duration::from_millis(33));
-    // Without a picture there is nothing to send, and no size.
+    // The stream's header is sent with the first frame.
     while latest_frame.first().is_some() {
         match receiver.open() {
             Ok(()) => latest_frame.has_receiver(),
             Err(error) => {
-                latest_frame.tell(format!("{} can no longer be sent to: {error}", latest_frame.to()));
+                latest_frame.tell(format!("no more frames can be sent to {}: {error}", latest_frame.to()));
                 return;
             }
         }
@@ -63,12 +65,13 @@ fn send(mut receiver: impl Receiver, fps: f64, latest_frame: &LatestFrame) {
         let Some(error) = ended else { return };
         if !receiver.can_come_again() {
             latest_frame.tell(format!(
-                "whoever read {} has gone: no more pictures are sent there",
+                "the reader of {} has disconnected: no more frames are sent there",
                 latest_frame.to()
             ));
             return;
         }
-        latest_frame.tell(format!("whoever read {} has gone: the next one gets pictures", latest_frame.to()));
+        latest_frame
+            .tell(format!("the reader of {} has disconnected: the next one gets frames", latest_frame.to()));
         tracing::debug!("{error}");
         if latest_frame.rest(PAUSE) {
             return;
@@ -76,7 +79,7 @@ fn send(mut receiver: impl Receiver, fps: f64, latest_frame: &LatestFrame) {
     }
 }
 
-/// Writes pictures until the receiver goes, with what it says, or until the end.
+/// Writes frames. Returns the error if the reader disconnects, `None` at the end.
 fn feed(
     receiver: &mut impl Receiver,
     period: Duration,
@@ -103,7 +106,7 @@ fn feed(
     }
 }
 
-/// A FIFO that somebody reads, or will.
+/// A FIFO that another program reads.
 pub(super) struct Fifo {
     path: PathBuf,
     header: Vec<u8>,
@@ -111,10 +114,10 @@ pub(super) struct Fifo {
 }
 
 impl Fifo {
-    /// The FIFO at `path`, for pictures of `size` pixels.
+    /// The FIFO at `path`, for frames of `size` pixels.
     ///
     /// # Errors
-    /// There is none.
+    /// There is no FIFO at `path`.
     pub(super) fn new(path: &Path, size: (u32, u32), fps: f64) -> Result<Self, SendError> {
         let refused = |reason: &str| SendError::Refused {
             to: SenderTarget::Y4m(Some(path.to_owned())).to_string(),
@@ -149,9 +152,9 @@ fn is_fifo(_: &std::fs::Metadata) -> bool {
 impl Receiver for Fifo {
     fn open(&mut self) -> std::io::Result<()> {
         self.file = None;
-        // Waits until somebody reads it.
+        // Blocks until the FIFO has a reader.
         let mut file = OpenOptions::new().write(true).open(&self.path)?;
-        // One that has gone at once is one that has gone.
+        // A reader that has disconnected already is noticed at the first frame.
         match file.write_all(&self.header) {
             Err(error) if error.kind() != ErrorKind::BrokenPipe => return Err(error),
             _ => {}
@@ -164,7 +167,7 @@ impl Receiver for Fifo {
         let Some(file) = &mut self.file else { return Err(ErrorKind::NotConnected.into()) };
         let written = file.write_all(&y4m::frame_of_quarter(&picture.rgba, picture.size));
         if written.is_err() {
-            // At once: the next reader must not open what this one has left.
+            // Closed at once, so that the next reader does not get the rest of this stream.
             self.file = None;
         }
         written
@@ -175,11 +178,10 @@ impl Receiver for Fifo {
     }
 }
 
-/// Whoever reads standard output.
 pub(super) struct Standard(Vec<u8>);
 
 impl Standard {
-    /// For pictures of `size` pixels.
+    /// A stream on standard output, for frames of `size` pixels.
     pub(super) fn new(size: (u32, u32), fps: f64) -> Self {
         Self(y4m::header(size, fps, Chroma::Quarter))
     }
@@ -187,7 +189,7 @@ impl Standard {
 
 impl Receiver for Standard {
     fn open(&mut self) -> std::io::Result<()> {
-        // Whether somebody reads it shows when a picture is written.
+        // A missing reader is noticed at the first frame.
         let _ = std::io::stdout().write_all(&self.0);
         Ok(())
     }
@@ -209,7 +211,7 @@ mod tests {
 
     use super::*;
 
-    /// Takes so many pictures, then goes; comes so many times.
+    /// A receiver that takes `pictures` frames and disconnects, `times` times.
     struct Short {
         taken: Sender<u8>,
         pictures: usize,
@@ -235,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_that_stands_is_sent_again_and_receivers_come_and_go() {
+    fn an_unchanged_frame_is_sent_again_and_receivers_come_and_go() {
         let (taken, pictures) = channel();
         let latest_frame = Arc::new(LatestFrame::new("a place".into()));
         start(Short { taken, pictures: 3, left: 0, times: 2 }, 500.0, latest_frame.clone()).unwrap();
@@ -251,17 +253,17 @@ mod tests {
         latest_frame.end();
         feeds.join().unwrap();
         let reported = latest_frame.news();
-        let gone = |sentence: &String| sentence.contains("has gone: the next one");
+        let gone = |sentence: &String| sentence.contains("has disconnected: the next one");
         assert_eq!(reported.iter().filter(|sentence| gone(sentence)).count(), 2, "{reported:?}");
         assert!(
-            reported.last().is_some_and(|last| last.contains("can no longer be sent to")),
+            reported.last().is_some_and(|last| last.contains("no more frames can be sent to")),
             "{reported:?}"
         );
     }
 
     #[cfg(unix)]
     #[test]
-    fn what_is_no_fifo_is_refused_with_what_to_do() {
+    fn other_files_than_fifos_are_refused_with_advice() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a.y4m");
         for (path, part) in [(file.as_path(), "there is no such FIFO"), (folder.path(), "it is no FIFO")] {

@@ -1,15 +1,15 @@
-//! Where pictures are to be sent, as it is written on the command line.
+//! Targets of frames, as written on the command line.
 
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// See the module.
+/// A target of frames.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SenderTarget {
-    /// A y4m stream into a FIFO, or to standard output.
+    /// A y4m stream into a FIFO; `None` is standard output.
     Y4m(Option<PathBuf>),
-    /// A camera of v4l2loopback.
+    /// A v4l2loopback device, which other programs see as a camera.
     V4l2(PathBuf),
     /// MJPEG over HTTP, on this port of the loopback interface.
     Mjpeg(u16),
@@ -22,7 +22,7 @@ impl FromStr for SenderTarget {
         let kinds = "write it as y4m:FIFO, y4m:-, mjpeg:PORT or v4l2:/dev/videoN";
         let (kind, place) = text.split_once(':').ok_or(kinds)?;
         match (kind, place) {
-            (_, "") => Err(format!("'{kind}:' names no place: {kinds}")),
+            (_, "") => Err(format!("'{kind}:' is incomplete: {kinds}")),
             ("y4m", "-") => Ok(Self::Y4m(None)),
             ("y4m", path) => Ok(Self::Y4m(Some(path.into()))),
             ("v4l2", path) => Ok(Self::V4l2(path.into())),
@@ -32,7 +32,7 @@ impl FromStr for SenderTarget {
                 }
                 Ok(port) => Ok(Self::Mjpeg(port)),
             },
-            _ => Err(format!("there is no '{kind}' to send: {kinds}")),
+            _ => Err(format!("'{kind}' is no kind of target: {kinds}")),
         }
     }
 }
@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_read_and_others_refused_with_what_can_be_written() {
+    fn targets_are_parsed_and_others_refused_with_the_valid_forms() {
         for (text, target, reported) in [
             ("y4m:-", SenderTarget::Y4m(None), "standard output"),
             ("y4m:/tmp/a:b", SenderTarget::Y4m(Some("/tmp/a:b".into())), "/tmp/a:b"),

@@ -1,6 +1,7 @@
-//! A camera that other programs see, by v4l2loopback: a device that is told a format and then written to.
+//! A camera that other programs see, by v4l2loopback: a device that receives a format by an ioctl and then frames by
+//! writes.
 
-#![expect(unsafe_code, reason = "an ioctl of the kernel tells a device its format")]
+#![expect(unsafe_code, reason = "the device's format is set by an ioctl of the kernel")]
 
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};
@@ -14,12 +15,12 @@ use super::latest_frame::OutgoingFrame;
 use super::stream::Receiver;
 use crate::y4m::quarter_planes;
 
-/// `struct v4l2_format` with a `struct v4l2_pix_format`, as linux/videodev2.h has it.
+/// `struct v4l2_format` with a `struct v4l2_pix_format`, from linux/videodev2.h.
 #[repr(C)]
 #[derive(Clone, Copy)]
 struct Format {
     kind: u32,
-    /// The union that follows holds pointers.
+    /// Aligns the union that follows, which contains pointers in C.
     _align: [u64; 0],
     pixels: PixelFormat,
     rest: [u8; REST],
@@ -42,7 +43,7 @@ struct PixelFormat {
     transfer: u32,
 }
 
-/// The union has 200 bytes.
+/// The rest of the union, which has 200 bytes.
 const REST: usize = 200 - size_of::<PixelFormat>();
 /// `V4L2_BUF_TYPE_VIDEO_OUTPUT`.
 const OUTPUT: u32 = 2;
@@ -52,7 +53,7 @@ const YU12: u32 = u32::from_le_bytes(*b"YU12");
 const PROGRESSIVE: u32 = 1;
 /// `V4L2_COLORSPACE_REC709`.
 const REC_709: u32 = 3;
-/// `V4L2_PIX_FMT_PRIV_MAGIC`: the fields after it are meant.
+/// `V4L2_PIX_FMT_PRIV_MAGIC`: the fields after it are valid.
 const MAGIC: u32 = 0xfeed_cafe;
 /// `V4L2_QUANTIZATION_LIM_RANGE`.
 const LIMITED: u32 = 2;
@@ -78,7 +79,7 @@ fn format_of((width, height): (u32, u32)) -> Format {
     Format { kind: OUTPUT, _align: [], pixels, rest: [0; REST] }
 }
 
-/// See the module.
+/// A v4l2loopback device.
 pub(super) struct Camera {
     path: PathBuf,
     size: (u32, u32),
@@ -86,10 +87,10 @@ pub(super) struct Camera {
 }
 
 impl Camera {
-    /// The device at `path`, for pictures of `size` pixels.
+    /// Opens the device at `path` for frames of `size` pixels.
     ///
     /// # Errors
-    /// It is not there, or takes no such pictures.
+    /// The device does not exist, cannot be written, or has another format.
     pub(super) fn open(path: &Path, size: (u32, u32)) -> Result<Self, SendError> {
         let mut camera = Self { path: path.to_owned(), size, file: None };
         let refused = |reason: String| SendError::Refused { to: path.display().to_string(), reason };
@@ -118,11 +119,12 @@ impl Receiver for Camera {
         }
         let file = OpenOptions::new().read(true).write(true).open(&self.path)?;
         let mut format = format_of(self.size);
-        // SAFETY: the opcode is that of a structure of this layout, which the kernel reads and writes.
+        // SAFETY: the opcode contains the size of `Format`, whose layout is the kernel's (see the test), and `format`
+        // is valid for reads and writes during the call.
         unsafe { ioctl(&file, Updater::<SET_FORMAT, Format>::new(&mut format))? };
         let taken = format.pixels;
         if (taken.width, taken.height, taken.pixel_format) != (self.size.0, self.size.1, YU12) {
-            let reason = format!("the device takes other pictures ({}x{})", taken.width, taken.height);
+            let reason = format!("the device has another format ({}x{})", taken.width, taken.height);
             return Err(std::io::Error::other(reason));
         }
         self.file = Some(file);
@@ -149,14 +151,14 @@ mod tests {
 
     #[test]
     fn the_format_has_the_kernel_s_layout() {
-        // What a C compiler makes of linux/videodev2.h on 64-bit systems.
+        // Values of a C compiler for linux/videodev2.h on 64-bit systems.
         assert_eq!((size_of::<Format>(), std::mem::offset_of!(Format, pixels)), (208, 8));
         assert_eq!(SET_FORMAT, 0xc0d0_5605);
         assert_eq!(std::mem::offset_of!(PixelFormat, colorspace), 24);
     }
 
     #[test]
-    fn what_is_no_camera_is_refused_with_what_to_do() {
+    fn other_files_than_cameras_are_refused_with_advice() {
         for (path, part) in [
             ("/dev/video-that-is-not-there", "modprobe v4l2loopback"),
             ("/dev", "it is no device"),

@@ -3,7 +3,7 @@
 use super::prepared_show::PreparedShow;
 use mariana_show::Hearing;
 
-/// See [`mariana_show::LiveDirector`].
+/// A [`mariana_show::LiveDirector`] that returns prepared shows.
 #[derive(Debug, Clone)]
 pub struct LiveDirector {
     prepared_show: PreparedShow,
@@ -11,13 +11,13 @@ pub struct LiveDirector {
 }
 
 impl LiveDirector {
-    /// Among the scenes that a programme knows.
+    /// A director that chooses among the scenes of a prepared show.
     pub fn new(prepared_show: PreparedShow) -> Self {
         let director = mariana_show::LiveDirector::new(prepared_show.cards().to_vec());
         Self { prepared_show, director }
     }
 
-    /// Takes in what is heard, and returns another programme if another scene comes.
+    /// Passes on what is heard. Returns another show when the scene changes.
     pub fn hear(&mut self, heard: Hearing) -> Option<PreparedShow> {
         let timeline = self.director.hear(heard)?;
         Some(self.prepared_show.with_timeline(Some(timeline)))

@@ -1,4 +1,5 @@
-//! Shows with the sources of their scenes. [`mariana_show`], which knows scenes by name only, makes the plans.
+//! Shows together with the sources of their scenes. [`mariana_show`], which knows only the scenes' names, makes the
+//! timelines; [`prepared_show`] adds the sources.
 
 mod live;
 mod prepared_show;

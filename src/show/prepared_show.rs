@@ -1,4 +1,5 @@
-//! A plan with the scenes it needs: where they come from, and what is wrong with any of them.
+//! A show with everything that is needed to play it: the timeline and the sources of its scenes. Errors in the show
+//! file and its scenes are found here.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,22 +11,22 @@ use mariana_music::SongStructure;
 use mariana_show::limits::LIMITS as SHOW_LIMITS;
 use mariana_show::{Clip, CueListError, Moment, SceneCard, Show, TimedTransition, Timeline};
 
-/// See [`ShowSource::Demo`].
+/// The demo track's show.
 const DEMO_SHOW: &str = include_str!("../../assets/demo.show");
 const DEMO_NAME: &str = "demo.show";
 
-/// Where a show comes from.
+/// The source of a show.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ShowSource {
-    /// The director's choice among scenes.
+    /// The director chooses among scenes.
     Auto,
-    /// The show that was made for the demo track.
+    /// The demo track's own show.
     Demo,
-    /// A file.
+    /// A show file.
     File(PathBuf),
 }
 
-/// Why there is no show.
+/// Errors that leave no show to play.
 #[derive(Debug, thiserror::Error)]
 pub enum ShowError {
     /// The file cannot be read.
@@ -33,40 +34,40 @@ pub enum ShowError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The system's error.
         reason: String,
     },
-    /// The file is larger than shows may be.
-    #[error("the show {} is larger than {max} bytes: make several shows of it", .path.display())]
+    /// The file exceeds the limit.
+    #[error("the show {} is larger than {max} bytes: split it into several shows", .path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
         /// The limit.
         max: usize,
     },
-    /// The file is not text.
+    /// The file is not UTF-8.
     #[error("the show {} is not text: byte {position} is not UTF-8; save it as UTF-8", .path.display())]
     NotText {
         /// The file.
         path: PathBuf,
-        /// The first byte that is none.
+        /// Offset of the first invalid byte.
         position: usize,
     },
-    /// The text is no show for the song.
+    /// The show file has mistakes.
     #[error(transparent)]
     CueList(#[from] CueListError),
-    /// Every entry is a cue, but only a window has the key for cues.
+    /// All entries wait for a key, which only a window has.
     #[error(
         "every entry of the show waits for a key (`at cue`), which only a window has: write `at start` and a scene \
          above them"
     )]
     WaitsForKeys,
     /// The director has no scene without mistakes.
-    #[error("there is no scene to show: name one without mistakes by --scene")]
+    #[error("there is no scene to show: give a scene without mistakes with --scene")]
     NoScenes,
 }
 
-/// See the module.
+/// A timeline with the sources of its scenes.
 #[derive(Debug, Clone, Default)]
 pub struct PreparedShow {
     show: Show,
@@ -74,10 +75,10 @@ pub struct PreparedShow {
     chosen_by: ChosenBy,
 }
 
-/// Who chose the scenes of a show.
+/// The origin of a show's scenes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum ChosenBy {
-    /// The user, in a show file or on the command line.
+    /// The user, by a show file or the command line.
     #[default]
     User,
     /// The director.
@@ -87,12 +88,12 @@ enum ChosenBy {
 }
 
 impl PreparedShow {
-    /// The same scenes by another plan.
+    /// The same scenes with another timeline.
     pub(super) fn with_timeline(&self, timeline: Option<Timeline>) -> Self {
         Self { show: self.show.with_timeline(timeline), ..self.clone() }
     }
 
-    /// Whether the director made it.
+    /// True if the director chose the scenes.
     pub fn is_directed(&self) -> bool {
         self.chosen_by == ChosenBy::Director
     }
@@ -102,7 +103,7 @@ impl PreparedShow {
         self.chosen_by == ChosenBy::User
     }
 
-    /// Replaces the `refused` scenes. Returns `None` if every scene is refused, or if the user chose the scenes.
+    /// Replaces the `refused` scenes. Returns `None` if no scene is left, or if the user chose the scenes.
     pub fn without(&self, refused: &[SceneSource]) -> Option<Self> {
         if self.is_by_user() {
             return None;
@@ -111,12 +112,12 @@ impl PreparedShow {
         Some(Self { show: self.show.without(is_refused)?, ..self.clone() })
     }
 
-    /// Descriptions of the scenes; for the director, of all that it may choose.
+    /// Descriptions of the scenes; for the director's shows, of all scenes that it may choose.
     pub(super) fn cards(&self) -> &[SceneCard] {
         self.show.cards()
     }
 
-    /// Scenes that are cut from one to the next at these moments, in seconds.
+    /// Scenes that begin with a cut at the given times, in seconds.
     pub fn of_cuts(scenes: impl IntoIterator<Item = (f64, SceneSource)>) -> Self {
         let mut prepared_show = Self::default();
         let mut clips = Vec::new();
@@ -134,10 +135,11 @@ impl PreparedShow {
         prepared_show.with_timeline(Timeline::new(clips))
     }
 
-    /// The show of a song: from a file, or the director's choice among `scenes`. Scenes that are broken are no choice.
+    /// The show of a song, from a file or from the director, who chooses among those `scenes` that have no mistakes.
+    /// The second result reports entries that do not fit the song.
     ///
     /// # Errors
-    /// [`ShowError`]; what the song does not have is no error but is told as text.
+    /// [`ShowError`]
     pub fn of_song(
         source: &ShowSource,
         song: &SongStructure,
@@ -171,8 +173,8 @@ impl PreparedShow {
         Ok(Self { show, scenes: sources, chosen_by: ChosenBy::Director })
     }
 
-    /// The show that a text describes for a song, and a report of the entries that do not fit the song. Scenes are shipped
-    /// ones or files in `folder`. Messages call the text `name`.
+    /// The show that a text describes for a song, and a report of the entries that do not fit the song. Scenes are
+    /// files in `folder` or shipped ones. Messages call the text `name`.
     ///
     /// # Errors
     /// [`ShowError::CueList`].
@@ -192,37 +194,37 @@ impl PreparedShow {
         Ok((Self { show, scenes, chosen_by: ChosenBy::User }, reported))
     }
 
-    /// The same show where the key was pressed at these moments, in seconds, for which entries wait.
+    /// The same show after the key for cues was pressed at these times, in seconds.
     pub fn with_cues(&self, song: &SongStructure, cues: &[f64]) -> Self {
         Self { show: self.show.with_cues(song, cues), ..self.clone() }
     }
 
-    /// The scenes that wait for a key, in their order.
+    /// The scenes that wait for a key, in order.
     pub fn cues(&self) -> Vec<&str> {
         self.show.cues()
     }
 
-    /// What is on when; `None` as long as every entry waits for a key.
+    /// The timeline; `None` while all entries wait for a key.
     pub fn timeline(&self) -> Option<&Timeline> {
         self.show.timeline()
     }
 
-    /// What is on at `time` seconds; `None` without a plan.
+    /// The state of the show at `time` seconds; `None` without a timeline.
     pub fn at(&self, time: f64) -> Option<Moment<'_>> {
         self.timeline().map(|timeline| timeline.at(time))
     }
 
-    /// The stays in their order; none without a plan.
+    /// The clips in order; empty without a timeline.
     pub fn clips(&self) -> &[Clip] {
         self.show.clips()
     }
 
-    /// Where a scene of the plan comes from.
+    /// The source of a scene in the timeline.
     pub fn source(&self, scene: &str) -> Option<&SceneSource> {
         self.scenes.get(scene)
     }
 
-    /// One stay's scene on its way into another's, which follows it; none if either is not of this show.
+    /// The blend of a clip's scene with the next clip's scene; `None` if either is unknown.
     pub fn blend(&self, from: &Clip, to: &Clip, kind: BlendKind) -> Option<SceneBlend> {
         let seen = |clip: &Clip| {
             Some(SeenScene { source: self.source(&clip.scene)?.clone(), camera: clip.camera.clone() })
@@ -231,7 +233,7 @@ impl PreparedShow {
         Some(SceneBlend { from: seen(from)?, to: seen(to)?, kind, aligned_at })
     }
 
-    /// The scenes of the plan in the order in which they are on for the first time.
+    /// The scenes of the timeline, in the order of their first clips.
     pub fn sources(&self) -> Vec<&SceneSource> {
         let mut names: Vec<&str> = Vec::new();
         for clip in self.clips() {
@@ -242,13 +244,13 @@ impl PreparedShow {
         names.into_iter().filter_map(|name| self.source(name)).collect()
     }
 
-    /// The text of a show file that is this show, below lines of comment.
+    /// The show as the text of a show file, after lines of comments.
     pub fn text(&self, comments: &[String]) -> String {
         self.show.text(comments)
     }
 }
 
-/// What a show calls a scene.
+/// The name of a scene in shows.
 pub fn name_of(source: &SceneSource) -> String {
     match source {
         SceneSource::Shipped(name) => name.clone(),
@@ -261,7 +263,7 @@ pub fn name_of(source: &SceneSource) -> String {
 fn read(path: &Path) -> Result<String, ShowError> {
     let unreadable =
         |error: std::io::Error| ShowError::Unreadable { path: path.to_owned(), reason: error.to_string() };
-    // Checked before it is opened, because opening a pipe waits for somebody who writes.
+    // Checked before opening, because opening a pipe waits for a writer.
     if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
         let reason = "it is no regular file".to_owned();
         return Err(ShowError::Unreadable { path: path.to_owned(), reason });
@@ -311,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn a_show_finds_its_scenes_beside_it_and_among_the_shipped_ones() {
+    fn a_show_finds_its_scenes_in_its_folder_and_among_the_shipped_ones() {
         let (folder, path) = file("at start own.scene camera near\n set size = 0.5\nat bar 3 orb");
         let (prepared_show, reported) = PreparedShow::of_song(&ShowSource::File(path), &song(), &[]).unwrap();
         assert_eq!(reported, None);
@@ -348,7 +350,7 @@ mod tests {
         std::fs::write(&path, vec![b'#'; SHOW_LIMITS.bytes_max + 1]).unwrap();
         assert!(matches!(refused(path), ShowError::TooLarge { .. }));
         assert!(matches!(refused(folder.path().join("none.show")), ShowError::Unreadable { .. }));
-        // A device, and a pipe would be the same: reading one may never end.
+        // A device, or equally a pipe: reading it may never end.
         assert!(matches!(refused(PathBuf::from("/dev/zero")), ShowError::Unreadable { .. }));
     }
 

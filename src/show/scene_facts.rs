@@ -1,19 +1,19 @@
-//! Finds the scenes of shows, and facts about them.
+//! Lookup of a show's scenes, and facts about them.
 
 use std::path::Path;
 
 use crate::scenes::{SceneError, SceneSource};
 use mariana_show::{Refusal, SceneFacts};
 
-/// Compiles a scene.
+/// Compiles a scene and returns the facts that a show needs.
 ///
 /// # Errors
-/// Mistakes in the scene, or an unreadable file.
+/// The scene has mistakes, or its file cannot be read.
 pub(super) fn facts_of(source: &SceneSource) -> Result<SceneFacts, SceneError> {
     source.checked().map(SceneFacts::from)
 }
 
-/// The error as a refusal of the scene.
+/// Converts a scene's error for messages about the show.
 pub(super) fn refusal(error: SceneError) -> Refusal {
     match error {
         SceneError::Mistakes { name, plain, .. } => {
@@ -23,7 +23,7 @@ pub(super) fn refusal(error: SceneError) -> Refusal {
     }
 }
 
-/// The scene that a show means by a name: a file in its folder, or a shipped scene.
+/// The scene with this name in a show: a file in its folder, or a shipped scene.
 pub(super) fn source_of(name: &str, folder: &Path) -> Result<SceneSource, SceneError> {
     let beside = folder.join(name);
     if beside.is_file() {

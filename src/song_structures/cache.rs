@@ -1,8 +1,8 @@
-//! Structures in the user's folder for caches, each in a file that is named by what the song is: its bytes, the part of
-//! it that is played, and the version of the analysis.
+//! A cache of song structures in the user's cache folder. A file is named by a hash of the song's bytes, the played
+//! part and the version of the analysis.
 //!
-//! A file is a line with the checksum of the rest, and then JSON. Everything in the folder may be deleted at any time; a
-//! file that is damaged is made anew. What was used last is kept longest.
+//! A file is a line with a checksum, and then JSON. All files may be deleted at any time; a damaged file is replaced,
+//! and the least recently used files are deleted first.
 
 use std::fs::{self, File};
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -17,41 +17,40 @@ use crate::limits::LIMITS;
 use mariana_music::{STRUCTURE_VERSION, SongStructure};
 use mariana_player::track::Content;
 
-/// The ending of the files.
+/// Extension of the files.
 const ENDING: &str = "song";
 
-/// What a structure is known by.
+/// The hash that identifies a structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct StructureKey(u128);
 
-/// The kept structures.
+/// The cache.
 #[derive(Debug, Clone)]
 pub struct StructureCache {
-    /// None if nothing is kept.
+    /// `None` if nothing is cached.
     folder: Option<PathBuf>,
 }
 
 impl StructureCache {
-    /// In the user's folder for caches, if the system has one.
+    /// A cache in the user's cache folder, if there is one.
     pub fn of_user() -> Self {
         Self::among(&Folders::of_user())
     }
 
-    /// The one among these folders.
+    /// A cache in the cache folder of `folders`, if there is one.
     pub fn among(folders: &Folders) -> Self {
         Self { folder: folders.cache.as_ref().map(|cache| cache.join("songs")) }
     }
 
-    /// In this folder, which is made when something is written.
+    /// A cache in this folder, which is created at the first write.
     pub fn in_folder(path: PathBuf) -> Self {
         Self { folder: Some(path) }
     }
 
-    /// What the structure of `content` is known by; none if nothing is kept, the content cannot be read, or `go_on`
-    /// ends it.
+    /// The key of `content`; `None` if nothing is cached, the content cannot be read, or `go_on` returns false.
     pub(super) fn key(&self, content: &Content, go_on: &dyn Fn() -> bool) -> Option<StructureKey> {
         self.folder.as_ref()?;
-        // Two hashes of 64 bits. Another version of Rust may hash otherwise, which costs listening once.
+        // Two 64-bit hashes. If another version of Rust hashes differently, the song is analysed again.
         let mut hashers = [0_u8, 1].map(|first| {
             let mut hasher = DefaultHasher::new();
             (first, STRUCTURE_VERSION, content.cut.map(|cut| (cut.start, cut.end))).hash(&mut hasher);
@@ -68,21 +67,21 @@ impl StructureCache {
         Some(StructureKey((u128::from(a) << 64) | u128::from(b)))
     }
 
-    /// The structure of this key, if there is one that is whole.
+    /// Loads an intact structure of this key.
     pub(super) fn load(&self, key: StructureKey) -> Option<SongStructure> {
         let path = self.path(key)?;
         let bytes = read_file(&path).ok()?;
         let structure = decode(&bytes);
         if structure.is_none() {
-            tracing::info!("{} is damaged and made anew", path.display());
+            tracing::info!("{} is damaged; it is replaced", path.display());
         } else {
-            // Noted as used now; if that cannot be, it goes a little sooner.
+            // Updates the time of use. If that fails, the file is deleted a little earlier.
             let _ = File::options().write(true).open(path).and_then(|it| it.set_modified(SystemTime::now()));
         }
         structure
     }
 
-    /// Keeps a structure. One that cannot be kept is found again in the next run.
+    /// Saves a structure. After an error, the next run analyses the song again.
     pub(super) fn save(&self, key: StructureKey, structure: &SongStructure) {
         let (Some(path), Ok(text)) = (self.path(key), serde_json::to_string(structure)) else { return };
         if text.len() > LIMITS.structure_bytes_max {
@@ -97,7 +96,7 @@ impl StructureCache {
         });
         match written {
             Ok(()) => forget_oldest(path.parent(), LIMITS.structures_kept_max),
-            Err(reason) => tracing::debug!("the structure of a song cannot be kept: {reason}"),
+            Err(reason) => tracing::debug!("the structure of a song cannot be saved: {reason}"),
         }
     }
 
@@ -106,9 +105,9 @@ impl StructureCache {
     }
 }
 
-/// The bytes of a file, if there are no more than a structure may have.
+/// The bytes of a file, at most as many as a structure may have.
 fn read_file(path: &Path) -> io::Result<Vec<u8>> {
-    // No device, no pipe: opening one may block for ever.
+    // Opening a device or a pipe could block forever.
     if !fs::symlink_metadata(path)?.is_file() {
         return Err(io::ErrorKind::InvalidInput.into());
     }
@@ -117,7 +116,7 @@ fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     if bytes.len() > limit { Err(io::ErrorKind::FileTooLarge.into()) } else { Ok(bytes) }
 }
 
-/// Bytes of the first line, with its end.
+/// Length of the first line with its line feed, in bytes.
 const CHECKSUM_LINE: usize = 17;
 
 fn encode(text: &str) -> String {
@@ -137,7 +136,7 @@ fn checksum(bytes: &[u8]) -> u64 {
     hasher.finish()
 }
 
-/// Removes the structures that were used longest ago until no more than `kept` are left.
+/// Removes the least recently used structures until at most `kept` are left.
 pub(super) fn forget_oldest(folder: Option<&Path>, kept: usize) {
     let Some(listing) = folder.and_then(|folder| fs::read_dir(folder).ok()) else { return };
     let mut files: Vec<(SystemTime, PathBuf)> = listing

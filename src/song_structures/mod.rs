@@ -1,7 +1,7 @@
-//! What whole songs are made of ([`SongStructure`]), found by decoding them, and kept from run to run.
+//! Structures of whole songs ([`SongStructure`]), computed by decoding them and cached on disk.
 //!
-//! A song that breaks off has the structure of what comes before that, and one that cannot be decoded at all has none:
-//! scenes then read 0. Neither is worth more than a sentence in the log, because whoever plays the song tells what is
+//! A song with a decoding error has the structure of the part before it; a song that cannot be opened has none, and
+//! scenes read 0. Errors are only logged, because the player reports them.
 //! wrong with it.
 
 mod cache;
@@ -15,7 +15,7 @@ use mariana_player::track::Content;
 pub use cache::StructureCache;
 pub use reader::SongReader;
 
-/// The structure of a song, at once: the one that is kept, or a new one.
+/// The structure of a song, from the cache or by decoding it now.
 pub fn structure_of(song: &Song, cache: &StructureCache) -> SongStructure {
     let open =
         || Some(song.open().map(|decoder| Box::new(decoder) as Box<dyn FrameSource>).map_err(Into::into));
@@ -23,8 +23,8 @@ pub fn structure_of(song: &Song, cache: &StructureCache) -> SongStructure {
     find(Some(&content), open, cache, &|| true).flatten().unwrap_or_default()
 }
 
-/// The kept structure of `content`, or that of the source that `open` gives; none of what cannot be opened. None at
-/// all once `go_on` says so.
+/// The structure of `content` from the cache, or of the source that `open` returns. The inner `None` means that the
+/// source cannot be opened, the outer one that `go_on` returned false.
 fn find(
     content: Option<&Content>,
     open: impl FnOnce() -> Option<Result<Box<dyn FrameSource>, SourceError>>,
@@ -41,7 +41,7 @@ fn find(
     let mut source = match open() {
         Some(Ok(source)) => source,
         Some(Err(error)) => {
-            tracing::info!("the structure of a song is not known: {error}");
+            tracing::info!("a song cannot be analysed: {error}");
             return Some(None);
         }
         None => return Some(None),
@@ -53,7 +53,7 @@ fn find(
     Some(Some(structure))
 }
 
-/// Listens to a source to its end, or to where it breaks off. None once `go_on` says so.
+/// Analyses a source up to its end or an error. Returns `None` if `go_on` returns false.
 fn listen(source: &mut dyn FrameSource, go_on: &dyn Fn() -> bool) -> Option<SongStructure> {
     let mut listener = SongListener::new(source.sample_rate());
     let mut block = Vec::new();
@@ -63,7 +63,7 @@ fn listen(source: &mut dyn FrameSource, go_on: &dyn Fn() -> bool) -> Option<Song
             Ok(1..) => listener.push(&block),
             Ok(0) => return Some(listener.finish()),
             Err(error) => {
-                tracing::info!("the structure of a song is that of its beginning: {error}");
+                tracing::info!("the structure of a song ends at a decoding error: {error}");
                 return Some(listener.finish());
             }
         }

@@ -1,5 +1,5 @@
-//! Listens to whole songs beside the show, on a thread of low priority: the track that plays, and then the one
-//! that follows it. A track that is wanted no more is left at once.
+//! Analyses whole songs during a show, on a thread of low priority: first the current track, then the next. A track
+//! that is no longer wanted is abandoned at once.
 
 use std::collections::VecDeque;
 use std::io;
@@ -10,16 +10,16 @@ use super::{StructureCache, find};
 use mariana_music::SongStructure;
 use mariana_player::track::TrackInfo;
 
-/// Structures of earlier tracks that are kept in memory.
+/// Most structures of earlier tracks in memory.
 const KNOWN_MAX: usize = 16;
 
-/// How far the thread steps back behind all others: as far as it can, once the first song is known.
+/// Niceness of the thread after the first song: the lowest priority.
 const NICENESS: i32 = 19;
-/// The first song plays already, and where a software renderer takes all processors, a thread of the lowest priority would
-/// hardly run at all.
+/// Niceness for the first song, which is already playing. At the lowest priority the thread would hardly run if a
+/// software renderer uses all processors.
 const FIRST_NICENESS: i32 = 5;
 
-/// See the module. Dropping it ends the thread.
+/// The analysis thread. Dropping this ends it.
 #[derive(Debug)]
 pub struct SongReader {
     shared: Arc<Shared>,
@@ -33,9 +33,9 @@ struct Shared {
 
 #[derive(Debug, Default)]
 struct State {
-    /// The tracks to be known, the most urgent first.
+    /// Wanted tracks, the most urgent first.
     wanted: Vec<Arc<TrackInfo>>,
-    /// By the tracks' numbers, the newest last. None is of a track that cannot be decoded.
+    /// Structures by track id, the newest last; `None` for a track that cannot be decoded.
     known: VecDeque<(u64, Option<Arc<SongStructure>>)>,
     over: bool,
 }
@@ -45,17 +45,17 @@ impl State {
         self.known.iter().find(|(known, _)| *known == track).map(|(_, structure)| structure)
     }
 
-    /// The track to be listened to.
+    /// The most urgent track that is not analysed yet.
     fn next(&self) -> Option<&Arc<TrackInfo>> {
         self.wanted.iter().find(|track| self.find(track.id).is_none())
     }
 }
 
 impl SongReader {
-    /// Starts the thread, which has nothing to do yet; `wake` is called when a structure has become known.
+    /// Starts the thread, which waits for tracks. It calls `wake` after each analysed track.
     ///
     /// # Errors
-    /// There is no thread.
+    /// The system cannot start a thread.
     pub fn start(cache: StructureCache, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let shared = Arc::new(Shared::default());
         let of_thread = shared.clone();
@@ -77,7 +77,7 @@ impl SongReader {
         Ok(Self { shared })
     }
 
-    /// Wants to know these tracks, the first one first, and no others any more.
+    /// Replaces the list of wanted tracks, the most urgent first.
     pub fn want<'a>(&self, tracks: impl IntoIterator<Item = &'a Arc<TrackInfo>>) {
         let mut state = self.shared.lock();
         state.wanted.clear();
@@ -85,7 +85,7 @@ impl SongReader {
             if track.reopen.is_possible() {
                 state.wanted.push(track.clone());
             } else {
-                // Silence has the number of the track in whose place it is.
+                // Silence that replaces a removed track has that track's id.
                 state.known.retain(|(known, _)| *known != track.id);
             }
         }
@@ -94,7 +94,7 @@ impl SongReader {
         }
     }
 
-    /// The structure of the track with this number ([`TrackInfo::id`]), once it is known.
+    /// The structure of the track with this id ([`TrackInfo::id`]), once it is known.
     pub fn get(&self, track: u64) -> Option<Arc<SongStructure>> {
         self.shared.lock().find(track).cloned().flatten()
     }
@@ -112,7 +112,7 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The track to be listened to, once there is one; none at the end.
+    /// Waits for a track to analyse; `None` at the end.
     fn next(&self) -> Option<Arc<TrackInfo>> {
         let nothing_to_do = |state: &mut State| !state.over && state.next().is_none();
         let state = self.changed.wait_while(self.lock(), nothing_to_do);
@@ -120,7 +120,7 @@ impl Shared {
         if state.over { None } else { state.next().cloned() }
     }
 
-    /// Whether this track is still the one to be listened to.
+    /// True if this track is still the most urgent one.
     fn wants_most(&self, track: &TrackInfo) -> bool {
         let state = self.lock();
         !state.over && state.next().is_some_and(|next| next.id == track.id)
@@ -139,7 +139,7 @@ impl Shared {
 #[cfg(target_os = "linux")]
 fn lower_priority(niceness: i32) {
     if let Err(error) = rustix::process::setpriority_process(None, niceness) {
-        tracing::debug!("the thread for songs keeps its priority: {error}");
+        tracing::debug!("the priority of the thread for songs cannot be changed: {error}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! What is kept, what is not taken, and what is left.
+//! Tests of the cache, of damaged songs, and of the reader's order.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,7 @@ use mariana_player::playlist::{Cut, Playlist};
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_testing::wave::write_wav;
 
-/// Clicks, `seconds` long, that tell songs apart by their rate.
+/// Writes `seconds` of clicks; songs differ in their number of clicks `per_second`.
 fn write_song(path: &Path, seconds: usize, per_second: usize) {
     let frames = (0..seconds * 48_000).map(|frame| {
         let since = frame % (48_000 / per_second);
@@ -41,7 +41,7 @@ fn a_structure_that_was_kept_is_the_same_bit_for_bit() {
     assert!(first.seconds > 11.0 && !first.energy.is_empty() && !first.beats.is_empty(), "{first:?}");
     let files = kept_files(&kept);
     assert_eq!(files.len(), 1);
-    // Only the file can have said this.
+    // Only the file contains this value.
     let reported = fs::read_to_string(&files[0]).unwrap();
     let changed = SongStructure { tuning_hz: 432.1, ..first.clone() };
     let key = cache.key(&Content { song: song.clone(), cut: None }, &|| true).unwrap();
@@ -62,14 +62,14 @@ fn a_damaged_file_is_made_anew() {
     let whole = fs::read(&file).unwrap();
     let mut flipped = whole.clone();
     *flipped.last_mut().unwrap() ^= 1;
-    // One that could be read, but says something else.
+    // Valid JSON with another value.
     let other = String::from_utf8(whole.clone()).unwrap().replacen("\"seconds\":8", "\"seconds\":9", 1);
     assert_ne!(other.as_bytes(), whole);
     let cuts = [0, 10, 17, whole.len() - 1].map(|end| &whole[..end]);
     for damaged in cuts.into_iter().chain([&flipped, other.as_bytes(), b"null"]) {
         fs::write(&file, damaged).unwrap();
         assert_eq!(structure_of(&song, &cache), first);
-        assert_eq!(fs::read(&file).unwrap(), whole, "it is whole again");
+        assert_eq!(fs::read(&file).unwrap(), whole, "the file was not repaired");
     }
 }
 
@@ -88,7 +88,7 @@ fn songs_are_known_by_their_bytes_and_their_part() {
     let part = Content { cut: Some(Cut { start: 0, end: Some(75) }), ..whole(&path("a.wav")) };
     assert_ne!(first, key(&part));
     assert_eq!(cache.key(&whole(&path("missing.wav")), &|| true), None);
-    assert_eq!(cache.key(&whole(&path("a.wav")), &|| false), None, "it was told to stop");
+    assert_eq!(cache.key(&whole(&path("a.wav")), &|| false), None, "a stopped hash has no key");
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn what_cannot_be_decoded_and_what_is_silent_is_neutral() {
     write_wav(&path, 48_000, 2, std::iter::repeat_n(0.0, 2 * 96_000));
     let moment = structure_of(&Song::File(path.clone()), &cache).moment(1.0);
     assert_eq!((moment.section, moment.energy, moment.beat_in_bar, moment.progress), (0.0, 0.0, 0.0, 0.5));
-    // A file that is cut in the middle is the song to there.
+    // A truncated file is a shorter song.
     write_song(&path, 20, 2);
     let bytes = fs::read(&path).unwrap();
     fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
@@ -113,7 +113,7 @@ fn what_cannot_be_decoded_and_what_is_silent_is_neutral() {
     assert!((9.0..11.0).contains(&structure.seconds), "{} s", structure.seconds);
 }
 
-/// Bars of the demo track are 102,400 samples long, and its score puts drops at bars 12 and 24.
+/// Bars of the demo track have 102,400 samples, and its score has drops at bars 12 and 24.
 #[test]
 fn the_demo_track_has_the_drops_of_its_score() {
     const DEMO: Song = Song::Embedded { name: "demo.ogg", bytes: include_bytes!("../../assets/demo.ogg") };
@@ -137,7 +137,7 @@ fn only_the_oldest_beyond_the_limit_are_forgotten() {
     assert!(left.iter().any(|path| path.ends_with("other.txt")));
 }
 
-/// What is known about the only track of a list.
+/// The track of a playlist with a single file.
 fn track_of(path: &Path) -> Arc<TrackInfo> {
     Playlist::open(&[path.to_owned()], Repeat::All, false).unwrap().first.info
 }
@@ -147,7 +147,7 @@ fn numbered(track: &Arc<TrackInfo>, id: u64) -> Arc<TrackInfo> {
 }
 
 #[test]
-fn the_reader_tells_what_plays_and_what_follows() {
+fn the_reader_analyses_the_current_and_the_next_track() {
     const PATIENCE: Duration = Duration::from_secs(60);
     let folder = tempfile::tempdir().unwrap();
     let (first, second) = (folder.path().join("a.wav"), folder.path().join("b.wav"));
@@ -161,17 +161,17 @@ fn the_reader_tells_what_plays_and_what_follows() {
     reader.want(&tracks);
     (0..2).for_each(|_| woken.recv_timeout(PATIENCE).unwrap());
     for (track, path) in tracks.iter().zip([&first, &second]) {
-        let known = reader.get(track.id).expect("it was read");
+        let known = reader.get(track.id).expect("the track was analysed");
         let at_once =
             structure_of(&Song::File(path.clone()), &StructureCache::in_folder("/missing/x".into()));
-        assert_eq!(*known, at_once, "the window and a still read the same");
+        assert_eq!(*known, at_once, "the window and a still use different structures");
     }
-    // One that cannot be decoded is looked at once, and the thread goes on.
+    // A track that cannot be decoded is tried once, and the thread continues.
     fs::remove_file(&second).unwrap();
     reader.want(&[numbered(&track_of(&first), 8), numbered(&tracks[1], 9)]);
     (0..2).for_each(|_| woken.recv_timeout(PATIENCE).unwrap());
     assert!(reader.get(8).is_some() && reader.get(9).is_none());
-    // What plays in place of a removed track has its number, and is not that song.
+    // Silence that replaces a removed track has that track's id, but not its structure.
     let silence = mariana_player::track::Track::silence(0, 1).with_id(3).info;
     reader.want(&[silence]);
     assert_eq!(reader.get(3), None);
@@ -179,7 +179,7 @@ fn the_reader_tells_what_plays_and_what_follows() {
     assert_eq!(woken.recv_timeout(PATIENCE), Err(RecvTimeoutError::Disconnected), "the thread ends");
 }
 
-/// Frames without an end, of which each tells that it is asked for.
+/// Endless frames. Each request for a block is reported.
 struct Endless(std::sync::mpsc::Sender<()>);
 
 impl FrameSource for Endless {
@@ -217,7 +217,7 @@ fn a_track_that_is_wanted_no_more_is_left() {
     let (endless, song) = (Arc::new(endless), numbered(&track_of(&path), 2));
     reader.want([&endless, &song]);
     asks.recv_timeout(PATIENCE).unwrap();
-    // What plays now comes first.
+    // The current track comes first.
     reader.want([&song, &endless]);
     woken.recv_timeout(PATIENCE).unwrap();
     assert!(reader.get(2).is_some() && reader.get(1).is_none());

@@ -22,7 +22,7 @@ fn places_that_nothing_can_be_sent_to_are_refused() {
     let port = taken.local_addr().unwrap().port();
     send(&format!("mjpeg:{port}")).refused(&[&port.to_string(), "choose another port"]);
     for (to, part) in
-        [("ndi:x", "y4m:FIFO"), ("mjpeg:0", "no port"), ("y4m:", "names no place"), ("", "write it as")]
+        [("ndi:x", "y4m:FIFO"), ("mjpeg:0", "no port"), ("y4m:", "is incomplete"), ("", "write it as")]
     {
         send(to).refused_arguments("--send", &[part]);
     }

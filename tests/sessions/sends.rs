@@ -35,7 +35,7 @@ fn a_fifo_gets_pictures_whoever_reads_it_and_however_slowly() {
         // Whoever opens it sooner is taken for the same reader, in the middle of the stream.
         gone += 1;
         app.wait_until("the reader's going", |app| {
-            app.reported().matches("has gone: the next one gets").count() == gone
+            app.reported().matches("has disconnected: the next one gets").count() == gone
         });
         pictures
     };
@@ -50,7 +50,7 @@ fn a_fifo_gets_pictures_whoever_reads_it_and_however_slowly() {
     app.wait_until("light", |app| wanted(read(app, 2)));
     // One that opens it and reads nothing holds nobody up.
     let blocks = OpenOptions::new().read(true).open(&fifo).unwrap();
-    app.wait_until_reported("takes no pictures: the show goes on without it");
+    app.wait_until_reported("has stopped reading: the show continues without it");
     app.press(&["x"]);
     app.wait_for("black", |picture| is_black(at(picture, 0.5, 0.5)));
     drop(blocks);
@@ -64,7 +64,7 @@ fn a_fifo_gets_pictures_whoever_reads_it_and_however_slowly() {
     // A receiver that blocks does not hold the end up either.
     let reported = app.quit_by_key();
     drop(blocks);
-    assert_eq!(reported.matches("takes no pictures").count(), 1, "{reported}");
+    assert_eq!(reported.matches("has stopped reading").count(), 1, "{reported}");
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn standard_output_gets_pictures_until_it_is_closed() {
         light_of_next(&mut stream, (320, 180))
     });
     assert!(left > right);
-    app.wait_until_reported("whoever read standard output has gone");
+    app.wait_until_reported("the reader of standard output has disconnected");
     app.wait_for("the show", |picture| is_red(at(picture, 0.2, 0.5)));
     app.quit_by_key();
     rustix::stdio::dup2_stdout(&own).unwrap();
