@@ -1,14 +1,19 @@
-//! Where a scene's surfaces lie, found from the formula by interval arithmetic (Moore 1966).
+//! Finds a box around a scene's surfaces by interval arithmetic on its formula (Moore 1966).
 //!
-//! **Bounds of surfaces.** A cube that reaches about 1024 from the origin is cut into eight again and again, and
-//! slices are taken off it. Interval arithmetic over all sounds, times and parameters finds the parts that cannot
-//! hold a surface, and these are left out. This is done once for each text of a scene and may take about 10 ms. Rays that miss
-//! the box cost nothing. A scene that extends without end has no bounds and is traced up to a distance of 1000.
+//! A cube that extends about 1024 from the origin is repeatedly divided into eight, and slices are cut off it.
+//! Interval arithmetic over all sounds, times and parameters finds the parts that cannot contain a surface, and these
+//! are dropped. This runs once for each text of a scene and may take about 10 ms. Rays that miss the box cost
+//! nothing. An infinite scene has no bounds and is traced up to a distance of 1000.
+//!
+//! A blend of exponentials is constant where all of them underflow in 32 bits: e^-11d does at d = 7.9. Without
+//! bounds, rays step by that constant and end in false hits. A model beside an infinite rod still has that problem.
+//! Dropping an exponential that vanishes in the sum by rounding would be exact, but needs a distance of 17 / 11 = 1.6
+//! between two parts of a blend by e^-11d, which is more than half of fidget's bear.
 
 use crate::graph::{FrameInputs, Interval};
 use crate::tape::{IntervalEvaluator, Tape};
 
-/// A box that holds all surfaces.
+/// A box that contains all surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     /// Its lower corner.
@@ -18,7 +23,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Whether a place lies in the box.
+    /// True if a point is in the box.
     pub fn hold(&self, place: [f32; 3]) -> bool {
         (0..3).all(|axis| self.low[axis] <= place[axis] && place[axis] <= self.high[axis])
     }
@@ -28,7 +33,7 @@ impl Bounds {
         (0..3).map(|axis| 0.5 * (self.high[axis] - self.low[axis])).fold(0.0, f32::max)
     }
 
-    /// The box around this and another one, and so much larger on each side.
+    /// The smallest box around both boxes, enlarged by `margin` on each side.
     pub fn hull(&self, other: &Self, margin: f32) -> Self {
         Self {
             low: [0, 1, 2].map(|axis| self.low[axis].min(other.low[axis]) - margin),
@@ -36,39 +41,37 @@ impl Bounds {
         }
     }
 
-    /// The cube that reaches `reach` from a place along each axis.
+    /// The cube that extends `reach` from a point along each axis.
     pub fn around(place: [f32; 3], reach: f32) -> Self {
         Self { low: place.map(|v| v - reach), high: place.map(|v| v + reach) }
     }
 }
 
-/// Surfaces are searched for in a cube that reaches about this far from the origin; a scene that extends further has
-/// no bounds.
+/// Half the side of the cube that is searched; a scene with surfaces outside of it has no bounds.
 const REACH: f32 = 1024.0;
-/// Nothing is searched for farther away than this many times [`REACH`]: about 1e7.
+/// Multiple of [`REACH`] beyond which nothing is searched: about 1e7.
 const FARTHEST: f32 = 8192.0;
-/// How often a part of a shell around the cube is cut into eight before it counts as one that may hold a surface.
+/// Most divisions of a part of a shell around the cube before it counts as possibly containing a surface.
 const SHELL_CUTS: usize = 3;
-/// Clauses that may be evaluated to find the shells free of surfaces: about 5 ms. Few formulas take
-/// more than a tenth of it.
+/// Most clauses for the search of the shells: about 5 ms. Few formulas need more than a tenth of it.
 const SHELL_CLAUSES_MAX: usize = 1 << 19;
-/// The cube's centre lies a little beside the origin, so that the first cuts do not pass through what stands there.
+/// Offset of the cube's centre from the origin, so that the first cuts do not pass through objects there.
 const ASIDE: f32 = 0.017 * REACH;
-/// Clauses that may be evaluated for the search: about 10 ms.
+/// Most clauses for the search: about 10 ms.
 const CLAUSES_MAX: usize = 1 << 20;
-/// A face is found well enough when its cells are no larger than this share of the box.
+/// Largest size of the cells at a finished face, as a fraction of the box.
 const PRECISION: f32 = 1.0 / 200.0;
-/// The box is enlarged by this share of its size on each side because shaders round differently from the CPU.
+/// Enlargement of the box on each side, as a fraction of its size, because shaders round differently from the CPU.
 const MARGIN: f32 = 1.0 / 1000.0;
 
 type Cell = Bounds;
 
-/// The box that holds the surfaces of a tape's first output in all frames of `any`; `None` if the surfaces are not
-/// bounded or no cell is free of them.
+/// A box around the surfaces of a tape's first output in all frames of `any`; `None` if the surfaces are unbounded or
+/// may be in every cell.
 ///
-/// The cube is cut into eight again and again, at first everywhere, then only at the faces of the box. Parts that
-/// cannot hold a surface are left out. A face stays where it is once a point just inside it may lie on a surface: no
-/// further cutting would remove that point.
+/// The cube is repeatedly divided into eight, at first everywhere, then only at the faces of the box. Parts without a
+/// surface are dropped. A face is final once a point just inside it may be on a surface: further cuts would not
+/// remove that point.
 pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
     let mut evaluator = IntervalEvaluator::new(tape, any);
     let mut left = CLAUSES_MAX / tape.clauses().len().max(1);
@@ -126,9 +129,9 @@ pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
     Some(Bounds { low: found.low.map(|v| v - margin), high: found.high.map(|v| v + margin) })
 }
 
-/// Whether nothing lies outside of a cube, up to [`FARTHEST`]. Cubes of twice the size, and twice the size again, leave
-/// shells between them: what is wide compared with its distance hides which of two large terms is the larger one (x⁴ -
-/// 5x² over 1e3..1e7 may be below 0), and a formula that is free of surfaces far away is so in all shells alike.
+/// True if there are no surfaces outside of a cube, up to [`FARTHEST`]. Cubes of doubling sizes leave shells between
+/// them. In a box that is wide compared with its distance, interval arithmetic cannot tell which of two large terms
+/// is larger (x⁴ - 5x² over 1e3..1e7 may be below 0). A formula without distant surfaces has none in any shell.
 fn is_free_outside(cube: &Cell, evaluator: &mut IntervalEvaluator<'_>, clauses: usize) -> bool {
     let mut left = (SHELL_CLAUSES_MAX / clauses.max(1)).max(1);
     let mut inner = *cube;
@@ -154,7 +157,7 @@ fn is_free_outside(cube: &Cell, evaluator: &mut IntervalEvaluator<'_>, clauses: 
     true
 }
 
-/// Whether no surface lies in a cell, which may be cut into eight this many times.
+/// True if a cell contains no surface. It may be divided into eight `cuts` times.
 fn is_free(cell: &Cell, cuts: usize, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize) -> bool {
     if !may_hold_a_surface(cell, evaluator, left) {
         return true;
@@ -162,7 +165,7 @@ fn is_free(cell: &Cell, cuts: usize, evaluator: &mut IntervalEvaluator<'_>, left
     cuts > 0 && *left >= 8 && eighths(cell).all(|part| is_free(&part, cuts - 1, evaluator, left))
 }
 
-/// The eighths of a cell that may hold a surface. Once the budget is spent, the cell stays whole.
+/// The eighths of a cell that may contain a surface. Once the budget is spent, the cell stays whole.
 fn divided(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize) -> Vec<Cell> {
     if *left < 8 {
         *left = 0;
@@ -183,8 +186,8 @@ fn eighths(cell: &Cell) -> impl Iterator<Item = Cell> + '_ {
     })
 }
 
-/// The cell without the largest slice at its face that is entirely free of surfaces; `None` if not even a slice of
-/// about `wanted` is.
+/// Cuts the largest slice without surfaces off a face of the cell; `None` if not even a slice of about `wanted` is
+/// empty.
 fn shaved(
     cell: &Cell,
     axis: usize,
@@ -211,7 +214,7 @@ fn shaved(
     None
 }
 
-/// Whether a surface or anything solid may lie in a cell. Once the budget is spent, the answer is yes.
+/// True if a cell may contain a surface or be solid, or if the budget is spent.
 fn may_hold_a_surface(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize) -> bool {
     if *left == 0 {
         return true;
@@ -219,7 +222,7 @@ fn may_hold_a_surface(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: 
     *left -= 1;
     let position = [0, 1, 2].map(|axis| Interval::new(cell.low[axis], cell.high[axis]));
     let value = evaluator.over(position, [Interval::point(0.0); 3]).first().copied();
-    // A value that may be a NaN may be a surface, too.
+    // A NaN may be a surface.
     !value.is_some_and(|value| value.lo > 0.0)
 }
 
@@ -267,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn what_goes_on_has_no_bounds() {
+    fn infinite_shapes_have_no_bounds() {
         for text in
             ["y + 0.1*sin(x)", "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)", "length(p.xz) - 1", "p.x - t"]
         {
@@ -276,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_outside_of_the_cube_is_not_forgotten_for_one_inside() {
+    fn a_ball_outside_of_the_cube_is_noticed() {
         assert_eq!(bounds("min(length(p) - 1, length(p - vec3(0, 0, 1500)) - 1)"), None);
     }
 
@@ -284,7 +287,7 @@ mod tests {
     fn terms_that_cancel_in_large_boxes_do_not_hide_the_box() {
         let polynomial = "x^4-5*x^2 + y^4-5*y^2 + z^4-5*z^2 + 10";
         assert_near(bounds(polynomial), [-2.336; 3], [2.336; 3], 0.05);
-        // Far away turned coordinates are 0 somewhere in any large box.
+        // Far away, rotated coordinates are 0 somewhere in any large box.
         let turned = "length(vec3(0.8*x + 0.6*y, 0.8*y - 0.6*x, z)) - 1";
         assert_near(bounds(turned), [-1.0; 3], [1.0; 3], 0.1);
         assert_eq!(bounds(&format!("min({polynomial}, length(p - vec3(0, 9000, 0)) - 1)")), None);

@@ -1,4 +1,4 @@
-//! A world as GLSL that the driver compiles: the functions that `shaders/README.md` requires of a scene.
+//! A world as GLSL for the driver's compiler: the functions that `shaders/README.md` requires of a scene.
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ use crate::lang::material_members;
 use crate::tape::glsl::{self, Sampling};
 
 impl World {
-    /// Whether a program that was compiled for this world draws the other one, too: they differ in nothing but what is
+    /// True if a program compiled for this world also draws the other one: they differ only in values that are
     /// computed once per frame.
     pub fn is_compiled_like(&self, other: &Self) -> bool {
         let materials = |world: &Self| -> Vec<usize> {
@@ -27,14 +27,14 @@ impl World {
     /// The scene's functions as GLSL, validated by naga.
     ///
     /// # Errors
-    /// A graph over its limit; or text that naga rejects, which is a fault of the generator.
+    /// Returns an error for a graph over its limit, or for text that naga rejects, which is a bug in the generator.
     pub fn compiled_glsl(&self) -> Result<String, WorldError> {
         let generated = self.generated_functions()?;
         validate(&generated).map_err(|reason| WorldError::Refused { scene: self.name.clone(), reason })?;
         Ok(generated + &self.contract())
     }
 
-    /// A function for each set of roots.
+    /// Writes a function for each set of roots.
     fn generated_functions(&self) -> Result<String, WorldError> {
         let graph = &self.graph;
         let roots = &self.roots;
@@ -63,7 +63,7 @@ impl World {
         Ok(with_copies(functions, inputs))
     }
 
-    /// The functions that the renderer's shaders call.
+    /// Writes the functions that the renderer's shaders call.
     fn contract(&self) -> String {
         let mut text = String::from(
             "vec2 scene_distance(vec3 p, float penumbra) {\n    vec2 d;\n    \
@@ -108,8 +108,8 @@ impl World {
     }
 }
 
-/// The functions with the frame block's members replaced by names of these inputs: on the processor copies that
-/// `scene_load` makes (see `shaders/frame_block.glsl`), elsewhere the members themselves.
+/// Replaces the frame block's members in the functions by names for these inputs. On the CPU the names are copies
+/// that `scene_load` makes (see `shaders/frame_block.glsl`), elsewhere they are the members themselves.
 fn with_copies(mut functions: String, inputs: impl Iterator<Item = Input>) -> String {
     let (mut copies, mut names) = (String::new(), String::new());
     let mut load = String::from("void scene_load() {\n");

@@ -1,11 +1,10 @@
-//! Whether the value of a scene's formula is a distance in practice, found by sampling its gradient.
+//! Checks if the value of a scene's formula is a distance in practice, by sampling its gradient.
 //!
-//! **Any formula is traced.** The gradient of a scene's formula is sampled when the scene is loaded. If the formula
-//! is steeper than 1, or far flatter at its surfaces, steps by its value would miss surfaces or draw them fat. Each
-//! cell of the tree then holds bounds of the gradient (`graph::GradientInterval`: forward accumulation in intervals,
-//! with a separate rule for lengths because a square root's slope is unbounded at 0). From them follows a step that
-//! cannot pass a surface. Boxes are cut where parts of a formula jump, so that noise is bounded as the smooth value
-//! that it is.
+//! **Any formula can be traced.** The gradient is sampled when the scene is loaded. If the formula is steeper than 1,
+//! or far flatter at its surfaces, steps by its value would miss surfaces or make them too thick. Each cell of the
+//! tree then holds bounds of the gradient (`graph::GradientInterval`: forward accumulation in intervals, with a
+//! separate rule for lengths because a square root's slope is unbounded at 0). These bounds give a step that cannot
+//! pass a surface. Boxes are cut where parts of a formula jump, so that noise has the bounds of its smooth parts.
 
 use super::bounds::Bounds;
 use crate::graph::{FrameInputs, Point, TableData, cell_hash};
@@ -13,43 +12,43 @@ use crate::graph::{SoundInput, SoundInputs};
 use crate::lang::Param;
 use crate::tape::{Dual, GradientEvaluator, Tape};
 
-/// A distance never changes faster than the position; this much more is attributed to rounding.
+/// Largest slope of a distance: 1 and an allowance for rounding.
 const STEEPEST: f32 = 1.01;
-/// Share of the samples that may be steeper: these are seams of blends, where a ray hardly ever is.
+/// Largest fraction of steeper samples. These are seams of blends, which rays hardly ever meet.
 const NON_LIPSCHITZ_FRACTION: f32 = 0.01;
-/// How much steeper than the samples a formula may be elsewhere.
+/// Allowance for steeper slopes away from the samples.
 const STEEPEST_ROOM: f32 = 2.0;
-/// Fewer samples say nothing about the steepest slope.
+/// Fewest samples that show the steepest slope.
 const STEEPEST_SAMPLES_MIN: usize = 64;
-/// If half of the surface is flatter than this, steps by the value are far too short, and the points that count as a
-/// hit form a fat block around the surface.
+/// A value is not a distance if half of its surface is flatter than this: steps by the value would be far too short,
+/// and the points that count as a hit would form a thick layer around the surface.
 const FLATTEST: f32 = 0.2;
-/// How much larger each scale is that is tried to tame a value, and how many there are: up to 1 / [`FLATTEST`].
+/// Ratio of successive scales for normalizing a value, and their number: up to 1 / [`FLATTEST`].
 const SCALE_STEP: f32 = 1.1;
 const SCALES: i32 = 18;
-/// The largest power with which such a scale grows from the middle of the bounds.
+/// The largest power with which a scale grows from the middle of the bounds.
 const POWER_MAX: i32 = 4;
-/// The shares of the largest reach that are tried; without end a value is left as it is.
+/// Fractions of the largest reach to try. An infinite reach leaves the value unchanged.
 const REACHES: [f32; 5] = [f32::INFINITY, 1.0, 0.5, 0.25, 0.125];
-/// A value is tamed more than another way only if it is so much less flat at its surfaces then.
+/// A stronger normalization must reduce the flat part of the surfaces by this factor.
 const WORTH: f32 = 1.2;
-/// Distances from the camera's target within which a scene without bounds is sampled, in turn: what is small in a world
-/// without end is hardly met by samples from all over it.
+/// Distances from the camera's target at which a scene without bounds is sampled in turn. Samples spread over an
+/// infinite scene would hardly meet small objects.
 const AROUND: [f32; 4] = [30.0, 10.0, 3.0, 1.0];
-/// Frames that are sampled: silence at the start, then random ones.
+/// Number of sampled frames: silence at the start, then random ones.
 const FRAMES: usize = 4;
-/// Entries and rows of random tables. Neighbours in music differ less than these, so real tables have more.
+/// Entries and rows of random tables. In music neighbours differ less than in these, so real tables have more.
 const COLUMNS: usize = 106;
 const ROWS: usize = 6;
-/// Most points with which a frame begins.
+/// Most points at which a frame's samples start.
 const POINTS_MAX: usize = 1024;
 const POINTS_MIN: usize = 8;
 /// Steps from a point towards the surface.
 const STEPS: usize = 4;
-/// Clauses that may be evaluated, with their gradients: a few ms.
+/// Most clauses that are evaluated with their gradients: a few ms.
 const CLAUSES_MAX: usize = 1 << 18;
 
-/// A place where the gradient was sampled.
+/// A point with its sampled value and gradient.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     place: [f32; 3],
@@ -57,30 +56,28 @@ struct Sample {
     gradient: [f32; 3],
 }
 
-/// What was sampled.
 #[derive(Debug, Clone, Default)]
 struct Samples {
-    /// Outside of solids and on surfaces.
+    /// Samples outside of solids and on surfaces.
     outside: Vec<Sample>,
-    /// On surfaces.
+    /// Samples on surfaces.
     surface: Vec<Sample>,
 }
 
-/// A value that is no distance, made like one. It is 0 where it was 0.
+/// Parameters that turn a value into one similar to a distance. Zeros stay zeros.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct NormalizedValue {
-    /// What the value is divided by first.
+    /// The divisor of the value.
     pub(super) scale: f32,
-    /// That it grows from the middle of its bounds, as polynomials do.
+    /// The growth of the divisor from the middle of the bounds, as in polynomials.
     pub(super) growth: Growth,
-    /// Of the value the arc tangent is taken, in units of this: away from surfaces it grows less and less. May be
-    /// infinite.
+    /// The unit of an arc tangent of the value, which flattens it away from surfaces. May be infinite.
     pub(super) reach: f32,
-    /// Whether rays may step by it: it is as good as a distance.
+    /// True if rays may step by the result as by a distance.
     pub(super) is_distance: bool,
 }
 
-/// How a scale grows: (1 + |p - `middle`|² / `half`²) ^ `power`.
+/// A growing divisor: (1 + |p - `middle`|² / `half`²) ^ `power`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Growth {
     pub(super) middle: [f32; 3],
@@ -89,17 +86,17 @@ pub(super) struct Growth {
 }
 
 impl Growth {
-    /// None at all.
+    /// No growth.
     const NONE: Self = Self { middle: [0.0; 3], half: 1.0, power: 0 };
 
-    /// Those that are tried: outside of bounds nothing is known that a scale could follow.
+    /// The growths to try. Without bounds there is no size for a scale to follow.
     fn all(bounds: Option<&Bounds>) -> Vec<Self> {
         let Some(bounds) = bounds else { return vec![Self::NONE] };
         let middle = [0, 1, 2].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis]));
         (0..=POWER_MAX).map(|power| Self { middle, half: bounds.half(), power }).collect()
     }
 
-    /// The value of a sample and its slope, divided by what this is there.
+    /// A sample's value and slope, divided by the growth at its point.
     fn divided(&self, sample: &Sample) -> (f32, f32) {
         let off = [0, 1, 2].map(|axis| (sample.place[axis] - self.middle[axis]) / self.half);
         let base = 1.0 + off.iter().map(|part| part * part).sum::<f32>();
@@ -114,27 +111,27 @@ fn length(v: [f32; 3]) -> f32 {
     v.iter().map(|part| part * part).sum::<f32>().sqrt()
 }
 
-/// The slopes of the value of a world's rest, where it is no distance.
+/// The slopes of the value of a world's rest, if it is not a distance.
 #[derive(Debug, Clone, Copy)]
 pub struct Slopes {
-    /// About the steepest slope that was sampled; infinite where none was, or too few to tell.
+    /// Approximately the steepest sampled slope; infinite if there are too few samples.
     pub steepest: f32,
-    /// The factor that makes a distance of the value, where a single number does.
+    /// The factor that turns the value into a distance, if a single number does.
     pub distance_factor: Option<f32>,
-    /// What makes the value like a distance.
+    /// The normalization of the value.
     pub(super) tamed: Option<NormalizedValue>,
 }
 
 impl Default for Slopes {
-    /// Those of a distance.
+    /// The slopes of a distance.
     fn default() -> Self {
         Self { steepest: f32::INFINITY, distance_factor: None, tamed: None }
     }
 }
 
-/// None if the value of the tape's first output is a distance: no steeper than 1 in nearly all samples, and not much
-/// flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which its
-/// points begin in turn. A tamed value grows without end, or up to about `reach` or a part of it.
+/// Normalizes the value of the tape's first output; `None` if it is a distance, that is, at most 1 steep in nearly
+/// all samples and not much flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which
+/// its points start in turn. A normalized value grows without limit, or up to about `reach` or a fraction of it.
 pub(super) fn tamed(
     tape: &Tape,
     frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>,
@@ -183,8 +180,8 @@ pub(super) fn tamed(
     Some(Slopes { steepest: steepest(&outside), distance_factor: factor, tamed })
 }
 
-/// About the steepest slope of the samples: seams of blends are left out, and what they hide is allowed for. Infinite if
-/// there are too few samples to tell.
+/// Approximately the steepest slope of the samples, without seams of blends but with an allowance for the slopes that
+/// this hides. Infinite if there are too few samples.
 fn steepest(samples: &[Sample]) -> f32 {
     if samples.len() < STEEPEST_SAMPLES_MIN {
         return f32::INFINITY;
@@ -246,7 +243,7 @@ fn samples(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>
     found
 }
 
-/// The frames to sample: silence at the start, then any time, sound and parameters.
+/// The frames to sample: silence at the start, then random times, sounds and parameters.
 pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
     (0..FRAMES).map(|number| {
         let random = |what: usize| cell_hash(number as f32, 7919.0 + what as f32);
@@ -274,7 +271,7 @@ pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
 /// A value of the sound: `fraction` of the largest that music reaches.
 fn tried(input: SoundInput, fraction: f32) -> f32 {
     match input {
-        // Music is hardly louder than this: half a full-scale square wave.
+        // Music is hardly louder than half a full-scale square wave.
         SoundInput::VolumeLeft | SoundInput::VolumeRight | SoundInput::VolumeMid | SoundInput::VolumeSide => {
             0.5 * fraction
         }
@@ -289,7 +286,7 @@ mod tests {
     use crate::world::testing::world_of;
 
     #[test]
-    fn shapes_and_what_is_made_of_them_are_distances() {
+    fn shapes_and_their_combinations_are_distances() {
         let two = "sphere(p, 1), box(p - vec3(1, 0.3, 0), 0.8)";
         let made = ["union", "intersect", "subtract"].map(|name| format!("{name}({two})"));
         let smooth = ["smooth_union", "smooth_intersect", "smooth_subtract", "chamfer_union", "morph"];
@@ -323,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn a_factor_makes_a_distance_of_what_is_too_steep_everywhere() {
+    fn a_factor_turns_evenly_steep_values_into_distances() {
         for (text, least, most) in [("3*(length(p)-1)", 0.28, 0.34), ("y-0.5*sin(x)", 0.8, 0.95)] {
             let factor = world_of(text).slopes.distance_factor.unwrap();
             assert!((least..most).contains(&factor), "{text}: {factor}");
@@ -345,7 +342,7 @@ mod tests {
             "y-0.5*sin(x)",
             "0.02*(length(p)-1)",
             "3*(length(p)-1)",
-            // Small beside something without end, and the same number away from both.
+            // A small object beside an infinite one, with a constant value away from both.
             "min(length(p.xy - vec2(0, 15)) - 0.2, -log(exp(-60*(length(p)-0.3)) + exp(-60*(length(p.xz)-0.2+abs(y))))/30)",
         ] {
             assert!(world_of(text).non_lipschitz, "{text}");

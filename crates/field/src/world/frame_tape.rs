@@ -7,7 +7,7 @@ use crate::tape::{PointEvaluator, Tape, TapeError, TapeOptions};
 
 use super::planes::Plane;
 
-/// The tapes of the camera, of each light and of the planes.
+/// The tapes of the cameras, the lights, the picture and the planes.
 #[derive(Debug, Clone)]
 pub struct FrameTape {
     camera: Tape,
@@ -18,16 +18,16 @@ pub struct FrameTape {
     planes: Vec<Tape>,
 }
 
-/// The scene's values in one frame. They are as the scene computes them and may not even be finite.
+/// The scene's values in one frame, unchecked: they may not even be finite.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameValues {
     /// The camera.
     pub camera: Camera<f32>,
-    /// The cameras with names.
+    /// The named cameras.
     pub cameras: Vec<Camera<f32>>,
-    /// Distance within which other things block ambient light.
+    /// Distance within which objects block ambient light.
     pub reach: f32,
-    /// How the picture is made.
+    /// The settings of the image.
     pub picture: Picture<f32>,
     /// The lights.
     pub lights: Vec<Light<f32>>,
@@ -36,12 +36,12 @@ pub struct FrameValues {
 }
 
 impl FrameTape {
-    /// The tapes of a scene.
+    /// Builds the tapes of a scene.
     ///
     /// # Errors
-    /// See [`TapeError`].
+    /// Returns a [`TapeError`] for a tape that exceeds the limits.
     pub(super) fn build(scene: &Scene, planes: &[Plane]) -> Result<Self, TapeError> {
-        // No shader runs these, so there may be as many outputs as registers.
+        // Shaders do not run these tapes, so they may have as many outputs as registers.
         let limits = Limits { tape_outputs_max: usize::MAX, ..LIMITS };
         let options = TapeOptions { limits, ..TapeOptions::default() };
         let tape = |roots: &[NodeId]| Tape::build(&scene.graph, roots, &options);

@@ -1,26 +1,25 @@
-//! Expressions that are the same all over a frame are computed once per frame on the CPU, not at every point.
+//! Hoisting: expressions that are constant within a frame are computed once per frame on the CPU.
 //!
-//! **Once a frame.** An expression of the frame's inputs alone (a sine of the time, a curve of the volume) is taken
-//! out of the shaders and becomes an input of its own, [`Input::Hoisted`]: a uniform of the compiled shader, an entry
-//! of the interpreter's table. Up to 256 expressions are taken out, so that no point computes the sine of the time
-//! again.
+//! An expression of the frame's inputs alone (a sine of the time, a curve of the volume) becomes an input of the
+//! shaders, [`Input::Hoisted`]: a uniform of the compiled shader, an entry of the interpreter's table. Up to 256
+//! expressions are hoisted, so that no point computes the sine of the time again.
 
 use super::Roots;
 use crate::graph::{FrameInputs, Graph, GraphError, Input, Node, NodeId, Order, Point};
 use crate::limits::LIMITS;
 
-/// The expressions that were taken out.
+/// The hoisted expressions.
 #[derive(Debug, Clone, Default)]
 pub struct Hoisted {
-    /// These expressions and the nodes they need, nothing else.
+    /// Only these expressions and their operands.
     graph: Graph,
     order: Order,
-    /// The i-th is `Input::Hoisted(i)`.
+    /// Root i is `Input::Hoisted(i)`.
     roots: Vec<NodeId>,
 }
 
 impl Hoisted {
-    /// The expressions `roots` of `graph`.
+    /// Copies the expressions `roots` of `graph`.
     fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self, GraphError> {
         let mut own = Graph::new();
         let mut moved = Moved::of(graph);
@@ -33,7 +32,7 @@ impl Hoisted {
 
     /// Computes the values for a frame. All are finite.
     pub fn values(&self, inputs: &FrameInputs) -> Vec<f32> {
-        // Uniforms and tables must hold the same: an overflow becomes the largest number, a NaN becomes 0.
+        // Uniforms and tables must hold the same number: an overflow becomes the largest number, a NaN becomes 0.
         let finite = |value: f32| if value.is_nan() { 0.0 } else { value.clamp(f32::MIN, f32::MAX) };
         let values = self.graph.evaluate_in(&self.order, &self.roots, &Point::default(), inputs);
         values.into_iter().map(finite).collect()
@@ -44,17 +43,17 @@ impl Hoisted {
 struct Moved(Vec<NodeId>);
 
 impl Moved {
-    /// For a graph from which nothing has been copied yet.
+    /// Creates an empty mapping for a graph.
     fn of(graph: &Graph) -> Self {
         Self(vec![NodeId::default(); graph.len()])
     }
 
-    /// The counterpart of a node that was copied.
+    /// The counterpart of a copied node.
     fn at(&self, id: NodeId) -> NodeId {
         self.0[id.index()]
     }
 
-    /// Copies a node unchanged; its operands must have been copied before.
+    /// Copies a node unchanged, after its operands.
     fn copy(&mut self, from: &Graph, id: NodeId, to: &mut Graph) {
         self.0[id.index()] = match from.node(id) {
             Node::Constant(value) => to.constant(value),
@@ -66,10 +65,10 @@ impl Moved {
     }
 }
 
-/// Takes the parts that do not depend on the point out of the roots. All other nodes stay the same, bit for bit.
+/// Hoists the parts of the roots that do not depend on the point. All other nodes stay the same, bit for bit.
 ///
 /// # Errors
-/// Those of [`Graph::check`].
+/// Returns the error of [`Graph::check`].
 pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoisted), GraphError> {
     let all: Vec<NodeId> = roots.all().collect();
     let order = graph.order(&all)?.nodes;
@@ -144,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_gives_the_same_values_and_less_work() {
+    fn hoisting_keeps_values_and_shortens_tapes() {
         let scene = compile("test", TEXT, &mut no_includes).scene.unwrap();
         let world = World::new("test", scene, Vec::new()).unwrap();
         let mut inputs = FrameInputs {

@@ -2,21 +2,21 @@
 //!
 //! | texel | holds |
 //! |---|---|
-//! | 0 | where the grids of the sky, the ambient light and the glow begin |
-//! | 1.. | where the grid of each object's material begins, four objects a texel |
+//! | 0 | the addresses of the grids of the sky, the ambient light and the glow |
+//! | 1.. | the address of each object's material's grid, four objects a texel |
 //! | a grid | its lower corner, the number of its last cell along each axis (7, or 0 for a single cell) |
 //! | | cells per unit of length along each axis, 0 |
-//! | | where the program of each cell begins, four cells a texel, x first |
-//! | a program | a header: the registers of up to 12 outputs, a byte each; how many textures it samples |
-//! | | a texel for each of those: the number of the picture, the first texel of the tape of its coordinates |
+//! | | the address of each cell's program, four cells a texel, x first |
+//! | a program | a header: the registers of up to 12 outputs, a byte each; the number of textures it samples |
+//! | | a texel for each of those: the number of the image, the address of its coordinates' tape |
 //! | | its tape |
 //! | | the tapes of the coordinates |
 //!
-//! The tapes are those of [`crate::tape::interpreter`] with a frame's numbers filled in. Distances and objects are
+//! [`crate::tape::interpreter`] describes the tapes, which contain a frame's numbers. Distances and objects are
 //! computed by the tapes of regions.
 //!
-//! **A program's cells** run what they need of it (`region::surface`): cells that need the same share a program. The
-//! coordinates of textures are those of the whole program.
+//! **Cells** run shortened programs (`region::surface`). Cells with the same shortened program share it. Texture
+//! coordinates are never shortened.
 //!
 //! **Textures** are sampled before a program's own tape runs. Thus only their coordinates, a few clauses, are also
 //! computed for the neighbouring pixels. A texture whose coordinates depend on another one comes after it.
@@ -27,7 +27,7 @@ use crate::region::surface::{Grid, Over, SIDE, ShortTape, ShortTapes, SurfacePla
 use crate::tape::interpreter::Variant;
 use crate::tape::{Tape, TapeError, TapeOptions};
 
-/// Programs before those of the materials: sky, ambient light and glow.
+/// Number of programs before the materials: sky, ambient light and glow.
 const PROGRAMS_OF_LIGHT: usize = 3;
 
 /// The programs that the interpreter shader runs at a surface.
@@ -37,13 +37,13 @@ pub struct TapeBuffers {
     programs: Vec<Program>,
     /// The program of each object's material.
     of_objects: Vec<usize>,
-    /// Bounds of the surfaces at any sound and time, if they are known.
+    /// Bounds of the surfaces at any sound and time, if known.
     bounds: Option<Bounds>,
     /// The interpreter that runs all programs, on a GPU.
     pub variant: Variant,
-    /// The same for a renderer that never skips a branch.
+    /// The interpreter for a renderer that never skips a branch.
     pub software_variant: Variant,
-    /// Its cost in clauses.
+    /// The cost in clauses.
     pub cost: Cost,
 }
 
@@ -51,23 +51,23 @@ pub struct TapeBuffers {
 #[derive(Debug, Clone, PartialEq)]
 struct Program {
     tape: Tape,
-    /// The number of the texture, and the tape of its coordinates u and v.
+    /// The number of each texture, and the tape of its coordinates u and v.
     textures: Vec<(u16, Tape)>,
-    /// What shortens the tape.
+    /// The plan for shortening the tape.
     plan: SurfacePlan,
 }
 
-/// How far cells reach around their middle in a scene without bounds.
+/// Half the side of the grid in a scene without bounds.
 const AROUND_CENTER: f32 = 12.0;
 
 /// Number of clauses of the programs.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Cost {
-    /// Those of the distance.
+    /// Clauses of the distance.
     pub distance: usize,
-    /// Those of all materials.
+    /// Clauses of all materials.
     pub materials: usize,
-    /// Those of everything.
+    /// Clauses of all programs.
     pub total: usize,
 }
 
@@ -93,7 +93,7 @@ impl Program {
         self.tapes().map(|tape| tape.clauses().len()).sum()
     }
 
-    /// The header of a tape that gives the program's results in these registers.
+    /// The header of a tape with the program's results in these registers.
     fn head(registers: &[u8], textures: usize) -> [u32; 4] {
         let mut outputs = [0; 12];
         for (byte, register) in outputs.iter_mut().zip(registers) {
@@ -104,7 +104,7 @@ impl Program {
         [four(0), four(4), four(8), textures as u32]
     }
 
-    /// Appends a shortened tape of the program, the whole of which begins at `whole`; gives its start.
+    /// Appends a shortened tape of the program, whose whole tape begins at `whole`, and returns its address.
     fn append_short(&self, short: &ShortTape, whole: usize, texels: &mut Vec<[u32; 4]>) -> u32 {
         let start = texels.len() as u32;
         let textures = if short.samples { self.textures.len() } else { 0 };
@@ -136,8 +136,8 @@ impl Program {
 /// A texture and its coordinates.
 type Sampled = (u16, [NodeId; 2]);
 
-/// The expressions without texture coordinates, their textures numbered in an order in which they can be sampled; and
-/// those coordinates.
+/// Splits texture coordinates off the expressions. Returns the remaining graph and roots, and the coordinates of each
+/// texture. Textures are numbered in an order in which they can be sampled.
 fn without_coordinates(
     graph: &Graph,
     roots: &[NodeId],
@@ -197,17 +197,17 @@ impl TapeBuffers {
         texels
     }
 
-    /// Which programs are worth shortening, as far as is known without any attempt.
+    /// The programs that may be worth shortening before any attempt: all that are neither too short nor too long.
     pub fn worth_shortening(&self) -> WorthShortening {
         WorthShortening::of(self.plans().map(SurfacePlan::may_become_shorter))
     }
 
-    /// What shortens each program.
+    /// The plan of each program.
     pub(super) fn plans(&self) -> impl Iterator<Item = &SurfacePlan> {
         self.programs.iter().map(|program| &program.plan)
     }
 
-    /// The texels of a whole program in a frame.
+    /// Number of texels of a whole program in a frame.
     pub(super) fn whole_length(&self, program: usize, inputs: &FrameInputs) -> usize {
         let mut texels = Vec::new();
         if let Some(program) = self.programs.get(program) {
@@ -216,7 +216,7 @@ impl TapeBuffers {
         texels.len()
     }
 
-    /// The grid over space, around a middle in a scene without bounds.
+    /// The grid over space, around `center` in a scene without bounds.
     pub(super) fn grid(&self, center: [f32; 3]) -> Grid {
         let bounds = self.bounds.unwrap_or_else(|| Bounds::around(center, AROUND_CENTER));
         Grid::of_box(bounds.low, bounds.high)
@@ -232,8 +232,8 @@ impl TapeBuffers {
     }
 }
 
-/// Appends the grid of a program, whose whole tape begins at `whole` and whose shortened ones at `starts`; gives its
-/// start.
+/// Appends the grid of a program, whose whole tape begins at `whole` and whose shortened ones at `starts`. Returns
+/// the grid's address.
 fn append_grid(short: &ShortTapes, whole: u32, starts: &[u32], texels: &mut Vec<[u32; 4]>) -> u32 {
     let start = texels.len() as u32;
     let [x, y, z] = short.grid.low.map(f32::to_bits);
@@ -253,7 +253,7 @@ impl World {
     /// The programs of materials and light.
     ///
     /// # Errors
-    /// A tape that exceeds the limits.
+    /// Returns an error for a tape that exceeds the limits.
     pub fn tape_buffers(&self) -> Result<TapeBuffers, WorldError> {
         let failed = |source| WorldError::Tape { scene: self.name.clone(), source };
         let program =
@@ -306,7 +306,7 @@ mod tests {
     use crate::world::testing::world_of;
 
     #[test]
-    fn every_program_begins_where_the_directory_says() {
+    fn every_program_begins_at_its_address_in_the_directory() {
         let text = "material a { color = p }\nmaterial b { color = n roughness = 0.25 }\n\
                     object first { shape = sphere(p, 1) material = a }\n\
                     object second { shape = box(p, 1) material = b }\n\
@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn a_texture_is_sampled_once_for_its_channels_and_after_those_it_depends_on() {
+    fn textures_are_sampled_once_in_order_of_dependence() {
         let mut graph = Graph::new();
         let (x, y) = (graph.input(crate::graph::Input::X), graph.input(crate::graph::Input::Y));
         let first = [0, 1].map(|channel| graph.texture(3, channel, x, y));

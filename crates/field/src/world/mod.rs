@@ -4,9 +4,8 @@
 //! Scene → planes, which are solved exactly, and the rest → bounds of the rest → programs: tapes and GLSL
 //! ```
 //!
-//! Everything here is computed once per scene, on any thread. Values that change with each frame are in `frame`, and
-//! everything that needs OpenGL is in `gpu`. No scene is special: all that the picture shows comes from the scene's
-//! text.
+//! Everything here is computed once per scene, on any thread. The crate `mariana-render` adds the values of each
+//! frame and draws with OpenGL. No scene is special: everything in an image comes from the scene's text.
 
 mod blend;
 mod bounds;
@@ -31,7 +30,7 @@ pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
 pub use scene_features::SceneFeatures;
 pub use shortening::{ShortPrograms, ShortenOptions, ShortenRequest, WorthShortening};
-// What lights and pictures are made of is part of a scene.
+// Types of lights and images that belong to a scene.
 pub use crate::lang::{LightKind, ToneMap};
 
 use std::sync::Arc;
@@ -42,13 +41,13 @@ use crate::graph::{FrameInputs, Graph, GraphError, NodeId};
 use crate::lang::{Material, Scene, compile, no_includes};
 use crate::tape::{Tape, TapeError, TapeOptions};
 
-/// Why a scene cannot be prepared.
+/// A reason for which a scene cannot be prepared.
 #[derive(Debug, thiserror::Error)]
 pub enum WorldError {
     /// The text is not a scene.
     #[error("{report}")]
     Text {
-        /// The mistakes and their places, as [`render_all`](crate::lang::render_all) prints them.
+        /// The mistakes with their positions, printed by [`render_all`](crate::lang::render_all).
         report: String,
     },
     /// The scene has too many expressions.
@@ -56,7 +55,7 @@ pub enum WorldError {
     Graph {
         /// The scene.
         scene: String,
-        /// The limit that is exceeded.
+        /// The exceeded limit.
         source: GraphError,
     },
     /// A tape of the scene cannot be built.
@@ -64,10 +63,10 @@ pub enum WorldError {
     Tape {
         /// The scene.
         scene: String,
-        /// Why the tape cannot be built.
+        /// The cause.
         source: TapeError,
     },
-    /// The generated GLSL is not well formed.
+    /// The generated GLSL is invalid.
     #[error(
         "the GLSL generated for {scene} is invalid: this is a bug in Mariana; show the \
          scene with --sdf interpreted and report it\n{reason}"
@@ -80,22 +79,22 @@ pub enum WorldError {
     },
 }
 
-/// The expressions that the shader evaluates, each a program of the interpreter and a function of the compiled
+/// The expressions that the shader evaluates. Each is a program of the interpreter and a function of the compiled
 /// shader.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Roots {
-    /// For the rest: how far a ray may step, and the distance to an actual surface. The normal's x is used to pass
-    /// the distance beyond which a surface casts no shadow here, else 0.
+    /// For the rest: the length of a ray's step, and the distance to an actual surface. The normal's x passes the
+    /// distance beyond which a surface casts no shadow, else 0.
     pub distance: [NodeId; 2],
     /// For the rest: the number of the nearest object.
     pub object: NodeId,
-    /// See [`Material::numbers`](crate::lang::Material::numbers).
+    /// The numbers of each material, in the order of [`Material::numbers`](crate::lang::Material::numbers).
     pub materials: Vec<Vec<NodeId>>,
     /// Light from a direction.
     pub sky: [NodeId; 3],
-    /// Light on a surface from everywhere.
+    /// Light on a surface from all directions.
     pub ambient: [NodeId; 3],
-    /// Emission near a point, and the distance to its source; black where nothing shines.
+    /// Emission near a point, and the distance to its source; black if no object shines.
     pub glow: [NodeId; 4],
 }
 
@@ -107,7 +106,7 @@ impl Roots {
         self.distance.into_iter().chain(rest).chain(materials.copied())
     }
 
-    /// The same with each expression replaced.
+    /// The roots with each expression replaced.
     fn map(&self, new: impl Fn(NodeId) -> NodeId) -> Self {
         Self {
             distance: self.distance.map(&new),
@@ -131,23 +130,23 @@ pub struct World {
     pub name: String,
     /// The scene.
     pub scene: Scene,
-    /// The expressions of [`World::roots`], without the parts that are the same all over a frame.
+    /// The expressions of [`World::roots`], without the parts that are constant within a frame.
     pub graph: Graph,
     /// The parts that are computed once per frame instead.
     pub hoisted: Hoisted,
     /// Surfaces that are planes, each with its object.
     pub planes: Vec<Plane>,
-    /// Whether there is anything but planes.
+    /// True if there are surfaces other than planes.
     pub has_rest: bool,
-    /// Bounds of the surfaces of the rest at any sound and time, if they are known.
+    /// Bounds of the surfaces of the rest at any sound and time, if known.
     pub bounds: Option<Bounds>,
-    /// Whether the value of the rest is not a distance: it changes faster than the position, or is much flatter at
-    /// surfaces. Rays then need to know how steep it is where they are.
+    /// True if the value of the rest is not a distance: it changes faster than the position, or is much flatter at
+    /// surfaces. Rays then need the bounds of its slopes.
     pub non_lipschitz: bool,
-    /// Where the value is not a distance: what is known of its slopes.
+    /// The slopes of a value that is not a distance.
     pub slopes: Slopes,
-    /// How much the shortest step of a shadow ray grows with each step: 0 in a scene, whose surfaces such rays leave.
-    /// Between two scenes a lamp of one may be among the surfaces of the other, and rays creep along these.
+    /// Growth of a shadow ray's shortest step with each step. It is 0 in a single scene, whose surfaces such rays
+    /// leave. In a blend a lamp of one scene may be inside a surface of the other, and rays creep along that.
     pub shadow_step_growth: f32,
     /// The parts of the shaders that it needs.
     pub features: SceneFeatures,
@@ -155,17 +154,17 @@ pub struct World {
     pub roots: Roots,
     /// The values that the CPU computes once per frame.
     pub frame_tape: FrameTape,
-    /// For a world that is a blend: how many of its parameters are those of the scene that goes.
+    /// For a blend: the number of parameters that belong to the outgoing scene.
     pub blended: Option<usize>,
-    /// The pictures of [`Scene::textures`].
+    /// The images of [`Scene::textures`].
     pub pictures: Vec<Arc<RgbaImage>>,
 }
 
 impl World {
-    /// The world of a text without includes and textures.
+    /// Prepares the scene of a text without includes and textures.
     ///
     /// # Errors
-    /// Mistakes in the text, or a scene that takes more nodes or clauses than the limits.
+    /// Returns an error for mistakes in the text, or for a scene that exceeds the limits on nodes or clauses.
     pub fn parse(name: &str, text: &str) -> Result<Self, WorldError> {
         let mut compiled = compile(name, text, &mut no_includes);
         let Some(scene) = compiled.scene.take() else {
@@ -177,7 +176,7 @@ impl World {
     /// Prepares a scene. `pictures` are the images of its textures, in their order.
     ///
     /// # Errors
-    /// A scene that takes more nodes or clauses than the limits.
+    /// Returns an error for a scene that exceeds the limits on nodes or clauses.
     pub fn new(name: &str, mut scene: Scene, pictures: Vec<Arc<RgbaImage>>) -> Result<Self, WorldError> {
         let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
         let (planes, rest) = planes::split(&mut scene).map_err(graph_error)?;
@@ -185,11 +184,11 @@ impl World {
         Self::prepared(name, scene, Surfaces { planes, rest, glow }, None, pictures)
     }
 
-    /// The same world seen by another of its cameras, by its number among [`Scene::cameras`]; unchanged if there is no
-    /// such camera. Its programs are the same.
+    /// The same world seen by another of [`Scene::cameras`], by number; unchanged if there is no such camera. Its
+    /// programs are the same.
     ///
     /// # Errors
-    /// A camera that takes more clauses than the limits.
+    /// Returns an error for a camera that exceeds the limit on clauses.
     pub fn seen_by(&self, camera: usize) -> Result<Self, WorldError> {
         let mut world = self.clone();
         if let Some((_, camera)) = self.scene.cameras.get(camera) {
@@ -201,7 +200,7 @@ impl World {
         Ok(world)
     }
 
-    /// The world of a scene of which the surfaces are known, and perhaps how they are traced.
+    /// Prepares a scene whose surfaces are already split. `traced` replaces the analysis of the formula.
     fn prepared(
         name: &str,
         mut scene: Scene,
@@ -241,20 +240,20 @@ impl World {
     }
 }
 
-/// What of a scene is solved as a plane, what is traced, and what its objects shine.
+/// The parts of a scene: planes, traced rest, and emission of its objects.
 struct Surfaces {
     planes: Vec<Plane>,
     rest: Option<Rest>,
-    /// See [`Roots::glow`].
+    /// The expressions of [`Roots::glow`].
     glow: Option<[NodeId; 4]>,
 }
 
-/// How far from its surfaces a value that is no distance grows: this share of half the size of their bounds.
+/// Reach of a normalized value around its surfaces, as a fraction of half the size of their bounds.
 const NORMALIZED_FRACTION: f32 = 1.0;
-/// The same in a scene without bounds.
+/// The reach in a scene without bounds.
 const TAMED_REACH: f32 = 8.0;
 
-/// What is known of the rest of a scene before it is traced: see the fields of [`World`].
+/// The analysis of a scene's rest before it is traced; see the fields of [`World`].
 #[derive(Default)]
 struct Traced {
     bounds: Option<Bounds>,
@@ -264,7 +263,7 @@ struct Traced {
 }
 
 impl Traced {
-    /// Found from the formula.
+    /// Analyses the formula.
     fn of(scene: &Scene, roots: &Roots, frame_tape: &FrameTape) -> Result<Self, TapeError> {
         let tape = Tape::build(&scene.graph, &roots.distance[..1], &TapeOptions::default())?;
         let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));

@@ -1,20 +1,26 @@
 //! The light that shining objects give to their surroundings.
 //!
-//! **What hides the sky sends its own light.** An object that hides a part of the sky from a surface sends its own
-//! light from there instead, so emission lights its surroundings just as ambient occlusion darkens them. Once per
-//! surface the shader probes a point above it and asks one program for the emission and the distance of what shines
-//! nearby, mixed between objects so that no seams are seen. Only scenes in which something shines pay for this
-//! program. No other light travels from surface to surface, except by mirrors.
+//! **Emission is the counterpart of ambient occlusion.** An object that hides a part of the sky from a surface sends
+//! its own light from there instead. Once per surface the shader probes a point above it and runs one program for the
+//! emission and the distance of shining objects nearby, mixed between objects so that there are no visible seams.
+//! Only scenes with emission pay for this program. No other light travels from surface to surface, except by mirrors.
+//!
+//! Shining objects are mixed by the inverse squares of their distances. Such a weight is never 0, so a shortened tape
+//! cannot leave an object out. This is most of the work that remains after shortening. Weights that end at the reach
+//! of the light would change images.
+//!
+//! Tried: skipping the glow program if no shining object is within reach. In most scenes nearly every surface has one
+//! within reach (in speakers 19 % of the pixels have none, in clockwork 79 %).
 
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::Scene;
 
-/// Emission near a point in red, green and blue, and the distance to the nearest object that shines, as functions of
-/// the point. Between objects their emissions mix, nearer ones counting more, so that no seam is seen. An emission
-/// that depends on the normal is that of a surface that faces up. `None` if nothing shines.
+/// Emission near a point in red, green and blue, and the distance to the nearest shining object, as functions of the
+/// point. Emissions mix between objects, nearer ones more strongly, so that there is no visible seam. An emission
+/// that depends on the normal is evaluated for a surface that faces up. `None` if no object shines.
 ///
 /// # Errors
-/// Those of [`Graph::check`].
+/// Returns the error of [`Graph::check`].
 pub(super) fn nearby_light(scene: &mut Scene) -> Result<Option<[NodeId; 4]>, GraphError> {
     let zero = scene.graph.constant(0.0);
     let objects = scene.objects.iter();
@@ -88,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn objects_give_their_emission_as_far_as_they_are_near_and_what_is_dark_gives_none() {
+    fn emissions_mix_by_distance_and_dark_objects_add_none() {
         let text = "material a { emission = vec3(p.x, 2, n.y) }\nmaterial b { emission = vec3(0, 4, 0) }\n\
                     material dark { color = 1 }\n\
                     object first { shape = sphere(p, 9) material = dark }\n\

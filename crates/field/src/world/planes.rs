@@ -1,19 +1,18 @@
-//! Planes, which rays hit exactly, and the rest of a scene, which is traced.
+//! Splits a scene into planes, which rays hit exactly, and the rest, which is traced.
 //!
-//! **Planes are solved exactly.** A part of an object's union is taken out of the scene if it is `a*x + b*y + c*z +
-//! d` with numbers that are the same all over a frame; up to four parts are. A floor then costs a ray one division
-//! instead of endless steps along it, and what is left of the scene often has bounds.
+//! A part of an object's union is taken out of the scene if it is `a*x + b*y + c*z + d` with numbers that are
+//! constant within a frame. Up to four parts are taken out. A floor then costs a ray one division instead of endless
+//! steps along it, and the rest of the scene often has bounds.
 
 use std::collections::HashSet;
 
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::Scene;
 
-/// Most planes that are taken out of a scene; further ones are traced like anything else.
+/// Most planes that are taken out of a scene; further ones are traced like any other shape.
 pub const PLANES_MAX: usize = 4;
 
-/// A part of an object's shape that is a plane: it is `a*x + b*y + c*z + d` with numbers that are the same all over a
-/// frame.
+/// A part of an object's shape that is a plane: `a*x + b*y + c*z + d` with numbers that are constant within a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Plane {
     /// The part of the shape.
@@ -22,10 +21,10 @@ pub struct Plane {
     pub object: usize,
 }
 
-/// Everything that is not a plane.
+/// All surfaces that are not planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rest {
-    /// How far a ray may step.
+    /// The length of a ray's step.
     pub bound: NodeId,
     /// Distance to an actual surface, for penumbras and occlusion.
     pub estimate: NodeId,
@@ -33,21 +32,21 @@ pub struct Rest {
     pub object: NodeId,
 }
 
-/// How an expression depends on the point.
+/// The dependence of an expression on the point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Shape {
-    /// Not at all.
+    /// Independent of the point.
     Constant,
-    /// As in the equation of a plane.
+    /// Affine, as in the equation of a plane.
     Affine,
-    /// In any other way.
+    /// Any other dependence.
     Other,
 }
 
-/// Takes the planes out of a scene's shapes. The shape of an object with a `bound` is not taken apart.
+/// Takes the planes out of a scene's shapes. The shape of an object with a `bound` stays whole.
 ///
 /// # Errors
-/// Those of [`Graph::check`].
+/// Returns the error of [`Graph::check`].
 pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>), GraphError> {
     let shapes: Vec<NodeId> = scene.objects.iter().map(|object| object.shape).collect();
     let kinds = kinds(&scene.graph, &shapes)?;
@@ -84,9 +83,9 @@ struct Part {
 
 /// The union of the parts.
 ///
-/// Where a shape leaves something out, its value beyond `bound` is the distance to the wrong surface, which would
-/// tear a penumbra. So the penumbra ends at the bound: from there on the estimate is so large that it casts no
-/// shadow, and it grows gradually, so that no edge is seen.
+/// If a shape leaves out parts of an object, its value beyond `bound` is the distance to the wrong surface, which
+/// would tear a penumbra. The penumbra therefore ends at the bound: from there on the estimate is so large that it
+/// casts no shadow. It grows gradually, so that no edge is visible.
 fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
     let penumbra = graph.input(Input::NX);
     let one = graph.constant(1.0);
@@ -115,7 +114,7 @@ fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
     Some(Rest { bound: bound?, estimate: estimate?, object })
 }
 
-/// The operands of nested minima, left to right, each once.
+/// The operands of nested minima, from left to right, each once.
 fn operands_of_minimum(graph: &Graph, root: NodeId) -> Vec<NodeId> {
     let mut operands = Vec::new();
     let mut seen = HashSet::new();
@@ -132,7 +131,7 @@ fn operands_of_minimum(graph: &Graph, root: NodeId) -> Vec<NodeId> {
     operands
 }
 
-/// How each node that the roots need depends on the point; indexed by node.
+/// The dependence of each node below the roots on the point; indexed by node.
 fn kinds(graph: &Graph, roots: &[NodeId]) -> Result<Vec<Shape>, GraphError> {
     let mut kinds = vec![Shape::Other; graph.len()];
     for id in graph.order(roots)?.nodes {
@@ -169,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn planes_leave_the_minimum_they_stand_in() {
+    fn planes_are_taken_out_of_a_minimum() {
         let mut formula = scene("min(y, sqrt(x*x+(y-1)*(y-1)+(z-6)*(z-6))-1)");
         let (planes, rest) = split(&mut formula).unwrap();
         assert_eq!(planes.len(), 1);
@@ -185,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_bends_or_stands_in_a_cut_is_no_plane() {
+    fn bent_and_cut_shapes_are_not_planes() {
         for text in ["y + 0.1*sin(x)", "max(y, x)", "abs(y)", "y*y", "y*x", "1/y", "length(p) - 1"] {
             let (planes, rest) = split(&mut scene(text)).unwrap();
             assert!(planes.is_empty() && rest.is_some(), "{text}");

@@ -1,7 +1,6 @@
-//! The optional parts of the shaders that a scene needs.
+//! The optional parts of the shaders that a scene needs: panels, mirrors, rough mirrors, glow, a lens.
 //!
-//! **What a scene does not have is not compiled for it** (`world::SceneFeatures`): panels, mirrors, rough mirrors,
-//! glow, a lens. A renderer that never skips a branch would compute them for nothing.
+//! Other parts are not compiled for it, because a renderer that never skips a branch would compute them in vain.
 
 use crate::graph::NodeId;
 use crate::lang::{LightKind, Scene};
@@ -9,22 +8,22 @@ use crate::lang::{LightKind, Scene};
 /// Parts of the shaders that only some scenes need.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SceneFeatures {
-    /// Lights that are rectangles.
+    /// Rectangular lights.
     pub panels: bool,
-    /// Surfaces that mirror.
+    /// Mirroring surfaces.
     pub mirrors: bool,
-    /// Mirrors that are rough.
+    /// Rough mirrors.
     pub blur: bool,
-    /// Objects that shine.
+    /// Shining objects.
     pub glow: bool,
-    /// A lens that is not sharp everywhere.
+    /// A lens with depth of field.
     pub lens: bool,
-    /// Two scenes in one, where a lamp of one may be among the surfaces of the other.
+    /// A blend of two scenes, where a lamp of one may be inside a surface of the other.
     pub blend: bool,
 }
 
 impl SceneFeatures {
-    /// All of them.
+    /// All features.
     pub const ALL: Self =
         Self { panels: true, mirrors: true, blur: true, glow: true, lens: true, blend: true };
 
@@ -42,7 +41,7 @@ impl SceneFeatures {
         }
     }
 
-    /// The defines of these features.
+    /// The shader defines of these features.
     pub fn defines(self) -> impl Iterator<Item = &'static str> {
         let all = [
             (self.panels, "PANELS"),
@@ -55,7 +54,7 @@ impl SceneFeatures {
         all.into_iter().filter_map(|(is_there, define)| is_there.then_some(define))
     }
 
-    /// Whether these features include all of `other`.
+    /// True if these features include all of `other`.
     pub fn covers(self, other: Self) -> bool {
         other.defines().all(|define| self.defines().any(|own| own == define))
     }

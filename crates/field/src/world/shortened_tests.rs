@@ -1,4 +1,4 @@
-//! A shortened program gives in its cell what the whole one gives.
+//! Tests that a shortened program gives the same values in its cell as the whole one.
 
 use std::sync::Arc;
 
@@ -11,8 +11,8 @@ use crate::region::{RegionOptions, RegionPlan, run_texels};
 use crate::world::testing::{SPEAKERS, world_of};
 use crate::world::{ShortenOptions, ShortenRequest};
 
-/// What the interpreter computes for a place of the directory, as `run_program` of the shaders does, and the number of
-/// texels of the tape that it runs.
+/// Runs the program at a position of the directory in the same way as `run_program` in the shaders. Returns its
+/// outputs and the number of texels of its tape.
 fn run(texels: &[[u32; 4]], place: usize, over: Over, at: &Point, frame: &FrameInputs) -> (Vec<f32>, usize) {
     let inputs: [f32; 6] = std::array::from_fn(|i| if i < 3 { at.position[i] } else { at.normal[i - 3] });
     let asked = if over == Over::Points { at.position } else { at.normal };
@@ -42,7 +42,7 @@ fn run(texels: &[[u32; 4]], place: usize, over: Over, at: &Point, frame: &FrameI
     (outputs.map(|register| registers[usize::from(register)] + 0.0).collect(), end + 1)
 }
 
-/// The i-th of points spread over a box around the origin and, some of them, far outside; its normal has length 1.
+/// A point in a box around the origin or, for some numbers, far outside. Its normal has length 1.
 fn point(number: u32, reach: f32) -> Point {
     let place = |step: f64| (f64::from(number) * step + 0.5).fract() as f32 * 2.0 - 1.0;
     let reach = if number.is_multiple_of(8) { 30.0 * reach } else { reach };
@@ -66,7 +66,7 @@ fn frame_of(world: &World, time: f32, loud: f32) -> FrameInputs {
     frame
 }
 
-/// Lamps in rooms, a floor that is lit within a square, a pattern that changes from place to place, and a sky with an
+/// Lamps in rooms, a floor that is lit within a square, a pattern that changes from place to place, and a sky with a
 /// horizon.
 const ROOMS: &str = "
 fn room(p) = clamp(round(p.x / 4), -2, 2)
@@ -89,7 +89,7 @@ sky {
 }
 ";
 
-/// All programs of a frame, shortened.
+/// Shortens all programs of a frame.
 fn shortened(buffers: &TapeBuffers, frame: &FrameInputs, options: &ShortenOptions<'_>) -> ShortPrograms {
     buffers.shorten(frame, &buffers.worth_shortening().request(buffers, frame), options)
 }
@@ -99,7 +99,8 @@ fn whole_texels(buffers: &TapeBuffers, frame: &FrameInputs) -> Vec<[u32; 4]> {
     buffers.texels(frame, &ShortPrograms::default())
 }
 
-/// Compares all programs of a world at many points; gives the mean share of the whole tapes' texels that were run.
+/// Compares all programs of a world at many points. Returns the mean fraction of the whole tapes' texels that were
+/// run.
 fn assert_the_same(world: &World, frame: &FrameInputs, options: &ShortenOptions<'_>) -> f64 {
     let buffers = world.tape_buffers().unwrap();
     let texels = buffers.texels(frame, &shortened(&buffers, frame, options));
@@ -157,7 +158,7 @@ fn programs_without_room_are_whole() {
     }
 }
 
-/// No program is asked away from surfaces, so nothing is shortened there.
+/// Programs do not run away from surfaces, so they are not shortened there.
 #[test]
 fn programs_are_shortened_where_surfaces_are() {
     let world = world_of(ROOMS);
@@ -174,7 +175,7 @@ fn programs_are_shortened_where_surfaces_are() {
     let whole = whole_texels(&buffers, &frame);
     let distance = Tape::build(&world.graph, &world.roots.distance, &TapeOptions::default()).unwrap();
     let mut distance = crate::tape::PointEvaluator::new(&distance, &frame);
-    // How many tapes are shortened near surfaces and away from them, with and without knowing where they are.
+    // Number of shortened tapes near surfaces and away from them, with and without known surfaces.
     let (mut near, mut away) = ([0; 2], [0; 2]);
     for number in 0..40_000 {
         let mut at = point(number, 6.0);
@@ -191,7 +192,7 @@ fn programs_are_shortened_where_surfaces_are() {
             }
         }
     }
-    // A block of which fewer cells are asked may have a shorter tape.
+    // A block with fewer cells near surfaces may have a shorter tape.
     assert!(near[1] > 1_000 && near[0] >= near[1], "near: {near:?}");
     assert!(away[0] < away[1], "away: {away:?}");
 }
@@ -208,13 +209,13 @@ object floor { shape = p.y material = floor }
 object wall { shape = box(p - vec3(0, 1, 4), vec3(10, 2, 0.2)) material = wall }
 ";
 
-/// The materials that a request names.
+/// The materials that a request contains.
 fn names(request: &ShortenRequest, materials: usize) -> Vec<bool> {
     (0..materials).map(|number| request.key_of(PROGRAMS_OF_LIGHT + number).is_some()).collect()
 }
 
 #[test]
-fn what_hardly_becomes_shorter_is_left_whole_for_a_while() {
+fn programs_that_save_little_stay_whole_for_a_while() {
     let world = world_of(CHANGING);
     let buffers = world.tape_buffers().unwrap();
     let mut worth = buffers.worth_shortening();
@@ -248,7 +249,7 @@ fn programs_that_were_shortened_with_other_numbers_are_not_run() {
     let buffers = world.tape_buffers().unwrap();
     let [quiet, loud] = [0.0, 1.0].map(|loud| frame_of(&world, 3.0, loud));
     let short = shortened(&buffers, &quiet, &ShortenOptions::default());
-    // The last cell of the grid of the sky, which reads no number, and of the floor's material.
+    // The last cell of the sky's grid, which reads no number, and of the grid of the floor's material.
     let last_cells = |frame| {
         let texels = buffers.texels(frame, &short);
         [0, 4].map(|place| texels[texels.as_flattened()[place] as usize][3])
@@ -258,7 +259,7 @@ fn programs_that_were_shortened_with_other_numbers_are_not_run() {
     let [quiet, loud] = [quiet, loud].map(|frame| buffers.worth_shortening().request(&buffers, &frame));
     assert!(quiet.is_served_by(&quiet) && !loud.is_served_by(&quiet));
     assert!(loud.is_served_by(&ShortenRequest::default()), "whole programs serve");
-    assert!(ShortenRequest::default().is_served_by(&quiet), "no shortened one is run");
+    assert!(ShortenRequest::default().is_served_by(&quiet), "no shortened program is run");
 }
 
 proptest! {

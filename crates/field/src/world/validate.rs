@@ -1,4 +1,4 @@
-//! Checks generated GLSL with naga, so that no driver sees text that is not well formed.
+//! Checks generated GLSL with naga, so that no driver gets invalid text.
 
 use naga::front::glsl::{Frontend, Options};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -6,7 +6,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use crate::graph::{BAND_COUNT, CELL_HASH_GLSL, SoundInput};
 use crate::limits::LIMITS;
 
-/// The declarations that the generated functions find in the shader around them, in the form that naga reads.
+/// The declarations that the generated functions rely on, in the form that naga reads.
 fn surroundings() -> String {
     format!(
         "#version 450\n\
@@ -26,7 +26,7 @@ fn surroundings() -> String {
 /// Parses and validates the functions.
 ///
 /// # Errors
-/// The message of naga.
+/// Returns the message of naga.
 pub(super) fn validate(functions: &str) -> Result<(), String> {
     let text = surroundings() + functions + "void main() {}\n";
     let module = Frontend::default()
@@ -43,7 +43,7 @@ mod tests {
     use super::validate;
 
     #[test]
-    fn broken_functions_are_refused_and_quoted() {
+    fn invalid_functions_are_rejected_and_quoted() {
         assert_eq!(validate("float f(vec3 p) { return p.x; }\n"), Ok(()));
         let complaint = validate("float f(vec3 p) { return p.x + no_such_name; }\n").unwrap_err();
         assert!(complaint.contains("no_such_name"), "{complaint}");
