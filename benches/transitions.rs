@@ -33,7 +33,6 @@ const SECONDS: f64 = 2.0;
 /// Frames of a transition, without the pure scenes at its ends.
 const FRAMES: usize = 24;
 
-/// A scene's program and resources.
 struct Model {
     resources: SceneResources,
     program: Program,

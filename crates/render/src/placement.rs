@@ -75,7 +75,6 @@ impl Crop {
 #[serde(try_from = "[[f64; 2]; 4]", into = "[[f64; 2]; 4]")]
 pub struct Corners([[f64; 2]; 4]);
 
-/// The corners of the screen.
 const OF_SCREEN: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 
 impl Default for Corners {

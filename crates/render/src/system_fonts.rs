@@ -40,16 +40,13 @@ pub struct SystemFonts {
     folder: Option<PathBuf>,
     /// Read when it is first needed.
     database: Option<Database>,
-    /// The user's script.
     writing: Option<Writing>,
     taken: Vec<ID>,
     bytes_left: u64,
 }
 
-/// A font with some of the letters.
 struct Candidate {
     id: ID,
-    /// The wanted letters that the font has.
     has: Vec<char>,
     rank: Rank,
 }
@@ -167,7 +164,6 @@ fn rank(face: &FaceInfo, writing: Option<Writing>) -> Rank {
     )
 }
 
-/// The letters that a font can draw.
 fn letters_in(database: &Database, id: ID, letters: &BTreeSet<char>) -> Vec<char> {
     let drawn = database.with_face_data(id, |data, index| {
         let Ok(font) = FontRef::from_index(data, index) else { return Vec::new() };

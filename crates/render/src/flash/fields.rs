@@ -5,7 +5,6 @@ use super::grid::{CELLS, COLUMNS, ROWS};
 pub(super) const WIDTH: usize = COLUMNS / 3;
 pub(super) const HEIGHT: usize = ROWS / 3;
 const _: () = assert!(COLUMNS.is_multiple_of(3) && ROWS.is_multiple_of(3), "a field has whole cells");
-/// Cells per field.
 const FIELD: usize = WIDTH * HEIGHT;
 
 /// Sums over all cells above and to the left of a position, with one more column per row (a summed-area table).
@@ -36,7 +35,6 @@ fn summed(value: impl Fn(usize) -> u32) -> Sums {
     sums
 }
 
-/// The largest fraction of marked cells in any field, 0..1.
 pub(super) fn largest_fraction(marked: impl Fn(usize) -> bool) -> f64 {
     let mut largest: f64 = 0.0;
     look(marked, |_, fraction| largest = largest.max(fraction));
@@ -72,7 +70,6 @@ pub(super) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool
 mod tests {
     use super::*;
 
-    /// True if a cell is in a rectangle.
     fn within(cell: usize, x: std::ops::Range<usize>, y: std::ops::Range<usize>) -> bool {
         x.contains(&(cell % COLUMNS)) && y.contains(&(cell / COLUMNS))
     }

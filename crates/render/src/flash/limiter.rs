@@ -153,7 +153,6 @@ impl Cell {
             && self.shown_red_changes.count(now, early) + 1 >= CHANGES
     }
 
-    /// Records the displayed colour.
     fn show(&mut self, light: f32, color: [f32; 3], now: f64) {
         let renews = self.shown.may_count_only_at(light, &CAUTIOUS);
         if self.shown.step(light, &CAUTIOUS).is_some() {

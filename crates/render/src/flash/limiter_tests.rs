@@ -23,7 +23,6 @@ struct Show {
     limiter: Limiter,
     analyser: Analyser,
     time: f64,
-    /// Number of changed frames.
     touched: usize,
 }
 

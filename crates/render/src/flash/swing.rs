@@ -2,7 +2,6 @@
 
 use std::collections::VecDeque;
 
-/// The changes that count.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Thresholds {
     /// Smallest change of luminance, as a fraction of the maximum.
@@ -15,7 +14,6 @@ pub(super) struct Thresholds {
     pub red_change: f32,
 }
 
-/// The definition's thresholds.
 pub(super) const DEFINED: Thresholds =
     Thresholds { light_change: 0.1, light_darker: 0.8, red_fraction: 0.8, red_change: 0.2 };
 /// Conservative thresholds, for approximate measurements and 8-bit images.
@@ -31,7 +29,6 @@ pub(super) const FLARE: f32 = 0.01;
 /// Chromaticity of sRGB's red.
 pub(super) const RED: [f32; 2] = [0.4507, 0.5229];
 
-/// A change that counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Change {
     /// To the brighter state, or to red.
@@ -97,7 +94,6 @@ impl LightSwing {
     }
 }
 
-/// Finds the changes to and from a saturated red.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RedSwing {
     /// True if the last change was to red.
@@ -158,7 +154,6 @@ fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
 /// Tolerance for comparing frame times, which are rounded, in seconds.
 pub(super) const ROUNDING: f64 = 1e-6;
 
-/// The times of the changes within the last second.
 #[derive(Debug, Clone)]
 pub(super) struct Times(VecDeque<f64>);
 
@@ -170,7 +165,6 @@ impl Times {
         self.0.push_back(time);
     }
 
-    /// Moves the last change to a later time.
     pub(super) fn renew(&mut self, time: f64) {
         if let Some(last) = self.0.back_mut() {
             *last = time;

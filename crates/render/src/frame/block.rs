@@ -12,7 +12,6 @@ const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector
 
 /// Vectors before the block's arrays.
 const HEAD: usize = 12;
-/// Vectors per light.
 const LIGHT: usize = 4;
 const LIGHTS_MAX: usize = FIELD_LIMITS.scene_lights_max;
 const HEARD_QUADS: usize = SoundInput::ALL.len().div_ceil(4);

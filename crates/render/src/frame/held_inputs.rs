@@ -18,7 +18,6 @@ pub struct Setting {
 impl FromStr for Setting {
     type Err = String;
 
-    /// Parses `NAME=VALUE`.
     fn from_str(text: &str) -> Result<Self, String> {
         let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE, for example volume.x=0.3")?;
         let number = value.trim().parse().ok().filter(|number: &f32| number.is_finite());
@@ -45,7 +44,6 @@ pub struct OutOfRange {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HeldInputs(Vec<(Place, f32)>);
 
-/// The position of an input in a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
     Time,

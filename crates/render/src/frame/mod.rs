@@ -36,7 +36,6 @@ pub struct Frame {
     pub values: FrameValues,
     /// Exposure, bloom, tone mapping and lens.
     pub picture: Picture,
-    /// The user's changes to the camera.
     orbit: OrbitControls,
 }
 

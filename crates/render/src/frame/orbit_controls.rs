@@ -11,7 +11,6 @@ use glam::DVec3;
 pub struct OrbitControls {
     /// Rotation around the vertical in degrees; positive values move the eye to the left.
     yaw: f32,
-    /// Upward rotation in degrees.
     pitch: f32,
     /// Factor of the distance.
     zoom: f32,
@@ -23,11 +22,9 @@ const TURN: f64 = 180.0;
 const PITCH_MAX: f64 = 0.49 * 180.0;
 /// Each notch of the wheel multiplies the distance by e to this power.
 const NOTCH: f64 = 0.12;
-/// Range of [`OrbitControls::zoom`].
 const ZOOM: (f64, f64) = (1.0 / 64.0, 64.0);
 /// Pointer movements of this size or more are ignored.
 const WAY_MAX: f64 = 1e6;
-/// Largest distance from the target.
 const REACH_MAX: f64 = 1e7;
 
 impl Default for OrbitControls {

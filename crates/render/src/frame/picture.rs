@@ -65,14 +65,12 @@ impl Picture {
 
 /// Largest radius of a blurred point, in image heights. Larger ones would need too many samples.
 pub const BLUR_MAX: f32 = 0.04;
-/// Ten stops.
 const EXPOSURE_MAX: f32 = 1000.0;
 const GRAIN_MAX: f32 = 16.0;
 const LENS_RADIUS_MAX: f32 = 1e6;
 /// Range of the distance of focus.
 const FOCUS: (f32, f32) = (1e-3, 1e7);
 
-/// Clamps a value to its range; NaN becomes `otherwise`.
 fn within(value: f32, low: f32, high: f32, otherwise: f32) -> f32 {
     if value.is_nan() { otherwise } else { value.clamp(low, high) }
 }

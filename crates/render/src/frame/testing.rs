@@ -5,7 +5,6 @@ use mariana_field::world::World;
 /// The thesis' speakers.
 pub(crate) const SPEAKERS: &str = include_str!("../../../../tests/oracle/speakers.scene");
 
-/// Parses a world.
 pub(crate) fn world_of(text: &str) -> World {
     World::parse("test", text).unwrap()
 }

@@ -148,16 +148,13 @@ struct Queue {
 #[derive(Default)]
 struct State {
     jobs: VecDeque<ProgramJob>,
-    /// The jobs in progress.
     begun: Vec<Begun>,
     over: bool,
 }
 
-/// A job in progress.
 struct Begun {
     id: u64,
     since: Instant,
-    /// True if the job was reported as slow.
     reported: bool,
 }
 
@@ -278,7 +275,6 @@ impl Drop for BackgroundCompiler {
     }
 }
 
-/// The time after which a job is reported as slow.
 fn reported_after() -> Duration {
     let is_hurried = [Fault::SlowCompiler, Fault::SlowInterpreter].into_iter().any(faults::is_wanted);
     let seconds = if is_hurried { 0.2 } else { LIMITS.compile_seconds_reported };
@@ -335,7 +331,6 @@ fn work(
     }
 }
 
-/// Assembles the texts of a scene's program.
 fn texts_of(library: &ShaderLibrary, variant: VariantMaker, info: &GlInfo) -> Result<ProgramTexts, GpuError> {
     Ok(ProgramTexts::assemble(library, SCENE_SHADER, &variant()?, info)?)
 }

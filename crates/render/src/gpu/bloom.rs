@@ -13,12 +13,10 @@ use super::target::{Target, Texel};
 
 /// Most levels: the smallest is then a 256th of the image.
 const LEVELS_MAX: u32 = 8;
-/// Approximate height of the smallest level, in pixels.
 const SMALLEST: u32 = 6;
 /// The weight of each level relative to the next larger one.
 const FADING: f32 = 0.85;
 
-/// The programs of the bloom passes.
 pub(super) struct Bloom {
     pub(super) first: LazyProgram,
     pub(super) down: LazyProgram,
@@ -32,9 +30,6 @@ pub(super) struct BloomTargets {
 
 impl Bloom {
     /// Scatters light. The result has half the size.
-    ///
-    /// # Errors
-    /// The driver's log, for a malformed program.
     pub(super) fn draw<'a>(
         &self,
         passes: &Passes,
@@ -67,10 +62,6 @@ fn fraction_of_smaller(levels: usize) -> f32 {
 }
 
 impl BloomTargets {
-    /// Creates levels for light of `size` pixels.
-    ///
-    /// # Errors
-    /// As [`Target::new`].
     pub(super) fn new(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
         let level = |size| Ok(Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth());
         Ok(Self { levels: level_sizes(size).into_iter().map(level).collect::<Result<_, GpuError>>()? })

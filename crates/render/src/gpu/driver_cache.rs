@@ -11,7 +11,6 @@ use std::path::{Path, PathBuf};
 /// Free bytes below which the cache is disabled. Its index takes 1.25 MiB.
 const ROOM_MIN: u64 = 16 << 20;
 
-/// Environment variable that disables the cache.
 const OFF: &str = "MESA_SHADER_CACHE_DISABLE";
 
 /// Disables Mesa's cache for this process and its children if its disk is almost full. Call it first: it has no effect

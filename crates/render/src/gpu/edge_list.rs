@@ -27,7 +27,6 @@ pub(super) struct EdgeList {
     texels: Vec<Texel>,
     /// Width and height of a block, in texels.
     block: (u32, u32),
-    /// Most rows of blocks.
     rows_max: u32,
     /// 255 at edges.
     marks: Target,
@@ -41,9 +40,6 @@ pub(super) struct EdgeList {
 
 impl EdgeList {
     /// Creates a list for images of `size` pixels, with samples stored as `texels`.
-    ///
-    /// # Errors
-    /// As [`Target::new`].
     pub(super) fn new(
         gl: &Gl,
         size: (u32, u32),
@@ -70,7 +66,6 @@ impl EdgeList {
         Ok(list)
     }
 
-    /// The target for the marks of edges.
     pub(super) fn marks(&self) -> &Target {
         &self.marks
     }
@@ -79,7 +74,6 @@ impl EdgeList {
         &self.samples
     }
 
-    /// Blocks per row of the target.
     fn row(&self) -> u32 {
         self.size.0.min(self.gl.info().texture_side_max / self.block.0).max(1)
     }
@@ -98,9 +92,6 @@ impl EdgeList {
 
     /// Lists the marked pixels, each with the free length of its beam (`beams`, for all pixels). Returns the areas of
     /// the target to draw samples in; the rest of the target is empty.
-    ///
-    /// # Errors
-    /// No memory for the samples.
     pub(super) fn prepare(&mut self, beams: &[f32]) -> Result<Vec<Part>, GpuError> {
         let marks = self.marks.read_red();
         let listed = listed_pixels(&marks, self.size);
@@ -191,7 +182,6 @@ fn index_formats(numbers: usize) -> (u32, u32) {
     if numbers == 2 { (glow::RG16UI, glow::RG_INTEGER) } else { (glow::RGBA16UI, glow::RGBA_INTEGER) }
 }
 
-/// Creates a texture with two or four integers in each texel.
 fn index_texture(gl: &Gl, size: (u32, u32), numbers: usize) -> Result<Texture, GpuError> {
     let texture = Texture::new(gl)?;
     let (stored, format) = index_formats(numbers);

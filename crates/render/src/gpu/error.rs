@@ -80,9 +80,7 @@ pub enum GpuError {
         limit: u32,
     },
     /// The context is lost, for example because the GPU was reset.
-    #[error(
-        "the driver has lost its context while {doing}: restart Mariana if no image appears"
-    )]
+    #[error("the driver has lost its context while {doing}: restart Mariana if no image appears")]
     ContextLost {
         /// The operation that failed.
         doing: &'static str,

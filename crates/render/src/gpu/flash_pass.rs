@@ -65,7 +65,6 @@ pub struct FlashPass {
     is_fresh: bool,
 }
 
-/// The programs of [`FLASH_SHADERS`].
 struct FlashPrograms {
     measure: Program,
     follow: Program,
@@ -94,7 +93,6 @@ struct FlashMemory {
     shown: Target,
 }
 
-/// Draws over cells.
 struct CellDraws {
     gl: Gl,
     /// Numbers for a single pass.
@@ -153,7 +151,6 @@ impl FlashPass {
         (0..PASSES).for_each(|number| self.pass(number, finished));
     }
 
-    /// Begins the passes of a frame.
     fn begin(&mut self, seconds: f64) {
         let step = self.steps.next(seconds);
         let flag = |is: bool| f32::from(u8::from(is));
@@ -212,7 +209,6 @@ impl FlashPass {
         }
     }
 
-    /// Spreads ceilings along an axis.
     fn spread_along(&self, [right, up]: [f32; 2], ceilings: &Target, target: &Target) {
         self.cells.place_block.set(&[0.0, 0.0, right, up]);
         bind(ceilings, &["ceilings"]);
@@ -301,7 +297,6 @@ impl FlashMemory {
         })
     }
 
-    /// The ceilings that dim the image.
     fn spread_ceilings(&self) -> &Target {
         let [.., spread] = &self.ceilings;
         spread
@@ -309,7 +304,6 @@ impl FlashMemory {
 }
 
 impl CellDraws {
-    /// Resets the state before a series of draws.
     fn reset_state(&self) {
         // SAFETY: sets state of the current context and binds a vertex array of `self`.
         unsafe {
@@ -327,7 +321,6 @@ impl CellDraws {
         }
     }
 
-    /// Binds the window's framebuffer of `window` pixels.
     fn bind_window(&self, window: (u32, u32)) {
         // SAFETY: sets state of the current context.
         unsafe {
@@ -336,7 +329,6 @@ impl CellDraws {
         }
     }
 
-    /// Draws over a whole target.
     fn draw(&self, program: &Program, target: &Target) {
         target.bind();
         program.bind();
@@ -356,7 +348,6 @@ impl CellDraws {
     }
 }
 
-/// Links one of the [`FLASH_SHADERS`].
 fn linked(gl: &Gl, library: &ShaderLibrary, shader: &str, defines: &[&str]) -> Result<Program, GpuError> {
     let variant = Variant::of(defines);
     match shader {

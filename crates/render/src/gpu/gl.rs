@@ -111,7 +111,6 @@ impl Gl {
         self.context.window.set(target.map(Target::native));
     }
 
-    /// The framebuffer of the window, or its replacement.
     pub(super) fn window(&self) -> Option<glow::NativeFramebuffer> {
         self.context.window.get()
     }

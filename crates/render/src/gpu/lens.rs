@@ -13,14 +13,12 @@ use crate::frame::picture::BLUR_MAX;
 /// Most samples that a pixel gathers: `TAPS_MAX` of `lens_blur.frag`.
 const TAPS_MAX: f32 = 80.0;
 
-/// The programs of the lens passes.
 pub(super) struct LensBlur {
     pub(super) down: LazyProgram,
     pub(super) blur: LazyProgram,
     pub(super) mix: LazyProgram,
 }
 
-/// The targets of the lens passes.
 pub(super) struct LensTargets {
     smaller: Target,
     blurred: Target,
@@ -29,9 +27,6 @@ pub(super) struct LensTargets {
 
 impl LensBlur {
     /// Blurs light. Colour 1 of `samples` holds the spread of each point.
-    ///
-    /// # Errors
-    /// The driver's log, for a malformed program.
     pub(super) fn draw<'a>(
         &self,
         passes: &Passes,
@@ -54,10 +49,6 @@ impl LensBlur {
 }
 
 impl LensTargets {
-    /// Creates targets for light of `size` pixels.
-    ///
-    /// # Errors
-    /// As [`Target::new`].
     pub(super) fn new(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
         let target = |size| Ok::<_, GpuError>(Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth());
         let half = (size.0.div_ceil(2), size.1.div_ceil(2));

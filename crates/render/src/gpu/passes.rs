@@ -22,10 +22,6 @@ pub(super) struct Passes {
 }
 
 impl Passes {
-    /// Creates the objects in the current context.
-    ///
-    /// # Errors
-    /// [`GpuError::Object`] if the driver has no object left.
     pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
         Ok(Self {
             gl: gl.clone(),
@@ -52,7 +48,6 @@ impl Passes {
         }
     }
 
-    /// Binds the vertices of the triangle that covers a target.
     pub(super) fn bind_vertices(&self) {
         // SAFETY: `self` owns the vertex array, which belongs to the current context.
         unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
@@ -64,18 +59,12 @@ impl Passes {
     }
 
     /// Draws over a whole target with the bound textures.
-    ///
-    /// # Errors
-    /// The driver's log, for a malformed program.
     pub(super) fn draw(&self, program: &LazyProgram, target: &Target) -> Result<(), GpuError> {
         self.draw_with(program, target, [0.0; 2])
     }
 
     /// Draws over the window's framebuffer of `window` pixels, or over an area of it: left and lower edge, width and
     /// height in pixels.
-    ///
-    /// # Errors
-    /// As [`Passes::draw`].
     pub(super) fn draw_in_window(
         &self,
         program: &LazyProgram,
@@ -103,9 +92,6 @@ impl Passes {
     }
 
     /// Like [`Passes::draw`], with two numbers for the shader.
-    ///
-    /// # Errors
-    /// As [`Passes::draw`].
     pub(super) fn draw_with(
         &self,
         program: &LazyProgram,
@@ -116,9 +102,6 @@ impl Passes {
     }
 
     /// Draws over a whole target and mixes a fraction, 0..1, of the result into it.
-    ///
-    /// # Errors
-    /// As [`Passes::draw`].
     pub(super) fn mix(&self, program: &LazyProgram, target: &Target, fraction: f32) -> Result<(), GpuError> {
         // SAFETY: sets state of the current context.
         unsafe {

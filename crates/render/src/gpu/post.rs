@@ -49,7 +49,6 @@ pub const POST_SHADERS: [(&str, &[&str]); 18] = [
     ("present.frag", &["TONE_MAP 3", "LIGHT"]),
 ];
 
-/// The programs of these passes.
 pub(super) struct Post {
     passes: Passes,
     resolve: LazyProgram,
@@ -75,9 +74,6 @@ pub(super) struct PostTargets {
 
 impl Post {
     /// Assembles the shaders. Each is compiled at its first use.
-    ///
-    /// # Errors
-    /// Missing shader files, or the driver has no object left.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         let programs = POST_SHADERS
             .map(|(name, defines)| move || LazyProgram::new(gl, library, name, &Variant::of(defines)));
@@ -96,7 +92,6 @@ impl Post {
         })
     }
 
-    /// The pass renderer.
     pub(super) fn passes(&self) -> &Passes {
         &self.passes
     }
@@ -114,26 +109,17 @@ impl Post {
 
     /// Resolves the bound first and further samples to light. `block` is the arrangement of the further samples side by
     /// side.
-    ///
-    /// # Errors
-    /// The driver's log, for malformed shaders, as for all passes.
     pub(super) fn resolve(&self, targets: &PostTargets, block: (u32, u32)) -> Result<(), GpuError> {
         self.passes.draw_with(&self.resolve, &targets.light, [block.0 as f32, block.1 as f32])
     }
 
     /// Resolves only the sum that is bound as further samples to light.
-    ///
-    /// # Errors
-    /// As [`Post::resolve`].
     pub(super) fn resolve_all(&self, targets: &PostTargets) -> Result<(), GpuError> {
         self.passes.draw(&self.resolve_all, &targets.light)
     }
 
     /// Finishes the image from the resolved light. `samples` are the first ones; `fade` is the light of another image
     /// and its fraction.
-    ///
-    /// # Errors
-    /// As [`Post::resolve`].
     pub(super) fn finish(
         &self,
         targets: &PostTargets,
@@ -158,9 +144,6 @@ impl Post {
     }
 
     /// Writes the exposed linear light of the last finished image to a target of the same size, without a tone map.
-    ///
-    /// # Errors
-    /// As [`Post::resolve`].
     pub(super) fn expose(
         &self,
         targets: &PostTargets,
@@ -192,9 +175,6 @@ impl Post {
 
 impl PostTargets {
     /// Creates targets for light of `size` pixels, with or without a lens, and finished images of `output` pixels.
-    ///
-    /// # Errors
-    /// As [`Target::new`].
     pub(super) fn new(
         gl: &Gl,
         size: (u32, u32),
@@ -209,7 +189,6 @@ impl PostTargets {
         })
     }
 
-    /// The finished image.
     pub(super) fn finished(&self) -> &Target {
         &self.finished
     }

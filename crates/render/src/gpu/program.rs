@@ -98,9 +98,7 @@ pub const VERTEX_SHADER: &str = "fullscreen.vert";
 /// The texts of a program's two shaders.
 #[derive(Debug, Clone)]
 pub struct ProgramTexts {
-    /// Name and text of the vertex shader.
     vertex: (&'static str, String),
-    /// Name and text of the fragment shader.
     fragment: (String, String),
 }
 
@@ -316,9 +314,6 @@ pub(super) struct LazyProgram {
 
 impl LazyProgram {
     /// Assembles a variant of `fragment` of `library`.
-    ///
-    /// # Errors
-    /// Missing shader files.
     pub(super) fn new(
         gl: &Gl,
         library: &ShaderLibrary,
@@ -330,9 +325,6 @@ impl LazyProgram {
     }
 
     /// Makes this the program of the following draws.
-    ///
-    /// # Errors
-    /// The driver's log, for a malformed program.
     pub(super) fn bind(&self, gl: &Gl) -> Result<(), GpuError> {
         if self.linked.get().is_none() {
             let _ = self.linked.set(Program::of(gl, &self.texts)?);
@@ -344,9 +336,6 @@ impl LazyProgram {
 
 /// Compiles and links the texts of a vertex and a fragment shader, each with its name. Error logs name the positions in
 /// the files that [`super::shader_source`] marked.
-///
-/// # Errors
-/// The driver's log.
 pub(super) fn link_texts(
     gl: &Gl,
     vertex: (&str, &str),

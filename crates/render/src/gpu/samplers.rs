@@ -25,10 +25,6 @@ pub(super) struct Samplers {
 }
 
 impl Samplers {
-    /// Assembles the shader.
-    ///
-    /// # Errors
-    /// A missing shader file, or the driver has no object left.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         let program = LazyProgram::new(gl, library, SAMPLERS_SHADER, &Variant::default())?;
         Ok(Self { program, texel: Target::new(gl, (1, 1), &[Texel::Rgba8], None)? })
@@ -36,9 +32,6 @@ impl Samplers {
 
     /// Sets the same samplers in all slots and unbinds the texture units. `target` is the target of the next draw; it
     /// does not change. The vertices of a full-screen triangle must be bound.
-    ///
-    /// # Errors
-    /// The driver's log, for a malformed shader.
     pub(super) fn settle(&self, gl: &Gl, target: &Target) -> Result<(), GpuError> {
         (0..SLOTS).for_each(|unit| self.texel.bind_color(0, unit));
         target.bind();

@@ -132,7 +132,6 @@ pub fn compiled_variant(
     variant
 }
 
-/// The parts that both forms have in common.
 fn common(textures: usize, features: SceneFeatures, counting: Counting) -> Variant {
     let mut variant = Variant::default();
     variant.defines.extend(block_defines());

@@ -43,7 +43,6 @@ pub struct SceneResources {
     /// True if any expression reads the sound tables.
     hears_tables: bool,
     texels_max: usize,
-    /// The cost of its pixels.
     costs: Costs,
     /// True if empty space is skipped.
     with_cells: Cell<bool>,
@@ -101,7 +100,6 @@ impl RegionRequest {
         Self { key: plan.key(&frame.inputs), options, programs: ShortenRequest::default() }
     }
 
-    /// True if both requests have the same tree.
     fn has_tree_of(&self, other: &Self) -> bool {
         self.key == other.key && self.options == other.options
     }
@@ -156,14 +154,13 @@ impl RegionMaker {
     }
 }
 
-/// For scenes with fewer clauses, building the tree takes less time than starting a thread,
+/// The tree of a scene with fewer clauses is built on one thread, because starting others would take longer.
 const SMALL_TAPE: usize = 64;
-/// unless the previous tree took longer than this.
+/// If the previous tree took longer, even a small scene's tree is built on several threads.
 const QUICK_TREE: Duration = Duration::from_millis(3);
 /// Most threads that build a tree. Each has its own tapes.
 const THREADS_MAX: usize = 4;
 
-/// The number of useful threads.
 fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, |count| count.get().min(THREADS_MAX))
 }
@@ -264,7 +261,6 @@ impl SceneResources {
         self.costs.expect(&last.costs);
     }
 
-    /// The cost of its pixels.
     pub(super) fn costs(&self) -> &Costs {
         &self.costs
     }
@@ -376,7 +372,6 @@ impl SceneResources {
     }
 }
 
-/// The texture buffers of a scene.
 pub(super) struct SceneBuffers {
     tape: TextureBuffer,
     regions: TextureBuffer,
@@ -385,9 +380,6 @@ pub(super) struct SceneBuffers {
 
 impl SceneBuffers {
     /// Creates buffers with these sound tables and without a tape or regions.
-    ///
-    /// # Errors
-    /// [`GpuError::Object`] if the driver has no object left.
     pub(super) fn new(gl: &Gl, sound: &[[f32; 4]]) -> Result<Self, GpuError> {
         Ok(Self {
             tape: TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?,
@@ -396,7 +388,6 @@ impl SceneBuffers {
         })
     }
 
-    /// The names of these buffers, together with these images.
     pub(super) fn names(&self, pictures: Vec<glow::NativeTexture>) -> SceneNames {
         SceneNames {
             pictures,
@@ -418,7 +409,6 @@ pub struct SceneNames {
 }
 
 impl SceneNames {
-    /// Binds all textures to their units.
     pub(super) fn bind(&self, gl: &Gl) {
         // SAFETY: for names that are invalid or belong to another scene, the driver reports an error or binds another
         // texture.
@@ -437,12 +427,10 @@ impl SceneNames {
     }
 }
 
-/// Texels as the bytes of a texture buffer.
 fn bytes_of(texels: &[[u32; 4]]) -> Vec<u8> {
     texels.as_flattened().iter().flat_map(|word| word.to_ne_bytes()).collect()
 }
 
-/// Floats as the bytes of a texture buffer.
 fn floats_as_bytes(texels: &[[f32; 4]]) -> Vec<u8> {
     texels.as_flattened().iter().flat_map(|value| value.to_ne_bytes()).collect()
 }

@@ -49,19 +49,11 @@ pub(super) struct StandIns {
 }
 
 impl StandIns {
-    /// Creates buffers in the current context.
-    ///
-    /// # Errors
-    /// The driver has no object left.
     pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
         let silence = sound_tables::texels(&FrameInputs::default());
         Ok(Self { gl: gl.clone(), pictures: HashMap::new(), buffers: SceneBuffers::new(gl, &silence)? })
     }
 
-    /// The placeholders for a scene.
-    ///
-    /// # Errors
-    /// The driver has no object left.
     pub(super) fn names(&mut self, shape: &SceneShape) -> Result<SceneNames, GpuError> {
         let mut pictures = Vec::with_capacity(shape.pictures.len());
         for size in &shape.pictures {

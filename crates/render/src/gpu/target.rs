@@ -195,7 +195,6 @@ impl Target {
         self.size
     }
 
-    /// The number of colour attachments.
     pub(super) fn colors(&self) -> usize {
         self.colors.len()
     }
@@ -218,7 +217,6 @@ impl Target {
         }
     }
 
-    /// The framebuffer.
     pub(super) fn native(&self) -> glow::NativeFramebuffer {
         self.framebuffer.native()
     }

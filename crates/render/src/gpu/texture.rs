@@ -50,7 +50,6 @@ impl Level {
         halved(self.size, &self.texels, |texel| *texel)
     }
 
-    /// Its texels as 16-bit floats.
     fn halves(&self) -> Vec<u8> {
         self.texels.iter().flatten().flat_map(|value| half_bits(*value).to_ne_bytes()).collect()
     }

@@ -29,10 +29,6 @@ pub(super) struct TextureBuffer {
 }
 
 impl TextureBuffer {
-    /// Creates a texture buffer with these bytes.
-    ///
-    /// # Errors
-    /// [`GpuError::Object`] if the driver has no object left.
     pub(super) fn new(gl: &Gl, texel: BufferTexel, bytes: &[u8]) -> Result<Self, GpuError> {
         let format = match texel {
             BufferTexel::Rgba32U => glow::RGBA32UI,
@@ -50,12 +46,10 @@ impl TextureBuffer {
         Ok(Self { gl: gl.clone(), texture, buffer })
     }
 
-    /// The OpenGL name of the texture.
     pub(super) fn texture(&self) -> glow::NativeTexture {
         self.texture.native()
     }
 
-    /// Replaces the content for a frame.
     pub(super) fn replace(&self, bytes: &[u8]) {
         // SAFETY: `self` owns the buffer, which belongs to the current context.
         unsafe {

@@ -37,21 +37,17 @@ const TELLING: u32 = 9;
 /// A part of a target, in pixels from its lower left corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Part {
-    /// Left edge.
     pub(super) x: u32,
-    /// Lower edge.
     pub(super) y: u32,
     pub(super) width: u32,
     pub(super) height: u32,
 }
 
 impl Part {
-    /// A whole target.
     pub(super) fn whole((width, height): (u32, u32)) -> Self {
         Self { x: 0, y: 0, width, height }
     }
 
-    /// The number of pixels.
     pub(super) fn pixels(self) -> u64 {
         u64::from(self.width) * u64::from(self.height)
     }
@@ -68,7 +64,6 @@ pub(super) struct PixelCost {
 }
 
 impl PixelCost {
-    /// True if anything was measured.
     fn is_known(self) -> bool {
         self.greatest() > 0.0
     }
@@ -83,7 +78,6 @@ impl PixelCost {
         self.greatest() * pixels as f64
     }
 
-    /// Records the time of a part.
     pub(super) fn note(&mut self, pixels: u64, time: Duration) {
         let seconds = time.as_secs_f64();
         // A part that takes little more than the overhead may cost up to the overhead.
@@ -105,7 +99,6 @@ impl PixelCost {
         }
     }
 
-    /// Records that a frame is finished.
     pub(super) fn finish_picture(&mut self) {
         if self.of_this() > 0.0 {
             (self.last, self.this) = (self.of_this(), [0.0; 2]);
@@ -118,7 +111,6 @@ impl PixelCost {
 pub(super) struct Costs(Cell<Option<(u32, PixelCost)>>);
 
 impl Costs {
-    /// The known cost for a program.
     pub(super) fn of(&self, program: &Program) -> PixelCost {
         self.0
             .get()
@@ -135,7 +127,6 @@ impl Costs {
         self.0.set(expected);
     }
 
-    /// Stores a measured cost.
     pub(super) fn keep(&self, program: &Program, cost: PixelCost) {
         self.0.set(Some((program.number(), cost)));
     }
@@ -151,7 +142,6 @@ pub(super) struct Parts {
     warms_up: bool,
     /// True if the last part was that draw.
     warming_up: bool,
-    /// Remaining probes.
     probes: u32,
     /// True if the last part was a probe.
     probing: bool,
@@ -186,7 +176,6 @@ impl Parts {
         !self.probing && !self.warming_up && self.probed.pixels == 0 && self.pixels_left() == 0
     }
 
-    /// Pixels that remain to be drawn.
     fn pixels_left(&self) -> u64 {
         self.areas.iter().chain(&self.row).map(|area| area.pixels()).sum()
     }
@@ -255,7 +244,6 @@ impl Parts {
         Part { x, y, width: GRAIN.min(self.size.0), height: GRAIN.min(self.size.1) }
     }
 
-    /// Records the time of the last part.
     pub(super) fn note(&mut self, part: Part, time: Duration, cost: &mut PixelCost) {
         if self.warming_up {
             return;

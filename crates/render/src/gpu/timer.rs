@@ -39,7 +39,6 @@ impl GpuTimer {
     }
 }
 
-/// Most pending times.
 const TIMES_ON_THEIR_WAY: usize = 4;
 
 /// A timer of frames that never waits: times arrive some frames later.
@@ -51,10 +50,6 @@ pub(super) struct FrameTimer {
 }
 
 impl FrameTimer {
-    /// Creates a timer in the current context.
-    ///
-    /// # Errors
-    /// [`GpuError::Object`] if the driver has no query left.
     pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
         let free = (0..TIMES_ON_THEIR_WAY).map(|_| Query::new(gl)).collect::<Result<_, _>>()?;
         Ok(Self { gl: gl.clone(), free, running: None, on_their_way: VecDeque::new() })
@@ -71,7 +66,6 @@ impl FrameTimer {
         self.running = Some(query);
     }
 
-    /// Ends the frame.
     pub(super) fn end(&mut self) {
         let Some(query) = self.running.take() else { return };
         // SAFETY: the query is the active one, which `begin` started.
@@ -108,20 +102,14 @@ pub(super) struct PictureClock {
 }
 
 impl PictureClock {
-    /// Creates a clock that measures.
-    ///
-    /// # Errors
-    /// [`GpuError::Object`] if the driver has no query left.
     pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
         Ok(Self { timer: Some(FrameTimer::new(gl)?), cost: None })
     }
 
-    /// Begins a frame.
     pub(super) fn begin(&mut self) {
         self.timer.iter_mut().for_each(FrameTimer::begin);
     }
 
-    /// Ends the frame.
     pub(super) fn end(&mut self) {
         self.timer.iter_mut().for_each(FrameTimer::end);
     }

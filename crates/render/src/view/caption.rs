@@ -14,7 +14,6 @@ const SHADOW: f32 = 0.35;
 
 /// Positioned lines of letters.
 pub struct Caption {
-    /// Width and height of the image, in pixels.
     size: (usize, usize),
     /// Each line with its left and upper edge.
     lines: Vec<((usize, usize), Line)>,

@@ -26,7 +26,6 @@ pub(super) struct Line {
 }
 
 impl Letters {
-    /// Loads the built-in fonts.
     pub(super) fn new() -> Self {
         let fonts = Fonts::new(TextOptions::default(), FontDefinitions::default());
         Self { fonts, system: SystemFonts::new(), looked_for: BTreeSet::new() }

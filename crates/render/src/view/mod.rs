@@ -67,7 +67,7 @@ define_views! {
     Clauses, "clauses", "clauses that the interpreter runs; distance evaluations if compiled", "the count shown in red";
     /// The cells of the regions.
     Cells, "cells", "the cells of the regions, and the lengths of their tapes";
-    /// Objects.
+    /// A colour for each object.
     Materials, "materials", "a colour for each object";
     /// The distance along the ray to the surface.
     Depth, "depth", "the distance to the surface", "the distance shown in black";

@@ -56,7 +56,7 @@ pub fn heat(fraction: f32) -> Color {
     std::array::from_fn(|channel| HEAT[left][channel] * (1.0 - x) + HEAT[left + 1][channel] * x)
 }
 
-/// The colour of an object.
+/// The colour of the object with this number.
 pub fn of_object(number: usize) -> Color {
     OBJECTS[number % OBJECTS.len()]
 }

@@ -41,7 +41,6 @@ const RUNS_RED: f32 = 100.0;
 const SLICE_LINES: f32 = 40.0;
 /// Distance shown in black, as a multiple of the distance to the camera's target.
 const DEPTH_BLACK: f32 = 1.6;
-/// Most objects that a legend names.
 const OBJECTS_NAMED: usize = 11;
 
 impl ViewSetup {
@@ -86,7 +85,6 @@ fn with(number: f32, legend: impl FnOnce(f32) -> Legend) -> (Option<f32>, Legend
     (Some(number), legend(number))
 }
 
-/// The legend entry of pixels without a surface.
 fn nothing() -> (Color, String) {
     (scale::NOTHING, "no surface".to_owned())
 }

@@ -19,7 +19,7 @@ use crate::gpu::scene_program::SCENE_SHADER;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::gpu::stand_ins::{SceneShape, StandIns};
 
-/// Size of the warm-up images. It is no power of two, because window sizes are none either (see
+/// Size of the warm-up images. Like most window sizes, it is no power of two (see
 /// [`crate::gpu::stand_ins`]).
 const WARM_UP_SIZE: (u32, u32) = (18, 14);
 
@@ -29,7 +29,6 @@ const SLOW_COMPILER: Duration = Duration::from_secs(2);
 const ENDLESS_COMPILER: Duration = Duration::from_secs(3600);
 const LONG_PROGRAM: usize = 200_000;
 
-/// Inputs of the warm-up image.
 struct Asked {
     block: FrameBlock,
     picture: Picture,
@@ -37,14 +36,12 @@ struct Asked {
     draws_views: bool,
 }
 
-/// The objects of a worker's context.
 pub(super) struct CompileWorker {
     gl: Gl,
     renderer: Renderer,
     stand_ins: StandIns,
 }
 
-/// A finished program.
 pub(super) struct Made {
     pub(super) program: ReadyProgram,
     /// The binary to store and its key; `None` if it is stored already.
@@ -52,10 +49,6 @@ pub(super) struct Made {
 }
 
 impl CompileWorker {
-    /// Sets up a worker in the current context.
-    ///
-    /// # Errors
-    /// The driver's error, if it rejects a shader or has no object left.
     pub(super) fn new(gl: Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         let renderer = Renderer::new(&gl, library, Counting::Off)?;
         let stand_ins = StandIns::new(&gl)?;
@@ -63,9 +56,6 @@ impl CompileWorker {
     }
 
     /// Loads a program from the store, or compiles its text.
-    ///
-    /// # Errors
-    /// The driver's error, or [`GpuError::GivenUp`] for an interpreter at which the driver failed before.
     pub(super) fn make(&mut self, sources: &Sources, job: ProgramJob) -> Result<Made, GpuError> {
         let Sources { library, cache } = sources;
         let is_interpreter = job.can_be_given_up;

@@ -13,7 +13,6 @@ use crate::gpu::target::Target;
 #[derive(Default)]
 pub(super) struct Canvas {
     pub(super) targets: Option<Targets>,
-    /// The frame in progress.
     pub(super) making: Option<Making>,
     /// The settings of the image whose light the targets hold; `None` for a view.
     finished_light: Option<Picture>,
@@ -23,9 +22,6 @@ pub(super) struct Canvas {
 
 impl Canvas {
     /// Makes targets of `size` pixels, unless the current ones fit. If the size is refused, the last image stays.
-    ///
-    /// # Errors
-    /// A size over the driver's limit, or no memory.
     pub(super) fn need_targets(
         &mut self,
         gl: &Gl,
@@ -51,7 +47,6 @@ impl Canvas {
         }
     }
 
-    /// Records that a frame is finished.
     pub(super) fn finish(&mut self, making: &Making) {
         if making.product != Product::Light {
             self.stands = None;
@@ -59,12 +54,10 @@ impl Canvas {
         self.finished_light = (making.product != Product::View).then_some(making.picture);
     }
 
-    /// True before the first frame.
     pub(super) fn is_empty(&self) -> bool {
         self.targets.is_none() && self.stands.is_none()
     }
 
-    /// The finished image.
     pub(super) fn finished(&self) -> Option<&Target> {
         self.stands.as_ref().or(self.targets.as_ref().map(|targets| targets.post.finished()))
     }

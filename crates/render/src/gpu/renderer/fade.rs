@@ -2,14 +2,12 @@
 
 use crate::gpu::target::Target;
 
-/// The light of an earlier image.
 pub(super) struct Fade {
     light: Target,
     fraction: f32,
 }
 
 impl Fade {
-    /// Starts a fade with a fraction of 1.
     pub(super) fn of(light: Target) -> Self {
         Self { light, fraction: 1.0 }
     }
@@ -19,12 +17,10 @@ impl Fade {
         (&self.light, self.fraction)
     }
 
-    /// Sets the fraction in new images, 0..1.
     pub(super) fn set_fraction(&mut self, fraction: f32) {
         self.fraction = fraction.clamp(0.0, 1.0);
     }
 
-    /// The target, for reuse.
     pub(super) fn into_light(self) -> Target {
         self.light
     }

@@ -19,7 +19,6 @@ pub(super) struct Flashes {
 }
 
 impl Flashes {
-    /// Removes the limiter.
     pub(super) fn remove(&mut self) {
         self.pass = None;
         self.is_limited = false;
@@ -55,9 +54,6 @@ impl Flashes {
     }
 
     /// Copies `picture` and limits the flashes of the copy, unless the copy is up to date or nothing is limited.
-    ///
-    /// # Errors
-    /// No memory for the copy.
     pub(super) fn make_copy(&mut self, gl: &Gl, picture: &Target) -> Result<(), GpuError> {
         if self.has_copy || !self.is_limited {
             return Ok(());

@@ -59,7 +59,6 @@ enum Pass {
     Post,
 }
 
-/// The passes of a frame.
 pub(super) struct Tools<'a> {
     /// Draws samples.
     pub sampling: &'a Sampling,
@@ -86,7 +85,6 @@ pub(super) struct Making {
 const FURTHER_FRACTION: f64 = 0.3;
 
 impl Making {
-    /// Begins a frame.
     pub(super) fn new(picture: Picture, product: Product) -> Self {
         Self {
             picture,
@@ -119,9 +117,6 @@ impl Making {
     }
 
     /// Draws for about `patience`. Returns true when the frame is finished.
-    ///
-    /// # Errors
-    /// No memory for samples, or a malformed shader, with the driver's log.
     pub(super) fn go_on(
         &mut self,
         tools: &Tools<'_>,
@@ -171,7 +166,6 @@ impl Making {
         }
     }
 
-    /// Begins the next pass. Returns true when the frame is finished.
     fn finish_pass(
         &mut self,
         tools: &Tools<'_>,
@@ -204,7 +198,6 @@ impl Making {
         Ok(false)
     }
 
-    /// Draws a part of a pass of samples.
     fn draw_part(&self, sampling: &Sampling, targets: &Targets, program: &Program, part: Part) {
         let is_view = self.product == Product::View;
         match (&targets.edges, self.pass) {
@@ -267,9 +260,6 @@ impl Making {
 
 /// Draws all passes after the first samples with the current content of `targets`, to warm up the driver. Draws no
 /// further samples.
-///
-/// # Errors
-/// As [`Making::go_on`].
 pub(super) fn rehearse_passes(
     tools: &Tools<'_>,
     targets: &mut Targets,
@@ -286,7 +276,6 @@ pub(super) fn rehearse_passes(
     tools.post.finish(&targets.post, picture, &targets.first, None)
 }
 
-/// Resolves the samples to light.
 fn resolve(tools: &Tools<'_>, targets: &Targets) -> Result<(), GpuError> {
     targets.first.bind_color(0, unit_of("picture"));
     match &targets.edges {

@@ -38,15 +38,10 @@ pub(super) struct Painter {
     pub(super) post: Post,
     pub(super) canvas: Canvas,
     pub(super) clock: PictureClock,
-    /// The light of an earlier image.
     fade: Option<Fade>,
 }
 
 impl Painter {
-    /// Assembles the shaders.
-    ///
-    /// # Errors
-    /// Missing shader files, or the driver has no object left.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary, counting: Counting) -> Result<Self, GpuError> {
         Ok(Self {
             gl: gl.clone(),
@@ -59,12 +54,10 @@ impl Painter {
         })
     }
 
-    /// The passes over whole images.
     pub(super) fn passes(&self) -> &Passes {
         self.post.passes()
     }
 
-    /// The finished image.
     pub(super) fn finished(&self) -> Option<&Target> {
         self.canvas.finished()
     }
@@ -80,9 +73,6 @@ impl Painter {
 
     /// Draws an empty image with every pass after a scene's samples, unless something was drawn before. Returns its
     /// targets.
-    ///
-    /// # Errors
-    /// A malformed shader, with the driver's log.
     pub(super) fn warm_up(&mut self, picture: &Picture) -> Result<Option<Targets>, GpuError> {
         if !self.canvas.is_empty() {
             return Ok(None);
@@ -103,9 +93,6 @@ impl Painter {
     }
 
     /// Begins to draw a frame. Drops an unfinished one.
-    ///
-    /// # Errors
-    /// A size over the driver's limit.
     pub(super) fn begin(
         &mut self,
         product: Product,
@@ -117,10 +104,6 @@ impl Painter {
         self.begin_block(product, frame.size, (&frame.block(scene.world(), &tree), &frame.picture))
     }
 
-    /// Begins to draw a frame from its blocks.
-    ///
-    /// # Errors
-    /// A size over the driver's limit.
     pub(super) fn begin_block(
         &mut self,
         product: Product,
@@ -135,9 +118,6 @@ impl Painter {
     }
 
     /// Continues the frame in progress for about `patience`.
-    ///
-    /// # Errors
-    /// An error that the driver reports.
     pub(super) fn go_on(
         &mut self,
         scene: &SceneNames,
@@ -186,10 +166,6 @@ impl Painter {
         Ok(progress)
     }
 
-    /// Draws a frame in one call.
-    ///
-    /// # Errors
-    /// As [`Painter::begin`] and [`Painter::go_on`].
     pub(super) fn draw(
         &mut self,
         frame: &Frame,
@@ -201,9 +177,6 @@ impl Painter {
     }
 
     /// Replaces the samples of the finished image by a regular grid of samples. Slow.
-    ///
-    /// # Errors
-    /// No memory for the sum, or a malformed shader, with the driver's log.
     pub(super) fn draw_reference(
         &self,
         picture: &Picture,
@@ -234,9 +207,6 @@ impl Painter {
     }
 
     /// Draws a frame twice on a temporary canvas: alone, and with a fade.
-    ///
-    /// # Errors
-    /// As [`Painter::draw`].
     pub(super) fn rehearse(
         &mut self,
         frame: &Frame,
@@ -254,9 +224,6 @@ impl Painter {
     }
 
     /// Draws a frame with two samples at edges on another canvas, and passes the image to `send`.
-    ///
-    /// # Errors
-    /// As [`Painter::draw`], and those of `send`.
     pub(super) fn sketch(
         &mut self,
         canvas: &mut Canvas,
@@ -275,9 +242,6 @@ impl Painter {
     }
 
     /// Keeps the light of the finished image for fades. Returns false for a view, which has no light.
-    ///
-    /// # Errors
-    /// No memory for the light.
     pub(super) fn keep_light(&mut self) -> Result<bool, GpuError> {
         let old = self.fade.take().map(Fade::into_light);
         self.fade = self.exposed(old)?.map(Fade::of);
@@ -285,9 +249,6 @@ impl Painter {
     }
 
     /// The exposed linear light of the finished image, in `room` if its size fits; `None` for a view.
-    ///
-    /// # Errors
-    /// No memory for the light.
     pub(super) fn exposed(&self, room: Option<Target>) -> Result<Option<Target>, GpuError> {
         let Some((picture, targets)) = self.canvas.finished_light() else { return Ok(None) };
         let light = match room.filter(|room| room.size() == targets.first.size()) {

@@ -16,17 +16,12 @@ pub(super) struct Placing {
     dim: LazyProgram,
     place: LazyProgram,
     block: Block,
-    /// Brightness, 0..1.
     gain: f32,
     /// The dimmed image; `None` at full brightness.
     dimmed: Option<Target>,
 }
 
 impl Placing {
-    /// Assembles the shaders.
-    ///
-    /// # Errors
-    /// Missing shader files, or the driver has no object left.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         let [dim, place] =
             PLACING_SHADERS.map(|name| move || LazyProgram::new(gl, library, name, &Variant::default()));
@@ -34,7 +29,6 @@ impl Placing {
         Ok(Self { dim: dim()?, place: place()?, block, gain: 1.0, dimmed: None })
     }
 
-    /// Brightness, 0..1.
     pub(super) fn gain(&self) -> f32 {
         self.gain
     }
@@ -45,9 +39,6 @@ impl Placing {
     }
 
     /// Dims a finished image to a brightness of 0..1.
-    ///
-    /// # Errors
-    /// No memory for the dimmed image.
     pub(super) fn dim(
         &mut self,
         passes: &Passes,
@@ -70,9 +61,6 @@ impl Placing {
 
     /// Draws a part of an image into an area of the window's framebuffer of `window` pixels. `map` maps positions in
     /// the window to positions in the image.
-    ///
-    /// # Errors
-    /// A malformed shader, with the driver's log.
     pub(super) fn place(
         &self,
         passes: &Passes,
@@ -90,9 +78,6 @@ impl Placing {
     }
 
     /// Draws a part of an image into a target, top row first.
-    ///
-    /// # Errors
-    /// A malformed shader, with the driver's log.
     pub(super) fn place_in(
         &self,
         passes: &Passes,

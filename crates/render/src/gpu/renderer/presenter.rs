@@ -27,9 +27,6 @@ pub(super) struct Presenter {
 
 impl Presenter {
     /// Loads the shader that enlarges images for a window.
-    ///
-    /// # Errors
-    /// Missing shader files, or the driver has no object left.
     pub(super) fn prepare_for_window(&mut self, gl: &Gl, library: &ShaderLibrary) -> Result<(), GpuError> {
         self.upscale = Some(LazyProgram::new(gl, library, UPSCALE_SHADER, &Variant::default())?);
         Ok(())
@@ -40,10 +37,6 @@ impl Presenter {
         self.upscale.is_some()
     }
 
-    /// Dims the image ([`Placing::dim`]).
-    ///
-    /// # Errors
-    /// No memory for a copy of the image.
     pub(super) fn dim(
         &mut self,
         passes: &Passes,
@@ -58,9 +51,6 @@ impl Presenter {
     }
 
     /// Limits the flashes of an image that is shown `seconds` after the previous one.
-    ///
-    /// # Errors
-    /// No memory for a copy of the image. Windows need no copy.
     pub(super) fn limit_flashes(
         &mut self,
         gl: &Gl,
@@ -74,9 +64,6 @@ impl Presenter {
     }
 
     /// Copies the image to the window's framebuffer of `window` pixels, enlarged if the window is larger.
-    ///
-    /// # Errors
-    /// A malformed shader, with the driver's log.
     pub(super) fn show(
         &self,
         passes: &Passes,
@@ -110,9 +97,6 @@ impl Presenter {
     }
 
     /// Shows an image in an area of a window; `map` places it.
-    ///
-    /// # Errors
-    /// A malformed shader, with the driver's log, or no memory for a copy with limited flashes.
     pub(super) fn show_in_part(
         &mut self,
         passes: &Passes,
@@ -125,9 +109,6 @@ impl Presenter {
     }
 
     /// Sends an image to `reader`. Returns `false` if the reader is still busy with earlier images.
-    ///
-    /// # Errors
-    /// As [`Presenter::show_in_part`].
     pub(super) fn send(
         &mut self,
         passes: &Passes,
@@ -159,9 +140,6 @@ impl Presenter {
     }
 
     /// Draws with every program that a window's first image needs, while `is_wanted` returns true.
-    ///
-    /// # Errors
-    /// A malformed shader, with the driver's log.
     pub(super) fn warm_up(
         &mut self,
         passes: &Passes,

@@ -47,15 +47,10 @@ pub(super) struct Sampling {
     frame_block: Block,
     pass_block: Block,
     view_block: Block,
-    /// Further samples per pixel at edges.
     pub(super) edge_samples: EdgeSamples,
 }
 
 impl Sampling {
-    /// Assembles the shaders.
-    ///
-    /// # Errors
-    /// Missing shader files, or the driver has no object left.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         Ok(Self {
             gl: gl.clone(),
@@ -72,29 +67,21 @@ impl Sampling {
         &self.gl
     }
 
-    /// Sets the frame for all samples.
     pub(super) fn set_frame(&self, block: &FrameBlock) {
         self.frame_block.set(block.as_flattened());
     }
 
-    /// Sets the numbers of a view for all samples.
     pub(super) fn set_view(&self, view: &ViewBlock) {
         self.view_block.set(view.as_flattened());
     }
 
     /// Gives a scene's program the same samplers whatever was drawn last. `edges.frag`, which is drawn within a frame,
     /// changes only the first slot, where scenes have a texture with its own sampler.
-    ///
-    /// # Errors
-    /// A malformed shader, with the driver's log.
     pub(super) fn settle_samplers(&self, target: &Target) -> Result<(), GpuError> {
         self.samplers.as_ref().map_or(Ok(()), |samplers| samplers.settle(&self.gl, target))
     }
 
     /// Sets the stencil at edges; `sum` shares it with `first`. Clears the sum.
-    ///
-    /// # Errors
-    /// A malformed shader, with the driver's log.
     pub(super) fn mark_in_stencil(&self, first: &Target, sum: &Target) -> Result<(), GpuError> {
         // SAFETY: sets state and draws without attributes into the target bound here, in the current context.
         unsafe {
@@ -115,10 +102,6 @@ impl Sampling {
         Ok(())
     }
 
-    /// Draws the marks of edges.
-    ///
-    /// # Errors
-    /// A malformed shader, with the driver's log.
     pub(super) fn mark_in_list(&self, first: &Target, marks: &Target) -> Result<(), GpuError> {
         marks.bind();
         // SAFETY: clears and draws without attributes into the target bound above, in the current context.
@@ -171,7 +154,6 @@ impl Sampling {
         unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
     }
 
-    /// Draws the further sample `number`.
     pub(super) fn draw_further(&self, number: usize) {
         let place = self.edge_samples.offsets().nth(number).unwrap_or_default();
         self.draw(Sample::Further(place, number));

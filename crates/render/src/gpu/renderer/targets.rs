@@ -10,10 +10,8 @@ use crate::gpu::gl::Gl;
 use crate::gpu::post::PostTargets;
 use crate::gpu::target::{Stencil, Target, Texel};
 
-/// Render targets of one size.
 pub(super) struct Targets {
     has_lens: bool,
-    /// One sample at the centre of each pixel.
     pub(super) first: Target,
     pub(super) edges: Edges,
     pub(super) post: PostTargets,
@@ -38,9 +36,6 @@ impl Edges {
 
 impl Targets {
     /// Creates targets for images of `size` pixels, with or without a lens.
-    ///
-    /// # Errors
-    /// As [`Target::new`].
     pub(super) fn new(
         gl: &Gl,
         size: (u32, u32),
@@ -79,7 +74,6 @@ impl Targets {
         self.first.size() == size && self.has_lens == has_lens
     }
 
-    /// The counts of a counting program.
     pub(super) fn evaluations(&self, samples: EdgeSamples) -> Evaluations {
         let mut sum = Evaluations::default();
         for target in [&self.first, self.edges.samples()] {
@@ -105,7 +99,6 @@ impl Targets {
         sum
     }
 
-    /// The number of pixels with further samples.
     pub(super) fn edge_pixels(&self, samples: EdgeSamples) -> f64 {
         let drawn = self.edges.samples().read_rgba32f(0);
         let texels = drawn.as_chunks::<4>().0.iter().filter(|texel| texel[3] > 0.0).count() as f64;
