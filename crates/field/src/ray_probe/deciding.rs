@@ -1,23 +1,23 @@
-//! Which part of a shape decides about it at a point: of a union the nearest operand, also of one whose operands flow
-//! together, and so on inwards.
+//! Finds the part of a shape that decides its value at a point: the nearest operand of a union or smooth union, and
+//! so on inwards.
 
 use crate::graph::{FrameInputs, Graph, GraphError, Node, NodeId, Op, Order, Point};
 
-/// A shape of which parts are asked for.
+/// A shape with its evaluation order, for finding deciding parts.
 #[derive(Debug, Clone)]
 pub struct Deciding<'a> {
     graph: &'a Graph,
     root: NodeId,
     order: Order,
-    /// By node: whether it depends on the point.
+    /// True for each node that depends on the point.
     of_point: Vec<bool>,
 }
 
 impl<'a> Deciding<'a> {
-    /// That of a node of a graph.
+    /// Prepares a node of a graph.
     ///
     /// # Errors
-    /// Those of [`Graph::check`].
+    /// Returns the error of [`Graph::check`].
     pub fn new(graph: &'a Graph, root: NodeId) -> Result<Self, GraphError> {
         let order = graph.order(&[root])?;
         let mut of_point = vec![false; root.index() + 1];
@@ -33,13 +33,13 @@ impl<'a> Deciding<'a> {
         Ok(Self { graph, root, order, of_point })
     }
 
-    /// Nodes that the shape needs: the clauses that it takes by itself, inputs and numbers left out.
+    /// Number of clauses of the shape alone, without inputs and numbers.
     pub fn clauses(&self) -> usize {
         self.order.nodes.iter().filter(|id| self.graph.is_clause(**id)).count()
     }
 
-    /// The way from the shape to the part that decides at a point: through minima and maxima, and through what only
-    /// shifts, scales or turns a value around.
+    /// The path from the shape to the part that decides its value at a point. It leads through minima and maxima, and
+    /// through operations that only shift, scale or negate a value.
     pub fn path(&self, position: [f32; 3], frame: &FrameInputs) -> Vec<NodeId> {
         if self.next(self.root, |_| 0.0).is_none() {
             return vec![self.root];
@@ -59,7 +59,7 @@ impl<'a> Deciding<'a> {
         path
     }
 
-    /// The operand that decides about a node's value.
+    /// The operand that decides a node's value.
     fn next(&self, id: NodeId, value: impl Fn(NodeId) -> f32) -> Option<NodeId> {
         let of_point = |id: NodeId| self.of_point[id.index()];
         match self.graph.node(id) {
@@ -70,7 +70,7 @@ impl<'a> Deciding<'a> {
                 match (of_point(a), of_point(b)) {
                     (true, false) => Some(a),
                     (false, true) => Some(b),
-                    // Parts that flow together: the nearest, and what is between them taken off or added.
+                    // A smooth union is the minimum of its parts plus or minus a blend term: follow the minimum.
                     (true, true) if matches!(op, Op::Add | Op::Sub) => {
                         match (self.is_choice(a), self.is_choice(b)) {
                             (true, false) => Some(a),
@@ -85,7 +85,7 @@ impl<'a> Deciding<'a> {
         }
     }
 
-    /// Whether a value is one of two that both depend on the point.
+    /// True if a value is a minimum or maximum of two values that both depend on the point.
     fn is_choice(&self, id: NodeId) -> bool {
         let of_point = |id: NodeId| self.of_point[id.index()];
         matches!(self.graph.node(id), Node::Binary(Op::Min | Op::Max, a, b) if of_point(a) && of_point(b))

@@ -1,8 +1,8 @@
-//! Looks at a world on the CPU: what a ray from the eye meets, which object it is, and which part of the text made it.
+//! Traces rays through a world on the CPU. Finds the hit, its object, and the part of the scene's text that made it.
 //!
-//! Rays go as those of the shaders do (`shaders/sphere_tracing.glsl`, `shaders/non_lipschitz.glsl`), through the same tree and by
-//! the same numbers ([`rays`]); only their cone is narrower where somebody asks for a single point. Each evaluation is
-//! counted, with the clauses of the tape that the cell still needs.
+//! Rays follow the same algorithm as in the shaders (`shaders/sphere_tracing.glsl`, `shaders/non_lipschitz.glsl`),
+//! with the same tree and the same constants ([`rays`]); a probe for a single point only uses a narrower cone. The
+//! probe counts evaluations and the clauses of the cells' tapes.
 
 mod deciding;
 mod preview;
@@ -23,39 +23,38 @@ use crate::rays;
 use crate::region::{Cell, Regions, gradient};
 use crate::world::World;
 
-/// The share of the cone that counts as a hit when a ray has used up its steps.
+/// Multiple of the cone's radius below which a ray that has used up its steps counts as a hit.
 const CAPPED_FRACTION: f32 = 8.0;
 /// The last step is at most this many times as long as the distance.
 const SLANT_MAX: f32 = 4.0;
-/// The four corners of a tetrahedron, at which the normal's distances are taken.
+/// Offsets of the normal's four samples, the corners of a tetrahedron.
 const TAPS: [[f32; 3]; 4] = [[1.0, -1.0, -1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, 1.0, 1.0]];
-/// Least distance of these from the point.
+/// Least distance of the samples from the point.
 const TAP_MIN: f32 = 4e-4;
 
-/// A ray.
+/// A ray with the cone of its pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Where it begins.
+    /// The start.
     pub origin: [f32; 3],
-    /// Where it goes, of length 1.
+    /// The direction, of length 1.
     pub direction: [f32; 3],
-    /// How much the radius of its cone grows with each unit of its way; greater than 0.
+    /// Growth of the cone's radius per unit of length; greater than 0.
     pub spread: f32,
 }
 
 impl Ray {
-    /// The point at a distance along it.
+    /// The point at a distance along the ray.
     pub fn at(&self, t: f32) -> [f32; 3] {
         std::array::from_fn(|axis| self.origin[axis] + t * self.direction[axis])
     }
 }
 
-/// Where a ray meets a surface.
+/// The intersection of a ray with a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// How far along the ray.
+    /// Distance along the ray.
     pub distance: f32,
-    /// The point.
     pub position: [f32; 3],
     /// Index among the scene's objects.
     pub object: usize,
@@ -63,29 +62,29 @@ pub struct Hit {
     pub plane: Option<usize>,
 }
 
-/// What a ray met, and what that took.
+/// The result and the cost of a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Traced {
-    /// The surface; none if it is the sky.
+    /// The surface; `None` for the sky.
     pub hit: Option<Hit>,
-    /// How often the distance was evaluated.
+    /// Number of evaluations of the distance.
     pub evaluations: u32,
-    /// Clauses that were run for that.
+    /// Number of clauses in these evaluations.
     pub clauses: u64,
 }
 
-/// A world at one moment.
+/// A world in one frame, ready for tracing.
 pub struct RayProbe<'a> {
     world: &'a World,
     regions: &'a Regions,
     frame: &'a FrameInputs,
     planes: &'a [[f32; 4]],
-    /// Clauses of the tapes that were run, by their first texel.
+    /// Lengths of the tapes that were run, by their first texel.
     lengths: RefCell<HashMap<u32, u64>>,
 }
 
 impl<'a> RayProbe<'a> {
-    /// A world with the tree of a frame; `planes` are those of the frame
+    /// Creates a probe from a world and the tree and planes of a frame
     /// ([`FrameValues::planes`](crate::world::FrameValues)).
     pub fn new(
         world: &'a World,
@@ -116,7 +115,7 @@ impl<'a> RayProbe<'a> {
         traced
     }
 
-    /// The normal where a ray met something, of length 1.
+    /// The normal at a hit, of length 1.
     pub fn normal(&self, ray: &Ray, hit: &Hit) -> [f32; 3] {
         if let Some([a, b, c, _]) = hit.plane.and_then(|plane| self.planes.get(plane)) {
             return unit([*a, *b, *c]);
@@ -131,7 +130,8 @@ impl<'a> RayProbe<'a> {
         unit(sum)
     }
 
-    /// The way from a shape to the part of it that was met, of which the text knows; `deciding` is that of its object.
+    /// The path from a shape to the part that was hit, as far as the text has an origin for it. `deciding` belongs to
+    /// the hit's object.
     pub fn path(&self, hit: &Hit, deciding: Option<&Deciding<'_>>) -> Vec<NodeId> {
         let plane = hit.plane.and_then(|plane| self.world.planes.get(plane));
         let mut path = match (plane, deciding) {
@@ -143,14 +143,14 @@ impl<'a> RayProbe<'a> {
         path
     }
 
-    /// The places of the text that take part in what a path leads to.
+    /// The positions in the text that contribute to the end of a path.
     pub fn places(&self, object: usize, path: &[NodeId]) -> Vec<TextPlace> {
         let scene = &self.world.scene;
         let material = scene.objects.get(object).map_or(usize::MAX, |object| object.material);
         scene.origins.places(object, material, path)
     }
 
-    /// The first plane that the ray meets from its upper side.
+    /// The first plane that the ray hits from its upper side.
     fn plane_on(&self, ray: &Ray) -> Option<Hit> {
         let mut first: Option<Hit> = None;
         for (index, [a, b, c, d]) in self.planes.iter().enumerate() {
@@ -166,7 +166,7 @@ impl<'a> RayProbe<'a> {
         first
     }
 
-    /// Where along the ray anything but planes may be.
+    /// The part of the ray that may meet surfaces other than planes.
     fn traced_span(&self, ray: &Ray) -> Option<(f32, f32)> {
         if !self.world.has_rest {
             return None;
@@ -209,7 +209,7 @@ impl<'a> RayProbe<'a> {
                 cell = self.cell_at(&walk, t);
             }
             d = self.value(cell.as_ref(), ray.at(t), traced);
-            // What is no number ends the ray, too.
+            // A NaN also ends the ray.
             if d.is_nan() || d < reach * t {
                 break;
             }
@@ -282,7 +282,7 @@ impl<'a> RayProbe<'a> {
     }
 }
 
-/// A ray through the tree: it looks for its cell a little further on, so that it never gets stuck at a face.
+/// A ray through the tree. It looks up its cell a little further on, so that it never gets stuck at a face.
 struct Walk<'a> {
     ray: &'a Ray,
     ahead: [f32; 3],
@@ -303,7 +303,7 @@ impl<'a> Walk<'a> {
         add(self.ray.at(t), self.ahead)
     }
 
-    /// Where the ray leaves a cell.
+    /// Distance at which the ray leaves a cell.
     fn exit_of(&self, cell: &Cell, t: f32) -> f32 {
         let ray = self.ray;
         let exits = (0..3).map(|axis| {
@@ -319,7 +319,7 @@ fn add(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     std::array::from_fn(|axis| a[axis] + b[axis])
 }
 
-/// The vector of length 1 in a direction; up where there is none.
+/// Scales a vector to length 1; returns the upward direction for a vector without one.
 fn unit(v: [f32; 3]) -> [f32; 3] {
     let size = v.iter().map(|part| part * part).sum::<f32>().sqrt();
     if size > 1e-12 && size < 1e12 { v.map(|part| part / size) } else { [0.0, 1.0, 0.0] }

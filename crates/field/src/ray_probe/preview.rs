@@ -1,23 +1,23 @@
-//! Small pictures of formulas, drawn on the CPU: one light, no shadows.
+//! Small images of formulas, drawn on the CPU with one light and without shadows.
 
 use super::{Ray, RayProbe};
 use crate::graph::FrameInputs;
 use crate::region::{RegionOptions, RegionPlan};
 use crate::world::World;
 
-/// Where the eye is; it looks at the origin.
+/// Position of the eye, which looks at the origin.
 const EYE: [f32; 3] = [1.5, 1.5, -3.0];
 /// Tangent of half the field of view.
 const TAN_HALF: f32 = 0.46;
-/// Where the light comes from.
+/// Direction towards the light.
 const LIGHT: [f32; 3] = [-0.35, 0.85, -0.4];
-/// How bright what no light reaches is.
+/// Brightness of unlit surfaces.
 const DARKEST: f32 = 0.18;
-/// The colour of everything in light, as a screen shows it.
+/// Colour of lit surfaces, as sRGB.
 const COLOR: [f32; 3] = [236.0, 214.0, 186.0];
 
-/// A picture of a formula of so many pixels along each side, from the upper left to the right: red, green, blue and how
-/// much of the pixel it covers. None if the text is not a formula.
+/// Draws a formula with `side` pixels along each side, in rows from the upper left: red, green, blue and coverage.
+/// `None` if the text is not a formula.
 pub fn preview(formula: &str, side: usize) -> Option<Vec<[u8; 4]>> {
     let world = World::parse("portrait", formula).ok()?;
     let mut frame = FrameInputs { eye: EYE, ..FrameInputs::default() };
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn every_function_with_a_picture_is_seen_in_a_small_one() {
+    fn every_function_with_a_picture_has_a_visible_preview() {
         for (name, formula) in PICTURES {
             let picture = preview(formula, 16).unwrap_or_else(|| panic!("{name} cannot be drawn"));
             let covered = picture.iter().filter(|pixel| pixel[3] > 127).count();

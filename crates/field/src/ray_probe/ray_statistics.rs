@@ -1,4 +1,4 @@
-//! A survey of a picture: rays on a coarse grid, which part of the scene each meets, and what they cost.
+//! Statistics of an image: rays on a coarse grid, the part of the scene that each hits, and their costs.
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
@@ -8,68 +8,68 @@ use super::{Deciding, Ray, RayProbe, Traced};
 use crate::graph::NodeId;
 use crate::lang::TextPlace;
 
-/// What a survey looks at.
+/// The grid of rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RayStatisticsOptions {
-    /// Rays side by side.
+    /// Number of columns of rays.
     pub columns: usize,
-    /// Rays one above the other.
+    /// Number of rows of rays.
     pub rows: usize,
 }
 
-/// What rays meet.
+/// The hits and costs of a grid of rays.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RayStatistics {
-    /// Rays side by side.
+    /// Number of columns of rays.
     pub columns: usize,
-    /// By ray, from the upper left to the right: 1 + the index of the part that it meets, or 0 for the sky.
+    /// For each ray, in rows from the upper left: 1 + the index of the part that it hits, or 0 for the sky.
     pub cells: Vec<u16>,
-    /// The parts that are met.
+    /// The parts that are hit.
     pub parts: Vec<Part>,
-    /// What the objects cost, in the order of the scene.
+    /// The costs of the objects, in the order of the scene.
     pub objects: Vec<ObjectCost>,
-    /// Rays that meet nothing, and clauses that were run for them.
+    /// Rays that end in the sky, and clauses that were run for them.
     pub sky: (u32, u64),
 }
 
-/// A part of an object that rays meet.
+/// A part of an object that rays hit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Part {
     /// Index of the object.
     pub object: usize,
-    /// The places of the text that take part in it, sorted.
+    /// The positions in the text that contribute to it, sorted.
     pub places: Vec<TextPlace>,
 }
 
-/// What an object costs.
+/// The cost of an object.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ObjectCost {
     /// Its name.
     pub name: String,
-    /// Clauses that its shape takes by itself, and its material.
+    /// Clauses of its shape alone, and of its material.
     pub clauses: (usize, usize),
     /// Rays that end on it.
     pub rays: u32,
-    /// How often the distance was evaluated for these.
+    /// Evaluations of the distance for these rays.
     pub evaluations: u64,
-    /// Clauses that were run for these evaluations.
+    /// Clauses of these evaluations.
     pub run: u64,
-    /// Where it is declared.
+    /// The position of its declaration.
     pub place: Option<TextPlace>,
-    /// Its parts that rays end on, the dearest first: each is what one expression makes, with its file and bytes.
+    /// Its parts that rays end on, the most expensive first. Each part is made by one expression.
     pub parts: Vec<PartCost>,
 }
 
-/// What a part of an object costs.
+/// The cost of a part of an object.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PartCost {
     /// The file and the bytes of the expression that makes it.
     pub written: (usize, Range<usize>),
     /// Rays that end on it.
     pub rays: u32,
-    /// How often the distance was evaluated for these.
+    /// Evaluations of the distance for these rays.
     pub evaluations: u64,
-    /// Clauses that were run for these evaluations.
+    /// Clauses of these evaluations.
     pub run: u64,
 }
 
@@ -95,8 +95,8 @@ impl RayStatistics {
         self.sky.1 + self.objects.iter().map(|object| object.run).sum::<u64>()
     }
 
-    /// Follows a ray for each cell of a grid, from the upper left to the right; `ray_at` gives the ray for shares of the
-    /// picture's width and height. None once it is not wanted any more.
+    /// Follows a ray for each cell of a grid, in rows from the upper left. `ray_at` returns the ray for fractions of
+    /// the image's width and height. `None` if `is_wanted` returns false between rows.
     pub fn of(
         ray_probe: &RayProbe<'_>,
         options: RayStatisticsOptions,
@@ -120,7 +120,7 @@ impl RayStatistics {
                 ..ObjectCost::default()
             });
         }
-        // The same way leads to the same part.
+        // Equal paths lead to the same part.
         let mut known: HashMap<(usize, Vec<NodeId>), u16> = HashMap::new();
         for row in 0..options.rows {
             if !is_wanted() {

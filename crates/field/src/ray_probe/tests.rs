@@ -1,4 +1,4 @@
-//! Rays against scenes whose surfaces are known, and against another tracer.
+//! Tests of rays in scenes with known surfaces and against another tracer.
 
 use proptest::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::region::{RegionOptions, RegionPlan};
 use crate::world::World;
 use crate::world::testing::{SPEAKERS, world_of};
 
-/// The spread of a ray that asks for a single point.
+/// The spread of a ray for a single point.
 const NARROW: f32 = 1e-4;
 
 fn frame_of(world: &World, time: f32) -> FrameInputs {
@@ -47,7 +47,7 @@ object pair { shape = union(
   sphere(p - vec3(-3, 0, 5), 0.5)) }";
 
 #[test]
-fn a_ball_a_wall_a_floor_and_the_sky_are_where_they_are() {
+fn rays_hit_a_ball_a_wall_a_floor_and_the_sky() {
     let world = world_of(KNOWN);
     for cells in [true, false] {
         with_ray_probe(&world, 0.0, cells, |ray_probe| {
@@ -70,9 +70,9 @@ fn a_ball_a_wall_a_floor_and_the_sky_are_where_they_are() {
     }
 }
 
-/// What the parts of a union are at points: the lines on which they stand.
+/// Parts of a union are identified by their lines.
 #[test]
-fn a_part_of_a_union_is_known_by_its_line() {
+fn a_part_of_a_union_is_identified_by_its_line() {
     let world = world_of(KNOWN);
     with_ray_probe(&world, 0.0, true, |ray_probe| {
         let pair = Deciding::new(&world.scene.graph, world.scene.objects[2].shape).unwrap();
@@ -90,9 +90,9 @@ fn a_part_of_a_union_is_known_by_its_line() {
 }
 
 #[test]
-fn a_formula_that_is_no_distance_is_met_where_its_sign_changes() {
+fn a_formula_that_is_no_distance_is_hit_where_its_sign_changes() {
     let world = world_of("x^2 + y^2 + 4 * z^2 - 1 + 0.2 * x * y");
-    assert!(world.non_lipschitz, "the test is about steep formulas");
+    assert!(world.non_lipschitz, "the test needs a formula that is not a distance");
     with_ray_probe(&world, 0.0, true, |ray_probe| {
         let ray = ray([0.0, 0.0, -3.0], [0.0; 3]);
         let hit = ray_probe.trace(&ray).hit.unwrap();
@@ -101,7 +101,8 @@ fn a_formula_that_is_no_distance_is_met_where_its_sign_changes() {
     });
 }
 
-/// The first surface along a ray by short steps through the graph's own evaluator, which shares nothing with the tree.
+/// The first surface along a ray, found by short steps with the graph's own evaluator, which is independent of the
+/// tree.
 fn marched(world: &World, frame: &FrameInputs, ray: &Ray, far: f32) -> Option<f32> {
     let at = |t: f32| {
         let [x, y, z] = ray.at(t);
@@ -126,9 +127,9 @@ fn marched(world: &World, frame: &FrameInputs, ray: &Ray, far: f32) -> Option<f3
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
-    /// Where a probe says that a surface is, the field is 0 and was not below before.
+    /// The field is 0 at a hit and never below 0 before it.
     #[test]
-    fn a_surface_is_where_the_fields_own_evaluator_finds_it(
+    fn hits_agree_with_the_fields_own_evaluator(
         aim in prop::array::uniform3(-1.0..1.0_f32),
         from in prop::array::uniform3(-4.0..4.0_f32),
         cells in any::<bool>(),
@@ -146,7 +147,7 @@ proptest! {
         let wanted = marched(&world, &frame, &ray, 20.0);
         match (found, wanted) {
             (Some(found), Some(wanted)) if (found - wanted).abs() < 0.01 => {}
-            // A ray that grazes it may meet the cone of the pixel alone, or before it meets the surface.
+            // A ray that grazes the surface may hit only with its cone, or earlier than its centre line does.
             (Some(found), wanted) => {
                 prop_assert!(wanted.is_none_or(|wanted| found < wanted), "{found}, not {wanted:?}");
                 let [x, y, z] = ray.at(found);
@@ -159,7 +160,8 @@ proptest! {
     }
 }
 
-/// The cone of a pixel meets the surface a little before the ray does; how much depends on the angle.
+/// Regression: the cone of a pixel meets the surface a little before the ray does; the difference depends on the
+/// angle.
 #[test]
 fn a_ray_that_grazed_a_surface_was_taken_for_one_that_missed_it() {
     let world = world_of(
@@ -190,7 +192,7 @@ fn surveyed(world: &World, columns: usize, rows: usize) -> RayStatistics {
 }
 
 #[test]
-fn a_survey_counts_rays_and_clauses_by_object() {
+fn statistics_count_rays_and_clauses_by_object() {
     let world = world_of(KNOWN);
     let ray_statistics = surveyed(&world, 48, 32);
     assert_eq!(ray_statistics.cells.len(), 48 * 32);
@@ -201,7 +203,7 @@ fn a_survey_counts_rays_and_clauses_by_object() {
     }
     let names: Vec<&str> = ray_statistics.objects.iter().map(|object| object.name.as_str()).collect();
     assert_eq!(names, ["floor", "ball", "pair"]);
-    // The two parts of the pair are told apart by their lines.
+    // The two parts of the pair are distinguished by their lines.
     let line = |byte: usize| KNOWN[..byte].matches('\n').count() + 1;
     let of_pair: Vec<Vec<usize>> = ray_statistics
         .parts
@@ -213,7 +215,7 @@ fn a_survey_counts_rays_and_clauses_by_object() {
         of_pair.len() == 2 && of_pair.iter().any(|lines| lines.contains(&6) && !lines.contains(&7)),
         "{of_pair:?}"
     );
-    // And so are their costs.
+    // Their costs are distinguished as well.
     let [floor, ball, pair] = &ray_statistics.objects[..] else { panic!("{:?}", ray_statistics.objects) };
     assert_eq!([floor, ball].map(|object| object.parts.len()), [1, 1]);
     let written: Vec<&str> = pair.parts.iter().map(|part| &KNOWN[part.written.1.clone()]).collect();
@@ -221,14 +223,14 @@ fn a_survey_counts_rays_and_clauses_by_object() {
     assert_eq!(pair.rays, pair.parts.iter().map(|part| part.rays).sum::<u32>());
     assert_eq!(pair.run, pair.parts.iter().map(|part| part.run).sum::<u64>());
     assert!(pair.parts[0].run >= pair.parts[1].run && pair.parts[1].rays > 0, "{:?}", pair.parts);
-    // Right in the middle is the ball, and above it the sky.
+    // The ball is right in the middle, and the sky above it.
     let at = |row: usize| ray_statistics.cells[row * 48 + 24];
     let ball = ray_statistics.parts.iter().position(|part| part.object == 1).unwrap() as u16 + 1;
     assert_eq!((at(17), at(0)), (ball, 0));
 }
 
 #[test]
-fn parts_that_flow_together_are_told_apart_by_the_nearer_one() {
+fn parts_of_a_smooth_union_are_distinguished_by_the_nearer_one() {
     let text = "object one { shape = smooth_union(\n  box(p - vec3(1.5, 0, 5), vec3(1)),\n  \
                 sphere(p - vec3(-1.5, 0, 5), 1),\n  sphere(p - vec3(0, 1.5, 5), 0.5), 0.8) }\n\
                 object dented { shape = smooth_subtract(box(p - vec3(0, -4, 5), vec3(1)),\n  \
@@ -243,7 +245,7 @@ fn parts_that_flow_together_are_told_apart_by_the_nearer_one() {
             let deciding = Deciding::new(&world.scene.graph, world.scene.objects[hit.object].shape).unwrap();
             let path = ray_probe.path(&hit, Some(&deciding));
             let known = path.iter().rev().find_map(|node| world.scene.origins.written_at(*node));
-            text[known.unwrap_or_else(|| panic!("nothing is known of {to:?}")).1].to_owned()
+            text[known.unwrap_or_else(|| panic!("the part at {to:?} has no origin in the text")).1].to_owned()
         })
     };
     for (to, words) in [
@@ -252,7 +254,7 @@ fn parts_that_flow_together_are_told_apart_by_the_nearer_one() {
         ([0.0, 1.5, 5.0], "sphere(p - vec3(0, 1.5, 5), 0.5)"),
         ([0.8, -4.0, 4.0], "box(p - vec3(0, -4, 5), vec3(1))"),
         ([0.0, -4.0, 4.5], "sphere(p - vec3(0, -4, 4), 0.6)"),
-        // A sum of which one part chooses among numbers is no union.
+        // A sum with a choice among numbers is not a union.
         ([0.0, 4.0, 5.0], "length(max(q, vec3(0))) + min(max(q.x, q.y, q.z), 0)"),
     ] {
         assert_eq!(written(to), words, "{to:?}");
@@ -260,7 +262,7 @@ fn parts_that_flow_together_are_told_apart_by_the_nearer_one() {
 }
 
 #[test]
-fn what_is_not_wanted_any_more_is_given_up() {
+fn unwanted_statistics_are_cancelled() {
     let world = world_of(SPEAKERS);
     with_ray_probe(&world, 1.0, true, |ray_probe| {
         let ray_at = |_: f64, _: f64| ray([0.0, 3.0, -3.0], [0.0, 3.0, 10.0]);

@@ -1,9 +1,9 @@
-//! Random expressions, and what rounding may do to them.
+//! Random expressions, and the effect of rounding on them.
 
 use mariana_field::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, Point, TableData};
 use mariana_field::graph::{SoundInput, SoundInputs};
 
-/// A small generator of numbers that are the same on every machine (Steele et al. 2014, splitmix64).
+/// A small generator of reproducible random numbers (splitmix64; Steele et al. 2014).
 pub(crate) struct Random(pub u64);
 
 impl Random {
@@ -19,14 +19,14 @@ impl Random {
         (self.word() % end as u64) as usize
     }
 
-    /// Any number from `low` to `high`.
+    /// A number from `low` to `high`.
     pub(crate) fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * (self.word() >> 40) as f32 / (1u32 << 24) as f32
     }
 }
 
-/// Builds an expression of about `operators` operators, every operator as likely as the others, and gives its
-/// root. Most operands are recent results, so that what is built is used.
+/// Builds an expression of about `operators` operators, all equally likely, and returns its root. Most operands are
+/// recent results, so that few results stay unused.
 pub(crate) fn random_expression(random: &mut Random, graph: &mut Graph, operators: usize) -> NodeId {
     const OF_FRAME: [Input; 4] =
         [Input::T, Input::Sound(SoundInput::VolumeLeft), Input::Band(7), Input::Param(1)];
@@ -65,7 +65,7 @@ pub(crate) fn random_expression(random: &mut Random, graph: &mut Graph, operator
             unused.push(node);
         }
     }
-    // What is left over is added up, so that all of it counts.
+    // Add the unused results, so that all of them count.
     let mut root = unused.pop().unwrap_or_else(|| leaf(random, graph));
     for node in unused {
         root = graph.add(root, node);
@@ -73,7 +73,7 @@ pub(crate) fn random_expression(random: &mut Random, graph: &mut Graph, operator
     root
 }
 
-/// The inputs of a frame in which something sounds; the tables as [`TABLES_GLSL`] has them.
+/// The inputs of a frame with some sound; [`TABLES_GLSL`] contains the same tables.
 pub(crate) fn frame() -> FrameInputs {
     FrameInputs {
         time: 12.5,
@@ -87,7 +87,7 @@ pub(crate) fn frame() -> FrameInputs {
     }
 }
 
-/// What the shader around the generated code declares, with the numbers of [`frame`].
+/// Declarations for the shader around the generated code, with the numbers of [`frame`].
 pub(crate) const TABLES_GLSL: &str = "\
 const float frame_time = 12.5;
 const vec4 frame_heard[1] = vec4[1](vec4(0.25, 0.75, 0.0, 0.0));
@@ -124,11 +124,11 @@ float table_history(float u, float v) {
 }
 ";
 
-/// How far a driver may be off in an operator, by its first operand and its result.
+/// The largest error of a driver in an operator, by its first operand and its result.
 pub(crate) type Disturbance = fn(op: Op, a: f32, result: f32) -> f32;
 
-/// How far the value of the last node of `order` at a point is moved by disturbing the result of every operator: the
-/// largest change seen in a few tries, infinite where anything is not finite.
+/// The largest change of the last node of `order` at a point when the results of all operators are disturbed, in a
+/// few tries; infinite if any value is not finite.
 pub(crate) fn spread(
     graph: &Graph,
     order: &[NodeId],
@@ -142,10 +142,10 @@ pub(crate) fn spread(
     let mut exact = None;
     let mut largest = 0.0f32;
     for attempt in 0..11 {
-        // Jumps are near where a larger disturbance meets them; what is smooth grows in proportion.
+        // A larger disturbance shows jumps nearby; smooth errors grow in proportion.
         let size = if attempt % 2 == 0 { 1.0 } else { 4.0 };
         for &id in order {
-            // A driver may meet a whole number exactly where another stays beside it, as at the end of a TANH.
+            // One driver may give a whole number exactly and another a number close to it, as at the end of a TANH.
             let disturb = |op: Op, a: f32, value: f32, random: &mut Random| {
                 let by = size * disturbance(op, a, value);
                 match random.below(2) {

@@ -1,6 +1,6 @@
-//! The language and what is made of it, from the outside.
+//! Tests of the language and of worlds through the public interface.
 
-#[allow(dead_code, reason = "others take more of it")]
+#[allow(dead_code, reason = "other tests use more of it")]
 mod expression;
 mod melts;
 mod non_lipschitz_tracing;

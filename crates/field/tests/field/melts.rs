@@ -1,4 +1,4 @@
-//! Melts of the shipped scenes, looked at on the CPU: both scenes show, from the share 0.2 to 0.8.
+//! Melts of the shipped scenes, traced on the CPU: both scenes are visible at fractions from 0.2 to 0.8.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -8,14 +8,14 @@ use mariana_field::lang::{compile, no_includes};
 use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
 use mariana_field::world::{Alignment, BlendKind, World, blended_params};
 
-/// Rays across and down a picture.
+/// Columns and rows of rays.
 const RAYS: (usize, usize) = (32, 18);
 const STEPS: usize = 160;
-/// A surface is met nearer than this share of the way to it.
+/// A ray hits a surface that is nearer than this fraction of its length.
 const NEAR: f32 = 0.004;
 const FAR: f32 = 60.0;
 
-/// A shipped scene whose surfaces have this colour. Its pictures are black.
+/// A shipped scene whose surfaces all have this colour. Its images are black.
 fn scene(name: &str, color: f32) -> World {
     let path = format!("{}/../../assets/scenes/{name}.scene", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();
@@ -43,7 +43,7 @@ fn own_params(world: &World) -> Vec<f32> {
     world.scene.params.iter().map(|param| param.default).collect()
 }
 
-/// The shares of a picture's rays that meet surfaces of the first and of the second scene, and of rays that end nowhere.
+/// The fractions of an image's rays that hit surfaces of the first and of the second scene, and that end nowhere.
 fn shown(melt: &World, inputs: FrameInputs) -> [f32; 3] {
     let camera = melt.frame_tape.values(&inputs).camera;
     let inputs = FrameInputs { eye: camera.position, ..inputs };
@@ -95,7 +95,7 @@ fn melt_of(from: &World, to: &World) -> World {
 }
 
 #[test]
-fn a_melt_swallowed_a_small_subject_and_shows_both_scenes() {
+fn a_melt_shows_both_scenes() {
     const NAMES: [&str; 17] = [
         "barth",
         "city",

@@ -1,5 +1,5 @@
-//! Formulas that are no distance functions, traced by the bounds of their gradients in cells, as shaders/non_lipschitz.glsl does
-//! it: against marching in small steps no hit may be missing.
+//! Traces formulas that are not distances by the bounds of their gradients in cells, in the same way as
+//! shaders/non_lipschitz.glsl. Compared with marching in small steps, no hit may be missing.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -16,10 +16,10 @@ use mariana_field::tape::{Batch, GradientIntervals, PointEvaluator, Points, Tape
 
 /// Growth of a pixel's cone: 360 rows, 40 degrees.
 const SPREAD: f32 = 0.002;
-/// Cells of the root to each side, and of the levels below it.
+/// Cells along each side of the root and of the levels below it.
 const SIDES: [usize; 3] = [16, 4, 4];
 
-/// Names, formulas, half the side of the cube that holds the cells, and where rays come from.
+/// Names, formulas, half the side of the cube of cells, and the distance of the rays' starts.
 const FORMULAS: [(&str, &str, f32, f32); 7] = [
     ("gyroid", "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)", 12.0, 0.3),
     ("shell", "abs(sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)) - 0.1", 12.0, 0.3),
@@ -40,7 +40,7 @@ fn tape_of(formula: &str) -> Tape {
     Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).unwrap()
 }
 
-/// What is known of a cell.
+/// Bounds of the value and its gradient in a cell.
 #[derive(Debug, Clone, Copy)]
 struct Cell {
     bound: f32,
@@ -49,7 +49,7 @@ struct Cell {
     side: f32,
 }
 
-/// Cells of a cube, divided where a surface may be, looked at when a ray comes by.
+/// Cells of a cube, divided where a surface may be, and computed when a ray first needs them.
 struct Cells<'a> {
     bounds: GradientIntervals<'a>,
     half: f32,
@@ -68,7 +68,7 @@ impl Cells<'_> {
             let place = p.map(|v| ((v + self.half) / side).floor() as i32);
             let cell = *self.known.entry((level, place)).or_insert_with(|| {
                 let low = place.map(|place| place as f32 * side - self.half);
-                // A little larger: rounding may place a point beside its cell.
+                // A little larger, because rounding may place a point outside of its cell.
                 let sides = low.map(|low| Interval::new(low - 1e-5, low + side + 1e-5));
                 let gradient_interval = self.bounds.over(sides, [Interval::point(0.0); 3])[0];
                 Cell {
@@ -87,7 +87,7 @@ impl Cells<'_> {
     }
 }
 
-/// Where the ray leaves a cell.
+/// Distance at which the ray leaves a cell.
 fn exit_of(cell: &Cell, origin: [f32; 3], direction: [f32; 3]) -> f32 {
     let exits = (0..3).map(|axis| {
         let face = cell.low[axis] + if direction[axis] >= 0.0 { cell.side } else { 0.0 };
@@ -100,7 +100,7 @@ fn slope_towards(gradient: [Interval; 3], direction: [f32; 3]) -> f32 {
     (0..3).map(|axis| (-gradient[axis].lo * direction[axis]).max(-gradient[axis].hi * direction[axis])).sum()
 }
 
-/// Of one ray: where it ended, if anywhere, and what it took.
+/// The result and the cost of a ray.
 #[derive(Debug, Default)]
 struct Traced {
     hit: Option<f32>,
@@ -119,7 +119,7 @@ fn trace(
     let mut traced = Traced::default();
     let at = |t: f32| [0, 1, 2].map(|axis| origin[axis] + t * direction[axis]);
     let mut t = start;
-    // The way in which the sign changes: a value above 0 before, one that is not behind.
+    // The interval in which the sign changes: a value above 0 at its start, and not at its end.
     let (mut before, mut above) = (start, f32::NAN);
     let mut behind: Option<(f32, f32)> = None;
     let mut closings = 0;
@@ -165,7 +165,7 @@ fn trace(
     traced
 }
 
-/// The first way of at least `thick` on which the value is below 0, by small steps; none if there is none.
+/// The start of the first stretch of at least `thick` on which the value is below 0, by small steps.
 fn march(
     batch: &mut Batch<'_>,
     origin: [f32; 3],
@@ -205,7 +205,7 @@ fn no_hit_is_missed() {
                 continue;
             }
             direction = direction.map(|v| v / length);
-            // From about `away` in a direction, towards anywhere in the middle.
+            // From about `away` in a direction, towards a random point near the middle.
             let aim = [0, 1, 2].map(|_| random.between(-0.35, 0.35) * half.min(4.0));
             let origin = [0, 1, 2].map(|axis| aim[axis] - direction[axis] * away);
             let [x, y, z] = origin;

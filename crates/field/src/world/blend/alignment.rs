@@ -1,17 +1,18 @@
-//! Where the second scene stands in the first one.
+//! Aligns the second scene of a blend with the first.
 //!
-//! Scenes have their things where their texts put them, and cameras that fly are anywhere. So the second scene is moved
-//! and turned around the vertical until its eye and its line of sight are those of the first. What one looks at then
-//! becomes what one will look at, the camera hardly has a way to go, and lamps are as near as in their own scenes.
+//! Scenes have their objects anywhere, and flying cameras are anywhere. The second scene is therefore moved, and
+//! turned around the vertical, until its eye and line of sight coincide with the first scene's. Then the object in
+//! view turns into the new object in view, the camera hardly has to move, and lamps are as near as in their own
+//! scenes.
 
 use crate::graph::{Graph, NodeId};
 use crate::lang::Camera;
 use crate::world::Bounds;
 
-/// Three numbers.
+/// Three numbers of a graph.
 pub(super) type Vector = [NodeId; 3];
 
-/// A place of the second scene in the first: `second = turned(first) + offset`.
+/// A position of the second scene in the first: `second = turned(first) + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alignment {
     /// Cosine and sine of the turn from the first line of sight to the second, around the vertical.
@@ -20,11 +21,10 @@ pub struct Alignment {
 }
 
 impl Alignment {
-    /// Both scenes stand as their texts put them.
+    /// Leaves both scenes unchanged.
     pub const NONE: Self = Self { turn: [1.0, 0.0], offset: [0.0; 3] };
 
-    /// The one that lets two cameras have the same eye and look in the same direction. Best are those of the moment at
-    /// which the blend is at its middle.
+    /// Gives two cameras the same eye and direction. Use the cameras in the middle of the blend.
     pub fn of(from: &Camera<f32>, to: &Camera<f32>) -> Self {
         let yaw = |camera: &Camera<f32>| {
             let [x, z] = [0, 2].map(|axis| camera.target[axis] - camera.position[axis]);
@@ -37,20 +37,20 @@ impl Alignment {
         if numbers.into_iter().all(f32::is_finite) { Self { turn: [cos, sin], offset } } else { Self::NONE }
     }
 
-    /// The place in the second scene of one in the first.
+    /// Maps a point of the first scene to the second.
     fn own_place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let ([cos, sin], [a, b, c]) = (self.turn, self.offset);
         [cos * x + sin * z + a, y + b, cos * z - sin * x + c]
     }
 
-    /// The place in the first scene of one in the second.
+    /// Maps a point of the second scene to the first.
     fn common_place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let ([cos, sin], [a, b, c]) = (self.turn, self.offset);
         let (x, z) = (x - a, z - c);
         [cos * x - sin * z, y - b, cos * z + sin * x]
     }
 
-    /// The box in the first scene around one in the second.
+    /// The box in the first scene around a box in the second.
     pub(super) fn common_box(&self, bounds: &Bounds) -> Bounds {
         if *self == Self::NONE {
             return *bounds;
@@ -63,25 +63,25 @@ impl Alignment {
         (1..8).fold(corner(0), |all, number| all.hull(&corner(number), 0.0))
     }
 
-    /// A direction of the first scene in the second.
+    /// Maps a direction of the first scene to the second.
     pub(super) fn own_direction(&self, graph: &mut Graph, v: Vector) -> Vector {
         self.turned(graph, v, self.turn)
     }
 
-    /// A direction of the second scene in the first.
+    /// Maps a direction of the second scene to the first.
     pub(super) fn common_direction(&self, graph: &mut Graph, v: Vector) -> Vector {
         let [cos, sin] = self.turn;
         self.turned(graph, v, [cos, -sin])
     }
 
-    /// A point of the first scene in the second.
+    /// Maps a point of the first scene to the second.
     pub(super) fn own_point(&self, graph: &mut Graph, p: Vector) -> Vector {
         let turned = self.own_direction(graph, p);
         let offset = self.offset.map(|part| graph.constant(part));
         [0, 1, 2].map(|axis| graph.add(turned[axis], offset[axis]))
     }
 
-    /// A point of the second scene in the first.
+    /// Maps a point of the second scene to the first.
     pub(super) fn common_point(&self, graph: &mut Graph, p: Vector) -> Vector {
         let offset = self.offset.map(|part| graph.constant(part));
         let off = [0, 1, 2].map(|axis| graph.sub(p[axis], offset[axis]));

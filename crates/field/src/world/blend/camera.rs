@@ -1,8 +1,8 @@
 //! The camera between two others.
 //!
-//! The target goes straight from one to the other. Around it the line of sight turns by yaw and pitch, the shorter way,
-//! while its length is mixed: two cameras that look at a thing from opposite sides go around it, and none passes
-//! through its own target.
+//! The target moves in a straight line. Around it the line of sight turns by yaw and pitch in the shorter direction,
+//! while its length is mixed. Two cameras that look at an object from opposite sides therefore go around it, and no
+//! camera passes through its own target.
 
 use crate::graph::{Graph, NodeId, Op};
 use crate::lang::Camera;
@@ -13,7 +13,7 @@ struct RayProbe {
     yaw: NodeId,
     /// Above the horizon, in radians.
     pitch: NodeId,
-    /// From the eye to the target.
+    /// Distance from the eye to the target.
     length: NodeId,
 }
 
@@ -34,7 +34,7 @@ impl RayProbe {
     }
 }
 
-/// The mixture of two cameras; at the share 0 it is `a`.
+/// The mixture of two cameras; at the fraction 0 it is `a`.
 pub(super) fn mixed(graph: &mut Graph, a: &Camera, b: &Camera, s: NodeId) -> Camera {
     let sights = [a, b].map(|camera| RayProbe::of(graph, camera));
     let target = [0, 1, 2].map(|axis| graph.mix(a.target[axis], b.target[axis], s));
@@ -72,8 +72,8 @@ fn shorter_turn(graph: &mut Graph, turn: NodeId) -> NodeId {
     graph.sub(turn, whole)
 }
 
-/// 1 / distance at which a camera is sharp. What a lens spreads is proportional to it, and it is finite for a focus
-/// that is not, which stands for the target's distance.
+/// The reciprocal of a camera's focus distance. Blur is proportional to it. It is finite for an infinite focus, which
+/// means the target's distance.
 fn nearness(graph: &mut Graph, camera: &Camera, ray_probe: &RayProbe) -> NodeId {
     let (one, largest) = (graph.constant(1.0), graph.constant(f32::MAX));
     let size = graph.abs(camera.focus);

@@ -5,7 +5,7 @@ use super::side::Side;
 use crate::graph::{FrameInputs, Graph, Point};
 use crate::tape::{PointEvaluator, Tape, TapeOptions};
 
-/// Rays across and down a picture.
+/// Columns and rows of rays.
 const RAYS: (usize, usize) = (15, 9);
 /// Most steps of a ray, and the least length of one.
 const STEPS: usize = 96;
@@ -15,7 +15,7 @@ const STEPS_IN: usize = 40;
 const STEP_IN: f32 = 0.04;
 /// Depths are clamped to this range; the upper end is the depth of a hollow shell.
 const RANGE: (f32, f32) = (0.05, 0.5 * HOLLOW);
-/// Quantile of the depths that counts for the scene.
+/// Quantile of the depths that represents the scene.
 const QUANTILE: f32 = 0.5;
 
 /// Median depth of the solids that rays from the side's camera hit at time 0, in silence; the upper limit if all rays

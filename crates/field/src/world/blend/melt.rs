@@ -1,22 +1,23 @@
-//! A union of two scenes that give way to each other.
+//! The melt: a union of two scenes in which the old solids shrink while the new ones grow.
 //!
-//! **Union.** A mixture (1-s)*a + s*b soon loses small objects: a heart in a tunnel vanishes when s times the distance to
-//! the walls exceeds the depth of the heart. A melt therefore draws the union of both scenes, and every solid shrinks. The
-//! distance a becomes a + q*f(b): f(b) rises from 0 at the other scene's surfaces to 1 far from them, and q grows without
-//! bound while the scene's share falls to 0 ([`yielding`]). The old scene shrinks onto the surfaces of the new one, and the
-//! new one grows out of the old. q is proportional to the depth of the scene's solids ([`super::depth`]): at a share of
-//! 0.2 they have lost half of it.
+//! **Union.** A mixture (1-s)*a + s*b soon loses small objects: a heart in a tunnel vanishes when s times the
+//! distance to the walls exceeds the depth of the heart. A melt therefore draws the union of both scenes with
+//! shrunken solids. The distance a becomes a + q*f(b): f(b) rises from 0 at the other scene's surfaces to 1 far from
+//! them, and q grows without limit while the scene's fraction falls to 0 ([`yielding`]). The old scene shrinks onto
+//! the surfaces of the new one, and the new one grows out of the old. q is proportional to the depth of the scene's
+//! solids ([`super::depth`]): at a fraction of 0.2 they have lost half of it.
 //!
-//! **Hollow solids.** Endless solids, such as the rock around a tunnel, are hollow below the depth [`HOLLOW`], so that they
-//! vanish in time.
+//! **Hollow solids.** Endless solids, such as the rock around a tunnel, are hollow below the depth [`HOLLOW`], so
+//! that they vanish in time.
 //!
-//! **Slopes.** f has a slope of at most 1 / [`REACH`], so (a + q*f(b)) / (1 + q/[`REACH`]) has a slope of at most 1. Its
-//! maximum with a has the same surfaces, and longer steps far from them. Solids are at most half of [`HOLLOW`] deep, so
-//! beyond some distance x from b, where q*f(b) exceeds that depth, the scene is empty. The maximum with b - x makes rays
-//! as fast as in the new scene alone once the old one has vanished.
+//! **Slopes.** f has a slope of at most 1 / [`REACH`], so (a + q*f(b)) / (1 + q/[`REACH`]) has a slope of at most 1.
+//! Its maximum with a has the same surfaces, and longer steps far from them. Solids are at most half of [`HOLLOW`]
+//! deep, so the scene is empty beyond some distance x from b, where q*f(b) exceeds that depth. The maximum with b - x
+//! makes rays as fast as in the new scene alone once the old one has vanished.
 //!
-//! **Materials.** A point has the material of the nearer surface; where surfaces meet, materials mix over [`SEAM`]. Near the
-//! ends a scene is a thin film on the other one, so materials fade during the first and last [`BEGIN`] of the share.
+//! **Materials.** A point has the material of the nearer surface. Where surfaces meet, materials mix over [`SEAM`].
+//! Near the ends a scene is a thin film on the other one, so materials fade during the first and last [`BEGIN`] of
+//! the fraction.
 
 use super::depth;
 use super::side::{Side, Steps};
@@ -32,7 +33,7 @@ const REACH: f32 = 4.0;
 /// Half the width of a seam between materials, as a difference of distances.
 const SEAM: f32 = 0.3;
 
-/// Share at which the new scene's materials are complete.
+/// Fraction at which the new scene's materials are complete.
 const BEGIN: f32 = 0.2;
 
 /// Least divisor.
@@ -42,7 +43,7 @@ const LEAST: f32 = 1e-6;
 pub(super) struct Melt {
     /// Planes that are solved.
     pub(super) planes: Vec<NodeId>,
-    /// Everything else.
+    /// All other surfaces.
     pub(super) rest: Option<Steps>,
     /// Weight of the second side's material.
     pub(super) owner: NodeId,
@@ -50,8 +51,8 @@ pub(super) struct Melt {
     pub(super) haze: NodeId,
 }
 
-/// The melt of two sides. If both have planes, each pair becomes a plane between them. The planes of one side alone recede
-/// and fade into the sky.
+/// The melt of two sides. If both have planes, each pair becomes a plane between them. The planes of one side alone
+/// recede and fade into the sky.
 pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
     let [zero, one] = [0.0, 1.0].map(|number| graph.constant(number));
     let remaining = graph.sub(one, s);
@@ -87,24 +88,25 @@ pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
     Melt { planes, rest, owner, haze }
 }
 
-/// What solids of this depth lose far from the other side; `fractions` are the other side's and the own one.
+/// The depth that solids lose far from the other side: q in the module's notation. `fractions` are the other side's
+/// and the own one.
 fn lost(graph: &mut Graph, depth: f32, [other_fraction, own_fraction]: [NodeId; 2]) -> NodeId {
-    // Half of the depth at an own share of 0.2.
+    // Half of the depth at an own fraction of 0.2.
     let [least, eighth] = [LEAST, 0.125 * depth].map(|number| graph.constant(number));
     let own_fraction = graph.max(own_fraction, least);
     let ratio = graph.div(other_fraction, own_fraction);
     graph.mul(ratio, eighth)
 }
 
-/// A side that gives way.
+/// The shrunken surfaces of a side.
 #[derive(Clone, Copy)]
 struct Yielding {
     steps: Steps,
-    /// The estimate before it was made a distance.
+    /// The estimate before it is turned into a distance.
     offset: NodeId,
 }
 
-/// A side that gives way to the other one.
+/// Shrinks a side towards the other side's surfaces.
 fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -> Yielding {
     let [zero, one, reach] = [0.0, 1.0, REACH].map(|number| graph.constant(number));
     let last = farthest(graph, lost, reach);
@@ -112,7 +114,7 @@ fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -
     let slope = graph.add(slope, one);
     let parts = [0, 1].map(|part| {
         let value = hollow(graph, own[part]);
-        // x / (x + reach), as a function whose bounds are its ends.
+        // x / (x + reach), written so that interval bounds are its ends.
         let Some(other) = other else {
             let offset = graph.add(value, lost);
             return [offset, offset];
@@ -131,7 +133,7 @@ fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -
     Yielding { steps: parts.map(|part| part[0]), offset: parts[1][1] }
 }
 
-/// How far from the other side there are solids, where `lost` is taken away far from it.
+/// Distance from the other side beyond which there are no solids, if `lost` is subtracted far from it.
 fn farthest(graph: &mut Graph, lost: NodeId, reach: NodeId) -> NodeId {
     let [one, least, deepest] = [1.0, LEAST, 0.5 * HOLLOW].map(|number| graph.constant(number));
     let lost = graph.max(lost, least);
@@ -142,14 +144,14 @@ fn farthest(graph: &mut Graph, lost: NodeId, reach: NodeId) -> NodeId {
     graph.div(kept, rest)
 }
 
-/// The value with solids that are hollow far in.
+/// The value of solids that are hollow deep inside.
 fn hollow(graph: &mut Graph, value: NodeId) -> NodeId {
     let hollow = graph.constant(-HOLLOW);
     let farther_in = graph.sub(hollow, value);
     graph.max(value, farther_in)
 }
 
-/// See [`Melt::owner`] and [`Melt::haze`]; both are given for the planes.
+/// [`Melt::owner`] and [`Melt::haze`]; the arguments contain both for the planes.
 fn owner(
     graph: &mut Graph,
     (planes, owner_of_planes, haze): (&[NodeId], NodeId, NodeId),
@@ -172,7 +174,7 @@ fn owner(
         nearer = graph.select(is_plane, owner_of_planes, nearer);
         own_haze = graph.select(is_plane, haze, zero);
     }
-    // In proportion to the share where it begins and ends.
+    // Fade materials in proportion to the fraction at both ends.
     let begin = graph.constant(1.0 / BEGIN);
     let come = graph.mul(s, begin);
     let remaining = graph.sub(one, s);

@@ -1,18 +1,19 @@
-//! One world made of two: what is shown while one scene becomes another.
+//! Blends: one world that shows the transition from one scene to another.
 //!
 //! ```text
 //! two worlds → two sides in one graph → field, materials, light, camera of both → a world like any other
 //! ```
 //!
-//! **A blend is a scene.** [`World::blend`] is a function of two worlds and a kind; what it gives is drawn by the same
-//! programs, tree and views as any world. The share of the second world is one more parameter, so one program draws
-//! every share. At the shares 0 and 1 the pure worlds are to be drawn: they need no second field.
+//! **A blend is a scene.** [`World::blend`] combines two worlds; the same programs, tree and views draw the result.
+//! The fraction of the second world is one more parameter, so one program draws every fraction. At the fractions 0
+//! and 1 draw the pure worlds instead: they need no second field.
 //!
-//! **Order of parameters.** Those of the first scene, those of the second, the share: [`blended_params`].
+//! **Order of parameters.** The first scene's, the second scene's, the fraction: [`blended_params`].
 //!
-//! **What is mixed.** In both kinds light from nearby shines with its side's share, lights change in the middle half, and
-//! sky, reach, picture and camera are mixed. The tone map is a name and changes at the middle. A surface has the material of its
-//! scene's nearest object: chosen by the nearer surface in a melt, by the side in a portal.
+//! **Mixed quantities.** In all kinds of blends, the light of shining objects is weighted by its side's fraction,
+//! lights change in the middle half, and sky, reach, image settings and camera are mixed. The tone map is a name and
+//! changes at the middle. A surface has the material of its scene's nearest object. A melt selects the scene by the
+//! nearer surface, a portal by the side.
 
 mod alignment;
 mod camera;
@@ -32,17 +33,17 @@ use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky, Wa
 use crate::limits::LIMITS;
 use side::{Side, Steps};
 
-/// How one scene becomes another.
+/// A kind of transition between two scenes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BlendKind {
-    /// The union of both scenes, of which each gives way to the other by the share.
+    /// The union of both scenes; the first shrinks and the second grows with the fraction.
     Melt,
-    /// The second scene is inside a shape that grows with the share, the first one outside.
+    /// The second scene is inside a shape that grows with the fraction, the first one outside.
     Portal(PortalShape),
 }
 
 impl BlendKind {
-    /// All kinds: what each is called, and what it does.
+    /// All kinds, with their names and descriptions.
     pub const ALL: [(BlendKind, &'static str, &'static str); 4] = [
         BlendKind::Melt.row(),
         BlendKind::Portal(PortalShape::Ball).row(),
@@ -60,17 +61,17 @@ impl BlendKind {
         (self, name, meaning)
     }
 
-    /// What it is called.
+    /// The name of the kind.
     pub fn name(self) -> &'static str {
         self.row().1
     }
 
-    /// The kind of that name.
+    /// Finds a kind by its name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|(_, known, _)| *known == name).map(|(kind, ..)| kind)
     }
 
-    /// The word for it in scenes and shows.
+    /// The keyword in scenes and shows.
     pub fn way(self) -> Way {
         match self {
             Self::Melt => Way::Melt,
@@ -79,23 +80,23 @@ impl BlendKind {
     }
 }
 
-/// Why two worlds cannot be blended. Each alone can be drawn, so a fade is always possible.
+/// A reason for which two worlds cannot be blended. Each alone can be drawn, so a fade is always possible.
 #[derive(Debug, thiserror::Error)]
 pub enum BlendError {
-    /// Together they have more of something than one scene may have.
+    /// Together they exceed a limit of a single scene.
     #[error(
-        "together the scenes {from} and {to} have {count} {what}, and a scene may have {max}: let them fade"
+        "the scenes {from} and {to} together have {count} {what}, but one scene may have at most {max}: fade instead"
     )]
     OverLimit {
         /// The first scene.
         from: String,
         /// The second scene.
         to: String,
-        /// What there is too much of.
+        /// The items that exceed the limit, as a plural noun.
         what: &'static str,
-        /// How many there are.
+        /// The number of both scenes together.
         count: usize,
-        /// How many there may be.
+        /// The limit.
         max: usize,
     },
     /// The blended scene exceeds the limits of expressions.
@@ -103,8 +104,8 @@ pub enum BlendError {
     World(#[from] WorldError),
 }
 
-/// The parameters of a frame of [`World::blend`]: those of `from`, those of `to`, and the share of `to`, which is
-/// clamped to 0..1. Missing ones are as the scenes' texts set them.
+/// The parameters of a frame of [`World::blend`]: the parameters of `from`, the parameters of `to`, and the fraction
+/// of `to`, which is clamped to 0..1. Missing ones have the scenes' defaults.
 pub fn blended_params(
     (from, from_params): (&Scene, &[f32]),
     (to, to_params): (&Scene, &[f32]),
@@ -121,11 +122,11 @@ pub fn blended_params(
 }
 
 impl World {
-    /// A world between two others, the second of which is moved to where `alignment` puts it. Its last parameter is the
-    /// share of `to`, 0..1, which begins at `fraction`.
+    /// Blends two worlds. `alignment` moves the second one. The last parameter is the fraction of `to`, 0..1, with
+    /// the default `fraction`.
     ///
     /// # Errors
-    /// [`BlendError`]: together they exceed a limit.
+    /// Returns a [`BlendError`] if together they exceed a limit.
     pub fn blend(
         from: &World,
         to: &World,
@@ -188,7 +189,7 @@ impl World {
             origins: Default::default(),
         };
         let has_planes = [&a, &b].iter().any(|side| !side.planes.is_empty());
-        // Planes that are traced have no end.
+        // Planes that are traced are infinite.
         let bounds = if has_planes && planes.is_empty() { None } else { bounds(&a, &b) };
         let surfaces = Surfaces {
             planes: planes.into_iter().map(|shape| Plane { shape, object: 0 }).collect(),
@@ -221,10 +222,12 @@ fn whole(name: String, shape: NodeId) -> Object {
     Object { name, span: Default::default(), shape, bound: None, material: 0 }
 }
 
-/// See [`World::shadow_step_growth`]: such a ray gets some 20 units far.
+/// The value of [`World::shadow_step_growth`]; such a ray gets about 20 units far. Tried: the same for a ray's hits,
+/// so that rays along the last rock of a tunnel end. A growth twice as large put a speck into the sky that was no
+/// surface.
 const SHADOW_STEP_GROWTH: f32 = 0.004;
 
-/// What one scene may have of what the two have together.
+/// Checks that both scenes together stay within the limits of one.
 fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
     let counts = |of: fn(&World) -> usize| of(from) + of(to);
     let fraction = 1;
@@ -241,8 +244,8 @@ fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
     Ok(())
 }
 
-/// Lets the solids shrink so far that the eye is not among them: between two cameras there may be anything. The eye
-/// keeps half of the distance that the nearer of both cameras has from its own scene; where that is so already, as at
+/// Shrinks the solids so far that the eye is outside of them, because anything may be between two cameras. The eye
+/// keeps half of the smaller distance that the two cameras have from their own scenes. If it has that already, as at
 /// the beginning and at the end, nothing changes.
 fn clear_of_the_eye(
     graph: &mut Graph,
@@ -266,13 +269,13 @@ fn clear_of_the_eye(
     Ok(rest.map(|part| graph.add(part, missing)))
 }
 
-/// The mixture of numbers in the same order.
+/// Mixes numbers in the same order.
 fn mixed_all(graph: &mut Graph, a: &[NodeId], b: &[NodeId], s: NodeId) -> Vec<NodeId> {
     a.iter().zip(b).map(|(&a, &b)| if a == b { a } else { graph.mix(a, b, s) }).collect()
 }
 
-/// The material of a melt, by whose surface a point is on. Mirrors of one side alone are gone at the middle, and those of the other side come after it: so
-/// no picture follows the rays of more mirrors than one of the scenes has.
+/// The material of a melt, by the surface that a point is on. Mirrors of one side alone disappear before the middle,
+/// and mirrors of the other side appear after it, so that no frame traces more mirror rays than a single scene.
 fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s: NodeId) -> Vec<NodeId> {
     let of = |numbers: &[NodeId]| Material::of(String::new(), numbers.iter().copied());
     let (a_own, b_own) = (of(a), of(b));
@@ -282,7 +285,7 @@ fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s:
     if a_own.reflect != b_own.reflect {
         let one = graph.constant(1.0);
         let twice = graph.add(s, s);
-        // On the surfaces of the other side there is none of this side's.
+        // Fade the mirrors of each side on the surfaces of the other.
         let on_b = graph.add(owner, owner);
         let on_a = graph.add(one, one);
         let on_a = graph.sub(on_a, on_b);
@@ -297,15 +300,15 @@ fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s:
     mixed.numbers()
 }
 
-/// Light from what shines nearby. Each side's light is weakened by its own distance here, so the distance that is told
-/// to the shaders is 0.
+/// Light of nearby shining objects. Each side's light is attenuated by its own distance here, so the shaders get the
+/// distance 0.
 fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> Option<[NodeId; 4]> {
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     let rest = graph.sub(one, s);
     let mut light: Option<[NodeId; 3]> = None;
     for (glow, fraction) in [(a.glow, rest), (b.glow, s)] {
         let Some([r, g, b, distance]) = glow else { continue };
-        // As in `shaders/occlusion.glsl`.
+        // The same attenuation as in `shaders/occlusion.glsl`.
         let away = graph.max(distance, zero);
         let away = graph.div(away, reach);
         let near = graph.sub(one, away);
@@ -323,8 +326,8 @@ fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> 
     Some([r, g, b, zero])
 }
 
-/// The lights of both, each with the share of its side. They change in the middle half: shadow rays of both together
-/// cost most near the ends, where the surfaces of one scene are nearly whole.
+/// The lights of both sides, weighted by the fractions. They change in the middle half: shadow rays of both sides
+/// together cost most near the ends, where the surfaces of one scene are nearly whole.
 fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
     let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| graph.constant(number));
     let s = graph.sub(s, half);
@@ -343,7 +346,7 @@ fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
     lights
 }
 
-/// The mixed picture. The tone map is a name: it changes at the middle.
+/// Mixes image settings. The tone map is a name: it changes at the middle.
 fn picture(graph: &mut Graph, a: &Picture, b: &Picture, s: NodeId) -> Picture {
     let half = graph.constant(0.5);
     let is_second = graph.binary(Op::LessEqual, half, s);
@@ -352,7 +355,7 @@ fn picture(graph: &mut Graph, a: &Picture, b: &Picture, s: NodeId) -> Picture {
     Picture { tone_map, ..mixed }
 }
 
-/// The box around the surfaces of both: no solid of a melt or a portal reaches beyond those of its own scene.
+/// The box around the surfaces of both: no solid of a melt or a portal extends beyond its own scene's box.
 fn bounds(a: &Side, b: &Side) -> Option<Bounds> {
     match (a.rest.is_some(), b.rest.is_some()) {
         (true, true) => Some(a.bounds?.hull(&b.bounds?, 0.0)),

@@ -1,8 +1,8 @@
-//! One scene inside a shape, the other outside: exact constructive geometry.
+//! Portals: one scene inside a shape, the other outside, by exact constructive solid geometry.
 //!
-//! **What belongs to which side.** Surfaces and their materials do. Light does not: lights, sky and glow are mixed by
-//! the share, because a light of one side alone would ask for the side at every step of its rays. A surface that is cut
-//! by the portal has the material of its object there: that of the side whose part is nearer.
+//! **Sides.** Surfaces and their materials belong to a side. Light does not: lights, sky and glow are mixed by the
+//! fraction, because a light of one side alone would need the side at every step of its rays. A surface that the
+//! portal cuts has the material of the nearer side's object.
 
 use super::alignment::Vector;
 use super::side::{self, Side, Steps};
@@ -12,30 +12,30 @@ use crate::lang::{Camera, Scene};
 /// The shape in which the second scene appears.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum PortalShape {
-    /// A ball around the camera's target that grows beyond everything.
+    /// A ball around the camera's target that grows beyond the scene.
     #[default]
     Ball,
     /// The half space to the left of a plane along the line of sight that moves to the right.
     Plane,
-    /// The shape that the second scene names in its block `about`, which grows around the camera's target; a ball where
-    /// it names none.
+    /// The shape in the block `about` of the second scene, which grows around the camera's target; a ball if there is
+    /// no such shape.
     Own,
 }
 
-/// Nearer to its end than this, a portal moves no more: it has left everything behind it.
+/// Distance from its end at which a portal stops moving: it has left everything behind it.
 const LEFT_MIN: f32 = 1e-3;
-/// The share of a transition in which a shape of a scene may come out of nothing, and in which it is filled up.
+/// Fraction of a transition in which a scene's shape emerges, and in which it is filled up.
 const QUARTER: f32 = 0.25;
 
-/// The camera's target and the directions of a picture around it.
+/// The camera's target and the directions of an image around it.
 struct Seen {
     /// From the target to the point.
     off: Vector,
-    /// To the right in the picture.
+    /// To the right in the image.
     right: Vector,
     /// From the eye to the target.
     ray_probe: Vector,
-    /// How far that is.
+    /// Distance from the eye to the target.
     length: NodeId,
 }
 
@@ -46,7 +46,7 @@ impl Seen {
         let ray_probe = [0, 1, 2].map(|axis| graph.sub(camera.target[axis], camera.position[axis]));
         let length = graph.length(&ray_probe);
         let level = graph.length(&[ray_probe[0], ray_probe[2]]);
-        // Of a camera that looks straight down, the side is any.
+        // A camera that looks straight down has an arbitrary right side.
         let least = graph.constant(LEFT_MIN);
         let level = graph.max(level, least);
         let (zero, left) = (graph.constant(0.0), graph.neg(ray_probe[0]));
@@ -54,7 +54,7 @@ impl Seen {
         Self { off, right, ray_probe, length }
     }
 
-    /// How far the point is to the right, up and towards the eye.
+    /// Coordinates of the point to the right, up and towards the eye.
     fn point(&self, graph: &mut Graph) -> Vector {
         let least = graph.constant(LEFT_MIN);
         let length = graph.max(self.length, least);
@@ -78,7 +78,7 @@ fn dot(graph: &mut Graph, a: Vector, b: Vector) -> NodeId {
     graph.add(sum, parts[2])
 }
 
-/// How large something is that grows from nothing at 0 beyond everything at 1.
+/// Relative size, growing from 0 at 0 to beyond the scene at 1.
 fn growth(graph: &mut Graph, fraction: NodeId) -> NodeId {
     let (one, least) = (graph.constant(1.0), graph.constant(LEFT_MIN));
     let rest = graph.sub(one, fraction);
@@ -86,14 +86,14 @@ fn growth(graph: &mut Graph, fraction: NodeId) -> NodeId {
     graph.div(fraction, rest)
 }
 
-/// The distance to a ball around the target that grows with a share.
+/// The distance to a ball around the target that grows with a fraction.
 fn ball(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
     let grown = growth(graph, fraction);
     let (reached, from) = (graph.mul(grown, seen.length), graph.length(&seen.off));
     graph.sub(from, reached)
 }
 
-/// The distance to a half space that grows with a share.
+/// The distance to a half space that grows with a fraction.
 fn half_space(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
     let (one, least) = (graph.constant(1.0), graph.constant(LEFT_MIN));
     let rest = graph.sub(one, fraction);
@@ -104,8 +104,8 @@ fn half_space(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
     graph.sub(from, reached)
 }
 
-/// The distance to the shape that a scene names, which grows with the share `s`. It may have holes and no end, so a
-/// ball lets it out of nothing in the first quarter, and another one fills it up in the last.
+/// The distance to the scene's own shape, which grows with the fraction `s`. The shape may have holes and may be
+/// infinite, so a ball makes it emerge in the first quarter, and another ball fills it up in the last.
 fn own_shape(
     graph: &mut Graph,
     seen: &Seen,
@@ -132,8 +132,8 @@ fn own_shape(
     Ok(graph.min(value, filled))
 }
 
-/// The distance to the portal, negative inside: as large as the way from the eye to the target at the middle, without
-/// end towards the end.
+/// The distance to the portal, negative inside. At the middle it is as large as the distance from the eye to the
+/// target; towards the end it grows without limit.
 fn portal(
     graph: &mut Graph,
     shape: PortalShape,
@@ -152,11 +152,11 @@ fn portal(
 /// Planes, the rest, and the numbers of the material.
 type Through = (Vec<NodeId>, Option<Steps>, Vec<NodeId>);
 
-/// The first scene outside of the portal, the second one inside: planes that both share, the rest, and the material.
-/// `to` is the second scene with how many pictures and parameters come before its own.
+/// Puts the first scene outside of the portal and the second one inside. Returns the common planes, the rest, and the
+/// material. `to` is the second scene with the numbers of images and parameters before its own.
 ///
 /// # Errors
-/// Those of [`Graph::check`].
+/// Returns the error of [`Graph::check`].
 pub(super) fn through(
     graph: &mut Graph,
     (a, b): (&Side, &Side),
@@ -166,7 +166,7 @@ pub(super) fn through(
     s: NodeId,
 ) -> Result<Through, GraphError> {
     let portal = portal(graph, shape, to, camera, s)?;
-    // A plane of both goes through the portal as it is.
+    // A plane of both scenes passes through the portal unchanged.
     let (planes, [a_rest, b_rest]) = if a.planes == b.planes {
         (a.planes.clone(), [a.rest, b.rest])
     } else {
@@ -179,7 +179,7 @@ pub(super) fn through(
         (Some(a), Some(b)) => Some([0, 1].map(|part| graph.min(a[part], b[part]))),
         (a, b) => a.or(b),
     };
-    // Not by the portal's sign: where it cuts, that is a matter of rounding.
+    // Do not use the portal's sign, which depends on rounding where it cuts.
     let [a_near, b_near] = [(a, outside), (b, portal)].map(|(side, portal)| match side.whole(graph) {
         Some([_, estimate]) => graph.max(estimate, portal),
         None => graph.constant(f32::MAX),

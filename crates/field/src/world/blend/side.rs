@@ -1,4 +1,4 @@
-//! One of the two worlds of a blend, in the graph of both.
+//! One of the two worlds of a blend, in the common graph.
 
 use super::super::distance_check::{Growth, NormalizedValue};
 use super::super::{Bounds, nearby_light, planes};
@@ -7,33 +7,33 @@ use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::{Camera, Light, Picture, Scene, Sky};
 use crate::world::World;
 
-/// A world in a blend's graph. Its values are distances, or about as large as if they were.
+/// A world in a blend's graph. Its values are distances, or normalized to be similar to distances.
 pub(super) struct Side {
     /// Planes of slope 1.
     pub(super) planes: Vec<NodeId>,
-    /// Whether rays may not step by the values.
+    /// True if rays may not step by the values.
     pub(super) non_lipschitz: bool,
-    /// The box around everything but planes, if it is known.
+    /// The box around all surfaces except planes, if known.
     pub(super) bounds: Option<Bounds>,
-    /// Everything else.
+    /// All surfaces except planes.
     pub(super) rest: Option<Steps>,
     /// The numbers of the material of the nearest object.
     pub(super) material: Vec<NodeId>,
-    /// Emission near a point, and how far away what has it is.
+    /// Emission near a point, and the distance to its source.
     pub(super) glow: Option<[NodeId; 4]>,
     pub(super) lights: Vec<Light>,
     pub(super) camera: Camera,
-    /// The parameters of the blend up to its own, as the texts set them.
+    /// The parameters of the blend up to its own, with the scenes' defaults.
     pub(super) params: Vec<f32>,
     pub(super) sky: Sky,
     pub(super) picture: Picture,
 }
 
 impl Side {
-    /// Takes a world into the graph. So many pictures and parameters come before its own.
+    /// Copies a world into the graph. `before` are the numbers of images and parameters before its own.
     ///
     /// # Errors
-    /// Those of [`Graph::check`].
+    /// Returns the error of [`Graph::check`].
     pub(super) fn of(
         graph: &mut Graph,
         world: &World,
@@ -44,7 +44,7 @@ impl Side {
         let (planes, rest) = planes::split(&mut scene)?;
         let glow = nearby_light::nearby_light(&mut scene)?;
         let own = Own::of(graph, alignment);
-        // In distances the normal's x is no part of a normal (see `Roots`).
+        // In distances the normal's x is the penumbra (see `Roots`).
         let [moved, turned] =
             [own, own.turned(graph, alignment)].map(|own| copied(graph, &scene.graph, before, &own));
         let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
@@ -106,10 +106,10 @@ impl Side {
     }
 }
 
-/// What cannot be solved as a plane: how far a ray may step, and the estimate.
+/// Traced surfaces: the length of a ray's step, and the estimate.
 pub(super) type Steps = [NodeId; 2];
 
-/// What the expressions of a scene read in its own place.
+/// The inputs of a scene's expressions in its own coordinates.
 #[derive(Clone, Copy)]
 struct Own {
     point: Vector,
@@ -127,12 +127,12 @@ impl Own {
         Self { point, normal, eye }
     }
 
-    /// The same for what reads a normal or a direction.
+    /// The inputs of expressions that read a normal or a direction.
     fn turned(self, graph: &mut Graph, alignment: &Alignment) -> Self {
         Self { normal: alignment.own_direction(graph, self.normal), ..self }
     }
 
-    /// What stands for an input.
+    /// The replacement of an input.
     fn value(&self, input: Input) -> Option<NodeId> {
         let ([x, y, z], [nx, ny, nz], [ex, ey, ez]) = (self.point, self.normal, self.eye);
         Some(match input {
@@ -150,21 +150,21 @@ impl Own {
     }
 }
 
-/// Copies all nodes; gives the place of each.
+/// Copies all nodes and returns the new position of each.
 fn copied(graph: &mut Graph, from: &Graph, before: (usize, usize), own: &Own) -> Vec<NodeId> {
     let mut moved: Vec<NodeId> = Vec::with_capacity(from.len());
     for node in from.nodes() {
-        // Operands stand before the nodes that use them.
+        // Operands precede the nodes that use them.
         let copy = copy(graph, node, before, &|input| own.value(input), &moved);
         moved.push(copy);
     }
     moved
 }
 
-/// Copies what `root` needs, with the point at `place`.
+/// Copies `root` and its operands, with the point at `place`.
 ///
 /// # Errors
-/// Those of [`Graph::check`].
+/// Returns the error of [`Graph::check`].
 pub(super) fn copied_at(
     graph: &mut Graph,
     (from, root): (&Graph, NodeId),
@@ -187,7 +187,7 @@ pub(super) fn copied_at(
     Ok(at_index(&moved, root))
 }
 
-/// Copies a node whose operands are at `moved`; `value` tells what stands for an input.
+/// Copies a node whose operands are at `moved`; `value` returns the replacement of an input.
 fn copy(
     graph: &mut Graph,
     node: Node,
@@ -213,10 +213,10 @@ pub(super) fn position(graph: &mut Graph) -> Vector {
     [Input::X, Input::Y, Input::Z].map(|input| graph.input(input))
 }
 
-/// A value at another place, without a normal.
+/// A value at another point, with zero normals.
 ///
 /// # Errors
-/// Those of [`Graph::check`].
+/// Returns the error of [`Graph::check`].
 pub(super) fn at(graph: &mut Graph, value: NodeId, place: Vector) -> Result<NodeId, GraphError> {
     let mut moved = vec![NodeId::default(); graph.len()];
     let zero = graph.constant(0.0);
@@ -243,7 +243,7 @@ fn at_index(moved: &[NodeId], id: NodeId) -> NodeId {
     moved.get(id.index()).copied().unwrap_or_default()
 }
 
-/// A plane divided by its slope, so that it weighs as much as a distance.
+/// A plane divided by its slope, so that it is comparable to a distance.
 fn of_slope_1(graph: &mut Graph, plane: NodeId) -> Result<NodeId, GraphError> {
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     let origin = at(graph, plane, [zero; 3])?;
@@ -260,7 +260,7 @@ fn of_slope_1(graph: &mut Graph, plane: NodeId) -> Result<NodeId, GraphError> {
     Ok(graph.div(plane, slope))
 }
 
-/// See [`NormalizedValue`].
+/// Applies a [`NormalizedValue`].
 fn like_a_distance(graph: &mut Graph, value: NodeId, p: Vector, tamed: NormalizedValue) -> NodeId {
     let one = graph.constant(1.0);
     let mut scale = graph.constant(tamed.scale);
@@ -288,7 +288,7 @@ fn like_a_distance(graph: &mut Graph, value: NodeId, p: Vector, tamed: Normalize
     graph.mul(value, reach)
 }
 
-/// How far a point is from a box; negative inside.
+/// The distance of a point from a box; negative inside.
 fn outside(graph: &mut Graph, p: Vector, bounds: &Bounds) -> NodeId {
     let zero = graph.constant(0.0);
     let off = [0, 1, 2].map(|axis| {
@@ -307,7 +307,7 @@ fn outside(graph: &mut Graph, p: Vector, bounds: &Bounds) -> NodeId {
     graph.add(beyond, inside)
 }
 
-/// The numbers of the material that the nearest object has.
+/// The numbers of the nearest object's material.
 fn material_of_the_nearest(graph: &mut Graph, scene: &Scene, at: impl Fn(NodeId) -> NodeId) -> Vec<NodeId> {
     let mut nearest: Option<(NodeId, Vec<NodeId>)> = None;
     for (index, material) in scene.materials.iter().enumerate() {

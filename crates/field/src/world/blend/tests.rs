@@ -1,4 +1,4 @@
-//! A blend against the two scenes that it is made of.
+//! Tests of blends against the two scenes they are made of.
 
 use super::*;
 use crate::graph::{FrameInputs, Interval, Point, cell_hash};
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 const SHAPES: [&str; 4] =
     ["sphere(q, 1.2)", "box(q, vec3(1, 0.7, 0.4))", "torus(q, 1, 0.3)", "round_box(q, vec3(0.8), 0.2)"];
 
-/// A scene of two such shapes beside each other and perhaps a floor at this height.
+/// A scene of two such shapes side by side and possibly a floor at this height.
 fn scene((shape, other): (usize, usize), [x, y, z]: [f32; 3], floor: Option<f32>) -> World {
     let floor = floor.map_or(String::new(), |height| format!("object floor {{ shape = p.y + {height} }}\n"));
     let [shape, other] = [shape, other].map(|number| SHAPES[number % SHAPES.len()]);
@@ -28,7 +28,7 @@ fn scenes() -> impl Strategy<Value = World> {
         .prop_map(|(shape, other, place, floor)| scene((shape, other), place, floor))
 }
 
-/// A frame at a share, seen from far away, where nothing gives way to the eye.
+/// A frame at a fraction, seen from far away, so that no solid shrinks because of the eye.
 fn frame(from: &World, to: &World, fraction: f32) -> FrameInputs {
     FrameInputs {
         eye: [10.0, 200.0, -300.0],
@@ -49,7 +49,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn a_melt_is_solid_only_where_a_scene_is_and_has_the_slope_of_a_distance(
+    fn a_melt_adds_no_solids_and_has_the_slope_of_a_distance(
         (a, b) in (scenes(), scenes()),
         fraction in 0.0..=1.0f32,
         points in prop::collection::vec(prop::array::uniform3(-5.0..5.0f32), 96),
@@ -96,7 +96,7 @@ proptest! {
     }
 
     #[test]
-    fn nothing_above_the_planes_lies_outside_of_the_bounds(
+    fn solids_above_the_planes_are_within_the_bounds(
         (heights, kinds) in (prop::array::uniform2(2.0..6.0f32), prop::array::uniform2(0..4usize)),
         places in prop::array::uniform2(prop::array::uniform3(-2.0..2.0f32)),
         fraction in 0.0..=1.0f32,
@@ -146,7 +146,7 @@ proptest! {
     }
 }
 
-/// A scene with most of what a scene may have.
+/// A scene with nearly every feature of the language.
 const RICH: &str = "param size = 1.5 in 0 .. 3\nparam glow = 0.25 in 0 .. 1\n\
     material red { color = vec3(0.8, 0.1, glow) roughness = 0.9 emission = vec3(glow, 0, 0) }\n\
     material floor { color = 0.3 reflect = 0.5 }\n\
@@ -201,7 +201,7 @@ fn at_either_end_a_blend_is_the_scene_there() {
 
 #[test]
 fn a_portal_of_a_scene_has_the_shape_that_it_names() {
-    // An eighth of the space: to the right, above, and nearer than the target.
+    // An eighth of space: to the right, above, and nearer than the target.
     let outside = world_of("sphere(p + vec3(0, 50, 0), 1)\nabout { portal = 1 }");
     let corner = world_of(
         "param k = 0.25 in 0 .. 1\nabout { portal = max(k - p.x, k - p.y, k - p.z) }\n-1\n\
@@ -210,7 +210,7 @@ fn a_portal_of_a_scene_has_the_shape_that_it_names() {
     let shape = BlendKind::Portal(PortalShape::Own);
     let blend = World::blend(&outside, &corner, shape, &Alignment::NONE, 0.5).unwrap();
     let solid = |fraction: f32, [right, up, near]: [f32; 3]| {
-        // Where the eye is, there is no portal.
+        // The portal is far from the eye.
         let inputs = FrameInputs { eye: [-1e5, -1e5, 1e5], ..frame(&outside, &corner, fraction) };
         let camera = blend.frame_tape.values(&inputs).camera;
         let ray_probe = [0, 1, 2].map(|axis| camera.target[axis] - camera.position[axis]);
@@ -231,18 +231,18 @@ fn a_portal_of_a_scene_has_the_shape_that_it_names() {
             assert!(!solid(fraction, outside), "{outside:?} at {fraction}");
         }
     }
-    assert!(!solid(0.001, [9.0, 9.0, 9.0]), "it comes out of nothing, although the shape has no end");
-    assert!(solid(0.999, [-0.1, -0.1, -0.1]), "in the end it is filled up");
+    assert!(!solid(0.001, [9.0, 9.0, 9.0]), "the infinite shape emerges from a point");
+    assert!(solid(0.999, [-0.1, -0.1, -0.1]), "it is filled up in the end");
 
     let nameless = world_of("sphere(p, 1)");
     let [own, ball] = [PortalShape::Own, PortalShape::Ball].map(|shape| {
         World::blend(&outside, &nameless, BlendKind::Portal(shape), &Alignment::NONE, 0.5).unwrap()
     });
-    assert_eq!(own.roots, ball.roots, "a scene that names none comes in a ball");
+    assert_eq!(own.roots, ball.roots, "a scene without its own shape appears in a ball");
 }
 
 #[test]
-fn where_a_portal_cuts_a_solid_its_material_is_no_matter_of_rounding() {
+fn materials_at_a_portals_cut_do_not_depend_on_rounding() {
     let [solid, empty] = ["1", "0"].map(|color| {
         let shape = if color == "1" { "length(p) - 50" } else { "length(p - vec3(0, 90, 0)) - 1" };
         world_of(&format!("material m {{ color = {color} }}\nobject o {{ shape = {shape} material = m }}"))
@@ -257,7 +257,7 @@ fn where_a_portal_cuts_a_solid_its_material_is_no_matter_of_rounding() {
         for number in 0..200 {
             let off = [0, 1, 2].map(|axis| cell_hash(number as f32, axis as f32) - 0.5);
             let length = off.iter().map(|part| part * part).sum::<f32>().sqrt();
-            // As exact as a traced ray is.
+            // As accurate as a traced ray.
             let near = radius * (1.0 + 1e-4 * (cell_hash(number as f32, 3.0) - 0.5));
             let p = [0, 1, 2].map(|axis| camera.target[axis] + off[axis] / length * near);
             let found = value(&blend, blend.scene.materials[0].color[0], p, &inputs);
@@ -267,7 +267,7 @@ fn where_a_portal_cuts_a_solid_its_material_is_no_matter_of_rounding() {
 }
 
 #[test]
-fn a_melt_follows_the_rays_of_no_more_mirrors_and_lamps_than_one_scene_has() {
+fn a_melt_has_no_more_mirrors_and_lamps_than_one_scene() {
     let [matt, bright] = [(0.0, -9), (0.4, 9)].map(|(reflect, x)| {
         world_of(&format!(
             "material m {{ reflect = {reflect} }}\nobject o {{ shape = sphere(p, 1) material = m }}\n\
@@ -294,7 +294,7 @@ fn a_melt_follows_the_rays_of_no_more_mirrors_and_lamps_than_one_scene_has() {
 }
 
 #[test]
-fn the_parameters_of_both_stand_side_by_side() {
+fn parameters_of_both_scenes_are_independent() {
     let (a, b) =
         (world_of("param r = 1 in 0 .. 2\nsphere(p, r)"), world_of("param r = 2 in 0 .. 4\nsphere(p, r)"));
     let params = blended_params((&a.scene, &[1.5]), (&b.scene, &[]), 0.25);
@@ -310,8 +310,9 @@ fn the_parameters_of_both_stand_side_by_side() {
 }
 
 #[test]
-fn far_from_a_scene_a_ray_goes_as_fast_as_in_it_alone() {
-    // Up from the ground through the rock around a tunnel both values change by as much, in opposite directions.
+fn far_from_a_scene_rays_are_as_fast_as_in_it_alone() {
+    // Upwards from the ground, through the rock around a tunnel, both values change equally fast in opposite
+    // directions.
     let (ground, tunnel) = (world_of("p.y + 2 + 0*length(p)"), world_of("2 - length(p.xy)"));
     let melt = World::blend(&ground, &tunnel, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
     let at = |x: f32, y: f32| distance(&melt, [x, y, 0.0], &frame(&ground, &tunnel, 0.5));
@@ -319,7 +320,7 @@ fn far_from_a_scene_a_ray_goes_as_fast_as_in_it_alone() {
         // The rock ends 5 from the middle.
         assert!(at(0.0, height) > 0.9 * (height - 5.0), "{} at {height}", at(0.0, height));
     }
-    assert!(at(0.0, -3.5) >= -1.5, "where the eye is in a solid, little must give way");
+    assert!(at(0.0, -3.5) >= -1.5, "solids may shrink only a little around the eye");
 }
 
 #[test]
@@ -339,7 +340,8 @@ fn materials_ran_off_their_surfaces_in_a_melt() {
 
 #[test]
 fn a_polynomial_melts_with_the_slope_of_a_distance() {
-    // Barth's sextic, whose slope is 0 at its double points and grows with the fifth power of the distance.
+    // Barth's sextic has slope 0 at its double points, and elsewhere the slope grows with the fifth power of the
+    // distance.
     let star = world_of(include_str!("../../../../../assets/scenes/barth.scene"));
     assert!(star.non_lipschitz);
     let ball = world_of("sphere(p - vec3(0, 2.5, 0), 1)");
@@ -363,7 +365,7 @@ fn a_polynomial_melts_with_the_slope_of_a_distance() {
 }
 
 #[test]
-fn floors_stay_planes_whatever_their_slopes_are() {
+fn floors_of_any_slope_stay_planes() {
     let tilted = world_of("min(3 * p.y + p.x, sphere(p, 1))");
     let level = world_of("min(0.5 * p.y + 1, sphere(p, 1))");
     let melt = World::blend(&tilted, &level, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
@@ -381,7 +383,7 @@ fn floors_stay_planes_whatever_their_slopes_are() {
 }
 
 #[test]
-fn what_is_no_distance_weighs_as_much_as_one() {
+fn values_that_are_not_distances_have_the_weight_of_one() {
     let polynomial = world_of("x^2 + 9/4*z^2 + y^2 - 1");
     assert!(polynomial.non_lipschitz);
     let ball = world_of("sphere(p, 1)");
@@ -417,7 +419,7 @@ fn the_eye_is_never_in_a_solid() {
 }
 
 #[test]
-fn cameras_on_opposite_sides_go_around_what_they_look_at() {
+fn cameras_on_opposite_sides_go_around_their_target() {
     let camera = |z: f32| {
         world_of(&format!("sphere(p, 1)\ncamera {{ position = vec3(0, 1, {z}) target = vec3(0, 1, 0) }}"))
     };
@@ -432,7 +434,7 @@ fn cameras_on_opposite_sides_go_around_what_they_look_at() {
 }
 
 #[test]
-fn too_much_together_is_refused_with_what_it_is() {
+fn exceeded_limits_are_named() {
     let light = |number: i32| format!("light lamp{number} {{ position = vec3(0, 5, 0) color = 10 }}\n");
     let many = world_of(&format!("{}sphere(p, 1)", (0..9).map(light).collect::<String>()));
     assert_eq!(many.scene.lights[0].kind, LightKind::Lamp);
@@ -461,7 +463,7 @@ fn an_aligned_scene_is_seen_as_by_its_own_camera() {
     let melt = World::blend(&a, &b, BlendKind::Melt, &alignment, 0.5).unwrap();
     let at = |fraction: f32| FrameInputs { time: 7.0, ..frame(&a, &b, fraction) };
     let near = |a: f32, b: f32| (a - b).abs() < 1e-3;
-    // The eye has no way to go, and at the middle it looks as far to the side as either.
+    // The eye does not move, and at the middle it looks as far to the side as either camera.
     for fraction in [0.0, 0.5, 1.0] {
         let found = melt.frame_tape.values(&at(fraction)).camera;
         for (axis, own) in camera(&a).position.into_iter().enumerate() {
@@ -469,7 +471,7 @@ fn an_aligned_scene_is_seen_as_by_its_own_camera() {
             assert!((found.position[axis] - own).abs() < room, "{fraction}: {:?}", found.position);
         }
     }
-    // At the end the second scene's surfaces, lamps and sky are where its camera sees them.
+    // At the end the second scene's surfaces, lamps and sky are where its own camera sees them.
     let (found, own) = (melt.frame_tape.values(&at(1.0)), camera(&b));
     let seen = |camera: &crate::lang::Camera<f32>, way: [f32; 3]| {
         let [x, y, z] = [0, 1, 2].map(|axis| camera.target[axis] - camera.position[axis]);
