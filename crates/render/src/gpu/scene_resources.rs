@@ -156,7 +156,7 @@ impl RegionMaker {
 
 /// The tree of a scene with fewer clauses is built on one thread, because starting others would take longer.
 const SMALL_TAPE: usize = 64;
-/// If the previous tree took longer, even a small scene's tree is built on several threads.
+/// Build time of the previous tree above which even a small scene's tree uses several threads.
 const QUICK_TREE: Duration = Duration::from_millis(3);
 /// Most threads that build a tree. Each has its own tapes.
 const THREADS_MAX: usize = 4;
