@@ -8,7 +8,7 @@ use crate::graph::{Graph, NodeId, Op};
 use crate::lang::Camera;
 
 /// A line of sight from the eye to the target.
-struct RayProbe {
+struct LineOfSight {
     /// Around the vertical, 0 along z, in radians.
     yaw: NodeId,
     /// Above the horizon, in radians.
@@ -17,7 +17,7 @@ struct RayProbe {
     length: NodeId,
 }
 
-impl RayProbe {
+impl LineOfSight {
     fn of(graph: &mut Graph, camera: &Camera) -> Self {
         let [x, y, z] = [0, 1, 2].map(|axis| graph.sub(camera.target[axis], camera.position[axis]));
         let level = graph.length(&[x, z]);
@@ -36,19 +36,18 @@ impl RayProbe {
 
 /// The mixture of two cameras; at the fraction 0 it is `a`.
 pub(super) fn mixed(graph: &mut Graph, a: &Camera, b: &Camera, s: NodeId) -> Camera {
-    let sights = [a, b].map(|camera| RayProbe::of(graph, camera));
+    let lines = [a, b].map(|camera| LineOfSight::of(graph, camera));
     let target = [0, 1, 2].map(|axis| graph.mix(a.target[axis], b.target[axis], s));
-    let turn = graph.sub(sights[1].yaw, sights[0].yaw);
+    let turn = graph.sub(lines[1].yaw, lines[0].yaw);
     let turn = shorter_turn(graph, turn);
     let turned = graph.mul(turn, s);
-    let ray_probe = RayProbe {
-        yaw: graph.add(sights[0].yaw, turned),
-        pitch: graph.mix(sights[0].pitch, sights[1].pitch, s),
-        length: graph.mix(sights[0].length, sights[1].length, s),
+    let line = LineOfSight {
+        yaw: graph.add(lines[0].yaw, turned),
+        pitch: graph.mix(lines[0].pitch, lines[1].pitch, s),
+        length: graph.mix(lines[0].length, lines[1].length, s),
     };
-    let away = ray_probe.vector(graph);
-    let sharp =
-        [(a, &sights[0]), (b, &sights[1])].map(|(camera, ray_probe)| nearness(graph, camera, ray_probe));
+    let away = line.vector(graph);
+    let sharp = [(a, &lines[0]), (b, &lines[1])].map(|(camera, line)| nearness(graph, camera, line));
     let nearness = graph.mix(sharp[0], sharp[1], s);
     let one = graph.constant(1.0);
     Camera {
@@ -74,10 +73,10 @@ fn shorter_turn(graph: &mut Graph, turn: NodeId) -> NodeId {
 
 /// The reciprocal of a camera's focus distance. Blur is proportional to it. It is finite for an infinite focus, which
 /// means the target's distance.
-fn nearness(graph: &mut Graph, camera: &Camera, ray_probe: &RayProbe) -> NodeId {
+fn nearness(graph: &mut Graph, camera: &Camera, line: &LineOfSight) -> NodeId {
     let (one, largest) = (graph.constant(1.0), graph.constant(f32::MAX));
     let size = graph.abs(camera.focus);
     let is_finite = graph.binary(Op::LessEqual, size, largest);
-    let distance = graph.select(is_finite, camera.focus, ray_probe.length);
+    let distance = graph.select(is_finite, camera.focus, line.length);
     graph.div(one, distance)
 }

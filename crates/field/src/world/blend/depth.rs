@@ -34,16 +34,16 @@ fn of_rays(graph: &Graph, side: &Side) -> Option<Vec<f32>> {
     let roots: Vec<_> = roots.collect();
     let camera = graph.evaluate(&roots, &Point::at(0.0, 0.0, 0.0), &inputs).ok()?;
     let [x, y, z, tx, ty, tz, fov] = camera[..] else { return None };
-    let (eye, ray_probe) = ([x, y, z], [tx - x, ty - y, tz - z]);
+    let (eye, view) = ([x, y, z], [tx - x, ty - y, tz - z]);
     let inputs = FrameInputs { eye, ..inputs };
     // Textures read 0 here.
     let tape = Tape::build(graph, &[estimate], &TapeOptions::default()).ok()?;
     let mut evaluator = PointEvaluator::new(&tape, &inputs);
     let mut value = |p: [f32; 3]| evaluator.at(&Point::at(p[0], p[1], p[2])).first().copied().unwrap_or(0.0);
-    let level = ray_probe[0].hypot(ray_probe[2]).max(1e-3);
-    let length = level.hypot(ray_probe[1]);
-    let ahead = ray_probe.map(|part| part / length);
-    let right = [ray_probe[2] / level, 0.0, -ray_probe[0] / level];
+    let level = view[0].hypot(view[2]).max(1e-3);
+    let length = level.hypot(view[1]);
+    let ahead = view.map(|part| part / length);
+    let right = [view[2] / level, 0.0, -view[0] / level];
     let up = [
         ahead[1] * right[2] - ahead[2] * right[1],
         ahead[2] * right[0] - ahead[0] * right[2],

@@ -34,7 +34,7 @@ struct Seen {
     /// To the right in the image.
     right: Vector,
     /// From the eye to the target.
-    ray_probe: Vector,
+    view: Vector,
     /// Distance from the eye to the target.
     length: NodeId,
 }
@@ -43,22 +43,22 @@ impl Seen {
     fn by(graph: &mut Graph, camera: &Camera) -> Self {
         let p = side::position(graph);
         let off = [0, 1, 2].map(|axis| graph.sub(p[axis], camera.target[axis]));
-        let ray_probe = [0, 1, 2].map(|axis| graph.sub(camera.target[axis], camera.position[axis]));
-        let length = graph.length(&ray_probe);
-        let level = graph.length(&[ray_probe[0], ray_probe[2]]);
+        let view = [0, 1, 2].map(|axis| graph.sub(camera.target[axis], camera.position[axis]));
+        let length = graph.length(&view);
+        let level = graph.length(&[view[0], view[2]]);
         // A camera that looks straight down has an arbitrary right side.
         let least = graph.constant(LEFT_MIN);
         let level = graph.max(level, least);
-        let (zero, left) = (graph.constant(0.0), graph.neg(ray_probe[0]));
-        let right = [graph.div(ray_probe[2], level), zero, graph.div(left, level)];
-        Self { off, right, ray_probe, length }
+        let (zero, left) = (graph.constant(0.0), graph.neg(view[0]));
+        let right = [graph.div(view[2], level), zero, graph.div(left, level)];
+        Self { off, right, view, length }
     }
 
     /// Coordinates of the point to the right, up and towards the eye.
     fn point(&self, graph: &mut Graph) -> Vector {
         let least = graph.constant(LEFT_MIN);
         let length = graph.max(self.length, least);
-        let back = self.ray_probe.map(|part| graph.div(part, length));
+        let back = self.view.map(|part| graph.div(part, length));
         let back = back.map(|part| graph.neg(part));
         let [rx, ry, rz] = self.right;
         let [bx, by, bz] = back;

@@ -213,10 +213,10 @@ fn a_portal_of_a_scene_has_the_shape_that_it_names() {
         // The portal is far from the eye.
         let inputs = FrameInputs { eye: [-1e5, -1e5, 1e5], ..frame(&outside, &corner, fraction) };
         let camera = blend.frame_tape.values(&inputs).camera;
-        let ray_probe = [0, 1, 2].map(|axis| camera.target[axis] - camera.position[axis]);
-        let length = ray_probe.iter().map(|part| part * part).sum::<f32>().sqrt();
+        let view = [0, 1, 2].map(|axis| camera.target[axis] - camera.position[axis]);
+        let length = view.iter().map(|part| part * part).sum::<f32>().sqrt();
         let size = length * fraction / (1.0 - fraction);
-        let [x, y, z] = ray_probe.map(|part| part / length);
+        let [x, y, z] = view.map(|part| part / length);
         let level = (x * x + z * z).sqrt();
         let (to_right, above) = ([z / level, 0.0, -x / level], [-y * x / level, level, -y * z / level]);
         let p = [0, 1, 2].map(|axis| {
