@@ -12,7 +12,7 @@ use mariana_player::{MissedAudio, PlayerStatus, TrackErrors};
 /// The most waiting notices; above this the oldest are dropped.
 const WAITING_MAX: usize = 3;
 
-/// The notice that is shown, and those that wait.
+/// The current notice and the waiting ones.
 #[derive(Default)]
 pub(crate) struct Announcer {
     waiting: VecDeque<String>,
@@ -113,7 +113,6 @@ impl Announcer {
         }
     }
 
-    /// The current notice.
     pub(crate) fn notice(&self) -> Option<Notice<'_>> {
         let shown = self.shown.as_ref()?;
         Some(Notice { text: &shown.text, fraction: shown.fraction, since: shown.since })
@@ -139,7 +138,6 @@ fn described(track: &TrackInfo) -> String {
     }
 }
 
-/// The next repeat mode.
 pub(crate) fn next_repeat(repeat: Repeat) -> Repeat {
     match repeat {
         Repeat::All => Repeat::One,
@@ -148,7 +146,6 @@ pub(crate) fn next_repeat(repeat: Repeat) -> Repeat {
     }
 }
 
-/// The order in which tracks play.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct TrackOrder {
     /// The repeat mode after each track and after the last one.
@@ -157,7 +154,7 @@ pub(crate) struct TrackOrder {
     pub shuffled: bool,
 }
 
-/// The text for a change of order: the repeat mode or the random order, whichever is new.
+/// The text for a change of order: the new repeat mode or random order.
 pub(crate) fn words_of(before: TrackOrder, after: TrackOrder) -> &'static str {
     match (before.shuffled, after.shuffled) {
         (false, true) => "tracks in random order",

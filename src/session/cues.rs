@@ -27,7 +27,6 @@ pub(super) enum Pressed {
     NoneLeft,
     /// The next cue is used.
     Cue {
-        /// The show including it.
         prepared_show: Arc<PreparedShow>,
         /// Number of the cue, from 1.
         number: usize,
@@ -77,7 +76,6 @@ impl Cues {
         }
     }
 
-    /// The scene of the next key press.
     pub(super) fn next(&self) -> Option<SceneSource> {
         let (show, _) = self.show.as_ref()?;
         show.source(show.cues().get(self.pressed.len())?).cloned()

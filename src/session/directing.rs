@@ -14,7 +14,7 @@ use std::sync::Arc;
 const FOLLOWS: &str = "the scenes follow the song: press K to keep a scene, A to stop";
 
 impl Session {
-    /// Toggles if scenes follow the songs.
+    /// Turns the following of songs on or off.
     pub(super) fn toggle_follow(&mut self) {
         let playing = self.playback.listening.playing();
         let (follow, words) = match (self.playback.direction.follows(playing), playing) {

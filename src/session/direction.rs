@@ -13,13 +13,13 @@ pub(crate) type OfTrack = Option<u64>;
 
 /// News about a show.
 pub(crate) enum ShowNotice {
-    /// The current show; `None` if there is none.
+    /// The current show, if any.
     PreparedShow(Option<Arc<PreparedShow>>),
     /// The show file has mistakes; the previous show continues.
     Problem {
         /// One-line summary.
         heading: String,
-        /// The place of the mistake, and how to fix it.
+        /// The line of the mistake, and how to fix it.
         text: String,
     },
 }
@@ -44,7 +44,6 @@ pub(crate) enum Playing {
     /// An input, or nothing before the first song.
     #[default]
     Input,
-    /// A song of the user.
     Song,
     /// The built-in demo track.
     Demo,
@@ -59,15 +58,11 @@ pub(crate) struct Direction {
     follow: FollowChoice,
     /// True if the command line names a scene, which then stays.
     names_scene: bool,
-    /// The last requested show and its track.
     of: Option<(ShowSource, OfTrack)>,
 }
 
 impl Direction {
     /// Starts the thread, which calls `wake` for each show.
-    ///
-    /// # Errors
-    /// The thread cannot be started.
     pub(crate) fn start(
         named: Option<ShowSource>,
         follow: FollowChoice,

@@ -16,18 +16,14 @@ use crate::session::screen::Screen;
 use crate::ui::overlay::{Overlay, OverlayContent, Painted, PanelSwitches};
 use mariana_player::Moment;
 
-/// How often a window without a frame is painted again, since something may have covered it.
+/// Interval of repaints of a window without a frame, because another window may have covered it.
 const WAITING_AGAIN: Duration = Duration::from_millis(250);
 
 impl Session {
     /// Draws the window, or a part of a slow frame. Returns `true` for the first frame, with which the song starts.
-    ///
-    /// # Errors
-    /// The driver's error.
     pub(super) fn draw(&mut self) -> Result<bool, SessionError> {
         if let Some(seconds) = self.playback.first_shown_after.take() {
-            // Nothing is dimmed in the first frame, so it was shown before the driver had compiled the limiter's
-            // programs.
+            // The first frame is never dimmed, so it was shown before the driver had compiled the limiter's programs.
             self.playback.renderer.limit_flashes(seconds)?;
         }
         let begun = clock::now();
@@ -71,9 +67,6 @@ impl Session {
     }
 
     /// Shows the frame and the overlay, if either has changed. Returns `true` for the first frame.
-    ///
-    /// # Errors
-    /// The driver's error.
     fn present(&mut self, picture: Picture, lay: &Lay, size: (u32, u32)) -> Result<bool, SessionError> {
         let Picture { wanted, new, dims, level, begun } = picture;
         let corner = self.interface.corner_line(&self.playback, begun);
@@ -147,9 +140,6 @@ impl Session {
     }
 
     /// Shows the name of the scene being prepared in a window without a frame: an empty window looks broken.
-    ///
-    /// # Errors
-    /// The driver's error.
     fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), SessionError> {
         let now = clock::now();
         let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
@@ -169,7 +159,6 @@ impl Session {
 
 /// A frame to be shown.
 struct Picture {
-    /// The wanted frame.
     wanted: Shown,
     /// The new frame, if one was drawn.
     new: Option<Drawn>,
@@ -182,9 +171,6 @@ struct Picture {
 impl Playback {
     /// Draws the wanted frame, or a part of it, if another one is shown. `whole` is the size of its screen in pixels.
     /// Returns the frame once it is complete.
-    ///
-    /// # Errors
-    /// The driver's error.
     fn draw_picture(
         &mut self,
         wanted: Shown,
@@ -216,9 +202,6 @@ impl Playback {
 
     /// Dims the frame for the master output and the flash limiter. Returns `true` if the brightness of an old frame
     /// changes; `None` if the driver has no memory for that.
-    ///
-    /// # Errors
-    /// The driver's error.
     fn finish_picture(&mut self, new: Option<&Drawn>, begun: Instant) -> Result<Option<bool>, SessionError> {
         let gain = self.master_output.gain(begun);
         let dims = self.pace.shown().is_some() && gain != self.renderer.gain();
@@ -245,9 +228,6 @@ impl Playback {
     }
 
     /// Compiles the programs shared by all scenes while the first scene's program is compiled.
-    ///
-    /// # Errors
-    /// The driver's error.
     fn warm_up(&mut self) -> Result<(), SessionError> {
         let Some(picture) = self.scene.scenes().coming_picture() else { return Ok(()) };
         let (scene, mut updated) = (&mut self.scene, Ok(()));
@@ -261,7 +241,7 @@ impl Playback {
         Ok(updated?)
     }
 
-    /// The moment that the next frame shows: the current one, or that of the last frame if it would look the same.
+    /// The moment of the next frame: the current one, or the last frame's if it would look the same.
     pub(super) fn moment(&mut self) -> Option<Moment> {
         let now = self.listening.now()?;
         Some(self.pace.moment(now, self.scene.moves_by_itself()))
@@ -280,7 +260,7 @@ impl Playback {
         screen.gl().info().texture_side_max
     }
 
-    /// Checks if the frame in progress takes too long. It is then drawn with fewer pixels or, if that is not enough,
+    /// Checks the frame in progress. If it is too slow, it is drawn with fewer pixels or, if that is not enough,
     /// its scene is removed.
     fn weigh_picture(&mut self, level: Level, now: Instant) {
         let Some(seconds) = self.scene.composer().seconds_of_picture() else { return };
@@ -401,9 +381,6 @@ impl Interface {
 }
 
 /// Paints a window that has no frame yet: messages and the scene's title on black.
-///
-/// # Errors
-/// The driver's error.
 pub(super) fn paint_waiting(
     screen: &mut dyn Screen,
     overlay: &mut Overlay,

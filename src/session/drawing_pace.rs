@@ -1,4 +1,4 @@
-//! The pace and the quality of frames: when the next one is due, how long frames take, and if the show is idle.
+//! The pace and the quality of frames: due times, drawing times, and the detection of an idle show.
 
 use std::time::{Duration, Instant};
 
@@ -125,7 +125,7 @@ impl DrawingPace {
         self.window_size = size;
     }
 
-    /// The moment that the next frame shows: `now`, or that of the last frame if it would look the same.
+    /// The moment of the next frame: `now`, or the last frame's if it would look the same.
     pub(crate) fn moment(&self, now: Moment, moves_by_itself: bool) -> Moment {
         let same = |shown: &Shown| shown.moment.features == now.features && !moves_by_itself;
         self.shown.filter(same).map_or(now, |shown| shown.moment)
@@ -154,8 +154,7 @@ impl DrawingPace {
         }
     }
 
-    /// Sets if samples are saved because the scene is being edited. An idle show still gets the best quality: there
-    /// is time.
+    /// Turns the saving of samples during edits on or off. An idle show still gets the best quality: there is time.
     pub(crate) fn set_edited(&mut self, edited: bool) {
         self.resolution.set_edited(edited);
     }

@@ -1,4 +1,4 @@
-//! Keeps the window's frame rate: draws fewer pixels with cheaper terms when frames take too long, and more again
+//! Keeps the window's frame rate: draws fewer pixels with cheaper terms when frames are slow, and more again
 //! when there is time.
 //!
 //! A pure controller: frame times and costs are its input, a level its output. It reduces the level within a quarter
@@ -64,7 +64,7 @@ const POOR: usize = 8;
 /// Below this many frames per second a show does not seem to move.
 const FPS_USABLE: f64 = 24.0;
 
-/// The frames considered before the level is reduced: those of this time, but at least this many.
+/// The time span and the minimum number of the frames considered before the level is reduced.
 const LOOK: (Duration, usize) = (Duration::from_millis(250), 3);
 /// Two frames in a row that exceed their time by this factor reduce the level at once.
 const FAR_TOO_LONG: f64 = 4.0;
@@ -184,7 +184,7 @@ impl DynamicResolution {
         if self.edited { Level { edges: edits::SAMPLES, ..level } } else { level }
     }
 
-    /// Sets if samples are saved because the scene is being edited. Only automatic quality does so.
+    /// Turns the saving of samples during edits on or off. Only automatic quality uses it.
     pub(crate) fn set_edited(&mut self, edited: bool) {
         if self.choice == QualityChoice::Auto && self.edited != edited {
             self.edited = edited;

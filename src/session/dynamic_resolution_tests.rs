@@ -43,7 +43,6 @@ impl Window {
         self
     }
 
-    /// The number of changes after a time.
     fn changes_after(&self, seconds: f64) -> usize {
         self.changes.iter().filter(|(time, _)| *time > seconds).count()
     }

@@ -68,7 +68,6 @@ impl Session {
         taken
     }
 
-    /// Takes an event of the editor panel.
     pub(super) fn take_editor_event(&mut self, event: EditorEvent) {
         if let Some(editor) = &mut self.interface.ui_state.editor {
             editor.obey(event);

@@ -1,4 +1,4 @@
-//! Errors that end a session. Each message says what happened, where, and what to do.
+//! Errors that end a session. Each message names the problem, its place and a remedy.
 
 use crate::export::ExportError;
 use crate::gpu::error::GpuError;

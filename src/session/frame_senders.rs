@@ -11,7 +11,7 @@ use crate::gpu::renderer::Renderer;
 use crate::placement::{Placement, fitted, within};
 use crate::sending::{OutgoingFrame, SendError, SenderTarget, Sending};
 
-/// How often to check for a frame that is being read back.
+/// Interval of checks for a frame that is being read back.
 const LOOK: Duration = Duration::from_millis(3);
 
 /// Senders that were started before the first frame.
@@ -74,9 +74,6 @@ impl FrameSenders {
     }
 
     /// Reads the shown frame if it is due, and passes on finished reads. Returns the time of the next check.
-    ///
-    /// # Errors
-    /// The driver's error.
     pub(crate) fn go_on(
         &mut self,
         gl: &Gl,

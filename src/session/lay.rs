@@ -27,9 +27,6 @@ pub(crate) struct Panel {
 
 impl Lay {
     /// Copies the frame to the current window of `size` pixels. `area` is the part used as the screen.
-    ///
-    /// # Errors
-    /// The driver's error.
     pub(crate) fn show(&self, renderer: &mut Renderer, size: (u32, u32), area: Area) -> Result<(), GpuError> {
         let inner = self.inner(renderer);
         if self.placement.is_plain() && inner == WHOLE && area == WHOLE {
@@ -45,9 +42,6 @@ impl Lay {
     }
 
     /// Fills a part of the current window of `size` pixels with the frame.
-    ///
-    /// # Errors
-    /// The driver's error.
     pub(crate) fn show_panel(
         &self,
         renderer: &mut Renderer,
@@ -61,9 +55,6 @@ impl Lay {
     }
 
     /// Copies the frame into a part of the current window of `size` pixels. The background is not part of the frame.
-    ///
-    /// # Errors
-    /// The driver's error.
     pub(crate) fn show_small(
         &self,
         renderer: &mut Renderer,

@@ -15,10 +15,10 @@ use mariana_player::ListedTracks;
 /// If less than this is left of a track, in seconds, the next run starts it from the beginning.
 const LEFT_MIN: f64 = 5.0;
 
-/// How often changes are looked for.
+/// Interval of checks for changes.
 const LOOK_PERIOD: Duration = Duration::from_secs(1);
 
-/// How often the position in the song is written while nothing else changes.
+/// Interval at which the position in the song is written without other changes.
 const PLACE_PERIOD: Duration = Duration::from_secs(10);
 
 /// The state that was written for the next run.
@@ -169,7 +169,7 @@ fn files_of(list: &ListedTracks) -> Option<Vec<PathBuf>> {
     list.entries.iter().map(|track| track.file.clone().filter(|_| track.start.is_none())).collect()
 }
 
-/// The saved name of a scene; a formula has none.
+/// The saved name of a scene; `None` for a formula.
 fn name_of(source: &SceneSource) -> Option<String> {
     match source {
         SceneSource::Shipped(name) => Some(name.clone()),

@@ -190,7 +190,7 @@ impl Listening {
         self.sound.choose_output(id);
     }
 
-    /// Sets how the sound's level is adjusted for the frame.
+    /// Sets the adjustment of the sound's level for the frame.
     pub(crate) fn set_gain(&mut self, gain: Gain) {
         self.sound.set_gain(gain);
     }
@@ -243,7 +243,7 @@ impl Listening {
         self.clock_now = (clock.map_or(0.0, |(_, now)| now), clock::now());
     }
 
-    /// Replaces tempo, phase and bar by those of the device's clock, if there is one.
+    /// Takes tempo, phase and bar from the device's clock, if there is one.
     fn apply_clock(&self, now: &mut Moment) {
         let (seconds, at) = self.clock_now;
         let seconds = seconds + clock::since(at).as_secs_f64();
@@ -271,7 +271,6 @@ impl Listening {
         self.sound.heard().tables
     }
 
-    /// The saved settings.
     pub(crate) fn settings(&self) -> &Settings {
         self.sound.settings()
     }
@@ -281,7 +280,6 @@ impl Listening {
         self.sound.keep_tracks(tracks);
     }
 
-    /// Saves a change of the settings.
     pub(crate) fn remember(&mut self, change: impl Fn(&mut Settings) + Send + 'static) {
         self.sound.remember(change);
     }

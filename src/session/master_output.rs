@@ -86,7 +86,6 @@ impl MasterOutput {
         self.is_frozen || self.shown.held.is_some_and(|held| held.fraction >= 1.0)
     }
 
-    /// True if the show mixes in a held frame.
     pub(crate) fn is_held_by_show(&self) -> bool {
         self.shown.held.is_some()
     }

@@ -33,7 +33,6 @@ impl Session {
         self.choices.stage.placement()
     }
 
-    /// Opens or closes the corner handles.
     pub(super) fn show_corners(&mut self, open: bool) {
         if !open && self.interface.ui_state.corners.is_some() {
             // A handle may still be dragged.

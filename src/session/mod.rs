@@ -86,7 +86,7 @@ use crate::ui::pointer_rest::PointerRest;
 use crate::ui::user_input::UserInput;
 use mariana_player::Player;
 
-/// How often an idle session looks for changes.
+/// Interval at which an idle session looks for changes.
 const IDLE_INTERVAL: Duration = Duration::from_millis(250);
 /// The same while the session waits for sound that would change the frame.
 const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
@@ -101,7 +101,7 @@ pub(crate) struct Session {
     names_output: bool,
     /// True if the user has chosen an output since the start.
     chose_output: bool,
-    /// When, and in which size, the texts of a window without a frame were last shown.
+    /// Time and window size of the last texts shown without a frame.
     waited: Option<(Instant, (u32, u32))>,
     /// State saved for the next run.
     legacy: leaving::Legacy,
@@ -151,7 +151,7 @@ pub(crate) struct Interface {
     typing_times: TypingTimes,
     /// Finds the thumbnails of the scene list.
     thumbnails: Option<Thumbnails>,
-    /// When to request thumbnails of the folder's scenes; `None` once requested.
+    /// Time at which to request thumbnails of the folder's scenes; `None` once requested.
     thumbnails_ahead: Option<Instant>,
     /// The folder in which a file was last picked.
     last_folder: Option<PathBuf>,
@@ -250,8 +250,8 @@ impl Session {
         Ok(status.ended && settings.once)
     }
 
-    /// Takes the results of other threads and requests a frame if one is due. Returns when to look
-    /// again if nothing happens earlier.
+    /// Takes the results of other threads and requests a frame if one is due. Returns the time of
+    /// the next look without an earlier event.
     ///
     /// # Errors
     /// The driver reports an error.
@@ -317,8 +317,7 @@ impl Session {
             || self.playback.pace.shown().is_none()
             || self.playback.frame_senders.are_any();
         if !moving || !seen {
-            // Paused, ended or covered: nothing to draw until something happens. In silence, sound
-            // may start at any time.
+            // Paused, ended or covered: wait for an event before drawing. In silence, sound may start at any time.
             if seen {
                 self.update_preview(now, None)?;
             }
@@ -419,12 +418,11 @@ impl Playback {
         }
     }
 
-    /// How long an idle session sleeps. In silence it listens more often.
+    /// The sleep of an idle session. It is shorter in silence, to notice new sound.
     fn idle_interval(&self, seen: bool) -> Duration {
         if seen && !self.listening.is_paused() { LISTEN_INTERVAL } else { IDLE_INTERVAL }
     }
 
-    /// Frame times, for the log.
     pub(super) fn frame_times(&self) -> &FrameTimes {
         self.pace.times()
     }

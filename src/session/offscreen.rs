@@ -176,7 +176,6 @@ impl Offscreen {
     }
 }
 
-/// The window of an offscreen session.
 struct OffscreenWindow {
     target: Target,
     shared: Rc<RefCell<Shared>>,
@@ -229,7 +228,7 @@ impl OffscreenWindow {
     }
 }
 
-/// A target that takes the place of the window.
+/// A target that replaces the window.
 fn target_of(gl: &Gl, size: (u32, u32)) -> Result<Target, GpuError> {
     let target = Target::of_window(gl, size)?;
     gl.replace_window(Some(&target));

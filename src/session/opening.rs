@@ -205,7 +205,6 @@ fn start_player(
     Ok(player)
 }
 
-/// Starts the sound: the player or an input.
 fn start_sound(
     player: Option<Player>,
     memory: Memory,
@@ -253,7 +252,6 @@ fn sources(settings: &PlaySettings, scene: &SceneChoice) -> Sources {
     Sources { library: scene.shaders.clone(), cache: Arc::new(settings.program_cache.clone()) }
 }
 
-/// A renderer for a window.
 fn renderer(gl: &Gl, choices: &Choices, scene: &SceneChoice) -> Result<Renderer, SessionError> {
     let library = &scene.shaders;
     let mut renderer = Renderer::new(gl, library, Counting::Off)?;

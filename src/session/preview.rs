@@ -61,9 +61,6 @@ impl Preview {
 impl Session {
     /// Updates the preview, if there is time. `rest` is the time until the next frame of the show is due; `None`
     /// while the show is idle.
-    ///
-    /// # Errors
-    /// The driver's error.
     pub(super) fn update_preview(&mut self, now: Instant, rest: Option<Duration>) -> Result<(), GpuError> {
         let is_wanted =
             self.choices.next_scene || (self.screen.has_output() && !self.interface.ui_state.clean);

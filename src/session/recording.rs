@@ -12,7 +12,7 @@ use crate::session::scene::Performed;
 use crate::show::{Finish, OnStage, Performance, TimedTransition, TransitionKind, name_of, print};
 use mariana_field::lang::Way;
 
-/// How often a changing performance is written.
+/// Interval at which a changing performance is written.
 const KEPT_EVERY: Duration = Duration::from_secs(1);
 
 /// A performance that is being recorded.

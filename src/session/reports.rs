@@ -11,7 +11,7 @@ use crate::ui::overlay::{Notice, NowPlaying};
 use mariana_player::PlayerStatus;
 use mariana_player::input::LiveStatus;
 
-/// How often the state of the sound is checked.
+/// Interval of checks of the sound's state.
 const INTERVAL: Duration = Duration::from_millis(100);
 
 /// The reports, and what was reported last.
@@ -91,7 +91,6 @@ impl Reports {
         self.announcer.update(now);
     }
 
-    /// The current notice.
     pub(crate) fn notice(&self) -> Option<Notice<'_>> {
         self.announcer.notice()
     }

@@ -42,9 +42,6 @@ impl Run {
     }
 
     /// Runs until the session ends. Replaces a lost OpenGL context.
-    ///
-    /// # Errors
-    /// An error that ends the session.
     pub(crate) fn go_on(mut self) -> Result<(), SessionError> {
         loop {
             match self.until_the_end() {
@@ -98,9 +95,6 @@ impl Run {
     }
 
     /// Handles finished work, waits for the next event or due time, and draws if needed.
-    ///
-    /// # Errors
-    /// An error that ends the session.
     pub(super) fn step(&mut self) -> Result<(), SessionError> {
         let until = self.look_around()?;
         if self.over {
@@ -133,7 +127,7 @@ impl Run {
         Ok(())
     }
 
-    /// Handles finished work. Returns when to look again if nothing happens earlier.
+    /// Handles finished work. Returns the time of the next look without an earlier event.
     fn look_around(&mut self) -> Result<Instant, SessionError> {
         self.obey_desktop();
         self.obey_controllers();
@@ -153,7 +147,6 @@ impl Run {
         Ok(())
     }
 
-    /// Carries out a command.
     pub(super) fn carry_out(&mut self, command: Command, sender: Sender) {
         self.over |= command == Command::Quit;
         self.session.carry_out(command, sender);

@@ -146,9 +146,6 @@ pub(crate) trait Screen {
     fn lie_differently(&mut self);
 
     /// Shows the frame on the output, if it is out of date. `is_new` is true if the frame has changed.
-    ///
-    /// # Errors
-    /// The driver's error.
     fn show_on_output(
         &mut self,
         renderer: &mut Renderer,

@@ -9,9 +9,6 @@ use crate::session::screen::Screen;
 
 impl Playback {
     /// Sends due frames. Returns when to look again, if that is before the next event.
-    ///
-    /// # Errors
-    /// The driver's error.
     pub(super) fn send(
         &mut self,
         screen: &mut dyn Screen,

@@ -20,10 +20,9 @@ use mariana_player::input::{Live, LiveOptions, LiveStatus};
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 use mariana_player::{Moment, Player, PlayerStatus, Target};
 
-/// How long the source list stays visible.
+/// Time for which the source list stays visible.
 const LIST_STANDS: Duration = Duration::from_secs(4);
 
-/// A source of sound.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Source {
     Song,
@@ -66,15 +65,12 @@ pub(crate) struct Start {
     pub output: Option<Target>,
     /// The delay of this run in seconds.
     pub latency: Option<f64>,
-    /// How the sound's level is adjusted for the frame.
+    /// Adjustment of the sound's level for the frame.
     pub gain: Gain,
 }
 
 impl Sound {
     /// Starts the sound. A song waits until it is resumed.
-    ///
-    /// # Errors
-    /// A thread cannot be started.
     pub(crate) fn start(start: Start) -> Result<Self, SessionError> {
         let mut sound = Self {
             player: start.player,
@@ -111,7 +107,6 @@ impl Sound {
         self.live.is_none() && self.player.is_some()
     }
 
-    /// Pauses or resumes.
     pub(crate) fn set_paused(&mut self, paused: bool) {
         self.paused = paused;
         if let Some(live) = &mut self.live {
@@ -202,7 +197,7 @@ impl Sound {
         self.output = Some(target);
     }
 
-    /// Sets how the sound's level is adjusted for the frame.
+    /// Sets the adjustment of the sound's level for the frame.
     pub(crate) fn set_gain(&mut self, gain: Gain) {
         self.gain = gain;
         if let Some(player) = &self.player {
@@ -384,7 +379,6 @@ impl Sound {
         }
     }
 
-    /// The saved settings.
     pub(crate) fn settings(&self) -> &Settings {
         self.kept.settings()
     }

@@ -102,7 +102,6 @@ impl Midi {
         self.revision
     }
 
-    /// The target that is being learned.
     pub(super) fn learning(&self) -> Option<&Target> {
         self.learning.as_ref().map(Learning::target)
     }
@@ -171,7 +170,7 @@ impl Midi {
     }
 }
 
-/// The system's ports, or in test builds those of a folder.
+/// The system's ports, or ports in a folder for test builds.
 fn ports(folders: &Folders) -> Box<dyn Ports> {
     #[cfg(all(unix, any(debug_assertions, feature = "fake-midi")))]
     if let Some(folder) = &folders.midi_ports {

@@ -237,7 +237,7 @@ impl Controllers {
     /// The time of the next task.
     pub(crate) fn due(&self) -> Option<Instant> {
         let input_queue = self.input_queue.has_any().then_some(self.free);
-        // A phone shows the effect of its input even if nothing else wakes the session.
+        // Wake for phones too, so that they show the effects of their input.
         let board = self.phones.are_there().then_some(self.board_due);
         input_queue.into_iter().chain(board).chain(self.network.sample_due()).chain(self.midi.due()).min()
     }

@@ -28,7 +28,6 @@ const PROGRAM_BYTES: u64 = 20 << 20;
 /// Approximate bytes of an image's texel: decoded, and on the GPU with its mip levels.
 const TEXEL_BYTES: u64 = 15;
 
-/// The scenes prepared ahead.
 #[derive(Default)]
 pub(super) struct PreparedAhead {
     /// The next and the previous scene; `None` if preparation is off.
@@ -102,7 +101,6 @@ impl PreparedAhead {
         self.neighbours.iter_mut().flatten()
     }
 
-    /// The loaded scenes.
     pub(super) fn scenes(&self) -> impl Iterator<Item = &PreparedScene> {
         self.all().filter_map(Neighbour::scene)
     }
@@ -300,7 +298,7 @@ impl PreparedAhead {
         None
     }
 
-    /// Draws a hidden frame of a neighbour for which nothing else is missing.
+    /// Draws a hidden frame of a neighbour that is otherwise ready.
     pub(super) fn rehearse(&mut self, sdf: SdfChoice, renderer: &mut Renderer) {
         for neighbour in self.all_mut() {
             let State::Loaded { scene, is_rehearsed, .. } = &mut neighbour.state else { continue };
@@ -385,7 +383,7 @@ mod tests {
         assert!(wanted(&mut ahead, [&ball, &box_]));
         assert_eq!(ahead.scenes().map(|scene| scene.id).collect::<Vec<_>>(), [7]);
         assert_eq!(ahead.next_sources().next(), Some(&ball));
-        // Its tree takes too long: the other scene is prepared.
+        // Its tree is too slow: the other scene is prepared.
         ahead.take_tree(7, None);
         assert!(ahead.go_on(sdf).is_none() && ahead.scenes().next().is_none());
         assert_eq!(loaded(&ahead), (1, true));

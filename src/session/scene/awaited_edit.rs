@@ -5,7 +5,7 @@
 
 use std::time::{Duration, Instant};
 
-/// How long a frame waits for a text. Most scenes are read in half of this time.
+/// The longest wait of a frame for a text. Most scenes are read in half of this time.
 const PATIENCE: Duration = Duration::from_millis(20);
 /// After a load slower than this, frames do not wait for the next text. Drawing at the same time
 /// may have doubled the load time.

@@ -65,13 +65,12 @@ pub(super) struct Ingredients<'a> {
     pub show: &'a ShowFollower,
     /// The values that controllers have set.
     pub parameters: &'a Parameters,
-    /// How scenes are drawn.
+    /// The settings of drawing.
     pub choice: DrawingChoice,
 }
 
 /// A frame in progress.
 struct Making {
-    /// The scene, its mode and its view.
     of: (u64, Mode, Option<ViewChoice>),
     /// The outgoing scene while it is drawn, before the current one; `None` once that is done.
     below: Option<Place>,
@@ -331,7 +330,7 @@ impl SceneComposer {
         self.camera.at(&clips.unwrap_or_default(), time)
     }
 
-    /// Saves how the user or a show left a scene that is being replaced.
+    /// Saves the state in which the user or a show left a scene.
     pub(super) fn note_left(&mut self, left: &PreparedScene, show: &ShowFollower, parameters: &Parameters) {
         self.change.note_left(left, self.pictures.took(), self.camera.orbit(), show, parameters);
     }
@@ -374,9 +373,6 @@ impl SceneComposer {
     }
 
     /// Takes a requested view program. If the driver rejects it, the normal frame is shown instead.
-    ///
-    /// # Errors
-    /// The driver's error.
     pub(super) fn take_views(
         &mut self,
         of: ViewsOf,

@@ -11,17 +11,14 @@ use mariana_control::Model;
 
 /// The loaders of scenes.
 pub(crate) struct SceneLoaders {
-    /// The loader of the requested scene.
     pub shown: SceneLoader,
     /// The loaders of the next and the previous scene, if they are prepared ahead.
     pub ahead: Option<[SceneLoader; 2]>,
 }
 
-/// A loaded scene and its source.
 pub(crate) struct LoadedScene {
     /// The source that was loaded.
     pub source: SceneSource,
-    /// The scene, ready to draw.
     pub scene: ReadyScene,
 }
 
@@ -40,9 +37,7 @@ pub(crate) struct DrawingWays {
 
 /// The state that survives the loss of the OpenGL context.
 pub(crate) struct KeptScenes {
-    /// The loaders of scenes.
     pub loaders: SceneLoaders,
-    /// The scene that was shown.
     pub shown: Option<LoadedScene>,
     /// The last requested scene.
     pub wanted: SceneSource,

@@ -5,7 +5,7 @@
 //! incoming one ([`Renderer::keep_light`]). A frozen frame fades in the same way.
 //!
 //! **A fade follows the song's time,** as the fades of shows do: the frame at a moment of the song depends only on
-//! that moment, and a recording has the same fade. Only a fade that begins while nothing plays uses the clock.
+//! that moment, and a recording has the same fade. Only a fade that begins during a pause uses the clock.
 
 use std::time::{Duration, Instant};
 
@@ -28,7 +28,7 @@ pub(crate) struct Fading {
     going: Duration,
     from: From,
     state: State,
-    /// When the last frame was begun.
+    /// Start of the last frame.
     begun: Option<Instant>,
     /// The fraction of the outgoing scene in the last frame of a running fade.
     fraction: f32,
@@ -39,7 +39,6 @@ pub(crate) struct Fading {
 /// The source that fades out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum From {
-    /// The previous scene.
     Scene,
     /// A frozen frame.
     HeldPicture,
@@ -145,7 +144,8 @@ impl Fading {
         }
     }
 
-    /// The show holds another frame: the last one drawn, including the fraction of the one held before.
+    /// Notes that the show holds another frame: the last one drawn, which includes a fraction of the previously held
+    /// one.
     pub(crate) fn hold_anew(&mut self) {
         if let State::ActionValue(_, kept) = &mut self.state {
             *kept = false;
@@ -187,7 +187,7 @@ impl Fading {
         self.state == State::Wanted
     }
 
-    /// The fraction of the outgoing scene at a moment; `None` if no scene fades out then.
+    /// The fraction of the outgoing scene at a moment; `None` without a fade between scenes.
     pub(super) fn fraction_of_scene(&self, moment: &Moment) -> Option<f32> {
         match self.state {
             _ if self.from != From::Scene => None,
@@ -203,7 +203,7 @@ impl Fading {
         if self.from == From::HeldPicture && self.goes_on() { self.fraction } else { 0.0 }
     }
 
-    /// The duration and the start of a fade in song time between scenes, in seconds; `None` if there is none.
+    /// Duration and start, in seconds, of a running fade between scenes in song time.
     pub(super) fn of_scene_with_song(&self) -> Option<(f64, f64)> {
         match self.state {
             State::WithSong(start, _) if self.from == From::Scene => Some((self.going.as_secs_f64(), start)),
@@ -211,7 +211,7 @@ impl Fading {
         }
     }
 
-    /// Logs the begin of a fade, once.
+    /// Logs the start of a fade, once.
     pub(super) fn announce(&mut self) {
         if self.is_to_begin() && !std::mem::replace(&mut self.announced, true) {
             tracing::info!("a fade begins");
@@ -236,7 +236,7 @@ impl Fading {
         renderer.set_fade(fraction);
     }
 
-    /// The fraction of the outgoing scene in a frame that begins; `None` if there is no fade or it has ended.
+    /// The fraction of the outgoing scene in a frame that begins; `None` without a fade.
     fn step(&mut self, begun: Begun<'_>) -> Option<f32> {
         let since = self
             .begun

@@ -14,7 +14,6 @@ pub(super) struct Knob {
     pub scene: Rc<str>,
 }
 
-/// The sliders of a scene, each with its knob.
 #[derive(Default)]
 pub(super) struct SceneKnobs {
     sliders: Vec<Slider>,

@@ -9,7 +9,7 @@ use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSour
 /// A loader of scenes on its own thread.
 pub(crate) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
 
-/// How long one drawing step takes before the session looks for input.
+/// Duration of a drawing step, after which the session looks for input.
 const GO: Duration = Duration::from_millis(100);
 /// The same while a text is edited: a key is answered at once, even during a slow frame.
 const GO_OF_EDITOR: Duration = Duration::from_millis(10);
@@ -58,7 +58,7 @@ impl SceneLibrary {
         if forward { self.list.next(&self.wanted) } else { self.list.previous(&self.wanted) }
     }
 
-    /// Notes if the scene's text is being edited.
+    /// Notes the begin or the end of editing the scene's text.
     pub(crate) fn set_written(&mut self, written: bool) {
         self.is_written = written;
     }
@@ -80,7 +80,7 @@ impl SceneLibrary {
         self.edit.until(now)
     }
 
-    /// How long a drawing step takes before the session looks for input.
+    /// Duration of a drawing step, after which the session looks for input.
     pub(super) fn length_of_go(&self) -> Duration {
         if self.is_written { GO_OF_EDITOR } else { GO }
     }

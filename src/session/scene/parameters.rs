@@ -77,7 +77,6 @@ impl Parameters {
         scene.knobs.titles().into_iter().any(|title| self.model.moves(title, self.now))
     }
 
-    /// Updates the sliders of a scene for these clips.
     pub(super) fn update_sliders(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>) {
         let readings = self.read(scene, clips, self.song_time);
         let mut is_turned = false;

@@ -78,7 +78,6 @@ impl ScenePreparation {
         self.choice
     }
 
-    /// Sets the use of region cells.
     pub(super) fn set_cells(&mut self, cells: CellUse) {
         self.choice.cells = cells;
     }
@@ -120,9 +119,6 @@ impl ScenePreparation {
     }
 
     /// Uploads a scene and requests its programs.
-    ///
-    /// # Errors
-    /// The driver's error.
     pub(super) fn prepare(
         &mut self,
         source: SceneSource,
@@ -333,12 +329,12 @@ impl ScenePreparation {
         None
     }
 
-    /// The id and the first tree of a new scene, once finished. The tree is `None` if it takes too long.
+    /// The id and the first tree of a new scene, once finished. The tree is `None` if the build was too slow.
     pub(super) fn poll_tree(&self) -> Option<(u64, Option<Arc<BuiltRegions>>)> {
         self.trials.poll()
     }
 
-    /// Takes the first tree of a new scene, or the fact that it takes too long.
+    /// Takes the first tree of a new scene; `None` if the build was too slow.
     pub(super) fn take_tree(
         &mut self,
         id: u64,
@@ -463,7 +459,7 @@ impl ScenePreparation {
         }
     }
 
-    /// Draws a hidden frame of a neighbour for which nothing else is missing.
+    /// Draws a hidden frame of a neighbour that is otherwise ready.
     pub(super) fn rehearse(&self, renderer: &mut Renderer, scenes: &mut PreparedScenes) {
         scenes.ahead.rehearse(self.choice.sdf, renderer);
     }

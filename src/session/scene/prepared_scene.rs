@@ -20,7 +20,6 @@ use crate::scenes::{ReadyScene, SceneSource};
 pub(super) struct DrawingChoice {
     /// Interpreted, compiled or both.
     pub sdf: SdfChoice,
-    /// The use of region cells.
     pub cells: CellUse,
 }
 
@@ -36,7 +35,6 @@ pub(super) enum FirstTree {
     TooLong,
 }
 
-/// The programs of a scene.
 pub(super) struct ScenePrograms {
     /// The interpreter variant for the scene; `None` if the tape exceeds the driver's limits or the
     /// driver rejected the program.
@@ -56,7 +54,6 @@ pub(super) struct PreparedScene {
     /// Unique number; each version of the text has its own.
     pub id: u64,
     pub source: SceneSource,
-    /// The scene's resources on the GPU.
     pub resources: SceneResources,
     pub programs: ScenePrograms,
     /// State of the first region tree.
@@ -97,9 +94,6 @@ impl ScenePrograms {
 
 impl PreparedScene {
     /// Uploads a scene, without programs. Images that `last` also has are reused.
-    ///
-    /// # Errors
-    /// The driver's error.
     pub(super) fn upload(
         gl: &Gl,
         id: u64,
@@ -151,7 +145,6 @@ impl PreparedScene {
         self.source.title()
     }
 
-    /// The program for a mode.
     pub(super) fn program(&self, mode: Mode) -> Option<&Rc<Program>> {
         self.programs.of(mode)
     }

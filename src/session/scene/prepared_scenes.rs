@@ -11,7 +11,6 @@ use mariana_music::Features;
 
 /// The scenes of a session by their roles.
 pub(crate) struct PreparedScenes {
-    /// The scene shown now.
     pub(super) shown: Option<PreparedScene>,
     /// The scene that replaces it as soon as a program can draw it.
     pub(super) coming: Option<PreparedScene>,
@@ -73,7 +72,6 @@ impl PreparedScenes {
         [&mut self.shown, &mut self.coming].into_iter().flatten()
     }
 
-    /// True if a scene is shown.
     pub(crate) fn is_any_shown(&self) -> bool {
         self.shown.is_some()
     }
@@ -105,7 +103,6 @@ impl PreparedScenes {
         sources.find(|source| !matches!(source, SceneSource::Blend(_))).map(SceneSource::title)
     }
 
-    /// The source of the shown scene.
     pub(crate) fn shown_source(&self) -> Option<&SceneSource> {
         self.shown.as_ref().map(|scene| &scene.source)
     }

@@ -29,7 +29,7 @@ const TREE_PATIENCE: Duration = Duration::from_millis(150);
 pub(super) struct NextPicture {
     /// The scene of the last tree request, and its time.
     asked: Option<(u64, Instant)>,
-    /// The scene whose trees take too long.
+    /// The scene with too slow trees.
     too_expensive: Option<u64>,
     builder: RegionBuilder<u64>,
 }
@@ -46,18 +46,12 @@ enum Next {
 
 impl NextPicture {
     /// Starts the tree builder, which calls `wake` after each tree.
-    ///
-    /// # Errors
-    /// The thread cannot be started.
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         Ok(Self { asked: None, too_expensive: None, builder: RegionBuilder::start(wake)? })
     }
 
     /// Draws a hidden frame of the next scene with the values of `parameters` at `time` seconds of the song, and
-    /// sends it to `reader`. Returns its title, or `None` if there is nothing to draw now.
-    ///
-    /// # Errors
-    /// The driver's error.
+    /// sends it to `reader`. Returns its title if a frame was drawn.
     pub(super) fn draw(
         &mut self,
         (ahead, parameters, choice): (&PreparedAhead, &Parameters, DrawingChoice),

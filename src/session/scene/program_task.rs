@@ -6,7 +6,6 @@ use crate::gpu::scene_program::Interpreter;
 pub(super) enum Task {
     /// Draws one scene.
     Compiled {
-        /// Id of the scene.
         id: u64,
         /// True if the program looks up the cells of a tree.
         has_cells: bool,
@@ -18,7 +17,6 @@ pub(super) enum Task {
         /// True for formulas that are not distances.
         non_lipschitz: bool,
     },
-    /// Draws views.
     Views(ViewsOf),
 }
 

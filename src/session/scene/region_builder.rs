@@ -5,9 +5,9 @@
 //!
 //! **A frame is drawn with the inputs of its tree.** `Renderer::draw` builds missing regions itself; stills, videos
 //! and measurements use only this path. The window requests trees from this thread and draws a frame when its tree is
-//! finished, even if late; with slow inputs, fewer frames follow the sound. If the compiled program draws faster than
-//! a tree is built, it draws without cells. An interpreter without cells takes tens of times as long as with them,
-//! which is longer than any tree takes. The line of key I shows which is used.
+//! finished, even if late: a slow tree lowers the frame rate, but frames match the sound. If the compiled program
+//! draws faster than a tree is built, it draws without cells. An interpreter without cells takes tens of times as
+//! long as with them, which is longer than any tree takes. The line of key I shows which is used.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -29,7 +29,6 @@ pub(super) struct TreeJob<Tag> {
     pub patience: Duration,
 }
 
-/// A finished tree.
 pub(super) struct BuiltTree<Tag> {
     /// The caller's identifier of the request.
     pub tag: Tag,
@@ -69,9 +68,6 @@ pub(super) struct RegionBuilder<Tag> {
 
 impl<Tag: Send + 'static> RegionBuilder<Tag> {
     /// Starts the thread, which calls `wake` after each tree.
-    ///
-    /// # Errors
-    /// The thread cannot be started.
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         let state = State { next: None, done: None, forgotten: 0, over: false };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });

@@ -2,7 +2,7 @@
 //! tree and drawing without one.
 //!
 //! A frame is drawn with the inputs of its tree. A late tree is still drawn when it is finished;
-//! fewer frames follow the sound then. If the compiled program draws faster than a tree is built,
+//! the frame rate drops then. If the compiled program draws faster than a tree is built,
 //! it draws without one; an interpreter would be much slower that way.
 
 use std::time::Duration;
@@ -25,7 +25,6 @@ const WAITED_FOR: Duration = Duration::from_millis(17);
 /// The identity of a frame: two frames with equal values look the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Shown {
-    /// The moment of the song.
     pub moment: Moment,
     /// Width and height in pixels.
     pub size: (u32, u32),
@@ -52,12 +51,9 @@ pub(super) struct DrawOptions<'a> {
     pub fades_away: bool,
 }
 
-/// A requested tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct TreeRequest {
-    /// Id of the scene.
     id: u64,
-    /// The frame.
     shown: Shown,
     /// True for the outgoing scene of a fade. Both frames of a fade may have the same moment and
     /// scene, but each needs its own tree: cameras and parameters differ.
@@ -66,7 +62,7 @@ struct TreeRequest {
 
 /// The tree requests of the shown scene.
 pub(super) struct SceneRegions {
-    /// True if every tree is awaited, however long it takes.
+    /// True if every tree is awaited, whatever its build time.
     insists: bool,
     builder: RegionBuilder<TreeRequest>,
     /// The last request, until its tree is finished.
@@ -79,15 +75,12 @@ pub(super) struct SceneRegions {
     waited: bool,
     /// Build time of the last tree.
     tree_time: Duration,
-    /// The scene whose frame was abandoned because its tree takes too long.
+    /// The scene whose frame was abandoned because of its slow tree.
     given_up: Option<u64>,
 }
 
 impl SceneRegions {
     /// Starts the builder, which calls `wake` after each tree.
-    ///
-    /// # Errors
-    /// The thread cannot be started.
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         Ok(Self {
             insists: false,
@@ -102,7 +95,7 @@ impl SceneRegions {
     }
 
     /// A frame of the scene `id` that can be drawn now, and its identity: either `wanted` with `sound`, or an earlier
-    /// frame whose tree is now finished. `None` if there is nothing new to draw.
+    /// frame whose tree is now finished. `None` without a new frame.
     pub(super) fn drawable(
         &mut self,
         (id, mode): (u64, Mode),
@@ -171,7 +164,7 @@ impl SceneRegions {
         scene.uses_cells(change, drawn.1)
     }
 
-    /// True once if a frame of this scene was abandoned because its tree takes too long.
+    /// True once if a frame of this scene was abandoned because of its slow tree.
     pub(super) fn has_given_up(&mut self, id: u64) -> bool {
         self.given_up.take_if(|given_up| *given_up == id).is_some()
     }
@@ -181,7 +174,7 @@ impl SceneRegions {
         self.late_for = Some((id, Mode::Compiled));
     }
 
-    /// Sets if every tree is awaited, however long it takes.
+    /// Chooses if every tree is awaited, whatever its build time.
     pub(super) fn insist(&mut self, insists: bool) {
         self.insists = insists;
     }

@@ -32,13 +32,11 @@ const LIVE_MAX: Duration = Duration::from_millis(100);
 pub(super) struct SceneChange {
     /// The frame for which the outgoing scene has been started.
     begun: Option<Begun>,
-    /// The state of the scene that the user left.
     left: Option<LeftScene>,
     /// Camera motion in the outgoing scene.
     orbit: OrbitControls,
 }
 
-/// A scene as it was left.
 struct LeftScene {
     source: SceneSource,
     /// The show's clip.

@@ -33,7 +33,6 @@ pub(super) struct Pictured {
 }
 
 impl Pictured {
-    /// A frame of a scene.
     pub(super) fn of(scene: &PreparedScene, frame: Frame) -> Self {
         let resources = &scene.resources;
         let options = RegionOptions { cells: true, ..resources.region_options(&frame) };

@@ -125,7 +125,6 @@ impl SceneSession {
         &mut self.preparation.library
     }
 
-    /// The composer of frames.
     pub(crate) fn composer(&self) -> &SceneComposer {
         &self.composer
     }
@@ -150,13 +149,11 @@ impl SceneSession {
         &mut self.parameters
     }
 
-    /// The parameters of the shown scene.
     pub(crate) fn shown_parameters(&self) -> ShownParameters<'_> {
         let (scene, show) = (self.scenes.shown.as_ref(), &self.show);
         ShownParameters { scene, show, parameters: &self.parameters }
     }
 
-    /// The parameters of the shown scene, mutable.
     pub(crate) fn shown_parameters_mut(&mut self) -> TurnedParameters<'_> {
         let (scene, show) = (self.scenes.shown.as_mut(), &self.show);
         TurnedParameters { scene, show, parameters: &mut self.parameters }
@@ -310,7 +307,6 @@ impl SceneSession {
         }
     }
 
-    /// The composer and its inputs.
     fn composing(&mut self) -> (&mut SceneComposer, Ingredients<'_>) {
         let (scenes, show, parameters) = (&self.scenes, &self.show, &self.parameters);
         let choice = self.preparation.choice();
@@ -319,9 +315,6 @@ impl SceneSession {
 
     /// Draws the shown scene at a moment for which its regions are built, or continues the frame in
     /// progress. Returns `None` if no frame was finished. Requests missing resources.
-    ///
-    /// # Errors
-    /// The driver's error.
     pub(crate) fn draw(
         &mut self,
         renderer: &mut Renderer,
@@ -341,7 +334,7 @@ impl SceneSession {
         Ok(drawn)
     }
 
-    /// Removes a shown scene whose first frame would take too long, and returns to the previous
+    /// Removes a shown scene whose first frame would be too slow, and returns to the previous
     /// scene, if there is one. If the scene's compiled program is available or being made, the
     /// scene returns with that one. `why` is the beginning of a sentence.
     pub(crate) fn take_back(&mut self, why: &str) {
@@ -365,10 +358,7 @@ impl SceneSession {
     }
 
     /// Draws a hidden frame of the next scene at a moment, and sends it to `reader`. Returns its
-    /// title, or `None` if there is nothing to draw now.
-    ///
-    /// # Errors
-    /// The driver's error.
+    /// title if a frame was drawn.
     pub(crate) fn preview(
         &mut self,
         renderer: &mut Renderer,
@@ -383,7 +373,7 @@ impl SceneSession {
         self.next_picture.draw(of, renderer, sketch, reader, heard)
     }
 
-    /// True if nothing is left to do for the requested scene.
+    /// True if the requested scene is complete and shown.
     fn is_complete(&self) -> bool {
         let PreparedScenes { shown: Some(shown), coming: None, before: None, .. } = &self.scenes else {
             return false;
@@ -541,7 +531,6 @@ impl SceneSession {
         self.composer.edits.save_samples(self.mode(), now)
     }
 
-    /// Notes the time of a frame.
     pub(crate) fn note_frame_time(&mut self, time: Duration) {
         let (composer, of) = self.composing();
         composer.note_frame_time(time, of);

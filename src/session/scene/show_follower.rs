@@ -58,7 +58,7 @@ pub(super) struct Circumstances<'a> {
     pub is_written: bool,
     /// True if the user is waiting for a scene.
     pub is_awaited: bool,
-    /// How scenes are drawn.
+    /// The settings of drawing.
     pub sdf: SdfChoice,
 }
 
@@ -351,7 +351,7 @@ fn blend_of(prepared_show: &PreparedShow, from: &Clip, to: &Clip) -> Option<Scen
         .map(|blend| SceneSource::Blend(Arc::new(blend)))
 }
 
-/// The next two sources after `wanted` in the clip at `index`. The first one may be that of a cue.
+/// The next two sources after `wanted` in the clip at `index`. A cue's source comes first.
 fn upcoming(
     prepared_show: &PreparedShow,
     index: usize,

@@ -10,12 +10,10 @@ pub(super) fn uploaded(gl: &Gl, id: u64, source: &SceneSource) -> PreparedScene 
     PreparedScene::upload(gl, id, source.clone(), source.ready().unwrap(), None).unwrap()
 }
 
-/// A scene with this text.
 pub(super) fn text(text: &str) -> SceneSource {
     SceneSource::Formula(text.to_owned())
 }
 
-/// A loader of scenes.
 pub(super) fn loader() -> SceneLoader {
     let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
     let texts = Drafts::default().texts();

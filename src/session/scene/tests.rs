@@ -115,7 +115,7 @@ impl Staged {
     /// Draws a frame at a moment of the playing song.
     fn draw(&mut self, renderer: &mut Renderer, song_time: f64) {
         let mut drawn = None;
-        wait_until("a picture", || {
+        wait_until("a frame", || {
             let moment = at(song_time);
             let (sound, size, edges) = (Features::SILENCE.into(), (32, 18), EdgeSamples::Four);
             let picture =
@@ -159,7 +159,7 @@ fn a_show_silently_replaces_a_scene_that_is_too_slow() {
     // Its first frame is too expensive, so the calm scene returns.
     staged.draws(false);
     let before = staged.source("calm");
-    staged.session.take_back("a picture of this window would take about 99 s");
+    staged.session.take_back("a frame of this window would take about 99 s");
     assert_eq!(staged.words(), [""; 0]);
     assert_eq!(staged.session.scenes().shown_source(), Some(&before));
     staged.session.follow(LOUD + 0.1);
@@ -171,7 +171,7 @@ fn a_show_silently_replaces_a_scene_that_is_too_slow() {
     let loud = staged.source("loud");
     staged.session.show_source(loud);
     staged.wait_for("loud");
-    staged.session.take_back("a picture of this window would take about 99 s");
+    staged.session.take_back("a frame of this window would take about 99 s");
     let words = staged.words();
     assert!(words.iter().any(|words| words.contains("loud is too much for this machine")), "{words:?}");
 }

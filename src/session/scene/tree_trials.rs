@@ -18,9 +18,6 @@ pub(super) struct TreeTrials(RegionBuilder<u64>);
 
 impl TreeTrials {
     /// Starts the thread, which calls `wake` after each tree.
-    ///
-    /// # Errors
-    /// The thread cannot be started.
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         RegionBuilder::start(wake).map(Self)
     }

@@ -29,7 +29,6 @@ pub(crate) struct Views {
 }
 
 impl Views {
-    /// Starts with this view.
     pub(super) fn starting_with(choice: Option<ViewChoice>) -> Self {
         Self { choice, ..Self::default() }
     }
@@ -113,9 +112,6 @@ impl Views {
     }
 
     /// Takes a requested view program. If the driver rejects it, the view is turned off.
-    ///
-    /// # Errors
-    /// The driver's error.
     pub(super) fn take(&mut self, of: ViewsOf, program: Result<Program, GpuError>) -> Result<(), GpuError> {
         self.revision += 1;
         match program {
