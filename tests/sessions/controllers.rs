@@ -30,21 +30,28 @@ pub(crate) fn write_wall(place: &session::Place) -> PathBuf {
 /// A folder with the walls, a quiet song and devices.
 struct Place {
     inner: session::Place,
-    song: PathBuf,
     scene: PathBuf,
 }
 
 impl Place {
     fn new() -> Self {
-        let inner = session::Place::new();
-        let (song, scene) = (inner.quiet_song("quiet.wav", 60), write_wall(&inner));
-        Self { inner, song, scene }
+        let inner = session::Place::with_song();
+        let scene = write_wall(&inner);
+        Self { inner, scene }
     }
 
     fn open(&self, options: &[&str]) -> App {
         let size: &[&str] = if options.contains(&"--size") { &[] } else { &["--size", SIZE] };
         let scene = ["--scene", self.scene.to_str().unwrap()];
-        self.inner.open(&self.song, &[&scene[..], size, options].concat())
+        self.inner.open(&self.inner.song(), &[&scene[..], size, options].concat())
+    }
+
+    /// A session that receives OSC, and a sender to it.
+    fn open_with_osc(&self) -> (App, Sender) {
+        let osc = Sender::new();
+        let app = self.open(&["--osc", &osc.port.to_string()]);
+        app.wait_until_reported("receiving OSC");
+        (app, osc)
     }
 
     fn port(&self, name: &str) -> PathBuf {
@@ -157,9 +164,7 @@ fn messages_turn_parameters_and_the_last_hand_wins() {
 fn messages_go_to_scenes_and_what_was_turned_is_found_again() {
     apart!();
     let place = Place::new();
-    let osc = Sender::new();
-    let app = place.open(&["--osc", &osc.port.to_string()]);
-    app.wait_until_reported("receiving OSC");
+    let (app, osc) = place.open_with_osc();
     wait_for_colour(&app, "green", [false, true, false]);
     osc.send("/param/red", &[2.0]);
     wait_for_colour(&app, "yellow", [true, true, false]);
@@ -184,9 +189,7 @@ fn messages_go_to_scenes_and_what_was_turned_is_found_again() {
 fn rubbish_is_ignored_and_the_show_goes_on() {
     apart!();
     let place = Place::new();
-    let osc = Sender::new();
-    let app = place.open(&["--osc", &osc.port.to_string()]);
-    app.wait_until_reported("receiving OSC");
+    let (app, osc) = place.open_with_osc();
     let nested = (0..2_000).rev().fold(message("/param/red", &[2.0]), |inner, _| {
         if inner.len() > 60_000 {
             return inner;
@@ -366,10 +369,8 @@ fn the_clock_of_a_device_sets_the_tempo_until_it_ends() {
     apart!();
     let place = Place::new();
     place.plug("drums");
-    let osc = Sender::new();
-    let app = place.open(&["--osc", &osc.port.to_string()]);
+    let (app, osc) = place.open_with_osc();
     app.wait_until_reported("receiving MIDI from drums (fake port)");
-    app.wait_until_reported("receiving OSC");
     let tempo = |bytes: &[u8]| number_in(bytes, "/tempo", ",f");
     ask(&app, &osc, "/query/tempo", |bytes| tempo(bytes) == Some(0.0));
     place.play("drums", &[0xfa]);

@@ -102,6 +102,14 @@ fn write(app: &App) {
     wait_for_group(app, "the text in its colours", NUMBER);
 }
 
+/// Opens the editor and types a green wall in place of the whole text.
+fn replace_by_green(app: &App) {
+    write(app);
+    app.press(&["ctrl+a"]);
+    app.type_text(&wall("vec3(0, 1, 0)"));
+    wait_for_color(app, "a green wall", GREEN);
+}
+
 fn quit(app: App) {
     app.press(&["Escape"]);
     wait_until_gone(&app, "the picture without the editor", NUMBER);
@@ -114,10 +122,7 @@ fn what_is_typed_shows_in_the_picture_and_a_mistake_leaves_it() {
     let place = Place::new(&wall("vec3(1, 0, 0)"));
     let app = place.open(&[]);
     wait_for_color(&app, "a red wall", RED);
-    write(&app);
-    app.press(&["ctrl+a"]);
-    app.type_text(&wall("vec3(0, 1, 0)"));
-    wait_for_color(&app, "a green wall", GREEN);
+    replace_by_green(&app);
     assert_eq!(place.saved(), wall("vec3(1, 0, 0)"), "nobody has saved");
     // What is wrong is said, and the picture stays.
     app.type_text(" $");
@@ -159,10 +164,7 @@ fn another_programs_save_is_asked_about_and_nothing_is_lost() {
     apart!();
     let place = Place::new(&wall("vec3(1, 0, 0)"));
     let app = place.open(&[]);
-    write(&app);
-    app.press(&["ctrl+a"]);
-    app.type_text(&wall("vec3(0, 1, 0)"));
-    wait_for_color(&app, "a green wall", GREEN);
+    replace_by_green(&app);
     let theirs = wall("vec3(0, 0, 1)");
     fs::write(place.file(), &theirs).unwrap();
     app.press(&["ctrl+s"]);
@@ -178,10 +180,7 @@ fn what_was_typed_comes_back_after_the_program_was_killed() {
     apart!();
     let place = Place::new(&wall("vec3(1, 0, 0)"));
     let app = place.open(&[]);
-    write(&app);
-    app.press(&["ctrl+a"]);
-    app.type_text(&wall("vec3(0, 1, 0)"));
-    wait_for_color(&app, "a green wall", GREEN);
+    replace_by_green(&app);
     let kept = place.inner.path("state/unsaved");
     app.wait_until("the kept text", |_| {
         // What is being written beside it is not kept yet.

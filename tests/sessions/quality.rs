@@ -2,11 +2,11 @@
 
 use crate::support::apart::apart;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
 use crate::support::compare::{LOOSE, difference};
 use crate::support::desktop::{PROGRAM, command_in};
 use crate::support::session::{self, App};
+use crate::support::walls::{foam, wait_for_refusal};
 use image::RgbaImage;
 use mariana_testing::process::output_of;
 
@@ -141,14 +141,6 @@ fn alike(seen: &RgbaImage, wanted: &RgbaImage) -> bool {
     found.mean <= LOOSE.mean_max && found.fraction <= LOOSE.fraction_max
 }
 
-/// Spheres that flow together, so many that no tree of them is built in any time worth waiting for.
-fn foam(count: usize) -> String {
-    format!(
-        "object foam {{ shape = smooth_union(for i in 0..{count}: sphere(p - vec3(3 * sin(i * 12.9898), \
-         2 + 2 * sin(i * 78.233), 3 * sin(i * 37.719)), 0.25 + 0.1 * sin(t + i)), 0.2) }}"
-    )
-}
-
 #[test]
 fn a_scene_that_took_minutes_for_a_picture_kept_the_last_good_scene() {
     apart!();
@@ -156,14 +148,14 @@ fn a_scene_that_took_minutes_for_a_picture_kept_the_last_good_scene() {
     place.inner.save("p_foam.scene", &foam(1_500));
     let app = place.open("160x90", &[]);
     app.press(&["n"]);
-    let begun = Instant::now();
-    while !app.reported().contains("p_foam is too much for this machine; the last good scene stays") {
-        assert!(begun.elapsed() < Duration::from_secs(150), "it was not refused: {}", app.reported());
-        assert!(app.runs(), "{}", app.reported());
-        // All the while what was shown moves.
-        let picture = app.picture();
-        app.wait_until("another picture", |app| app.picture() != picture);
-    }
+    wait_for_refusal(
+        || app.reported(),
+        || {
+            assert!(app.runs(), "{}", app.reported());
+            let picture = app.picture();
+            app.wait_until("another picture", |app| app.picture() != picture);
+        },
+    );
     let reported = app.reported();
     assert!(reported.contains("clauses") && reported.contains("use fewer or simpler parts"), "{reported}");
     app.press(&["space"]);

@@ -33,24 +33,19 @@ const RED: &str = "vec3(1, 0, 0)";
 const GREEN: &str = "vec3(0, 1, 0)";
 const BLUE: &str = "vec3(0, 0, 1)";
 
-struct Place {
-    inner: session::Place,
-    song: PathBuf,
-}
+struct Place(session::Place);
 
 impl Place {
     fn new() -> Self {
-        let inner = session::Place::new();
-        let song = inner.quiet_song("quiet.wav", 60);
-        Self { inner, song }
+        Self(session::Place::with_song())
     }
 
     fn path(&self, name: &str) -> PathBuf {
-        self.inner.path("scenes").join(name)
+        self.0.path("scenes").join(name)
     }
 
     fn save(&self, name: &str, text: &str) {
-        self.inner.save(&format!("scenes/{name}"), text);
+        self.0.save(&format!("scenes/{name}"), text);
     }
 
     /// A session with a file of the folder, when its scene shows.
@@ -59,7 +54,7 @@ impl Place {
     }
 
     fn open_scene(&self, scene: &str, size: &str, options: &[&str]) -> App {
-        let app = self.inner.open(&self.song, &[&["--size", size, "--scene", scene], options].concat());
+        let app = self.0.open(&self.0.song(), &[&["--size", size, "--scene", scene], options].concat());
         app.wait_for_title("a scene", |title| title.contains(" - Mariana ("));
         app
     }
@@ -68,16 +63,16 @@ impl Place {
     fn open_with_compiler(&self, name: &str, options: &[&str]) -> App {
         let scene = self.path(name);
         let own = ["--size", TINY, "--scene", scene.to_str().unwrap()];
-        let app = self.inner.open_with_compiler(&self.song, &[&own[..], options].concat());
+        let app = self.0.open_with_compiler(&self.0.song(), &[&own[..], options].concat());
         app.wait_for_title("a scene", |title| title.contains(" - Mariana ("));
         app
     }
 
     /// The picture of a scene of the folder at the song's start, without a session.
     fn still(&self, name: &str, size: (u32, u32)) -> RgbaImage {
-        let output = self.inner.path("still.png");
-        let mut command = command_in(PROGRAM, self.inner.folder(), None);
-        command.arg("still").arg(&self.song).arg("--scene").arg(self.path(name)).arg("-o").arg(&output);
+        let output = self.0.path("still.png");
+        let mut command = command_in(PROGRAM, self.0.folder(), None);
+        command.arg("still").arg(&self.0.song()).arg("--scene").arg(self.path(name)).arg("-o").arg(&output);
         command.args(["--size", &format!("{}x{}", size.0, size.1)]);
         let run = command.output().unwrap();
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));

@@ -1,6 +1,7 @@
 //! What performers do to every picture: blackout, freeze, clean, scenes by number, corners.
 
 use crate::support::apart::apart;
+use crate::support::session::App;
 use crate::walls::{BREATHES, Place, TWO_COLOURS, at, is_black, is_blue, is_red};
 use image::RgbaImage;
 use mariana::srgb::linear;
@@ -58,6 +59,15 @@ fn numbers_show_the_scenes_of_the_list() {
     app.quit();
 }
 
+/// Opens the panel of the corners and presses the button on the upper left one.
+fn grab_corner(app: &App) {
+    app.press(&["y"]);
+    app.wait_for("the panel", |picture| !is_red(at(picture, 0.4, 0.5)));
+    app.move_pointer(10.0, 10.0);
+    app.wait_for("the corner under the pointer", |picture| at(picture, 0.02, 0.02)[2] > 150);
+    app.hold_button(true);
+}
+
 #[test]
 fn one_key_hides_every_word_and_panel() {
     apart!();
@@ -98,12 +108,8 @@ fn the_picture_is_mirrored_cropped_and_pulled_at_its_corners() {
     // By hand, and remembered.
     let app = place.open("two.scene", &[]);
     app.wait_for("the picture", |picture| is_red(at(picture, 0.1, 0.1)));
-    app.press(&["y"]);
-    app.wait_for("what says how", |picture| !is_red(at(picture, 0.4, 0.5)));
+    grab_corner(&app);
     let move_to = |x: u32, y: u32| app.move_pointer(x.into(), y.into());
-    move_to(10, 10);
-    app.wait_for("the corner under the pointer", |picture| at(picture, 0.02, 0.02)[2] > 150);
-    app.hold_button(true);
     (1..=4).for_each(|step| move_to(10 + 30 * step, 10 + 10 * step));
     app.hold_button(false);
     app.wait_for("the corner", |picture| is_black(at(picture, 0.1, 0.05)) && is_red(at(picture, 0.1, 0.9)));
@@ -123,12 +129,8 @@ fn a_corner_that_was_held_when_its_panel_closed_was_forgotten() {
     let is_pulled = |picture: &RgbaImage| is_black(at(picture, 0.1, 0.05));
     let app = place.open("two.scene", &[]);
     app.wait_for("the picture", |picture| is_red(at(picture, 0.1, 0.1)));
-    app.press(&["y"]);
-    app.wait_for("what says how", |picture| !is_red(at(picture, 0.4, 0.5)));
+    grab_corner(&app);
     let move_to = |x: u32, y: u32| app.move_pointer(x.into(), y.into());
-    move_to(10, 10);
-    app.wait_for("the corner under the pointer", |picture| at(picture, 0.02, 0.02)[2] > 150);
-    app.hold_button(true);
     move_to(10, 10);
     move_to(70, 30);
     move_to(130, 50);

@@ -1,5 +1,7 @@
 //! Scenes with pictures that follow from their texts alone, and how to look at those pictures.
 
+use std::time::{Duration, Instant};
+
 use image::RgbaImage;
 
 /// A wall that shines by itself and fills the picture.
@@ -35,4 +37,22 @@ pub(crate) fn is_blue([red, _, blue]: [u8; 3]) -> bool {
 
 pub(crate) fn is_black(color: [u8; 3]) -> bool {
     color == [0; 3]
+}
+
+/// Waits until the log says that the scene `p_foam` is refused. Meanwhile `wait_for_motion` waits for the next frame, so
+/// that the last good scene is seen to move all the time.
+pub(crate) fn wait_for_refusal(log: impl Fn() -> String, wait_for_motion: impl Fn()) {
+    let begun = Instant::now();
+    while !log().contains("p_foam is too much for this machine; the last good scene stays") {
+        assert!(begun.elapsed() < Duration::from_secs(150), "it was not refused: {}", log());
+        wait_for_motion();
+    }
+}
+
+/// A scene of spheres that blend into each other: too many for a tree of regions in reasonable time.
+pub(crate) fn foam(count: usize) -> String {
+    format!(
+        "object foam {{ shape = smooth_union(for i in 0..{count}: sphere(p - vec3(3 * sin(i * 12.9898), \
+         2 + 2 * sin(i * 78.233), 3 * sin(i * 37.719)), 0.25 + 0.1 * sin(t + i)), 0.2) }}"
+    )
 }

@@ -61,13 +61,13 @@ fn on_wayland_a_wallpaper_outlives_a_lost_context_rests_while_nobody_sees_it_and
     let first =
         compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| at(screen, 0.5, 0.5)[0] > 60);
     compositor.wait_for_screen("HEADLESS-1", "another picture", |screen| *screen != first);
-    assert!(!show.reported().contains("the wallpaper rests"), "{}", show.reported());
+    assert!(!show.reported().contains("the wallpaper pauses"), "{}", show.reported());
     let options = ["--clean", "--fullscreen", "--scene", "length(p) - 1"];
     let window = compositor.open(&[], &options);
     // It says so when no picture was shown for a second.
-    show.wait_until_reported("the wallpaper rests");
+    show.wait_until_reported("the wallpaper pauses");
     window.end();
-    show.wait_until_reported("the wallpaper goes on");
+    show.wait_until_reported("the wallpaper continues");
     let first = compositor.screen("HEADLESS-1").unwrap();
     compositor.wait_for_screen("HEADLESS-1", "another picture", |screen| *screen != first);
     compositor.kill();

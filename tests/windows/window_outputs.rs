@@ -124,7 +124,7 @@ fn an_output_fills_its_monitor_cleanly_outlives_a_lost_context_and_comes_back_wi
     }
     for _ in 0..2 {
         place.desktop.pull_monitor("right");
-        app.wait_until_reported("the monitor RIGHT is gone: its picture comes back with it");
+        app.wait_until_reported("the monitor RIGHT was disconnected: the image returns with it");
         wait_for_half(&place, true, "nothing on a monitor that is gone", is_dark);
         wait_for(&app, "the picture in the window alone", |picture| is_red(at(picture, 0.02, 0.5)));
         // It comes back at another place, too.
@@ -132,7 +132,7 @@ fn an_output_fills_its_monitor_cleanly_outlives_a_lost_context_and_comes_back_wi
         wait_for_half(&place, true, "the output", fills);
     }
     let reported = quit(app);
-    assert_eq!(reported.matches("the monitor RIGHT is gone").count(), 2, "{reported}");
+    assert_eq!(reported.matches("the monitor RIGHT was disconnected").count(), 2, "{reported}");
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn a_monitor_is_named_by_its_number_and_what_is_aimed_at_the_small_picture_of_a_
     place.desktop.plug_monitor("left", 0, half);
     let mut app = place.open("two.scene", &["--output", "2", "-vv"]);
     app.wait_until_reported(
-        "there is no monitor 2, but left (400x600): the picture comes onto it when it is there",
+        "there is no monitor 2, but left (400x600): the image appears once it is connected",
     );
     place.desktop.plug_monitor("right", half as i16, half);
     let listed = output_of(place.desktop.command(PROGRAM).args(["--output", "list"]), "mariana").unwrap();
@@ -232,11 +232,11 @@ fn a_wallpaper_is_below_everything_on_every_monitor_takes_no_input_and_rests_whi
     wait_until("the wallpaper of one monitor", || fills(&place.desktop.screen()));
     // Covered, it rests.
     let app = place.open("breathes.scene", &[]);
-    assert!(!wallpaper.reported().contains("the wallpaper rests"), "{}", wallpaper.reported());
+    assert!(!wallpaper.reported().contains("the wallpaper pauses"), "{}", wallpaper.reported());
     app.press(&["f"]);
-    wallpaper.wait_until_reported("the wallpaper rests");
+    wallpaper.wait_until_reported("the wallpaper pauses");
     app.press(&["f"]);
-    wallpaper.wait_until_reported("the wallpaper goes on");
+    wallpaper.wait_until_reported("the wallpaper continues");
     quit(app);
     assert!(wallpaper.runs());
 }
