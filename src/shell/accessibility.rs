@@ -1,5 +1,5 @@
-//! Screen readers and other assistive technology. The system's interface for them belongs to the window's thread, the
-//! controls are drawn by the show's: requests go one way, trees of controls the other.
+//! Screen readers and other assistive technology, by AccessKit. The window's thread owns the system's interface, and
+//! the show's thread draws the controls: requests go to the show, control trees to the window.
 
 use accesskit_winit::{Adapter, Event, WindowEvent as Asked};
 use egui::accesskit::TreeUpdate;
@@ -10,7 +10,7 @@ use winit::window::Window;
 use crate::shell::messages::WindowMessage;
 use crate::ui::overlay::Assistance;
 
-/// What the window asks in the words of the panels.
+/// Translates a request of AccessKit for the panels.
 fn assistance(asked: Asked) -> Assistance {
     match asked {
         Asked::InitialTreeRequested => Assistance::Begins,
@@ -19,28 +19,28 @@ fn assistance(asked: Asked) -> Assistance {
     }
 }
 
-/// Where the show tells its controls.
+/// Sends the show's controls to the window's thread.
 #[derive(Clone)]
 pub(crate) struct AccessibilityPublisher(EventLoopProxy<WindowMessage>);
 
 impl AccessibilityPublisher {
-    /// Tells them by way of `event_loop`.
+    /// Sends by way of `event_loop`.
     pub(crate) fn new(event_loop: &EventLoop<WindowMessage>) -> Self {
         Self(event_loop.create_proxy())
     }
 
-    /// Tells what there is now.
+    /// Sends the current controls.
     pub(crate) fn tell(&self, controls: TreeUpdate) {
-        // A window that has gone shows no controls.
+        // A closed window needs no controls.
         let _ = self.0.send_event(WindowMessage::Controls(Box::new(controls)));
     }
 }
 
-/// The window's side.
+/// The AccessKit adapter of the window.
 pub(crate) struct Accessibility(Adapter);
 
 impl Accessibility {
-    /// Offers `window`, which must not be visible yet. Asks for nothing and costs nothing before somebody listens.
+    /// Creates the adapter of `window`, which must not be visible yet. It is idle until assistive technology connects.
     pub(crate) fn new(
         event_loop: &ActiveEventLoop,
         window: &Window,
@@ -49,12 +49,12 @@ impl Accessibility {
         Self(Adapter::with_event_loop_proxy(event_loop, window, proxy))
     }
 
-    /// Takes an event of the window.
+    /// Passes on an event of the window.
     pub(crate) fn note(&mut self, window: &Window, event: &WindowEvent) {
         self.0.process_event(window, event);
     }
 
-    /// Hands on what controls there are, if somebody listens.
+    /// Passes on the controls, if assistive technology is connected.
     pub(crate) fn show(&mut self, controls: TreeUpdate) {
         self.0.update_if_active(|| controls);
     }

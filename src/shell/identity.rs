@@ -1,19 +1,19 @@
-//! By what a desktop knows the program: one name for its entry, its window and its player, and its icon.
+//! The program's identity on the desktop: one id for the desktop entry, the window and the media player, and the icon.
 
 use winit::window::{Icon, WindowAttributes};
 
-/// The name of the desktop entry, the metadata and the icon (`assets/desktop`); the class of the window on X11 and its
-/// application on Wayland; the entry that MPRIS tells.
+/// The id of the desktop entry, the metadata and the icon (`assets/desktop`); the window's class on X11 and its app id
+/// on Wayland; the desktop entry in MPRIS.
 pub const APP_ID: &str = "org.mariana.Mariana";
 
-/// The icon for window managers that look for no desktop entry. Made by `cargo xtask desktop`.
+/// The icon for window managers that ignore desktop entries. Made by `cargo xtask desktop`.
 const ICON: &[u8] = include_bytes!("../../assets/desktop/icons/128x128/apps/org.mariana.Mariana.png");
 
-/// The attributes of a window that tells whose it is.
+/// Adds the id and the icon to a window's attributes.
 pub(crate) fn reported_by(attributes: WindowAttributes) -> WindowAttributes {
     #[cfg(all(unix, not(target_os = "macos")))]
     let attributes = {
-        // Of X11 by its name, but Wayland reads the same field.
+        // The extension is for X11, but Wayland uses the same field.
         use winit::platform::x11::WindowAttributesExtX11;
         attributes.with_name(APP_ID, "mariana")
     };
@@ -29,7 +29,7 @@ fn icon() -> Option<Icon> {
 #[cfg(test)]
 mod tests {
     #[test]
-    fn the_icon_can_be_shown() {
+    fn the_icon_can_be_decoded() {
         assert!(super::icon().is_some());
     }
 }

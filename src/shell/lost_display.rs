@@ -1,7 +1,7 @@
-//! The X server ends, or breaks the connection, in the middle of the show: the process ends and says why.
+//! Ends the process with a message if the X server ends or closes the connection during a show.
 //!
-//! In that case Xlib calls a handler, on whichever thread used the connection, and ends the process if the handler
-//! returns. Xlib's own handler calls `exit`, whose exit handlers unload a driver while its threads still work.
+//! Xlib then calls a handler, on whichever thread used the connection, and exits the process if the handler returns.
+//! Xlib's default handler calls `exit`, whose exit handlers unload the driver while the driver's threads still run.
 
 #![expect(unsafe_code, reason = "Xlib is a C library")]
 
@@ -11,14 +11,16 @@ use x11_dl::xlib;
 
 use crate::shell::window_thread::end_without_display;
 
-/// Ends the process with a sentence of ours and code 1 if the X server goes. Without Xlib there is nothing to do.
+/// Installs a handler that ends the process with our message and code 1 when the X server is lost. Does nothing without
+/// Xlib.
 pub(crate) fn end_with_the_reason() {
     let Ok(library) = xlib::Xlib::open() else { return };
-    // SAFETY: the handler is a function of this program, which lives as long as the process.
+    // SAFETY: the handler is a static function, so it is valid for the life of the process, and it never returns to
+    // Xlib.
     unsafe { (library.XSetIOErrorHandler)(Some(on_lost_server)) };
 }
 
-// SAFETY: it reads nothing that it is given.
+// SAFETY: Xlib calls it with any pointer; it does not use its argument.
 unsafe extern "C" fn on_lost_server(_display: *mut xlib::Display) -> c_int {
     end_without_display()
 }

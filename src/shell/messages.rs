@@ -1,4 +1,4 @@
-//! What the window's thread and the show's thread send each other.
+//! Messages between the window's thread and the show's thread.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,63 +12,63 @@ use crate::shell::monitors::Monitor;
 use crate::shell::shared_window::SharedWindow;
 use crate::ui::overlay::Assistance;
 
-/// What the show receives.
+/// Messages to the show.
 pub(crate) enum Message {
-    /// Something happened to the window.
+    /// An event of the window.
     Window(WindowEvent),
-    /// These monitors are there, where X11 does not tell.
+    /// The connected monitors, on Wayland. On X11 [`super::monitors`] asks for them.
     Monitors(Vec<Monitor>),
-    /// The window of the output, which was asked for.
+    /// The requested window of the output.
     Output(SharedWindow),
-    /// Something happened to it.
+    /// An event of the output's window.
     OutputEvent(WindowEvent),
-    /// Assistive technology asks for something.
+    /// A request of assistive technology.
     Assistance(Assistance),
-    /// Another thread has something for the show.
+    /// Another thread has work for the show.
     Wake,
-    /// The window is closed, or is to be.
+    /// The show must end.
     End,
 }
 
-/// Whether keys are text at present, which the show knows: then no letter ends it.
+/// A shared flag: while keys are text, no letter ends the show. The show's thread sets it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Typing(Arc<AtomicBool>);
 
 impl Typing {
-    /// Notes whether keys are text from now on.
+    /// Sets the flag.
     pub(crate) fn set(&self, on: bool) {
         self.0.store(on, Ordering::Relaxed);
     }
 
-    /// Whether they are.
+    /// True if keys are text.
     pub(crate) fn is_on(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
-/// What wakes a show, where its messages are sent, and where it gets them.
+/// Creates the show's inbox, with its sender and a waker for other threads.
 pub(crate) fn inbox() -> (Waker, Sender<Message>, Receiver<Message>) {
     let (sender, inbox) = channel();
     let of_waker = sender.clone();
-    // After the end there is nobody to wake.
+    // After the end of the show, messages are dropped.
     (Waker::new(move || drop(of_waker.send(Message::Wake))), sender, inbox)
 }
 
-/// What the window's thread receives.
+/// Messages to the window's thread.
 #[derive(Debug)]
 pub(crate) enum WindowMessage {
     /// The show has ended.
     Ended,
-    /// A signal asks for the end.
+    /// A signal requests the end.
     End,
-    /// Assistive technology asks the show for something.
+    /// A request of assistive technology.
     Assistance(Assistance),
-    /// The show has these controls now.
+    /// The show's current controls.
     Controls(Box<TreeUpdate>),
-    /// The show wants a window for its output on this monitor.
+    /// Requests a window for the output on this monitor.
     OpenOutput(Monitor),
-    /// It needs that no longer.
+    /// Closes the output's window.
     CloseOutput,
-    /// The show has called a window, which may have queued events: see [`SharedWindow`].
+    /// The show has called a window and may have queued events: see [`SharedWindow`].
     CallsMade,
 }

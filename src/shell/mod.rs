@@ -1,5 +1,5 @@
-//! The window and the desktop: the only room that uses winit. The window's events come in on one thread
-//! ([`window_thread`]); the session runs on another ([`show`]), on a [`window_screen`]. They talk by [`messages`].
+//! The window and the desktop, and the only module that uses winit. [`window_thread`] receives the window's events; the
+//! session runs on a second thread ([`show`]) and draws on a [`window_screen`]. [`messages`] connect the two.
 
 mod accessibility;
 pub mod identity;

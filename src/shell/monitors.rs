@@ -1,17 +1,17 @@
-//! The monitors of the desktop: their names and places, and when one is pulled out or plugged in.
+//! The desktop's monitors: names, positions and sizes, and changes of them.
 //!
-//! X11 is asked on a thread of its own, again and again: window managers and drivers tell of some changes and not of
-//! others. What it calls monitors (RandR 1.5) may also be halves of a screen that the user has divided.
+//! On X11 a thread polls them, because window managers and drivers do not report all changes. X11's monitors (RandR
+//! 1.5) may also be parts of a screen that the user has divided.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 pub use crate::monitor::Monitor;
 pub(crate) use crate::monitor::{named, names};
 
-/// Left and top edge, width and height in pixels of the desktop.
+/// Position and size of a rectangle on the desktop, in pixels.
 pub(crate) type Rect = ((i32, i32), (u32, u32));
 
-/// The least rectangle with all monitors in it; none without one.
+/// The bounding rectangle of all monitors; `None` without monitors.
 pub(crate) fn around(monitors: &[Monitor]) -> Option<Rect> {
     let left = monitors.iter().map(|monitor| monitor.place.0).min()?;
     let top = monitors.iter().map(|monitor| monitor.place.1).min()?;
@@ -22,7 +22,7 @@ pub(crate) fn around(monitors: &[Monitor]) -> Option<Rect> {
     Some(((left, top), (length(left, right), length(top, bottom))))
 }
 
-/// What is known of the monitors.
+/// Watches the monitors.
 #[derive(Default)]
 pub(crate) struct MonitorWatch {
     known: Arc<Mutex<Option<Vec<Monitor>>>>,
@@ -30,7 +30,7 @@ pub(crate) struct MonitorWatch {
 }
 
 impl MonitorWatch {
-    /// Looks at them from now on; `wake` is called on another thread when they have changed.
+    /// Starts to poll the monitors. Calls `wake` on another thread after each change.
     pub(crate) fn begin(&mut self, wake: impl Fn() + Send + 'static) {
         if !std::mem::replace(&mut self.begun, true) {
             let known = Arc::downgrade(&self.known);
@@ -44,35 +44,35 @@ impl MonitorWatch {
         }
     }
 
-    /// These are there, and nobody needs to look.
+    /// Sets the monitors on a window system that reports them, which makes polling unnecessary.
     pub(crate) fn note(&mut self, monitors: Vec<Monitor>) {
         self.begun = true;
-        // A thread that has begun ends with what it would tell.
+        // A running thread ends with the old value.
         self.known = Arc::new(Mutex::new(Some(monitors)));
     }
 
-    /// All that are there, from the left to the right; none before they are known.
+    /// All monitors from left to right; `None` while they are unknown.
     pub(crate) fn known(&self) -> Option<Vec<Monitor>> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
-/// All that are there now, from the left to the right. Waits for the X server.
+/// Asks the X server for all monitors, from left to right. May block.
 ///
 /// # Errors
-/// There is none, or it knows no monitors.
+/// There is no X server, or it does not report monitors.
 #[cfg(all(unix, not(target_os = "macos")))]
 pub fn present() -> Result<Vec<Monitor>, String> {
     x11::present()
 }
 
-/// Not available on this system yet.
+/// Not supported on this system.
 ///
 /// # Errors
 /// Always.
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 pub fn present() -> Result<Vec<Monitor>, String> {
-    Err("this system's monitors cannot be told apart yet".to_owned())
+    Err("monitors cannot be listed on this system".to_owned())
 }
 
 #[cfg(all(unix, not(target_os = "macos")))]
@@ -88,7 +88,7 @@ mod x11 {
 
     use super::Monitor;
 
-    /// How often it is asked.
+    /// Period of the polls.
     const PERIOD: Duration = Duration::from_millis(500);
 
     fn connect() -> Result<(RustConnection, Window), Box<dyn Error>> {
@@ -114,19 +114,20 @@ mod x11 {
 
     pub(crate) fn present() -> Result<Vec<Monitor>, String> {
         let found = connect().and_then(|(connection, root)| monitors(&connection, root));
-        found.map_err(|error| format!("monitors are known on X11 only, and the X server says: {error}"))
+        found
+            .map_err(|error| format!("monitors can be listed on X11 only, and the X server reports: {error}"))
     }
 
-    /// Looks until nobody wants to know.
+    /// Polls until the [`super::MonitorWatch`] is dropped.
     pub(crate) fn watch(known: &Weak<Mutex<Option<Vec<Monitor>>>>, wake: &dyn Fn()) {
         let (connection, root) = match connect() {
             Ok(connected) => connected,
-            Err(error) => return tracing::info!("monitors are not looked at: {error}"),
+            Err(error) => return tracing::info!("monitors are not watched: {error}"),
         };
         while let Some(known) = known.upgrade() {
             let found = match monitors(&connection, root) {
                 Ok(found) => found,
-                Err(error) => return tracing::info!("monitors are no longer looked at: {error}"),
+                Err(error) => return tracing::info!("monitors are no longer watched: {error}"),
             };
             let before = known.lock().unwrap_or_else(PoisonError::into_inner).replace(found.clone());
             if before.as_ref() != Some(&found) {
@@ -152,7 +153,7 @@ mod tests {
             [found("hdmi-1"), found("1"), found("3")],
             [Some("HDMI-1"), Some("eDP-1"), Some("HDMI-1")]
         );
-        assert_eq!(found("2"), Some("2"), "a name goes before a number");
+        assert_eq!(found("2"), Some("2"), "a name has priority over a number");
         assert_eq!([found("0"), found("4"), found("-1"), found("")], [None; 4]);
         assert_eq!(names(&both[..1]), "eDP-1 (640x360)");
         assert_eq!(names(&[]), "none");

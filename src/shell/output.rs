@@ -1,8 +1,7 @@
-//! The output: a window that fills a monitor with nothing but the picture, while the first window is the desk.
+//! The output: a window without panels that fills a monitor, while the first window keeps the panels.
 //!
-//! It is opened on the thread of the window's events, like every window. One context draws into both windows, one after
-//! the other: the picture is drawn once. A monitor that is pulled out takes its window along, and gets another one when it
-//! is back.
+//! The window's thread opens it, like every window. One context draws into both windows, so the frame is drawn once. A
+//! monitor that is disconnected takes its window with it, and gets a new one when it returns.
 
 use winit::event::WindowEvent;
 use winit::event_loop::EventLoopProxy;
@@ -14,30 +13,30 @@ use crate::shell::monitors::{Monitor, MonitorWatch, named, names};
 use crate::shell::shared_window::SharedWindow;
 use crate::shell::window::{GlWindowContext, SecondSurface};
 
-/// See the module.
+/// The output and its state.
 pub(crate) struct Output {
     proxy: EventLoopProxy<WindowMessage>,
     waker: Waker,
     monitors: MonitorWatch,
-    /// The monitor that it is to be on, by name or number.
+    /// Name or number of the requested monitor.
     wanted: Option<String>,
     state: State,
-    /// Whether it shows something else than it should.
+    /// True if its window does not show the current frame.
     is_stale: bool,
-    /// Whether it was told that the monitor is not there.
+    /// True once the missing monitor was reported.
     reported_missing: bool,
 }
 
 enum State {
     Off,
-    /// Its window is being opened.
+    /// The window was requested.
     Asked(Monitor),
     On(Monitor, SecondSurface),
 }
 
 impl Output {
-    /// On the monitor with this name or number, once it is there; none is on no monitor. Windows are asked for through
-    /// `proxy`.
+    /// An output on the monitor with this name or number, as soon as it is connected; `None` for no output. Windows are
+    /// requested through `proxy`.
     pub(crate) fn new(wanted: Option<String>, proxy: EventLoopProxy<WindowMessage>, waker: &Waker) -> Self {
         let mut output = Self {
             proxy,
@@ -52,7 +51,7 @@ impl Output {
         output
     }
 
-    /// Goes to another monitor, or to none.
+    /// Moves to another monitor, or closes.
     pub(crate) fn want(&mut self, wanted: Option<String>) {
         if wanted.is_some() {
             self.look_at_monitors();
@@ -60,24 +59,24 @@ impl Output {
         (self.wanted, self.reported_missing) = (wanted, false);
     }
 
-    /// Looks at the monitors from now on.
+    /// Starts to watch the monitors.
     pub(crate) fn look_at_monitors(&mut self) {
         let waker = self.waker.clone();
         self.monitors.begin(move || waker.wake());
     }
 
-    /// Takes the monitors of a window system that tells them by itself.
+    /// Sets the monitors on a window system that reports them.
     pub(crate) fn note_monitors(&mut self, monitors: Vec<Monitor>) {
         tracing::info!("monitors: {}", names(&monitors));
         self.monitors.note(monitors);
     }
 
-    /// The monitors that are there.
+    /// The connected monitors.
     pub(crate) fn monitors(&self) -> Vec<Monitor> {
         self.monitors.known().unwrap_or_default()
     }
 
-    /// Opens and closes its window as monitors come and go. Returns what there is to say.
+    /// Opens and closes the window when monitors change. Returns a message for the user, if any.
     pub(crate) fn update(&mut self, ui_state: &GlWindowContext) -> Option<String> {
         let monitors = match &self.wanted {
             Some(_) => self.monitors.known()?,
@@ -92,7 +91,7 @@ impl Output {
                 None
             }
             (State::Asked(present) | State::On(present, _), Some(monitor)) => {
-                // Elsewhere, or of another size: a new window.
+                // Another position or size needs a new window.
                 if *present != monitor {
                     self.close(ui_state);
                     self.waker.wake();
@@ -109,9 +108,9 @@ impl Output {
                     return None;
                 }
                 Some(match was_on {
-                    true => format!("the monitor {wanted} is gone: its picture comes back with it"),
+                    true => format!("the monitor {wanted} was disconnected: the image returns with it"),
                     false => format!(
-                        "there is no monitor {wanted}, but {}: the picture comes onto it when it is there",
+                        "there is no monitor {wanted}, but {}: the image appears once it is connected",
                         names(&monitors)
                     ),
                 })
@@ -119,7 +118,7 @@ impl Output {
         }
     }
 
-    /// Takes its window, which was asked for.
+    /// Takes the requested window.
     ///
     /// # Errors
     /// The driver refuses a second surface.
@@ -136,7 +135,7 @@ impl Output {
         Ok(())
     }
 
-    /// Takes an event of its window. Returns whether something is to be shown anew.
+    /// Handles an event of the window. Returns true if something must be redrawn.
     pub(crate) fn take_event(&mut self, event: &WindowEvent, ui_state: &GlWindowContext) -> bool {
         let State::On(_, surface) = &mut self.state else { return false };
         match event {
@@ -153,7 +152,7 @@ impl Output {
         true
     }
 
-    /// Closes its window; the next update opens one anew, if one is wanted.
+    /// Closes the window; the next update opens a new one if a monitor is still wanted.
     pub(crate) fn close(&mut self, ui_state: &GlWindowContext) {
         if let State::On(..) = std::mem::replace(&mut self.state, State::Off) {
             ui_state.wait_for_monitor(true);
@@ -161,7 +160,7 @@ impl Output {
         self.ask(WindowMessage::CloseOutput);
     }
 
-    /// Width and height of its window, in pixels, while it shows the picture.
+    /// Size of the window in pixels; `None` while it shows nothing.
     pub(crate) fn size(&self) -> Option<(u32, u32)> {
         match &self.state {
             State::On(_, surface) => Some(surface.size()),
@@ -169,7 +168,7 @@ impl Output {
         }
     }
 
-    /// Its surface, if something else is to be shown there than is: another picture (`is_new`), or the same one.
+    /// The surface, if it must be drawn: for a new frame (`is_new`), or because it is stale.
     pub(crate) fn due(&mut self, is_new: bool) -> Option<&SecondSurface> {
         let is_stale = std::mem::take(&mut self.is_stale);
         match &self.state {
@@ -178,18 +177,18 @@ impl Output {
         }
     }
 
-    /// What it shows is to be shown anew.
+    /// Requests that the window is redrawn.
     pub(crate) fn look_different(&mut self) {
         self.is_stale = true;
     }
 
-    /// Whether it shows something else than it should.
+    /// True if the window is open and does not show the current frame.
     pub(crate) fn is_stale(&self) -> bool {
         self.is_stale && self.size().is_some()
     }
 
     fn ask(&self, reported: WindowMessage) {
-        // After the end there is nobody to ask.
+        // After the end of the event loop, requests are dropped.
         let _ = self.proxy.send_event(reported);
     }
 }

@@ -1,8 +1,8 @@
-//! A window as the show's thread uses it.
+//! Access to a window from the show's thread.
 //!
-//! winit lets any thread call a window, and on X11 such a call may wait for a reply. Waiting reads the connection, and
-//! events that arrive with the reply are queued in Xlib. The event thread would learn of them only when the socket becomes
-//! readable again, so each call wakes it afterwards. The window can be reached only through a guard that does so.
+//! winit lets any thread call a window. On X11 such a call may wait for a reply, which reads the connection, and events
+//! that arrive with the reply are queued in Xlib. The event thread would notice them only when the socket becomes
+//! readable again, so each call must wake it. Therefore the window is reached only through a guard that does so.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -11,11 +11,11 @@ use winit::window::Window;
 
 use crate::session::waker::Waker;
 
-/// See the module.
+/// A window for the show's thread.
 #[derive(Clone)]
 pub(crate) struct SharedWindow {
     window: Arc<Window>,
-    /// Wakes the event thread. `None` where a call never takes its events.
+    /// Wakes the event thread. `None` where calls never queue events.
     events: Option<Waker>,
 }
 
@@ -34,19 +34,19 @@ impl SharedWindow {
         WindowCalls(self)
     }
 
-    // These ask no X server, so nothing has to be woken.
+    // These methods do not call the X server, so they need no wake-up.
 
     /// Requests a redraw.
     pub(crate) fn request_redraw(&self) {
         self.window.request_redraw();
     }
 
-    /// Announces that a picture is about to be shown.
+    /// Announces that a frame is about to be shown.
     pub(crate) fn pre_present_notify(&self) {
         self.window.pre_present_notify();
     }
 
-    /// Returns `true` in full screen.
+    /// True in full screen.
     pub(crate) fn is_fullscreen(&self) -> bool {
         self.window.fullscreen().is_some()
     }

@@ -1,7 +1,7 @@
-//! The show: a song that plays, a window that shows it, keys that steer it.
+//! Runs a show in a window: opens the window and starts the session on the show's thread.
 //!
-//! **A picture that would look the same is not drawn.** If no expression of a scene reads the time, nothing but the
-//! sound moves it; while the features stay the same the show only listens.
+//! **Unchanged frames are not drawn.** If no expression of a scene reads the time, only the sound moves the scene.
+//! While the features do not change, the show only analyses.
 
 use std::time::Instant;
 
@@ -22,11 +22,11 @@ use crate::shell::window::{Ground, OpenWindow, WindowOptions};
 use crate::shell::window_screen::{Lines, WindowScreen};
 use crate::shell::window_thread;
 
-/// Opens the window and plays the tracks until the user quits, or until they end if they play once; without tracks it
-/// listens to the input that the settings name.
+/// Opens the window and plays the tracks until the user quits, or once to their end. Without tracks it listens to the
+/// input in the settings.
 ///
 /// # Errors
-/// There is nothing to be played once, or the window cannot show it.
+/// There is no track to play once, or the window cannot be opened or drawn.
 pub fn run(prepared: Prepared) -> anyhow::Result<()> {
     let Prepared { tracks, settings, scene, memory } = prepared;
     let started = Instant::now();
@@ -90,13 +90,14 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
     Ok(window_thread::run(event_loop, input_queue, messages, typing, layers, Box::new(play))?)
 }
 
-/// The settings of a run whose window is the desktop's ground, or in a screen saver's window; others as they are.
+/// Adapts the settings for a wallpaper or a screen saver's window. Also returns what to draw on; `None` for a normal
+/// window.
 ///
 /// # Errors
-/// There is nothing to draw on.
+/// There is no window or monitor to draw on.
 fn on_ground(mut settings: PlaySettings) -> anyhow::Result<(PlaySettings, Option<Ground>)> {
     let ground = if settings.wallpaper && is_wayland() {
-        // A window of XWayland is no ground of a Wayland desktop.
+        // XWayland windows cannot be the background of a Wayland desktop.
         Some(Ground::Layers)
     } else if settings.wallpaper {
         let monitors =
@@ -112,13 +113,13 @@ fn on_ground(mut settings: PlaySettings) -> anyhow::Result<(PlaySettings, Option
         settings.fps_cap = settings.fps_cap.or(Some(FPS));
         settings.choices.hints = false;
         settings.choices.stage.output = None;
-        // It takes no window's place.
+        // Must not change the saved window.
         (settings.remembered, settings.fullscreen, settings.place) = (false, false, None);
     }
     Ok((settings, ground))
 }
 
-/// What winit says, without the source location at its beginning.
+/// winit's message without the source location at its beginning.
 fn reason(text: &str) -> &str {
     let reason = text.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": "));
     reason.map_or(text, |(_, reason)| reason).trim_end_matches('.')

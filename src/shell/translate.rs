@@ -1,11 +1,11 @@
-//! Translates what winit reports into the input that the show knows.
+//! Translates winit's events into the input of the session.
 
 use winit::event::{ElementState, Ime, KeyEvent, MouseButton, MouseScrollDelta, TouchPhase, WindowEvent};
 use winit::keyboard::{Key as WinitKey, KeyCode, ModifiersState, NamedKey as WinitNamed, PhysicalKey};
 
 use crate::input::{self, Input, Key, KeyPress, Modifiers, NamedKey, PointerButton, Wheel};
 
-/// Returns what a user does by an event of the window; `None` for events that are no input.
+/// Translates an event of the window; `None` if it is no input.
 pub(crate) fn input_of(event: &WindowEvent) -> Option<Input> {
     Some(match event {
         WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => Input::Key(key_press(event)?),
@@ -43,7 +43,7 @@ pub(crate) fn input_of(event: &WindowEvent) -> Option<Input> {
     })
 }
 
-/// Returns the key that goes down by an event; `None` for one that goes up.
+/// The pressed key; `None` for a released key.
 pub(crate) fn key_press(event: &KeyEvent) -> Option<KeyPress> {
     (event.state == ElementState::Pressed).then(|| KeyPress {
         key: key_of(&event.logical_key),
@@ -53,7 +53,7 @@ pub(crate) fn key_press(event: &KeyEvent) -> Option<KeyPress> {
     })
 }
 
-/// Returns the keys that are held and change what others do.
+/// The held modifier keys.
 pub(crate) fn modifiers(state: ModifiersState) -> Modifiers {
     let all = [
         (state.shift_key(), Modifiers::SHIFT),
@@ -100,7 +100,7 @@ const NAMED: [(WinitNamed, NamedKey); 22] = [
     (WinitNamed::MediaTrackPrevious, NamedKey::MediaTrackPrevious),
 ];
 
-/// Returns the letter of a key's place on a keyboard with Latin letters, of those that commands of the editor use.
+/// The letter at the key's position on a Latin keyboard, for letters that the editor's commands use.
 fn latin_at(key: PhysicalKey) -> Option<char> {
     let PhysicalKey::Code(code) = key else { return None };
     Some(match code {

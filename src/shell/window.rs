@@ -1,6 +1,6 @@
-//! A window with an OpenGL 3.3 core context.
+//! A window with an OpenGL 3.3 core context: opening, binding, resizing and showing frames.
 
-#![expect(unsafe_code, reason = "creating contexts from window handles is unsafe in glutin")]
+#![expect(unsafe_code, reason = "glutin's functions that create contexts from window handles are unsafe")]
 
 mod gl_display;
 mod second;
@@ -39,24 +39,22 @@ pub(crate) use second::{DrawTarget, Ground, SecondSurface, open_output};
 #[cfg(all(unix, not(target_os = "macos")))]
 pub(crate) use wayland::wayland_connection;
 
-/// Which window to open.
+/// Options of a window.
 pub(crate) struct WindowOptions {
-    /// Its title.
     pub title: String,
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Where its frame is to begin on the desktop, in pixels; none lets the system choose.
+    /// Position of its frame on the desktop, in pixels; `None` leaves it to the system.
     pub place: Option<(i32, i32)>,
-    /// Whether it is shown.
+    /// True if the window is visible.
     pub visible: bool,
-    /// Whether the driver's messages are logged.
+    /// True to log the driver's messages.
     pub log_debug: bool,
-    /// What it is to be instead of a window among others.
+    /// The place of a window without input; `None` for a normal window.
     pub ground: Option<Ground>,
 }
 
-/// A window without a context yet. It is opened on the thread of the window's events and bound on the thread that
-/// draws, because drivers take their time.
+/// A window without a context. The window's thread opens it, and the drawing thread binds it, because drivers are slow.
 pub(crate) struct OpenWindow {
     config: glutin::config::Config,
     window: SharedWindow,
@@ -66,26 +64,25 @@ pub(crate) struct OpenWindow {
     log_debug: bool,
 }
 
-/// A window, its surface and its current context.
 pub(crate) struct GlWindowContext {
-    // Dropped in this order: the context before the surface before the window.
+    // Dropped in this order: context, surface, window.
     gl: Gl,
     context: PossiblyCurrentContext,
     surface: Surface<WindowSurface>,
     config: glutin::config::Config,
     window: SharedWindow,
-    /// As the window's events last reported it. (Asking a window that others have closed would end the program.)
+    /// From the last event. Asking a window that another program has closed would end the process.
     size: Cell<(u32, u32)>,
-    /// The same; none where the window system tells nobody.
+    /// From the last event; `None` if the window system does not report it.
     place: Cell<Option<(i32, i32)>>,
     refresh_rate: Option<f64>,
 }
 
 impl OpenWindow {
-    /// Opens a window, whose events arrive on the thread behind `events`. That thread gets the second result.
+    /// Opens a window whose events arrive on the thread behind `events`. The second result is that thread's own handle.
     ///
     /// # Errors
-    /// No window, or no OpenGL.
+    /// No window can be opened, or OpenGL is not available.
     pub(crate) fn open(
         event_loop: &ActiveEventLoop,
         events: &EventLoopProxy<WindowMessage>,
@@ -95,7 +92,7 @@ impl OpenWindow {
         let attributes = WindowAttributes::default()
             .with_title(&input_queue.title)
             .with_inner_size(PhysicalSize::new(input_queue.size.0, input_queue.size.1))
-            // Assistive technology must know it before it is seen.
+            // AccessKit must be set up before the window is visible.
             .with_visible(false);
         let monitors = event_loop.available_monitors();
         let monitors = monitors.map(|monitor| (monitor.position().into(), monitor.size().into()));
@@ -110,11 +107,11 @@ impl OpenWindow {
         let opened =
             gl_display::open(event_loop, attributes, template).map_err(|error| no_context(&error))?;
         let (window, config) =
-            opened.ok_or_else(|| no_context(&"none of the driver's pixel formats fits a window"))?;
+            opened.ok_or_else(|| no_context(&"the driver has no pixel format for a window"))?;
         if input_queue.ground.is_some()
             && let Err(error) = window.set_cursor_hittest(false)
         {
-            tracing::warn!("clicks do not go through the wallpaper: {error}");
+            tracing::warn!("the wallpaper cannot let clicks through: {error}");
         }
         let size = window.inner_size().into();
         let place = window.outer_position().ok().map(Into::into);
@@ -125,15 +122,15 @@ impl OpenWindow {
         Ok((Self { config, window, size, place, refresh_rate, log_debug: input_queue.log_debug }, own))
     }
 
-    /// What other windows must be like for its context to draw into them.
+    /// The config that further windows for the same context need.
     pub(crate) fn config(&self) -> glutin::config::Config {
         self.config.clone()
     }
 
-    /// Makes a context for it and makes it current on this thread.
+    /// Creates a context and makes it current on this thread.
     ///
     /// # Errors
-    /// The driver refuses, or has no OpenGL 3.3.
+    /// An error of the driver, or no OpenGL 3.3.
     pub(crate) fn bind(self) -> Result<GlWindowContext, SessionError> {
         let Self { config, window, size, place, refresh_rate, log_debug } = self;
         let no_context = |error: &dyn std::fmt::Display| SessionError::NoContext(error.to_string());
@@ -144,12 +141,14 @@ impl OpenWindow {
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
             .build(Some(handle));
-        // An older driver refuses that with nothing but a number; a context of any version reports its own.
+        // An older driver reports only an error number. A context of any version makes it possible to report the
+        // version.
         let any = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Compatibility)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(2, 1))))
             .build(Some(handle));
-        // SAFETY: the handle is that of the window, which outlives context and surface (see the fields' order).
+        // SAFETY: the handle belongs to `window`, which `GlWindowContext` keeps until after context and surface (order
+        // of its fields).
         let (context, surface) = unsafe {
             let context = display
                 .create_context(&config, &wanted)
@@ -174,8 +173,7 @@ impl OpenWindow {
 }
 
 impl GlWindowContext {
-    /// Contexts for compiling on other threads, which share nothing with the window's; fewer than asked for if the
-    /// driver gives fewer.
+    /// Creates independent contexts for compilation on other threads; fewer than `count` if the driver refuses.
     pub(crate) fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
         let made = (0..count).map(|_| {
             WorkerContext::new(&self.config.display(), &self.config, self.gl.info()).map_err(|error| {
@@ -186,13 +184,13 @@ impl GlWindowContext {
         if is_egl { made.flatten().collect() } else { Vec::new() }
     }
 
-    /// Gives up the context and its surface; what was made in it must be gone. [`OpenWindow::bind`] makes another.
+    /// Drops the context and its surface; all objects in it must be gone. [`OpenWindow::bind`] creates a new context.
     pub(crate) fn let_go(self) -> OpenWindow {
         let Self { gl, context, surface, config, window, size, place, refresh_rate } = self;
         drop(gl);
-        // A surface that is in use lives on, and a window cannot have a second one.
+        // A surface that is current would stay alive, and a window cannot have two.
         if let Err(error) = context.make_not_current() {
-            tracing::warn!("the old context stays in use: {error}");
+            tracing::warn!("the old context cannot be released: {error}");
         }
         drop(surface);
         OpenWindow { config, window, size: size.get(), place: place.get(), refresh_rate, log_debug: false }
@@ -203,28 +201,27 @@ impl GlWindowContext {
         &self.gl
     }
 
-    /// The window.
+    /// The window, for calls.
     pub(crate) fn window(&self) -> WindowCalls<'_> {
         self.window.calls()
     }
 
-    /// Requests a redraw of the window.
     pub(crate) fn request_redraw(&self) {
         self.window.request_redraw();
     }
 
-    /// Size of the drawable, in pixels; none while it has no area.
+    /// Size of the drawable, in pixels; `None` while it is empty.
     pub(crate) fn size(&self) -> Option<(u32, u32)> {
         let (width, height) = self.size.get();
         (width > 0 && height > 0).then_some((width, height))
     }
 
-    /// Where its frame begins on the desktop when it does not fill the screen, in pixels; none if nobody knows.
+    /// Position of the frame on the desktop outside of full screen, in pixels; `None` if it is unknown.
     pub(crate) fn place(&self) -> Option<(i32, i32)> {
         self.place.get()
     }
 
-    /// Notes where the window has moved.
+    /// Stores the window's new position.
     pub(crate) fn note_place(&self, place: (i32, i32)) {
         if !self.is_fullscreen() {
             self.place.set(Some(place));
@@ -241,7 +238,7 @@ impl GlWindowContext {
         }
     }
 
-    /// Shows what was drawn; waits for the vertical sync if there is one.
+    /// Shows the drawn frame. Waits for vertical sync, if it is on.
     ///
     /// # Errors
     /// A lost surface.
@@ -253,30 +250,29 @@ impl GlWindowContext {
         })
     }
 
-    /// Frames per second of the window's monitor, if it reports them.
+    /// Refresh rate of the window's monitor in hertz, if it is known.
     pub(crate) fn refresh_rate(&self) -> Option<f64> {
         self.refresh_rate
     }
 
-    /// Whether the window is in full screen.
+    /// True in full screen.
     pub(crate) fn is_fullscreen(&self) -> bool {
         self.window.is_fullscreen()
     }
 
-    /// Moves it to a rectangle of the desktop.
+    /// Moves and resizes the window to a rectangle of the desktop.
     pub(crate) fn fill(&self, ((x, y), (width, height)): Rect) {
         let window = self.window();
         window.set_outer_position(PhysicalPosition::new(x, y));
         let _ = window.request_inner_size(PhysicalSize::new(width, height));
     }
 
-    /// Enters or leaves full screen.
     pub(crate) fn set_fullscreen(&self, on: bool) {
         self.window().set_fullscreen(on.then_some(Fullscreen::Borderless(None)));
     }
 }
 
-/// A window for the show's thread.
+/// Wraps a window for the show's thread.
 pub(crate) fn shared(
     event_loop: &ActiveEventLoop,
     events: &EventLoopProxy<WindowMessage>,
@@ -285,7 +281,7 @@ pub(crate) fn shared(
     #[cfg(all(unix, not(target_os = "macos")))]
     let events = winit::platform::x11::ActiveEventLoopExtX11::is_x11(event_loop).then(|| {
         let events = events.clone();
-        // After the end nobody waits for events.
+        // After the end of the event loop, waking does nothing.
         Waker::new(move || drop(events.send_event(WindowMessage::CallsMade)))
     });
     #[cfg(not(all(unix, not(target_os = "macos"))))]
@@ -293,11 +289,12 @@ pub(crate) fn shared(
     SharedWindow::new(window, events)
 }
 
-/// Least part of a window's upper edge that must be on a monitor for a hand to grasp it: width and height in pixels.
+/// Smallest part of a window's upper edge on a monitor with which the user can still drag it: width and height in
+/// pixels.
 const GRASP: (i64, i64) = (64, 24);
 
-/// Whether the upper edge of a window, with its frame from `place` on, is on one of the monitors, which have places and
-/// sizes. A monitor may have gone since the place was remembered.
+/// True if the upper edge of a window, whose frame begins at `place`, can be reached on one of the monitors (positions
+/// and sizes). The monitor of a saved position may have been disconnected.
 fn can_be_grasped(
     place: (i32, i32),
     size: (u32, u32),
@@ -313,7 +310,7 @@ fn can_be_grasped(
     })
 }
 
-/// The interface that gave the context.
+/// The interface of the context.
 fn config_kind(config: &glutin::config::Config) -> &'static str {
     match config {
         #[cfg(any(unix, windows))]
@@ -321,7 +318,7 @@ fn config_kind(config: &glutin::config::Config) -> &'static str {
         glutin::config::Config::Egl(_) => "EGL",
         #[cfg(all(unix, not(target_os = "macos")))]
         glutin::config::Config::Glx(_) => "GLX",
-        #[allow(unreachable_patterns, reason = "some systems have one kind only")]
+        #[allow(unreachable_patterns, reason = "some systems have only one kind")]
         _ => "the system's own interface",
     }
 }
@@ -331,7 +328,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_place_that_is_on_no_monitor_any_more_is_not_taken() {
+    fn a_position_outside_all_monitors_is_not_used() {
         let two = [((0, 0), (1920, 1080)), ((1920, 200), (1280, 1024))];
         let is_there = |place| can_be_grasped(place, (640, 360), two.into_iter());
         for place in [(0, 0), (1800, 900), (-500, 10), (2500, 1100), (100, -20), (3100, 300)] {

@@ -1,4 +1,4 @@
-//! The window, its output on another monitor and the wallpaper, as a session sees them.
+//! The [`Screen`] of a session in a window: the window itself, the output on another monitor, and the wallpaper.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
@@ -27,39 +27,39 @@ use crate::shell::wallpaper::{Wallpaper, filling};
 use crate::shell::window::{GlWindowContext, OpenWindow};
 use crate::ui::desk_picture::AROUND;
 
-/// See the module.
+/// A window, with its output or wallpaper.
 pub(crate) struct WindowScreen {
     output: Output,
-    /// If the window is the desktop's wallpaper.
+    /// Present if the window is the desktop's wallpaper.
     wallpaper: Option<Wallpaper>,
-    /// Where the wallpaper's window was moved last.
+    /// Last rectangle to which the wallpaper's window was moved.
     placed_at: Option<PlaceOnDesktop>,
-    /// Whether nothing of the window can be seen.
+    /// True if the window is completely covered.
     occluded: bool,
     inbox: Receiver<Message>,
     controls: AccessibilityPublisher,
     typing: Typing,
-    /// Sentences that nobody has taken yet.
+    /// Messages for the user that were not collected yet.
     news: Vec<String>,
-    // Last: everything above that holds OpenGL objects is dropped first.
+    // The last field: dropped after everything that holds OpenGL objects.
     window: GlWindowContext,
 }
 
-/// Everything that a window's session hears and reports.
+/// Connections of a window's session with other threads.
 pub(crate) struct Lines {
-    /// What happens to the window, and what other threads have for the session.
+    /// Events of the window and messages of other threads.
     pub(crate) inbox: Receiver<Message>,
-    /// Where screen readers are told what there is.
+    /// Receives the controls for screen readers.
     pub(crate) controls: AccessibilityPublisher,
-    /// Whether keys are text.
+    /// The flag for keys that are text.
     pub(crate) typing: Typing,
 }
 
 impl WindowScreen {
-    /// Makes a context for a window. The picture shows on `output`, too, or on the `wallpaper` instead.
+    /// Creates a context for a window. Frames also appear on `output`, or only on the `wallpaper`.
     ///
     /// # Errors
-    /// The driver refuses, or has no OpenGL 3.3.
+    /// An error of the driver, or no OpenGL 3.3.
     pub(crate) fn new(
         window: OpenWindow,
         lines: Lines,
@@ -72,7 +72,7 @@ impl WindowScreen {
         Ok(Self { output, wallpaper, placed_at, occluded, inbox, controls, typing, news, window })
     }
 
-    /// Takes an event of the window that is no input.
+    /// Handles an event that is no input.
     fn note(&mut self, event: &WindowEvent) {
         match event {
             WindowEvent::Moved(place) => self.window.note_place((*place).into()),
@@ -85,7 +85,7 @@ impl WindowScreen {
         }
     }
 
-    /// Takes the output's window.
+    /// Takes the output's window, or reports the error.
     fn take_output(&mut self, window: SharedWindow) {
         if let Err(error) = self.output.take(window, &self.window) {
             self.news.push(format!("there is no output on another monitor: {error}"));
@@ -94,7 +94,7 @@ impl WindowScreen {
         self.window.request_redraw();
     }
 
-    /// Whether the window shows nothing, because surfaces of a Wayland desktop do.
+    /// True if the window shows nothing, because surfaces of a Wayland desktop show the frame.
     fn hides_window(&self) -> bool {
         self.wallpaper.as_ref().is_some_and(Wallpaper::hides_window)
     }
@@ -340,7 +340,7 @@ impl Screen for WindowScreen {
     }
 }
 
-/// Translates the looks of the pointer that the panels use; `None` hides it.
+/// Translates the panels' cursor; `None` hides it.
 fn winit_cursor(cursor: CursorIcon) -> Option<winit::window::CursorIcon> {
     use winit::window::CursorIcon as Winit;
     Some(match cursor {

@@ -1,7 +1,7 @@
-//! The window's thread: receives the window's events and hands them to the show, which runs on a thread of its own.
+//! The window's thread: receives the window's events and passes them to the show, which runs on a separate thread.
 //!
-//! If a driver, a disk or a device blocks, it blocks the show; this thread waits for nothing but events. So the
-//! window answers its window system at once, and quits at once, however long a driver compiles.
+//! A driver, a disk or a device can block only the show; this thread waits only for events. Therefore the window always
+//! answers its window system and quits at once, however long a driver compiles.
 
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
@@ -25,17 +25,18 @@ use crate::shell::translate::{key_press, modifiers};
 use crate::shell::wallpaper::Layers;
 use crate::shell::window::{OpenWindow, WindowOptions, open_output, shared};
 
-/// How long the end waits for a show that a driver blocks: a little longer than the show waits for its compilers.
+/// Longest wait at the end for a show that a driver blocks: slightly longer than the show waits for its compilers.
 const END_WAIT: Duration = Duration::from_secs(6);
 
-/// A show: everything that happens on its thread, from the window to the end.
+/// Runs a show on its thread, from the opened window to the end.
 pub(crate) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), SessionError> + Send>;
 
-/// Opens a window, runs `play` in it on a thread of its own, and hands it the window's events through `messages`, until
-/// one of the two ends. `typing` tells whether keys are text. `layers` show the picture instead of the window.
+/// Opens a window and runs `play` on a separate thread. Passes the window's events to it through `messages`, until the
+/// window or the show ends. `typing` is true while keys are text. With `layers`, their surfaces show the frame instead
+/// of the window.
 ///
 /// # Errors
-/// What the show ended with, no window, or no thread.
+/// The show's error, or the window or the thread cannot be created.
 pub(crate) fn run(
     event_loop: EventLoop<WindowMessage>,
     input_queue: WindowOptions,
@@ -78,13 +79,13 @@ struct Front {
     /// Taken when the window opens.
     begins_with: Option<(WindowOptions, Play)>,
     running: Option<Running>,
-    /// Since the show is over: until when it is waited for.
+    /// Set at the end: the time until which the show is waited for.
     ends_by: Option<Instant>,
-    /// Whether the show has ended by itself.
+    /// True if the show has ended by itself.
     show_ended: bool,
-    /// The keys that are held and change what others do.
+    /// The held modifier keys.
     held: Modifiers,
-    /// Those of Wayland.
+    /// The last monitors on Wayland.
     monitors: Vec<Monitor>,
     typing: Typing,
     layers: Option<Layers>,
@@ -93,7 +94,7 @@ struct Front {
 
 struct Running {
     show: JoinHandle<Result<(), SessionError>>,
-    // Both are dropped here, after the show, on the thread that made them.
+    // Dropped here, after the show's end, on the thread that created them.
     accessibility: Accessibility,
     window: Arc<Window>,
     config: glutin::config::Config,
@@ -109,7 +110,7 @@ impl Front {
         window.set_visible(visible);
         let proxy = self.proxy.clone();
         let show = move || {
-            // However the show ends, also by a panic.
+            // Sent however the show ends, even by a panic.
             let _tells = EndNotifier(proxy);
             play(opened)
         };
@@ -119,8 +120,8 @@ impl Front {
         Ok(())
     }
 
-    /// Leaves if the end takes too long: after it winit waits for a last answer of the compositor, and one that stands still
-    /// gives none.
+    /// Exits the process if the end takes longer than [`END_WAIT`]: winit waits for a last reply of the compositor,
+    /// which never comes from a compositor that hangs.
     fn leave_in_time(&self) {
         let words = self.result.as_ref().err().map(ToString::to_string);
         let leave = move || {
@@ -134,11 +135,11 @@ impl Front {
             leaving.leave(code)
         };
         if let Err(error) = std::thread::Builder::new().name("end".into()).spawn(leave) {
-            tracing::info!("the end waits for the window system: {error}");
+            tracing::info!("the wait for the window system has no limit: {error}");
         }
     }
 
-    /// Asks the show to end. The window disappears at once: whatever still waits for a driver does so unseen.
+    /// Asks the show to end. Hides the windows at once, even if the show still waits for a driver.
     fn end(&mut self, event_loop: &ActiveEventLoop) {
         if self.ends_by.is_some() {
             return;
@@ -154,10 +155,10 @@ impl Front {
     }
 }
 
-/// Whether an event asks for the end, which must not wait for the show.
+/// True if an event ends the program, which must not wait for the show.
 fn asks_for_the_end(event: &WindowEvent, held: Modifiers, typing: bool) -> bool {
     match event {
-        // Destroyed: closed by others without asking.
+        // `Destroyed`: another program has closed the window.
         WindowEvent::CloseRequested | WindowEvent::Destroyed => true,
         WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => {
             key_press(event).is_some_and(|press| {
@@ -178,7 +179,7 @@ impl ApplicationHandler<WindowMessage> for Front {
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
         let output = self.running.as_ref().and_then(|running| running.output.as_ref());
-        // Keys are the show's in whichever window they are pressed.
+        // Keys in any window belong to the show.
         let is_key = matches!(event, WindowEvent::KeyboardInput { .. } | WindowEvent::ModifiersChanged(_));
         if output.is_some_and(|output| output.id() == window) && !is_key {
             if self.ends_by.is_none() {
@@ -187,7 +188,7 @@ impl ApplicationHandler<WindowMessage> for Front {
             return;
         }
         if !is_key && self.running.as_ref().is_some_and(|running| running.window.id() != window) {
-            // Of an output that is closed.
+            // A late event of a closed output.
             return;
         }
         if let WindowEvent::ModifiersChanged(held) = &event {
@@ -225,7 +226,7 @@ impl ApplicationHandler<WindowMessage> for Front {
                     Err(error) => tracing::warn!("{error}"),
                 }
             }
-            // winit has read the queued events before it called this.
+            // winit reads the queued events before it calls this.
             WindowMessage::CallsMade => {}
             WindowMessage::CloseOutput => {
                 if let Some(running) = &mut self.running {
@@ -248,7 +249,7 @@ impl ApplicationHandler<WindowMessage> for Front {
             let _ = self.messages.send(Message::Monitors(monitors));
         }
         if self.ends_by.is_some_and(|until| Instant::now() >= until) {
-            tracing::info!("a driver holds up the show: the program ends without it");
+            tracing::info!("a driver blocks the show: the program ends without waiting for it");
             event_loop.exit();
         }
     }
@@ -256,21 +257,21 @@ impl ApplicationHandler<WindowMessage> for Front {
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
         let Some(Running { show, accessibility, window, output, .. }) = self.running.take() else { return };
         if !self.show_ended && self.ends_by.is_none() {
-            // Nobody asked for the end: the window system has gone, and the show may wait for it for ever.
+            // The window system has ended the event loop, and the show may wait for it forever.
             end_without_display();
         }
         while !show.is_finished() && self.ends_by.is_some_and(|until| Instant::now() < until) {
             std::thread::sleep(Duration::from_millis(1));
         }
         if !show.is_finished() && self.ends_by.is_some_and(|until| Instant::now() >= until) {
-            // It draws into the window through the connection that the event loop closes when this returns.
+            // The show still draws through the connection that the event loop closes after this function.
             ending::begin_to_leave().leave(ending::asked_to_end().map_or(0, Signal::exit_code));
         }
         self.result = show.join().unwrap_or_else(|_| {
             let reason = "the show ended with a panic; please report the message above".to_owned();
             Err(SessionError::Window { doing: "to continue", reason })
         });
-        // After the show, which draws into them.
+        // Dropped after the show, which draws into them.
         drop(self.layers.take());
         drop(accessibility);
         drop(output);
@@ -279,7 +280,7 @@ impl ApplicationHandler<WindowMessage> for Front {
     }
 }
 
-/// The monitors, where they are Wayland's: from the left to the right.
+/// The monitors on Wayland, from left to right; `None` on other window systems.
 #[cfg(all(unix, not(target_os = "macos")))]
 fn monitors_of_wayland(event_loop: &ActiveEventLoop) -> Option<Vec<Monitor>> {
     use winit::platform::wayland::ActiveEventLoopExtWayland;
@@ -300,19 +301,19 @@ fn monitors_of_wayland(_event_loop: &ActiveEventLoop) -> Option<Vec<Monitor>> {
     None
 }
 
-/// Ends the process, whose display has gone, and says so.
+/// Ends the process with a message after the display was lost.
 pub(crate) fn end_without_display() -> ! {
     let leaving = ending::begin_to_leave();
     tell(&SessionError::DisplayLost.to_string());
     leaving.leave(1)
 }
 
-/// Reports to the event loop, when it is dropped, that the show has ended.
+/// Tells the event loop, when dropped, that the show has ended.
 struct EndNotifier(EventLoopProxy<WindowMessage>);
 
 impl Drop for EndNotifier {
     fn drop(&mut self) {
-        // An event loop that has gone knows already.
+        // Sending fails only if the event loop has ended already.
         let _ = self.0.send_event(WindowMessage::Ended);
     }
 }

@@ -58,8 +58,8 @@ fn numbers_that_no_picture_can_have_are_refused() {
 #[test]
 fn without_an_x_server_there_are_no_monitors_to_list_and_no_ground_to_draw_on() {
     let place = Workplace::new();
-    place.run(&["--output", "list"]).refused(&["monitors are known on X11 only", "start Mariana"]);
-    place.run(&["--wallpaper"]).refused(&["monitors are known on X11 only", "start Mariana"]);
+    place.run(&["--output", "list"]).refused(&["monitors can be listed on X11 only", "start Mariana"]);
+    place.run(&["--wallpaper"]).refused(&["monitors can be listed on X11 only", "start Mariana"]);
     let mut wayland = place.command(&["--wallpaper"]);
     wayland.env("WAYLAND_DISPLAY", "wayland-none");
     Outcome::of(&mut wayland, RUN_LIMIT).refused(&["cannot open a window", "start Mariana"]);

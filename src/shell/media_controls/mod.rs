@@ -1,11 +1,9 @@
-//! Media keys and the desktop's controls for players: what they ask of the show, and what they show of it.
+//! Media keys and the desktop's media controls.
 //!
-//! On Linux this is MPRIS (the Media Player Remote Interfacing Specification 2.2) on the session's D-Bus. Without a
-//! bus, and on other systems, nothing is served; media keys then work while the window has the keyboard.
-//!
-//! **Media keys ask the show.** `shell::media_controls` serves MPRIS on a thread of its own and hands over what was
-//! asked; it answers from a copy of what the window last reported. Without a bus, with a dead one or on another
-//! system nothing is served and nothing is reported.
+//! On Linux this is MPRIS (the Media Player Remote Interfacing Specification 2.2) on the session's D-Bus, served on a
+//! separate thread: it passes commands to the show and answers queries from a copy of the last reported state. Without
+//! a bus and on other systems there is no such service, which is no error; media keys then work only while the window
+//! has the keyboard.
 
 #[cfg(target_os = "linux")]
 mod mpris;
@@ -19,10 +17,10 @@ use crate::session::desktop::DesktopControls;
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_player::{PlayerStatus, Position};
 
-/// A position is a jump if it differs by more than this from where playback would have come by itself, in seconds.
+/// A position that differs by more than this from undisturbed playback is a jump, in seconds.
 const JUMP: f64 = 0.5;
 
-/// What the desktop may see.
+/// The state that the desktop can query.
 #[derive(Debug, Clone, PartialEq)]
 struct Seen {
     track: Option<Arc<TrackInfo>>,
@@ -32,7 +30,7 @@ struct Seen {
     repeat: Repeat,
     shuffled: bool,
     fullscreen: bool,
-    /// Seconds since the track's start, at a moment. Only for telling jumps: the bus asks the player for the position.
+    /// Seconds since the track's start at a moment, to detect jumps only. Queries ask the player for the position.
     position: (f64, Instant),
 }
 
@@ -53,7 +51,7 @@ impl Seen {
         }
     }
 
-    /// The position, in seconds, at which playback would be at `now` without a jump.
+    /// The position at `now` without a jump, in seconds.
     fn position_at(&self, now: Instant) -> f64 {
         let (position, at) = self.position;
         let moving = !self.paused && !self.ended;
@@ -61,7 +59,7 @@ impl Seen {
     }
 }
 
-/// [`Seen`] shared with the thread that serves the desktop.
+/// [`Seen`], shared with the thread that serves the desktop.
 #[derive(Clone)]
 struct SharedSeen(Arc<Mutex<Seen>>);
 
@@ -71,7 +69,7 @@ impl SharedSeen {
     }
 }
 
-/// The desktop's controls of this program. See the module.
+/// The desktop's media controls of this program.
 pub(crate) struct MediaControls {
     seen: SharedSeen,
     commands: Receiver<Command>,
@@ -80,13 +78,13 @@ pub(crate) struct MediaControls {
 }
 
 impl MediaControls {
-    /// Serves the desktop on another thread, which calls `wake` for each command. Without a `position` it reports 0.
+    /// Starts the service on another thread, which calls `wake` for each command. Without a `position` it reports 0.
     pub(crate) fn start(position: Option<Position>, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let position: ReadPosition = Arc::new(move || position.as_ref().map_or(0.0, Position::seconds));
         let seen = SharedSeen(Arc::new(Mutex::new(Seen::new())));
         let (sender, commands) = channel();
         let send = move |command| {
-            // After the show's end nobody carries it out.
+            // Commands after the show's end are dropped.
             if sender.send(command).is_ok() {
                 wake();
             }

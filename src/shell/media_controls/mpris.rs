@@ -1,4 +1,4 @@
-//! The player on the session's D-Bus, through MPRIS.
+//! The MPRIS player on the session's D-Bus.
 
 use async_channel::{Receiver, Sender};
 use mpris_server::zbus::zvariant::ObjectPath;
@@ -13,11 +13,11 @@ use crate::commands::{Command, Switch};
 use crate::shell::identity::APP_ID;
 use mariana_player::track::{Repeat, TrackInfo};
 
-/// The program's name on the bus. The process id is appended, because several may run.
+/// The program's name on the bus, completed by the process id, because several may run.
 const NAME: &str = "mariana";
-/// Most changes that wait for a bus that does not take them; if there are more, the newest are lost.
+/// Most changes that wait for a slow bus; further ones are lost.
 const CHANGES_MAX: usize = 64;
-/// The playback's rate: it cannot be changed.
+/// The rate of playback, which is fixed.
 const RATE: f64 = 1.0;
 
 enum Change {
@@ -25,11 +25,11 @@ enum Change {
     Seeked(Time),
 }
 
-/// Reports changes to the bus.
+/// Sends changes to the bus.
 pub(super) struct Changes(Sender<Change>);
 
 impl Changes {
-    /// Reports how `new` differs from `old`; `jumped` if the position is not where it would have come by itself.
+    /// Sends the differences between `new` and `old`, and the position if it has `jumped`.
     pub(super) fn tell(&self, old: &Seen, new: &Seen, jumped: bool) {
         let mut properties = Vec::new();
         let mut add = |changed: bool, property: Property| {
@@ -43,7 +43,7 @@ impl Changes {
         add(old.repeat != new.repeat, Property::LoopStatus(loop_status(new.repeat)));
         add(old.shuffled != new.shuffled, Property::Shuffle(new.shuffled));
         add(old.fullscreen != new.fullscreen, Property::Fullscreen(new.fullscreen));
-        // Without a bus nobody listens.
+        // Sending fails without a bus, which is no error.
         if !properties.is_empty() {
             let _ = self.0.try_send(Change::Properties(properties));
         }
@@ -53,7 +53,7 @@ impl Changes {
     }
 }
 
-/// Serves the bus on a thread of its own as long as the [`Changes`] live.
+/// Serves the bus on another thread while the [`Changes`] exist.
 pub(super) fn serve(
     seen: SharedSeen,
     position: ReadPosition,
@@ -62,7 +62,7 @@ pub(super) fn serve(
     let (changes, inbox) = async_channel::bounded(CHANGES_MAX);
     let player = Offered { seen, position, send: std::sync::Arc::new(send) };
     let started = std::thread::Builder::new().name("media controls".into()).spawn(move || {
-        // Without a bus there are no keys, which is no error.
+        // A missing bus is no error.
         if let Err(error) = zbus::block_on(run(player, &inbox)) {
             tracing::info!("no media controls: {error}");
         }
@@ -85,7 +85,7 @@ async fn run(player: Offered, inbox: &Receiver<Change>) -> zbus::Result<()> {
     Ok(())
 }
 
-/// What the bus may ask.
+/// The player's interface on the bus.
 #[derive(Clone)]
 struct Offered {
     seen: SharedSeen,
@@ -118,7 +118,7 @@ fn loop_status(repeat: Repeat) -> LoopStatus {
     }
 }
 
-/// The name of a track on the bus: a path of letters and digits.
+/// The id of a track on the bus: a path of letters and digits.
 fn track_id(track: &TrackInfo) -> Option<TrackId> {
     let path = ObjectPath::try_from(format!("/org/mariana/track/{}", track.entry)).ok()?;
     Some(TrackId::from(path.into_owned()))
@@ -225,7 +225,7 @@ impl PlayerInterface for Offered {
             let seen = self.seen.lock();
             (seen.track.as_deref().and_then(track_id), seen.track.as_ref().and_then(|track| track.duration))
         };
-        // A position of another track, or beyond the end: to be ignored, says the specification.
+        // The specification requires to ignore positions of another track or beyond the end.
         let within = seconds(position) >= 0.0 && length.is_none_or(|length| seconds(position) <= length);
         if within && current == Some(track) { self.send(Command::SeekTo(seconds(position))) } else { Ok(()) }
     }
@@ -276,7 +276,7 @@ impl PlayerInterface for Offered {
     }
 
     async fn set_volume(&self, volume: f64) -> zbus::Result<()> {
-        // The volume is clamped where it is set, and a value that is not a number is silence.
+        // The session clamps the volume, and takes NaN as silence.
         Ok(self.send(Command::Volume(volume as f32))?)
     }
 
@@ -325,8 +325,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_bus_was_told_a_guess_that_stepped_back_after_a_device_fault() {
-        // The last report, from which a guess would run on at full pace.
+    fn the_reported_position_was_a_guess_that_stepped_back_after_a_device_fault() {
+        // The last report; a guess would continue from it at full speed.
         let seen = Seen { paused: false, position: (7.0, Instant::now()), ..Seen::new() };
         let offered = Offered {
             seen: SharedSeen(Arc::new(Mutex::new(seen))),

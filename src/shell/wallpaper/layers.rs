@@ -1,8 +1,8 @@
-//! The ground of a Wayland desktop: a surface on each output, by the protocol wlr-layer-shell.
+//! The wallpaper on Wayland: a surface on each output, by the protocol wlr-layer-shell.
 //!
-//! winit knows windows alone, so these surfaces have a queue of events of their own on winit's connection, and a thread
-//! that obeys it. The show draws into them ([`super::wall`]); each asks the compositor when it wants the next picture. A
-//! surface that nobody sees is never answered.
+//! winit supports only windows, so these surfaces have their own event queue on winit's connection, and a thread that
+//! serves it. The show draws into them ([`super::wall`]). Each surface asks the compositor for a callback when the next
+//! frame is wanted; a covered surface never gets one.
 
 mod output_surface;
 
@@ -38,14 +38,14 @@ use crate::session::waker::Waker;
 use crate::shell::messages::WindowMessage;
 use crate::shell::window::wayland_connection;
 
-/// Whether windows of this session are Wayland's. winit decides by the same.
+/// True if this session's windows use Wayland. winit decides in the same way.
 pub(crate) fn is_wayland() -> bool {
     ["WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
         .into_iter()
         .any(|name| std::env::var(name).is_ok_and(|value| !value.is_empty()))
 }
 
-/// What makes the surfaces and hears of them, until it is dropped.
+/// Creates the surfaces and serves their events until it is dropped.
 pub(crate) struct Layers {
     output_surfaces: OutputSurfaces,
     is_over: Arc<AtomicBool>,
@@ -54,7 +54,7 @@ pub(crate) struct Layers {
 }
 
 impl Layers {
-    /// Begins on the compositor of `windows`, and wakes the show whenever something is new.
+    /// Starts on the compositor of `windows`. Wakes the show after each change.
     ///
     /// # Errors
     /// The compositor has no layer shell, or there is no output.
@@ -63,7 +63,7 @@ impl Layers {
         let connection = wayland_connection(&display)?;
         let (mut ui_state, mut queue) =
             LayersState::begin(&connection, display, waker).map_err(refused)??;
-        // What it answers are the outputs.
+        // The replies contain the outputs.
         queue.roundtrip(&mut ui_state).map_err(|error| refused(error.into()))?;
         let output_surfaces = ui_state.output_surfaces.clone();
         if output_surfaces.present().is_empty() {
@@ -84,8 +84,8 @@ impl Layers {
                 Ok(())
             };
             if let Err(error) = run() {
-                // The thread of the windows hears of it, too, and ends the show.
-                tracing::info!("the compositor tells no more: {error}");
+                // The window's thread gets the error too, and ends the show.
+                tracing::info!("no more events of the compositor can be read: {error}");
             }
         };
         let thread = std::thread::Builder::new().name("layers".into());
@@ -94,7 +94,7 @@ impl Layers {
         Ok(Self { output_surfaces, is_over, signal, thread: Some(thread) })
     }
 
-    /// What it makes.
+    /// The surfaces.
     pub(crate) fn output_surfaces(&self) -> OutputSurfaces {
         self.output_surfaces.clone()
     }
@@ -118,7 +118,7 @@ fn refused(error: Trouble) -> SessionError {
     SessionError::Window { doing: "a wallpaper", reason: error.to_string() }
 }
 
-/// What the thread of the layers knows.
+/// State of the layers' thread.
 struct LayersState {
     registry: RegistryState,
     outputs: OutputState,
@@ -131,7 +131,7 @@ struct LayersState {
 }
 
 impl LayersState {
-    /// Asks the compositor what it has. The inner error is that it has no layer shell.
+    /// Binds the compositor's globals. The inner error means that it has no layer shell.
     fn begin(
         connection: &Connection,
         display: OwnedDisplayHandle,
@@ -155,16 +155,16 @@ impl LayersState {
         Ok(Ok((ui_state, queue)))
     }
 
-    /// Makes a surface on an output that has none.
+    /// Creates a surface on an output, unless it has one.
     fn hang(&self, queue: &QueueHandle<Self>, output: WlOutput) {
         if self.output_surfaces.of_output(&output).is_some() {
             return;
         }
         let surface = self.compositor.create_surface(queue);
         match Region::new(&self.compositor) {
-            // It takes no input, and nothing shows through it.
+            // Without input, and opaque.
             Ok(empty) => surface.set_input_region(Some(empty.wl_region())),
-            Err(error) => tracing::warn!("clicks do not go through the wallpaper: {error}"),
+            Err(error) => tracing::warn!("the wallpaper cannot let clicks through: {error}"),
         }
         if let Ok(all) = Region::new(&self.compositor) {
             all.add(0, 0, i32::MAX, i32::MAX);
@@ -179,7 +179,7 @@ impl LayersState {
             Some(&output),
         );
         layer.set_anchor(Anchor::TOP | Anchor::BOTTOM | Anchor::LEFT | Anchor::RIGHT);
-        // Not moved aside by bars.
+        // Ignores the space that panels reserve.
         layer.set_exclusive_zone(-1);
         layer.set_keyboard_interactivity(KeyboardInteractivity::None);
         layer.commit();
@@ -189,7 +189,7 @@ impl LayersState {
         self.output_surfaces.add(OutputSurface::new(name, borne, queue.clone()));
     }
 
-    /// Takes surfaces away. Each is gone when nothing draws into it any more.
+    /// Removes surfaces. Each is destroyed when nothing draws into it any more.
     fn take_down(&self, is_gone: impl Fn(&OutputSurface) -> bool) {
         self.output_surfaces.remove(is_gone);
         self.waker.wake();
@@ -210,7 +210,7 @@ impl CompositorHandler for LayersState {
         }
     }
 
-    // The output that a surface is made for tells scale and turn.
+    // Scale and transform are read from the surface's output instead.
     fn scale_factor_changed(&mut self, _: &Connection, _: &QueueHandle<Self>, _: &WlSurface, _: i32) {}
     fn transform_changed(&mut self, _: &Connection, _: &QueueHandle<Self>, _: &WlSurface, _: Transform) {}
     fn surface_enter(&mut self, _: &Connection, _: &QueueHandle<Self>, _: &WlSurface, _: &WlOutput) {}
@@ -227,7 +227,7 @@ impl OutputHandler for LayersState {
     }
 
     fn update_output(&mut self, _: &Connection, queue: &QueueHandle<Self>, output: WlOutput) {
-        // The compositor may have closed its surface.
+        // The compositor may have closed the output's surface.
         self.hang(queue, output.clone());
         if let Some(output_surface) = self.output_surfaces.of_output(&output) {
             self.measure(&output_surface);

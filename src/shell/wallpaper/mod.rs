@@ -1,9 +1,8 @@
-//! The picture as the desktop's ground: below every window, on every monitor, for nobody's hands. And in the window that a
-//! screen saver gives.
+//! The desktop's wallpaper: the frame below all windows, on all monitors, without input. Also drawing into a screen
+//! saver's window.
 //!
-//! On X11 it is one window, on Wayland a surface on each output ([`layers`]).
-//!
-//! **It rests where nobody sees it,** and where it would empty a battery ([`rest`]).
+//! On X11 it is one window, on Wayland a surface on each output ([`layers`]). It pauses while it is covered, and on
+//! battery ([`rest`]).
 
 #[cfg(all(unix, not(target_os = "macos")))]
 mod layers;
@@ -27,25 +26,25 @@ use crate::session::waker::Waker;
 use crate::shell::monitors::{Monitor, MonitorWatch, Rect, around};
 use crate::shell::window::GlWindowContext;
 
-/// Frame cap where none is given, in frames per second.
+/// Default frame cap, in frames per second.
 pub(crate) const FPS: f64 = 30.0;
 
-/// See the module.
+/// The wallpaper, with the reasons to pause it.
 pub(crate) struct Wallpaper {
     ground: Shown,
     rest: WallpaperPause,
 }
 
-/// Where it is shown.
+/// The wallpaper's window or surfaces.
 enum Shown {
-    /// In a window of X11, over these monitors.
+    /// An X11 window over these monitors.
     Window(MonitorWatch),
-    /// On a Wayland desktop.
+    /// Surfaces of a Wayland desktop.
     Wall(Wall),
 }
 
 impl Wallpaper {
-    /// Looks at monitors, windows and power from now on; on Wayland the compositor tells of both of the former.
+    /// Starts to watch monitors, windows and power. On Wayland the compositor reports monitors and visibility.
     pub(crate) fn start(output_surfaces: Option<OutputSurfaces>, waker: &Waker) -> Self {
         let rest = WallpaperPause::start(output_surfaces.clone(), waker);
         let ground = match output_surfaces {
@@ -60,25 +59,25 @@ impl Wallpaper {
         Self { ground, rest }
     }
 
-    /// Takes in which surfaces there are to draw into.
+    /// Updates the list of surfaces to draw into.
     pub(crate) fn update(&mut self, window: &GlWindowContext) {
         if let Shown::Wall(wall) = &mut self.ground {
             wall.update(window);
         }
     }
 
-    /// Lets everything go that belongs to the context.
+    /// Drops everything that belongs to the context.
     pub(crate) fn let_go(&mut self) {
         if let Shown::Wall(wall) = &mut self.ground {
             wall.let_go();
         }
     }
 
-    /// Shows what is to be shown, which looks different everywhere if `is_new`, on the surfaces that are there instead of a
-    /// window. `draw` gets the size of each in pixels, and whether words belong over it.
+    /// Shows a frame on the Wayland surfaces; `is_new` makes all of them stale. Calls `draw` for each with its size in
+    /// pixels, and with true if it also shows text.
     ///
     /// # Errors
-    /// What `draw` reports, or a lost surface.
+    /// An error of `draw`, or a lost surface.
     pub(crate) fn show(
         &mut self,
         window: &GlWindowContext,
@@ -92,17 +91,17 @@ impl Wallpaper {
         wall.show(window, draw)
     }
 
-    /// Whether the window shows nothing.
+    /// True if the window is invisible, and surfaces show the frame.
     pub(crate) fn hides_window(&self) -> bool {
         matches!(self.ground, Shown::Wall(_))
     }
 
-    /// Whether something is to be shown, and somebody sees it.
+    /// True if a visible surface is stale.
     pub(crate) fn is_due(&self) -> bool {
         matches!(&self.ground, Shown::Wall(wall) if wall.is_due())
     }
 
-    /// Whether nobody sees it, or it should spare a battery. A monitor that shows nothing yet is no time to rest.
+    /// True if the wallpaper is paused: covered, or on battery. A surface without a frame is drawn first.
     pub(crate) fn rests(&self) -> bool {
         match &self.ground {
             Shown::Wall(wall) => !wall.has_blank() && (self.rest.is_on() || !wall.is_ready()),
@@ -110,7 +109,7 @@ impl Wallpaper {
         }
     }
 
-    /// Whether words over the picture would be shown now.
+    /// True if text over the frame would be visible now.
     pub(crate) fn shows_words(&self) -> bool {
         match &self.ground {
             Shown::Wall(wall) => wall.shows_words(),
@@ -118,12 +117,12 @@ impl Wallpaper {
         }
     }
 
-    /// Where its window belongs, once that is known.
+    /// The rectangle for its window, once the monitors are known.
     pub(crate) fn place(&self) -> Option<Rect> {
         around(&self.monitors()?)
     }
 
-    /// The size that the picture is drawn for: that of the largest monitor.
+    /// Size of the frame: the largest monitor's.
     pub(crate) fn screen(&self) -> Option<(u32, u32)> {
         let pixels = |size: (u32, u32)| u64::from(size.0) * u64::from(size.1);
         match &self.ground {
@@ -134,7 +133,7 @@ impl Wallpaper {
         }
     }
 
-    /// What shows of a picture of `shape` pixels on each monitor that its window is over.
+    /// The part of a frame of `shape` pixels that each monitor shows.
     pub(crate) fn panels(&self, shape: (u32, u32)) -> Vec<Panel> {
         panels(&self.monitors().unwrap_or_default(), shape)
     }
@@ -160,8 +159,8 @@ fn panels(monitors: &[Monitor], shape: (u32, u32)) -> Vec<Panel> {
     monitors.iter().map(panel).collect()
 }
 
-/// The part of a window, which is a monitor of `size` pixels, filled with a picture of `shape` pixels, which loses what
-/// sticks out.
+/// Fills `area` of a window, a monitor of `size` pixels, with a frame of `shape` pixels, cropped to the monitor's
+/// aspect ratio.
 pub(crate) fn filling(shape: (u32, u32), size: (u32, u32), area: Area) -> Panel {
     let [across, down] = [size.0, size.1].map(f64::from);
     let scale = (across / f64::from(shape.0.max(1))).max(down / f64::from(shape.1.max(1)));
@@ -171,25 +170,27 @@ pub(crate) fn filling(shape: (u32, u32), size: (u32, u32), area: Area) -> Panel 
     Panel { area, map: [[w, 0.0, x], [0.0, h, y], [0.0, 0.0, 1.0]], part: [x, y, x + w, y + h] }
 }
 
-/// A window of another program: its number, and its size in pixels.
+/// Another program's window: X11 id and size in pixels.
 type OtherWindow = (u32, (u32, u32));
 
-/// The window that a screen saver's program is to draw into, if there is one.
+/// The window into which a screen saver's program must draw, if the variable for it is set.
 ///
 /// # Errors
-/// The variable names no window.
+/// The variable contains no window.
 pub(crate) fn of_screen_saver() -> Result<Option<OtherWindow>, String> {
     const NAME: &str = "XSCREENSAVER_WINDOW";
     let Ok(text) = std::env::var(NAME) else { return Ok(None) };
-    let refused = || format!("the variable {NAME} is '{text}', which is no window: unset it");
+    let refused = || format!("the variable {NAME} is '{text}', but there is no such window: unset it");
     let number = window_number(&text).ok_or_else(refused)?;
     #[cfg(all(unix, not(target_os = "macos")))]
     return windows::size_of(number).map(|size| Some((number, size))).ok_or_else(refused);
     #[cfg(not(all(unix, not(target_os = "macos"))))]
-    return Err(format!("the window {number} is one of X11, which this system has not: unset {NAME}"));
+    return Err(format!(
+        "the variable {NAME} names the window {number} of X11, which this system does not have: unset it"
+    ));
 }
 
-/// A number as X11's tools write it: `0x1a2b` or `6699`.
+/// Parses a window id in the form of X11's tools: `0x1a2b` or `6699`.
 fn window_number(text: &str) -> Option<u32> {
     let text = text.trim();
     match text.strip_prefix("0x").or(text.strip_prefix("0X")) {
@@ -208,10 +209,12 @@ mod tests {
     }
 
     #[test]
-    fn each_monitor_shows_the_middle_of_the_picture_and_is_filled() {
+    fn each_monitor_is_filled_with_the_middle_of_the_frame() {
         let both = [monitor((0, 100), (800, 400)), monitor((800, 0), (200, 400))];
         assert_eq!(around(&both), Some(((0, 0), (1000, 500))));
-        let [wide, tall] = panels(&both, (800, 400))[..] else { panic!("a panel for each monitor") };
+        let [wide, tall] = panels(&both, (800, 400))[..] else {
+            panic!("there is not one panel for each monitor")
+        };
         assert_eq!((wide.area, wide.part), ([0.0, 0.2, 0.8, 1.0], [0.0, 0.0, 1.0, 1.0]));
         assert_eq!((tall.area, tall.part), ([0.8, 0.0, 1.0, 0.8], [0.375, 0.0, 0.625, 1.0]));
         assert_eq!(crate::placement::led(&tall.map, [1.0, 0.5]), Some([0.625, 0.5]));

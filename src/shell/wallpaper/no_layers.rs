@@ -1,4 +1,4 @@
-//! Systems without Wayland have no layers on it.
+//! Replaces the module `layers` on systems without Wayland, with types that have no values.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -11,19 +11,18 @@ use crate::session::SessionError;
 use crate::session::waker::Waker;
 use crate::shell::messages::WindowMessage;
 
-/// Never.
+/// Always false.
 pub(crate) fn is_wayland() -> bool {
     false
 }
 
-/// There is none.
+/// A type without use on this system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Extent {
-    /// None.
     pub(crate) pixels: (u32, u32),
 }
 
-/// There is none.
+/// A type without values.
 #[derive(Debug)]
 pub(crate) struct OutputSurface(Infallible);
 
@@ -53,7 +52,7 @@ impl OutputSurface {
     }
 }
 
-/// There are none.
+/// A type without values.
 #[derive(Debug, Clone)]
 pub(crate) struct OutputSurfaces(Infallible);
 
@@ -67,7 +66,7 @@ impl OutputSurfaces {
     }
 }
 
-/// There are none.
+/// A type without values.
 pub(crate) struct Layers(Infallible);
 
 impl Layers {

@@ -1,11 +1,11 @@
-//! Where the system's power comes from, as Linux tells it in files.
+//! The power source, from Linux's files in sysfs.
 
 use std::path::Path;
 
-/// Where it tells.
+/// The folder with an entry for each power supply.
 pub(super) const FOLDER: &str = "/sys/class/power_supply";
 
-/// Whether a battery is being emptied, and no mains are connected. Not where nothing is told.
+/// True if a battery is discharging and no mains are connected; false if the folder cannot be read.
 pub(super) fn is_from_battery(folder: &Path) -> bool {
     let Ok(supplies) = std::fs::read_dir(folder) else { return false };
     let mut discharges = false;
@@ -13,7 +13,7 @@ pub(super) fn is_from_battery(folder: &Path) -> bool {
         let read = |name: &str| std::fs::read_to_string(supply.path().join(name)).unwrap_or_default();
         match read("type").trim() {
             "Battery" => {
-                // That of a mouse is no concern of the picture.
+                // Ignores batteries of devices such as a mouse.
                 discharges |= read("scope").trim() != "Device" && read("status").trim() == "Discharging";
             }
             _ if read("online").trim() == "1" => return false,
@@ -28,18 +28,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_battery_counts_only_while_it_is_emptied_and_no_mains_are_there() {
+    fn only_a_discharging_battery_without_mains_counts() {
         let folder = tempfile::tempdir().unwrap();
         let tell = |supply: &str, name: &str, text: &str| {
             let place = folder.path().join(supply);
             std::fs::create_dir_all(&place).unwrap();
             std::fs::write(place.join(name), format!("{text}\n")).unwrap();
         };
-        assert!(!is_from_battery(folder.path()), "nothing is told");
+        assert!(!is_from_battery(folder.path()), "the folder is empty");
         tell("hidpp", "type", "Battery");
         tell("hidpp", "scope", "Device");
         tell("hidpp", "status", "Discharging");
-        assert!(!is_from_battery(folder.path()), "it is a mouse");
+        assert!(!is_from_battery(folder.path()), "the battery of a mouse");
         tell("BAT0", "type", "Battery");
         tell("BAT0", "status", "Discharging");
         tell("AC", "type", "Mains");

@@ -1,5 +1,5 @@
-//! When the wallpaper rests: a thread of its own asks the X server which windows cover monitors, and the system where its
-//! power comes from. A Wayland compositor does not say what covers the picture; it wants no more pictures then.
+//! Pauses the wallpaper: a thread asks the X server which windows cover the monitors, and the system for its power
+//! source. On Wayland, the compositor does not report what covers a surface, but stops requesting frames for it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,14 +13,14 @@ use crate::session::waker::Waker;
 #[cfg(any(test, all(unix, not(target_os = "macos"))))]
 use crate::shell::monitors::Rect;
 
-/// How often windows and power are looked at.
+/// Period of checks.
 const LOOK_PERIOD: Duration = Duration::from_millis(500);
 
-/// See the module.
+/// The current reason to pause, as a flag set by the thread. Dropping it ends the thread.
 pub(super) struct WallpaperPause(Arc<AtomicBool>);
 
 impl WallpaperPause {
-    /// Looks from now on, until this is dropped. The wallpaper is on `output_surfaces`, or else in a window of X11.
+    /// Starts the checks. The wallpaper is on `output_surfaces`, or else in an X11 window.
     pub(super) fn start(output_surfaces: Option<OutputSurfaces>, waker: &Waker) -> Self {
         let is_on = Arc::new(AtomicBool::new(false));
         let (reported, waker) = (Arc::downgrade(&is_on), waker.clone());
@@ -31,9 +31,9 @@ impl WallpaperPause {
                 let look = looks.look();
                 let rests = look.is_covered || look.is_unseen || look.spares_battery;
                 if std::mem::replace(&mut rested, rests) != rests {
-                    tracing::info!("the wallpaper {}", if rests { "rests" } else { "goes on" });
+                    tracing::info!("the wallpaper {}", if rests { "pauses" } else { "continues" });
                 }
-                // What the compositor tells needs no order to be obeyed.
+                // The missing requests of the compositor pause the show by themselves.
                 let ordered = look.is_covered || look.spares_battery;
                 if is_on.swap(ordered, Ordering::Relaxed) != ordered {
                     waker.wake();
@@ -43,27 +43,26 @@ impl WallpaperPause {
             }
         };
         if let Err(error) = std::thread::Builder::new().name("wallpaper".into()).spawn(watch) {
-            tracing::warn!("the wallpaper never rests: {error}");
+            tracing::warn!("the wallpaper never pauses: {error}");
         }
         Self(is_on)
     }
 
-    /// Whether there is a reason to draw nothing.
+    /// True if there is a reason to pause.
     pub(super) fn is_on(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
-/// What can be seen of the reasons.
+/// Reasons to pause.
 struct Look {
-    /// Windows cover all monitors.
     is_covered: bool,
-    /// The compositor wants no pictures.
+    /// The compositor requests no frames.
     is_unseen: bool,
     spares_battery: bool,
 }
 
-/// What decides whether it rests.
+/// The sources of the reasons.
 struct Looks {
     output_surfaces: Option<OutputSurfaces>,
     #[cfg(all(unix, not(target_os = "macos")))]
@@ -73,7 +72,7 @@ struct Looks {
 impl Looks {
     fn new(output_surfaces: Option<OutputSurfaces>) -> Self {
         Self {
-            // Those of an X server within a Wayland compositor are not all.
+            // The X server of a Wayland session knows only some of the windows.
             #[cfg(all(unix, not(target_os = "macos")))]
             windows: if output_surfaces.is_none() { windows::Windows::connect() } else { None },
             output_surfaces,
@@ -97,7 +96,7 @@ impl Looks {
 }
 
 #[cfg(any(test, all(unix, not(target_os = "macos"))))]
-/// Whether each of these monitors is covered by one of these windows.
+/// True if each of the monitors is covered by one of the windows.
 pub(super) fn are_covered(monitors: &[Rect], windows: &[Rect]) -> bool {
     let end = |from: i32, length: u32| i64::from(from) + i64::from(length);
     let covers = |(window, size): &Rect, (monitor, extent): &Rect| {
@@ -115,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_covered_when_every_monitor_is() {
+    fn the_wallpaper_is_covered_if_every_monitor_is() {
         let monitors = [((0, 0), (800, 600)), ((800, 0), (640, 480))];
         let full = ((0, 0), (800, 600));
         assert!(!are_covered(&monitors, &[full]));

@@ -1,4 +1,4 @@
-//! The pictures on the ground of a Wayland desktop: what draws into its surfaces, and which of them are due.
+//! Draws the wallpaper on the surfaces of a Wayland desktop, and knows which of them need a frame.
 
 use std::sync::Arc;
 
@@ -9,21 +9,21 @@ use crate::export::print::tell;
 use crate::session::SessionError;
 use crate::shell::window::{DrawTarget, GlWindowContext, SecondSurface};
 
-/// See the module.
+/// All surfaces with the objects that draw into them.
 pub(crate) struct Wall {
     output_surfaces: OutputSurfaces,
     hung: Vec<Hung>,
 }
 
-/// A surface of the compositor's, and what draws into it.
+/// A surface of the compositor, with the OpenGL surface for it.
 struct Hung {
     output_surface: Arc<OutputSurface>,
     extent: Extent,
-    /// None if the driver refuses.
+    /// `None` if the driver refused it.
     surface: Option<SecondSurface>,
-    /// Whether it shows something else than it should.
+    /// True if it does not show the current frame.
     is_stale: bool,
-    /// Whether it shows nothing of its size.
+    /// True if it has no frame of its size yet.
     is_blank: bool,
 }
 
@@ -44,12 +44,11 @@ impl Hung {
 }
 
 impl Wall {
-    /// With nothing on it yet.
     pub(super) fn new(output_surfaces: OutputSurfaces) -> Self {
         Self { output_surfaces, hung: Vec::new() }
     }
 
-    /// Takes in which surfaces there are, and how large.
+    /// Updates the list of surfaces and their sizes.
     pub(super) fn update(&mut self, window: &GlWindowContext) {
         let present = self.output_surfaces.present();
         self.hung.retain(|hung| {
@@ -82,47 +81,47 @@ impl Wall {
         }
     }
 
-    /// Lets everything go that belongs to the context; [`Self::update`] makes it anew.
+    /// Drops everything that belongs to the context; [`Self::update`] creates it again.
     pub(super) fn let_go(&mut self) {
         self.hung.clear();
     }
 
-    /// The size of the largest surface, in pixels.
+    /// Size of the largest surface, in pixels.
     pub(super) fn screen(&self) -> Option<(u32, u32)> {
         let pixels = |size: &(u32, u32)| u64::from(size.0) * u64::from(size.1);
         self.hung.iter().map(|hung| hung.extent.pixels).max_by_key(pixels)
     }
 
-    /// Whether a surface that is seen shows something else than it should.
+    /// True if a visible surface is stale.
     pub(super) fn is_due(&self) -> bool {
         self.hung.iter().any(|hung| hung.is_stale && hung.is_ready())
     }
 
-    /// Whether a surface has no picture of its size yet.
+    /// True if a visible surface has no frame of its size yet.
     pub(super) fn has_blank(&self) -> bool {
         self.hung.iter().any(|hung| hung.is_blank && hung.is_ready())
     }
 
-    /// Whether the compositor wants a picture on any.
+    /// True if the compositor wants a frame on any surface.
     pub(super) fn is_ready(&self) -> bool {
         self.hung.iter().any(Hung::is_ready)
     }
 
-    /// Whether it wants one where words stand: on the first.
+    /// True if it wants one on the first surface, which also shows text.
     pub(super) fn shows_words(&self) -> bool {
         self.hung.first().is_some_and(Hung::is_ready)
     }
 
-    /// All are to show something else.
+    /// Makes all surfaces stale.
     pub(super) fn look_different(&mut self) {
         self.hung.iter_mut().for_each(|hung| hung.is_stale = true);
     }
 
-    /// Shows what is to be shown where the compositor wants it. `draw` gets the size in pixels, and whether words belong
-    /// over it.
+    /// Draws the stale surfaces for which the compositor wants a frame. Calls `draw` with the size in pixels, and with
+    /// true if the surface also shows text.
     ///
     /// # Errors
-    /// What `draw` reports, or a lost surface.
+    /// An error of `draw`, or a lost surface.
     pub(super) fn show(
         &mut self,
         window: &GlWindowContext,
@@ -138,7 +137,7 @@ impl Wall {
     }
 }
 
-/// A surface that shows nothing yet. If the driver refuses, that monitor goes without.
+/// Creates the OpenGL surface. If the driver refuses, the output has no wallpaper.
 fn hang(output_surface: &Arc<OutputSurface>, extent: Extent, window: &GlWindowContext) -> Hung {
     let surface = window.wayland_surface_of(output_surface.clone(), extent.pixels);
     let surface =

@@ -1,4 +1,4 @@
-//! Which windows of the desktop cover monitors, as its window manager tells (EWMH).
+//! Finds windows that cover monitors, from the properties that window managers set (EWMH).
 
 use std::error::Error;
 
@@ -25,14 +25,14 @@ x11rb::atom_manager! {
     }
 }
 
-/// On all desktops.
+/// The number for windows on all desktops.
 const EVERYWHERE: u32 = u32::MAX;
-/// Most windows that are looked at.
+/// Most windows that are checked.
 const WINDOWS_MAX: u32 = 4_096;
-/// A maximised window leaves room for bars of at most this share of a monitor.
+/// A maximised window may leave this fraction of a monitor for bars.
 const BARS: f64 = 0.2;
 
-/// See the module.
+/// A connection to the X server for these queries.
 pub(super) struct Windows {
     connection: RustConnection,
     root: Window,
@@ -40,7 +40,7 @@ pub(super) struct Windows {
 }
 
 impl Windows {
-    /// Asks the X server of this session; none if there is none.
+    /// Connects to the session's X server, if there is one.
     pub(super) fn connect() -> Option<Self> {
         let connect = || -> Result<Self, Box<dyn Error>> {
             let (connection, screen) = x11rb::connect(None)?;
@@ -49,10 +49,10 @@ impl Windows {
             connection.randr_query_version(1, 5)?.reply()?;
             Ok(Self { connection, root, names })
         };
-        connect().inspect_err(|error| tracing::info!("windows are not looked at: {error}")).ok()
+        connect().inspect_err(|error| tracing::info!("windows are not watched: {error}")).ok()
     }
 
-    /// Whether every monitor is covered by a window that fills it.
+    /// True if every monitor is covered by a window.
     pub(super) fn cover_everything(&self) -> bool {
         self.look().unwrap_or(false)
     }
@@ -66,7 +66,7 @@ impl Windows {
         let present = self.numbers(self.root, self.names._NET_CURRENT_DESKTOP, AtomEnum::CARDINAL)?;
         let mut covering = Vec::new();
         for window in self.numbers(self.root, self.names._NET_CLIENT_LIST, AtomEnum::WINDOW)? {
-            // A window may go between two questions.
+            // A window may be closed between two requests.
             if let Ok(Some(rect)) = self.covering(window, present.first().copied(), &monitors) {
                 covering.push(rect);
             }
@@ -74,7 +74,7 @@ impl Windows {
         Ok(are_covered(&monitors, &covering))
     }
 
-    /// The rectangle that a window covers, if it fills what it can.
+    /// The rectangle that a window covers; `None` if it is hidden, on another desktop or the desktop itself.
     fn covering(
         &self,
         window: Window,
@@ -94,19 +94,19 @@ impl Windows {
         let place = self.connection.translate_coordinates(window, self.root, 0, 0)?.reply()?;
         let rect: Rect = ((place.dst_x.into(), place.dst_y.into()), (size.width.into(), size.height.into()));
         let maximised = is(names._NET_WM_STATE_MAXIMIZED_HORZ) && is(names._NET_WM_STATE_MAXIMIZED_VERT);
-        // Beside a maximised window there is room for bars at most: the monitor that it is on counts as covered.
+        // A maximised window leaves room only for bars, so its whole monitor counts as covered.
         let own = monitors.iter().find(|monitor| maximised && fills(&rect, monitor));
         Ok(Some(own.copied().unwrap_or(rect)))
     }
 
-    /// The numbers of a property; none if the window has none.
+    /// The values of a property; empty if the window does not have it.
     fn numbers(&self, window: Window, name: Atom, kind: AtomEnum) -> Result<Vec<u32>, Box<dyn Error>> {
         let reply = self.connection.get_property(false, window, name, kind, 0, WINDOWS_MAX)?.reply()?;
         Ok(reply.value32().map(Iterator::collect).unwrap_or_default())
     }
 }
 
-/// Whether a window takes most of a monitor.
+/// True if a window takes most of a monitor.
 fn fills((place, size): &Rect, (monitor, extent): &Rect) -> bool {
     let common = |from: i32, length: u32, of: i32, most: u32| {
         let (from, of) = (f64::from(from), f64::from(of));
@@ -117,7 +117,7 @@ fn fills((place, size): &Rect, (monitor, extent): &Rect) -> bool {
     across >= 1.0 - BARS && down >= 1.0 - BARS
 }
 
-/// The size of a window in pixels; none if there is no such window.
+/// The size of a window in pixels; `None` if it does not exist.
 pub(super) fn size_of(window: Window) -> Option<(u32, u32)> {
     let (connection, _) = x11rb::connect(None).ok()?;
     let found = connection.get_geometry(window).ok()?.reply().ok()?;
@@ -129,7 +129,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_maximised_window_beside_a_bar_takes_the_monitor() {
+    fn a_maximised_window_next_to_a_bar_covers_the_monitor() {
         let monitor = ((100, 0), (1000, 800));
         assert!(fills(&((100, 30), (1000, 770)), &monitor));
         assert!(fills(&((100, 0), (900, 800)), &monitor));

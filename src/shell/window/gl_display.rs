@@ -1,11 +1,11 @@
 //! The OpenGL display of a window, from which contexts and surfaces are created.
 //!
-//! **On X11, OpenGL has a separate connection.** A thread that waits for a reply reads everything that has arrived on the
-//! connection and queues the events for later. If OpenGL shared winit's connection, a frame would take events off the
-//! socket and the event thread, which waits for that socket, would sleep on. A still picture gives it no
-//! other reason to wake, so keys and pings stayed unanswered for up to 30 s.
+//! **On X11, OpenGL has its own connection.** A thread that waits for a reply reads everything that has arrived on the
+//! connection and queues the events. If OpenGL shared winit's connection, drawing would take events off the socket, and
+//! the event thread, which waits for that socket, would not wake. While the frame is unchanged, it has no other reason
+//! to wake: keys and pings were unanswered for up to 30 s.
 
-#![expect(unsafe_code, reason = "opening displays is unsafe in glutin, and Xlib is a C library")]
+#![expect(unsafe_code, reason = "glutin's functions that open displays are unsafe, and Xlib is a C library")]
 
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -15,10 +15,10 @@ use glutin_winit::{ApiPreference, DisplayBuilder};
 use winit::event_loop::ActiveEventLoop;
 use winit::window::{Window, WindowAttributes};
 
-/// A window, and the pixel format in which OpenGL draws into it. `None` if the driver offers no format that fits.
+/// Opens a window with a pixel format for OpenGL. `None` if the driver has no suitable format.
 ///
 /// # Errors
-/// No OpenGL, or no window.
+/// OpenGL is not available, or the window cannot be opened.
 pub(super) fn open(
     event_loop: &ActiveEventLoop,
     attributes: WindowAttributes,
@@ -39,7 +39,7 @@ pub(super) fn open(
     Ok(Some((window.ok_or("the system opened no window")?, config)))
 }
 
-/// The config with the least multisampling: the renderer has its own.
+/// The config with the least multisampling, because the renderer antialiases by itself.
 fn best<'a>(configs: Box<dyn Iterator<Item = Config> + 'a>) -> Option<Config> {
     configs.min_by_key(GlConfig::num_samples)
 }
@@ -61,36 +61,37 @@ mod x11 {
         template: ConfigTemplateBuilder,
     ) -> Result<Option<(Window, Config)>, Box<dyn Error>> {
         let preference = DisplayApiPreference::EglThenGlx(Box::new(register_xlib_error_hook));
-        // SAFETY: the handle's connection is never closed.
+        // SAFETY: `own_connection` opens the handle's connection, and nothing ever closes it.
         let display = unsafe { Display::new(own_connection()?, preference)? };
-        // SAFETY: the template names no native window.
+        // SAFETY: the template contains no native window.
         let Some(config) = best(unsafe { display.find_configs(template.build())? }) else { return Ok(None) };
         let window = glutin_winit::finalize_window(event_loop, attributes, &config)?;
         Ok(Some((window, config)))
     }
 
-    /// Another connection to winit's X server. It stays open until the process ends, because drivers keep it.
+    /// A second connection to winit's X server. It is never closed, because drivers keep it.
     fn own_connection() -> Result<RawDisplayHandle, Box<dyn Error>> {
         let library = Xlib::open()?;
-        // SAFETY: no name means the server of the environment, and the display is not null.
+        // SAFETY: a null name is allowed and means the server in the environment; the display was checked to be
+        // non-null.
         let (display, screen) = unsafe {
             let display = (library.XOpenDisplay)(null());
-            let display = NonNull::new(display).ok_or("the X server takes no second connection")?;
+            let display = NonNull::new(display).ok_or("the X server refuses a second connection")?;
             (display, (library.XDefaultScreen)(display.as_ptr()))
         };
         Ok(XlibDisplayHandle::new(Some(display.cast()), screen).into())
     }
 }
 
-/// The payload of an unwind that means: the driver offers no pixel format. glutin-winit insists on a choice, so the picker
-/// unwinds, which prints nothing, and [`unless_nothing_fits`] returns `None`.
+/// The payload of an unwind for a driver without suitable pixel formats. glutin-winit requires a choice, so the picker
+/// unwinds without printing anything, and [`unless_nothing_fits`] returns `None`.
 struct NothingFits;
 
 fn nothing_fits() -> ! {
     resume_unwind(Box::new(NothingFits))
 }
 
-/// The result of `work`; `None` if [`nothing_fits`] ended it.
+/// Runs `work`; returns `None` if [`nothing_fits`] was called.
 fn unless_nothing_fits<T>(work: impl FnOnce() -> T) -> Option<T> {
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(made) => Some(made),

@@ -1,7 +1,7 @@
-//! Windows besides the first, into which the same context draws: the output on another monitor, and the ground of a
-//! Wayland desktop; and what a window is like that is for the eyes alone.
+//! Further windows for the same context: the output on another monitor, and the wallpaper's surfaces on Wayland. Also
+//! the attributes of windows without input.
 
-#![expect(unsafe_code, reason = "creating surfaces from window handles is unsafe in glutin")]
+#![expect(unsafe_code, reason = "glutin's functions that create surfaces from window handles are unsafe")]
 
 use std::num::NonZeroU32;
 use std::sync::Arc;
@@ -25,31 +25,31 @@ use crate::shell::identity;
 use crate::shell::monitors::{Monitor, Rect};
 use crate::shell::shared_window::SharedWindow;
 
-/// A window for the eyes alone.
+/// The place of a window without input.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Ground {
-    /// None of it is seen: surfaces of a Wayland desktop, below all its windows, show the picture.
+    /// Surfaces below all windows of a Wayland desktop; the window itself is invisible.
     Layers,
-    /// Below all windows of the desktop, on this rectangle of it.
+    /// Below all windows of an X11 desktop, on this rectangle.
     Desktop(Rect),
-    /// Within another program's window of X11, which has this size in pixels.
+    /// Inside another program's X11 window of this size in pixels.
     Within(u32, (u32, u32)),
 }
 
-/// Another window, or what is like one, that the same context draws into.
+/// A further surface for the same context.
 pub(crate) struct SecondSurface {
-    // The surface before what it lies on.
+    // Declared before its target, so that it is dropped first.
     surface: Surface<WindowSurface>,
     lies_on: Arc<dyn DrawTarget>,
     size: (u32, u32),
 }
 
-/// What pictures lie on.
+/// The native target of a surface.
 pub(crate) trait DrawTarget {
-    /// What drivers draw into; none if it is gone.
+    /// The handle for the driver; `None` if the target is closed.
     fn handle(&self) -> Option<RawWindowHandle>;
 
-    /// A picture is about to be shown.
+    /// Called before a frame is shown.
     fn is_about_to_show(&self);
 }
 
@@ -64,12 +64,12 @@ impl DrawTarget for SharedWindow {
 }
 
 impl SecondSurface {
-    /// Width and height of its pictures, in pixels.
+    /// Size of the surface, in pixels.
     pub(crate) fn size(&self) -> (u32, u32) {
         self.size
     }
 
-    /// Takes its window's new size. A window without an area keeps the old one.
+    /// Resizes the surface; ignores an empty size.
     pub(crate) fn resize(&mut self, first: &GlWindowContext, size: (u32, u32)) {
         if let (Some(width), Some(height)) = (NonZeroU32::new(size.0), NonZeroU32::new(size.1)) {
             self.size = size;
@@ -79,11 +79,11 @@ impl SecondSurface {
 }
 
 impl GlWindowContext {
-    /// A surface of another window, which was opened for the same configuration. From now on only that one waits for its
-    /// monitor.
+    /// Creates a surface on another window, opened with the same config. From now on only that surface waits for
+    /// vertical sync.
     ///
     /// # Errors
-    /// The driver refuses.
+    /// An error of the driver.
     pub(crate) fn second_surface(&self, window: SharedWindow) -> Result<SecondSurface, SessionError> {
         let refused = |error: &dyn std::fmt::Display| refused("a second window", error);
         let calls = window.calls();
@@ -97,24 +97,24 @@ impl GlWindowContext {
         Ok(second)
     }
 
-    /// A surface of a part of the ground of a Wayland desktop, for pictures of `size` pixels. Showing one waits for
-    /// nothing: the compositor says when it wants the next one.
+    /// Creates a surface of `size` pixels for a Wayland wallpaper. Showing a frame does not wait, because the
+    /// compositor requests frames.
     ///
     /// # Errors
-    /// The driver refuses.
+    /// An error of the driver.
     pub(crate) fn wayland_surface_of(
         &self,
         output_surface: Arc<dyn DrawTarget>,
         size: (u32, u32),
     ) -> Result<SecondSurface, SessionError> {
-        let handle = output_surface.handle().ok_or_else(|| refused("a wallpaper", &"the surface is gone"))?;
+        let handle = output_surface.handle().ok_or_else(|| refused("a wallpaper", &"the surface was closed"))?;
         let side = |side: u32| NonZeroU32::new(side).unwrap_or(NonZeroU32::MIN);
         let attributes =
             SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side(size.0), side(size.1));
         self.surface_on(output_surface, &attributes, size, SwapInterval::DontWait)
     }
 
-    /// A surface of `size` pixels by the attributes of what it lies on.
+    /// Creates a surface of `size` pixels on a target.
     fn surface_on(
         &self,
         lies_on: Arc<dyn DrawTarget>,
@@ -123,18 +123,19 @@ impl GlWindowContext {
         interval: SwapInterval,
     ) -> Result<SecondSurface, SessionError> {
         let refused = |error: glutin::error::Error| refused("a second surface", &error);
-        // SAFETY: what it lies on outlives the surface (see the fields' order).
+        // SAFETY: the handle in `attributes` belongs to `lies_on`, which `SecondSurface` keeps until after the surface
+        // (order of its fields).
         let surface = unsafe { self.config.display().create_window_surface(&self.config, attributes) };
         let second = SecondSurface { surface: surface.map_err(refused)?, lies_on, size };
         self.context.make_current(&second.surface).map_err(refused)?;
         if let Err(error) = second.surface.set_swap_interval(&self.context, interval) {
-            tracing::info!("a second surface waits for its monitor as the driver likes ({error})");
+            tracing::info!("the vertical sync of a second surface cannot be set ({error})");
         }
         self.context.make_current(&self.surface).map_err(refused)?;
         Ok(second)
     }
 
-    /// Whether showing a picture waits for the monitor.
+    /// Turns vertical sync of the first surface on or off.
     pub(crate) fn wait_for_monitor(&self, waits: bool) {
         let interval = if waits { SwapInterval::Wait(NonZeroU32::MIN) } else { SwapInterval::DontWait };
         if let Err(error) = self.surface.set_swap_interval(&self.context, interval) {
@@ -142,11 +143,11 @@ impl GlWindowContext {
         }
     }
 
-    /// Lets `draw` draw into another window, and shows that there. Meanwhile the framebuffer without a name is that
-    /// window's.
+    /// Makes another surface current, calls `draw`, and shows the result. During the call, the default framebuffer is
+    /// that surface.
     ///
     /// # Errors
-    /// What `draw` reports, or a lost surface.
+    /// An error of `draw`, or a lost surface.
     pub(crate) fn draw_on<T>(
         &self,
         second: &SecondSurface,
@@ -169,7 +170,7 @@ fn refused(doing: &'static str, error: &dyn std::fmt::Display) -> SessionError {
     SessionError::Window { doing, reason: error.to_string() }
 }
 
-/// The attributes of a window for the eyes alone.
+/// Adds the attributes of a window without input.
 pub(super) fn grounded(attributes: WindowAttributes, ground: Option<Ground>) -> WindowAttributes {
     let Some(ground) = ground else { return attributes };
     let attributes = attributes.with_decorations(false).with_active(false);
@@ -193,7 +194,7 @@ pub(super) fn grounded(attributes: WindowAttributes, ground: Option<Ground>) -> 
     }
 }
 
-/// Opens a window that fills a monitor and takes nothing but keys: without a frame and without a pointer.
+/// Opens a window without decorations or pointer that fills a monitor.
 ///
 /// # Errors
 /// The window system refuses.
@@ -213,7 +214,7 @@ pub(crate) fn open_output(
     let attributes = {
         use winit::platform::x11::{ActiveEventLoopExtX11, WindowAttributesExtX11};
         if event_loop.is_x11() {
-            // No window manager moves it, covers it or gives it the keyboard.
+            // Override redirect: no window manager moves it, covers it or gives it the keyboard.
             attributes.with_override_redirect(true)
         } else {
             let mut known = event_loop.available_monitors();

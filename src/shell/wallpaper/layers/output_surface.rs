@@ -1,4 +1,4 @@
-//! A surface of the ground: how large it is, and whether the compositor wants a picture on it.
+//! A wallpaper surface on a Wayland output: its size, and the compositor's requests for frames.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -15,24 +15,24 @@ use winit::event_loop::OwnedDisplayHandle;
 
 use super::LayersState;
 
-/// A surface that waits longer than this for its next picture to be wanted is not seen. Slow monitors have 24 pictures
-/// a second.
+/// A surface is considered covered if the compositor requests no frame for this long. The slowest monitors show 24
+/// frames a second.
 const UNSEEN: Duration = Duration::from_secs(1);
 
-/// How large a surface is.
+/// Size of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Extent {
-    /// Width and height of its pictures, in pixels.
+    /// Size of its frames, in pixels.
     pub(crate) pixels: (u32, u32),
-    /// The same in the compositor's units.
+    /// Size in the compositor's logical units.
     units: (u32, u32),
-    /// Pixels in one of these, where the compositor stretches no pictures.
+    /// Pixels per unit, used if the compositor cannot scale frames.
     scale: u32,
 }
 
 impl Extent {
-    /// Of a surface of this many units on an output with a `mode` of so many pixels, where that is known, and whole
-    /// pixels per unit. Whoever can be stretched has the output's own pixels, be they a fraction of a unit.
+    /// The extent of a surface with a size in units and a whole `scale`, on an output with `mode` pixels if that is
+    /// known. Surfaces that the compositor can scale have the output's pixels, so that fractional scales are exact.
     fn of(units: (u32, u32), mode: Option<(u32, u32)>, scale: u32, is_stretched: bool) -> Self {
         let units = (units.0.max(1), units.1.max(1));
         let scale = scale.max(1);
@@ -42,7 +42,7 @@ impl Extent {
     }
 }
 
-/// A surface on an output. Drop what draws into it before.
+/// A surface on an output. Must be dropped after everything that draws into it.
 #[derive(Debug)]
 pub(crate) struct OutputSurface {
     name: String,
@@ -51,56 +51,56 @@ pub(crate) struct OutputSurface {
     borne: Borne,
 }
 
-/// What a surface is made of.
+/// The Wayland objects of a surface.
 #[derive(Debug)]
 pub(super) struct Borne {
     pub(super) output: WlOutput,
     pub(super) layer: LayerSurface,
-    /// What stretches its pictures, where the compositor can.
+    /// Scales the surface's frames, if the compositor can.
     pub(super) viewport: Option<WpViewport>,
-    /// Last: whatever stands above is nothing without it.
-    #[expect(dead_code, reason = "it is kept, not used")]
+    /// The last field: the objects above are invalid without it.
+    #[expect(dead_code, reason = "keeps the display alive")]
     pub(super) display: OwnedDisplayHandle,
 }
 
 #[derive(Debug, Default)]
 struct State {
-    /// Width and height that the compositor gives it, in its units; none before.
+    /// Size from the compositor, in units; `None` before it was sent.
     units: Option<(u32, u32)>,
     extent: Option<Extent>,
-    /// Since when it waits for the compositor to want another picture; none if it does.
+    /// Time of the last request for a frame callback; `None` once the compositor has answered.
     waits_since: Option<Instant>,
 }
 
 impl OutputSurface {
-    /// Of which nobody has told how large it is.
+    /// A surface whose size is not known yet.
     pub(super) fn new(name: String, borne: Borne, queue: QueueHandle<LayersState>) -> Self {
         Self { name, state: Mutex::default(), queue, borne }
     }
 
-    /// What the compositor calls its output.
+    /// Name of its output.
     pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
-    /// How large it is; none before the compositor has said so.
+    /// Its size; `None` before the compositor has sent it.
     pub(crate) fn extent(&self) -> Option<Extent> {
         self.state().extent
     }
 
-    /// Whether the compositor wants another picture.
+    /// True if the compositor wants another frame.
     pub(crate) fn is_ready(&self) -> bool {
         let state = self.state();
         state.extent.is_some() && state.waits_since.is_none()
     }
 
-    /// What drivers draw into.
+    /// The handle for drivers.
     pub(crate) fn handle(&self) -> Option<RawWindowHandle> {
         let surface = std::ptr::NonNull::new(self.surface().id().as_ptr().cast())?;
         Some(WaylandWindowHandle::new(surface).into())
     }
 
-    /// Lets pictures of this extent fill it, from the next one on.
+    /// Sets the size at which the next frames are shown.
     pub(crate) fn fit(&self, extent: Extent) {
         let units = |side: u32| i32::try_from(side).unwrap_or(i32::MAX);
         match &self.borne.viewport {
@@ -109,28 +109,27 @@ impl OutputSurface {
         }
     }
 
-    /// Asks to be told when a picture after the next one is wanted. To be called before each is shown.
+    /// Requests a callback for the next frame. Must be called before each frame is shown.
     pub(crate) fn ask(&self) {
         self.state().waits_since = Some(Instant::now());
         self.surface().frame(&self.queue, self.surface().clone());
     }
 
-    /// Its output.
     pub(super) fn output(&self) -> &WlOutput {
         &self.borne.output
     }
 
-    /// Whether it is this one.
+    /// True if `layer` is this surface.
     pub(super) fn is_of(&self, layer: &LayerSurface) -> bool {
         self.borne.layer == *layer
     }
 
-    /// The compositor wants another picture.
+    /// Handles a frame callback.
     pub(super) fn answer(&self) {
         self.state().waits_since = None;
     }
 
-    /// The compositor gives it this width and height, in its units.
+    /// Stores the size from the compositor, in units.
     pub(super) fn give(&self, units: (u32, u32)) {
         self.state().units = Some(units);
     }
@@ -143,7 +142,7 @@ impl OutputSurface {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes what is known of its output, and the units that it has been given. Returns whether its extent is another.
+    /// Updates the extent from the output's state and the stored units. Returns true if it has changed.
     pub(super) fn measure(&self, info: Option<&OutputInfo>) -> bool {
         let mut state = self.state();
         let Some(units) = state.units else { return false };
@@ -160,7 +159,7 @@ impl OutputSurface {
         let extent = Extent::of(units, mode, scale, self.borne.viewport.is_some());
         let is_new = state.extent != Some(extent);
         if is_new {
-            // Seen or not, it has to have a picture of that size.
+            // A frame of the new size is needed even if the surface is covered.
             (state.extent, state.waits_since) = (Some(extent), None);
         }
         is_new
@@ -169,24 +168,23 @@ impl OutputSurface {
 
 impl Drop for Borne {
     fn drop(&mut self) {
-        // Of the surface that is dropped after this.
+        // The viewport must be destroyed before its surface, which is dropped next.
         if let Some(viewport) = &self.viewport {
             viewport.destroy();
         }
     }
 }
 
-/// The surfaces that there are.
+/// The existing surfaces.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct OutputSurfaces(Arc<Mutex<Vec<Arc<OutputSurface>>>>);
 
 impl OutputSurfaces {
-    /// All of them.
     pub(crate) fn present(&self) -> Vec<Arc<OutputSurface>> {
         self.list().clone()
     }
 
-    /// Whether none of them is seen at `now`, as far as the compositor tells.
+    /// True if all of them are covered at `now`, judged by missing frame callbacks.
     pub(crate) fn are_unseen(&self, now: Instant) -> bool {
         let unseen = |output_surface: &Arc<OutputSurface>| {
             let since = output_surface.state().waits_since;
@@ -195,12 +193,11 @@ impl OutputSurfaces {
         self.list().iter().all(unseen)
     }
 
-    /// Takes another one.
     pub(super) fn add(&self, output_surface: OutputSurface) {
         self.list().push(Arc::new(output_surface));
     }
 
-    /// Takes those away of which `is_gone` says so.
+    /// Removes the surfaces for which `is_gone` returns true.
     pub(super) fn remove(&self, is_gone: impl Fn(&OutputSurface) -> bool) {
         self.list().retain(|output_surface| !is_gone(output_surface));
     }
@@ -209,12 +206,12 @@ impl OutputSurfaces {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The one that is this surface.
+    /// The entry of a surface.
     pub(super) fn of_surface(&self, surface: &WlSurface) -> Option<Arc<OutputSurface>> {
         self.list().iter().find(|output_surface| output_surface.surface() == surface).cloned()
     }
 
-    /// The one on this output.
+    /// The entry of an output.
     pub(super) fn of_output(&self, output: &WlOutput) -> Option<Arc<OutputSurface>> {
         self.list().iter().find(|output_surface| output_surface.borne.output == *output).cloned()
     }
@@ -225,14 +222,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_picture_has_the_pixels_of_its_output_where_it_can_be_stretched() {
+    fn a_frame_has_the_pixels_of_its_output_if_it_can_be_scaled() {
         let pixels = |units, mode, scale, stretched| Extent::of(units, mode, scale, stretched).pixels;
-        // One and a half pixels for each unit, of which the compositor tells 2.
+        // One and a half pixels per unit, which the compositor rounds to 2.
         assert_eq!(pixels((1280, 720), Some((1920, 1080)), 2, true), (1920, 1080));
         assert_eq!(pixels((1280, 720), Some((1920, 1080)), 2, false), (2560, 1440));
         assert_eq!(pixels((1280, 720), None, 2, true), (2560, 1440));
         assert_eq!(pixels((1280, 720), Some((0, 9)), 1, true), (1280, 720));
-        assert_eq!(pixels((0, 0), None, 0, false), (1, 1), "nothing has no pixels");
+        assert_eq!(pixels((0, 0), None, 0, false), (1, 1), "a size is never 0");
         assert_eq!(pixels((u32::MAX, 1), None, 3, false), (u32::MAX, 3));
     }
 }
