@@ -23,7 +23,6 @@ pub(crate) struct Announcer {
     track: Option<(u64, String)>,
 }
 
-/// A notice that is shown.
 struct Sentence {
     text: String,
     /// Length of the bar below the text, 0..1.
@@ -64,7 +63,6 @@ impl Announcer {
         self.shown = Some(Sentence { is_position: true, ..position(playing, since) });
     }
 
-    /// Updates a shown position.
     pub(crate) fn follow(&mut self, playing: &NowPlaying) {
         if let Some(shown) = self.shown.as_mut().filter(|shown| shown.is_position) {
             *shown = Sentence { is_position: true, ..position(playing, shown.since) };
@@ -150,7 +148,6 @@ pub(crate) fn next_repeat(repeat: Repeat) -> Repeat {
 pub(crate) struct TrackOrder {
     /// The repeat mode after each track and after the last one.
     pub repeat: Repeat,
-    /// True if the order is random.
     pub shuffled: bool,
 }
 

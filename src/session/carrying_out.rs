@@ -136,7 +136,6 @@ impl Session {
         self.playback.hurry_reports();
     }
 
-    /// Carries out the commands of keys and panels.
     pub(super) fn carry_out_all(&mut self, commands: impl IntoIterator<Item = Command>) {
         for command in commands {
             self.carry_out(command, Sender::Window);
@@ -199,7 +198,6 @@ impl Interface {
         }
     }
 
-    /// Shows the current scene in the editor, if it is open.
     fn show_scene_in_editor(&mut self, playback: &mut Playback) {
         if let Some(editor) =
             self.ui_state.editor.as_mut().filter(|_| self.ui_state.panels.open() == Some(Panel::Editor))

@@ -91,7 +91,6 @@ impl Playback {
         self.controllers.due()
     }
 
-    /// True if scenes follow the song.
     pub(crate) fn follows(&self) -> bool {
         self.direction.follows(self.listening.playing())
     }
@@ -125,7 +124,6 @@ impl Interface {
         }
     }
 
-    /// Updates the panel, if it is open.
     pub(super) fn update_controllers(&mut self, playback: &mut Playback) {
         if self.ui_state.controllers.is_some() && playback.controllers.panel_is_due(clock::now()) {
             self.put_up_controllers(playback);
@@ -139,7 +137,6 @@ impl Interface {
         }
     }
 
-    /// Starts or stops learning the knob for `target`.
     pub(super) fn learn(&mut self, playback: &mut Playback, target: Target) {
         if let Some(why) = playback.controllers.midi_trouble() {
             return playback

@@ -7,10 +7,8 @@ use crate::session::direction::OfTrack;
 use crate::show::PreparedShow;
 use mariana_music::SongStructure;
 
-/// The cues of the current show and track.
 #[derive(Default)]
 pub(super) struct Cues {
-    /// The track of the key presses.
     track: OfTrack,
     /// The show without key presses, and its song.
     show: Option<(Arc<PreparedShow>, Arc<SongStructure>)>,
@@ -18,7 +16,6 @@ pub(super) struct Cues {
     pressed: Vec<f64>,
 }
 
-/// The result of a key press.
 #[derive(Debug)]
 pub(super) enum Pressed {
     /// The show has no cues.

@@ -3,7 +3,6 @@
 use crate::commands::Command;
 use mariana_player::PlayerStatus;
 
-/// Media keys and the desktop's media controls.
 pub(crate) trait DesktopControls {
     /// Returns the next command from the desktop, if any.
     fn poll(&self) -> Option<Command>;

@@ -24,7 +24,6 @@ pub(crate) enum ShowNotice {
     },
 }
 
-/// The inputs that a show is made from.
 #[derive(Default)]
 struct Asked {
     track: OfTrack,
@@ -45,7 +44,6 @@ pub(crate) enum Playing {
     #[default]
     Input,
     Song,
-    /// The built-in demo track.
     Demo,
 }
 
@@ -93,7 +91,6 @@ impl Direction {
         self.names_scene = false;
     }
 
-    /// True if scenes follow this source.
     pub(crate) fn follows(&self, playing: Playing) -> bool {
         self.source(playing).is_some()
     }

@@ -157,7 +157,6 @@ impl Session {
     }
 }
 
-/// A frame to be shown.
 struct Picture {
     wanted: Shown,
     /// The new frame, if one was drawn.
@@ -247,7 +246,6 @@ impl Playback {
         Some(self.pace.moment(now, self.scene.moves_by_itself()))
     }
 
-    /// True if an idle show could be drawn at a better quality.
     pub(super) fn could_be_better(&self, screen: &dyn Screen, now: Instant) -> bool {
         self.pace.could_be_better(now, self.scene.composer().view().is_some(), self.side_max(screen))
     }

@@ -29,7 +29,6 @@ pub(crate) enum Verdict {
 struct PictureRate {
     /// Start of the count, and the frames since then.
     counted: Option<(Instant, u32)>,
-    /// Time of the last frame.
     last: Option<Instant>,
     per_second: Option<f64>,
 }
@@ -95,12 +94,10 @@ impl DrawingPace {
         Self { shown: None, pictured: None, moved: now, ..self }
     }
 
-    /// Changes the quality setting.
     pub(crate) fn set_quality(&mut self, quality: QualityChoice) {
         self.resolution = self.resolution.chosen_anew(quality);
     }
 
-    /// The last frame.
     pub(crate) fn shown(&self) -> Option<Shown> {
         self.shown
     }

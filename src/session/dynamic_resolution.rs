@@ -24,9 +24,7 @@ use crate::session::scene::edits;
 pub(crate) struct Level {
     /// Fraction of the window's width and height that is drawn, 0..1; the rest is interpolated.
     pub scale: f64,
-    /// The shaders' `frame_quality`.
     pub quality: f32,
-    /// Further samples of pixels at edges.
     pub edges: EdgeSamples,
 }
 
@@ -127,7 +125,6 @@ pub(crate) struct DynamicResolution {
     lacks_room: bool,
     last: Option<Instant>,
     patience: Duration,
-    /// Time when a better level was last tried.
     tried: Option<Instant>,
     /// The level and the cost before a reduction, until its effect is known.
     gave_way: Option<(usize, f64)>,
@@ -178,7 +175,6 @@ impl DynamicResolution {
         Self::new(choice, 1.0 / self.interval)
     }
 
-    /// The level of the next frame.
     pub(crate) fn level(&self) -> Level {
         let level = level_at(self.level);
         if self.edited { Level { edges: edits::SAMPLES, ..level } } else { level }
@@ -260,7 +256,6 @@ impl DynamicResolution {
         has_smaller || shrinks_stills
     }
 
-    /// Seconds per frame at a level.
     fn time_at(&self, level: usize) -> f64 {
         if level < POOR { self.interval } else { self.interval.max(1.0 / FPS_USABLE) }
     }

@@ -89,7 +89,6 @@ impl Session {
         self.follow_editor();
     }
 
-    /// Carries out the commands of the editor.
     pub(super) fn follow_editor(&mut self) {
         let Some(editor) = &mut self.interface.ui_state.editor else { return };
         let commands = editor.take_commands();

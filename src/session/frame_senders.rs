@@ -43,7 +43,6 @@ pub(crate) struct FrameSenders {
     reader: Option<PictureReader>,
     size: (u32, u32),
     period: Duration,
-    /// Time of the next read.
     due: Instant,
     /// True if the shown frame has not been read.
     is_new: bool,
@@ -52,7 +51,6 @@ pub(crate) struct FrameSenders {
 }
 
 impl FrameSenders {
-    /// Uses these senders.
     pub(crate) fn of(sends: Sends) -> Self {
         let Sends { sends, size, period } = sends;
         Self { sends, reader: None, size, period, due: clock::now(), is_new: false, was_wanted: true }
@@ -68,7 +66,6 @@ impl FrameSenders {
         (self.reader, self.is_new) = (None, true);
     }
 
-    /// Notes a new frame.
     pub(crate) fn note_picture(&mut self) {
         self.is_new = !self.sends.is_empty();
     }

@@ -14,7 +14,6 @@ pub(crate) struct FrameTimes {
 }
 
 impl FrameTimes {
-    /// Notes a frame that took `time`.
     pub(crate) fn note(&mut self, time: Duration) {
         let milliseconds = time.as_secs_f32() * 1000.0;
         let at = self.count % KEPT;

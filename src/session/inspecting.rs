@@ -18,7 +18,6 @@ pub(crate) struct Probing {
 }
 
 impl Interface {
-    /// Sets the frame's position in the window.
     pub(super) fn note_map(&mut self, playback: &mut Playback, map: Map) {
         self.probing.map = Some(map);
         if let Some(editor) = &mut self.ui_state.editor {

@@ -4,7 +4,6 @@ use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
 use crate::placement::{Area, Map, Placement, WHOLE, fitted, product, within};
 
-/// The placement of a frame on its screen.
 pub(crate) struct Lay {
     /// Crop and corner positions.
     pub(crate) placement: Placement,

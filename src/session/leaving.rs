@@ -21,7 +21,6 @@ const LOOK_PERIOD: Duration = Duration::from_secs(1);
 /// Interval at which the position in the song is written without other changes.
 const PLACE_PERIOD: Duration = Duration::from_secs(10);
 
-/// The state that was written for the next run.
 #[derive(Default)]
 pub(super) struct Legacy {
     looked: Option<Instant>,
@@ -141,7 +140,6 @@ impl Session {
         }
     }
 
-    /// Saves the track list if it has changed.
     fn remember_tracks(&mut self) {
         let Some(list) = self.playback.listening.with_song(|player| player.playlist()) else { return };
         let list = Some(list).filter(|_| self.choices.last_tracks);

@@ -28,7 +28,6 @@ pub(crate) struct Listening {
     songs: Option<SongReader>,
     /// Energy of sound that has not been analysed as a whole.
     energy: LiveEnergy,
-    /// The tempo tapped by the user.
     taps: TapTempo,
     /// The clock of a device, which has priority over taps.
     clock: Option<ClockReading>,
@@ -42,7 +41,6 @@ pub(crate) struct Listening {
     level: f32,
     /// The kind of song in the latest status.
     playing: Playing,
-    /// Id of the last track heard.
     track: u64,
 }
 
@@ -66,7 +64,6 @@ impl Listening {
         }
     }
 
-    /// True if the user has paused the sound.
     pub(crate) fn is_paused(&self) -> bool {
         self.paused
     }
@@ -81,7 +78,6 @@ impl Listening {
         !self.paused && self.with_song(|player| !player.status().ended).unwrap_or_default()
     }
 
-    /// Sets the user's pause request.
     pub(crate) fn want_paused(&mut self, paused: bool) {
         self.paused = paused;
     }
@@ -300,7 +296,6 @@ impl Listening {
         if self.sound.plays_song() { self.playing } else { Playing::Input }
     }
 
-    /// The analysis of the last track heard.
     pub(crate) fn present_structure(&self) -> Option<Arc<SongStructure>> {
         self.structure(self.track)
     }

@@ -14,7 +14,6 @@ use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneSource, TextureC
 pub(crate) struct BackgroundWork {
     pub(crate) loaders: SceneLoaders,
     pub(crate) first: LoadedScene,
-    /// Edited scene texts.
     pub(crate) drafts: Drafts,
     pub(crate) sends: Sends,
 }

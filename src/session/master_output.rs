@@ -4,7 +4,6 @@ use std::time::{Duration, Instant};
 
 use crate::show::Picture;
 
-/// The state of the master output.
 #[derive(Debug, Clone)]
 pub(crate) struct MasterOutput {
     /// Fraction of the light, 0..1.

@@ -28,7 +28,6 @@ impl Session {
         }
     }
 
-    /// The placement of the frame on its screen.
     pub(super) fn placement(&self) -> Placement {
         self.choices.stage.placement()
     }
@@ -86,7 +85,6 @@ impl Playback {
         self.reports.answer(words.to_owned());
     }
 
-    /// True if the shown frame is frozen.
     pub(super) fn holds_picture(&self) -> bool {
         self.master_output.hold() && self.pace.shown().is_some()
     }

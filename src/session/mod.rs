@@ -117,7 +117,6 @@ pub(crate) struct Playback {
     /// Chooses scenes while an audio input plays.
     live: Option<LiveDirector>,
     cues: Cues,
-    /// Controllers: MIDI, OSC and phones.
     controllers: Controllers,
     renderer: Renderer,
     shaders: ShaderLibrary,
@@ -130,7 +129,6 @@ pub(crate) struct Playback {
     preview: Preview,
     /// The receivers of frames outside this window.
     frame_senders: FrameSenders,
-    /// The recording of the show's events.
     recording: Recording,
     reports: Reports,
 }
@@ -141,13 +139,11 @@ pub(crate) struct Interface {
     ui_state: UiState,
     input: UserInput,
     pointer_rest: PointerRest,
-    /// Events in panels since the last frame.
     ui_events: Vec<UiEvent>,
     /// Texts that are being edited, for the scene loaders.
     drafts: Drafts,
     /// Reads values from the frame for the editor.
     probing: inspecting::Probing,
-    /// The response times of the editor's keys.
     typing_times: TypingTimes,
     /// Finds the thumbnails of the scene list.
     thumbnails: Option<Thumbnails>,
@@ -366,7 +362,6 @@ impl Playback {
         }
     }
 
-    /// Shows the position in the track.
     pub(crate) fn answer_position(&mut self, screen: &mut dyn Screen) {
         // Update first, so that a change made just now is included.
         self.note_playing(screen);
@@ -429,7 +424,6 @@ impl Playback {
 }
 
 impl Interface {
-    /// Toggles full screen.
     pub(super) fn toggle_fullscreen(&mut self, screen: &mut dyn Screen) {
         let full = !screen.is_fullscreen();
         screen.set_fullscreen(full);

@@ -9,7 +9,6 @@ use crate::show::Finish;
 use mariana_player::Moment;
 
 impl Playback {
-    /// Starts or stops recording.
     pub(super) fn toggle_recording(&mut self) {
         let begins = self.recording.toggle(clock::now());
         if let Some(shown) = self.pace.shown().filter(|_| begins) {

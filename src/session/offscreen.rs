@@ -29,7 +29,6 @@ use crate::monitor::Monitor;
 use crate::placement::Area;
 use mariana_player::PlayerStatus;
 
-/// Frames per second.
 const FPS: f64 = 60.0;
 /// The longest wait of a step.
 const PATIENCE: Duration = Duration::from_millis(20);
@@ -209,7 +208,6 @@ impl OffscreenWindow {
         Ok((Self { target, shared: shared.clone(), woken, has_compiler, context }, shared))
     }
 
-    /// Resizes the target to the window's size.
     fn fit(&mut self) -> Result<(u32, u32), SessionError> {
         let size = self.shared.borrow().size;
         if self.target.size() != size {

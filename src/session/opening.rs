@@ -63,15 +63,11 @@ pub struct Prepared {
 pub(crate) struct Opening<'a> {
     /// The tracks; `None` for an audio input only.
     pub(crate) tracks: Option<Opened>,
-    /// The settings of playback and window.
     pub(crate) settings: &'a PlaySettings,
-    /// The choice of scenes, and how they are drawn.
     pub(crate) scene: &'a SceneChoice,
-    /// The saved settings and their folders.
     pub(crate) memory: Memory,
     /// Background work that has already started.
     pub(crate) backstage: BackgroundWork,
-    /// The screen that shows the frames.
     pub(crate) screen: Box<dyn Screen>,
     /// Creates the desktop's media controls, which query the position in the song.
     pub(crate) desktop: Box<dyn FnOnce(Option<Position>) -> Box<dyn DesktopControls>>,
@@ -158,7 +154,6 @@ impl Opening<'_> {
     }
 }
 
-/// Starts the scene session, which prepares the first scene.
 fn start_scene(
     screen: &dyn Screen,
     (settings, choice): (&PlaySettings, &SceneChoice),
@@ -236,7 +231,6 @@ fn start_song_reader(folders: &Folders, waker: &Waker) -> Option<SongReader> {
     started.inspect_err(|error| tracing::warn!("cannot analyse whole songs: {error}")).ok()
 }
 
-/// The output for songs at the start.
 fn output_of(settings: &PlaySettings) -> Target {
     match (settings.device.as_deref(), &settings.choices.output) {
         // With an input, `device` names the input.
@@ -247,7 +241,6 @@ fn output_of(settings: &PlaySettings) -> Target {
     }
 }
 
-/// The sources that programs are compiled from.
 fn sources(settings: &PlaySettings, scene: &SceneChoice) -> Sources {
     Sources { library: scene.shaders.clone(), cache: Arc::new(settings.program_cache.clone()) }
 }

@@ -121,7 +121,6 @@ impl Session {
 }
 
 impl Playback {
-    /// The folder of the current track, if it is a file.
     fn folder_of_track(&mut self) -> Option<PathBuf> {
         let entry = self.reports.playing().place.0;
         let tracks = self.listening.with_song(|player| player.playlist())?;
@@ -136,7 +135,6 @@ impl Interface {
         self.ui_state.browser.is_some() || self.ui_state.files.is_some() || self.editor_has_focus()
     }
 
-    /// Opens or closes the file list.
     fn look_through_files(&mut self, playback: &mut Playback, open: bool) {
         self.ui_state.files = None;
         if !open {
@@ -165,7 +163,6 @@ impl Interface {
         }
     }
 
-    /// Opens or closes the scene list.
     fn look_through_scenes(&mut self, playback: &mut Playback, open: bool) {
         self.ui_state.browser = None;
         if !open {
@@ -181,7 +178,6 @@ impl Interface {
         self.ui_state.browser = Some(browser);
     }
 
-    /// Starts the thumbnail finder if needed.
     fn look_for_thumbnails(&mut self) {
         if self.thumbnails.is_none() {
             let waker = self.waker.clone();

@@ -35,9 +35,7 @@ pub(super) struct Preview {
     /// Created with the first preview.
     reader: Option<PictureReader>,
     due: Instant,
-    /// Drawing time of the last preview.
     took: Duration,
-    /// The preview that was drawn last.
     drawn: Option<Drawn>,
     next: Option<NextScene>,
 }
@@ -46,13 +44,11 @@ pub(super) struct Preview {
 type Drawn = (String, f64);
 
 impl Preview {
-    /// Starts without a preview.
     pub(super) fn new() -> Self {
         let (sketch, reader, drawn, next) = (Sketch::default(), None, None, None);
         Self { sketch, reader, due: clock::now(), took: ASSUMED, drawn, next }
     }
 
-    /// The preview to show, if any.
     pub(super) fn next(&self) -> Option<&NextScene> {
         self.next.as_ref()
     }

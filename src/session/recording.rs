@@ -15,7 +15,6 @@ use mariana_field::lang::Way;
 /// Interval at which a changing performance is written.
 const KEPT_EVERY: Duration = Duration::from_secs(1);
 
-/// A performance that is being recorded.
 struct Take {
     number: u64,
     track: OfTrack,
@@ -24,7 +23,6 @@ struct Take {
     kept: Instant,
     /// Set when something is recorded, cleared when it is written.
     has_changed: bool,
-    /// The scene in the last frame.
     shown: Option<Showing>,
     /// True once the user knows that the performance is full.
     reported_full: bool,
@@ -44,24 +42,20 @@ struct Showing {
     start: f64,
 }
 
-/// Records performances into files.
 pub(crate) struct Recording {
     files: PerformanceFiles,
     take: Option<Take>,
     is_on: bool,
-    /// The number of performances so far.
     count: u64,
     /// True if the next saved file is to be reported.
     tells: bool,
 }
 
 impl Recording {
-    /// Starts without a recording.
     pub(crate) fn new(files: PerformanceFiles) -> Self {
         Self { files, take: None, is_on: false, count: 0, tells: false }
     }
 
-    /// True while recording.
     pub(crate) fn is_on(&self) -> bool {
         self.is_on
     }
@@ -75,7 +69,6 @@ impl Recording {
         self.is_on
     }
 
-    /// Saves the current performance.
     pub(crate) fn finish(&mut self, now: Instant) {
         let Some(mut take) = self.take.take() else { return };
         self.tells = true;

@@ -18,7 +18,6 @@ const INTERVAL: Duration = Duration::from_millis(100);
 pub(crate) struct Reports {
     announcer: Announcer,
     desktop: Box<dyn DesktopControls>,
-    /// Time of the next check of the sound.
     due: Instant,
     /// True once the missing sound was reported.
     reported_silent: bool,
@@ -29,7 +28,6 @@ pub(crate) struct Reports {
 }
 
 impl Reports {
-    /// Starts with the notices of `announcer`.
     pub(crate) fn new(announcer: Announcer, desktop: Box<dyn DesktopControls>, now: Instant) -> Self {
         Self {
             announcer,
@@ -71,7 +69,6 @@ impl Reports {
         self.announcer.answer_fraction(text, fraction);
     }
 
-    /// Shows the position in the track.
     pub(crate) fn answer_position(&mut self) {
         self.announcer.answer_position(&self.playing);
     }
@@ -120,7 +117,6 @@ impl Reports {
         self.desktop.show(status, started, fullscreen);
     }
 
-    /// Updates the state of the input.
     pub(crate) fn look_at_input(&mut self, status: &LiveStatus, paused: bool) {
         self.playing = NowPlaying::of_input(status, paused);
         self.announcer.follow(&self.playing);

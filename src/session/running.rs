@@ -16,15 +16,12 @@ use crate::ui::UiError;
 /// A context lost again within this time after its replacement is not replaced again.
 const RENEWED_AGAIN: Duration = Duration::from_secs(5);
 
-/// A running session.
 pub(crate) struct Run {
     settings: PlaySettings,
     scene: SceneChoice,
     waker: Waker,
     started: Instant,
-    /// True if the session must end.
     over: bool,
-    /// Time of the last new context.
     renewed_at: Option<Instant>,
     pub(super) session: Session,
 }
@@ -78,7 +75,6 @@ impl Run {
         Ok(Self { renewed_at: Some(clock::now()), session, ..self })
     }
 
-    /// Saves the state for the next run.
     pub(super) fn finish(&mut self) {
         self.session.leave_to_the_next(&self.settings);
     }
@@ -152,7 +148,6 @@ impl Run {
         self.session.carry_out(command, sender);
     }
 
-    /// Carries out the commands of controllers.
     fn obey_controllers(&mut self) {
         for action in self.session.take_input() {
             match Command::of_controller(&action) {

@@ -15,16 +15,12 @@ use crate::monitor::Monitor;
 use crate::placement::Area;
 use crate::ui::overlay::Assistance;
 
-/// An event of the screen.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Event {
-    /// User input.
     Input(Input),
     /// A request of assistive technology.
     Assistance(Assistance),
-    /// The window must be drawn.
     Redraw,
-    /// The session must end.
     End,
 }
 
@@ -39,7 +35,6 @@ pub(crate) trait Screen {
     /// redraw requests become one.
     fn wait(&mut self, until: Instant) -> Vec<Event>;
 
-    /// The functions of the context.
     fn gl(&self) -> &Gl;
 
     /// Contexts for compiling programs on other threads; fewer than `count` if the driver provides fewer.
@@ -67,13 +62,10 @@ pub(crate) trait Screen {
     /// The window's position on the desktop in pixels, unless it fills the screen; `None` if unknown.
     fn place(&self) -> Option<(i32, i32)>;
 
-    /// True if the window fills its screen.
     fn is_fullscreen(&self) -> bool;
 
-    /// Enters or leaves full screen.
     fn set_fullscreen(&mut self, on: bool);
 
-    /// Sets the title.
     fn set_title(&mut self, title: &str);
 
     /// Shows the window in front of others.
@@ -94,7 +86,6 @@ pub(crate) trait Screen {
     /// Reports the controls to assistive technology.
     fn show_controls(&mut self, controls: TreeUpdate);
 
-    /// Requests an [`Event::Redraw`].
     fn request_redraw(&self);
 
     /// True if the frames may be visible.
@@ -133,7 +124,6 @@ pub(crate) trait Screen {
     /// Updates outputs and wallpaper after changes of monitors. Returns messages about the changes.
     fn update(&mut self) -> Vec<String>;
 
-    /// The connected monitors.
     fn monitors(&self) -> Vec<Monitor>;
 
     /// Watches for changes of monitors from now on.

@@ -8,7 +8,6 @@ use crate::ui::overlay::SettingEvent;
 use crate::ui::settings_panel::{Facts, SettingsPanel};
 
 impl Session {
-    /// Opens or closes the settings panel.
     pub(super) fn show_settings(&mut self, open: bool) {
         if open {
             self.screen.look_at_monitors();
@@ -17,7 +16,6 @@ impl Session {
         self.update_settings();
     }
 
-    /// Updates the panel, if it is open.
     pub(super) fn update_settings(&mut self) {
         if let Some(panel) = &mut self.interface.ui_state.settings {
             let facts = self.playback.listening.facts(&self.choices, self.names_output);

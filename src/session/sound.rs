@@ -33,7 +33,6 @@ enum Source {
 pub(crate) struct Sound {
     player: Option<Player>,
     live: Option<Live>,
-    /// The user's pause request.
     paused: bool,
     kept: KeptSettings,
     /// The delay of this run in milliseconds, if set on the command line.
@@ -51,11 +50,9 @@ pub(crate) struct Sound {
     reported_problems: ReportedProblems,
 }
 
-/// The initial state of the sound.
 pub(crate) struct Start {
     /// The player; `None` for an audio input only.
     pub player: Option<Player>,
-    /// The saved settings.
     pub memory: Memory,
     /// The kind of input, if any.
     pub listen: Option<ListenChoice>,
@@ -116,7 +113,6 @@ impl Sound {
         }
     }
 
-    /// The current sound.
     pub(crate) fn now(&mut self) -> Option<Moment> {
         let shift = self.shift_ms() / 1000.0;
         match (&mut self.live, &mut self.player) {
@@ -295,7 +291,6 @@ impl Sound {
         self.live.as_ref().map_or(Source::Song, |live| Source::Live(live.target().clone()))
     }
 
-    /// The available sources with their names.
     fn sources(&self, device_list: &DeviceList) -> Vec<(Source, String)> {
         let name_of =
             |entry: Option<&ListedDevice>| entry.map_or("currently none", |entry| &*entry.name).to_owned();
@@ -358,7 +353,6 @@ impl Sound {
         }
     }
 
-    /// The hint over the frame.
     pub(crate) fn hint(&self) -> Option<&str> {
         self.hints.shown.as_deref().filter(|_| self.live.is_some())
     }

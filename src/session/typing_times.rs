@@ -20,7 +20,6 @@ pub(crate) struct TypingTimes {
 }
 
 impl TypingTimes {
-    /// Adds the processing time of a key.
     pub(crate) fn note_taken(&mut self, time: Duration) {
         self.taken += time;
     }

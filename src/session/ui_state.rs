@@ -22,21 +22,16 @@ use mariana_player::{ListedTracks, LoudnessShape};
 
 /// The open panels, and what they show.
 pub(crate) struct UiState {
-    /// The panels that the user has opened.
     pub(crate) panels: PanelSwitches,
     /// The shown scene, and its position in the list as text.
     pub(super) placed_scene: Option<(SceneSource, String)>,
     /// Time when the welcome text appeared.
     pub(super) welcomed: Option<Instant>,
-    /// The scene list, while open.
     pub(super) browser: Option<SceneBrowser>,
-    /// The file list, while open.
     pub(super) files: Option<FileBrowser>,
-    /// The settings panel, while open.
     pub(super) settings: Option<SettingsPanel>,
     /// The editor, after its first use.
     pub(super) editor: Option<Editor>,
-    /// The controllers panel, while open.
     pub(super) controllers: Option<ControllersPanel>,
     /// The corner handles of the frame, while they are moved.
     pub(super) corners: Option<CornerHandles>,
@@ -52,15 +47,12 @@ pub(crate) struct UiState {
 pub(super) struct Seen {
     /// True if the pointer has moved recently or is used in a panel.
     pub(super) awake: bool,
-    /// True if a screen reader is active.
     pub(super) assisted: bool,
-    /// `true` in full screen.
     pub(super) fullscreen: bool,
     /// The track list, if visible.
     pub(super) tracks: Option<Arc<ListedTracks>>,
     /// The loudness along the track, if the bar is visible.
     pub(super) shape: Option<Arc<LoudnessShape>>,
-    /// True if scenes follow the song.
     pub(super) follows: bool,
     /// The analysis of the track, if known and the bar is visible.
     pub(super) song: Option<Arc<SongStructure>>,
@@ -85,7 +77,6 @@ pub(super) fn content_of<'a>(
 }
 
 impl UiState {
-    /// Starts without open panels.
     pub(super) fn new(clean: bool) -> Self {
         Self {
             panels: PanelSwitches::default(),

@@ -13,7 +13,6 @@ use mariana_control::midi::{
 };
 use mariana_control::{InputQueue, Param};
 
-/// The MIDI devices and the mappings of their knobs.
 pub(super) struct Midi {
     hub: Option<MidiHub>,
     memory: KnobMemory,
@@ -97,7 +96,6 @@ impl Midi {
         self.hub.as_ref().filter(|_| self.follows_clock())?.clock()
     }
 
-    /// A number that changes with mappings, learning and devices.
     pub(super) fn revision(&self) -> u64 {
         self.revision
     }
@@ -113,7 +111,6 @@ impl Midi {
         self.revision += 1;
     }
 
-    /// Stops learning. Returns `true` if learning was active.
     pub(super) fn stop_learning(&mut self) -> bool {
         let learned = self.learning.take().is_some();
         self.revision += u64::from(learned);

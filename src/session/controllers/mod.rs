@@ -44,7 +44,6 @@ pub(crate) struct Controllers {
     free: Instant,
     /// Arrival of the first input that no frame shows yet, and the scene revision that shows it.
     unseen: Option<(Instant, u64)>,
-    /// Times from messages to frames.
     times: FrameTimes,
     /// Time of the next update of the published state.
     board_due: Instant,
@@ -158,17 +157,14 @@ impl Controllers {
         }
     }
 
-    /// Starts or stops learning the knob for `target`.
     pub(crate) fn learn(&mut self, target: Target) {
         self.midi.learn(target);
     }
 
-    /// Stops learning. Returns `true` if learning was active.
     pub(crate) fn stop_learning(&mut self) -> bool {
         self.midi.stop_learning()
     }
 
-    /// Changes the mappings.
     pub(crate) fn edit(&mut self, edit: &KnobEdit) {
         self.midi.edit(edit);
     }

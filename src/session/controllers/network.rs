@@ -11,13 +11,10 @@ use mariana_control::{Board, InputQueue};
 use mariana_field::graph::SoundInput;
 use mariana_music::{Features, SongMoment};
 
-/// The OSC receiver and sender.
 pub(super) struct Network {
     receiver: Option<OscReceiver>,
     sender: Option<OscSender>,
-    /// Interval between two samples.
     interval: Duration,
-    /// Time of the next sample.
     sample_due: Instant,
     /// The reported state of the receiver; `true` once a problem of the sender was reported.
     reported: (ReceiverState, bool),
@@ -93,7 +90,6 @@ impl Network {
         })
     }
 
-    /// The time of the next sample to send.
     pub(super) fn sample_due(&self) -> Option<Instant> {
         self.sender.as_ref().map(|_| self.sample_due)
     }

@@ -11,7 +11,6 @@ use mariana_remote::{Album, Remote, RemoteState};
 /// The server for phones, and their thumbnails.
 pub(super) struct Phones {
     remote: Option<Remote>,
-    /// Thumbnails of scenes for the phones.
     album: Album,
     /// The server state that was reported last.
     reported: RemoteState,
@@ -61,7 +60,6 @@ impl Phones {
         }
     }
 
-    /// True if a phone is connected.
     pub(super) fn are_there(&self) -> bool {
         self.remote.as_ref().is_some_and(|remote| remote.phones() > 0)
     }

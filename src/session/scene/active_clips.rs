@@ -20,7 +20,6 @@ pub(super) struct Moves<'a> {
 }
 
 impl<'a> ActiveClips<'a> {
-    /// The values at `time` seconds of the song.
     pub(super) fn moves(&self, time: f64) -> Moves<'a> {
         let of = |clip: Option<&'a Clip>| clip.map(|clip| clip.moved_at(time)).unwrap_or_default();
         Moves { first: of(self.first), second: of(self.second) }

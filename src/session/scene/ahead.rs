@@ -61,12 +61,10 @@ pub(super) struct Lacking {
 }
 
 enum State {
-    /// Not requested yet.
     Unasked,
     Loading,
     Loaded {
         scene: Box<PreparedScene>,
-        /// True if its first tree was requested.
         has_asked: bool,
         /// True if it was drawn once.
         is_rehearsed: bool,
@@ -88,7 +86,6 @@ impl PreparedAhead {
         Self { neighbours: loaders.map(|loaders| loaders.map(vacant)), of: None }
     }
 
-    /// Returns the loaders, for another session.
     pub(super) fn into_loaders(self) -> Option<[SceneLoader; 2]> {
         self.neighbours.map(|neighbours| neighbours.map(|neighbour| neighbour.loader))
     }
@@ -105,7 +102,6 @@ impl PreparedAhead {
         self.all().filter_map(Neighbour::scene)
     }
 
-    /// The loaded scenes, mutable.
     pub(super) fn scenes_mut(&mut self) -> impl Iterator<Item = &mut PreparedScene> {
         self.all_mut().filter_map(|neighbour| match &mut neighbour.state {
             State::Loaded { scene, .. } => Some(&mut **scene),

@@ -11,7 +11,6 @@ const PATIENCE: Duration = Duration::from_millis(20);
 /// may have doubled the load time.
 const SLOW: Duration = Duration::from_millis(60);
 
-/// State of the text that is being read.
 #[derive(Debug, Default)]
 pub(super) struct AwaitedEdit {
     /// Time of the request; `None` if no text is awaited.

@@ -10,7 +10,6 @@ pub(super) struct SceneCamera {
     shown: OrbitControls,
     /// The pitch of the scene's own camera above its target in the last frame, in radians.
     own_pitch: f64,
-    /// Counts the moves.
     revision: u64,
 }
 
@@ -45,7 +44,6 @@ impl SceneCamera {
         self.orbit = OrbitControls::OFF;
     }
 
-    /// The motion by the user.
     pub(super) fn orbit(&self) -> OrbitControls {
         self.orbit
     }
@@ -68,7 +66,6 @@ impl SceneCamera {
         self.own_pitch = pitch;
     }
 
-    /// A number that changes with each move.
     pub(super) fn revision(&self) -> u64 {
         self.revision
     }

@@ -37,23 +37,18 @@ pub(crate) struct WantedPicture {
     pub moment: Moment,
     /// The sound at this moment.
     pub sound: Sound,
-    /// Width and height in pixels.
     pub size: (u32, u32),
     /// Aspect ratio of the window: width divided by height.
     pub aspect: f64,
     /// The shaders' `frame_quality`.
     pub quality: f32,
-    /// Further samples of pixels at edges.
     pub edges: EdgeSamples,
-    /// True if the song is running.
     pub runs: bool,
 }
 
-/// A finished frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drawn {
     pub shown: Shown,
-    /// Drawing time.
     pub spent: Duration,
 }
 
@@ -65,7 +60,6 @@ pub(super) struct Ingredients<'a> {
     pub show: &'a ShowFollower,
     /// The values that controllers have set.
     pub parameters: &'a Parameters,
-    /// The settings of drawing.
     pub choice: DrawingChoice,
 }
 
@@ -381,7 +375,6 @@ impl SceneComposer {
         self.views.take(of, program).inspect_err(|_| self.regions.insist(false))
     }
 
-    /// Notes the time of a frame.
     pub(super) fn note_frame_time(&mut self, time: Duration, of: Ingredients<'_>) {
         let Some((scene, drawn)) = of.scenes.shown.as_ref().zip(shown(of)) else { return };
         // Views use other programs, and during a fade two scenes are drawn.
@@ -394,7 +387,6 @@ impl SceneComposer {
         }
     }
 
-    /// True while a frame is in progress.
     pub(crate) fn is_drawing(&self) -> bool {
         self.making.is_some()
     }
@@ -432,17 +424,14 @@ impl SceneComposer {
         self.regions.have_come()
     }
 
-    /// The frames that were drawn.
     pub(crate) fn pictures(&self) -> &SeenPictures {
         &self.pictures
     }
 
-    /// The fade between scenes.
     pub(crate) fn fading(&self) -> &Fading {
         &self.fading
     }
 
-    /// The fade between scenes, mutable.
     pub(crate) fn fading_mut(&mut self) -> &mut Fading {
         &mut self.fading
     }
@@ -463,7 +452,6 @@ impl SceneComposer {
     }
 }
 
-/// The current scene and its mode.
 fn shown(of: Ingredients<'_>) -> Option<(u64, Mode)> {
     let scene = of.scenes.shown.as_ref()?;
     Some((scene.id, scene.mode(of.choice.sdf)?))

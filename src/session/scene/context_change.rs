@@ -9,7 +9,6 @@ use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
 use mariana_control::Model;
 
-/// The loaders of scenes.
 pub(crate) struct SceneLoaders {
     pub shown: SceneLoader,
     /// The loaders of the next and the previous scene, if they are prepared ahead.
@@ -22,12 +21,9 @@ pub(crate) struct LoadedScene {
     pub scene: ReadyScene,
 }
 
-/// The settings of how scenes are drawn.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DrawingWays {
-    /// Interpreted, compiled or both.
     pub sdf: SdfChoice,
-    /// The use of region cells.
     pub cells: CellUse,
     /// The view shown instead of the normal frame, if any.
     pub view: Option<ViewChoice>,
@@ -39,10 +35,8 @@ pub(crate) struct DrawingWays {
 pub(crate) struct KeptScenes {
     pub loaders: SceneLoaders,
     pub shown: Option<LoadedScene>,
-    /// The last requested scene.
     pub wanted: SceneSource,
     /// The values that controllers have set, and the start of their clock.
     pub controllers: (Model, Instant),
-    /// The settings of how scenes are drawn.
     pub ways: DrawingWays,
 }

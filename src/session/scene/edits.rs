@@ -28,7 +28,6 @@ impl Edits {
         self.last = Some(now);
     }
 
-    /// Notes that another scene is shown.
     pub(super) fn forget(&mut self) {
         self.last = None;
     }

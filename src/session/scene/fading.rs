@@ -16,7 +16,6 @@ use mariana_player::Moment;
 /// The most time that one frame takes from a fade, so that a slow frame does not turn it into a cut.
 const STEP_MAX: Duration = Duration::from_millis(125);
 
-/// The state of the fade between scenes.
 pub(crate) struct Fading {
     /// Usual duration of a fade; zero cuts.
     length: Duration,
@@ -28,7 +27,6 @@ pub(crate) struct Fading {
     going: Duration,
     from: From,
     state: State,
-    /// Start of the last frame.
     begun: Option<Instant>,
     /// The fraction of the outgoing scene in the last frame of a running fade.
     fraction: f32,
@@ -40,7 +38,6 @@ pub(crate) struct Fading {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum From {
     Scene,
-    /// A frozen frame.
     HeldPicture,
 }
 
@@ -60,11 +57,8 @@ enum State {
 /// The frame that is beginning, as a fade needs to know it.
 #[derive(Clone, Copy)]
 pub(super) struct Begun<'a> {
-    /// Current time.
     pub now: Instant,
-    /// The moment that the frame shows.
     pub moment: &'a Moment,
-    /// True if the song is running.
     pub runs: bool,
     /// True if the outgoing scene was drawn for the same moment.
     pub is_live: bool,

@@ -54,7 +54,6 @@ impl SceneKnobs {
         &mut self.sliders
     }
 
-    /// Iterates over sliders and their knobs.
     pub(super) fn iter(&self) -> impl Iterator<Item = (&Slider, &Knob)> {
         self.sliders.iter().zip(&self.knobs)
     }
@@ -69,7 +68,6 @@ impl SceneKnobs {
         self.sliders.iter().rposition(|slider| slider.name == name)
     }
 
-    /// The titles of the scenes that the sliders belong to.
     pub(super) fn titles(&self) -> Vec<&str> {
         let mut titles: Vec<&str> = self.knobs.iter().map(|knob| &*knob.scene).collect();
         titles.dedup();

@@ -6,10 +6,8 @@ use super::awaited_edit::AwaitedEdit;
 use crate::clock;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
 
-/// A loader of scenes on its own thread.
 pub(crate) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
 
-/// Duration of a drawing step, after which the session looks for input.
 const GO: Duration = Duration::from_millis(100);
 /// The same while a text is edited: a key is answered at once, even during a slow frame.
 const GO_OF_EDITOR: Duration = Duration::from_millis(10);
@@ -63,7 +61,6 @@ impl SceneLibrary {
         self.is_written = written;
     }
 
-    /// True while the scene's text is being edited.
     pub(super) fn is_written(&self) -> bool {
         self.is_written
     }
@@ -80,7 +77,6 @@ impl SceneLibrary {
         self.edit.until(now)
     }
 
-    /// Duration of a drawing step, after which the session looks for input.
     pub(super) fn length_of_go(&self) -> Duration {
         if self.is_written { GO_OF_EDITOR } else { GO }
     }
@@ -90,7 +86,6 @@ impl SceneLibrary {
         self.wanted = source;
     }
 
-    /// Loads the requested scene.
     pub(super) fn load(&self) {
         self.loader.request(self.wanted.clone());
     }

@@ -5,7 +5,6 @@ use std::time::Instant;
 use crate::clock;
 use mariana_control::Slider;
 
-/// The current messages about scenes.
 #[derive(Default)]
 pub(crate) struct Messages {
     problem: Option<(String, String)>,
@@ -38,7 +37,6 @@ impl Messages {
         self.problem = None;
     }
 
-    /// Shows a notice that fades.
     pub(super) fn answer(&mut self, text: String) {
         tracing::debug!("message: {text}");
         self.notice = Some((text, clock::now()));
@@ -49,7 +47,6 @@ impl Messages {
         self.hint = hint;
     }
 
-    /// True while the user waits for a scene.
     pub(super) fn is_scene_awaited(&self) -> bool {
         self.hint.is_some()
     }

@@ -15,7 +15,6 @@ use mariana_control::{ChangedBy, Model, ParamChange, Reading, Turn};
 /// The values of parameters, and the moment at which they are read.
 pub(crate) struct Parameters {
     model: Model,
-    /// Start of the model's clock.
     begun: Instant,
     /// The moment of the shown frame, in seconds of the model's clock.
     now: f64,
@@ -47,7 +46,6 @@ impl Parameters {
         (self.model, self.begun)
     }
 
-    /// Continues with the values of another session.
     pub(super) fn take_over(&mut self, (model, begun): (Model, Instant)) {
         *self = Self { revision: self.revision, turned: self.turned.take(), ..Self::new(model, begun) };
     }
@@ -62,7 +60,6 @@ impl Parameters {
         self.song_time
     }
 
-    /// Moves to this moment of the song.
     pub(super) fn go_to(&mut self, song_time: f64) {
         (self.now, self.song_time) = (clock::since(self.begun).as_secs_f64(), song_time);
     }

@@ -19,20 +19,16 @@ pub(crate) struct Performed<'a> {
     pub directed: Option<(TimedTransition, f64)>,
     /// Duration and start of a fade without a show, in seconds of the song; `None` for a cut.
     pub faded: Option<(f64, f64)>,
-    /// True if another scene fades out.
     pub fades: bool,
-    /// The values of its parameters.
     pub params: Vec<Turned<'a>>,
     /// The show's moves of parameters.
     pub moves: &'a [Move],
-    /// The camera motion.
     pub orbit: OrbitControls,
     /// The effects applied to the whole frame.
     pub picture: Finish,
 }
 
 impl<'a> Performed<'a> {
-    /// The state at `time` seconds of the song.
     pub(super) fn at(
         time: f64,
         scenes: &'a PreparedScenes,

@@ -43,16 +43,13 @@ const SHOWN_AT_ONCE_BY_SOFTWARE_MAX: usize = 48;
 pub(super) enum TreeVerdict {
     /// The tree is built or not needed.
     Fine,
-    /// The scene is drawn without a tree.
     DrawnWithout(u64),
     Refused(Refusal),
 }
 
-/// The preparation of scenes and its choices.
 pub(super) struct ScenePreparation {
     gl: Gl,
     choice: DrawingChoice,
-    /// The requested scene and its loader.
     pub library: SceneLibrary,
     trials: TreeTrials,
     next_scene: u64,
@@ -73,7 +70,6 @@ impl ScenePreparation {
         Self { gl: gl.clone(), choice, library, trials, next_scene: 0, asked_mode: None, programs }
     }
 
-    /// The settings of how scenes are drawn.
     pub(super) fn choice(&self) -> DrawingChoice {
         self.choice
     }
@@ -212,7 +208,6 @@ impl ScenePreparation {
         has_program && coming.tree != FirstTree::Coming
     }
 
-    /// Drops requests for scenes that will not be shown.
     pub(super) fn forget_obsolete(&mut self, scenes: &PreparedScenes) {
         self.programs.forget_all_but(&scenes.ids());
     }
@@ -446,7 +441,6 @@ impl ScenePreparation {
         }
     }
 
-    /// Takes the neighbours that were loaded.
     pub(super) fn take_loaded_ahead(&mut self, scenes: &mut PreparedScenes) {
         for (at, loaded) in scenes.ahead.poll() {
             // Its errors are reported when it is requested.
@@ -522,7 +516,6 @@ impl ScenePreparation {
         wanted
     }
 
-    /// Sets the mode that the user is waiting for.
     pub(super) fn await_mode(&mut self, mode: Option<Mode>) {
         self.asked_mode = mode;
     }

@@ -18,7 +18,6 @@ use crate::scenes::{ReadyScene, SceneSource};
 /// The settings of how all scenes are drawn.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawingChoice {
-    /// Interpreted, compiled or both.
     pub sdf: SdfChoice,
     pub cells: CellUse,
 }
@@ -26,7 +25,6 @@ pub(super) struct DrawingChoice {
 /// The state of the first region tree of a new scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FirstTree {
-    /// Being built.
     Coming,
     /// Built together with the first frame, because the tree of the previous version was fast.
     Untried,
@@ -39,9 +37,7 @@ pub(super) struct ScenePrograms {
     /// The interpreter variant for the scene; `None` if the tape exceeds the driver's limits or the
     /// driver rejected the program.
     pub interpreter: Option<Interpreter>,
-    /// The interpreter, once available.
     pub interpreted: Option<Rc<Program>>,
-    /// The scene's own program, once available.
     pub compiled: Option<Rc<Program>>,
     /// True if the compiled program can look up the cells of a tree.
     pub has_cells: bool,
@@ -56,14 +52,12 @@ pub(super) struct PreparedScene {
     pub source: SceneSource,
     pub resources: SceneResources,
     pub programs: ScenePrograms,
-    /// State of the first region tree.
     pub tree: FirstTree,
     /// True if the scene moves without sound.
     pub moves: bool,
     /// True if the scene reads curves of the sound.
     pub hears_curves: bool,
     pub knobs: SceneKnobs,
-    /// Time of the load.
     pub since: Instant,
     /// True if this version only turns the numbers of the shown scene back into constants.
     pub settles: bool,
@@ -202,7 +196,6 @@ impl PreparedScene {
         self.resources.world().blended.unwrap_or(usize::MAX)
     }
 
-    /// True if the scene is a blend of two scenes.
     pub(super) fn is_blend(&self) -> bool {
         matches!(self.source, SceneSource::Blend(_))
     }

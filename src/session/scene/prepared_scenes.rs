@@ -9,7 +9,6 @@ use crate::scenes::SceneSource;
 use mariana_control::Slider;
 use mariana_music::Features;
 
-/// The scenes of a session by their roles.
 pub(crate) struct PreparedScenes {
     pub(super) shown: Option<PreparedScene>,
     /// The scene that replaces it as soon as a program can draw it.
@@ -18,7 +17,6 @@ pub(crate) struct PreparedScenes {
     pub(super) before: Option<PreparedScene>,
     /// The scene that fades out, after it has left `shown` and `before`.
     pub(super) fading_out: Option<PreparedScene>,
-    /// The next and the previous scene.
     pub(super) ahead: PreparedAhead,
 }
 
@@ -27,7 +25,6 @@ pub(crate) struct PreparedScenes {
 pub(super) enum Place {
     /// The scene is also the shown one, in another state.
     Shown,
-    /// The scene is the previous one.
     Before,
     /// The scene was kept for the fade.
     FadingOut,
@@ -39,7 +36,6 @@ impl PreparedScenes {
         Self { shown: None, coming: None, before: None, fading_out: None, ahead }
     }
 
-    /// Iterates over all scenes.
     pub(super) fn all(&self) -> impl Iterator<Item = &PreparedScene> {
         let staged = [&self.shown, &self.coming, &self.before, &self.fading_out].into_iter().flatten();
         staged.chain(self.ahead.scenes())
@@ -51,23 +47,19 @@ impl PreparedScenes {
         staged.chain(self.ahead.scenes()).find(|scene| scene.id == id)
     }
 
-    /// The scene with this id, mutable.
     pub(super) fn get_mut(&mut self, id: u64) -> Option<&mut PreparedScene> {
         let staged = [&mut self.shown, &mut self.coming, &mut self.fading_out].into_iter().flatten();
         staged.chain(self.ahead.scenes_mut()).find(|scene| scene.id == id)
     }
 
-    /// The ids of all scenes.
     pub(super) fn ids(&self) -> Vec<u64> {
         self.all().map(|scene| scene.id).collect()
     }
 
-    /// The shown and the coming scene.
     pub(super) fn present(&self) -> impl Iterator<Item = &PreparedScene> {
         [&self.shown, &self.coming].into_iter().flatten()
     }
 
-    /// The shown and the coming scene, mutable.
     pub(super) fn present_mut(&mut self) -> impl Iterator<Item = &mut PreparedScene> {
         [&mut self.shown, &mut self.coming].into_iter().flatten()
     }
@@ -76,7 +68,6 @@ impl PreparedScenes {
         self.shown.is_some()
     }
 
-    /// The title of the shown scene.
     pub(crate) fn name(&self) -> Option<String> {
         self.shown.as_ref().map(PreparedScene::title)
     }
@@ -86,7 +77,6 @@ impl PreparedScenes {
         self.shown.as_ref().map(|scene| scene.id)
     }
 
-    /// The sliders of the shown scene, in order.
     pub(crate) fn sliders(&self) -> &[Slider] {
         self.shown.as_ref().map_or(&[], |scene| scene.knobs.sliders())
     }

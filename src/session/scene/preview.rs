@@ -36,11 +36,9 @@ pub(super) struct NextPicture {
 
 /// The next preview frame.
 enum Next {
-    /// Can be drawn now.
     Now(Frame),
     /// Uses the scene's first tree, which is already built.
     First(Frame),
-    /// Needs a tree first.
     WithTree(Frame),
 }
 

@@ -22,7 +22,6 @@ use crate::gpu::scene_program::{Interpreter, Mode, as_views, compiled_drawing_va
 use crate::gpu::shader_source::Variant;
 use crate::gpu::stand_ins::SceneShape;
 
-/// The shared programs and the pending compile tasks.
 pub(super) struct ProgramLibrary {
     gl: Gl,
     universal: UniversalInterpreters,
@@ -69,22 +68,18 @@ impl ProgramLibrary {
         None
     }
 
-    /// Notes that a frame was finished.
     pub(super) fn note_picture(&mut self) {
         self.has_shown = true;
     }
 
-    /// True if a frame was finished.
     pub(super) fn has_shown(&self) -> bool {
         self.has_shown
     }
 
-    /// True if no program is being compiled.
     pub(super) fn is_idle(&self) -> bool {
         self.tasks.is_empty()
     }
 
-    /// The purpose of a pending program.
     pub(super) fn task(&self, id: u64) -> Option<&Task> {
         self.tasks.get(&id)
     }

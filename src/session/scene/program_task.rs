@@ -2,9 +2,7 @@
 
 use crate::gpu::scene_program::Interpreter;
 
-/// The purpose of a pending program.
 pub(super) enum Task {
-    /// Draws one scene.
     Compiled {
         id: u64,
         /// True if the program looks up the cells of a tree.

@@ -7,7 +7,6 @@ use crate::scenes::SceneSource;
 /// The reason for refusing a scene because of its tree.
 pub(super) const TREE_TOO_LONG: &str = "building its region tree takes too long for every frame";
 
-/// A scene that cannot be shown, with the reasons.
 pub(super) struct Refusal {
     pub source: SceneSource,
     /// One-line summary.

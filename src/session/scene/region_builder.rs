@@ -17,22 +17,18 @@ use std::time::{Duration, Instant};
 use crate::frame::Frame;
 use crate::gpu::scene_resources::{BuiltRegions, RegionMaker, RegionRequest};
 
-/// A request for a tree.
 pub(super) struct TreeJob<Tag> {
     /// The caller's identifier of the request.
     pub tag: Tag,
-    /// The frame to draw with the tree.
     pub frame: Frame,
     pub maker: RegionMaker,
     pub request: RegionRequest,
-    /// Time limit of the build.
     pub patience: Duration,
 }
 
 pub(super) struct BuiltTree<Tag> {
     /// The caller's identifier of the request.
     pub tag: Tag,
-    /// The frame to draw with the tree.
     pub frame: Frame,
     /// The tree; `None` if the build exceeded its time limit.
     pub regions: Option<Arc<BuiltRegions>>,
@@ -88,7 +84,6 @@ impl<Tag: Send + 'static> RegionBuilder<Tag> {
         self.shared.lock().done.take()
     }
 
-    /// Drops all requests and results.
     pub(super) fn forget(&self) {
         let mut state = self.shared.lock();
         (state.next, state.done) = (None, None);

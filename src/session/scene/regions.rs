@@ -26,24 +26,18 @@ const WAITED_FOR: Duration = Duration::from_millis(17);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Shown {
     pub moment: Moment,
-    /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Further samples of pixels at edges.
     pub edges: EdgeSamples,
-    /// The session's revision.
     pub revision: u64,
 }
 
 /// The properties of a wanted frame besides its moment and sound.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawOptions<'a> {
-    /// The scene's parameters.
     pub params: &'a [f32],
     /// Index of a named camera; `None` for the scene's own.
     pub camera: Option<usize>,
-    /// The camera motion by the user.
     pub orbit: OrbitControls,
-    /// The use of region cells.
     pub cells: CellUse,
     /// True if the scene has never had a tree. A build over the time limit is cancelled then.
     pub is_untried: bool,
@@ -179,7 +173,6 @@ impl SceneRegions {
         self.insists = insists;
     }
 
-    /// True if a requested tree is finished.
     pub(super) fn have_come(&self) -> bool {
         self.builder.has_built()
     }
@@ -244,7 +237,6 @@ impl SceneRegions {
     }
 }
 
-/// The longest wait for one frame.
 pub(super) fn longest_wait() -> Duration {
     Duration::from_secs_f64(LIMITS.picture_seconds_max)
 }

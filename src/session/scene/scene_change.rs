@@ -27,21 +27,17 @@ use mariana_music::Sound;
 /// An outgoing scene whose frame takes longer than this stands still.
 const LIVE_MAX: Duration = Duration::from_millis(100);
 
-/// The state of a change between two scenes.
 #[derive(Default)]
 pub(super) struct SceneChange {
     /// The frame for which the outgoing scene has been started.
     begun: Option<Begun>,
     left: Option<LeftScene>,
-    /// Camera motion in the outgoing scene.
     orbit: OrbitControls,
 }
 
 struct LeftScene {
     source: SceneSource,
-    /// The show's clip.
     clip: Option<Clip>,
-    /// The values of its parameters.
     numbers: Vec<f32>,
     /// Indices and names of the parameters that the show still moves.
     moved: Vec<(usize, String)>,

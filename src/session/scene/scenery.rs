@@ -45,12 +45,9 @@ impl Pictured {
 /// The drawn frames: the shown one, and the times of the last two.
 #[derive(Default)]
 pub(crate) struct SeenPictures {
-    /// The frame that was begun last.
     begun: Option<Pictured>,
-    /// The shown frame.
     seen: Option<Pictured>,
     count: u64,
-    /// The scene of the shown frame.
     of: Option<u64>,
     /// Times of the last two frames, the newest first.
     took: [Duration; 2],
@@ -82,12 +79,10 @@ impl SeenPictures {
         picture.world.blended.is_none().then_some(picture.frame.camera)
     }
 
-    /// The number of finished frames.
     pub(crate) fn count(&self) -> u64 {
         self.count
     }
 
-    /// Notes a frame that begins.
     pub(super) fn begin(&mut self, picture: Pictured) {
         self.begun = Some(picture);
     }

@@ -110,17 +110,14 @@ impl SceneSession {
         self.preparation.library.take_over(wanted);
     }
 
-    /// The scenes that can be drawn now or soon.
     pub(crate) fn scenes(&self) -> &PreparedScenes {
         &self.scenes
     }
 
-    /// The requested scene and the list of scenes.
     pub(crate) fn library(&self) -> &SceneLibrary {
         &self.preparation.library
     }
 
-    /// The requested scene and the list of scenes, mutable.
     pub(crate) fn library_mut(&mut self) -> &mut SceneLibrary {
         &mut self.preparation.library
     }
@@ -129,22 +126,18 @@ impl SceneSession {
         &self.composer
     }
 
-    /// The composer of frames, mutable.
     pub(crate) fn composer_mut(&mut self) -> &mut SceneComposer {
         &mut self.composer
     }
 
-    /// The show that the scenes follow.
     pub(crate) fn show(&self) -> &ShowFollower {
         &self.show
     }
 
-    /// The show that the scenes follow, mutable.
     pub(crate) fn show_mut(&mut self) -> &mut ShowFollower {
         &mut self.show
     }
 
-    /// The parameters that controllers change.
     pub(crate) fn parameters_mut(&mut self) -> &mut Parameters {
         &mut self.parameters
     }
@@ -159,7 +152,6 @@ impl SceneSession {
         TurnedParameters { scene, show, parameters: &mut self.parameters }
     }
 
-    /// Status texts about the shown scene.
     pub(crate) fn report(&self) -> SceneReport<'_> {
         SceneReport {
             scenes: &self.scenes,
@@ -171,7 +163,6 @@ impl SceneSession {
         }
     }
 
-    /// The messages over the frame.
     pub(crate) fn messages_mut(&mut self) -> &mut Messages {
         &mut self.messages
     }
@@ -383,7 +374,6 @@ impl SceneSession {
             && self.preparation.programs.is_idle()
     }
 
-    /// Requests the next or the previous scene.
     pub(crate) fn go(&mut self, forward: bool) {
         self.show_source(self.library().beside(forward));
     }
@@ -509,7 +499,6 @@ impl SceneSession {
         }
     }
 
-    /// Returns the camera to the scene.
     pub(crate) fn give_camera_back(&mut self) {
         self.messages.answer(self.composer.camera.give_back().to_owned());
     }
@@ -536,7 +525,6 @@ impl SceneSession {
         composer.note_frame_time(time, of);
     }
 
-    /// A number that changes whenever the same moment would look different.
     pub(crate) fn revision(&self) -> u64 {
         self.composer.revision() + self.parameters.revision() + self.show.revision()
     }

@@ -22,13 +22,10 @@ pub(crate) struct ShowFollower {
     course: Course,
     /// True if the scene stays until the user unlocks it.
     is_locked: bool,
-    /// Scenes that this machine cannot draw.
     refused: Vec<SceneSource>,
-    /// Counts the changes of the show.
     revision: u64,
 }
 
-/// The progress in a show.
 #[derive(Default)]
 struct Course {
     prepared_show: Option<Arc<PreparedShow>>,
@@ -38,7 +35,6 @@ struct Course {
     was_written: bool,
     /// Index of the clip entered last; `true` if its transition mixes worlds.
     entered: Option<(usize, bool)>,
-    /// The show's last request.
     asked: Option<SceneSource>,
     /// Time of the last `follow`, in seconds of the song.
     last_time: Option<f64>,
@@ -46,7 +42,6 @@ struct Course {
     stands_still: bool,
     /// The scene of the next cue key press.
     cue: Option<SceneSource>,
-    /// The next scenes.
     upcoming: [Option<SceneSource>; 2],
 }
 
@@ -58,7 +53,6 @@ pub(super) struct Circumstances<'a> {
     pub is_written: bool,
     /// True if the user is waiting for a scene.
     pub is_awaited: bool,
-    /// The settings of drawing.
     pub sdf: SdfChoice,
 }
 
@@ -103,7 +97,6 @@ impl ShowFollower {
         (self.course.entered, self.course.last_time, self.course.overruled) = (None, None, None);
     }
 
-    /// True if a show is followed.
     pub(crate) fn has_prepared_show(&self) -> bool {
         self.course.prepared_show.is_some()
     }
@@ -127,7 +120,6 @@ impl ShowFollower {
             .map_or(Picture::PLAIN, |timeline| timeline.picture_at(time))
     }
 
-    /// A number that changes with the show.
     pub(super) fn revision(&self) -> u64 {
         self.revision
     }
@@ -181,7 +173,6 @@ impl ShowFollower {
         self.course.last_time
     }
 
-    /// True if the song is paused.
     pub(super) fn stands_still(&self) -> bool {
         self.course.stands_still
     }

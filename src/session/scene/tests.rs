@@ -112,7 +112,6 @@ impl Staged {
         self.session.composer_mut().pictures.finish(id, Duration::ZERO);
     }
 
-    /// Draws a frame at a moment of the playing song.
     fn draw(&mut self, renderer: &mut Renderer, song_time: f64) {
         let mut drawn = None;
         wait_until("a frame", || {

@@ -13,7 +13,6 @@ use mariana_music::Features;
 /// Size of the frame for a scene's first tree. Only its aspect ratio matters.
 const TRIAL_SIZE: (u32, u32) = (16, 9);
 
-/// The builder of first trees.
 pub(super) struct TreeTrials(RegionBuilder<u64>);
 
 impl TreeTrials {

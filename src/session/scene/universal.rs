@@ -7,7 +7,6 @@ use std::rc::Rc;
 use crate::gpu::program::Program;
 use crate::gpu::scene_program::Interpreter;
 
-/// Both universal interpreters.
 pub(super) struct UniversalInterpreters([UniversalInterpreter; 2]);
 
 struct UniversalInterpreter {
@@ -16,9 +15,7 @@ struct UniversalInterpreter {
 }
 
 enum State {
-    /// Not requested.
     Unasked,
-    /// Being compiled.
     Coming,
     There(Rc<Program>),
     /// Not used with this renderer, or rejected by the driver.
@@ -34,7 +31,6 @@ impl UniversalInterpreters {
         }))
     }
 
-    /// The interpreter for a kind of formula.
     fn of(&mut self, non_lipschitz: bool) -> &mut UniversalInterpreter {
         let [of_distances, of_others] = &mut self.0;
         if non_lipschitz { of_others } else { of_distances }
@@ -60,7 +56,6 @@ impl UniversalInterpreters {
             .map(|(non_lipschitz, _)| non_lipschitz)
     }
 
-    /// Stores the program for this kind of formula.
     pub(super) fn put(&mut self, non_lipschitz: bool, program: Program) {
         self.of(non_lipschitz).state = State::There(Rc::new(program));
     }

@@ -16,15 +16,12 @@ use crate::view::legend::{LegendPainter, LegendPicture};
 use crate::view::setup::ViewSetup;
 use crate::view::{View, ViewChoice};
 
-/// The chosen view and its resources.
 #[derive(Default)]
 pub(crate) struct Views {
     choice: Option<ViewChoice>,
     programs: KeptPrograms<ViewsOf>,
     legends: Option<LegendPainter>,
-    /// The number of the view drawn last.
     number: Option<f32>,
-    /// Counts the changes.
     revision: u64,
 }
 

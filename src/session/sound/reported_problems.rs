@@ -9,7 +9,6 @@ use mariana_player::input::LiveStatus;
 /// Hints about the live input.
 #[derive(Default)]
 pub(super) struct Hints {
-    /// The hint over the frame.
     pub(super) shown: Option<String>,
     /// A device that has a signal.
     pub(super) suggestion: Option<ListedDevice>,
