@@ -127,7 +127,7 @@ impl Editing {
         self.goal = goal;
     }
 
-    /// Replaces the selection with `text`, whose line ends become those of this text.
+    /// Replaces the selection with `text`, converted to this text's line ends.
     ///
     /// # Errors
     /// [`Refused`] if the result is too long; the text is then unchanged.

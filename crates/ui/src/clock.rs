@@ -1,4 +1,4 @@
-//! The time of a session: the system's, or one that a test advances by hand.
+//! The time of a session: the system's time, or simulated time in tests.
 //!
 //! A session and its panels share one thread, and simulated time applies to that thread only.
 

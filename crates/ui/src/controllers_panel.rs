@@ -263,7 +263,7 @@ impl ControllersPanel {
     }
 }
 
-/// True if two rows are about the same item, whatever their texts.
+/// True if two rows are about the same item, even with different texts.
 fn is_same(a: &ControllerRow, b: &ControllerRow) -> bool {
     match (a, b) {
         (ControllerRow::Clock(_), ControllerRow::Clock(_)) => true,

@@ -1,8 +1,7 @@
-//! Choosing music, lists and scenes by looking through folders. It needs no dialog of the desktop, which is not
-//! everywhere.
+//! The state of the file list, for music, playlists and scenes. It needs no file dialog, which some desktops lack.
 //!
-//! It is a plain value: the overlay draws it, keys and pointer change it, and a thread reads folders, so that a slow
-//! disk keeps nothing waiting.
+//! It is a plain value. The overlay draws it, keys and the pointer change it, and a thread reads folders, so that a
+//! slow disk delays nothing else.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,42 +14,42 @@ use crate::limits::LIMITS;
 use crate::text_query::TextQuery;
 use mariana_commands::{Command, Files, Panel};
 
-/// What stands in a folder.
+/// An entry of a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileEntry {
-    /// Its name.
+    /// File name without control characters.
     pub name: String,
-    /// Where it is.
+    /// Full path.
     pub path: PathBuf,
-    /// Whether it is a folder, or leads to one.
+    /// True for a folder or a link to one.
     pub is_folder: bool,
 }
 
-/// A folder to begin with.
+/// A shortcut to a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
-    /// Such as "Music".
+    /// Display name, such as "Music".
     pub name: String,
-    /// Where it is.
+    /// Full path.
     pub path: PathBuf,
 }
 
 /// Closes the list.
 const CLOSE: Command = Command::TogglePanel(Panel::Files);
 
-/// See the module.
+/// The shown folder, the search text and the selection.
 #[derive(Debug)]
 pub struct FileBrowser {
     folder: PathBuf,
     places: Vec<Place>,
     entries: Vec<FileEntry>,
-    /// Indices of the entries that match what was typed.
+    /// Indices of the entries that match the search text.
     found: Vec<usize>,
     query: TextQuery,
     selected: usize,
-    /// What is said instead of entries, if anything.
+    /// A message in place of the entries, such as an error.
     trouble: Option<String>,
-    /// The folder that was left upwards: it is selected in the one above.
+    /// The folder that was left upwards, to be selected in its parent.
     came_from: Option<PathBuf>,
     wanted: Sender<PathBuf>,
     read: Receiver<(PathBuf, Result<Vec<FileEntry>, String>)>,
@@ -58,10 +57,10 @@ pub struct FileBrowser {
 }
 
 impl FileBrowser {
-    /// Begins in `folder`, or in the user's folder for music. `wake` is called when a folder has been read.
+    /// Shows `folder`, or else the user's music folder. `wake` is called when a folder has been read.
     ///
     /// # Errors
-    /// There is no thread.
+    /// The system cannot start another thread.
     pub fn start(folder: Option<PathBuf>, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         let (wanted, requests) = channel::<PathBuf>();
         let (answers, read) = channel();
@@ -93,50 +92,50 @@ impl FileBrowser {
         Ok(browser)
     }
 
-    /// The folder that is shown.
+    /// The shown folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Where one can begin.
+    /// Shortcuts to common folders.
     pub fn places(&self) -> &[Place] {
         &self.places
     }
 
-    /// How many entries match what was typed.
+    /// The number of matching entries.
     pub fn count(&self) -> usize {
         self.found.len()
     }
 
-    /// The entry at a place among those that match.
+    /// The matching entry at an index.
     pub fn entry(&self, place: usize) -> Option<&FileEntry> {
         self.entries.get(*self.found.get(place)?)
     }
 
-    /// What was typed.
+    /// The search text.
     pub fn query(&self) -> &str {
         self.query.text()
     }
 
-    /// The selected place among the entries that match.
+    /// Index of the selected entry among the matching ones.
     pub fn selected(&self) -> usize {
         self.selected
     }
 
-    /// What is said instead of entries.
+    /// A message in place of the entries, such as an error.
     pub fn trouble(&self) -> Option<&str> {
         self.trouble.as_deref()
     }
 
-    /// Grows with everything that changes its look.
+    /// A number that grows with every change of the list's look.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Takes in folders that have been read.
+    /// Takes over folders that have been read.
     pub fn update(&mut self) {
         while let Ok((folder, listing)) = self.read.try_recv() {
-            // A folder that was left meanwhile is not of interest any more.
+            // The user has left this folder already.
             if folder != self.folder {
                 continue;
             }
@@ -144,7 +143,7 @@ impl FileBrowser {
             (self.entries, self.trouble) = match listing {
                 Ok(entries) if entries.is_empty() => (entries, Some("this folder is empty".to_owned())),
                 Ok(entries) => (entries, None),
-                Err(reason) => (Vec::new(), Some(format!("this folder cannot be read ({reason})"))),
+                Err(reason) => (Vec::new(), Some(format!("this folder cannot be read: {reason}"))),
             };
             self.search();
             let left = self.came_from.take();
@@ -156,9 +155,9 @@ impl FileBrowser {
         }
     }
 
-    /// Takes a key and returns the commands that it sends. Letters are searched for; arrows select; Enter opens; Backspace leads upwards; Escape clears, then
-    /// closes. With `shift` what is opened follows the tracks that are there; with `command` Enter opens the folder
-    /// itself.
+    /// Handles a key and returns its commands. Letters search; arrows select; Enter opens; Backspace goes up; Escape
+    /// clears the search text, then closes the list. With `shift`, opened files are added to the tracks; with
+    /// `command`, Enter opens the whole folder.
     pub fn take_key(&mut self, key: &Key, shift: bool, command: bool) -> Vec<Command> {
         self.revision += 1;
         match key {
@@ -183,7 +182,7 @@ impl FileBrowser {
         Vec::new()
     }
 
-    /// Opens the entry at a place: a folder is entered, a file is picked.
+    /// Opens the matching entry at an index: enters a folder, or plays a file.
     pub fn open(&mut self, place: usize, append: bool) -> Vec<Command> {
         self.select(place);
         let Some(entry) = self.entry(place).cloned() else { return Vec::new() };
@@ -194,7 +193,7 @@ impl FileBrowser {
         self.pick(entry.path, append)
     }
 
-    /// Picks the folder itself, with everything in it.
+    /// Plays everything in the shown folder.
     pub fn open_folder(&self, append: bool) -> Vec<Command> {
         self.pick(self.folder.clone(), append)
     }
@@ -203,14 +202,14 @@ impl FileBrowser {
         vec![Command::Open(Files { files: vec![path], append }), CLOSE]
     }
 
-    /// Enters the folder of a place to begin with.
+    /// Enters the folder of a shortcut.
     pub fn enter_place(&mut self, place: usize) {
         if let Some(path) = self.places.get(place).map(|place| place.path.clone()) {
             self.enter(path);
         }
     }
 
-    /// Goes to the folder above.
+    /// Enters the parent folder.
     pub fn go_up(&mut self) {
         if let Some(above) = self.folder.parent().map(Path::to_owned) {
             let left = self.folder.clone();
@@ -226,7 +225,7 @@ impl FileBrowser {
         self.folder = folder.clone();
         self.revision += 1;
         if self.wanted.send(folder).is_err() {
-            self.trouble = Some("folders cannot be read any more".to_owned());
+            self.trouble = Some("folders can no longer be read: restart Mariana".to_owned());
         }
     }
 
@@ -243,7 +242,7 @@ impl FileBrowser {
     }
 }
 
-/// Folders to begin with that are there: music, home, what is mounted.
+/// Shortcuts to the folders that exist: music, home, the current directory, and the root.
 fn places() -> Vec<Place> {
     let user = UserDirs::new();
     let music = user.as_ref().and_then(|user| user.audio_dir().map(Path::to_owned));
@@ -261,7 +260,7 @@ fn places() -> Vec<Place> {
     places
 }
 
-/// What stands in a folder, without what is hidden: folders first, each kind by name.
+/// The visible entries of a folder: folders first, then files, each by name.
 fn entries_of(folder: &Path) -> Result<Vec<FileEntry>, String> {
     let listing = fs::read_dir(folder).map_err(|error| error.to_string())?;
     let mut entries: Vec<FileEntry> = listing
@@ -288,7 +287,7 @@ mod tests {
         (0..browser.count()).filter_map(|place| browser.entry(place)).map(|entry| &*entry.name).collect()
     }
 
-    /// Waits for the folder that was entered.
+    /// Waits until the folder has been read.
     fn read(browser: &mut FileBrowser) {
         for _ in 0..2_000 {
             browser.update();
@@ -329,7 +328,7 @@ mod tests {
         assert_eq!(picked, open(path, true));
         let album = browser.take_key(&Key::Named(NamedKey::Enter), false, true);
         assert_eq!(album, open(folder.path().join("album"), false));
-        // Upwards, where the folder that was left is selected.
+        // Going up selects the folder that was left.
         assert_eq!(key(&mut browser, NamedKey::ArrowDown), []);
         assert_eq!(key(&mut browser, NamedKey::Backspace), []);
         read(&mut browser);
@@ -338,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_typed_is_searched_for_and_backspace_takes_letters_before_it_leads_upwards() {
+    fn letters_search_and_backspace_deletes_them_before_it_goes_up() {
         let folder = folder();
         let mut browser = FileBrowser::start(Some(folder.path().to_owned()), || {}).unwrap();
         read(&mut browser);
@@ -353,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn folders_that_are_empty_or_cannot_be_read_say_so() {
+    fn empty_and_unreadable_folders_show_a_message() {
         let folder = folder();
         let mut browser = FileBrowser::start(Some(folder.path().join("empty")), || {}).unwrap();
         read(&mut browser);

@@ -1,7 +1,7 @@
-//! The text and panels over the picture. They take plain state and user input, and return shapes and commands.
+//! Text and panels over the rendered frame. They take plain state and user input, and return shapes and commands.
 //!
-//! [`overlay::Overlay`] draws an [`overlay::OverlayContent`] with egui. Keys and the pointer change the panels, which are plain
-//! values and return [`mariana_commands::Command`]s:
+//! [`overlay::Overlay`] draws an [`overlay::OverlayContent`] with egui. Keys and the pointer change the panels, which
+//! are plain values and return [`mariana_commands::Command`]s:
 //!
 //! ```
 //! use mariana_commands::input::{Key, NamedKey};
@@ -45,13 +45,13 @@ pub mod user_input;
 
 use mariana_render::gpu::error::GpuError;
 
-/// The driver cannot draw the panels.
+/// An error while drawing the panels.
 #[derive(Debug, thiserror::Error)]
 pub enum UiError {
-    /// The shaders or buffers of the panels are refused.
-    #[error("the driver cannot draw text over the picture ({0}): update the graphics driver")]
+    /// The driver rejects the shaders or buffers of the panels.
+    #[error("the driver cannot draw the panels ({0}): update the graphics driver")]
     Painter(String),
-    /// Anything else that the driver refuses.
+    /// Another error of the driver.
     #[error(transparent)]
     Gpu(#[from] GpuError),
 }

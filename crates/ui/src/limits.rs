@@ -1,13 +1,11 @@
-//! Every limit of the panels.
-//!
-//! Code, error messages and tests all read the limits from here.
+//! The limits of this crate. Code, error messages and tests all read them from here.
 
 /// Limits on what the panels show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Most entries of a folder that are listed in the window.
+    /// Most entries of a folder in the file list.
     pub folder_entries_max: usize,
-    /// Most letters that are looked for among the system's fonts.
+    /// Most distinct characters to search for in the system's fonts.
     pub letters_looked_for_max: usize,
 }
 

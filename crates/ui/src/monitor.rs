@@ -1,13 +1,13 @@
-//! Monitors of the desktop.
+//! The monitors of the desktop.
 
 use std::fmt;
 
 /// A monitor.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Monitor {
-    /// What the desktop calls it, such as "HDMI-1".
+    /// The desktop's name for it, such as "HDMI-1".
     pub name: String,
-    /// Where on the desktop it begins, in pixels to the right and down.
+    /// Position of its upper left corner on the desktop, in pixels to the right and down.
     pub place: (i32, i32),
     /// Width and height in pixels.
     pub size: (u32, u32),
@@ -20,13 +20,13 @@ impl fmt::Display for Monitor {
     }
 }
 
-/// The monitor with this name or, if none has it, with this number, from 1.
+/// The monitor with this name or, if there is none, with this number from 1.
 pub fn named<'a>(monitors: &'a [Monitor], text: &str) -> Option<&'a Monitor> {
     let by_name = monitors.iter().find(|monitor| monitor.name.eq_ignore_ascii_case(text));
     by_name.or_else(|| monitors.get(text.parse::<usize>().ok()?.checked_sub(1)?))
 }
 
-/// The names of all of them in a sentence.
+/// A list of all monitors for a sentence.
 pub fn names(monitors: &[Monitor]) -> String {
     let names: Vec<String> = monitors.iter().map(Monitor::to_string).collect();
     if names.is_empty() { "none".to_owned() } else { names.join(", ") }

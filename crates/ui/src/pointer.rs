@@ -1,42 +1,42 @@
-//! What the mouse does over the picture: it turns the camera, moves it nearer, or double-clicks.
+//! Mouse gestures over the frame: clicks, drags that turn the camera, and the wheel that zooms.
 
 use std::time::{Duration, Instant};
 
 use mariana_commands::input::{Input, PointerButton, Wheel};
 
-/// Two clicks within this time and distance in pixels are a double click.
+/// Greatest time between two clicks of a double click, and greatest distance in pixels.
 const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
-/// A held button turns the camera once the pointer has moved this far, in pixels: a hand that clicks shakes a little.
+/// Movement in pixels that turns a press into a drag; hands shake a little during a click.
 const DRAG_MIN: f64 = 4.0;
 /// Pixels of a touchpad that equal one notch of a wheel.
 const NOTCH_PIXELS: f64 = 40.0;
 
-/// What the mouse did.
+/// A mouse gesture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Gesture {
-    /// A click that moved nothing, at a place in pixels.
+    /// A click without movement, at a position in pixels.
     Click([f64; 2]),
-    /// Two clicks in one place.
+    /// Two clicks in the same position.
     DoubleClick,
-    /// The movement with the button held, to the right and down, in pixels.
+    /// Movement with the button held, in pixels to the right and down.
     Drag([f64; 2]),
     /// Notches of the wheel, positive away from the user.
     Zoom(f64),
 }
 
-/// The state of the mouse, from the events that are not the overlay's.
+/// The state of the mouse, from events that do not belong to the overlay.
 #[derive(Debug, Default)]
 pub(crate) struct Pointer {
     place: [f64; 2],
     last_click: Option<(Instant, [f64; 2])>,
-    /// While the button is held: where the movement began, and whether it is a drag already.
+    /// While the button is held: the last position, and true once it is a drag.
     held: Option<([f64; 2], bool)>,
-    /// Where the button was pressed last.
+    /// The position of the last press.
     pressed_at: [f64; 2],
 }
 
 impl Pointer {
-    /// Takes an event and returns what the mouse did with it.
+    /// Handles an event and returns its gesture.
     pub(crate) fn take(&mut self, input: &Input, now: Instant) -> Option<Gesture> {
         match input {
             Input::PointerMoved(place) => self.moved(*place),
@@ -60,7 +60,7 @@ impl Pointer {
         }
     }
 
-    /// Where what it does began, in pixels: where the button was pressed that is held, else where it is.
+    /// The start of the present gesture in pixels: the press of the held button, or else the pointer's position.
     pub(crate) fn began(&self) -> [f64; 2] {
         if self.held.is_some() { self.pressed_at } else { self.place }
     }
@@ -83,7 +83,7 @@ impl Pointer {
             now.saturating_duration_since(then) <= DOUBLE_CLICK.0 && dx.hypot(dy) <= DOUBLE_CLICK.1
         });
         self.last_click = if double { None } else { Some((now, self.place)) };
-        // The window changes its size under the pointer.
+        // No drag: a double click changes the window's size under the pointer.
         self.held = (!double).then_some((self.place, false));
         self.pressed_at = self.place;
         double.then_some(Gesture::DoubleClick)
@@ -110,7 +110,7 @@ mod tests {
             events.iter().map(|event| pointer.take(event, now)).collect()
         };
         let click = [None, None, None, Some(Gesture::Click([10.0, 10.0]))];
-        assert_eq!(all(&[&to(10.0, 10.0), &down, &to(12.0, 11.0), &up]), click, "a hand that shakes");
+        assert_eq!(all(&[&to(10.0, 10.0), &down, &to(12.0, 11.0), &up]), click, "a shaking hand");
         assert_eq!(all(&[&to(13.0, 10.0), &down]), [None, Some(Gesture::DoubleClick)]);
         assert_eq!(all(&[&to(90.0, 10.0), &up]), [None; 2], "the second click drags nothing");
         let drags = all(&[&down, &to(100.0, 13.0), &to(101.0, 13.0), &up, &to(0.0, 0.0)]);
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_pointer_does_began_where_it_was_pressed_or_where_it_is() {
+    fn a_gesture_begins_at_the_press_or_at_the_pointer() {
         let (mut pointer, now) = (Pointer::default(), Instant::now());
         let mut after = |event: &Input| {
             let _ = pointer.take(event, now);

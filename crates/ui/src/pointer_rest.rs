@@ -1,16 +1,16 @@
-//! Whether the pointer rests. It comes with the bar when it moves, and both go when it has rested for a while; in full
-//! screen they go at once.
+//! Decides if the pointer is active. Pointer and bar appear when it moves, and disappear after a rest, or at once when
+//! the window enters full screen.
 
 use std::time::{Duration, Instant};
 
 use mariana_commands::input::{Input, TouchPhase};
 
-/// How long a pointer that does not move stays, and the bar with it.
+/// Time after which a resting pointer disappears, with the bar.
 const STAYS: Duration = Duration::from_millis(2_500);
-/// A pointer has moved if it is this far from where it was, in pixels: tables shake.
+/// Least movement in pixels that counts; tables shake.
 const MOVED_MIN: f64 = 2.0;
 
-/// See the module.
+/// The position and time of the last movement.
 #[derive(Debug, Default)]
 pub struct PointerRest {
     place: Option<[f64; 2]>,
@@ -18,7 +18,7 @@ pub struct PointerRest {
 }
 
 impl PointerRest {
-    /// Takes an event of the window.
+    /// Handles an event of the window.
     pub fn take(&mut self, input: &Input, now: Instant) {
         match input {
             Input::PointerMoved(position) => {
@@ -28,7 +28,7 @@ impl PointerRest {
                 if moved {
                     self.moved = Some(now);
                 }
-                // Where a window opens below a pointer, nobody has moved it.
+                // The first position is no movement: the window may open below the pointer.
                 if moved || self.place.is_none() {
                     self.place = Some(*position);
                 }
@@ -45,12 +45,12 @@ impl PointerRest {
         self.moved = Some(now);
     }
 
-    /// Lets it rest from now on, until it moves.
+    /// Makes the pointer rest until it moves.
     pub fn sleep(&mut self) {
         self.moved = None;
     }
 
-    /// Whether it has moved lately; `busy` while it does something with the bar.
+    /// True if the pointer has moved lately. `busy` keeps it awake while it uses the bar.
     pub fn is_awake(&mut self, busy: bool, now: Instant) -> bool {
         if busy && self.moved.is_some() {
             self.moved = Some(now);
@@ -58,7 +58,7 @@ impl PointerRest {
         self.falls_asleep().is_some_and(|at| at > now)
     }
 
-    /// When it will rest if it does not move.
+    /// The time at which it will rest if it does not move.
     pub fn falls_asleep(&self) -> Option<Instant> {
         self.moved.map(|moved| moved + STAYS)
     }
@@ -82,7 +82,7 @@ mod tests {
         assert!(!rest.is_awake(false, start), "the table shook");
         rest.take(&to(14.0, 10.0), start);
         assert!(rest.is_awake(false, at(2_499)) && !rest.is_awake(false, at(2_500)));
-        // On the bar it stays.
+        // Use of the bar keeps it awake.
         rest.take(&to(20.0, 10.0), at(3_000));
         assert!(rest.is_awake(true, at(5_000)) && rest.is_awake(false, at(7_400)));
         assert!(!rest.is_awake(false, at(7_501)));

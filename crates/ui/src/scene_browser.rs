@@ -1,7 +1,6 @@
-//! The list of scenes as one looks through it: all that the keys go through, with a small picture of each, found by
-//! typing a part of a name or of what a scene says about itself.
+//! The state of the scene list: a thumbnail of each scene, a search by name or comment, and marks.
 //!
-//! It is a plain value: the overlay draws it, keys and pointer change it, and [`Thumbnails`] finds the pictures.
+//! It is a plain value. The overlay draws it, keys and the pointer change it, and [`Thumbnails`] finds the images.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -18,53 +17,53 @@ use mariana_scenes::thumbnails::{About, Looked, Thumbnails};
 /// A scene in the list.
 #[derive(Debug, Clone)]
 pub struct Tile {
-    /// What titles call it.
+    /// The scene's title.
     pub name: String,
-    /// What it says about itself.
+    /// The scene's comment.
     pub comment: String,
-    /// Its picture.
+    /// The thumbnail.
     pub picture: TilePicture,
-    /// Whether the user has marked it.
+    /// True if the user has marked it.
     pub favourite: bool,
     source: SceneSource,
 }
 
-/// The picture of a scene.
+/// The state of a thumbnail.
 #[derive(Debug, Clone)]
 pub enum TilePicture {
-    /// Nobody has looked at it.
+    /// Not requested yet.
     Unseen,
-    /// It is being looked for, or drawn.
+    /// Being loaded or rendered.
     Coming,
-    /// Here it is.
+    /// Finished.
     There(Arc<RgbaImage>),
-    /// There is none; why.
+    /// Not available, with the reason.
     Missing(String),
 }
 
 /// Closes the list.
 const CLOSE: Command = Command::TogglePanel(Panel::Scenes);
 
-/// See the module.
+/// The scenes, the search text and the selection.
 #[derive(Debug)]
 pub struct SceneBrowser {
     tiles: Vec<Tile>,
-    /// Indices of the tiles that match what was typed, marked ones first.
+    /// Indices of the tiles that match the search text, marked ones first.
     found: Vec<usize>,
     query: TextQuery,
     /// Index in `found`.
     selected: usize,
-    /// Index in `tiles` of the scene on the stage.
+    /// Index in `tiles` of the shown scene.
     present: Option<usize>,
-    /// Tiles side by side, as they were last drawn.
+    /// Tiles side by side at the last drawing.
     columns: usize,
     favourites: BTreeSet<String>,
-    /// Counts what changes its look.
+    /// A number that grows with every change of the list's look.
     revision: u64,
 }
 
 impl SceneBrowser {
-    /// The list of `scenes`, one of which is on the stage; `favourites` are the names of marked ones.
+    /// A list of `scenes`. `present` is shown, and `favourites` are the titles of marked ones.
     pub fn new(
         scenes: Vec<SceneSource>,
         present: Option<&SceneSource>,
@@ -94,7 +93,7 @@ impl SceneBrowser {
         browser
     }
 
-    /// Notes which scene is on the stage.
+    /// Sets the shown scene.
     pub fn set_present(&mut self, present: Option<&SceneSource>) {
         let present = present.and_then(|source| self.tiles.iter().position(|tile| tile.source == *source));
         if present != self.present {
@@ -103,42 +102,42 @@ impl SceneBrowser {
         }
     }
 
-    /// How many tiles match what was typed.
+    /// The number of matching tiles.
     pub fn found(&self) -> usize {
         self.found.len()
     }
 
-    /// The tile at a place among those found.
+    /// The matching tile at an index.
     pub fn tile(&self, place: usize) -> Option<&Tile> {
         self.tiles.get(*self.found.get(place)?)
     }
 
-    /// How many scenes there are, found or not.
+    /// The number of all scenes.
     pub fn count(&self) -> usize {
         self.tiles.len()
     }
 
-    /// What was typed.
+    /// The search text.
     pub fn query(&self) -> &str {
         self.query.text()
     }
 
-    /// The place of the selected tile among those found.
+    /// Index of the selected tile among the matching ones.
     pub fn selected(&self) -> usize {
         self.selected
     }
 
-    /// Whether the tile at a place among those found is the scene on the stage.
+    /// True if the matching tile at an index is the shown scene.
     pub fn is_present(&self, place: usize) -> bool {
         self.present.is_some() && self.found.get(place) == self.present.as_ref()
     }
 
-    /// Grows with everything that changes its look.
+    /// A number that grows with every change of the list's look.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Which tiles were drawn, and how many side by side. Asks for the pictures of those that nobody has looked at.
+    /// Records the drawn tiles and the number side by side. Requests their thumbnails if they are new.
     pub fn note_drawn(&mut self, places: Range<usize>, columns: usize, thumbnails: &mut Thumbnails) {
         self.columns = columns.max(1);
         let mut wanted = Vec::new();
@@ -155,12 +154,12 @@ impl SceneBrowser {
         }
     }
 
-    /// Asks what all scenes say about themselves.
+    /// Requests the comments of all scenes.
     pub fn ask_for_comments(&self, thumbnails: &mut Thumbnails) {
         thumbnails.ask_for_comments(self.tiles.iter().map(|tile| &tile.source));
     }
 
-    /// Takes in what was found out about scenes.
+    /// Takes over comments and thumbnails.
     pub fn take(&mut self, found: Vec<Looked>) {
         let mut described = false;
         for Looked { source, about } in found {
@@ -182,8 +181,8 @@ impl SceneBrowser {
         }
     }
 
-    /// Takes a key, with Ctrl or Command held or not, and returns the commands that it sends. Letters are searched for;
-    /// arrows select; Enter shows; Tab marks; Escape clears, then closes.
+    /// Handles a key, with `command` for a held Ctrl or Command, and returns its commands. Letters search; arrows
+    /// select; Enter shows; Tab marks; Escape clears the search text, then closes the list.
     pub fn take_key(&mut self, key: &Key, command: bool) -> Vec<Command> {
         self.revision += 1;
         match key {
@@ -206,7 +205,7 @@ impl SceneBrowser {
         Vec::new()
     }
 
-    /// Asks for the scene at a place among those found.
+    /// Shows the matching scene at an index.
     pub fn show(&mut self, place: usize, close: bool) -> Vec<Command> {
         self.select(place);
         let show = self.tile(place).map(|tile| Command::ShowScene(Box::new(tile.source.clone())));
@@ -214,7 +213,7 @@ impl SceneBrowser {
         show.into_iter().chain(close).collect()
     }
 
-    /// Marks the scene at a place among those found, or takes its mark away.
+    /// Toggles the mark of the matching scene at an index.
     pub fn mark(&mut self, place: usize) -> Vec<Command> {
         let Some(at) = self.found.get(place).copied() else { return Vec::new() };
         let Some(tile) = self.tiles.get_mut(at) else { return Vec::new() };
@@ -235,7 +234,8 @@ impl SceneBrowser {
         self.revision += 1;
     }
 
-    /// Finds the tiles that hold every word that was typed. Names that begin with it come first, then marked ones.
+    /// Finds the tiles that contain every word of the search text. Names that begin with it come first, then marked
+    /// ones.
     fn search(&mut self) {
         let matches = |tile: &Tile| self.query.fits(&format!("{} {}", tile.name, tile.comment));
         let mut found: Vec<usize> =
@@ -247,7 +247,7 @@ impl SceneBrowser {
         self.revision += 1;
     }
 
-    /// The place among those found of a tile.
+    /// The index of a tile among the matching ones.
     fn place_of(&self, tile: usize) -> Option<usize> {
         self.found.iter().position(|at| *at == tile)
     }
@@ -277,20 +277,20 @@ mod tests {
         let mut browser = browser(&["barth", "city", "clockwork", "speakers", "quick"]);
         assert_eq!((browser.selected(), browser.is_present(1)), (1, true));
         typed(&mut browser, "C");
-        assert_eq!(names(&browser), ["city", "clockwork", "quick"], "the beginning counts more");
+        assert_eq!(names(&browser), ["city", "clockwork", "quick"], "names that begin with it come first");
         typed(&mut browser, "LO");
         assert_eq!(names(&browser), ["clockwork"]);
         let shown = browser.take_key(&Key::Named(NamedKey::Enter), false);
         let source = SceneSource::Shipped("clockwork".into());
         assert_eq!(shown, [Command::ShowScene(Box::new(source)), CLOSE]);
-        // Nothing fits: nothing is shown, and nothing breaks.
+        // Without a match, Enter does nothing.
         typed(&mut browser, "zz");
         assert_eq!(browser.take_key(&Key::Named(NamedKey::Enter), false), []);
         let _ = browser.take_key(&Key::Named(NamedKey::Backspace), false);
         assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), []);
         assert_eq!((browser.query(), names(&browser).len()), ("", 5));
         assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), [CLOSE]);
-        // Ctrl+C is no letter.
+        // Ctrl+C is not a letter.
         assert_eq!(browser.take_key(&Key::Character("c".into()), true), []);
         assert_eq!(browser.query(), "");
     }
@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_list_costs_nothing() {
+    fn an_empty_list_ignores_keys() {
         let mut browser = browser(&[]);
         for key in [NamedKey::Enter, NamedKey::Tab, NamedKey::ArrowDown, NamedKey::End] {
             assert_eq!(browser.take_key(&Key::Named(key), false), []);

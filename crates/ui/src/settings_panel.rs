@@ -1,7 +1,7 @@
-//! The panel of the settings that users choose for good: a row for each row of their table, and rows for outputs,
-//! monitors and the delay of the picture, which depend on what is plugged in.
+//! The state of the settings panel: a row for each setting of the table, and rows for outputs, monitors and the delay,
+//! which depend on the connected devices.
 //!
-//! It is a plain value: the overlay draws it, and keys and pointer make commands of it.
+//! It is a plain value. The overlay draws it, and keys and the pointer make commands from it.
 
 mod screens;
 
@@ -12,36 +12,36 @@ use mariana_commands::{Command, Delay, SHIFT_STEP_MS, SetSetting};
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 use mariana_settings::{Choices, Setting, SettingRow, Values};
 
-/// An output that songs can play on.
+/// An output for songs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Output {
-    /// Its id; none is the system's default.
+    /// Its id; `None` for the system's default.
     pub id: Option<String>,
-    /// What people call it.
+    /// Its display name.
     pub name: String,
-    /// Whether songs play on it, or would if it were there.
+    /// True if songs play on it, or will when it is connected.
     pub is_chosen: bool,
 }
 
-/// What holds at present.
+/// The data from which the rows are made.
 pub struct Facts<'a> {
-    /// In this run.
+    /// The choices of this run.
     pub choices: &'a Choices,
-    /// From run to run.
+    /// The saved choices.
     pub remembered: &'a Choices,
-    /// The outputs; none where no song can play.
+    /// The outputs; empty if no song can play.
     pub outputs: Vec<Output>,
-    /// The monitors that are there.
+    /// The connected monitors.
     pub monitors: Vec<Monitor>,
-    /// Whether the command line names the output.
+    /// True if the output comes from the command line.
     pub output_for_this_run: bool,
-    /// The shift of the picture, in milliseconds.
+    /// The delay of the image, in milliseconds.
     pub shift: f64,
-    /// What people call the device that it is for.
+    /// The display name of the device to which the delay applies.
     pub device: Option<&'a str>,
 }
 
-/// See the module.
+/// The rows and the selection.
 #[derive(Debug, Default)]
 pub struct SettingsPanel {
     rows: Vec<SettingRow>,
@@ -55,17 +55,17 @@ impl SettingsPanel {
         &self.rows
     }
 
-    /// The place of the row that keys change.
+    /// The index of the selected row.
     pub fn selected(&self) -> usize {
         self.selected
     }
 
-    /// Grows with everything that changes its look.
+    /// A number that grows with every change of the panel's look.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Takes in what holds now. The selected row stays the same one, wherever it stands.
+    /// Updates the rows and keeps the same setting selected.
     pub fn update(&mut self, facts: &Facts<'_>) {
         let rows = rows(facts);
         if rows == self.rows {
@@ -78,8 +78,8 @@ impl SettingsPanel {
         self.revision += 1;
     }
 
-    /// Takes a key, if it is one of the panel's: arrows select and change, Enter chooses the next value. Returns whether
-    /// it was, and the command that it sends.
+    /// Handles a key: arrows select and change, Enter chooses the next value. Returns true if the panel used it, and
+    /// its command.
     pub fn take_key(&mut self, key: &Key) -> (bool, Option<Command>) {
         let command = match key {
             Key::Named(NamedKey::ArrowUp) => {
@@ -98,7 +98,7 @@ impl SettingsPanel {
         (true, command)
     }
 
-    /// Selects the row at a place, and chooses its value at another place, if that is one.
+    /// Selects a row and chooses one of its values.
     pub fn pick(&mut self, row: usize, value: usize) -> Option<Command> {
         self.select(row);
         let row = self.rows.get(row)?;
@@ -112,7 +112,7 @@ impl SettingsPanel {
         Some(Command::Set(SetSetting { setting: setting.clone(), settled: true }))
     }
 
-    /// Selects the row at a place, and changes its number, if it has one.
+    /// Selects a row and changes its number, if it has one.
     pub fn change_number(&mut self, row: usize, number: f64, settled: bool) -> Option<Command> {
         self.select(row);
         match &self.rows.get(row)?.values {
@@ -130,7 +130,7 @@ impl SettingsPanel {
         self.selected = row;
     }
 
-    /// The next value of the selected row, or the one before.
+    /// Chooses the next or previous value of the selected row.
     fn step(&mut self, forward: bool) -> Option<Command> {
         let sign = if forward { 1.0 } else { -1.0 };
         match &self.rows.get(self.selected)?.values {
@@ -147,7 +147,7 @@ impl SettingsPanel {
         }
     }
 
-    /// Chooses the selected row, or its next value, after the last the first.
+    /// Chooses the selected row, or its next value; the first one after the last.
     fn enter(&mut self) -> Option<Command> {
         let value = match &self.rows.get(self.selected)?.values {
             Values::OneOfRows { .. } => 0,
@@ -158,7 +158,7 @@ impl SettingsPanel {
     }
 }
 
-/// Whether two rows are about the same thing, whichever value it has.
+/// True if two rows are about the same setting, whatever its value.
 fn is_same(a: &SettingRow, b: &SettingRow) -> bool {
     match (&a.values, &b.values) {
         (Values::OneOfRows { setting: a, .. }, Values::OneOfRows { setting: b, .. }) => a == b,
@@ -166,14 +166,14 @@ fn is_same(a: &SettingRow, b: &SettingRow) -> bool {
     }
 }
 
-/// What an arrow adds to percent.
+/// Step of an arrow key for percentages.
 const PERCENT_STEP: f64 = 5.0;
 
 fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
     let Facts { choices: now, remembered, .. } = facts;
     let outputs = facts.outputs.iter().map(|output| SettingRow {
         name: output.name.clone(),
-        purpose: "Songs play here; a song that plays moves at once, and comes back when the output does"
+        purpose: "Songs play here. The playing song moves at once, and returns when a lost output reconnects"
             .to_owned(),
         values: Values::OneOfRows { chosen: output.is_chosen, setting: Setting::Output(output.id.clone()) },
         for_this_run: output.is_chosen && facts.output_for_this_run,
@@ -181,7 +181,7 @@ fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
     let of_device = facts.device.map_or_else(String::new, |device| format!("; for {device}"));
     let delay = SettingRow {
         name: "Latency".to_owned(),
-        purpose: format!("The picture comes so much later, for headphones or a TV that lag{of_device}"),
+        purpose: format!("Delays the image, for headphones or a TV that play late{of_device}"),
         values: Values::Delay(facts.shift),
         for_this_run: false,
     };
@@ -195,7 +195,7 @@ fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
         .collect()
 }
 
-/// A shift by pointer, in milliseconds: in steps, and within the limits.
+/// Rounds a delay set by the pointer to whole steps, in milliseconds, within the limits.
 pub fn whole_steps(shift: f64) -> f64 {
     let limit = PLAYER_LIMITS.latency_ms_max;
     ((shift / SHIFT_STEP_MS).round() * SHIFT_STEP_MS).clamp(-limit, limit)
@@ -207,7 +207,7 @@ pub(crate) mod tests {
     use mariana_render::placement::Crop;
     use mariana_settings::QualityChoice;
 
-    /// A panel with two outputs besides the default, of which `chosen` is chosen.
+    /// A panel with two outputs and the default one, of which `chosen` is chosen.
     pub(crate) fn panel(choices: &Choices, chosen: Option<&str>) -> SettingsPanel {
         let mut panel = SettingsPanel::default();
         update(&mut panel, choices, chosen, &["usb", "tv"]);
@@ -247,11 +247,11 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn arrows_select_and_change_and_enter_goes_round() {
+    fn arrows_select_and_change_and_enter_cycles() {
         use NamedKey::{ArrowDown, ArrowLeft, ArrowRight, ArrowUp, Enter};
         let mut panel = panel(&Choices::default(), None);
         assert_eq!((press(&mut panel, ArrowUp), panel.selected()), (None, 0));
-        // The output that is chosen already is no change, and no arrow plays through the others.
+        // Enter on the chosen output changes nothing, and arrows do not try the other outputs.
         assert_eq!((press(&mut panel, Enter), press(&mut panel, ArrowRight)), (None, None));
         assert_eq!((press(&mut panel, ArrowDown), panel.selected()), (None, 1));
         assert_eq!(press(&mut panel, Enter), set(Setting::Output(Some("usb".into()))));
@@ -267,7 +267,7 @@ pub(crate) mod tests {
         select(&mut panel, "Blackout fade");
         assert_eq!(press(&mut panel, ArrowRight), set(Setting::BlackoutFade(1.0)));
         select(&mut panel, "Quality");
-        assert_eq!(press(&mut panel, ArrowLeft), None, "there is none before the first");
+        assert_eq!(press(&mut panel, ArrowLeft), None, "the first value has no previous one");
         assert_eq!(press(&mut panel, ArrowRight), set(Setting::Quality(QualityChoice::Low)));
         select(&mut panel, "Limit flashes");
         assert_eq!(press(&mut panel, Enter), set(Setting::FlashLimiter(false)));
@@ -278,7 +278,7 @@ pub(crate) mod tests {
         assert_eq!(panel.rows()[panel.selected()].name, "Crop");
         assert_eq!(press(&mut panel, ArrowRight), set(Setting::Crop(Crop::try_from([1.0; 4]).unwrap())));
         for key in [Key::Character("q".into()), Key::Named(NamedKey::Escape), Key::Named(NamedKey::Space)] {
-            assert_eq!(panel.take_key(&key), (false, None), "{key:?} is the show's");
+            assert_eq!(panel.take_key(&key), (false, None), "{key:?} belongs to the show");
         }
     }
 
@@ -299,7 +299,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn what_the_command_line_says_is_marked_and_can_be_made_to_stay() {
+    fn values_from_the_command_line_are_marked_and_can_be_saved() {
         let choices = Choices { quality: QualityChoice::High, ..Choices::default() };
         let mut panel = panel(&choices, None);
         let marked: Vec<&str> =
@@ -311,7 +311,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn every_row_has_its_words() {
+    fn every_row_has_a_description() {
         let panel = panel(&Choices::default(), Some("tv"));
         for row in panel.rows() {
             assert!(!row.name.is_empty() && row.purpose.len() > 20, "{row:?}");

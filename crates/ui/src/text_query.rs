@@ -1,22 +1,21 @@
-//! Words that are typed to find things in a list.
+//! The search text of a list.
 
 use mariana_commands::input::{Key, NamedKey};
 
-/// Longest text, in characters.
+/// Greatest length, in characters.
 const LENGTH_MAX: usize = 60;
 
-/// See the module.
+/// A search text. It matches if all its words occur, in any order.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct TextQuery(String);
 
 impl TextQuery {
-    /// What was typed.
+    /// The text.
     pub(crate) fn text(&self) -> &str {
         &self.0
     }
 
-    /// Takes a key that writes, or takes letters away. With `command` held it is no letter. Returns whether the text
-    /// is another than before.
+    /// Handles a key that types or deletes. With `command` held, letters are ignored. Returns true if the text changed.
     pub(crate) fn take_key(&mut self, key: &Key, command: bool) -> bool {
         match key {
             Key::Named(NamedKey::Escape) => !std::mem::take(&mut self.0).is_empty(),
@@ -27,13 +26,13 @@ impl TextQuery {
         }
     }
 
-    /// Whether every word that was typed stands in `text`.
+    /// True if every word of the query occurs in `text`, in any case.
     pub(crate) fn fits(&self, text: &str) -> bool {
         let text = text.to_lowercase();
         self.0.to_lowercase().split_whitespace().all(|word| text.contains(word))
     }
 
-    /// Whether `text` begins with what was typed.
+    /// True if `text` begins with the query.
     pub(crate) fn begins(&self, text: &str) -> bool {
         let typed = self.0.trim().to_lowercase();
         !typed.is_empty() && text.to_lowercase().starts_with(&typed)
@@ -58,7 +57,7 @@ mod tests {
         for letter in ["S", "e", "a"] {
             assert!(query.take_key(&Key::Character(letter.into()), false));
         }
-        assert!(!query.take_key(&Key::Character("x".into()), true), "Ctrl+X is no letter");
+        assert!(!query.take_key(&Key::Character("x".into()), true), "Ctrl+X is not a letter");
         assert!(query.take_key(&Key::Named(NamedKey::Space), false));
         assert!(query.take_key(&Key::Character("d".into()), false));
         assert!(query.fits("deep sea") && query.fits("Seaside") && !query.fits("sea"));

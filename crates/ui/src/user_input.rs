@@ -1,4 +1,4 @@
-//! Makes commands of keys, the mouse and dropped files.
+//! Makes commands from keys, the mouse and dropped files.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -7,18 +7,18 @@ use crate::pointer::{Gesture, Pointer};
 use mariana_commands::input::{Input, Key, Modifiers};
 use mariana_commands::{Command, Switch};
 
-/// The state of the keys and the mouse, from the input that is not the overlay's.
+/// The state of keys and mouse, from input that does not belong to the overlay.
 #[derive(Debug, Default)]
 pub struct UserInput {
     pointer: Pointer,
-    /// The keys that are held and change what others do.
+    /// The held modifier keys.
     held: Modifiers,
-    /// Files that were dropped onto the window. Each comes as an event of its own, and together they are a list.
+    /// Files dropped onto the window. They arrive one by one and together form a list.
     dropped: Vec<PathBuf>,
 }
 
 impl UserInput {
-    /// Takes input and returns the command that it makes, if any.
+    /// Handles input and returns its command, if any.
     pub fn take(&mut self, input: &Input, now: Instant) -> Option<Command> {
         match input {
             Input::Dropped(path) => {
@@ -39,8 +39,8 @@ impl UserInput {
         }
     }
 
-    /// The key that is pressed, and what is held with it. A letter that is held counts once: it may be the key that
-    /// opened what it would be typed into.
+    /// The pressed key with its modifiers. Repeats of a letter are ignored: it may be the key that opened the text
+    /// field.
     pub fn typed<'a>(&self, input: &'a Input) -> Option<(&'a Key, Modifiers)> {
         match input {
             Input::Key(press) => {
@@ -50,22 +50,22 @@ impl UserInput {
         }
     }
 
-    /// Takes out the files that were dropped since the last call.
+    /// Removes and returns the dropped files.
     pub fn take_dropped(&mut self) -> Vec<PathBuf> {
         std::mem::take(&mut self.dropped)
     }
 
-    /// What is held and changes what other keys do.
+    /// The held modifier keys.
     pub fn held(&self) -> Modifiers {
         self.held
     }
 
-    /// Where the pointer began what it does, in pixels.
+    /// The start of the present pointer gesture, in pixels.
     pub fn began(&self) -> [f64; 2] {
         self.pointer.began()
     }
 
-    /// Whether a shift key is held.
+    /// True while a shift key is held.
     pub fn shift_held(&self) -> bool {
         self.held.shift_key()
     }

@@ -64,7 +64,7 @@ pub struct Row {
     key: Key<&'static str>,
     /// The modifiers.
     held: Modifiers,
-    /// The key as it is displayed; empty for an alternative that another row mentions.
+    /// The displayed key; empty for an alternative that another row mentions.
     pub written: &'static str,
     /// The action.
     pub action: EditAction,

@@ -16,7 +16,7 @@ pub(crate) type ObjectPreview = Arc<Vec<[u8; 4]>>;
 
 /// A cache of previews and its render thread.
 pub(super) struct ObjectPreviews {
-    /// Finished previews; `None` for those that are being rendered.
+    /// Finished previews; `None` while a preview is being rendered.
     known: BTreeMap<&'static str, Option<ObjectPreview>>,
     orders: Sender<(&'static str, &'static str)>,
     drawn: Receiver<(&'static str, ObjectPreview)>,

@@ -54,7 +54,7 @@ impl Outbox {
         }
     }
 
-    /// Uses the text as a draft in place of its deleted file.
+    /// Keeps the text of a deleted file as a draft.
     pub(super) fn replace_file(&mut self, document: &mut Document) {
         let Some(file) = document.file() else { return };
         let version = self.drafts.set(file, document.bytes());

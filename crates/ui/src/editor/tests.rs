@@ -245,7 +245,7 @@ fn unsaved_text_is_offered_in_the_next_run() {
     assert_eq!(setup.text(), BALL);
     setup.ctrl("1");
     assert_eq!(setup.text(), BALL.replace("0.5", "70.5"));
-    // After a save the backup is gone, and after "throw it away", too.
+    // After a save the backup is gone, and so is a backup that the user discards.
     setup.ctrl("s");
     setup.wait("the save", |editor| !editor.document().unwrap().is_dirty());
     setup.go_to("70");

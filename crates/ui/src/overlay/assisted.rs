@@ -1,4 +1,4 @@
-//! What screen readers are told beyond what egui tells of its widgets, and what they may change.
+//! Accessibility: descriptions of hand-drawn controls for screen readers, and the screen reader's changes to them.
 
 use std::ops::RangeInclusive;
 
@@ -7,23 +7,24 @@ use egui::{Context, EventFilter, Id, Key, Painter, Response, Stroke, StrokeKind,
 
 use super::style;
 
-/// What assistive technology asks for.
+/// An event of an assistive technology.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Assistance {
-    /// It is there: the controls are to be reported from now on.
+    /// It has started and needs the tree of controls.
     Begins,
-    /// It presses or moves a control.
+    /// It presses or changes a control.
     Act(ActionRequest),
-    /// It has gone.
+    /// It has ended.
     Ends,
 }
 
-/// Names the window.
+/// Labels the window.
 pub(super) fn window(context: &Context) {
     let _ = context.accesskit_node_builder(accesskit_root_id(), |node| node.set_label("Mariana"));
 }
 
-/// Tells a text that is drawn without a widget, under a name of its own; `news` is read out when it comes up.
+/// Exposes text that is drawn without a widget, under a unique name. Screen readers announce it when it changes if
+/// `news`.
 pub(super) fn text(context: &Context, name: &str, words: &str, news: bool) {
     let _ = context.accesskit_node_builder(Id::unique(("text", name)), |node| {
         node.set_role(Role::Label);
@@ -34,7 +35,7 @@ pub(super) fn text(context: &Context, name: &str, words: &str, news: bool) {
     });
 }
 
-/// Describes a control beyond its name.
+/// Adds a description to a control.
 pub(super) fn describe(context: &Context, control: Id, words: &str) {
     let _ = context.accesskit_node_builder(control, |node| node.set_description(words));
 }
@@ -48,7 +49,7 @@ pub(super) fn ring(context: &Context, painter: &Painter) {
     }
 }
 
-/// Steps by arrow keys while `response` has the focus; positive to the right.
+/// Presses of arrow keys while `response` has the focus; positive to the right.
 fn steps_by_keys(ui: &Ui, response: &Response) -> f64 {
     if !response.has_focus() {
         return 0.0;
@@ -61,7 +62,7 @@ fn steps_by_keys(ui: &Ui, response: &Response) -> f64 {
     })
 }
 
-/// Tells a rail with a value that can be changed by `step`; returns the value that it is set to, if any.
+/// Exposes a slider that moves by `step`. Returns the value that keys or a screen reader set, if any.
 pub(super) fn rail(
     ui: &Ui,
     response: &Response,

@@ -1,6 +1,6 @@
-//! The bar that comes with the pointer: what plays, where in it we are, and a button for everything that is done often.
+//! The player bar, shown while the pointer moves: the track, a seek bar, and a button for every frequent action.
 //!
-//! Buttons tell in their tooltips which key does the same; words and keys come from the one table of keys.
+//! A button's tooltip names its key. Descriptions and keys come from the table of commands.
 
 use std::hash::{Hash, Hasher};
 
@@ -20,30 +20,30 @@ use mariana_render::reading_order::isolated;
 
 /// Widest bar, in points.
 const WIDTH_MAX: f32 = 1100.0;
-/// Height of the rail by which one seeks: what can be hit.
+/// Height of the seek bar's clickable area.
 const RAIL_HEIGHT: f32 = 26.0;
-/// Height of the rail's line where no loudness is known.
+/// Height of a plain seek bar or volume slider.
 const LINE_HEIGHT: f32 = 4.0;
 /// Width and height of a button.
 const BUTTON: f32 = 30.0;
-/// Width and height of the level under the sign of what is listened to.
+/// Width and height of the level meter below the source button.
 const LEVEL: Vec2 = vec2(18.0, 2.0);
-/// Height of the line of words.
+/// Height of the line with title and scene.
 const WORDS: f32 = 19.0;
-/// Between the lines.
+/// Distance between lines.
 const GAP: f32 = 3.0;
-/// Height of a sign.
+/// Height of an icon.
 const SIGN: f32 = 15.0;
-/// Distance of two bars of the loudness.
+/// Distance between two bars of the loudness curve.
 const BAR_STEP: f32 = 3.0;
-/// Width of the volume's rail: at least, or there is none, and at most.
+/// Width of the volume slider: the least for which it is shown, and the greatest.
 const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
-/// Buttons at the right.
+/// Number of buttons at the right.
 const RIGHT_BUTTONS: f32 = 10.0;
 /// Height of the line of sections, and size of their letters.
 const SECTION_HEIGHT: f32 = 3.0;
 const LETTER_SIZE: f32 = 9.5;
-/// Colours of sections, by the order of their letters.
+/// Colours of sections, in order of their letters' first appearance.
 const SECTION_COLORS: [Color32; 8] = [
     Color32::from_rgb(112, 178, 230),
     Color32::from_rgb(240, 170, 110),
@@ -54,37 +54,37 @@ const SECTION_COLORS: [Color32; 8] = [
     Color32::from_rgb(110, 208, 200),
     Color32::from_rgb(170, 176, 190),
 ];
-/// Between buttons.
+/// Distance between buttons.
 const BUTTON_GAP: f32 = 2.0;
 
-/// What the bar shows.
+/// The content of the bar.
 #[derive(Debug, Clone, Copy)]
 pub struct Bar<'a> {
-    /// What plays.
+    /// The playing track or input.
     pub now: &'a NowPlaying,
-    /// How loud the track is from its start to its end, as far as is known.
+    /// The loudness curve of the track, as far as it is known.
     pub shape: Option<&'a LoudnessShape>,
-    /// What it is made of, once that is known.
+    /// The structure of the song, once it is known.
     pub song: Option<&'a SongStructure>,
-    /// How loud it is at this moment, 0..1.
+    /// The present level, 0..1.
     pub level: f32,
-    /// The scene on the stage, such as "speakers, 12 of 17".
+    /// The shown scene, such as "speakers, 12 of 17".
     pub scene: &'a str,
-    /// The panel that is open.
+    /// The open panel.
     pub open: Option<Panel>,
-    /// Whether the keys are shown.
+    /// True if the keys are shown.
     pub help: bool,
-    /// Whether the sliders are shown.
+    /// True if the sliders are shown.
     pub sliders: bool,
-    /// `true` in full screen.
+    /// True in full screen.
     pub fullscreen: bool,
-    /// A show is on.
+    /// True if a show controls the scenes.
     pub follows: bool,
-    /// Whether it is seen; else it is there for screen readers alone.
+    /// False if the bar exists for screen readers only.
     pub seen: bool,
 }
 
-/// How finely the level is told apart: the bar is laid out anew for each step.
+/// Steps of the level; the bar is laid out again at each step.
 const LEVEL_STEPS: f32 = 24.0;
 
 impl Hash for Bar<'_> {
@@ -97,7 +97,7 @@ impl Hash for Bar<'_> {
     }
 }
 
-/// Draws the bar at the bottom of `space`; returns where it is, and adds what was asked for.
+/// Draws the bar at the bottom of `space`. Returns its area and adds the user's events.
 pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, events: &mut Vec<UiEvent>) -> Rect {
     let width = space.width().min(WIDTH_MAX);
     let area = style::area(Id::unique("bar"), Order::Middle)
@@ -118,7 +118,7 @@ pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, events: 
     shown.response.rect
 }
 
-/// The line above: title and artist to the left, the scene to the right.
+/// Title and artist at the left, the scene at the right.
 fn words(ui: &mut Ui, bar: &Bar<'_>) {
     let full = ui.available_width();
     let (line, _) = ui.allocate_exact_size(vec2(full, WORDS), Sense::hover());
@@ -141,7 +141,7 @@ fn words(ui: &mut Ui, bar: &Bar<'_>) {
     painter.galley(pos2(line.left(), line.center().y - 0.5 * title.size().y), title, style::TEXT);
 }
 
-/// Where in the track we are, and by a click or a drag where we will be. Of an input it is the level.
+/// The seek bar; for a live input, a level meter.
 fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     let full = ui.available_width();
     let (place, response) = ui.allocate_exact_size(vec2(full, RAIL_HEIGHT), Sense::click_and_drag());
@@ -175,7 +175,7 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     if response.clicked() || response.drag_stopped() {
         events.push(UiEvent::Command(Command::SeekTo(seconds)));
     }
-    // The time under the pointer stands above it, within the window.
+    // The time under the pointer, above it and within the window.
     let front = ui.ctx().layer_painter(egui::LayerId::new(Order::Tooltip, Id::unique("hover time")));
     let font = style::proportional(style::SMALL_SIZE);
     let galley = style::line(&front, &clock_time(seconds), font, style::TEXT, 200.0);
@@ -187,8 +187,8 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     front.galley(label.center() - 0.5 * galley.size(), galley, style::TEXT);
 }
 
-/// Draws how loud the track is as bars around the middle of `place`; those up to `fraction` of it have passed. What is not
-/// known yet is a line.
+/// Draws the loudness curve as bars around the middle of `place`. Bars up to `fraction` are in the colour of the played
+/// part, and unknown loudness is a thin line.
 fn draw_shape(painter: &Painter, place: Rect, shape: &LoudnessShape, fraction: f32) {
     let bars = (place.width() / BAR_STEP).floor().max(1.0) as usize;
     for bar in 0..bars {
@@ -205,8 +205,8 @@ fn draw_shape(painter: &Painter, place: Rect, shape: &LoudnessShape, fraction: f
     }
 }
 
-/// Draws the song's sections as a coloured line with their letters at the lower edge of `place`, and its drops as marks at
-/// the upper one.
+/// Draws the song's sections as a coloured line with letters at the lower edge of `place`, and its drops as marks at
+/// the upper edge.
 fn draw_sections(painter: &Painter, place: Rect, song: &SongStructure, duration: f64) {
     let x = |time: f64| place.left() + (time / duration).clamp(0.0, 1.0) as f32 * place.width();
     let mut letters: Vec<&str> = Vec::new();
@@ -282,7 +282,7 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
             panel_button(ui, Icon::Scenes, Panel::Scenes, bar, events);
             key_button(ui, Icon::Show, Command::Follow(Switch::Toggle), Lamp::Seen(bar.follows), events);
             let source = panel_button(ui, Icon::Source, Panel::Sources, bar, events);
-            // How loud it is, under the sign.
+            // The level meter below the icon.
             let bottom = source.rect.center_bottom() - vec2(0.0, LEVEL.y);
             draw_fraction(ui.painter(), Rect::from_center_size(bottom, LEVEL), bar.level.clamp(0.0, 1.0));
             if !now.live {
@@ -293,7 +293,7 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     });
 }
 
-/// A button that does what a key does, and says which.
+/// A button with the action and the tooltip of a key.
 fn key_button(ui: &mut Ui, icon: Icon, command: Command, lamp: Lamp, events: &mut Vec<UiEvent>) -> Response {
     let response = button(ui, icon, &words_of(&command), lamp);
     if response.clicked() {
@@ -302,13 +302,13 @@ fn key_button(ui: &mut Ui, icon: Icon, command: Command, lamp: Lamp, events: &mu
     response
 }
 
-/// The effect of a button, and the key for it.
+/// The description of a command with its key.
 pub(super) fn words_of(command: &Command) -> String {
     match (command, command.binding()) {
         (_, Some(binding)) => format!("{} ({})", binding.help, binding.written),
         (Command::TogglePanel(Panel::Sources), None) => {
             let key = Command::NextSource.binding().map_or("", |binding| binding.written);
-            format!("what is listened to ({key} goes to the next)")
+            format!("choose a sound source ({key} for the next one)")
         }
         (_, None) => String::new(),
     }
@@ -321,15 +321,15 @@ fn panel_button(ui: &mut Ui, icon: Icon, panel: Panel, bar: &Bar<'_>, events: &m
 /// How a button shows its state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lamp {
-    /// Not at all: the button is no switch.
+    /// The button has no state.
     None,
     /// By its colour, and to screen readers.
     Seen(bool),
-    /// By its sign, and to screen readers.
+    /// By its icon, and to screen readers.
     Hidden(bool),
 }
 
-/// A button with a sign, whose words are its tooltip and its name.
+/// A button with an icon. `words` are its tooltip and accessible name.
 pub(super) fn button(ui: &mut Ui, icon: Icon, words: &str, lamp: Lamp) -> Response {
     let (place, response) = ui.allocate_exact_size(vec2(BUTTON, BUTTON), Sense::click());
     let color = match (response.hovered(), lamp) {
@@ -348,19 +348,19 @@ pub(super) fn button(ui: &mut Ui, icon: Icon, words: &str, lamp: Lamp) -> Respon
     response.on_hover_text(words)
 }
 
-/// The button for repeating all tracks, one or none. Its description names the present choice.
+/// The button that cycles through the repeat modes. Its description names the present one.
 fn repeat_button(ui: &mut Ui, now: &NowPlaying, events: &mut Vec<UiEvent>) {
     let (icon, holds) = match now.repeat {
-        Repeat::Off => (Icon::Repeat, "none is repeated"),
-        Repeat::All => (Icon::Repeat, "all are repeated"),
-        Repeat::One => (Icon::RepeatOne, "one is repeated"),
+        Repeat::Off => (Icon::Repeat, "repeat is off"),
+        Repeat::All => (Icon::Repeat, "repeats all tracks"),
+        Repeat::One => (Icon::RepeatOne, "repeats this track"),
     };
     let lamp = Lamp::Seen(now.repeat != Repeat::Off);
     let response = key_button(ui, icon, Command::NextRepeat, lamp, events);
     assisted::describe(ui.ctx(), response.id, holds);
 }
 
-/// The volume's rail.
+/// The volume slider.
 fn volume(ui: &mut Ui, now: &NowPlaying, width: f32, events: &mut Vec<UiEvent>) {
     let (place, response) = ui.allocate_exact_size(vec2(width, BUTTON), Sense::click_and_drag());
     let rail = Rect::from_center_size(place.center(), vec2(width - 14.0, LINE_HEIGHT));

@@ -1,4 +1,4 @@
-//! The list of scenes: a tile with a picture for each, and what was typed to find them.
+//! The scene list: a tile with a thumbnail for each scene, and the search text.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -17,9 +17,9 @@ use image::RgbaImage;
 use crate::scene_browser::{SceneBrowser, Tile, TilePicture};
 use mariana_commands::{Command, Panel};
 
-/// Narrowest tile, in points; as many stand side by side as fit.
+/// Least width of a tile, in points; as many as fit are side by side.
 const TILE_MIN: f32 = 168.0;
-/// Between tiles.
+/// Distance between tiles.
 const GAP: f32 = 10.0;
 /// Height of a tile's name.
 const NAME: f32 = 22.0;
@@ -28,11 +28,11 @@ const LINE: f32 = 24.0;
 /// Widest panel.
 const WIDTH_MAX: f32 = 1180.0;
 
-/// Pictures that the GPU has, by the place of their bytes in memory; only of tiles that are seen.
+/// Textures of the visible tiles, by the address of their image.
 #[derive(Default)]
 pub(super) struct TilePictures {
     textures: HashMap<usize, (Arc<RgbaImage>, TextureHandle)>,
-    /// The selected tile when it was last drawn: when it changes it is scrolled to.
+    /// The selected tile at the last drawing. When it changes, the list scrolls to it.
     selected: Option<usize>,
 }
 
@@ -48,13 +48,13 @@ impl TilePictures {
         self.textures.entry(key).or_insert_with(made).1.id()
     }
 
-    /// Lets go of everything; the panel is closed.
+    /// Drops all textures when the panel closes.
     pub(super) fn clear(&mut self) {
         *self = Self::default();
     }
 }
 
-/// Draws the panel in the middle of `space`; returns where it is.
+/// Draws the panel in the middle of `space` and returns its area.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
@@ -77,7 +77,7 @@ pub(super) fn show(
     shown.response.rect
 }
 
-/// What was typed, or what one can do; and how many scenes there are.
+/// The search text or a hint, and the number of scenes.
 fn heading(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));
@@ -95,7 +95,7 @@ fn heading(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
     painter.galley(pos2(right, place.top() + 1.0), count, style::DIM);
     let (words, color, font) = match browser.query() {
         "" => {
-            ("type to search · arrows and Enter, or a click, show · Tab or the star marks", style::DIM, small)
+            ("type to search · Enter or a click shows a scene · Tab or the star marks it", style::DIM, small)
         }
         query => (query, style::TEXT, style::proportional(style::HEADING_SIZE)),
     };
@@ -222,13 +222,13 @@ fn draw_tile(
     }
 }
 
-/// What the selected scene says about itself.
+/// The comment of the selected scene.
 fn comment(ui: &mut Ui, browser: &SceneBrowser) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
     let words = match browser.tile(browser.selected()) {
         Some(tile) if tile.comment.is_empty() => tile.name.clone(),
         Some(tile) => format!("{}: {}", tile.name, tile.comment),
-        None => "no scene has these words; Backspace takes letters away".to_owned(),
+        None => "no scene matches; press Backspace to shorten the search".to_owned(),
     };
     let font = style::proportional(style::SMALL_SIZE);
     let galley = style::line(ui.painter(), &words, font, style::DIM, place.width());

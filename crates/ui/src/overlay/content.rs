@@ -1,4 +1,4 @@
-//! What the overlay is asked to show, and for how long a notice stays.
+//! The content of the overlay, and the timing of notices.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::{Duration, Instant};
@@ -16,55 +16,55 @@ use crate::settings_panel::SettingsPanel;
 use mariana_control::Slider;
 use mariana_render::placement::Area;
 
-/// What is shown over the picture; every part is optional, and by default there is none.
+/// Everything over the frame. Every part is optional, and the default is empty.
 #[derive(Debug, Default)]
 pub struct OverlayContent<'a> {
     /// A line in the lower left corner, such as "speakers · interpreted · 230 clauses".
     pub corner: Option<&'a str>,
-    /// What is wrong; stays for as long as it is given.
+    /// An error that stays as long as it is given.
     pub problem: Option<Problem<'a>>,
-    /// A short line that fades.
+    /// A short message that fades.
     pub notice: Option<Notice<'a>>,
-    /// Sliders of the scene's parameters, which the user moves.
+    /// The scene's parameters, which the user can move.
     pub params: Option<&'a mut [Slider]>,
-    /// The table of keys.
+    /// Shows the table of keys.
     pub help: bool,
-    /// A line that stays for as long as it is given.
+    /// A line that stays as long as it is given.
     pub hint: Option<&'a str>,
-    /// What can be listened to.
+    /// The sound sources.
     pub sources: Option<SourceList>,
-    /// The words at the start.
+    /// The welcome text after the start.
     pub welcome: Option<Welcome<'a>>,
-    /// The bar with the buttons.
+    /// The player bar.
     pub bar: Option<Bar<'a>>,
-    /// The list of tracks.
+    /// The track list.
     pub tracks: Option<Tracks<'a>>,
-    /// The list of scenes.
+    /// The scene list.
     pub scenes: Option<&'a SceneBrowser>,
-    /// The list of files.
+    /// The file list.
     pub files: Option<&'a FileBrowser>,
-    /// The settings.
+    /// The settings panel.
     pub settings: Option<&'a SettingsPanel>,
-    /// The editor.
+    /// The scene editor.
     pub editor: Option<&'a Editor>,
-    /// Knobs from outside.
+    /// The controllers panel.
     pub controllers: Option<&'a ControllersPanel>,
-    /// The parameter that a knob is being learned for.
+    /// The parameter for which a control is being learned.
     pub learning: Option<&'a str>,
-    /// The corners of the picture, while they are moved.
+    /// The corner handles, while the corners are adjusted.
     pub corners: Option<CornerHandles>,
-    /// The part of the window in which the picture lies small, if the window is the desk of an output.
+    /// The area of the small frame, if the window is the control window of an output.
     pub picture: Option<Area>,
-    /// The scene that comes next.
+    /// The next scene of the show.
     pub next: Option<&'a NextScene>,
-    /// Whether the pointer is hidden while it is over the picture.
+    /// True if the pointer is hidden over the frame.
     pub hides_pointer: bool,
 }
 
-/// What can be listened to.
+/// The sound sources.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct SourceList {
-    /// In the order of the key.
+    /// Names in the order of the key.
     pub names: Vec<String>,
     /// The index of the present one.
     pub present: Option<usize>,
@@ -75,56 +75,56 @@ pub struct SourceList {
 pub struct Problem<'a> {
     /// One line, such as "spheres.scene has mistakes; the last good scene stays".
     pub heading: &'a str,
-    /// The diagnostics as plain text for a terminal, as [`mariana_field::lang::render_all`] gives it without colours.
+    /// The diagnostics as plain text for a terminal, from [`mariana_field::lang::render_all`] without colours.
     pub text: &'a str,
 }
 
-/// A short line that fades. The same text with a later `since` starts anew.
+/// A short message that fades. The same text with a later `since` starts again.
 #[derive(Debug, Clone, Copy)]
 pub struct Notice<'a> {
-    /// Such as "compiled".
+    /// The text, such as "compiled".
     pub text: &'a str,
-    /// A share that is drawn below the text, 0..1: of a track, or of the full volume.
+    /// A value below the text, 0..1: a position in the track, or the volume.
     pub fraction: Option<f32>,
-    /// When it came up.
+    /// The time at which it appeared.
     pub since: Instant,
 }
 
-/// How long a notice stays before it fades, at least, and for each of its characters.
+/// The least time before a notice fades.
 const NOTICE_STANDS: Duration = Duration::from_millis(1_600);
-/// See [`NOTICE_STANDS`].
+/// Reading time for each character.
 const CHARACTER_STANDS: Duration = Duration::from_millis(55);
-/// How long even the longest notice stays.
+/// The greatest time before a notice fades.
 const NOTICE_STANDS_MAX: Duration = Duration::from_secs(9);
-/// How long it takes to fade.
+/// Duration of the fade.
 const NOTICE_FADES: Duration = Duration::from_millis(500);
 
 impl Notice<'_> {
-    /// Its opacity, 0..1.
+    /// Opacity, 0..1.
     pub(super) fn opacity(&self, now: Instant) -> f32 {
         let fading = now.saturating_duration_since(self.since).saturating_sub(self.stands());
         1.0 - (fading.as_secs_f32() / NOTICE_FADES.as_secs_f32()).min(1.0)
     }
 
-    /// When it will look different; never once it is gone.
+    /// The time of the next change of its look; `None` once it is gone.
     pub(super) fn next_change(&self, now: Instant) -> Option<Instant> {
         (self.opacity(now) > 0.0).then(|| now.max(self.since + self.stands()))
     }
 
-    /// How long it stays: long enough to be read.
+    /// Time before the fade, long enough to read the text.
     fn stands(&self) -> Duration {
         let characters = u32::try_from(self.text.chars().count()).unwrap_or(u32::MAX);
         CHARACTER_STANDS.saturating_mul(characters).clamp(NOTICE_STANDS, NOTICE_STANDS_MAX)
     }
 
-    /// Whether it no longer shows.
+    /// True once it has faded.
     pub fn is_gone(&self, now: Instant) -> bool {
         self.opacity(now) <= 0.0
     }
 }
 
 impl<'a> OverlayContent<'a> {
-    /// Adds another notice: the newer one shows.
+    /// Adds another notice; the newer of two is shown.
     pub fn add(&mut self, notice: Option<Notice<'a>>) {
         let newer = notice.filter(|notice| self.notice.is_none_or(|other| other.since <= notice.since));
         self.notice = newer.or(self.notice);
@@ -132,7 +132,7 @@ impl<'a> OverlayContent<'a> {
 }
 
 impl OverlayContent<'_> {
-    /// Whether nothing shows.
+    /// True if there is nothing to draw.
     pub(super) fn is_empty(&self, now: Instant) -> bool {
         self.corner.is_none()
             && self.problem.is_none()
@@ -153,12 +153,12 @@ impl OverlayContent<'_> {
             && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
 
-    /// Whether there are sliders.
+    /// True if there are sliders.
     pub(super) fn has_params(&self) -> bool {
         self.params.as_ref().is_some_and(|sliders| !sliders.is_empty())
     }
 
-    /// Whether the pointer can move or press something.
+    /// True if the pointer can move or press something.
     pub(super) fn is_interactive(&self) -> bool {
         self.has_params()
             || self.bar.is_some_and(|bar| bar.seen)
@@ -172,7 +172,7 @@ impl OverlayContent<'_> {
             || self.corners.is_some()
     }
 
-    /// A number that changes when something else shows. A notice counts for as long as it shows, faded or not.
+    /// A number that changes with the content. A notice counts until it is gone, faded or not.
     pub(super) fn fingerprint(&self, now: Instant) -> u64 {
         let mut hasher = DefaultHasher::new();
         (self.corner, self.problem, self.help).hash(&mut hasher);
@@ -205,20 +205,20 @@ mod tests {
     use mariana_control::ChangedBy;
 
     #[test]
-    fn a_notice_stands_then_fades_then_is_gone() {
+    fn a_notice_stays_then_fades_then_is_gone() {
         let since = Instant::now();
         let notice = Notice { text: "compiled", fraction: None, since };
         let at = |ms| since + Duration::from_millis(ms);
         assert_eq!([0, 1_600].map(|ms| notice.opacity(at(ms))), [1.0, 1.0]);
         assert!((notice.opacity(at(1_850)) - 0.5).abs() < 0.01);
         assert_eq!([2_100, 9_000].map(|ms| notice.opacity(at(ms))), [0.0, 0.0]);
-        // It stays unchanged, then changes all the time while it fades, and never again when it is gone.
+        // It is constant at first, changes continuously during the fade, and never after it.
         assert_eq!(notice.next_change(at(100)), Some(at(1_600)));
         assert_eq!(notice.next_change(at(1_700)), Some(at(1_700)));
         assert_eq!(notice.next_change(at(2_100)), None);
         let content = || OverlayContent { notice: Some(notice), ..Default::default() };
         assert!(!content().is_empty(at(2_099)) && content().is_empty(at(2_100)));
-        // A longer sentence stays longer, but not for ever.
+        // A longer sentence stays longer, up to a limit.
         for (length, ms) in [(100, 5_500), (10_000, 9_000)] {
             let text = "a".repeat(length);
             let sentence = Notice { text: &text, fraction: None, since };
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn what_shows_has_another_fingerprint_than_what_showed() {
+    fn different_content_has_different_fingerprints() {
         let now = Instant::now();
         let mut sliders = [Slider {
             name: "size".into(),
@@ -255,14 +255,14 @@ mod tests {
             OverlayContent { sources: Some(list(Some(1))), ..Default::default() },
         ];
         for content in &contents {
-            assert!(seen.insert(content.fingerprint(now)), "{content:?} is taken for another");
+            assert!(seen.insert(content.fingerprint(now)), "the fingerprint of {content:?} is not unique");
         }
         for value in [0.5, 1.0] {
             sliders[0].value = value;
             let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
-            assert!(seen.insert(content.fingerprint(now)), "{content:?} is taken for another");
+            assert!(seen.insert(content.fingerprint(now)), "the fingerprint of {content:?} is not unique");
         }
-        // The same words again count as new, and a notice that is gone does not count.
+        // The same text later counts as new. A notice that is gone does not count.
         let later = now + Duration::from_secs(1);
         let again = OverlayContent {
             notice: Some(Notice { text: "a", fraction: None, since: later }),

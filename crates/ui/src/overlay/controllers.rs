@@ -1,4 +1,4 @@
-//! The panel of knobs from outside.
+//! The drawing of the controllers panel.
 
 use egui::{Color32, Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -17,15 +17,15 @@ const WIDTH_MAX: f32 = 640.0;
 const LINE: f32 = 24.0;
 /// Width of the scroll bar's lane.
 const LANE: f32 = 10.0;
-/// How far mappings stand to the right of what they turn.
+/// Indentation of mappings below their target.
 const INDENT: f32 = 16.0;
-/// Width of the names of what can be turned, as a share of a row.
+/// Width of the targets' names, as a fraction of a row.
 const NAME: f32 = 0.34;
 
-/// What was seen when the panel was last drawn: the row that keys change.
+/// The selected row when the panel was last drawn.
 pub(super) type Seen = usize;
 
-/// Draws the panel in the middle of `space`; returns where it is.
+/// Draws the panel in the middle of `space` and returns its area.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
@@ -47,7 +47,7 @@ pub(super) fn show(
             let moved = before.is_some_and(|before| before != panel.selected());
             let mut list = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
             if before.is_none() {
-                // It opens with what stands above everything that can be chosen.
+                // Open at the top, where the connection code is.
                 list = list.vertical_scroll_offset(0.0);
             }
             list.show(ui, |ui| {
@@ -69,15 +69,15 @@ pub(super) fn show(
 fn heading(ui: &mut Ui, ask: &mut impl FnMut(Command)) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));
-    if icons::closing_cross(ui, cross, "close the knobs") {
+    if icons::closing_cross(ui, cross, "close the controllers") {
         ask(Command::TogglePanel(Panel::Controllers));
     }
     let painter = ui.painter();
     let font = style::proportional(style::HEADING_SIZE);
-    let title = style::line(painter, "Knobs from outside", font, style::TEXT, place.width());
+    let title = style::line(painter, "Controllers", font, style::TEXT, place.width());
     let left = place.left() + title.size().x + 14.0;
     let font = style::proportional(style::SMALL_SIZE);
-    let words = "choose, then move a knob · remembered";
+    let words = "click a row, then move a knob · saved automatically";
     let hint = style::line(painter, words, font, style::DIM, (cross.left() - left - 8.0).max(0.0));
     painter.galley(pos2(left, place.top() + title.size().y - hint.size().y - 1.0), hint, style::DIM);
     painter.galley(place.min, title, style::TEXT);
@@ -131,7 +131,7 @@ fn draw_row(
     }
 }
 
-/// A row that can be clicked: a name and what there is to say of it.
+/// A clickable row with a name and a description.
 fn two_words(ui: &mut Ui, is_selected: bool, name: (&str, Color32), about: (&str, Color32)) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::click());
     if is_selected || response.hovered() {
@@ -143,7 +143,7 @@ fn two_words(ui: &mut Ui, is_selected: bool, name: (&str, Color32), about: (&str
     response
 }
 
-/// Draws a mapping: what it is, and below what can be changed of it.
+/// Draws a mapping, and below it the parts that can be changed.
 fn draw_knob(
     ui: &mut Ui,
     (mapping, words, stands): (&Mapping, &str, Option<f32>),
@@ -189,10 +189,10 @@ fn draw_knob(
         }
         let button = match field {
             Field::From | Field::To if stands.is_some() => {
-                button.on_hover_text("click: where the parameter stands now is this end of the knob's way")
+                button.on_hover_text("click to set this end to the parameter's present value")
             }
             Field::PickUp => {
-                button.on_hover_text("whether the knob takes hold only where it passes the value")
+                button.on_hover_text("picks up: acts once the knob reaches the value · jumps: acts at once")
             }
             _ => button,
         };

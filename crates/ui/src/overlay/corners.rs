@@ -1,4 +1,4 @@
-//! The corners of the picture, to be dragged.
+//! Draggable handles on the corners of the frame.
 
 use egui::{Id, LayerId, Order, Rect, Sense, Stroke, WidgetInfo, pos2, vec2};
 
@@ -7,15 +7,15 @@ use super::{assisted, style};
 use crate::corner_handles::CornerHandles;
 use mariana_commands::{Command, MovedCorner};
 
-/// Width and height of what can be grabbed, in points.
+/// Width and height of the area in which a handle can be grabbed, in points.
 const HOLD: f32 = 44.0;
-/// Radius of what is drawn of it.
+/// Radius of a drawn handle.
 const RADIUS: f32 = 11.0;
-/// What the corners are called.
+/// Accessible names of the corners.
 const NAMES: [&str; 4] =
     ["upper left corner", "upper right corner", "lower right corner", "lower left corner"];
 
-/// Draws the corners in a window of `screen` points; returns where they can be grabbed.
+/// Draws the handles in a window of `screen` points. Returns the areas in which they can be grabbed.
 pub(super) fn show(
     context: &egui::Context,
     screen: Rect,
@@ -31,8 +31,7 @@ pub(super) fn show(
         lines.line_segment(ends, Stroke::new(4.0, style::RAIL));
         lines.line_segment(ends, Stroke::new(1.5, style::ACCENT));
     }
-    let words =
-        "drag the corners · Tab and arrows move them, with Shift further · Home puts them back · Y is done";
+    let words = "drag the corners, or use Tab and the arrows (Shift for large steps) · Home resets them · Y when done";
     let font = style::proportional(style::SMALL_SIZE);
     let galley = style::line(&lines, words, font, style::TEXT, 0.9 * screen.width());
     let ground = Rect::from_center_size(screen.center(), galley.size() + vec2(24.0, 12.0));
@@ -42,7 +41,7 @@ pub(super) fn show(
 
     let mut grabs = Vec::new();
     for (corner, place) in places.into_iter().enumerate() {
-        // A corner outside the window is grabbed at its edge.
+        // A corner outside the window is grabbed at the window's edge.
         let seen = screen.shrink(RADIUS.min(0.5 * screen.size().min_elem())).clamp(place);
         let grab = Rect::from_center_size(seen, vec2(HOLD, HOLD)).intersect(screen);
         let area = style::area(Id::unique("corner of the picture").with(corner), Order::Foreground)

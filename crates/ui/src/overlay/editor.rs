@@ -1,4 +1,4 @@
-//! The editor over the left of the picture: the scene's text between a line of names and buttons and what is to be told.
+//! The drawing of the editor at the left of the window: tabs and buttons, the text, and a footer with messages.
 
 mod card;
 mod cross;
@@ -16,21 +16,21 @@ use super::{assisted, icons, style};
 use crate::editor::keys::written_rows;
 use crate::editor::{Document, EditAction, Editor, EditorEvent, Owner, Question};
 
-/// Share of the window's width that the editor takes, and its least and greatest width in points.
+/// Width of the editor as a fraction of the window's width, and its least and greatest width in points.
 const WIDTH_FRACTION: f32 = 0.56;
 const WIDTH_MIN: f32 = 500.0;
 const WIDTH_MAX: f32 = 860.0;
-/// Height of a line of words and buttons.
+/// Height of a line of text and buttons.
 const LINE: f32 = 24.0;
-/// Fewest lines for which there is room, so that there is some for proposals, too.
+/// Fewest lines of text, so that the completion list has room.
 const LINES_MIN: usize = 14;
-/// Height of what is around the text, about.
+/// Approximate height of everything around the text.
 const AROUND: f32 = 112.0;
-/// Distance of the words from the panel's edge.
+/// Distance of the text from the panel's edge.
 const EDGE: f32 = 10.0;
 
-/// Draws the editor at the left of its room, and over the picture what is told of it; returns where the editor is, and
-/// then what else belongs to it.
+/// Draws the editor, and its marks and cards over the frame. Returns the area of the editor, then the areas of its
+/// other parts.
 pub(super) fn show(
     context: &egui::Context,
     rooms: &Rooms,
@@ -40,7 +40,7 @@ pub(super) fn show(
     let space = rooms.main;
     let fraction = if rooms.is_desk { 1.0 } else { WIDTH_FRACTION };
     let width = (fraction * space.width()).clamp(WIDTH_MIN.min(space.width()), WIDTH_MAX);
-    // As high as its text, so that it hides no more of the picture than it must.
+    // Only as high as its text, so that it hides no more of the frame than it must.
     let font = context.layer_painter(egui::LayerId::background());
     let lines = editor.document().map_or(0, |document| document.editing.buffer().line_count());
     let wanted = (lines + 2).max(LINES_MIN) as f32 * text::cell(&font).y + AROUND;
@@ -71,7 +71,7 @@ pub(super) fn show(
     parts
 }
 
-/// Names of the texts, and buttons; returns where what follows begins.
+/// Draws the tabs and buttons. Returns the top of what follows.
 fn header(
     ui: &Ui,
     space: Rect,
@@ -81,7 +81,7 @@ fn header(
 ) -> f32 {
     let line = Rect::from_min_size(space.min, vec2(space.width(), LINE));
     let cross = Rect::from_center_size(pos2(line.right() - 0.5 * LINE, line.center().y), vec2(LINE, LINE));
-    if icons::closing_cross(ui, cross, "leave the editor (Esc)") {
+    if icons::closing_cross(ui, cross, "close the editor (Esc)") {
         ask(EditorEvent::Act(EditAction::Leave));
     }
     let mut right = cross.left() - 6.0;
@@ -95,7 +95,7 @@ fn header(
     let others = [
         ("new", EditAction::New, false),
         ("profile", EditAction::Profile, profiles),
-        ("light up", EditAction::Light, lights),
+        ("highlight", EditAction::Light, lights),
     ];
     for (words, command, is_on) in save.into_iter().chain(others) {
         let key = written_key(command);
@@ -132,18 +132,16 @@ fn header(
     line.bottom() + 4.0
 }
 
-/// What is asked about the text, with its answers; returns where what follows begins.
+/// Draws the question about the text and its answers. Returns the top of what follows.
 fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(EditorEvent)) -> f32 {
     let (words, first, second) = match &document.question {
         None => return space.top(),
-        Some(Question::Kept(_)) => {
-            ("Text that you typed earlier and did not save is kept.", "bring it back", "throw it away")
-        }
+        Some(Question::Kept(_)) => ("There is unsaved text from last time.", "restore it", "discard it"),
         Some(Question::Conflict(_)) => {
-            ("Another program has written this file meanwhile.", "save mine over it", "take theirs")
+            ("Another program has changed this file.", "keep my text", "load the new one")
         }
         Some(Question::Gone) => {
-            ("This file was deleted. Your text is still here.", "write it again", "leave it")
+            ("This file was deleted. Your text is still here.", "save it again", "leave it")
         }
     };
     assisted::text(ui.ctx(), "question", words, true);
@@ -163,13 +161,13 @@ fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(Edit
     line.bottom() + 4.0
 }
 
-/// The key for a command, as people write it.
+/// The displayed key of an action.
 fn written_key(action: EditAction) -> &'static str {
     written_rows().find(|row| row.action == action).map_or("", |row| row.written)
 }
 
-/// A button with a word, for which there is a key, too, whose right edge is at a place; returns where it is and whether it was clicked.
-/// `is_on`: it is a switch that is on.
+/// A text button with a key, right-aligned at a position. Returns its area, and true if it was clicked. `is_on` marks a
+/// switch that is on.
 fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str, is_on: bool) -> (Rect, bool) {
     let color = style::ACCENT;
     let galley = style::line(ui.painter(), words, style::proportional(style::SMALL_SIZE), color, f32::MAX);
@@ -189,8 +187,8 @@ fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str, is_on: bool) 
     (rect, clicked)
 }
 
-/// What is to be told, at the bottom: what is wrong or what stands at the cursor, then the answer to the last key, or
-/// where the cursor is. Returns where it begins.
+/// Draws the footer: the mistake or the documentation at the cursor, then the last message or the cursor position.
+/// Returns the top of the footer.
 fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
     let painter = ui.painter();
     let (small, width) = (style::proportional(style::SMALL_SIZE), space.width());
@@ -230,10 +228,10 @@ fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
             let state = match (&document.owner, document.is_dirty()) {
                 (Owner::Shipped(_), _) => "comes with Mariana",
                 (_, true) => "not saved",
-                (_, false) if document.disk.is_none() => "being read",
+                (_, false) if document.disk.is_none() => "loading",
                 (_, false) => "saved",
             };
-            let focus = if editor.has_focus() { "" } else { " · keys go to the show: click here to write" };
+            let focus = if editor.has_focus() { "" } else { " · keys control the show: click here to type" };
             add(&format!("line {}, {} · {state}{focus}", line + 1, column + 1), small, style::DIM);
         }
     }

@@ -1,86 +1,86 @@
-//! What the pointer and the keys of the controls do in the panels.
+//! Events of the panels.
 
 use std::ops::Range;
 
 use crate::editor::EditorEvent;
 use mariana_commands::Command;
 
-/// Something that was done in a panel.
+/// An event of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub enum UiEvent {
-    /// A command to the show.
+    /// A command for the session.
     Command(Command),
-    /// Something in the text of the editor.
+    /// An event of the scene editor.
     Editor(EditorEvent),
-    /// Something in the list of scenes.
+    /// An event of the scene list.
     Scenes(SceneListEvent),
-    /// Something in the list of files.
+    /// An event of the file list.
     Files(FileListEvent),
-    /// Something in the panel of settings.
+    /// An event of the settings panel.
     Settings(SettingEvent),
 }
 
-/// What was done in the list of scenes; places are those among the scenes that were found.
+/// An event of the scene list. Indices count the matching scenes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SceneListEvent {
-    /// The scene at a place was chosen.
+    /// A scene was chosen.
     Show {
-        /// The place.
+        /// Its index.
         place: usize,
-        /// Whether the list closes.
+        /// True if the list closes.
         close: bool,
     },
-    /// The scene at a place was marked, or its mark was taken away.
+    /// The mark of a scene was toggled.
     Mark(usize),
-    /// These places were drawn, so many side by side.
+    /// These tiles were drawn.
     Drawn {
-        /// The places.
+        /// Their indices.
         places: Range<usize>,
         /// Tiles side by side.
         columns: usize,
     },
 }
 
-/// What was done in the list of files.
+/// An event of the file list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileListEvent {
-    /// The entry at a place among those that match was chosen.
+    /// A matching entry was chosen.
     Open {
-        /// The place.
+        /// Its index.
         place: usize,
-        /// Whether a file follows the tracks that are there.
+        /// True if a file is added to the tracks instead of replacing them.
         append: bool,
     },
-    /// The folder was chosen with everything in it.
+    /// The whole shown folder was chosen.
     OpenFolder {
-        /// Whether it follows the tracks that are there.
+        /// True if it is added to the tracks instead of replacing them.
         append: bool,
     },
-    /// One of the places to begin with was chosen.
+    /// The shortcut with this index was chosen.
     EnterPlace(usize),
-    /// The folder above was chosen.
+    /// The parent folder was chosen.
     Up,
     /// The list was closed.
     Close,
 }
 
-/// What was done in the panel of settings.
+/// An event of the settings panel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SettingEvent {
-    /// A value of a row was chosen.
+    /// A value was chosen.
     Pick {
-        /// The place of the row.
+        /// Index of the row.
         row: usize,
-        /// The place of the value in it.
+        /// Index of the value in the row.
         value: usize,
     },
-    /// The number of a row was changed.
+    /// A number was changed.
     Change {
-        /// The place of the row.
+        /// Index of the row.
         row: usize,
-        /// The number: milliseconds or percent.
+        /// The new number: milliseconds or percent.
         number: f64,
-        /// Whether the pointer has let go of it.
+        /// True once the pointer has released it.
         settled: bool,
     },
     /// The panel was closed.

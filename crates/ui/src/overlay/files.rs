@@ -1,4 +1,4 @@
-//! The list of files and folders, and the places to begin with.
+//! The drawing of the file list with its shortcuts.
 
 use egui::{Id, Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -14,7 +14,7 @@ const ROW: f32 = 24.0;
 /// Width of the scroll bar's lane.
 const LANE: f32 = 10.0;
 
-/// Draws the panel in the middle of `space`; returns where it is.
+/// Draws the panel in the middle of `space` and returns its area.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
@@ -39,7 +39,7 @@ pub(super) fn show(
     shown.response.rect
 }
 
-/// The folder, or what was typed, and the cross.
+/// The shown folder or the search text, and the close button.
 fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), 1.2 * ROW), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 2.0), vec2(ROW, ROW));
@@ -55,7 +55,7 @@ fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)
     ui.painter().galley(place.min, galley, style::TEXT);
 }
 
-/// Up, the places to begin with, and the folder as a whole.
+/// Buttons: up, shortcuts, and the whole folder.
 fn places(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)) {
     ui.horizontal_wrapped(|ui| {
         if word(ui, "up").clicked() {
@@ -70,13 +70,13 @@ fn places(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent))
         if word(ui, "play this folder").clicked() {
             ask(FileListEvent::OpenFolder { append: false });
         }
-        if word(ui, "add it").clicked() {
+        if word(ui, "add this folder").clicked() {
             ask(FileListEvent::OpenFolder { append: true });
         }
     });
 }
 
-/// A button with a word.
+/// A text button.
 fn word(ui: &mut Ui, words: &str) -> egui::Response {
     let font = style::proportional(style::TEXT_SIZE);
     let galley = style::line(ui.painter(), words, font, style::ACCENT, ui.available_width().max(80.0));
@@ -133,7 +133,7 @@ fn rows(
 fn footing(ui: &mut Ui) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let words =
-        "type to search · Enter opens, with Shift it adds, with Ctrl the whole folder · Backspace goes up";
+        "type to search · Enter opens, Shift+Enter adds, Ctrl+Enter plays the folder · Backspace goes up";
     let font = style::proportional(style::SMALL_SIZE);
     let galley = style::line(ui.painter(), words, font, style::DIM, place.width());
     ui.painter().galley(pos2(place.left(), place.bottom() - galley.size().y), galley, style::DIM);

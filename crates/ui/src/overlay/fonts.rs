@@ -1,7 +1,7 @@
-//! Letters that the overlay's fonts lack: fonts of the system are looked for, on a thread of their own, and stand in.
+//! Fallback fonts: a thread searches the system's fonts for characters that the built-in fonts lack.
 //!
-//! egui asks for each missing letter once, while it lays text out; it draws a box. When fonts have been found the show
-//! is woken and the text is laid out again. As long as nothing is missing there is no thread and nothing is read.
+//! egui requests each missing character once, during layout, and draws a box. When fonts have been found, the show is
+//! woken and the text is laid out again. The thread starts with the first missing character.
 
 use std::collections::BTreeSet;
 use std::mem;
@@ -14,30 +14,30 @@ use egui::epaint::text::{FallbackRequest, FontInsert, FontProvider};
 use crate::limits::LIMITS;
 use mariana_render::system_fonts::SystemFonts;
 
-/// Where fonts are looked for, and who is woken when there are some.
+/// The fonts to search, and the function to call after a find.
 struct Start {
     fonts: SystemFonts,
     wake: Box<dyn Fn() + Send>,
 }
 
-/// See the module.
+/// The missing characters, the search thread, and the fonts it has found.
 pub(super) struct Fallback {
     missed: Arc<Missed>,
-    /// Until something is missing.
+    /// Present until the thread starts.
     start: Option<Start>,
     wanted: Option<Sender<BTreeSet<char>>>,
     found: Arc<Mutex<Vec<FontInsert>>>,
 }
 
-/// What egui has missed.
+/// The characters that egui has requested.
 #[derive(Default)]
 struct Missed(Mutex<Letters>);
 
 #[derive(Default)]
 struct Letters {
-    /// Since they were last handed on.
+    /// Since the last request to the thread.
     new: BTreeSet<char>,
-    /// Ever.
+    /// Since the start.
     all: BTreeSet<char>,
 }
 
@@ -53,8 +53,8 @@ impl FontProvider for Missed {
 }
 
 impl Fallback {
-    /// Notes what `context` misses, and looks among `fonts` for it. `wake` is called, on another thread, when there is
-    /// something to [`Self::add_found`].
+    /// Records the characters that `context` lacks and searches `fonts` for them. `wake` is called on another thread
+    /// when [`Self::add_found`] has something to add.
     pub(super) fn new(context: &Context, fonts: SystemFonts, wake: impl Fn() + Send + 'static) -> Self {
         let missed = Arc::new(Missed::default());
         context.add_font_provider(missed.clone());
@@ -62,31 +62,31 @@ impl Fallback {
         Self { missed, start, wanted: None, found: Arc::default() }
     }
 
-    /// Whether there are fonts to add.
+    /// True if there are fonts to add.
     pub(super) fn has_found(&self) -> bool {
         !lock(&self.found).is_empty()
     }
 
-    /// How many letters have been missed so far.
+    /// The number of missing characters so far.
     #[cfg(test)]
     pub(super) fn missed(&self) -> usize {
         lock(&self.missed.0).all.len()
     }
 
-    /// Whether the thread has been started.
+    /// True once the thread has started.
     #[cfg(test)]
     pub(super) fn has_started(&self) -> bool {
         self.start.is_none()
     }
 
-    /// Adds the fonts that were found to `context`: its next pass has them.
+    /// Adds the found fonts to `context` for its next layout.
     pub(super) fn add_found(&self, context: &Context) {
         for font in mem::take(&mut *lock(&self.found)) {
             context.add_font(font);
         }
     }
 
-    /// Looks for what was missed since it was last called.
+    /// Requests the characters that are missing since the last call.
     pub(super) fn look(&mut self) {
         let new = mem::take(&mut lock(&self.missed.0).new);
         if new.is_empty() {
@@ -98,11 +98,13 @@ impl Fallback {
             let thread = std::thread::Builder::new().name("fonts".into());
             match thread.spawn(move || search(start, &requests, &found)) {
                 Ok(_) => self.wanted = Some(wanted),
-                Err(error) => tracing::warn!("no thread for fonts, boxes stand for what is missing: {error}"),
+                Err(error) => tracing::warn!(
+                    "cannot start the font search, so missing letters appear as boxes: {error}"
+                ),
             }
         }
         if let Some(wanted) = &self.wanted {
-            // Without the thread boxes stay.
+            // Without the thread, boxes stay.
             let _ = wanted.send(new);
         }
     }
@@ -118,7 +120,7 @@ fn search(mut start: Start, requests: &Receiver<BTreeSet<char>>, found: &Mutex<V
     }
 }
 
-/// What it guards is whole between any two statements, whatever thread ended.
+/// No statement can leave the guarded data half changed, so a poisoned lock is safe to use.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -7,20 +7,20 @@ use egui::{CornerRadius, Galley, Painter, Rect, vec2};
 use super::style;
 use mariana_commands::{Binding, bindings};
 
-/// The smallest size of the text, in points, for windows that are too small for the table.
+/// Least text size in points, for windows that are too small for the table.
 const SIZE_MIN: f32 = 6.0;
 /// Most columns of keys.
 const COLUMNS_MAX: usize = 2;
-/// Between columns, in ems.
+/// Distance between columns, in ems.
 const COLUMN_GAP: f32 = 2.0;
 
-/// A row: the caps of the keys, and what they do.
+/// A row: the keycaps, and their effect.
 struct Row {
     caps: Vec<Arc<Galley>>,
     meaning: Arc<Galley>,
 }
 
-/// The table at one size of text; lengths in points.
+/// The table at one text size. Lengths are in points.
 struct Table {
     rows: Vec<Row>,
     /// Columns of rows, side by side.
@@ -32,14 +32,14 @@ struct Table {
     em: f32,
 }
 
-/// Draws the panel in the middle of `space` and returns where it is.
+/// Draws the panel in the middle of `space` and returns its area.
 pub(super) fn draw(painter: &Painter, space: Rect) -> Rect {
     let room = space.size() - 2.0 * style::PADDING;
-    // The number of columns that allows the largest text.
+    // Choose the number of columns that allows the largest text.
     let shrink_of = |table: &Table| (room / table.size()).min_elem().min(1.0);
     let tables = (1..=COLUMNS_MAX).map(|columns| Table::new(painter, style::TEXT_SIZE, columns));
     let Some(mut table) = tables.max_by(|a, b| {
-        // Among equals the one with fewer columns.
+        // Prefer fewer columns.
         shrink_of(a).total_cmp(&shrink_of(b)).then(b.columns.cmp(&a.columns))
     }) else {
         return Rect::NOTHING;
@@ -85,7 +85,7 @@ impl Table {
         self.rows.len().div_ceil(self.columns.max(1))
     }
 
-    /// With the gap to the next one.
+    /// Includes the gap to the next column.
     fn column_width(&self) -> f32 {
         self.caps_width + self.em + self.meaning_width + COLUMN_GAP * self.em
     }
@@ -120,11 +120,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_way_to_do_a_thing_has_its_cap() {
+    fn every_key_of_a_binding_has_a_keycap() {
         let full_screen = bindings().find(|binding| binding.written.contains("F11")).unwrap();
         assert_eq!(caps(full_screen).collect::<Vec<_>>(), ["F", "F11", "double click"]);
         for binding in bindings() {
-            // Every named key has a cap; some are not named (media keys).
+            // Every named key has a keycap; media keys are not named.
             assert!(caps(binding).count() <= binding.keys.len() + 1, "{}", binding.written);
         }
     }

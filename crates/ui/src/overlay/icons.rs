@@ -1,10 +1,10 @@
-//! The signs on buttons, drawn of lines and surfaces so that they are sharp at every scale.
+//! Icons, drawn from lines and polygons so that they are sharp at every scale.
 
 use egui::{Color32, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, vec2};
 
 use super::style;
 
-/// What a sign stands for.
+/// An icon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Icon {
     Play,
@@ -30,7 +30,7 @@ pub(super) enum Icon {
     Text,
 }
 
-/// Draws a sign in the middle of `rect`, `size` points high.
+/// Draws an icon in the middle of `rect`, `size` points high.
 pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: Color32) {
     let pen = Pen { painter, middle: rect.center(), unit: 0.5 * size, color };
     match icon {
@@ -111,7 +111,7 @@ pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: 
             }
         }
         Icon::Settings => {
-            // A wheel with eight teeth.
+            // A gear with eight teeth.
             let eighth = std::f32::consts::TAU / 8.0;
             for tooth in 0..8 {
                 let turn = |offset: f32, radius: f32| {
@@ -164,7 +164,7 @@ pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: 
     }
 }
 
-/// A cross that closes something, which `words` name; returns whether it was clicked.
+/// A close button with the accessible name `words`. Returns true if it was clicked.
 pub(super) fn closing_cross(ui: &Ui, place: Rect, words: &str) -> bool {
     let response = ui.interact(place, ui.scope_id().with("close"), Sense::click());
     let color = if response.hovered() { style::TEXT } else { style::DIM };
@@ -173,7 +173,7 @@ pub(super) fn closing_cross(ui: &Ui, place: Rect, words: &str) -> bool {
     response.clicked()
 }
 
-/// Draws in coordinates of a sign: from -1 to 1, to the right and down.
+/// Draws in icon coordinates: from -1 to 1, to the right and down.
 struct Pen<'a> {
     painter: &'a Painter,
     middle: Pos2,
@@ -195,7 +195,7 @@ impl Pen<'_> {
         self.painter.add(Shape::line(points, self.stroke()));
     }
 
-    /// A convex surface.
+    /// A filled convex polygon.
     fn surface(&self, corners: &[(f32, f32)]) {
         let corners = corners.iter().map(|corner| self.at(*corner)).collect();
         self.painter.add(Shape::convex_polygon(corners, self.color, Stroke::NONE));
@@ -219,13 +219,13 @@ impl Pen<'_> {
         self.painter.circle_filled(self.at(middle), radius * self.unit, self.color);
     }
 
-    /// A circle around the middle, drawn with a pen of some width.
+    /// A circle around the middle with a given line width.
     fn ring(&self, radius: f32, width: f32) {
         let stroke = Stroke::new(width * self.unit, self.color);
         self.painter.circle_stroke(self.middle, radius * self.unit, stroke);
     }
 
-    /// A part of a circle, open to the left.
+    /// An arc that opens to the left.
     fn arc(&self, middle: (f32, f32), radius: f32) {
         let points = (-4..=4).map(|step| {
             let angle = step as f32 * 0.2;
@@ -240,7 +240,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_sign_stays_in_its_button() {
+    fn every_icon_stays_in_its_button() {
         let all = [
             Icon::Play,
             Icon::Pause,

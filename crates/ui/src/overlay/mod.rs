@@ -1,12 +1,11 @@
-//! What is shown over the picture: a line in the corner, the scene's mistakes, notices, hints, what can be listened
-//! to, sliders and the keys.
+//! The overlay: everything drawn over the frame, from notices and sliders to the editor.
 //!
-//! The show says what there is ([`OverlayContent`]) and asks [`Overlay::due`] whether the window must be drawn again
-//! for it. Content that has not changed is painted again as it was laid out; an empty overlay costs nothing.
+//! The session passes an [`OverlayContent`] and asks [`Overlay::due`] when the window must be drawn again. Unchanged
+//! content is painted again without a new layout, and an empty overlay costs nothing. A notice therefore fades even in
+//! a paused show, and a static panel causes no frames.
 //!
-//! **The overlay asks.** The show draws when its picture changes. `Overlay::due` says when the overlay changes, so a
-//! fading notice moves in a paused show, and a panel that does not change costs nothing. Keys belong to
-//! the show until Shift+Tab, or Tab with a screen reader, moves the focus to the controls. Escape returns it. A click that begins on a panel belongs to the overlay.
+//! Keys belong to the show until Shift+Tab, or Tab with a screen reader, moves the focus to the controls. Escape
+//! returns the focus. A click that begins on a panel belongs to the overlay.
 
 mod assisted;
 mod bar;
@@ -62,56 +61,55 @@ use mariana_commands::input::{Input, Key, NamedKey};
 use mariana_render::gpu::gl::Gl;
 use mariana_render::system_fonts::SystemFonts;
 
-/// The overlay of a window. Drop it before the window's context.
+/// The overlay of a window. Drop it before the window's OpenGL context.
 pub struct Overlay {
     gl: Gl,
     panels: Panels,
-    /// What was done since the panels were laid out last.
+    /// Input since the last layout.
     input: PendingInput,
-    /// Pixels of the window per point, as they were at the last painting.
+    /// Pixels of the window per point at the last painting.
     scale: f32,
-    /// Made when something shows for the first time.
+    /// Created when something is drawn for the first time.
     painter: Option<Painter>,
     pointer: Pointer,
-    /// The look of the pointer, as was reported last.
+    /// The last reported cursor icon.
     cursor: CursorIcon,
-    /// Where letters are typed, as was reported last, in pixels.
+    /// The last reported position of the text cursor, in pixels.
     typed_at: Option<Rect>,
     shown: Option<Shown>,
-    /// Whether assistive technology is told what there is.
+    /// True while an assistive technology receives the controls.
     assisted: bool,
 }
 
-/// What shows.
+/// The last layout.
 struct Shown {
     primitives: Vec<ClippedPrimitive>,
     pixels_per_point: f32,
     size: (u32, u32),
     fingerprint: u64,
-    /// Whether the pointer can move something.
+    /// True if the pointer can move or press something.
     interactive: bool,
-    /// When it will look different by itself, if ever.
+    /// The time of the next change without input, if any.
     changes_at: Option<Instant>,
 }
 
-/// What [`Overlay::paint`] did.
+/// The result of [`Overlay::paint`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Painted {
-    /// Whether the user moved a slider, so that [`OverlayContent::params`] has other values than before.
+    /// True if the user moved a slider and thereby changed [`OverlayContent::params`].
     pub params_changed: bool,
-    /// What was done in the panels, in that order.
+    /// Events of the panels, in order.
     pub events: Vec<UiEvent>,
-    /// What assistive technology is to be told.
+    /// The tree of controls for assistive technology.
     pub controls: Option<TreeUpdate>,
-    /// The look of the pointer, if it is to be another one.
+    /// The new cursor icon, if it has changed.
     pub cursor: Option<CursorIcon>,
-    /// Where letters are typed, in pixels, if that is elsewhere than before: an input method shows its proposals there.
+    /// The new position of the text cursor in pixels, if it has changed. An input method places its candidates there.
     pub typed_at: Option<Rect>,
 }
 
 impl Overlay {
-    /// An overlay that shows nothing yet. Calls no OpenGL. `wake` is called on another thread when something is
-    /// [`Self::due`] that was not before.
+    /// An empty overlay. Calls no OpenGL. `wake` is called on another thread when the overlay becomes [`Self::due`].
     pub fn new(gl: &Gl, scale: f32, wake: impl Fn() + Send + 'static) -> Self {
         let panels = Panels::new(SystemFonts::new(), wake);
         Self {
@@ -128,7 +126,8 @@ impl Overlay {
         }
     }
 
-    /// Takes input and returns whether it belongs to the overlay alone. Keys never do: see [`Overlay::take_key`].
+    /// Handles input. Returns true if it belongs to the overlay alone; that is never so for keys: see
+    /// [`Overlay::take_key`].
     pub fn on_input(&mut self, input: &Input) -> bool {
         let consumed = self.pointer.on_event(input);
         self.input.add(input, self.panels.context().pixels_per_point());
@@ -138,7 +137,7 @@ impl Overlay {
         consumed
     }
 
-    /// Returns `true` while a control has the keyboard focus.
+    /// Returns true while a control has the keyboard focus.
     pub fn has_key_focus(&self) -> bool {
         self.panels.context().memory(|memory| memory.focused().is_some())
     }
@@ -152,8 +151,8 @@ impl Overlay {
         });
     }
 
-    /// Passes a key to the controls: Tab moves the focus, Enter, Space and arrows act on the focused control. Returns
-    /// `false` for other keys.
+    /// Passes a key to the controls: Tab moves the focus; Enter, Space and arrows act on the focused control. Returns
+    /// false for other keys.
     pub fn take_key(&mut self, key: &Key, shift: bool) -> bool {
         let Some(key) = key_of_controls(key) else { return false };
         if self.has_key_focus() {
@@ -165,7 +164,7 @@ impl Overlay {
         true
     }
 
-    /// Does what assistive technology asks for.
+    /// Handles an event of assistive technology.
     pub fn assist(&mut self, assistance: Assistance) {
         let context = self.panels.context();
         match assistance {
@@ -176,17 +175,16 @@ impl Overlay {
             }
         }
         self.assisted = assistance == Assistance::Begins;
-        // Laid out anew, and told.
+        // The next paint lays out again and reports the controls.
         self.shown = None;
     }
 
-    /// Whether assistive technology is told what there is.
+    /// True while assistive technology receives the controls.
     pub fn is_assisted(&self) -> bool {
         self.assisted
     }
 
-    /// When the window has to be drawn again because of `content`: now, at a later moment, or not until something
-    /// happens.
+    /// The time at which the window must be drawn again because of `content`: `now`, later, or `None` without input.
     pub fn due(&self, content: &OverlayContent<'_>, now: Instant) -> Option<Instant> {
         let Some(shown) = &self.shown else {
             let changes =
@@ -199,11 +197,11 @@ impl Overlay {
         if relaid { Some(now) } else { shown.changes_at.map(|at| at.max(now)) }
     }
 
-    /// Paints `content` over what is in the framebuffer of a window of `size` pixels, `scale` of them per point. Calls no
-    /// OpenGL when there is nothing to show.
+    /// Paints `content` over the framebuffer of a window of `size` pixels, with `scale` pixels per point. Calls no
+    /// OpenGL if there is nothing to show.
     ///
     /// # Errors
-    /// [`UiError::Painter`] and [`UiError::Gpu`] for what the driver refuses.
+    /// [`UiError::Painter`] or [`UiError::Gpu`] if the driver reports an error.
     pub fn paint(
         &mut self,
         scale: f32,
@@ -241,7 +239,7 @@ impl Overlay {
         content: &mut OverlayContent<'_>,
         now: Instant,
     ) -> Result<Painted, UiError> {
-        // First, because egui's textures need a place.
+        // Create the painter first: egui's textures need it.
         if self.painter.is_none() {
             let painter = Painter::new(self.gl.shared(), "", None, false);
             self.painter = Some(painter.map_err(|error| UiError::Painter(error.to_string()))?);
@@ -279,7 +277,7 @@ impl Overlay {
             primitives: self.panels.context().tessellate(output.shapes, pixels_per_point),
             pixels_per_point,
             size,
-            // The sliders may have moved.
+            // Computed after the layout, in which sliders may have moved.
             fingerprint: content.fingerprint(now),
             interactive,
             changes_at: own.into_iter().chain(fades).chain(goes).chain(answer).min(),
@@ -289,40 +287,40 @@ impl Overlay {
         Ok(Painted { params_changed, events, controls, cursor, typed_at })
     }
 
-    /// Returns where letters are typed if that is elsewhere than before.
+    /// Returns the position of the text cursor if it has changed.
     fn changed_place_of_letters(&mut self, at: Option<Rect>) -> Option<Rect> {
         let changed = at.filter(|rect| rect.is_finite() && self.typed_at != at);
         self.typed_at = changed.or(self.typed_at);
         changed
     }
 
-    /// Returns the look of the pointer if it is another one than before.
+    /// Returns the cursor icon if it has changed.
     fn changed_cursor(&mut self, cursor: CursorIcon) -> Option<CursorIcon> {
         let is_new = self.cursor != cursor;
         self.cursor = cursor;
         is_new.then_some(cursor)
     }
 
-    /// Whether the pointer is on a panel, or holds one.
+    /// True if the pointer is over a panel, or was pressed on one and is still held.
     pub fn has_pointer(&self) -> bool {
         self.pointer.is_busy()
     }
 
-    /// What egui needs to know: time, size and what the pointer did.
+    /// Input for egui: time, size, and events.
     fn take_input(&mut self, size: (u32, u32), interactive: bool, now: Instant) -> RawInput {
         let scale = self.scale;
         let zoom = style::zoom(points(size, scale));
-        // Not with `set_zoom_factor`, which applies from the next pass on and guesses the size in this one.
+        // Not with `set_zoom_factor`, which applies only from the next pass and guesses the size in this one.
         self.panels.context().options_mut(|options| options.zoom_factor = zoom);
         let mut input = self.input.take(scale, now);
         input.screen_rect = Some(Rect::from_min_size(egui::Pos2::ZERO, points(size, scale * zoom)));
         let was = self.shown.as_ref().is_some_and(|shown| shown.interactive);
         if was && !interactive {
-            // What stays for screen readers alone is under no pointer.
+            // Controls for screen readers only do not react to the pointer.
             input.events.push(Event::PointerGone);
         }
         if interactive && !was {
-            // What egui has missed.
+            // Tell egui about the events it has missed.
             if self.panels.context().input(|input| input.pointer.any_down()) {
                 input.events.push(egui::Event::PointerGone);
             }

@@ -1,4 +1,4 @@
-//! What plays, in the form in which the bar, the answers and the words at the start show it.
+//! The playing track or input, in the form that the bar and the messages show.
 
 use std::hash::{Hash, Hasher};
 
@@ -6,33 +6,33 @@ use mariana_player::PlayerStatus;
 use mariana_player::input::LiveStatus;
 use mariana_player::track::Repeat;
 
-/// How finely the position is told apart, in seconds: the bar is laid out anew for each step.
+/// Steps of the position in seconds; the bar is laid out again at each step.
 const POSITION_STEP: f64 = 0.1;
 
-/// See the module.
+/// A snapshot of the player for display.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct NowPlaying {
-    /// The track's title, or the name of what is listened to.
+    /// The track's title, or the input's name.
     pub title: String,
-    /// Who made it.
+    /// The track's artist.
     pub artist: Option<String>,
-    /// The track's place in the list, from 0, and how many there are.
+    /// The track's index from 0, and the number of tracks.
     pub place: (usize, usize),
-    /// Seconds since the track's start.
+    /// Seconds since the start of the track.
     pub position: f64,
     /// Length of the track in seconds, if known.
     pub duration: Option<f64>,
-    /// Whether the user wants a pause.
+    /// True if the user has paused.
     pub paused: bool,
-    /// 0..1.
+    /// Volume, 0..1.
     pub volume: f32,
-    /// Whether nothing is heard because the user wants it so.
+    /// True if the user has muted the sound.
     pub muted: bool,
-    /// What follows the last track, and each one.
+    /// The repeat mode.
     pub repeat: Repeat,
-    /// Whether the order of tracks is random.
+    /// True if the order of tracks is random.
     pub shuffled: bool,
-    /// Whether an input is listened to instead of a song.
+    /// True for a live input.
     pub live: bool,
 }
 
@@ -60,13 +60,13 @@ impl NowPlaying {
         Self { title: status.name.clone(), paused, live: true, ..Self::default() }
     }
 
-    /// How much of the track has passed, 0..1; none if its length is not known.
+    /// The played fraction of the track, 0..1; `None` if its length is unknown.
     pub fn fraction(&self) -> Option<f32> {
         let duration = self.duration.filter(|duration| *duration > 0.0)?;
         Some((self.position / duration).clamp(0.0, 1.0) as f32)
     }
 
-    /// "1:23 / 3:45", or "1:23" where the length is not known.
+    /// "1:23 / 3:45", or "1:23" if the length is unknown.
     pub fn times(&self) -> String {
         let position = clock_time(self.position);
         match self.duration {
@@ -85,7 +85,7 @@ impl Hash for NowPlaying {
     }
 }
 
-/// Seconds as people write times: "0:07", "12:34", "1:02:03".
+/// Formats seconds: "0:07", "12:34", "1:02:03".
 pub(super) fn clock_time(seconds: f64) -> String {
     let whole = if seconds.is_finite() { seconds.max(0.0) as u64 } else { 0 };
     let (hours, minutes, seconds) = (whole / 3600, whole / 60 % 60, whole % 60);
@@ -100,7 +100,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_are_written_as_people_write_them() {
+    fn times_have_the_usual_format() {
         let written = [0.0, 7.9, 83.0, 3_599.9, 3_723.0, -4.0, f64::NAN].map(clock_time);
         assert_eq!(written, ["0:00", "0:07", "1:23", "59:59", "1:02:03", "0:00", "0:00"]);
         let mut playing = NowPlaying { position: 83.0, duration: Some(225.0), ..Default::default() };

@@ -1,4 +1,4 @@
-//! The invitation of phones: a code for their cameras, and the same in words.
+//! The connection code for phones: a QR code with its address in words.
 
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{Color32, Mesh, Painter, Pos2, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
@@ -6,17 +6,17 @@ use egui::{Color32, Mesh, Painter, Pos2, Rect, Response, Sense, Ui, WidgetInfo, 
 use super::style;
 use mariana_remote::{Code, PairingAddress};
 
-/// Widest code with its white edge, in points, and as a share of the panel.
+/// Greatest side of the code with its white margin, in points, and as a fraction of the panel's width.
 const SIDE_MAX: f32 = 190.0;
 const FRACTION_MAX: f32 = 0.45;
-/// Height of the words, where there is no code.
+/// Height of the text if there is no code.
 const LINES_HEIGHT: f32 = 90.0;
-/// Between the code and the words.
+/// Distance between the code and the text.
 const GAP: f32 = 14.0;
-/// Around the whole.
+/// Margin around the whole.
 const AROUND: f32 = 6.0;
 
-/// Draws an invitation over the whole width.
+/// Draws the code and its text over the whole width.
 pub(super) fn show(ui: &mut Ui, pairing_address: &PairingAddress, about: &str) -> Response {
     let width = ui.available_width();
     let pixel = 1.0 / ui.pixels_per_point();
@@ -35,7 +35,7 @@ pub(super) fn show(ui: &mut Ui, pairing_address: &PairingAddress, about: &str) -
     let width = (rect.right() - left - AROUND).max(1.0);
     let lines = [
         ("Phone", style::HEADING_SIZE, style::TEXT),
-        ("Scan the code with its camera, or open", style::SMALL_SIZE, style::DIM),
+        ("Scan the code with the phone's camera, or open", style::SMALL_SIZE, style::DIM),
         (&*pairing_address.url, style::SMALL_SIZE, style::TEXT),
         (about, style::SMALL_SIZE, style::DIM),
     ];
@@ -46,12 +46,12 @@ pub(super) fn show(ui: &mut Ui, pairing_address: &PairingAddress, about: &str) -
         ui.painter().galley(at, galley, color);
         at.y = next;
     }
-    let words = format!("a phone can open {}: {about}", pairing_address.url);
+    let words = format!("open {} on a phone. {about}", pairing_address.url);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, &words));
     response
 }
 
-/// Text in lines of a width, broken within words where they are longer.
+/// Lays out wrapped text. Addresses may break anywhere.
 fn wrapped(
     painter: &Painter,
     text: &str,
@@ -64,17 +64,17 @@ fn wrapped(
     painter.layout_job(job)
 }
 
-/// How many squares a code has to a side, with its white edge.
+/// Modules along a side of the code, with its white margin.
 fn squares(code: &Code) -> usize {
     code.side() + 2 * Code::EDGE
 }
 
-/// Points to a square of a code in at most `side` of them: whole pixels.
+/// The size of a module in points: whole pixels, so that the code is at most `side` points wide.
 fn square(code: &Code, side: f32, pixel: f32) -> f32 {
     (side / squares(code) as f32 / pixel).floor().max(1.0) * pixel
 }
 
-/// Draws a code as a camera wants it: dark on white.
+/// Draws the code dark on white, as cameras expect it.
 fn draw_code(painter: &Painter, code: &Code, from: Pos2, square: f32, pixel: f32) -> Rect {
     let from = pos2((from.x / pixel).round() * pixel, (from.y / pixel).round() * pixel);
     let place = |(x, y): (usize, usize)| {

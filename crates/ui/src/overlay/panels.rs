@@ -1,4 +1,4 @@
-//! The panels' layout, without a window and without OpenGL: input and content in, shapes out.
+//! The layout of the panels, without a window or OpenGL: input and content in, shapes out.
 
 use std::time::{Duration, Instant};
 
@@ -18,56 +18,56 @@ use super::{
 };
 use mariana_render::system_fonts::SystemFonts;
 
-/// Widest line at the top or in the corner, as a share of the window's width.
+/// Widest line at the top or in the corner, as a fraction of the window's width.
 const LINE_WIDTH_MAX: f32 = 0.8;
-/// Most lines of a sentence at the top.
+/// Most lines of a message at the top.
 const SENTENCE_ROWS_MAX: usize = 4;
-/// Greatest share of the window's height that a problem takes.
+/// Greatest height of a problem, as a fraction of the window's height.
 const PROBLEM_HEIGHT_MAX: f32 = 0.75;
-/// Width of a rail below a short text, in points.
+/// Width of a value bar below a short text, in points.
 const FRACTION_WIDTH: f32 = 180.0;
-/// A problem stays beside the parameters if it has this width there, in points.
+/// Least width for a problem beside the parameters, in points.
 const PROBLEM_WIDTH_MIN: f32 = 420.0;
 
-/// egui, and how the panels look.
+/// The egui context and its fonts, and state between layouts.
 pub(super) struct Panels {
     context: Context,
     fallback: Fallback,
     kept: Kept,
-    /// A pending request to focus the first control.
+    /// True while a request to focus the first control is pending.
     wants_focus: bool,
-    /// `true` if the last layout had controls. egui focuses no control in its first layout.
+    /// True if the last layout had controls. egui focuses no control in its first layout.
     had_controls: bool,
 }
 
-/// What is kept from one layout to the next.
+/// State that panels keep between layouts.
 #[derive(Default)]
 struct Kept {
     pictures: TilePictures,
-    /// The file that was selected when the list was last drawn.
+    /// The selected file when the list was last drawn.
     selected_file: Option<usize>,
     seen_setting: Option<settings::Seen>,
     seen_changed_by: Option<controllers::Seen>,
     next: preview::PreviewPicture,
 }
 
-/// What was laid out.
+/// The result of a layout.
 pub(super) struct LaidOut {
-    /// Shapes, textures and the cursor's look.
+    /// Shapes, textures and the cursor icon.
     pub output: FullOutput,
     /// Panels that take clicks, in points.
     pub panels: Vec<Rect>,
-    /// Whether the user moved a slider.
+    /// True if the user moved a slider.
     pub params_changed: bool,
-    /// What the user asked for.
+    /// The user's events.
     pub events: Vec<UiEvent>,
-    /// When egui wants to be asked again without input; very long if never.
+    /// Time until egui wants another layout without input; very long if it needs none.
     pub repaint_after: Duration,
 }
 
 impl Panels {
-    /// Lays nothing out yet. Letters that egui lacks come from `fonts`; `wake` is called on another thread when some
-    /// have been found.
+    /// An empty layout. Characters that egui lacks come from `fonts`; `wake` is called on another thread when some have
+    /// been found.
     pub(super) fn new(fonts: SystemFonts, wake: impl Fn() + Send + 'static) -> Self {
         let context = Context::default();
         style::apply(&context);
@@ -75,28 +75,28 @@ impl Panels {
         Self { context, fallback, kept: Kept::default(), wants_focus: false, had_controls: false }
     }
 
-    /// Whether the same content would be laid out with other letters than it was.
+    /// True if found fonts would change the layout.
     pub(super) fn has_found_fonts(&self) -> bool {
         self.fallback.has_found()
     }
 
-    /// What letters are looked for, and whether a thread does.
+    /// The search for fallback fonts.
     #[cfg(test)]
     pub(super) fn fallback(&self) -> &Fallback {
         &self.fallback
     }
 
-    /// egui's context.
+    /// The egui context.
     pub(super) fn context(&self) -> &Context {
         &self.context
     }
 
-    /// Focuses the first control as soon as one is laid out.
+    /// Focuses the first control as soon as there is one.
     pub(super) fn ask_for_focus(&mut self) {
         self.wants_focus = true;
     }
 
-    /// Returns `true` while a request of [`Self::ask_for_focus`] is pending.
+    /// Returns true while a request of [`Self::ask_for_focus`] is pending.
     pub(super) fn wants_focus(&self) -> bool {
         self.wants_focus
     }
@@ -107,7 +107,7 @@ impl Panels {
         self.had_controls = false;
     }
 
-    /// Lays `content` out in the screen that `input` describes.
+    /// Lays `content` out on the screen that `input` describes.
     pub(super) fn lay_out(
         &mut self,
         mut input: RawInput,
@@ -120,7 +120,7 @@ impl Panels {
         self.had_controls = content.bar.is_some() || content.is_interactive();
         let (mut panels, mut params_changed, mut events) = (Vec::new(), false, Vec::new());
         self.fallback.add_found(&self.context);
-        // egui may ask for another pass when it learns sizes.
+        // egui may ask for another pass after it has learned sizes.
         let kept = &mut self.kept;
         let output = self.context.run_pass(input, |context| {
             panels.clear();
@@ -140,7 +140,7 @@ pub(super) fn pressed(key: Key, modifiers: Modifiers) -> [Event; 2] {
     [true, false].map(event)
 }
 
-/// Shows everything; returns whether the user moved a slider.
+/// Shows everything. Returns true if the user moved a slider.
 fn show(
     context: &Context,
     content: &mut OverlayContent<'_>,
@@ -155,7 +155,7 @@ fn show(
     let back = context.layer_painter(LayerId::new(Order::Background, Id::unique("overlay lines")));
     let front = context.layer_painter(LayerId::new(Order::Foreground, Id::unique("overlay front")));
 
-    // What follows stands above the bar.
+    // Everything else is above the bar.
     let mut space = space;
     if let Some(bar) = &content.bar {
         let rect = bar::show(context, space, bar, events);
@@ -176,7 +176,7 @@ fn show(
     }
     let Rooms { main: space, mut side, is_desk } = rooms;
     if is_desk {
-        // Below the picture and the next scene, along their left edge.
+        // Below the small frame and the next scene, along their left edge.
         side.set_width(params::width(side.width() + 2.0 * style::MARGIN));
     }
     let mut left = space;
@@ -222,7 +222,7 @@ fn show(
     changed
 }
 
-/// Shows the lists in the middle that are open, and forgets what was chosen in the others; returns where they are.
+/// Shows the open list in the middle, and discards the state of the others. Returns the areas.
 fn show_lists(
     context: &Context,
     space: Rect,
@@ -252,7 +252,7 @@ fn show_lists(
     panels
 }
 
-/// Shows the sentences that go by themselves; returns what is left below them.
+/// Shows the hint and the notice. Returns the space below them.
 fn show_sentences(
     context: &Context,
     front: &Painter,
@@ -266,7 +266,7 @@ fn show_sentences(
         || content.settings.is_some()
         || content.controllers.is_some();
     if has_heading {
-        // The heading of what is open in the middle, with its cross, is not covered by what goes by itself.
+        // Keep them off the heading and the close button of an open list.
         let sentences = u8::from(content.hint.is_some()) + u8::from(content.notice.is_some());
         below.min.y = (space.max.y - f32::from(sentences) * NOTICE_HEIGHT).max(space.min.y);
     }
@@ -281,10 +281,10 @@ fn show_sentences(
     below
 }
 
-/// Room for a sentence below a panel's heading, in points.
+/// Height for a message below a panel's heading, in points.
 const NOTICE_HEIGHT: f32 = 60.0;
 
-/// Leaves out of `left` what a panel at the right covers, if enough is left.
+/// Excludes a panel at the right from `left`, if enough space remains.
 fn leave_beside(left: &mut Rect, panel: Rect) {
     let beside = panel.left() - style::MARGIN;
     if beside - left.left() >= PROBLEM_WIDTH_MIN {
@@ -292,7 +292,7 @@ fn leave_beside(left: &mut Rect, panel: Rect) {
     }
 }
 
-/// Draws the line in the lower left corner and returns where it is.
+/// Draws the line in the lower left corner and returns its area.
 fn corner(painter: &Painter, space: Rect, text: &str) -> Rect {
     let font = style::proportional(style::SMALL_SIZE);
     let galley = style::line(painter, text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
@@ -312,7 +312,7 @@ fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant
     draw_fraction(&painter, space, notice.text, fraction)
 }
 
-/// Draws a short text over a rail that is filled to `fraction`; returns where they are.
+/// Draws a short text over a bar that is filled to `fraction`. Returns the area.
 fn draw_fraction(painter: &Painter, space: Rect, text: &str, fraction: f32) -> Rect {
     let font = style::proportional(style::HEADING_SIZE);
     let galley = style::line(painter, text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
@@ -328,7 +328,7 @@ fn draw_fraction(painter: &Painter, space: Rect, text: &str, fraction: f32) -> R
     rect
 }
 
-/// Draws a sentence at the top and returns where it is.
+/// Draws a message at the top and returns its area.
 fn draw_sentence(painter: &Painter, space: Rect, text: &str, color: egui::Color32) -> Rect {
     let font = style::proportional(style::HEADING_SIZE);
     let width = LINE_WIDTH_MAX * space.width();
@@ -336,7 +336,7 @@ fn draw_sentence(painter: &Painter, space: Rect, text: &str, color: egui::Color3
     let size = galley.size() + vec2(32.0, 14.0);
     let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
     style::ground(painter, rect);
-    // Centred lines extend to both sides of the place where they are drawn.
+    // Centred lines extend to both sides of the drawing position.
     painter.galley(rect.center() - galley.rect.center().to_vec2(), galley, color);
     rect
 }

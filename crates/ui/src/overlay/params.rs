@@ -1,6 +1,6 @@
-//! Sliders of the scene's parameters.
+//! The sliders of the scene's parameters.
 //!
-//! They are made by hand, because egui's own sliders take the keyboard's focus and the keys belong to the show.
+//! They are drawn without egui's sliders, which would take the keyboard focus from the show.
 
 use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -11,23 +11,23 @@ use mariana_control::Slider;
 
 /// Width of the panel in points, if the window is wide enough.
 const WIDTH: f32 = 260.0;
-/// Width of the scroll bar's lane beside the sliders.
+/// Width of the scroll bar's lane.
 const LANE: f32 = 10.0;
 const RAIL_HEIGHT: f32 = 3.0;
 const KNOB_RADIUS: f32 = 5.5;
-/// Height of the area in which a slider can be grabbed, in points: larger than it looks.
+/// Height of a slider's clickable area, in points; larger than its drawing.
 const HOLD_HEIGHT: f32 = 18.0;
 const RESET_SIZE: f32 = 16.0;
-/// What screen readers move a slider by, as a share of its range.
+/// Step for keys and screen readers, as a fraction of the range.
 const STEP: f64 = 0.05;
 
-/// Width of the panel in a window of that width, in points.
+/// Width of the panel in a window of this width, in points.
 pub(super) fn width(window: f32) -> f32 {
     WIDTH.min(window - 2.0 * style::MARGIN).max(0.0)
 }
 
-/// Lays the panel out at the upper right of `space`; returns where it is and whether a value changed. Sliders that
-/// `cover` may hide cannot be moved by accident.
+/// Draws the panel at the upper right of `space`. Returns its area, and true if a value changed. Sliders below `cover`
+/// take no clicks.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
@@ -47,7 +47,7 @@ pub(super) fn show(
     let shown = area.show(context, |ui| {
         style::frame()
             .show(ui, |ui| {
-                // In a window of a few pixels no width is left.
+                // A window of a few pixels leaves no width.
                 ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
                 let height = space.height() - 2.0 * style::PADDING.y;
                 egui::ScrollArea::vertical()
@@ -67,7 +67,8 @@ pub(super) fn show(
     (shown.response.rect, shown.inner)
 }
 
-/// Name, value and rail of one parameter; returns whether the value changed. A click on the name learns what turns it.
+/// Draws the name, value and slider of a parameter. Returns true if the value changed. A click on the name learns a
+/// control.
 fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiEvent>) -> bool {
     let before = slider.value;
     slider.value = slider.clamped(slider.value);
@@ -140,7 +141,7 @@ fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiE
     slider.value.to_bits() != before.to_bits()
 }
 
-/// The sign that resets a parameter.
+/// The icon that resets a parameter.
 const RESET_SIGN: &str = "↺";
 
 fn draw_rail(ui: &Ui, slider: &Slider, rail: Rect, response: &Response) {
@@ -149,7 +150,7 @@ fn draw_rail(ui: &Ui, slider: &Slider, rail: Rect, response: &Response) {
     let (knob, default) = (x_of(slider.value), x_of(slider.default));
     let held = response.hovered() || response.is_pointer_button_down_on();
     painter.rect_filled(rail, RAIL_HEIGHT / 2.0, style::RAIL);
-    // A mark where the default is.
+    // A mark at the default value.
     let mark = Rect::from_center_size(pos2(default, rail.center().y), vec2(1.5, 3.0 * RAIL_HEIGHT));
     painter.rect_filled(mark, 0.0, style::RAIL);
     painter.rect_filled(

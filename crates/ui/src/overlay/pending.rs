@@ -1,4 +1,4 @@
-//! Collects what a user does until the panels are laid out again, in egui's terms.
+//! Collects the user's input between layouts and translates it to egui's events.
 
 use std::time::Instant;
 
@@ -7,46 +7,46 @@ use egui::{Event, Modifiers, MouseWheelUnit, Pos2, RawInput, TouchDeviceId, Touc
 use crate::clock;
 use mariana_commands::input::{self, Input, PointerButton, TouchPhase, Wheel};
 
-/// See the module.
+/// Input since the last layout.
 #[derive(Debug)]
 pub(super) struct PendingInput {
     raw: RawInput,
-    /// The place of the pointer, in points.
+    /// Position of the pointer, in points.
     place: Option<Pos2>,
     held: Modifiers,
-    /// The finger that stands for the pointer.
+    /// The finger that acts as the pointer.
     finger: Option<u64>,
     started: Instant,
 }
 
 impl PendingInput {
-    /// Nothing was done yet. Textures may have sides of up to `texture_side_max` texels.
+    /// Starts without events. Textures may have sides of up to `texture_side_max` texels.
     pub(super) fn new(texture_side_max: Option<usize>) -> Self {
         let raw = RawInput { max_texture_side: texture_side_max, focused: true, ..RawInput::default() };
         Self { raw, place: None, held: Modifiers::NONE, finger: None, started: clock::now() }
     }
 
-    /// Whether something was done since the last call of [`Self::take`].
+    /// True if there are no events since the last [`Self::take`].
     pub(super) fn is_empty(&self) -> bool {
         self.raw.events.is_empty()
     }
 
-    /// Adds events that come from elsewhere.
+    /// Adds events from other sources.
     pub(super) fn extend(&mut self, events: impl IntoIterator<Item = Event>) {
         self.raw.events.extend(events);
     }
 
-    /// Forgets what was done.
+    /// Discards all events.
     pub(super) fn clear(&mut self) {
         self.raw.events.clear();
     }
 
-    /// Forgets what the pointer did: it met no panel.
+    /// Discards the pointer's events when there is no panel for them.
     pub(super) fn forget_pointer(&mut self) {
         self.raw.events.retain(|event| matches!(event, Event::AccessKitActionRequest(_) | Event::Key { .. }));
     }
 
-    /// Adds what the pointer and the keys that are held do. Other keys are not egui's.
+    /// Adds events of the pointer and of modifier keys. Other keys do not go to egui.
     pub(super) fn add(&mut self, input: &Input, pixels_per_point: f32) {
         let points = |[x, y]: [f64; 2]| pos2(x as f32, y as f32) / pixels_per_point;
         match input {
@@ -78,7 +78,7 @@ impl PendingInput {
         }
     }
 
-    /// Hands over what was done until `now`, on a screen with this many pixels per point.
+    /// Removes and returns the input until `now`, for a screen with this many pixels per point.
     pub(super) fn take(&mut self, scale: f32, now: Instant) -> RawInput {
         self.raw.time = Some(now.saturating_duration_since(self.started).as_secs_f64());
         let viewport = self.raw.viewports.entry(self.raw.viewport_id).or_default();
@@ -108,7 +108,7 @@ impl PendingInput {
         }
     }
 
-    /// The first finger that touches stands for the pointer.
+    /// The first finger acts as the pointer.
     fn touch(&mut self, finger: u64, phase: TouchPhase, pos: Pos2) {
         self.raw.events.push(Event::Touch {
             device_id: TouchDeviceId(0),
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_finger_stands_for_the_pointer_and_others_do_not() {
+    fn only_the_first_finger_acts_as_the_pointer() {
         let mut pending = PendingInput::new(None);
         let touch = |finger, phase, x| Input::Touch { finger, phase, place: [x, 8.0] };
         for input in [

@@ -1,26 +1,26 @@
-//! Decides whose a click is: the overlay's if it began on a panel, otherwise the show's.
+//! Decides if a click belongs to the overlay or to the show: to the overlay if it began on a panel.
 
 use egui::{Pos2, Rect, pos2};
 use mariana_commands::input::{Input, TouchPhase};
 
-/// Where the pointer and the panels are, in pixels.
+/// The positions of the pointer and the panels, in pixels.
 #[derive(Debug, Default)]
 pub(super) struct Pointer {
-    /// The pointer's place, while it is in the window.
+    /// The pointer's position while it is in the window.
     pub place: Option<Pos2>,
     /// The panels that take clicks.
     pub panels: Vec<Rect>,
-    /// Buttons that are held and were pressed on a panel.
+    /// The number of held buttons that were pressed on a panel.
     held: u32,
 }
 
 impl Pointer {
-    /// Takes an event and returns whether it belongs to the overlay alone.
+    /// Handles an event. Returns true if it belongs to the overlay alone.
     pub(super) fn on_event(&mut self, input: &Input) -> bool {
         match input {
             Input::PointerMoved([x, y]) => {
                 self.place = Some(pos2(*x as f32, *y as f32));
-                // The show needs the pointer's place wherever it is.
+                // The show needs every position of the pointer.
                 false
             }
             Input::PointerLeft => {
@@ -36,7 +36,7 @@ impl Pointer {
         }
     }
 
-    /// Whether it is on a panel, or was pressed on one and is still held.
+    /// True if the pointer is on a panel, or was pressed on one and is still held.
     pub(super) fn is_busy(&self) -> bool {
         self.held > 0 || self.is_on_panel(self.place)
     }
@@ -78,10 +78,10 @@ mod tests {
         let wheel = Input::Wheel(Wheel::Notches([0.0, 1.0]));
         let mut answers =
             |events: &[&Input]| -> Vec<bool> { events.iter().map(|event| pointer.on_event(event)).collect() };
-        assert_eq!(answers(&[&down, &up, &wheel]), [false; 3], "nowhere");
+        assert_eq!(answers(&[&down, &up, &wheel]), [false; 3], "the position is unknown");
         assert_eq!(answers(&[&moved(15.0, 15.0), &down, &up, &wheel]), [false, true, true, true]);
         assert_eq!(answers(&[&moved(25.0, 15.0), &down, &up, &wheel]), [false; 4]);
-        // Dragged out of the panel and into it.
+        // Drags out of a panel and into one.
         assert_eq!(
             answers(&[&moved(15.0, 15.0), &down, &moved(25.0, 15.0), &up]),
             [false, true, false, true]

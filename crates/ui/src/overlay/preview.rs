@@ -1,4 +1,4 @@
-//! The scene that comes next: a small picture with its name, and below it level and beat.
+//! The preview of the next scene: an image with its title, and below it level and beat.
 
 use std::sync::Arc;
 
@@ -8,28 +8,28 @@ use image::RgbaImage;
 use super::rooms::Rooms;
 use super::{assisted, style};
 
-/// What the desk shows of the scene that comes next.
+/// The next scene of the show.
 #[derive(Debug, Clone)]
 pub struct NextScene {
-    /// Its title.
+    /// Title.
     pub title: String,
-    /// Its picture, once there is one.
+    /// Preview image, once it is rendered.
     pub picture: Option<Arc<RgbaImage>>,
-    /// How loud it is, 0..1.
+    /// The present level, 0..1.
     pub level: f32,
-    /// How strong the beat is, 0..1.
+    /// Strength of the beat, 0..1.
     pub beat: f32,
-    /// Changes with all of that.
+    /// A number that changes with the other fields.
     pub revision: u64,
 }
 
-/// Width of the picture in points, and the share of the window that it may have.
+/// Greatest width of the image: in points, and as a fraction of the window.
 const WIDTH: f32 = 160.0;
 const FRACTION: f32 = 0.3;
-/// Height of what shows the level.
+/// Height of the level meter.
 const LEVEL: f32 = 4.0;
 
-/// The picture that was handed to egui last.
+/// The image that egui has as a texture.
 #[derive(Default)]
 pub(super) struct PreviewPicture(Option<(Arc<RgbaImage>, TextureHandle)>);
 
@@ -52,7 +52,7 @@ fn pixels(image: &RgbaImage) -> egui::ColorImage {
     egui::ColorImage::from_rgba_unmultiplied(size, image.as_raw())
 }
 
-/// Draws it in the upper right corner of the picture, or below a small one; returns where it is.
+/// Draws the preview in the upper right corner of the frame, or below a small frame. Returns its area.
 pub(super) fn show(
     context: &egui::Context,
     rooms: &Rooms,

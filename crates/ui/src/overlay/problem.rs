@@ -1,4 +1,4 @@
-//! A compiler's messages: in columns as in a terminal, so that underlines are below what they mark.
+//! The panel for a compiler's messages. Text is in columns as in a terminal, so that underlines are below their words.
 
 use egui::{Color32, Painter, Pos2, Rect, Vec2, pos2, vec2};
 
@@ -6,14 +6,14 @@ use super::content::Problem;
 use super::style;
 use mariana_field::lang::columns;
 
-/// Sizes of the text, in points: it shrinks until the longest line fits.
+/// Text sizes in points; the largest that fits the longest line is used.
 const SIZES: [f32; 5] = [13.0, 12.0, 11.0, 10.0, 9.0];
 const HEADING_GAP: f32 = 8.0;
-/// Distance between lines, in heights of the font's own line.
+/// Distance between lines, in line heights of the font.
 const LINE_HEIGHT: f32 = 1.1;
 
-/// Draws the panel at the lower left of `space` and returns where it is. It is as large as its text, which is cut if
-/// it does not fit.
+/// Draws the panel at the lower left of `space` and returns its area. It is as large as its text, which is cut if it
+/// does not fit.
 pub(super) fn draw(painter: &Painter, space: Rect, problem: &Problem<'_>) -> Rect {
     let inner = space.size() - 2.0 * style::PADDING;
     let heading = style::line(
@@ -57,8 +57,8 @@ fn cell_of(painter: &Painter, size: f32) -> Vec2 {
     })
 }
 
-/// Draws text so that each character begins in its column. Characters beyond ASCII may come from another font with
-/// other widths, so each of them is placed by itself.
+/// Draws text so that each character begins in its column. Characters beyond ASCII are placed one by one: a fallback
+/// font may have other widths.
 fn draw_cells(painter: &Painter, start: Pos2, text: &str, color: Color32, size: f32, cell: f32) {
     let mut column = 0;
     for run in runs(text) {
@@ -68,7 +68,7 @@ fn draw_cells(painter: &Painter, start: Pos2, text: &str, color: Color32, size: 
     }
 }
 
-/// `text` in pieces of ASCII or of one other character with what combines with it.
+/// Splits `text` into runs of ASCII and single other characters with their combining marks.
 fn runs(text: &str) -> impl Iterator<Item = &str> {
     let mut rest = text;
     std::iter::from_fn(move || {
@@ -82,12 +82,12 @@ fn runs(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// Columns that `text` takes.
+/// The width of `text` in columns.
 fn width(text: &str) -> usize {
     text.chars().map(columns).sum()
 }
 
-/// The first lines of `text`, at most `rows` of `width_max` columns; the last says how many more there are.
+/// The first lines of `text`, at most `rows` of `width_max` columns; the last one counts the lines left out.
 fn cut(text: &str, rows: usize, width_max: usize) -> Vec<String> {
     let all: Vec<&str> = text.trim_end().lines().collect();
     let mut kept = all.clone();
@@ -106,7 +106,7 @@ fn cut(text: &str, rows: usize, width_max: usize) -> Vec<String> {
     lines
 }
 
-/// `line`, ending with an ellipsis if it is wider than `width_max`.
+/// Cuts `line` with an ellipsis if it is wider than `width_max`.
 fn cut_line(line: &str, width_max: usize) -> String {
     if width(line) <= width_max {
         return line.to_owned();
@@ -119,7 +119,7 @@ fn cut_line(line: &str, width_max: usize) -> String {
     line.chars().take_while(fits).chain(['…']).collect()
 }
 
-/// The parts of a line by meaning: each with its first column, its text and its colour.
+/// Splits a line by meaning: the first column, text and colour of each part.
 fn pieces(line: &str) -> Vec<(usize, &str, Color32)> {
     let split = |at: usize, left: Color32, right: Color32| {
         let (before, after) = line.split_at_checked(at).unwrap_or((line, ""));
@@ -156,10 +156,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_does_not_fit_is_counted() {
+    fn lines_that_do_not_fit_are_counted() {
         let text = "error: a\n1\n2\n\nerror: b\n";
         assert_eq!(cut(text, 5, 80), ["error: a", "1", "2", "", "error: b"]);
-        // No empty line stands before the count.
+        // Empty lines before the count are removed.
         let longer = format!("{text}3\n");
         for rows in [4, 5] {
             assert_eq!(cut(&longer, rows, 80), ["error: a", "1", "2", "… and 3 more lines"], "{rows} rows");
@@ -172,7 +172,7 @@ mod tests {
     fn long_lines_end_in_an_ellipsis_within_their_columns() {
         assert_eq!(cut_line("abcdef", 6), "abcdef");
         assert_eq!(cut_line("abcdefg", 6), "abcde…");
-        // A wide character takes two columns, and is not cut in two.
+        // A wide character takes two columns and is not cut in half.
         assert_eq!(cut_line("ab球球球", 6), "ab球…");
         assert_eq!(cut_line("ab球球", 6), "ab球球");
     }

@@ -1,4 +1,4 @@
-//! Where panels stand: over the picture, or on a desk whose picture is small beside and below it.
+//! The areas for panels: over the frame, or around the small frame of a control window.
 
 use egui::{Rect, pos2, vec2};
 
@@ -6,19 +6,19 @@ use super::style;
 use crate::desk_picture::COLUMN;
 use mariana_render::placement::Area;
 
-/// Parts of a window, in points.
+/// Areas of a window, in points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rooms {
-    /// For what is read and written: the editor, lists, settings, words.
+    /// For the editor, lists, settings and messages.
     pub(super) main: Rect,
-    /// For what is turned and looked at: sliders and the next scene.
+    /// For sliders and the next scene.
     pub(super) side: Rect,
-    /// Whether the picture is small and stands between them.
+    /// True in a control window: the small frame is above `side`.
     pub(super) is_desk: bool,
 }
 
 impl Rooms {
-    /// Of `space`, which panels may have in a window of `screen` points whose small picture has the part `picture`.
+    /// Divides `space` within a window of `screen` points, whose small frame has the area `picture` if there is one.
     pub(super) fn of(space: Rect, screen: Rect, picture: Option<Area>) -> Self {
         let Some([_, _, _, bottom]) = picture else {
             return Self { main: space, side: space, is_desk: false };
@@ -32,12 +32,12 @@ impl Rooms {
         Self { main, side, is_desk: true }
     }
 
-    /// What of the side is left below something.
+    /// Excludes the part of the side above the bottom of `rect`.
     pub(super) fn below(&mut self, rect: Rect) {
         self.side.min.y = (rect.bottom() + style::MARGIN).min(self.side.bottom());
     }
 
-    /// Where something small stands that is at the upper right of the picture, or on a desk below it.
+    /// Position and width for a small panel at the upper right of the frame, or in the side of a control window.
     pub(super) fn small(&self, size_max: f32, fraction: f32) -> (egui::Pos2, f32) {
         match self.is_desk {
             true => (self.side.min + vec2(5.0, 5.0), size_max.min(self.side.width() - 10.0).max(0.0)),
@@ -55,7 +55,7 @@ mod tests {
     use crate::desk_picture::small_in;
 
     #[test]
-    fn on_a_desk_no_room_is_over_the_picture_or_over_the_other() {
+    fn in_a_control_window_areas_overlap_neither_the_frame_nor_each_other() {
         let screen = Rect::from_min_size(pos2(0.0, 0.0), vec2(1280.0, 720.0));
         let space = screen.shrink(style::MARGIN);
         let over = Rooms::of(space, screen, None);

@@ -1,4 +1,4 @@
-//! The panel of settings: a row for each, with what can be chosen in it.
+//! The drawing of the settings panel: a row for each setting, with its values.
 
 use egui::{Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -10,28 +10,28 @@ use mariana_settings::{Setting, SettingRow, Values};
 
 /// Widest panel, in points.
 const WIDTH_MAX: f32 = 640.0;
-/// Height of a row, and of a line of names in it.
+/// Height of a row, and of a line of values in it.
 const ROW: f32 = 26.0;
 /// Width of the scroll bar's lane.
 const LANE: f32 = 10.0;
-/// Width of what stands before the values: at most, and as a share of a row.
+/// Greatest width of a row's name: in points, and as a fraction of the row.
 const NAME: (f32, f32) = (170.0, 0.34);
-/// The rail reaches so many milliseconds either way. Keys reach further.
+/// Range of the delay slider in milliseconds, either way. Keys reach further.
 const RAIL_MS: f64 = 500.0;
-/// What was seen when the panel was last drawn.
+/// State of the last drawing.
 pub(super) struct Seen {
     selected: usize,
-    /// Height for all rows, and how much of them is above it.
+    /// Height for all rows, and the scroll position.
     height: f32,
     offset: f32,
-    /// Whether the selected row is still to come into sight.
+    /// True until the selected row is visible.
     follows: bool,
 }
 
-/// Lines of what the selected row is for.
+/// Lines of the description at the bottom.
 const MEANING_LINES: usize = 2;
 
-/// Draws the panel in the middle of `space`; returns where it is.
+/// Draws the panel in the middle of `space` and returns its area.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
@@ -72,7 +72,7 @@ fn heading(ui: &mut Ui, ask: &mut impl FnMut(SettingEvent)) {
         style::TEXT,
         place.width(),
     );
-    let words = "arrows and Enter, or a click, change · remembered";
+    let words = "change with the arrows and Enter, or a click · saved automatically";
     let left = place.left() + title.size().x + 14.0;
     let font = style::proportional(style::SMALL_SIZE);
     let hint = style::line(painter, words, font, style::DIM, cross.left() - left - 8.0);
@@ -81,7 +81,7 @@ fn heading(ui: &mut Ui, ask: &mut impl FnMut(SettingEvent)) {
     painter.galley(place.min, title, style::TEXT);
 }
 
-/// Draws all rows; returns the place of the one that is pointed at.
+/// Draws all rows. Returns the index of the row under the pointer.
 fn rows(
     ui: &mut Ui,
     height: f32,
@@ -97,7 +97,7 @@ fn rows(
         (top, bottom) = (bottom, bottom + row_height);
     }
     let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-    // The bar takes room when it comes, and the selected row must not go with it. Sizes may take more than one pass.
+    // The scroll bar takes width when it appears, which can move the selected row. Sizes may need more than one pass.
     let stands = last_seen.as_ref().filter(|seen| seen.selected == selected && seen.height == height);
     let offset = last_seen.as_ref().map_or(0.0, |seen| seen.offset);
     let is_seen = |offset: f32| top >= offset - 0.5 && bottom.min(top + height) <= offset + height + 0.5;
@@ -135,7 +135,7 @@ fn draw_row(
     let width = ui.available_width();
     let start = start_of_values(width);
     let height = ROW * lines_of(ui, row, width) as f32;
-    // In other rows only the values are controls.
+    // In other rows only the values can be clicked.
     let sense = match row.values {
         Values::OneOfRows { .. } => Sense::click(),
         Values::Names { .. } | Values::Delay(_) | Values::Percent { .. } => Sense::hover(),
@@ -176,7 +176,7 @@ fn draw_row(
     response
 }
 
-/// The name at the left; a row of which one holds has a mark before it, and one of the command line a word behind it.
+/// The name at the left, with a mark for a row that is one of several choices and for a value from the command line.
 fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: bool) {
     let painter = ui.painter();
     let (mark, color) = match (&row.values, is_selected) {
@@ -192,7 +192,7 @@ fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: boo
     let end = rect.left() + 6.0 + name.size().x;
     painter.galley(pos2(rect.left() + 6.0, middle - 0.5 * name.size().y), name, color);
     if row.for_this_run {
-        // A dot where there is no room for words.
+        // Only a dot if there is no room for the words.
         let font = style::proportional(style::SMALL_SIZE);
         let left = rect.left() + 6.0 + width - end;
         let mark = style::line(painter, THIS_RUN, font, style::DIM, left.max(8.0));
@@ -200,21 +200,21 @@ fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: boo
     }
 }
 
-/// What stands behind a name that the command line has a say in.
+/// The mark of a value from the command line.
 const THIS_RUN: &str = "this run";
 
-/// Width of a name that can be chosen, with its ground.
+/// Width of a value's button.
 fn name_width(ui: &Ui, name: &str) -> f32 {
     let font = style::proportional(style::TEXT_SIZE);
     style::line(ui.painter(), name, font, style::TEXT, f32::MAX).size().x + 18.0
 }
 
-/// Where values begin in a row of that width.
+/// Left edge of the values in a row of this width.
 fn start_of_values(width: f32) -> f32 {
     (NAME.1 * width).min(NAME.0)
 }
 
-/// How many lines a row of that width takes.
+/// The number of lines of a row of this width.
 fn lines_of(ui: &Ui, row: &SettingRow, width: f32) -> usize {
     let Values::Names { options, .. } = &row.values else { return 1 };
     let width = width - start_of_values(width);
@@ -230,7 +230,7 @@ fn lines_of(ui: &Ui, row: &SettingRow, width: f32) -> usize {
     lines
 }
 
-/// Draws names side by side, in as many lines as it takes; returns the place of the one that was clicked.
+/// Draws values side by side, in as many lines as needed. Returns the index of the clicked one.
 fn draw_names(
     ui: &Ui,
     rect: Rect,
@@ -270,17 +270,17 @@ fn draw_names(
     clicked
 }
 
-/// A number on a rail.
+/// A number on a slider.
 struct Scale {
-    /// The ends of the rail.
+    /// The ends of the slider.
     from: f64,
     to: f64,
-    /// What a double click brings back.
+    /// The value after a double click.
     usual: f64,
     words: fn(f64) -> String,
     rounded: fn(f64) -> f64,
     unit: &'static str,
-    /// Step of keys and screen readers.
+    /// Step for keys and screen readers.
     step: f64,
 }
 
@@ -304,7 +304,7 @@ const PERCENT: Scale = Scale {
     step: 5.0,
 };
 
-/// Draws a rail for a number; returns where the user moves it, and whether it stays there.
+/// Draws a slider for a number. Returns the value that the user sets, and true once it is released.
 fn draw_number(ui: &Ui, rect: Rect, name: &str, shift: f64, scale: &Scale) -> Option<(f64, bool)> {
     let painter = ui.painter();
     let words = (scale.words)(shift);

@@ -1,4 +1,4 @@
-//! The list of what can be listened to.
+//! The list of sound sources.
 
 use egui::{Id, Order, Rect, ScrollArea, Sense, WidgetInfo, pos2, vec2};
 
@@ -7,12 +7,12 @@ use super::events::UiEvent;
 use super::style;
 use mariana_commands::Command;
 
-/// Height of a row, in sizes of the text.
+/// Height of a row, in text sizes.
 const ROW: f32 = 1.7;
-/// Widest row, as a share of the window's width.
+/// Widest row, as a fraction of the window's width.
 const WIDTH_MAX: f32 = 0.6;
 
-/// Draws the panel at the upper left of `space`, below the sentences at the top; returns where it is. A click chooses.
+/// Draws the panel at the upper left of `space` and returns its area. A click chooses a source.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,

@@ -1,6 +1,6 @@
-//! The look: one set of colours, sizes and shapes for all panels.
+//! The style: one set of colours, sizes and shapes for all panels.
 //!
-//! Dark, mostly opaque backgrounds keep light text readable over a white picture as well as over a black one.
+//! Dark, mostly opaque backgrounds keep light text readable over bright and dark frames.
 
 use std::sync::Arc;
 
@@ -13,17 +13,17 @@ use mariana_render::reading_order::as_seen;
 pub(super) const TEXT: Color32 = Color32::from_rgb(232, 234, 238);
 /// Less important text.
 pub(super) const DIM: Color32 = Color32::from_rgb(152, 158, 170);
-/// What of a track is still to come.
+/// The part of a track that is still to come.
 pub(super) const AHEAD: Color32 = Color32::from_rgb(92, 98, 110);
-/// Signs on buttons.
+/// Icons on buttons.
 pub(super) const BUTTON: Color32 = Color32::from_rgb(196, 200, 208);
-/// What is wrong.
+/// Errors.
 pub(super) const ERROR: Color32 = Color32::from_rgb(255, 128, 112);
-/// Hints, and values that are set.
+/// Hints, and chosen values.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(130, 204, 232);
-/// Text on a ground of [`ACCENT`].
+/// Text on a background of [`ACCENT`].
 pub(super) const ON_ACCENT: Color32 = Color32::from_rgb(8, 10, 13);
-/// Rails of sliders and caps of keys.
+/// Sliders and keycaps.
 pub(super) const RAIL: Color32 = Color32::from_rgba_premultiplied(44, 44, 44, 44);
 
 /// The background of a panel: near black, 84 % opaque.
@@ -35,22 +35,22 @@ const CORNERS: CornerRadius = CornerRadius::same(7);
 pub(super) const MARGIN: f32 = 14.0;
 /// Distance of a panel's text from its edge, in points.
 pub(super) const PADDING: Vec2 = Vec2::new(14.0, 11.0);
-/// Sizes of text, in points.
+/// Size of text, in points.
 pub(super) const TEXT_SIZE: f32 = 14.0;
-/// The same for the line in the corner.
+/// Size of small text, in points.
 pub(super) const SMALL_SIZE: f32 = 12.5;
-/// The same for a heading.
+/// Size of headings, in points.
 pub(super) const HEADING_SIZE: f32 = 15.5;
-/// Small windows make no text of a panel smaller than this, in the window system's points; what does not fit is cut.
-/// Only the keys' and a problem's text shrink further, to be seen whole.
+/// Least text size in small windows, in the window system's points. Longer text is cut; only the keys and a problem
+/// shrink further, so that they fit.
 const SMALLEST: f32 = 9.0;
 
-/// Text in a proportional font.
+/// A proportional font.
 pub(super) fn proportional(size: f32) -> FontId {
     FontId::proportional(size)
 }
 
-/// Text in a monospaced font.
+/// A monospaced font.
 pub(super) fn monospace(size: f32) -> FontId {
     FontId::monospace(size)
 }
@@ -62,7 +62,7 @@ pub(super) fn line(painter: &Painter, text: &str, font: FontId, color: Color32, 
     painter.layout_job(job)
 }
 
-/// Text in lines of `width` points, `rows` of them at most, centred, the last cut with an ellipsis.
+/// Centred text in at most `rows` lines of `width` points, the last cut with an ellipsis.
 pub(super) fn lines(
     painter: &Painter,
     text: &str,
@@ -82,12 +82,12 @@ pub(super) fn ground(painter: &Painter, rect: Rect) {
     painter.rect(rect, CORNERS, GROUND, Stroke::new(1.0, EDGE), StrokeKind::Inside);
 }
 
-/// Where a panel is that egui lays out: it stays there, and does not fade in.
+/// A panel area that egui lays out, with a fixed position and without a fade.
 pub(super) fn area(id: egui::Id, order: egui::Order) -> egui::Area {
     egui::Area::new(id).kind(egui::UiKind::Window).order(order).constrain(false).fade_in(false)
 }
 
-/// How far a list is scrolled so that a row stands in the middle, as far as there are rows around it.
+/// The scroll position that centres a row as far as possible.
 pub(super) fn scrolled_to(row: usize, row_height: f32, height: f32) -> f32 {
     (row as f32 * row_height - 0.5 * (height - row_height)).max(0.0)
 }
@@ -101,7 +101,7 @@ pub(super) fn frame() -> egui::Frame {
         .inner_margin(egui::Margin::symmetric(PADDING.x as i8, PADDING.y as i8))
 }
 
-/// Makes egui's own parts (scroll bars) fit.
+/// Adapts egui's own parts, such as scroll bars.
 pub(super) fn apply(context: &egui::Context) {
     context.set_theme(egui::Theme::Dark);
     context.all_styles_mut(|style| {
@@ -112,8 +112,8 @@ pub(super) fn apply(context: &egui::Context) {
     });
 }
 
-/// How much larger a window's panels are than the window system's points: smaller in windows that are too small for
-/// them, larger in windows of more than 1920x1080 points, because those are viewed from further away.
+/// The zoom of panels in a window of `size` points: smaller in small windows, larger above 1920x1080 points because
+/// such windows are seen from further away.
 pub(super) fn zoom(size: Vec2) -> f32 {
     let shrunk = (size.x / 560.0).min(size.y / 360.0).clamp(SMALLEST / SMALL_SIZE, 1.0);
     let grown = (size.x / 1920.0).min(size.y / 1080.0).clamp(1.0, 2.0);

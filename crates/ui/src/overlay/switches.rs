@@ -1,8 +1,8 @@
-//! Which panels of the overlay the user has turned on.
+//! The panels that the user has opened.
 
 use mariana_commands::Panel;
 
-/// At first there is none: the picture is what the window is for.
+/// Switches of the panels; all are off at first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PanelSwitches {
     help: bool,
@@ -12,48 +12,48 @@ pub struct PanelSwitches {
 }
 
 impl PanelSwitches {
-    /// Shows the keys or hides them.
+    /// Shows or hides the keys.
     pub fn toggle_help(&mut self) {
         self.help = !self.help;
     }
 
-    /// Shows the sliders of the parameters or hides them.
+    /// Shows or hides the parameters' sliders.
     pub fn toggle_sliders(&mut self) {
         self.sliders = !self.sliders;
     }
 
-    /// Shows the line about the scene or hides it.
+    /// Shows or hides the line about the scene.
     pub fn toggle_corner(&mut self) {
         self.corner = !self.corner;
     }
 
-    /// Opens a panel instead of the one that is open, or closes it.
+    /// Opens a panel and closes any other; closes the panel if it is open.
     pub fn toggle(&mut self, panel: Panel) {
         self.open = if self.open == Some(panel) { None } else { Some(panel) };
     }
 
-    /// Closes what is open: the panel, or else the keys. Returns whether there was something.
+    /// Closes the open panel, or else the keys. Returns false if neither is open.
     pub fn close(&mut self) -> bool {
         let closed = self.open.take().is_some();
         closed || std::mem::take(&mut self.help)
     }
 
-    /// The panel that is open.
+    /// The open panel.
     pub fn open(self) -> Option<Panel> {
         self.open
     }
 
-    /// Whether the keys are shown.
+    /// True if the keys are shown.
     pub fn help(self) -> bool {
         self.help
     }
 
-    /// Whether the sliders of the parameters are shown.
+    /// True if the sliders are shown.
     pub fn sliders(self) -> bool {
         self.sliders
     }
 
-    /// Whether the line about the scene is shown.
+    /// True if the line about the scene is shown.
     pub fn corner(self) -> bool {
         self.corner
     }

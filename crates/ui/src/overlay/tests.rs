@@ -1,4 +1,4 @@
-//! The panels as a user meets them, in an imaginary window.
+//! Tests of the panels in a simulated window.
 
 use std::fs;
 use std::path::Path;
@@ -28,10 +28,10 @@ mod controllers;
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
 
-/// A window and its clock.
+/// A simulated window with a clock.
 struct Stage {
     panels: Panels,
-    /// One for each time that the panels have news.
+    /// One message for each call of `wake`.
     wakes: Receiver<()>,
     screen: Rect,
     seconds: f64,
@@ -50,18 +50,18 @@ impl Stage {
         Self { panels, wakes, screen: Rect::from_min_size(Pos2::ZERO, screen), seconds: 0.0 }
     }
 
-    /// One frame, 20 ms after the last.
+    /// One frame, 20 ms after the last one.
     fn frame(&mut self, events: Vec<Event>, mut content: OverlayContent<'_>) -> LaidOut {
         self.seconds += 0.02;
         let time = Some(self.seconds);
         let input = RawInput { screen_rect: Some(self.screen), time, events, ..Default::default() };
         let mut laid_out = self.panels.lay_out(input, &mut content, Instant::now());
-        // egui fails if nobody uses them.
+        // egui panics if textures are left unused.
         laid_out.output.textures_delta.clear();
         laid_out
     }
 
-    /// Moves the pointer to `place` and clicks; returns whether a slider moved.
+    /// Clicks at `place`. Returns true if a slider moved.
     fn click(&mut self, place: Pos2, sliders: &mut [Slider]) -> bool {
         let button = |pressed| Event::PointerButton {
             pos: place,
@@ -90,7 +90,7 @@ fn sliders(count: usize) -> Vec<Slider> {
     (0..count).map(slider).collect()
 }
 
-/// The bounds of everything that is drawn, and the texts with their places.
+/// The bounds of everything drawn, and the texts with their areas.
 fn drawn(laid_out: &LaidOut) -> (Rect, Vec<(String, Rect)>) {
     let mut texts = Vec::new();
     let mut bounds = Rect::NOTHING;
@@ -143,13 +143,13 @@ fn everything_shows_at_once_and_inside_the_window() {
 }
 
 #[test]
-fn underlines_stand_under_what_they_mean() {
+fn underlines_are_below_their_words() {
     let text = "1 | let größe = 球 + nonsense(2)\n  |                  ^^^^^^^^ here\n";
     let problem = Some(Problem { heading: "a", text });
     let laid_out = Stage::new(SCREEN).frame(Vec::new(), OverlayContent { problem, ..Default::default() });
     let (_, texts) = drawn(&laid_out);
     let (source, marks) = (place_of(&texts, "+ nonsense(2)"), place_of(&texts, "^^^^^^^^ here"));
-    // One begins with a space, the other with as many as the text before takes.
+    // One text begins with a space, the other with the width of the text before it.
     let cell = source.width() / " + nonsense(2)".len() as f32;
     let (name, mark) = (source.left() + 3.0 * cell, marks.left() + 18.0 * cell);
     assert!((name - mark).abs() < 0.05 * cell, "the name begins at {name}, its marks at {mark}");
@@ -164,7 +164,7 @@ fn a_slider_follows_the_pointer_and_a_double_click_resets_it() {
     let (panel, texts) = (laid_out.panels[0], drawn(&laid_out).1);
     assert!(!laid_out.params_changed && panel.right() > SCREEN.x - 20.0);
     let rail_y = place_of(&texts, "knob 1").bottom() + 14.0;
-    // Beyond the right end: the greatest value; the other slider stays.
+    // Right of the slider: the greatest value. The other slider does not move.
     assert!(stage.click(Pos2::new(panel.right() - 30.0, rail_y), &mut sliders));
     assert_eq!([sliders[0].value, sliders[1].value], [0.0, 4.0]);
     stage.seconds += 2.0;
@@ -173,17 +173,17 @@ fn a_slider_follows_the_pointer_and_a_double_click_resets_it() {
     assert!((1.0..3.0).contains(&sliders[1].value), "{}", sliders[1].value);
     assert!(stage.click(middle, &mut sliders));
     assert_eq!([sliders[0].value, sliders[1].value], [0.0, 1.0]);
-    // The sign beside a value that is not the default resets it too.
+    // The icon beside a value that is not the default resets it.
     stage.seconds += 2.0;
     let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
     let (_, texts) = drawn(&stage.frame(Vec::new(), content));
     assert!(stage.click(place_of(&texts, "↺").center(), &mut sliders));
     assert_eq!([sliders[0].value, sliders[1].value], [1.0, 1.0]);
-    // Beside the panel nothing moves.
+    // A click outside the panel moves nothing.
     assert!(!stage.click(Pos2::new(panel.left() - 20.0, rail_y), &mut sliders));
 }
 
-/// Everything that plays, in the middle of a track of 100 s.
+/// A player in the middle of a track of 100 s.
 fn playing() -> NowPlaying {
     NowPlaying {
         title: "a title".into(),
@@ -213,7 +213,7 @@ fn bar(now: &NowPlaying) -> Bar<'_> {
     }
 }
 
-/// Moves the pointer to `place` and clicks; returns what was asked for.
+/// Clicks at `place` and returns the events.
 fn asked(stage: &mut Stage, place: Pos2, content: impl Fn() -> OverlayContent<'static>) -> Vec<UiEvent> {
     let button = |pressed| Event::PointerButton {
         pos: place,
@@ -234,7 +234,7 @@ fn the_bar_is_inside_the_window_and_seeks_where_it_is_clicked() {
     let content = || OverlayContent { bar: Some(bar(now)), ..Default::default() };
     for screen in [SCREEN, Vec2::new(560.0, 315.0), Vec2::new(2560.0, 1440.0), Vec2::new(60.0, 40.0)] {
         let mut stage = Stage::new(screen);
-        // In its first frame egui finds out how large the bar is.
+        // egui finds the size of the bar in its first frame.
         stage.frame(Vec::new(), content());
         let laid_out = stage.frame(Vec::new(), content());
         let rect = laid_out.panels[0];
@@ -245,7 +245,7 @@ fn the_bar_is_inside_the_window_and_seeks_where_it_is_clicked() {
         let (bounds, texts) = drawn(&laid_out);
         assert!(stage.screen.contains_rect(bounds), "{screen:?}: {bounds:?}");
         let words = place_of(&texts, "a title · an artist · 3 of 7");
-        // The rail is below the words. A quarter from its left end is at 25 s.
+        // The seek bar is below the words. A quarter from its left end is at 25 s.
         let inner = rect.shrink2(style::PADDING);
         let place = Pos2::new(inner.left() + 0.25 * inner.width(), words.bottom() + 18.0);
         let events = asked(&mut stage, place, content);
@@ -257,7 +257,7 @@ fn the_bar_is_inside_the_window_and_seeks_where_it_is_clicked() {
 }
 
 #[test]
-fn every_button_of_the_bar_has_words_and_asks_for_something_else() {
+fn every_button_of_the_bar_has_a_tooltip_and_its_own_command() {
     let now: &'static NowPlaying = Box::leak(Box::new(playing()));
     let content = || OverlayContent { bar: Some(bar(now)), ..Default::default() };
     let mut stage = Stage::new(SCREEN);
@@ -302,7 +302,7 @@ fn every_button_of_the_bar_has_words_and_asks_for_something_else() {
 }
 
 #[test]
-fn ten_thousand_tracks_cost_the_rows_that_show_and_a_click_plays_one() {
+fn of_ten_thousand_tracks_only_the_visible_rows_are_laid_out() {
     let entry = |i| ListedTrack { name: format!("track {i}"), duration: Some(60.0), file: None, start: None };
     let list = ListedTracks { revision: 1, entries: (0..10_000).map(entry).collect() };
     let list: &'static ListedTracks = Box::leak(Box::new(list));
@@ -342,7 +342,7 @@ fn settings_are_inside_the_window_and_a_click_chooses() {
             let pick = UiEvent::Settings(SettingEvent::Pick { row: place(row), value });
             assert_eq!(asked(&mut stage, at.center(), content), [pick], "{screen:?}: {name}");
         }
-        // The rail: a click far to the right is settled when it is let go.
+        // A click on the slider is settled when the button is released.
         let rail = Pos2::new(place_of(&texts, "+35 ms").left() - 40.0, place_of(&texts, "+35 ms").center().y);
         let events = asked(&mut stage, rail, content);
         let Some(UiEvent::Settings(SettingEvent::Change { number: shift, settled: true, .. })) =
@@ -375,7 +375,7 @@ fn a_notice_covered_the_heading_of_a_panel() {
 }
 
 #[test]
-fn the_selected_setting_is_seen_however_small_the_window_is() {
+fn the_selected_setting_is_visible_in_a_small_window() {
     use crate::settings_panel::tests::panel;
     use mariana_commands::input::{Key, NamedKey};
     let mut rows = panel(&Choices::default(), None);
@@ -395,7 +395,7 @@ fn the_selected_setting_is_seen_however_small_the_window_is() {
 }
 
 #[test]
-fn the_letters_that_are_used_are_in_the_fonts() {
+fn special_characters_are_in_the_fonts() {
     let stage = Stage::new(SCREEN);
     let mut output = stage.panels.context().run_pass(RawInput::default(), |context| {
         for (font, text) in [(style::monospace(12.0), "…↺^|`äß"), (style::proportional(12.0), "…·äß")]
@@ -407,7 +407,7 @@ fn the_letters_that_are_used_are_in_the_fonts() {
     output.textures_delta.clear();
 }
 
-/// The letters of a text that is drawn, each with its place among the drawn letters.
+/// The letters of a drawn text, each with the size and position of its glyph.
 fn letters_of(laid_out: &LaidOut, wanted: &str) -> Vec<(char, [u16; 2])> {
     let texts = laid_out.output.shapes.iter().filter_map(|clipped| match &clipped.shape {
         Shape::Text(text) if text.galley.text() == wanted => Some(text),
@@ -429,7 +429,7 @@ fn noticed(text: &str) -> OverlayContent<'_> {
 const PATIENCE: Duration = Duration::from_secs(60);
 
 #[test]
-fn letters_that_are_missing_come_from_the_fonts_of_the_system() {
+fn missing_letters_come_from_the_fonts_of_the_system() {
     let title = "日本語";
     let bytes = TinyFont::new("Tiny", title).bytes();
     let folder = folder_of(&[("damaged.ttf", bytes[..200].to_vec()), ("tiny.ttf", bytes)]);
@@ -437,33 +437,33 @@ fn letters_that_are_missing_come_from_the_fonts_of_the_system() {
     let boxes = letters_of(&stage.frame(Vec::new(), noticed(title)), title);
     assert_eq!(boxes.len(), 3);
     assert!(boxes.iter().all(|(_, place)| *place == boxes[0].1), "the same box three times: {boxes:?}");
-    stage.wakes.recv_timeout(PATIENCE).expect("the font is found");
+    stage.wakes.recv_timeout(PATIENCE).expect("no font was found");
     assert!(stage.panels.has_found_fonts());
     let letters = letters_of(&stage.frame(Vec::new(), noticed(title)), title);
     assert!(!stage.panels.has_found_fonts());
-    // Each letter's square has a size of its own.
+    // Each letter's glyph has its own width.
     let mut widths: Vec<u16> = letters.iter().map(|(_, place)| place[0]).collect();
     widths.dedup();
     assert_eq!(widths.len(), 3, "{letters:?} instead of {boxes:?}");
 }
 
 #[test]
-fn what_was_looked_for_is_not_looked_for_again() {
+fn missing_letters_are_searched_for_once() {
     let folder = folder_of(&[("tiny.ttf", TinyFont::new("Tiny", "日").bytes())]);
     let mut stage = Stage::with_fonts(SCREEN, folder.path());
     stage.frame(Vec::new(), noticed("日本"));
-    stage.wakes.recv_timeout(PATIENCE).expect("the font is found");
+    stage.wakes.recv_timeout(PATIENCE).expect("no font was found");
     for _ in 0..3 {
         stage.frame(Vec::new(), noticed("日本"));
     }
-    // The next letter is the only one that is asked for: no font has it, and nobody is woken.
+    // Only the new letter is searched for. No font has it, so there is no wake-up.
     assert_eq!(stage.panels.fallback().missed(), 2);
     stage.frame(Vec::new(), noticed("日本語"));
     assert_eq!(stage.panels.fallback().missed(), 3);
 }
 
 #[test]
-fn letters_that_are_there_are_not_looked_for() {
+fn letters_of_the_built_in_fonts_are_not_searched_for() {
     let mut stage = Stage::new(SCREEN);
     stage.frame(Vec::new(), noticed("Hadal Lanterns — größer, Ελλάδα, Привет!\n\t\u{a0}\u{200d}"));
     let mut sliders = sliders(3);
@@ -489,7 +489,7 @@ fn letters_that_are_there_are_not_looked_for() {
     };
     stage.frame(Vec::new(), content);
     assert_eq!(stage.panels.fallback().missed(), 0);
-    assert!(!stage.panels.fallback().has_started(), "there is no thread");
+    assert!(!stage.panels.fallback().has_started(), "the thread has started");
 }
 
 #[test]
@@ -512,7 +512,7 @@ fn a_bar_for_screen_readers_alone_is_neither_seen_nor_in_the_way() {
         let bar = Some(Bar { seen, ..bar(&now) });
         stage.frame(vec![], OverlayContent { bar, ..Default::default() });
         let mut laid_out = stage.frame(vec![], OverlayContent { bar, ..Default::default() });
-        let controls = laid_out.output.platform_output.accesskit_update.take().expect("they are told");
+        let controls = laid_out.output.platform_output.accesskit_update.take().expect("no tree of controls");
         assert!(
             controls.nodes.iter().any(|(_, node)| node.label().is_some_and(|name| name.contains("Space")))
         );
@@ -525,7 +525,7 @@ fn a_bar_for_screen_readers_alone_is_neither_seen_nor_in_the_way() {
 }
 
 #[test]
-fn songs_had_no_level_beside_the_sign_of_what_is_heard() {
+fn songs_had_no_level_below_the_source_button() {
     let now = playing();
     let lit = |level: f32| {
         let mut stage = Stage::new(SCREEN);
@@ -559,7 +559,7 @@ fn an_input_method_did_not_know_where_letters_are_typed() {
         let laid_out = stage.frame(vec![], OverlayContent { editor: Some(editor), ..Default::default() });
         laid_out.output.platform_output.ime.map(|ime| ime.cursor_rect)
     };
-    assert_eq!(typed_at(&editor), None, "keys are the show's");
+    assert_eq!(typed_at(&editor), None, "keys belong to the show");
     editor.set_focus(true);
     wait_until("the text", || {
         editor.update();

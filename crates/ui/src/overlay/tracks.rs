@@ -1,4 +1,4 @@
-//! The list of tracks: a click plays one, a drag moves it, the cross takes it out.
+//! The track list: a click plays a track, a drag moves it, the cross removes it.
 
 use egui::{Id, Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 use mariana_commands::Command;
@@ -16,16 +16,16 @@ const ROW: f32 = 24.0;
 /// Width of the scroll bar's lane.
 const LANE: f32 = 10.0;
 
-/// What the panel shows.
+/// The content of the panel.
 #[derive(Debug, Clone, Copy)]
 pub struct Tracks<'a> {
-    /// The list.
+    /// The tracks.
     pub list: &'a ListedTracks,
-    /// The entry that plays.
+    /// The index of the playing track.
     pub present: usize,
 }
 
-/// Draws the panel at the right of `space`; returns where it is.
+/// Draws the panel at the right of `space` and returns its area.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
@@ -54,8 +54,8 @@ pub(super) fn show(
 fn heading(ui: &mut Ui, tracks: &Tracks<'_>) {
     let count = tracks.list.entries.len();
     let words = match count {
-        1 => "1 track · drop music to play it, with Shift to add it".to_owned(),
-        _ => format!("{count} tracks · drop music to play it, with Shift to add it"),
+        1 => "1 track · drop music here to play it, with Shift to add it".to_owned(),
+        _ => format!("{count} tracks · drop music here to play it, with Shift to add it"),
     };
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), 1.5 * ROW), Sense::hover());
     let font = style::proportional(style::SMALL_SIZE);
@@ -102,7 +102,7 @@ fn row(ui: &mut Ui, tracks: &Tracks<'_>, index: usize, events: &mut Vec<UiEvent>
         events.push(UiEvent::Command(Command::PlayTrack(index)));
     }
     response.dnd_set_drag_payload(index);
-    // A line where the dragged row would come: above the row that is pointed at, or below it.
+    // A line at the drop position: above or below the row under the pointer.
     let Some(pointer) = response.ctx.pointer_interact_pos().filter(|_| response.contains_pointer()) else {
         return;
     };

@@ -1,4 +1,4 @@
-//! What a window says when it opens: what plays, which scene this is, and the few keys that lead to everything else.
+//! The welcome text of a new window: the track, the scene, and a few keys to start with.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -8,47 +8,47 @@ use egui::{Galley, Painter, Rect, pos2, vec2};
 use super::style;
 use mariana_commands::{Command, Switch};
 
-/// How long the words stand before they fade.
+/// Time before the text fades.
 const STANDS: Duration = Duration::from_secs(6);
-/// How long they take to fade.
+/// Duration of the fade.
 const FADES: Duration = Duration::from_millis(700);
-/// The keys that are named.
+/// The commands whose keys are shown.
 const NAMED: [Command; 3] = [Command::ToggleHelp, Command::NextScene, Command::Fullscreen(Switch::Toggle)];
-/// Widest line, as a share of the window's width.
+/// Widest line, as a fraction of the window's width.
 const WIDTH_MAX: f32 = 0.9;
 
-/// See the module.
+/// The content of the welcome text.
 #[derive(Debug, Clone, Copy, Hash)]
 pub struct Welcome<'a> {
-    /// The track, or what is listened to.
+    /// The track's title, or the input's name.
     pub title: &'a str,
-    /// Who made the track.
+    /// The track's artist.
     pub artist: Option<&'a str>,
-    /// The scene on the stage, such as "speakers, 12 of 17".
+    /// The shown scene, such as "speakers, 12 of 17".
     pub scene: &'a str,
-    /// When it came up.
+    /// The time at which the text appeared.
     pub since: Instant,
 }
 
 impl Welcome<'_> {
-    /// Its opacity, 0..1.
+    /// Opacity, 0..1.
     fn opacity(&self, now: Instant) -> f32 {
         let fading = now.saturating_duration_since(self.since).saturating_sub(STANDS);
         1.0 - (fading.as_secs_f32() / FADES.as_secs_f32()).min(1.0)
     }
 
-    /// When it will look different; never once it is gone.
+    /// The time of the next change of its look; `None` once it is gone.
     pub(super) fn next_change(&self, now: Instant) -> Option<Instant> {
         (self.opacity(now) > 0.0).then(|| now.max(self.since + STANDS))
     }
 
-    /// Whether it no longer shows.
+    /// True once it has faded.
     pub(super) fn is_gone(&self, now: Instant) -> bool {
         self.opacity(now) <= 0.0
     }
 }
 
-/// Draws the words at the lower left of `space`.
+/// Draws the text at the lower left of `space`.
 pub(super) fn draw(painter: &Painter, space: Rect, welcome: &Welcome<'_>, now: Instant) {
     let mut painter = painter.clone();
     painter.set_opacity(welcome.opacity(now));
@@ -76,13 +76,13 @@ pub(super) fn draw(painter: &Painter, space: Rect, welcome: &Welcome<'_>, now: I
     hints.draw(&painter.with_clip_rect(rect), at);
 }
 
-/// Caps of keys with what they do, in a row.
+/// A row of keycaps with their effects.
 struct Hints {
     parts: Vec<(Arc<Galley>, bool)>,
     height: f32,
 }
 
-/// Around the letters of a cap, and between the parts.
+/// Padding in a keycap, and distance between parts.
 const CAP_PADDING: f32 = 6.0;
 const GAP: f32 = 7.0;
 
@@ -130,7 +130,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_words_stand_six_seconds_and_go() {
+    fn the_welcome_text_disappears_after_six_seconds() {
         let since = Instant::now();
         let welcome = Welcome { title: "demo track", artist: None, scene: "speakers, 12 of 17", since };
         let at = |ms| since + Duration::from_millis(ms);

@@ -1,24 +1,22 @@
-//! The rows of monitors that the picture can fill.
+//! The rows of the monitors that the image can fill.
 
 use crate::monitor::{Monitor, named};
 use mariana_settings::{Setting, SettingRow, Values};
 
-/// The rows of where the picture shows: with one monitor there is no choice.
+/// The rows for the output's monitor; none if there is only one monitor.
 pub(super) fn rows(monitors: &[Monitor], now: Option<&str>, remembered: Option<&str>) -> Vec<SettingRow> {
     if monitors.len() < 2 && now.is_none() {
         return Vec::new();
     }
     let chosen = now.and_then(|name| named(monitors, name)).map(|monitor| monitor.name.as_str()).or(now);
     let there =
-        monitors.iter().map(|monitor| (Some(monitor.name.as_str()), format!("Picture fills {monitor}")));
+        monitors.iter().map(|monitor| (Some(monitor.name.as_str()), format!("Image fills {monitor}")));
     let missing = chosen.filter(|name| named(monitors, name).is_none());
-    let missing = missing.map(|name| (Some(name), format!("Picture fills {name}, which is not there")));
-    let alone = (None, "Picture in this window alone".to_owned());
+    let missing = missing.map(|name| (Some(name), format!("Image fills {name} (not connected)")));
+    let alone = (None, "Image in this window only".to_owned());
     let row = |(name, words): (Option<&str>, String)| SettingRow {
         name: words,
-        purpose:
-            "A clean picture that fills a monitor; this window stays beside it, with its words and panels"
-                .to_owned(),
+        purpose: "Fills a monitor with the clean image; text and panels stay in this window".to_owned(),
         values: Values::OneOfRows {
             chosen: name == chosen,
             setting: Setting::Screen(name.map(str::to_owned)),
@@ -43,7 +41,7 @@ mod tests {
         let [alone, a, b] = &marked(Some("2"))[..] else { panic!("{:?}", marked(Some("2"))) };
         assert_eq!((alone.1, a.1, b.1), (false, false, true));
         assert!(a.0.contains("a (640x360)"), "{}", a.0);
-        assert!(marked(None)[0].1 && marked(Some("c"))[3].1, "one that is gone is marked, too");
+        assert!(marked(None)[0].1 && marked(Some("c"))[3].1, "a disconnected one stays marked");
         assert!(rows(&both[..1], None, None).is_empty());
     }
 }

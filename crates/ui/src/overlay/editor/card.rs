@@ -1,4 +1,4 @@
-//! The card that tells what is at the point of the picture that was clicked.
+//! The card about the clicked point of the frame.
 
 use egui::{Context, Id, LayerId, Order, Pos2, Rect, Sense, Stroke, WidgetInfo, pos2, vec2};
 
@@ -7,7 +7,7 @@ use crate::editor::{Editor, EditorEvent};
 use crate::overlay::{assisted, icons, style};
 use mariana_scenes::probing::Surface;
 
-/// Width of the card, and of its names of what is told.
+/// Width of the card, and of its column of names.
 const WIDTH: f32 = 250.0;
 const NAMES: f32 = 62.0;
 /// Height of a line.
@@ -15,7 +15,7 @@ const ROW: f32 = 17.0;
 /// Distance from the point.
 const APART: f32 = 16.0;
 
-/// Draws the card and marks the point; returns where the card is.
+/// Marks the point and draws the card. Returns the card's area.
 pub(super) fn show(
     context: &Context,
     screen: Rect,
@@ -87,13 +87,13 @@ pub(super) fn show(
     Some(rect)
 }
 
-/// What is told of a surface.
+/// The properties of a surface.
 fn rows(surface: Option<&Surface>) -> Vec<(&'static str, String)> {
-    let Some(surface) = surface else { return vec![("", "no surface is in this direction".to_owned())] };
+    let Some(surface) = surface else { return vec![("", "no surface in this direction".to_owned())] };
     let three = |v: [f32; 3], decimals: usize| {
         let [x, y, z] = v.map(|part| {
             let text = format!("{part:.decimals$}");
-            // No -0.00.
+            // Avoid -0.00.
             match text.strip_prefix('-') {
                 Some(rest) if rest.trim_matches(['0', '.']).is_empty() => rest.to_owned(),
                 _ => text,
@@ -109,14 +109,14 @@ fn rows(surface: Option<&Surface>) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Where a card of a size is: beside the point, within the space that is left.
+/// The area of a card: beside the point, within `space`.
 fn placed(space: Rect, point: Pos2, size: egui::Vec2) -> Rect {
     let right = point.x + APART + size.x <= space.right();
     let x = if right { point.x + APART } else { point.x - APART - size.x };
-    // Where there is too little room beside the text, over it.
+    // Without room beside the editor, it covers the editor's edge.
     let x = x.max(space.left()).min(space.right() - size.x);
     let y = (point.y + APART).min(space.bottom() - size.y).max(space.top());
-    // Never over the point itself, if there is room above it.
+    // It must not cover the point if there is room above it.
     let covers = Rect::from_min_size(pos2(x, y), size).contains(point);
     let above = point.y - APART - size.y;
     Rect::from_min_size(pos2(x, if covers && above >= space.top() { above } else { y }), size)

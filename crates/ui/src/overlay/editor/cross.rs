@@ -1,4 +1,5 @@
-//! The cross at the position at the cursor: its arms are dragged along the axes, its middle in the plane of the view.
+//! A cross at the position under the text cursor. Its arms drag the position along the axes, its middle in the view
+//! plane.
 
 use egui::{Color32, Context, CursorIcon, Id, LayerId, Order, Pos2, Rect, Sense, Stroke, Vec2, vec2};
 use glam::DVec3;
@@ -9,26 +10,25 @@ use crate::overlay::style;
 use mariana_render::frame::camera::Camera;
 use mariana_render::placement::Map;
 
-/// Length of an arm that points across the view, in points.
+/// Length of an arm perpendicular to the view direction, in points.
 const ARM: f32 = 64.0;
-/// Least length of an arm that can be dragged: a shorter one points at the eye.
+/// Least length of an arm that can be dragged; a shorter one points at the camera.
 const ARM_MIN: f32 = 10.0;
-/// Half the side of what is taken by the pointer.
+/// Half the side of a handle's clickable area.
 const HANDLE: f32 = 9.0;
-/// Share of the usual way while Shift is held.
+/// Speed while Shift is held, as a fraction of the usual speed.
 const FINE: f64 = 0.1;
 const COLORS: [Color32; 3] =
     [Color32::from_rgb(236, 96, 84), Color32::from_rgb(120, 204, 96), Color32::from_rgb(104, 148, 244)];
 
-/// Something that is dragged: where it is, and which way of the scene a point of the screen is along each of its
-/// directions.
+/// A draggable handle: its position, and pairs of a screen direction and the scene vector to which it corresponds.
 struct Handle {
     name: &'static str,
     at: Pos2,
     ways: Vec<(Vec2, DVec3)>,
 }
 
-/// Draws the cross where `hidden` does not cover it; returns where the pointer takes it.
+/// Draws the cross unless `hidden` covers it. Returns the areas of its handles.
 pub(super) fn show(
     context: &Context,
     screen: Rect,
@@ -46,7 +46,7 @@ pub(super) fn show(
     let Some(middle) = seen(place).filter(|at| screen.contains(*at) && !hidden.contains(*at)) else {
         return Vec::new();
     };
-    // As long as it is seen from everywhere, however small the picture is.
+    // The same length on screen at any distance and frame size.
     let depth = (place - camera.position).dot(camera.forward);
     let length = f64::from(ARM / (0.5 * screen.height())) * depth * camera.tan_half.1;
     let upwards = seen(place + length * camera.up).map_or(ARM, |tip| (tip - middle).length());
@@ -70,13 +70,13 @@ pub(super) fn show(
     handles.iter().map(|handle| drag(context, handle, ask)).collect()
 }
 
-/// Where a point of the scene is on the screen.
+/// The screen position of a point of the scene.
 fn seen_at(camera: &Camera, map: &Map, screen: Rect, point: DVec3) -> Option<Pos2> {
     let (x, y) = camera.project(point)?;
     on_screen(map, screen, [0.5 + 0.5 * x, 0.5 - 0.5 * y])
 }
 
-/// Takes the pointer at a handle; returns where.
+/// Handles the pointer on a handle. Returns the handle's area.
 fn drag(context: &Context, handle: &Handle, ask: &mut impl FnMut(EditorEvent)) -> Rect {
     let rect = Rect::from_center_size(handle.at, Vec2::splat(2.0 * HANDLE));
     let id = Id::unique(("cross handle", handle.name));
@@ -97,7 +97,7 @@ fn drag(context: &Context, handle: &Handle, ask: &mut impl FnMut(EditorEvent)) -
     rect
 }
 
-/// The way in the scene of a way on the screen.
+/// Converts a movement on the screen to one in the scene.
 fn way_of(ways: &[(Vec2, DVec3)], moved: Vec2) -> DVec3 {
     match ways {
         [(on_screen, along)] => f64::from(moved.dot(*on_screen) / on_screen.length_sq()) * *along,
@@ -118,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_way_on_the_screen_is_one_along_the_axis_or_in_the_plane() {
+    fn a_screen_movement_is_projected_to_the_axis_or_plane() {
         let x = (vec2(64.0, 0.0), DVec3::new(2.0, 0.0, 0.0));
         assert_eq!(way_of(&[x], vec2(32.0, 50.0)), DVec3::new(1.0, 0.0, 0.0));
         let y = (vec2(0.0, -64.0), DVec3::new(0.0, 2.0, 0.0));

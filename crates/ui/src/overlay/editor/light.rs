@@ -1,4 +1,4 @@
-//! What the lines at the cursor make, lit up over the picture.
+//! Highlights over the frame for what the lines at the cursor draw.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -11,26 +11,26 @@ use crate::editor::{Editor, Light};
 use crate::overlay::style;
 use mariana_render::placement::{Map, inverse, led};
 
-/// How much of what is lit up the colour covers, of 255, inside and at its edge.
+/// Opacity of a highlight, of 255: inside and at its outline.
 const INSIDE: u8 = 60;
 const EDGE: u8 = 190;
-/// Parts into which the picture is divided on its way to the screen: it may lie there slanted.
+/// Subdivisions of the mesh that follows the frame's corners on the screen.
 const PARTS: usize = 12;
 
-/// The last mask, which is uploaded again only if it has changed.
+/// The last mask, to be uploaded again only after a change.
 #[derive(Clone)]
 struct Kept {
     fingerprint: u64,
     texture: TextureHandle,
 }
 
-/// Where a place of the picture, as shares to the right and down, is on the screen.
+/// The screen position of a point of the frame, given as fractions to the right and down.
 pub(super) fn on_screen(map: &Map, screen: Rect, at: [f64; 2]) -> Option<Pos2> {
     let [x, y] = led(&inverse(map), at)?;
     Some(pos2(screen.left() + x as f32 * screen.width(), screen.top() + y as f32 * screen.height()))
 }
 
-/// Draws it under the panels.
+/// Draws the highlights below the panels.
 pub(super) fn show(context: &Context, screen: Rect, editor: &Editor) {
     let Some((light, map)) = editor.light().zip(editor.picture().map()) else { return };
     if !light.cells.contains(&true) {
@@ -66,12 +66,12 @@ pub(super) fn show(context: &Context, screen: Rect, editor: &Editor) {
     context.layer_painter(LayerId::new(Order::Background, id)).add(Shape::mesh(mesh));
 }
 
-/// Pixels for each cell along each axis: its outline is smooth.
+/// Pixels of the mask for each cell along each axis, for a smooth outline.
 const FINER: usize = 3;
-/// How near a half the share of lit cells around a place is at the outline.
+/// Greatest distance from 0.5 of the interpolated coverage on the outline.
 const OUTLINE: f32 = 0.17;
 
-/// The outline of what is lit up, and its inside.
+/// Makes the mask: outlines and insides of the highlighted cells.
 fn mask(light: &Light) -> ColorImage {
     let (columns, rows) = (light.columns.max(1), light.cells.len() / light.columns.max(1));
     let cell = |column: i64, row: i64| {
@@ -79,7 +79,7 @@ fn mask(light: &Light) -> ColorImage {
         let row = row.clamp(0, rows as i64 - 1) as usize;
         f32::from(u8::from(light.cells.get(row * columns + column).is_some_and(|lit| *lit)))
     };
-    // Between the cells around a place.
+    // Bilinear interpolation between cells.
     let fraction = |x: f32, y: f32| {
         let (left, top) = (x.floor(), y.floor());
         let (right_fraction, lower_fraction) = (x - left, y - top);
@@ -95,7 +95,7 @@ fn mask(light: &Light) -> ColorImage {
     for (place, pixel) in image.pixels.iter_mut().enumerate() {
         let at = |place: usize| (place as f32 + 0.5) / FINER as f32 - 0.5;
         let (x, y) = (at(place % (FINER * columns)), at(place / (FINER * columns)));
-        // A mean of the place's surroundings, so that steps of the grid become slopes.
+        // A mean of the neighbourhood turns the steps of the grid into slopes.
         let around = [(-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5)];
         let lit = around.into_iter().map(|(dx, dy)| fraction(x + dx, y + dy)).sum::<f32>() / 4.0;
         let covers = match lit {
@@ -113,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_lit_has_an_outline_and_what_is_not_has_no_colour() {
+    fn highlights_have_an_outline_and_the_rest_is_transparent() {
         let cells = (0..16 * 8).map(|cell| (4..12).contains(&(cell % 16))).collect();
         let image = mask(&Light { columns: 16, cells });
         assert_eq!(image.size, [48, 24]);

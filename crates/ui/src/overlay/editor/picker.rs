@@ -1,4 +1,4 @@
-//! The colours of the text: each is seen below its `vec3`, and picked by a click on that.
+//! Colours in the text: a swatch below each colour's `vec3`, and a colour picker that opens on click.
 
 use egui::color_picker::{Alpha, color_picker_hsva_2d};
 use egui::ecolor::Hsva;
@@ -7,20 +7,20 @@ use egui::{Color32, Context, Id, Order, Pos2, Rect, Rgba, pos2};
 use crate::editor::{Editor, EditorEvent};
 use crate::overlay::{icons, style};
 
-/// Width of the field of colours, and about the height of all of it.
+/// Width of the colour field, and approximate height of the whole picker.
 const WIDTH: f32 = 190.0;
 const HEIGHT: f32 = 310.0;
 
-/// What is picked at a place: hue and strength stay where the numbers do not tell them, as those of black.
+/// The picked colour. Hue and saturation are remembered where the numbers do not determine them, as for black.
 #[derive(Clone, Copy)]
 struct Picked {
     at: usize,
     color: Hsva,
-    /// How much brighter than 1 it is.
+    /// Factor by which it is brighter than 1.
     bright: f64,
 }
 
-/// The colour of three numbers as it looks on a screen; what is brighter than white keeps its hue.
+/// The screen colour of a linear colour. Colours brighter than white are scaled down, so that they keep their hue.
 pub(super) fn look(values: [f64; 3]) -> Color32 {
     let bright = brightness(values);
     let [r, g, b] = values.map(|part| (part.max(0.0) / bright) as f32);
@@ -31,7 +31,7 @@ fn brightness(values: [f64; 3]) -> f64 {
     values.into_iter().fold(1.0, f64::max)
 }
 
-/// Shows what picks the colour below or above a place of the text, if one is picked; returns where.
+/// Draws the picker below or above `at`, if it is open, and returns its area.
 pub(super) fn show(
     context: &Context,
     at: Rect,
@@ -60,7 +60,7 @@ pub(super) fn show(
             ui.spacing_mut().slider_width = WIDTH;
             let corner = ui.cursor().min;
             let changed = color_picker_hsva_2d(ui, &mut picked.color, Alpha::Opaque);
-            // egui's first row has numbers for screens and a button for its own clipboard: the text has the numbers.
+            // Cover egui's first row: it has numbers in screen units and a button for egui's own clipboard.
             let row =
                 Rect::from_min_size(corner, egui::vec2(ui.min_rect().width(), ui.spacing().interact_size.y));
             ui.painter().rect_filled(row, 0.0, style::ON_ACCENT);
@@ -100,10 +100,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_colour_of_the_text_is_light_and_is_seen_as_it_looks() {
+    fn a_linear_colour_becomes_a_screen_colour() {
         assert_eq!(look([1.0, 1.0, 1.0]), Color32::WHITE);
         assert_eq!(look([0.0, 0.0, 0.0]), Color32::BLACK);
-        // Half the light is more than half as bright on a screen.
+        // Half the light looks more than half as bright on a screen.
         assert!(look([0.5, 0.5, 0.5]).r() > 180);
         assert_eq!(look([300.0, 0.0, 0.0]), Color32::from_rgb(255, 0, 0));
         assert_eq!(look([-1.0, 0.0, 2.0]), Color32::from_rgb(0, 0, 255));

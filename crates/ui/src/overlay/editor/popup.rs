@@ -1,4 +1,4 @@
-//! What may be written at the cursor: a list of names, and what the selected one is.
+//! The completion list: names, and documentation of the selected one.
 
 use std::sync::Arc;
 
@@ -10,18 +10,18 @@ use egui::{
 use crate::editor::{EditorEvent, ObjectPreview, PREVIEW_SIDE, Proposing};
 use crate::overlay::{assisted, style};
 
-/// Names that show at a time.
+/// Visible names.
 const ROWS: usize = 8;
 /// Height of a row.
 const ROW: f32 = 18.0;
 /// Width of the list.
 const WIDTH: f32 = 190.0;
-/// Side of the picture of a shape, in points.
+/// Side of a shape's preview, in points.
 const PICTURE: f32 = 72.0;
-/// Greatest width of what the selected one is.
+/// Greatest width of the documentation.
 const ABOUT_WIDTH: f32 = 330.0;
 
-/// Draws the list below a place, or above the line if there is no room, which is `line` high.
+/// Draws the list below `at`, or above the text line of height `line` if there is no room below.
 pub(super) fn show(
     ui: &Ui,
     space: Rect,
@@ -91,14 +91,14 @@ pub(super) fn show(
     }
 }
 
-/// A picture that was uploaded.
+/// The last uploaded preview.
 #[derive(Clone)]
 struct Uploaded {
     of: ObjectPreview,
     texture: TextureHandle,
 }
 
-/// A picture as a texture, which stays until another one is shown.
+/// The texture of a preview, kept until another preview is shown.
 fn texture(context: &Context, object_preview: &ObjectPreview) -> TextureId {
     let id = Id::unique("portrait of a proposal");
     let known = context.data(|data| data.get_temp::<Uploaded>(id));

@@ -1,4 +1,4 @@
-//! The table of what objects cost, the dearest first.
+//! The table of the objects' costs, most expensive first.
 
 use egui::{Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -7,25 +7,25 @@ use crate::overlay::{assisted, style};
 
 /// Height of a row.
 const ROW: f32 = 16.0;
-/// Most objects that are told one by one, and most parts of one of them.
+/// Most objects that are listed individually, and most parts of one object.
 const OBJECTS_MAX: usize = 7;
 const PARTS_MAX: usize = 3;
-/// What is counted, as words under the pointer.
-const COUNTED: &str = "shape, material: operations of the object's own formula, as if it stood alone. seen: share of \
-                       the picture where it is seen first. steps: distances that a ray takes on its way there. work: \
-                       share of all operations that rays from the eye run, those that end on it. Shadows, mirrors \
-                       and ambient light are not counted.";
+/// Tooltip about the columns.
+const COUNTED: &str = "shape, material: operations of the object's own formulas. seen: fraction of the image where \
+                       the object is in front. steps: mean number of distances that a ray to it evaluates. work: \
+                       fraction of all operations of camera rays that its rays take. Shadows, mirrors and ambient \
+                       light are not counted.";
 
-/// A row: name, then numbers.
+/// A row: the name, then numbers.
 struct Row {
     name: String,
     cells: [String; 5],
     place: Option<(usize, usize)>,
-    /// Whether it is that of a part of the object above it.
+    /// True for a part of the object above it.
     is_part: bool,
 }
 
-/// Takes out rows of parts, the last ones first, until there are at most so many rows, if that is enough.
+/// Removes rows of parts, from the last one, until at most `rows_max` rows are left or no parts.
 fn leave_out_parts(rows: &mut Vec<Row>, rows_max: usize) {
     while rows.len() > rows_max
         && let Some(last) = rows.iter().rposition(|row| row.is_part)
@@ -34,13 +34,13 @@ fn leave_out_parts(rows: &mut Vec<Row>, rows_max: usize) {
     }
 }
 
-/// Draws the table at the bottom of `space`; returns where it begins.
+/// Draws the table at the bottom of `space`. Returns its top.
 pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(EditorEvent)) -> f32 {
     if !editor.picture().switches().1 {
         return space.bottom();
     }
     let mut rows = rows(editor);
-    // The text needs room, too.
+    // Leave room for the text.
     leave_out_parts(&mut rows, (0.45 * space.height() / ROW) as usize);
     let height = ROW * (rows.len() + 1) as f32 + 8.0;
     let table = Rect::from_min_max(pos2(space.left(), (space.bottom() - height).max(space.top())), space.max);
@@ -59,7 +59,7 @@ pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(E
     };
     let mut y = table.top() + 4.0;
     let heads = ["shape", "material", "seen", "steps", "work"].map(str::to_owned);
-    draw(y, "what rays from the eye cost", &heads, style::DIM);
+    draw(y, "cost of camera rays", &heads, style::DIM);
     let head = Rect::from_min_size(pos2(table.left(), y), vec2(table.width(), ROW));
     ui.interact(head, Id::unique("profile head"), Sense::hover()).on_hover_text(COUNTED);
     for (number, row) in rows.iter().enumerate() {
@@ -86,12 +86,7 @@ pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(E
 fn rows(editor: &Editor) -> Vec<Row> {
     let nothing = || std::array::from_fn(|_| String::new());
     let Some((ray_statistics, objects)) = editor.picture().profile() else {
-        return vec![Row {
-            name: "is being measured".to_owned(),
-            cells: nothing(),
-            place: None,
-            is_part: false,
-        }];
+        return vec![Row { name: "measuring ...".to_owned(), cells: nothing(), place: None, is_part: false }];
     };
     let (all, run) = (ray_statistics.cells.len().max(1) as f64, ray_statistics.run().max(1) as f64);
     let percent = |fraction: f64| format!("{:.1} %", 100.0 * fraction);

@@ -1,4 +1,4 @@
-//! The lines that show: numbers, colours, what is selected, mistakes, the cursor, and the grips of numbers.
+//! The visible lines of the text: line numbers, colours, selection, mistakes, cursor, and grips on numbers.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -18,11 +18,11 @@ use crate::overlay::{assisted, style};
 
 /// Size of the text, in points.
 const SIZE: f32 = 13.0;
-/// Distance between lines, in heights of the font's own line.
+/// Distance between lines, in line heights of the font.
 const LINE_HEIGHT: f32 = 1.18;
-/// Width of the lane at the right that shows where in the text one is.
+/// Width of the scroll lane at the right.
 const LANE: f32 = 10.0;
-/// Height of a number's grip, and how far above its line's lower edge it begins.
+/// Height of a number's grip, and its overlap with the number's line.
 const GRIP: (f32, f32) = (9.0, 3.0);
 /// Least width of a grip.
 const GRIP_WIDTH_MIN: f32 = 18.0;
@@ -45,9 +45,9 @@ fn color_of(kind: WordKind) -> Color32 {
     }
 }
 
-/// Where what stands in the text stands on the screen.
+/// The mapping between the text and the screen.
 struct Page {
-    /// Where the letters are, without line numbers.
+    /// The area of the letters, without line numbers.
     rect: Rect,
     /// Width and height of a column.
     cell: Vec2,
@@ -60,7 +60,7 @@ impl Page {
         self.rect.min + vec2((column - self.left) * self.cell.x, (line as f32 - self.top) * self.cell.y)
     }
 
-    /// The byte at a place on the screen.
+    /// The byte offset at a screen position.
     fn offset(&self, buffer: &Buffer, at: Pos2) -> usize {
         let line = (self.top + (at.y - self.rect.top()) / self.cell.y).max(0.0) as usize;
         let line = line.min(buffer.line_count() - 1);
@@ -68,7 +68,7 @@ impl Page {
         buffer.line_start(line) + offset_of(buffer.line(line), column.max(0.0))
     }
 
-    /// Where bytes of one line stand.
+    /// The screen area of a range within one line.
     fn rect_of(&self, buffer: &Buffer, range: &Range<usize>) -> Rect {
         let line = buffer.line_of(range.start);
         let (start, text) = (buffer.line_start(line), buffer.line(line));
@@ -86,7 +86,7 @@ pub(super) fn cell(painter: &Painter) -> Vec2 {
     })
 }
 
-/// Draws the text in `space`; returns where more of it is.
+/// Draws the text in `space`. Returns the area of the colour picker, if it is open.
 pub(super) fn show(
     ui: &Ui,
     space: Rect,
@@ -111,7 +111,7 @@ pub(super) fn show(
     let seen = top as usize..((top + rows).ceil() as usize + 1).min(buffer.line_count());
     draw_ground(&painter, space, &page, document, &seen);
     if let Some(line) = editor.probed_line().filter(|line| seen.contains(line)) {
-        // What made the point of the picture that was clicked.
+        // Mark the line that drew the clicked point.
         let rect = Rect::from_min_size(pos2(space.left(), page.at(line, 0.0).y), vec2(3.0, cell.y));
         painter.rect_filled(rect, 1.0, style::ACCENT);
     }
@@ -140,7 +140,7 @@ pub(super) fn show(
     picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, ask)
 }
 
-/// The line of the cursor, and what is selected.
+/// Draws the backgrounds of the cursor's line and of the selection.
 fn draw_ground(painter: &Painter, space: Rect, page: &Page, document: &Document, seen: &Range<usize>) {
     let (editing, buffer) = (&document.editing, document.editing.buffer());
     let current = buffer.line_of(editing.cursor());
@@ -176,8 +176,8 @@ fn draw_number(painter: &Painter, right: f32, page: &Page, line: usize, document
     painter.galley(pos2(right - galley.size().x, page.at(line, 0.0).y), galley, color);
 }
 
-/// Draws a line's letters: those of ASCII together, each other one in its own column, because it may come from another
-/// font with other widths.
+/// Draws a line's letters. Runs of ASCII are drawn together; any other letter is placed in its own column, because a
+/// fallback font may have other widths.
 fn draw_line(painter: &Painter, page: &Page, document: &Document, line: usize, font: &FontId) {
     let text = document.editing.buffer().line(line);
     let words = document.words(line);
@@ -214,7 +214,7 @@ fn draw_line(painter: &Painter, page: &Page, document: &Document, line: usize, f
     run.flush(painter, page, line, font);
 }
 
-/// The colours of a line, each below its `vec3`.
+/// Draws a swatch below the `vec3` of each colour of a line.
 fn draw_colors(painter: &Painter, page: &Page, document: &Document, line: usize) {
     let (triples, start) = document.triples(line);
     for triple in triples.into_iter().filter(|triple| triple.kind == TripleKind::Color) {
@@ -231,7 +231,7 @@ fn draw_colors(painter: &Painter, page: &Page, document: &Document, line: usize)
     }
 }
 
-/// Letters of ASCII that stand side by side.
+/// A run of ASCII letters.
 #[derive(Default)]
 struct Run {
     column: usize,
@@ -300,7 +300,7 @@ fn draw_mistakes(painter: &Painter, space: Rect, page: &Page, document: &Documen
     }
 }
 
-/// A wavy line under a part of a line.
+/// A wavy line below a range.
 fn wave(painter: &Painter, rect: Rect, left: f32) {
     let (mut x, mut up) = (rect.left().max(left), false);
     let mut points = Vec::new();
@@ -319,7 +319,7 @@ fn draw_cursor(painter: &Painter, page: &Page, document: &Document, focused: boo
         painter.vline(rect.left(), rect.y_range(), Stroke::new(1.6, color));
     }
     if focused {
-        // An input method shows beside it what its letters may become.
+        // The position for an input method's candidate window.
         let cursor_rect = rect.intersect(page.rect);
         let (purpose, should_interrupt_composition) = (IMEPurpose::Normal, false);
         painter.ctx().output_mut(|output| {
@@ -329,7 +329,7 @@ fn draw_cursor(painter: &Painter, page: &Page, document: &Document, focused: boo
     }
 }
 
-/// Letters that are being put together, underlined over what stands behind the cursor.
+/// Draws text that an input method is composing, underlined, over the text behind the cursor.
 fn draw_preedit(painter: &Painter, page: &Page, document: &Document, letters: &str, font: &FontId) {
     if letters.is_empty() {
         return;
@@ -343,7 +343,7 @@ fn draw_preedit(painter: &Painter, page: &Page, document: &Document, letters: &s
     painter.hline(rect.x_range(), rect.bottom() - 1.5, Stroke::new(1.5, style::ACCENT));
 }
 
-/// What the pointer does to the text.
+/// Handles the pointer over the text.
 fn point(
     ui: &Ui,
     painter: &Painter,
@@ -366,7 +366,7 @@ fn point(
         )
     });
     if editor.held_numbers().turns_three() {
-        // What turns them lies elsewhere.
+        // The picker or the cross changes them.
         if !down {
             ask(EditorEvent::LetGo);
         }
@@ -422,7 +422,7 @@ fn point(
     }
 }
 
-/// Whether the pointer has left the place where it was pressed: a click selects nothing.
+/// True if the pointer has moved since the press, so that a click selects nothing.
 fn moved_enough(ui: &Ui) -> bool {
     ui.input(|input| {
         let way = input.pointer.press_origin().zip(input.pointer.latest_pos());
@@ -430,7 +430,7 @@ fn moved_enough(ui: &Ui) -> bool {
     })
 }
 
-/// Where the number stands at which the pointer is, or under whose line its grip is.
+/// The area of the number under the pointer, or of the number whose grip is there.
 fn number_at(page: &Page, document: &Document, at: Pos2) -> Option<Rect> {
     let buffer = document.editing.buffer();
     [at, at - vec2(0.0, GRIP.0)].into_iter().find_map(|near| {
@@ -441,7 +441,7 @@ fn number_at(page: &Page, document: &Document, at: Pos2) -> Option<Rect> {
     })
 }
 
-/// The byte of the colour on whose `vec3` the pointer is.
+/// The byte offset of the colour whose `vec3` is under the pointer.
 fn color_at(page: &Page, document: &Document, at: Pos2) -> Option<usize> {
     let buffer = document.editing.buffer();
     let (triples, start) = document.triples(buffer.line_of(page.offset(buffer, at)));
@@ -460,7 +460,7 @@ fn grip_of(number: Rect) -> Rect {
 fn draw_grip(painter: &Painter, rect: Rect, held: bool) {
     let color = if held { style::ACCENT } else { style::AHEAD };
     painter.rect_filled(rect.shrink2(vec2(0.0, 2.5)), 2.0, color);
-    // Two arrows say which way it goes.
+    // Two arrows show the directions of a drag.
     let middle = rect.center().y;
     for (x, way) in [(rect.left() - 5.0, -1.0), (rect.right() + 5.0, 1.0)] {
         let tip = pos2(x + 2.5 * way, middle);
@@ -469,7 +469,7 @@ fn draw_grip(painter: &Painter, rect: Rect, held: bool) {
     }
 }
 
-/// Tells what stands under the pointer when it rests.
+/// Shows documentation or a mistake in a tooltip.
 fn hover_help(response: &Response, document: &Document, page: &Page, offset: usize, at: Pos2) {
     let buffer = document.editing.buffer();
     let line = buffer.line_of(offset);
@@ -501,7 +501,7 @@ fn hover_help(response: &Response, document: &Document, page: &Page, offset: usi
     });
 }
 
-/// The lane at the right: what part of the text shows, and where mistakes are. Dragged, it scrolls.
+/// Draws the scroll lane with the visible part and the mistakes, and handles drags in it.
 fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnMut(EditorEvent)) {
     let count = document.editing.buffer().line_count() as f32;
     if count <= rows {

@@ -1,4 +1,4 @@
-//! The controls as screen readers and keys meet them.
+//! Tests of the controls with a screen reader and with keys.
 
 use egui::accesskit::{Action as Asked, Node, Role, Toggled};
 use egui::{Event, Key};
@@ -20,7 +20,7 @@ fn controls<'a>(stage: &mut Stage, content: impl Fn() -> OverlayContent<'a>) -> 
     stage.frame(vec![], content());
     stage.frame(vec![], content());
     let laid_out = stage.frame(vec![], content());
-    let reported = laid_out.output.platform_output.accesskit_update.expect("controls are told");
+    let reported = laid_out.output.platform_output.accesskit_update.expect("no tree of controls");
     reported.nodes.into_iter().map(|(_, node)| node).collect()
 }
 
@@ -91,13 +91,13 @@ fn tab_did_not_reach_the_bar() {
     let mut stage = Stage::new(SCREEN);
     let focused = |stage: &Stage| stage.panels.context().memory(|memory| memory.focused());
     stage.frame(vec![], OverlayContent::default());
-    assert_eq!(focused(&stage), None, "keys are the show's");
-    // The bar comes with the key.
+    assert_eq!(focused(&stage), None, "keys belong to the show");
+    // The key shows the bar.
     stage.panels.ask_for_focus();
     while stage.panels.wants_focus() {
         stage.frame(vec![], content());
     }
-    // The rail first: arrows seek.
+    // The seek bar comes first: arrows seek.
     assert!(focused(&stage).is_some());
     stage.frame(vec![], content());
     assert_eq!(
@@ -122,5 +122,5 @@ fn tab_did_not_reach_the_bar() {
         assert!(asked.contains(&UiEvent::Command(command.clone())), "no way to {command:?} in {asked:?}");
     }
     stage.frame(press(Key::Escape), content());
-    assert_eq!(focused(&stage), None, "the keys are the show's again");
+    assert_eq!(focused(&stage), None, "keys belong to the show again");
 }

@@ -1,4 +1,4 @@
-//! Knobs from outside, as a user meets them with the pointer.
+//! Tests of the controllers panel with the pointer.
 
 use egui::Event;
 
@@ -56,7 +56,7 @@ fn panel() -> ControllersPanel {
 }
 
 #[test]
-fn a_click_on_the_name_of_a_slider_learns_what_turns_it_and_who_holds_it_is_told() {
+fn a_click_on_the_name_of_a_slider_learns_a_control_and_the_last_controller_is_shown() {
     let mut stage = Stage::new(SCREEN);
     let mut sliders = sliders(2);
     sliders[1].changed_by = ChangedBy::Midi;
@@ -87,7 +87,7 @@ fn a_click_on_the_name_of_a_slider_learns_what_turns_it_and_who_holds_it_is_told
 }
 
 #[test]
-fn with_the_pointer_alone_one_learns_changes_and_forgets() {
+fn the_pointer_learns_changes_and_removes_mappings() {
     let panel: &'static ControllersPanel = Box::leak(Box::new(panel()));
     let content = || OverlayContent { controllers: Some(panel), ..Default::default() };
     let mut stage = Stage::new(SCREEN);
@@ -113,7 +113,7 @@ fn with_the_pointer_alone_one_learns_changes_and_forgets() {
 }
 
 #[test]
-fn the_panel_of_knobs_fits_every_window() {
+fn the_controllers_panel_fits_every_window() {
     let panel: &'static ControllersPanel = Box::leak(Box::new(panel()));
     for screen in [SCREEN, Vec2::new(640.0, 360.0), Vec2::new(320.0, 180.0), Vec2::new(60.0, 40.0)] {
         let mut stage = Stage::new(screen);
@@ -135,7 +135,7 @@ fn the_code_of_the_address_is_drawn_in_whole_pixels_at_any_scale() {
             screen_rect: Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(640.0, 360.0))),
             ..Default::default()
         };
-        // A new scale counts from the second picture on.
+        // A new scale applies from the second frame.
         let mut shapes = Vec::new();
         for _ in 0..2 {
             let mut output = context.run_ui(input.clone(), |ui| {
