@@ -150,9 +150,6 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
 }
 
 /// Combines the arguments with the settings that are saved in `folders`.
-///
-/// # Errors
-/// An argument that is refused.
 pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Result<Prepared> {
     let listen = listen_of(&arguments);
     // An error in the settings file is reported when the window opens.

@@ -16,9 +16,6 @@ use crate::scenes::ReadyScene;
 const EXPOSURE: f32 = 0.01;
 
 /// Refuses a scene that draws its own sky.
-///
-/// # Errors
-/// [`ExportError::OwnSky`].
 pub(super) fn require_no_sky(ready: &ReadyScene, scene: &str) -> Result<(), ExportError> {
     match ready.world.scene.has_own_sky {
         true => Err(ExportError::OwnSky { scene: scene.to_owned() }),
@@ -36,9 +33,6 @@ pub(super) struct Coverage {
 impl Coverage {
     /// Draws the coverage of `frame` with a program of [`crate::gpu::scene_program::as_coverage`] and keeps it. Turns
     /// off the frame's grain, which belongs to the composed image.
-    ///
-    /// # Errors
-    /// An error of the driver.
     pub(super) fn draw(
         &mut self,
         renderer: &mut Renderer,

@@ -132,7 +132,6 @@ fn following_frames(
     Ok(following)
 }
 
-/// A measurement in progress.
 struct Bench<'a> {
     request: &'a BenchRequest,
     gl: &'a Gl,
@@ -357,7 +356,6 @@ fn build(
     (built, percentile(&mut times, 0.5), percentile(&mut next_times, 0.5))
 }
 
-/// A linked program with its timings.
 struct Made {
     variant: Variant,
     program: Rc<Program>,

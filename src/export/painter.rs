@@ -48,7 +48,6 @@ pub struct SceneChoice {
 }
 
 impl From<SceneSource> for SceneChoice {
-    /// The scene with default options.
     fn from(source: SceneSource) -> Self {
         Self {
             source,
@@ -83,9 +82,6 @@ pub(super) struct Model {
 
 impl HeadlessRenderer {
     /// Opens a context with the options of `choice`.
-    ///
-    /// # Errors
-    /// An error of the driver.
     pub(super) fn open(choice: &SceneChoice) -> Result<Self, ExportError> {
         let context = Headless::new(choice.verbose)?;
         let mut renderer = Renderer::new(context.gl(), &choice.shaders, Counting::Off)?;
@@ -130,10 +126,6 @@ impl HeadlessRenderer {
         Ok(Model { program, coverage, resources, mode })
     }
 
-    /// Draws a frame of a scene.
-    ///
-    /// # Errors
-    /// An error of the driver.
     pub(super) fn draw(&mut self, model: &Model, mut frame: Frame) -> Result<(), ExportError> {
         let Model { program, resources, mode, .. } = model;
         if let Some((coverage, program)) = self.coverage.as_mut().zip(model.coverage.as_ref()) {
@@ -149,9 +141,6 @@ impl HeadlessRenderer {
 
     /// Draws `over`, with the fraction `fraction`, 0..1, of its light from `under`. Views show numbers and are not
     /// mixed.
-    ///
-    /// # Errors
-    /// An error of the driver.
     pub(super) fn draw_faded(
         &mut self,
         under: (&Model, Frame),
@@ -166,9 +155,6 @@ impl HeadlessRenderer {
 
     /// Draws a scene, with the fraction `fraction`, 0..1, of its light from the last frame. Views show numbers and are
     /// not mixed.
-    ///
-    /// # Errors
-    /// An error of the driver.
     pub(super) fn draw_over(
         &mut self,
         model: &Model,
@@ -185,33 +171,21 @@ impl HeadlessRenderer {
     }
 
     /// Enables [`HeadlessRenderer::dim`].
-    ///
-    /// # Errors
-    /// An error of the driver.
     pub(super) fn add_dimming(&mut self, shaders: &ShaderLibrary) -> Result<(), ExportError> {
         Ok(self.renderer.add_dimming(shaders)?)
     }
 
     /// Multiplies the last frame's light by `brightness`, 0..1.
-    ///
-    /// # Errors
-    /// An error of the driver.
     pub(super) fn dim(&mut self, brightness: f32) -> Result<(), ExportError> {
         Ok(self.renderer.dim(brightness)?)
     }
 
     /// Enables [`HeadlessRenderer::limit_flashes`].
-    ///
-    /// # Errors
-    /// An error of the driver.
     pub(super) fn add_flash_limiter(&mut self, shaders: &ShaderLibrary) -> Result<(), ExportError> {
         Ok(self.renderer.add_flash_limiter(shaders)?)
     }
 
     /// Dims areas of the last frame that flash too often. The frame is shown `seconds` after the previous one.
-    ///
-    /// # Errors
-    /// An error of the driver.
     pub(super) fn limit_flashes(&mut self, seconds: f64) -> Result<(), ExportError> {
         Ok(self.renderer.limit_flashes(seconds)?)
     }

@@ -24,19 +24,16 @@ enum Drawn {
     Blend(SceneBlend),
 }
 
-/// A compiled scene of the show.
 struct Read {
     name: String,
     ready: ReadyScene,
     held: HeldInputs,
 }
 
-/// Draws the frames of a show.
 pub(super) struct ShowPainter {
     headless_renderer: HeadlessRenderer,
     choice: SceneChoice,
     prepared_show: Arc<PreparedShow>,
-    /// The timeline of `prepared_show`.
     timeline: Arc<Timeline>,
     scenes: Vec<Read>,
     /// Scenes and blends on the GPU, the most recently drawn last.
@@ -104,7 +101,6 @@ impl ShowPainter {
         self.scenes.iter().any(|read| read.ready.world.scene.graph.reads_song())
     }
 
-    /// The renderer.
     pub(super) fn headless_renderer(&mut self) -> &mut HeadlessRenderer {
         &mut self.headless_renderer
     }
@@ -115,9 +111,6 @@ impl ShowPainter {
     }
 
     /// Draws a moment, `size` pixels large, with the frozen frames of [`ShowPainter::held_at`].
-    ///
-    /// # Errors
-    /// An error of the driver.
     pub(super) fn draw(
         &mut self,
         (time, sound): Heard,

@@ -59,7 +59,6 @@ const KEPT: f64 = 1.0;
 
 /// The sounds of frames that the show freezes.
 pub(super) struct Holding {
-    /// Automatic gain.
     gain: Gain,
     /// The time from which the song was opened, in seconds.
     opened: f64,
@@ -74,9 +73,6 @@ impl Holding {
 
     /// The frozen frames at `time` seconds, as in [`ShowPainter::held_at`], with the sound of each. Times must not
     /// decrease.
-    ///
-    /// # Errors
-    /// The song cannot be decoded.
     pub(super) fn at(
         &mut self,
         painter: &ShowPainter,

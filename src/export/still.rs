@@ -57,10 +57,6 @@ pub struct Blend {
 }
 
 impl Blend {
-    /// Blends the scenes.
-    ///
-    /// # Errors
-    /// The second scene has mistakes, or the two cannot be blended.
     fn of(&self, from: ReadyScene, at: f64, sound: &Sound) -> Result<ReadyScene, ExportError> {
         if self.fraction <= 0.0 {
             return Ok(from);
@@ -121,7 +117,6 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     }
 }
 
-/// Draws a single scene or a blend.
 fn drawn(request: &StillRequest, song: &mut SongFeatures, mut sound: Sound) -> Result<Vec<u8>, ExportError> {
     let ready = request.scene.source.ready()?;
     let ready = match &request.blend {
@@ -163,9 +158,6 @@ impl StillFormat {
 }
 
 /// Refuses an output that would overwrite the song.
-///
-/// # Errors
-/// [`ExportError::OverTheSong`].
 pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportError> {
     let same = match song {
         Song::Embedded { .. } => false,
@@ -220,10 +212,6 @@ impl Pixels {
         Ok(file)
     }
 
-    /// Writes a PNG.
-    ///
-    /// # Errors
-    /// The image cannot be encoded, or the file cannot be written.
     pub(super) fn write_png(&self, path: &Path, size: (u32, u32)) -> Result<(), ExportError> {
         Ok(AtomicFile::create(path)?.write(&self.png(size)?)?)
     }

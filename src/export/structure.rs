@@ -109,7 +109,6 @@ pub(super) fn summary(structure: &SongStructure) -> String {
     format!("{}, {tempo}, {key}", clock(structure.seconds))
 }
 
-/// The structure as text.
 fn text(name: &str, structure: &SongStructure) -> String {
     let mut text = format!("{name}: {}\n", summary(structure));
     if let Some(loudness) = structure.loudness {

@@ -16,7 +16,6 @@ use crate::gpu::program_store::ProgramKey;
 
 const MAGIC: [u8; 8] = *b"mariana\0";
 const VERSION: u32 = 1;
-/// Size of the header, in bytes.
 pub(super) const HEADER: usize = 8 + 4 + 16 + 8 + 8;
 
 pub(super) fn encode(key: ProgramKey, content: &[u8]) -> Vec<u8> {

@@ -143,7 +143,6 @@ impl ProgramStore for ProgramCache {
         }
     }
 
-    /// Removes a program.
     fn discard(&self, key: ProgramKey) {
         if let Some(path) = self.path(key, PROGRAM) {
             let _ = fs::remove_file(path);
@@ -201,7 +200,6 @@ impl Folder {
     }
 }
 
-/// Extensions of the files.
 const PROGRAM: &str = "program";
 const ATTEMPT: &str = "attempt";
 const GIVEN_UP: &str = "given-up";

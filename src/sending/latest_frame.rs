@@ -53,7 +53,6 @@ impl LatestFrame {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Replaces the frame.
     pub(super) fn put(&self, picture: OutgoingFrame) {
         let mut state = self.lock();
         state.count += 1;
@@ -61,13 +60,11 @@ impl LatestFrame {
         self.changed.notify_all();
     }
 
-    /// Ends all receivers.
     pub(super) fn end(&self) {
         self.lock().over = true;
         self.changed.notify_all();
     }
 
-    /// True after [`LatestFrame::end`].
     pub(super) fn is_over(&self) -> bool {
         self.lock().over
     }
@@ -92,7 +89,6 @@ impl LatestFrame {
         waited.unwrap_or_else(PoisonError::into_inner).0.over
     }
 
-    /// Adds a message for the user.
     pub(super) fn tell(&self, sentence: String) {
         self.lock().news.push(sentence);
     }
@@ -107,7 +103,6 @@ impl LatestFrame {
         }
     }
 
-    /// Counts a lost receiver.
     pub(super) fn has_lost_receiver(&self) {
         let mut state = self.lock();
         state.receivers = state.receivers.saturating_sub(1);

@@ -18,7 +18,6 @@ use super::{SendError, SenderTarget};
 use crate::limits::LIMITS;
 use mariana_remote::http::{Head, HeadBounds, answer_in_words, read_head};
 
-/// The separator of parts.
 const BOUNDARY: &str = "mariana-picture";
 /// Quality of the JPEGs, 1 to 100.
 const QUALITY: u8 = 90;
@@ -42,7 +41,6 @@ pub(super) fn start(port: u16, latest_frame: Arc<LatestFrame>) -> Result<(), Sen
     std::thread::Builder::new().name("sending".into()).spawn(accept).map(drop).map_err(SendError::Thread)
 }
 
-/// State that all readers share.
 #[derive(Default)]
 struct Readers {
     count: AtomicUsize,
@@ -200,7 +198,6 @@ mod tests {
         line.trim_end().to_owned()
     }
 
-    /// The next frame of a response.
     fn next_picture(lines: &mut impl BufRead) -> image::RgbImage {
         while line(lines) != format!("--{BOUNDARY}") {}
         assert_eq!(line(lines), "Content-Type: image/jpeg");

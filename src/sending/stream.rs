@@ -35,10 +35,6 @@ pub(super) trait Receiver: Send + 'static {
 /// Pause before waiting for the next reader.
 const PAUSE: Duration = Duration::from_millis(500);
 
-/// Starts the thread of a target.
-///
-/// # Errors
-/// The system cannot start a thread.
 pub(super) fn start(
     receiver: impl Receiver,
     fps: f64,
@@ -115,9 +111,6 @@ pub(super) struct Fifo {
 
 impl Fifo {
     /// The FIFO at `path`, for frames of `size` pixels.
-    ///
-    /// # Errors
-    /// There is no FIFO at `path`.
     pub(super) fn new(path: &Path, size: (u32, u32), fps: f64) -> Result<Self, SendError> {
         let refused = |reason: &str| SendError::Refused {
             to: SenderTarget::Y4m(Some(path.to_owned())).to_string(),

@@ -79,7 +79,6 @@ fn format_of((width, height): (u32, u32)) -> Format {
     Format { kind: OUTPUT, _align: [], pixels, rest: [0; REST] }
 }
 
-/// A v4l2loopback device.
 pub(super) struct Camera {
     path: PathBuf,
     size: (u32, u32),

@@ -24,19 +24,16 @@ fn assistance(asked: Asked) -> Assistance {
 pub(crate) struct AccessibilityPublisher(EventLoopProxy<WindowMessage>);
 
 impl AccessibilityPublisher {
-    /// Sends by way of `event_loop`.
     pub(crate) fn new(event_loop: &EventLoop<WindowMessage>) -> Self {
         Self(event_loop.create_proxy())
     }
 
-    /// Sends the current controls.
     pub(crate) fn tell(&self, controls: TreeUpdate) {
         // A closed window needs no controls.
         let _ = self.0.send_event(WindowMessage::Controls(Box::new(controls)));
     }
 }
 
-/// The AccessKit adapter of the window.
 pub(crate) struct Accessibility(Adapter);
 
 impl Accessibility {

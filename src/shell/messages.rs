@@ -26,7 +26,6 @@ pub(crate) enum Message {
     Assistance(Assistance),
     /// Another thread has work for the show.
     Wake,
-    /// The show must end.
     End,
 }
 
@@ -35,12 +34,10 @@ pub(crate) enum Message {
 pub(crate) struct Typing(Arc<AtomicBool>);
 
 impl Typing {
-    /// Sets the flag.
     pub(crate) fn set(&self, on: bool) {
         self.0.store(on, Ordering::Relaxed);
     }
 
-    /// True if keys are text.
     pub(crate) fn is_on(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
@@ -57,7 +54,6 @@ pub(crate) fn inbox() -> (Waker, Sender<Message>, Receiver<Message>) {
 /// Messages to the window's thread.
 #[derive(Debug)]
 pub(crate) enum WindowMessage {
-    /// The show has ended.
     Ended,
     /// A signal requests the end.
     End,
@@ -67,7 +63,6 @@ pub(crate) enum WindowMessage {
     Controls(Box<TreeUpdate>),
     /// Requests a window for the output on this monitor.
     OpenOutput(Monitor),
-    /// Closes the output's window.
     CloseOutput,
     /// The show has called a window and may have queued events: see [`SharedWindow`].
     CallsMade,

@@ -88,7 +88,6 @@ mod x11 {
 
     use super::Monitor;
 
-    /// Period of the polls.
     const PERIOD: Duration = Duration::from_millis(500);
 
     fn connect() -> Result<(RustConnection, Window), Box<dyn Error>> {

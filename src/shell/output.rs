@@ -13,7 +13,6 @@ use crate::shell::monitors::{Monitor, MonitorWatch, named, names};
 use crate::shell::shared_window::SharedWindow;
 use crate::shell::window::{GlWindowContext, SecondSurface};
 
-/// The output and its state.
 pub(crate) struct Output {
     proxy: EventLoopProxy<WindowMessage>,
     waker: Waker,
@@ -29,7 +28,6 @@ pub(crate) struct Output {
 
 enum State {
     Off,
-    /// The window was requested.
     Asked(Monitor),
     On(Monitor, SecondSurface),
 }
@@ -59,7 +57,6 @@ impl Output {
         (self.wanted, self.reported_missing) = (wanted, false);
     }
 
-    /// Starts to watch the monitors.
     pub(crate) fn look_at_monitors(&mut self) {
         let waker = self.waker.clone();
         self.monitors.begin(move || waker.wake());
@@ -71,7 +68,6 @@ impl Output {
         self.monitors.note(monitors);
     }
 
-    /// The connected monitors.
     pub(crate) fn monitors(&self) -> Vec<Monitor> {
         self.monitors.known().unwrap_or_default()
     }
@@ -119,9 +115,6 @@ impl Output {
     }
 
     /// Takes the requested window.
-    ///
-    /// # Errors
-    /// The driver refuses a second surface.
     pub(crate) fn take(
         &mut self,
         window: SharedWindow,

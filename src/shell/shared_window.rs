@@ -11,7 +11,6 @@ use winit::window::Window;
 
 use crate::session::waker::Waker;
 
-/// A window for the show's thread.
 #[derive(Clone)]
 pub(crate) struct SharedWindow {
     window: Arc<Window>,
@@ -36,7 +35,6 @@ impl SharedWindow {
 
     // These methods do not call the X server, so they need no wake-up.
 
-    /// Requests a redraw.
     pub(crate) fn request_redraw(&self) {
         self.window.request_redraw();
     }
@@ -46,7 +44,6 @@ impl SharedWindow {
         self.window.pre_present_notify();
     }
 
-    /// True in full screen.
     pub(crate) fn is_fullscreen(&self) -> bool {
         self.window.fullscreen().is_some()
     }

@@ -92,9 +92,6 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
 
 /// Adapts the settings for a wallpaper or a screen saver's window. Also returns what to draw on; `None` for a normal
 /// window.
-///
-/// # Errors
-/// There is no window or monitor to draw on.
 fn on_ground(mut settings: PlaySettings) -> anyhow::Result<(PlaySettings, Option<Ground>)> {
     let ground = if settings.wallpaper && is_wayland() {
         // XWayland windows cannot be the background of a Wayland desktop.

@@ -39,7 +39,6 @@ pub(crate) use second::{DrawTarget, Ground, SecondSurface, open_output};
 #[cfg(all(unix, not(target_os = "macos")))]
 pub(crate) use wayland::wayland_connection;
 
-/// Options of a window.
 pub(crate) struct WindowOptions {
     pub title: String,
     /// Width and height in pixels.
@@ -80,9 +79,6 @@ pub(crate) struct GlWindowContext {
 
 impl OpenWindow {
     /// Opens a window whose events arrive on the thread behind `events`. The second result is that thread's own handle.
-    ///
-    /// # Errors
-    /// No window can be opened, or OpenGL is not available.
     pub(crate) fn open(
         event_loop: &ActiveEventLoop,
         events: &EventLoopProxy<WindowMessage>,
@@ -128,9 +124,6 @@ impl OpenWindow {
     }
 
     /// Creates a context and makes it current on this thread.
-    ///
-    /// # Errors
-    /// An error of the driver, or no OpenGL 3.3.
     pub(crate) fn bind(self) -> Result<GlWindowContext, SessionError> {
         let Self { config, window, size, place, refresh_rate, log_debug } = self;
         let no_context = |error: &dyn std::fmt::Display| SessionError::NoContext(error.to_string());
@@ -196,12 +189,10 @@ impl GlWindowContext {
         OpenWindow { config, window, size: size.get(), place: place.get(), refresh_rate, log_debug: false }
     }
 
-    /// The functions of the context.
     pub(crate) fn gl(&self) -> &Gl {
         &self.gl
     }
 
-    /// The window, for calls.
     pub(crate) fn window(&self) -> WindowCalls<'_> {
         self.window.calls()
     }
@@ -221,7 +212,6 @@ impl GlWindowContext {
         self.place.get()
     }
 
-    /// Stores the window's new position.
     pub(crate) fn note_place(&self, place: (i32, i32)) {
         if !self.is_fullscreen() {
             self.place.set(Some(place));
@@ -239,9 +229,6 @@ impl GlWindowContext {
     }
 
     /// Shows the drawn frame. Waits for vertical sync, if it is on.
-    ///
-    /// # Errors
-    /// A lost surface.
     pub(crate) fn swap(&self) -> Result<(), SessionError> {
         self.window.pre_present_notify();
         self.surface.swap_buffers(&self.context).map_err(|error| match error.error_kind() {
@@ -255,7 +242,6 @@ impl GlWindowContext {
         self.refresh_rate
     }
 
-    /// True in full screen.
     pub(crate) fn is_fullscreen(&self) -> bool {
         self.window.is_fullscreen()
     }

@@ -27,7 +27,6 @@ use crate::shell::wallpaper::{Wallpaper, filling};
 use crate::shell::window::{GlWindowContext, OpenWindow};
 use crate::ui::desk_picture::AROUND;
 
-/// A window, with its output or wallpaper.
 pub(crate) struct WindowScreen {
     output: Output,
     /// Present if the window is the desktop's wallpaper.
@@ -49,7 +48,6 @@ pub(crate) struct WindowScreen {
 pub(crate) struct Lines {
     /// Events of the window and messages of other threads.
     pub(crate) inbox: Receiver<Message>,
-    /// Receives the controls for screen readers.
     pub(crate) controls: AccessibilityPublisher,
     /// The flag for keys that are text.
     pub(crate) typing: Typing,
@@ -57,9 +55,6 @@ pub(crate) struct Lines {
 
 impl WindowScreen {
     /// Creates a context for a window. Frames also appear on `output`, or only on the `wallpaper`.
-    ///
-    /// # Errors
-    /// An error of the driver, or no OpenGL 3.3.
     pub(crate) fn new(
         window: OpenWindow,
         lines: Lines,

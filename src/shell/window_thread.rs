@@ -34,9 +34,6 @@ pub(crate) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), SessionError> + 
 /// Opens a window and runs `play` on a separate thread. Passes the window's events to it through `messages`, until the
 /// window or the show ends. `typing` is true while keys are text. With `layers`, their surfaces show the frame instead
 /// of the window.
-///
-/// # Errors
-/// The show's error, or the window or the thread cannot be created.
 pub(crate) fn run(
     event_loop: EventLoop<WindowMessage>,
     input_queue: WindowOptions,

@@ -81,7 +81,6 @@ enum ChosenBy {
     /// The user, by a show file or the command line.
     #[default]
     User,
-    /// The director.
     Director,
     /// The author of the demo track's show.
     Demo,

@@ -6,9 +6,6 @@ use crate::scenes::{SceneError, SceneSource};
 use mariana_show::{Refusal, SceneFacts};
 
 /// Compiles a scene and returns the facts that a show needs.
-///
-/// # Errors
-/// The scene has mistakes, or its file cannot be read.
 pub(super) fn facts_of(source: &SceneSource) -> Result<SceneFacts, SceneError> {
     source.checked().map(SceneFacts::from)
 }

@@ -17,7 +17,6 @@ use crate::limits::LIMITS;
 use mariana_music::{STRUCTURE_VERSION, SongStructure};
 use mariana_player::track::Content;
 
-/// Extension of the files.
 const ENDING: &str = "song";
 
 /// The hash that identifies a structure.

@@ -25,7 +25,6 @@ const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
 /// decode.
 const COVER_SIDE_MAX: u32 = 4096;
 
-/// A running ffmpeg with its files.
 pub(super) struct Encoder {
     process: EncoderProcess,
     /// Taken when the finished video replaces the output.
@@ -36,7 +35,6 @@ pub(super) struct Encoder {
 }
 
 impl Encoder {
-    /// Starts ffmpeg for the video at `path`.
     pub(super) fn start(request: &VideoRequest, path: &Path) -> Result<Self, ExportError> {
         if SEVERAL_FILES.iter().any(|end| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end))) {
             let message =
@@ -53,7 +51,6 @@ impl Encoder {
         Ok(Self { process, output: Some(output), path: path.to_owned(), _inputs: inputs })
     }
 
-    /// Writes a frame of RGBA bytes.
     pub(super) fn take(&mut self, rgba: &[u8]) -> Result<(), ExportError> {
         self.process.write(rgba).map_err(|_| self.last_words())
     }
@@ -172,7 +169,6 @@ fn cover_file(
     Some((keep(&bytes, ending, inputs).ok()?, kind))
 }
 
-/// Writes a temporary input file for ffmpeg.
 fn keep(bytes: &[u8], ending: &str, inputs: &mut Vec<Unfinished>) -> Result<PathBuf, ExportError> {
     let mut file = Unfinished::create(&std::env::temp_dir(), OsStr::new(ending)).map_err(no_room)?;
     file.write_all(bytes).map_err(no_room)?;

@@ -137,7 +137,6 @@ impl EncoderProcess {
         lock(&self.wait).has_stalled
     }
 
-    /// The end of its messages.
     pub(super) fn complaint(&mut self) -> String {
         let mut tail = Vec::new();
         // If reading fails, an incomplete message is better than none.

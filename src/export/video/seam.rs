@@ -12,7 +12,6 @@ use crate::export::error::ExportError;
 pub(super) struct Seam {
     /// The first frames, on disk, because they may be hundreds of megabytes.
     aside: File,
-    /// Number of frames of the loop.
     loop_frames: u64,
     seam_frames: u64,
     drawn: u64,
@@ -25,7 +24,6 @@ impl Seam {
         Ok(Self { aside, loop_frames, seam_frames: seam_frames.min(loop_frames / 2), drawn: 0 })
     }
 
-    /// Number of frames to draw.
     pub(super) fn needed(&self) -> u64 {
         self.loop_frames + self.seam_frames
     }

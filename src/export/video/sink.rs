@@ -12,14 +12,20 @@ use crate::export::output::{Output, write_standard};
 use crate::export::still::Pixels;
 use crate::y4m::{self, Chroma};
 
-/// Destination of the frames.
 pub(super) enum Sink {
-    /// Numbered PNGs.
-    Stills { folder: PathBuf, size: (u32, u32), has_alpha: bool, written: u64 },
+    Stills {
+        folder: PathBuf,
+        size: (u32, u32),
+        has_alpha: bool,
+        written: u64,
+    },
     /// A y4m stream on standard output.
     Standard,
     /// A video file encoded by ffmpeg.
-    Encoder { ffmpeg: Box<Encoder>, has_alpha: bool },
+    Encoder {
+        ffmpeg: Box<Encoder>,
+        has_alpha: bool,
+    },
 }
 
 /// True if the output is a folder or, by its final slash, will be one.
@@ -28,7 +34,6 @@ pub(super) fn is_folder(path: &Path) -> bool {
 }
 
 impl Sink {
-    /// Opens the output of the request.
     pub(super) fn open(request: &VideoRequest) -> Result<Self, ExportError> {
         let path = match &request.output {
             Output::Standard => {

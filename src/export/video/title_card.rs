@@ -8,7 +8,6 @@ use mariana_player::song::{Song, display_name, one_line};
 const SEEN: f64 = 5.0;
 const FADE: f64 = 0.6;
 
-/// A title card for a video.
 pub(super) struct TitleCard(Caption);
 
 impl TitleCard {

@@ -69,7 +69,6 @@ impl SharedSeen {
     }
 }
 
-/// The desktop's media controls of this program.
 pub(crate) struct MediaControls {
     seen: SharedSeen,
     commands: Receiver<Command>,

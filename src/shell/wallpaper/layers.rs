@@ -94,7 +94,6 @@ impl Layers {
         Ok(Self { output_surfaces, is_over, signal, thread: Some(thread) })
     }
 
-    /// The surfaces.
     pub(crate) fn output_surfaces(&self) -> OutputSurfaces {
         self.output_surfaces.clone()
     }
@@ -118,7 +117,6 @@ fn refused(error: Trouble) -> SessionError {
     SessionError::Window { doing: "a wallpaper", reason: error.to_string() }
 }
 
-/// State of the layers' thread.
 struct LayersState {
     registry: RegistryState,
     outputs: OutputState,

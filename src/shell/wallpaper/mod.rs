@@ -37,9 +37,7 @@ pub(crate) struct Wallpaper {
 
 /// The wallpaper's window or surfaces.
 enum Shown {
-    /// An X11 window over these monitors.
     Window(MonitorWatch),
-    /// Surfaces of a Wayland desktop.
     Wall(Wall),
 }
 
@@ -75,9 +73,6 @@ impl Wallpaper {
 
     /// Shows a frame on the Wayland surfaces; `is_new` makes all of them stale. Calls `draw` for each with its size in
     /// pixels, and with true if it also shows text.
-    ///
-    /// # Errors
-    /// An error of `draw`, or a lost surface.
     pub(crate) fn show(
         &mut self,
         window: &GlWindowContext,
@@ -174,9 +169,6 @@ pub(crate) fn filling(shape: (u32, u32), size: (u32, u32), area: Area) -> Panel 
 type OtherWindow = (u32, (u32, u32));
 
 /// The window into which a screen saver's program must draw, if the variable for it is set.
-///
-/// # Errors
-/// The variable contains no window.
 pub(crate) fn of_screen_saver() -> Result<Option<OtherWindow>, String> {
     const NAME: &str = "XSCREENSAVER_WINDOW";
     let Ok(text) = std::env::var(NAME) else { return Ok(None) };

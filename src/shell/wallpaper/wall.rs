@@ -112,16 +112,12 @@ impl Wall {
         self.hung.first().is_some_and(Hung::is_ready)
     }
 
-    /// Makes all surfaces stale.
     pub(super) fn look_different(&mut self) {
         self.hung.iter_mut().for_each(|hung| hung.is_stale = true);
     }
 
     /// Draws the stale surfaces for which the compositor wants a frame. Calls `draw` with the size in pixels, and with
     /// true if the surface also shows text.
-    ///
-    /// # Errors
-    /// An error of `draw`, or a lost surface.
     pub(super) fn show(
         &mut self,
         window: &GlWindowContext,

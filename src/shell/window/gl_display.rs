@@ -16,9 +16,6 @@ use winit::event_loop::ActiveEventLoop;
 use winit::window::{Window, WindowAttributes};
 
 /// Opens a window with a pixel format for OpenGL. `None` if the driver has no suitable format.
-///
-/// # Errors
-/// OpenGL is not available, or the window cannot be opened.
 pub(super) fn open(
     event_loop: &ActiveEventLoop,
     attributes: WindowAttributes,

@@ -36,7 +36,6 @@ pub(crate) enum Ground {
     Within(u32, (u32, u32)),
 }
 
-/// A further surface for the same context.
 pub(crate) struct SecondSurface {
     // Declared before its target, so that it is dropped first.
     surface: Surface<WindowSurface>,
@@ -44,7 +43,6 @@ pub(crate) struct SecondSurface {
     size: (u32, u32),
 }
 
-/// The native target of a surface.
 pub(crate) trait DrawTarget {
     /// The handle for the driver; `None` if the target is closed.
     fn handle(&self) -> Option<RawWindowHandle>;
@@ -81,9 +79,6 @@ impl SecondSurface {
 impl GlWindowContext {
     /// Creates a surface on another window, opened with the same config. From now on only that surface waits for
     /// vertical sync.
-    ///
-    /// # Errors
-    /// An error of the driver.
     pub(crate) fn second_surface(&self, window: SharedWindow) -> Result<SecondSurface, SessionError> {
         let refused = |error: &dyn std::fmt::Display| refused("a second window", error);
         let calls = window.calls();
@@ -99,15 +94,13 @@ impl GlWindowContext {
 
     /// Creates a surface of `size` pixels for a Wayland wallpaper. Showing a frame does not wait, because the
     /// compositor requests frames.
-    ///
-    /// # Errors
-    /// An error of the driver.
     pub(crate) fn wayland_surface_of(
         &self,
         output_surface: Arc<dyn DrawTarget>,
         size: (u32, u32),
     ) -> Result<SecondSurface, SessionError> {
-        let handle = output_surface.handle().ok_or_else(|| refused("a wallpaper", &"the surface was closed"))?;
+        let handle =
+            output_surface.handle().ok_or_else(|| refused("a wallpaper", &"the surface was closed"))?;
         let side = |side: u32| NonZeroU32::new(side).unwrap_or(NonZeroU32::MIN);
         let attributes =
             SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side(size.0), side(size.1));
@@ -145,9 +138,6 @@ impl GlWindowContext {
 
     /// Makes another surface current, calls `draw`, and shows the result. During the call, the default framebuffer is
     /// that surface.
-    ///
-    /// # Errors
-    /// An error of `draw`, or a lost surface.
     pub(crate) fn draw_on<T>(
         &self,
         second: &SecondSurface,
@@ -195,9 +185,6 @@ pub(super) fn grounded(attributes: WindowAttributes, ground: Option<Ground>) -> 
 }
 
 /// Opens a window without decorations or pointer that fills a monitor.
-///
-/// # Errors
-/// The window system refuses.
 pub(crate) fn open_output(
     event_loop: &ActiveEventLoop,
     config: &glutin::config::Config,

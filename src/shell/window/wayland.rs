@@ -10,9 +10,6 @@ use winit::event_loop::OwnedDisplayHandle;
 use crate::session::SessionError;
 
 /// The connection behind `display`. It, and everything created with it, must be dropped before `display`.
-///
-/// # Errors
-/// The display is not Wayland.
 pub(crate) fn wayland_connection(display: &OwnedDisplayHandle) -> Result<Connection, SessionError> {
     let handle = display.display_handle().map(|handle| handle.as_raw());
     let Ok(RawDisplayHandle::Wayland(handle)) = handle else { return Err(SessionError::NoLayerShell) };

@@ -19,7 +19,6 @@ use super::LayersState;
 /// frames a second.
 const UNSEEN: Duration = Duration::from_secs(1);
 
-/// Size of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Extent {
     /// Size of its frames, in pixels.
@@ -51,7 +50,6 @@ pub(crate) struct OutputSurface {
     borne: Borne,
 }
 
-/// The Wayland objects of a surface.
 #[derive(Debug)]
 pub(super) struct Borne {
     pub(super) output: WlOutput,
@@ -94,7 +92,6 @@ impl OutputSurface {
         state.extent.is_some() && state.waits_since.is_none()
     }
 
-    /// The handle for drivers.
     pub(crate) fn handle(&self) -> Option<RawWindowHandle> {
         let surface = std::ptr::NonNull::new(self.surface().id().as_ptr().cast())?;
         Some(WaylandWindowHandle::new(surface).into())
@@ -119,12 +116,10 @@ impl OutputSurface {
         &self.borne.output
     }
 
-    /// True if `layer` is this surface.
     pub(super) fn is_of(&self, layer: &LayerSurface) -> bool {
         self.borne.layer == *layer
     }
 
-    /// Handles a frame callback.
     pub(super) fn answer(&self) {
         self.state().waits_since = None;
     }
@@ -175,7 +170,6 @@ impl Drop for Borne {
     }
 }
 
-/// The existing surfaces.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct OutputSurfaces(Arc<Mutex<Vec<Arc<OutputSurface>>>>);
 
@@ -206,12 +200,10 @@ impl OutputSurfaces {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The entry of a surface.
     pub(super) fn of_surface(&self, surface: &WlSurface) -> Option<Arc<OutputSurface>> {
         self.list().iter().find(|output_surface| output_surface.surface() == surface).cloned()
     }
 
-    /// The entry of an output.
     pub(super) fn of_output(&self, output: &WlOutput) -> Option<Arc<OutputSurface>> {
         self.list().iter().find(|output_surface| output_surface.borne.output == *output).cloned()
     }
