@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn a_word_that_is_nearly_a_command_was_taken_for_a_song() {
+    fn a_misspelt_command_was_taken_for_a_song() {
         let meant = |typed: &str| misspelt(Some(typed.into())).map(|(_, meant)| meant);
         for (typed, command) in
             [("stil", "still"), ("vidoe", "video"), ("analyse", "analyze"), ("scene", "scenes")]

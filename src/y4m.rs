@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn four_pixels_share_their_colour() {
+    fn four_pixels_have_a_common_colour() {
         let (red, blue) = ([255, 0, 0, 255], [0, 0, 255, 255]);
         let rgba = [[red, red, blue, blue].concat(), [red, red, blue, blue].concat()].concat();
         let planes = quarter_planes(&rgba, (4, 2));

@@ -1,4 +1,4 @@
-//! Flags and helpers that several subcommands share.
+//! Flags and helpers of several subcommands.
 
 use std::ffi::{OsStr, OsString};
 use std::io::{IsTerminal, Write};
@@ -27,14 +27,14 @@ type WantedToneMap = Option<ToneMap>;
 
 #[derive(Args)]
 pub(super) struct CommonArguments {
-    /// How the scene's formulas are run; auto interprets at once and compiles in the background
+    /// Interpret or compile the scene's formulas; auto interprets at once and compiles in the background
     #[arg(long, value_name = "HOW", default_value = "auto")]
     sdf: Sdf,
     /// Skip empty space with a tree of cells and run shortened tapes in them; the image is the same [default: on where
     /// that is faster; bench measures both]
     #[arg(long, value_name = "ON-OFF", value_parser = choice::<bool>())]
     pub(super) regions: Option<bool>,
-    /// How light becomes screen colors [default: the scene's own, or in a window the last choice there]
+    /// Conversion of light to screen colours [default: the scene's own, or in a window the last choice there]
     #[arg(long, value_name = "MAP", value_parser = choice::<WantedToneMap>())]
     pub(super) tone_map: Option<WantedToneMap>,
     /// Automatic gain: quiet and loud songs move the image alike; values in decibels are never changed [default: auto,

@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn edges_and_corners_are_percent_and_what_cannot_be_drawn_is_refused() {
+    fn edges_and_corners_are_in_percent_and_impossible_ones_are_refused() {
         assert_eq!(parse_crop("10, 0,5.5,0").map(<[f64; 4]>::from), Ok([10.0, 0.0, 5.5, 0.0]));
         let corners = parse_corners("0,0,100,5,100,95,-2,100").map(<[[f64; 2]; 4]>::from);
         assert_eq!(corners, Ok([[0.0, 0.0], [1.0, 0.05], [1.0, 0.95], [-0.02, 1.0]]));

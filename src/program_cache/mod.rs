@@ -8,7 +8,7 @@
 //! | `KEY.given-up` | the reason why a program is not tried |
 //!
 //! **A program is given up only after two crashes.** A process may die during compilation for reasons that are not the
-//! driver's fault: somebody kills it, or the power fails. The run after the first crash skips the program, so that a
+//! driver's fault: the user kills it, or the power fails. The run after the first crash skips the program, so that a
 //! driver that does crash cannot prevent the start. A later run tries the program again; if that succeeds, the crash is
 //! forgotten.
 //!

@@ -17,7 +17,7 @@ fn names(cache: &ProgramCache) -> Vec<String> {
 }
 
 #[test]
-fn a_program_is_there_in_the_next_run_for_the_same_driver_and_texts_only() {
+fn a_program_is_found_in_the_next_run_for_the_same_driver_and_sources_only() {
     let (_folder, cache) = cache();
     let key = ProgramKey::of(["driver 1", "text"]);
     assert_eq!(cache.load(key), None);

@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reader_gets_the_newest_picture_and_never_the_same_one_twice() {
+    fn a_reader_gets_the_latest_frame_and_never_the_same_one_twice() {
         let latest_frame = Arc::new(LatestFrame::new("a place".into()));
         latest_frame.put(picture(1));
         latest_frame.put(picture(2));

@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn each_refusal_says_what_is_missing() {
+    fn each_refusal_names_the_missing_item() {
         for (text, wanted) in [
             ("at start none.scene", "none.scene"),
             ("at start orbb", "orbb"),

@@ -92,7 +92,7 @@ fn songs_are_known_by_their_bytes_and_their_part() {
 }
 
 #[test]
-fn what_cannot_be_decoded_and_what_is_silent_is_neutral() {
+fn broken_and_silent_songs_are_neutral() {
     let folder = tempfile::tempdir().unwrap();
     let cache = StructureCache::in_folder(folder.path().join("kept"));
     let path = folder.path().join("noise.wav");
