@@ -1,5 +1,4 @@
-// A smaller picture of a bloom, enlarged twofold by a tent of nine taps (Jimenez 2014) and blended into what is
-// there.
+// Enlarges a bloom level twofold by a tent of nine taps (Jimenez 2014) and blends it into the target.
 
 #include "post_block.glsl"
 

@@ -1,22 +1,22 @@
-// The mean colour of each cell of the finished picture, in linear light, for the flash limiter; in the variant SHOWN,
-// as it is shown.
+// Computes the mean colour of each cell of the finished frame in linear light, for the flash limiter. With SHOWN, the
+// colours after the limiter.
 
 #include "flash_rules.glsl"
 #ifdef SHOWN
 #include "flash_ceiling.glsl"
 
-uniform sampler2D cells;        // the means of the finished picture
+uniform sampler2D cells;        // the means of the finished frame
 #endif
 
 uniform sampler2D picture;      // finished
 
 layout(location = 0) out vec4 mean;
 
-// A cell's colour is the mean of a square of its pixels, this many to each side.
+// A cell's colour is the mean of a square of its pixels, this many along each side.
 const int SAMPLES = 8;
 
-// linear_from_srgb of encode.glsl within 0.0005, which is far less than any change that counts: without powers, which
-// were half of this pass on a processor.
+// Approximates linear_from_srgb of encode.glsl within 0.0005, far less than any change that counts. It needs no
+// powers, which took half of this pass on a CPU.
 vec3 roughly_linear(vec3 color) {
     return color * (0.044876 + color * (0.501656 + color * (0.599042 - 0.145574 * color)));
 }
@@ -27,7 +27,7 @@ void main() {
     vec3 sum = vec3(0.0);
     int samples = SAMPLES * SAMPLES;
 #ifdef SHOWN
-    // Nothing is measured again where nothing changes.
+    // Skip cells whose colour the limiter does not change.
     bool changes = false;
     ivec2 cell = ivec2(gl_FragCoord.xy);
     for (int i = 0; i < 9; i++) {

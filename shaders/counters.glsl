@@ -1,5 +1,5 @@
-// Distance evaluations by kind of ray, counted in the variant of `mariana bench` (COUNT_EVALUATIONS) and compiled to
-// nothing elsewhere.
+// Counts distance evaluations by kind of ray, for `mariana bench` (COUNT_EVALUATIONS). Without it the macros are
+// empty.
 
 #ifdef COUNT_EVALUATIONS
 float count_primary = 0.0;
@@ -7,8 +7,8 @@ float count_reflection = 0.0;
 float count_normal = 0.0;
 float count_shadow = 0.0;
 float count_occlusion = 0.0;
-float count_capped = 0.0;   // rays of this pixel that reached their step cap
-float count_lookups = 0.0;  // searches for a point's cell
+float count_capped = 0.0;   // rays of this pixel that reached their step limit
+float count_lookups = 0.0;  // lookups of a point's cell
 #define COUNT(kind) count_##kind += 1.0
 #define COUNT_N(kind, n) count_##kind += float(n)
 #else

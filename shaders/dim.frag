@@ -1,4 +1,4 @@
-// A share of a finished picture's light: brightness and blackout (`gpu::renderer`).
+// Scales a finished frame's light by a factor, for brightness and blackout (`gpu::renderer`).
 
 #include "post_block.glsl"
 #include "encode.glsl"

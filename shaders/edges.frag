@@ -1,5 +1,5 @@
-// Keeps the pixels whose neighbourhood differs visibly: those get more samples. The others are discarded, so that the
-// stencil, or the mark that is written, shows the edges.
+// Keeps the pixels that differ visibly from their neighbours; they get more samples. Others are discarded, so that
+// the stencil, or the written mark, shows the edges.
 
 #include "picture_block.glsl"
 #include "encode.glsl"
@@ -8,13 +8,13 @@ uniform sampler2D picture;
 
 layout(location = 0) out float mark;
 
-// Keys from this one on belong to rough mirrors (scene.frag), whose noise is visible from this contrast on.
+// Keys from this value on belong to rough mirrors (scene.frag), whose noise is visible from this contrast on.
 const float ROUGH_KEY = 1024.0;
 const float ROUGH_CONTRAST = 0.02;
-// The same for neighbours further away, where colours differ without noise, too.
+// The contrast for distant neighbours, where colours differ even without noise.
 const float FAR_ROUGH_CONTRAST = 0.06;
 
-// Places of the neighbours that are compared.
+// Offsets of the neighbours that are compared.
 const int NEAREST = 4;
 const int NEIGHBOURS = 12;
 const ivec2 PLACES[NEIGHBOURS] = ivec2[](
@@ -39,7 +39,7 @@ void look_around(ivec2 texel, ivec2 limit, int from, int to, inout vec4 low, ino
     }
 }
 
-// Approximately the brightness that will be seen. The mapping is monotonic, so the extremes are enough.
+// Approximately the visible difference in brightness. The mapping is monotonic, so the extremes are enough.
 float contrast(vec4 low, vec4 high) {
     vec3 range = srgb_from_linear(shown(high.rgb)) - srgb_from_linear(shown(low.rgb));
     return max(range.r, max(range.g, range.b));
@@ -56,7 +56,7 @@ void main() {
         mark = 1.0;
         return;
     }
-    // Noise that none of the nearest pixels shows is sought further away.
+    // Search further away for noise that the nearest pixels do not show.
     if (high.a < ROUGH_KEY) discard;
     look_around(texel, limit, NEAREST, NEIGHBOURS, low, high);
     if (contrast(low, high) < FAR_ROUGH_CONTRAST) discard;

@@ -1,4 +1,4 @@
-// The only place where linear light becomes sRGB (IEC 61966-2-1) and back. Framebuffers store what they are given.
+// Conversion between linear light and sRGB (IEC 61966-2-1). No other file converts, and framebuffers do not either.
 
 vec3 srgb_from_linear(vec3 color) {
     vec3 low = 12.92 * color;

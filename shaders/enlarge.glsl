@@ -1,8 +1,8 @@
-// A finished picture between its pixels, by Catmull-Rom splines.
+// Interpolates a finished frame between its pixels by Catmull-Rom splines.
 
 uniform sampler2D picture;      // finished
 
-// The weights of four pixels around a place that lies `t` behind the second.
+// The weights of four pixels around a position that is `t` beyond the second.
 vec4 weights(float t) {
     return vec4(
         t * (-0.5 + t * (1.0 - 0.5 * t)),
@@ -11,7 +11,7 @@ vec4 weights(float t) {
         t * t * (0.5 * t - 0.5));
 }
 
-// The picture's colour at a place of 0..1.
+// The frame's colour at a position of 0..1.
 vec3 enlarged(vec2 at) {
     ivec2 size = textureSize(picture, 0);
     ivec2 limit = size - 1;
@@ -32,6 +32,6 @@ vec3 enlarged(vec2 at) {
             high = near ? max(high, color) : high;
         }
     }
-    // No rims around edges: nothing becomes brighter or darker than the nearest four pixels.
+    // Clamp to the nearest four pixels, so that edges get no rims.
     return clamp(sum, low, high);
 }

@@ -1,4 +1,4 @@
-// The cells of each row that are limited: the marked ones of crowded fields.
+// Computes the limited cells of each row: the marked cells in crowded fields.
 
 #include "flash_rows.glsl"
 
@@ -9,7 +9,7 @@ layout(location = 0) out vec4 limited;  // xy of light, zw of red
 
 void main() {
     int own = int(gl_FragCoord.y);
-    // A field that begins in a row covers those after it, too.
+    // A field that begins in a row also covers the rows after it.
     uvec2 light = uvec2(0u);
     uvec2 red = uvec2(0u);
     for (int row = max(own - FIELD_ROWS + 1, 0); row <= own; row++) {

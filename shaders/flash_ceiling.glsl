@@ -1,16 +1,16 @@
-// How light is dimmed below the ceilings of cells (`flash::limiter`).
+// Dims light below the ceilings of cells (`flash::limiter`).
 
 #include "flash_rules.glsl"
 
-// Of each cell's centre: w the ceiling of luminance, z the share of grey.
+// Values at each cell's centre: w the ceiling of luminance, z the fraction of grey.
 uniform sampler2D ceilings;
 
-// The ceiling of luminance and the share of grey at the centre of a cell.
+// The ceiling of luminance and the fraction of grey at the centre of a cell.
 vec2 ceiling_of(ivec2 cell) {
     return texelFetch(ceilings, clamp(cell, ivec2(0), ivec2(COLUMNS, ROWS) - 1), 0).wz;
 }
 
-// The same at a place, in cells: interpolated between the centres of four.
+// The ceiling and fraction at a position in cells, interpolated between the centres of four.
 vec2 ceiling_at(vec2 place) {
     ivec2 first = ivec2(floor(place - 0.5));
     vec2 fraction = fract(place - 0.5);
@@ -19,12 +19,12 @@ vec2 ceiling_at(vec2 place) {
     return mix(low, high, fraction.y);
 }
 
-// Whether light may change below such a ceiling. Rounding of what is interpolated changes nothing.
+// True if such a ceiling may change light, allowing for rounding in the interpolation.
 bool limits(vec2 ceiling) {
     return ceiling.x < 0.9999 * OPEN || ceiling.y > 0.0;
 }
 
-// Linear light as it is shown below such a ceiling.
+// Linear light after dimming by such a ceiling.
 vec3 below_ceiling(vec3 color, vec2 ceiling) {
     float light = dot(color, vec3(0.2126, 0.7152, 0.0722));
     float knee = KNEE * ceiling.x;

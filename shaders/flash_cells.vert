@@ -1,11 +1,11 @@
-// A rectangle for each group of cells any of which is limited, two triangles without a vertex buffer. The others shrink
-// to nothing. (A rectangle for each cell would be mostly edges.)
+// Draws a rectangle for each group of cells with a limited one, as two triangles without a vertex buffer. Other
+// rectangles shrink to nothing. (A rectangle for each cell would be mostly edges.)
 
 #include "flash_ceiling.glsl"
 
-// Cells to each side of a group.
+// Cells along each side of a group.
 const int SIDE = 4;
-// How far rectangles reach over the edges of their cells, in cells: limit_flashes.frag decides where a cell ends.
+// Margin of the rectangles in cells; limit_flashes.frag decides where a cell ends.
 const float MARGIN = 0.01;
 
 void main() {
@@ -14,7 +14,7 @@ void main() {
     int across = COLUMNS / SIDE;
     ivec2 first = SIDE * ivec2(vertex / 6 % across, vertex / 6 / across);
     bool limited = false;
-    // The cells around it count, too: ceilings are interpolated.
+    // Include the neighbouring cells, because ceilings are interpolated.
     for (int i = 0; i < (SIDE + 2) * (SIDE + 2); i++) {
         ivec2 cell = first + ivec2(i % (SIDE + 2), i / (SIDE + 2)) - 1;
         limited = limited || limits(ceiling_of(cell));

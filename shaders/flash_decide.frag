@@ -1,19 +1,19 @@
-// Decides how bright and how grey each cell may be (src/flash/limiter.rs).
+// Computes the ceilings of brightness and the fractions of grey of cells (crates/render/src/flash/limiter.rs).
 
 #include "flash_swing.glsl"
 #include "flash_rows.glsl"
 
 uniform sampler2D cells;            // mean colours
-uniform sampler2D light_swings;     // of flash_follow.frag, for this picture
+uniform sampler2D light_swings;     // of flash_follow.frag, for this frame
 uniform sampler2D red_swings;
 uniform sampler2D limited_rows;     // of flash_areas.frag
-uniform sampler2D shown_swings;     // what flash_note.frag wrote for the last picture
+uniform sampler2D shown_swings;     // of flash_note.frag, for the last frame
 uniform sampler2D shown_rest;
 uniform sampler2D shown_lows;
 uniform sampler2D shown_red_swings;
 
-layout(location = 0) out vec4 own;  // x ceiling, y highest luminance while a rise is put off, z share of grey that is shown,
-                                    // w that without rises that are put off
+layout(location = 0) out vec4 own;  // x ceiling, y highest luminance while a rise is delayed, z fraction of grey that
+                                    // is shown, w the fraction without delayed rises
 
 void main() {
     ivec2 cell = ivec2(gl_FragCoord.xy);

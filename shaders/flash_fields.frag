@@ -1,5 +1,5 @@
-// For each row, the columns that fields cover which begin in this row and have too many marked cells
-// (src/flash/fields.rs).
+// Computes, for each row, the columns covered by crowded fields that begin in this row: fields with too many marked
+// cells (crates/render/src/flash/fields.rs).
 
 #include "flash_rows.glsl"
 
@@ -7,7 +7,7 @@ uniform sampler2D marked_rows;      // of flash_rows.frag
 
 layout(location = 0) out vec4 covered;  // xy for light, zw for red
 
-// The number of bits of a field's row.
+// The number of bits in a field's row.
 uint bits_of(uint row) {
     row -= row >> 1u & 0x5555u;
     row = (row & 0x3333u) + (row >> 2u & 0x3333u);
@@ -15,7 +15,7 @@ uint bits_of(uint row) {
     return row + (row >> 8u) & 0x1fu;
 }
 
-// The cells of a row from this column on, as many as a field has.
+// The cells of a row from this column on, as many as a field is wide.
 uint window(uvec2 row, int column) {
     uvec2 rest = column < HALF ? row : uvec2(row.y, 0u);
     uint by = uint(column % HALF);
@@ -35,7 +35,7 @@ uvec2 crowded(uvec2 rows[FIELD_ROWS]) {
         }
         first |= float(count) > AREA * float(FIELD_COLUMNS * FIELD_ROWS) ? row_bit(column) : uvec2(0u);
     }
-    // From the fields' first columns to all of theirs.
+    // Extend the fields' first columns to all of their columns.
     for (int reach = 1; reach < FIELD_COLUMNS; reach *= 2) {
         first |= moved_up(first, min(reach, FIELD_COLUMNS - reach));
     }

@@ -1,23 +1,23 @@
-// Finds the changes of each cell as the picture comes in, and the rises that begin one flash too many
-// (src/flash/limiter.rs).
+// Detects the changes of each cell before the limiter, and the rises that would begin one flash too many
+// (crates/render/src/flash/limiter.rs).
 
 #include "flash_swing.glsl"
 
-uniform sampler2D cells;            // mean colours of this picture
-uniform sampler2D light_swings;     // what this pass wrote for the last one: see below
+uniform sampler2D cells;            // mean colours of this frame
+uniform sampler2D light_swings;     // of this pass, for the last frame
 uniform sampler2D red_swings;
 uniform sampler2D light_ages;
 uniform sampler2D light_rest;
 uniform sampler2D red_ages;
 uniform sampler2D red_rest;
-uniform sampler2D shown_swings;     // what flash_note.frag wrote
+uniform sampler2D shown_swings;     // of flash_note.frag
 uniform sampler2D shown_rest;
 uniform sampler2D shown_red_swings;
 
-layout(location = 0) out vec4 light_swing;  // xyz the swing, w for how many seconds the cell is marked
-layout(location = 1) out vec4 red_swing;    // likewise
+layout(location = 0) out vec4 light_swing;  // xyz the swing, w the remaining seconds of the cell's mark
+layout(location = 1) out vec4 red_swing;    // xyz the swing, w the remaining seconds of the cell's mark
 layout(location = 2) out vec4 light_newest; // ages of changes
-layout(location = 3) out vec4 light_others; // xy two more
+layout(location = 3) out vec4 light_others; // xy two older ages
 layout(location = 4) out vec4 red_newest;
 layout(location = 5) out vec4 red_others;
 
@@ -34,7 +34,7 @@ void main() {
     float hold = state.w - flash_step.x;
     hold = change > 0.0 && are_enough(ages, EARLY) ? HOLD : hold;
     note_change(ages, change, false);
-    // What is shown, at most as bright and at most as red as it may be, would rise once too often.
+    // Mark the cell if its colour after the limiter, as bright and as red as allowed, would rise once too often.
     vec4 shown = remembered(texelFetch(shown_swings, cell, 0), vec4(NO_SWING, NEVER));
     vec4 shown_ages = remembered(texelFetch(shown_rest, cell, 0), vec4(NEVER));
     bool rises = light_change(shown.xyz, min(light, shown.w + RELEASE * flash_step.x)) > 0.0;

@@ -1,10 +1,10 @@
-// Remembers the changes of each cell as it is shown (src/flash/limiter.rs).
+// Records the changes of each cell after the limiter (crates/render/src/flash/limiter.rs).
 
 #include "flash_swing.glsl"
 
-uniform sampler2D shown_cells;      // mean colours of this picture as it is shown
+uniform sampler2D shown_cells;      // mean colours of this frame after the limiter
 uniform sampler2D own_ceilings;     // of flash_decide.frag
-uniform sampler2D shown_swings;     // what this pass wrote for the last picture: see below
+uniform sampler2D shown_swings;     // of this pass, for the last frame
 uniform sampler2D shown_ages;
 uniform sampler2D shown_rest;
 uniform sampler2D shown_lows;
@@ -13,8 +13,8 @@ uniform sampler2D shown_red_ages;
 
 layout(location = 0) out vec4 swing;        // xyz the swing of the luminance, w the cell's own ceiling
 layout(location = 1) out vec4 newest;       // ages of its changes
-layout(location = 2) out vec4 others;       // xy two more, z share of grey, w the fifth age of red
-layout(location = 3) out vec4 lows;         // xy darkest luminance of this part of the memory and of the last
+layout(location = 2) out vec4 others;       // xy two older ages, z fraction of grey, w the fifth age of red
+layout(location = 3) out vec4 lows;         // xy darkest luminance of this part of the memory and of the previous one
 layout(location = 4) out vec4 red_swing;    // xyz the swing of the red, w the sixth age of its changes
 layout(location = 5) out vec4 red_newest;   // ages of its changes
 

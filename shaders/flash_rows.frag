@@ -1,12 +1,12 @@
-// Gathers each row's marks of cells into bits, for the passes that look at fields of many cells.
+// Gathers each row's marks of cells into bits, for the passes over fields of cells.
 
 #include "flash_swing.glsl"
 #include "flash_rows.glsl"
 
-uniform sampler2D light_swings;     // of flash_follow.frag, for this picture
+uniform sampler2D light_swings;     // of flash_follow.frag, for this frame
 uniform sampler2D red_swings;
 
-layout(location = 0) out vec4 marked;   // xy cells whose light flashes too often, zw whose red does
+layout(location = 0) out vec4 marked;   // xy cells whose light flashes too often, zw cells whose red does
 
 void main() {
     int row = int(gl_FragCoord.y);

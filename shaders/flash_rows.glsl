@@ -1,4 +1,4 @@
-// Rows of cells, a bit for each: the lower half of the columns in x, the upper half in y.
+// Rows of cells with a bit per cell: the lower half of the columns in x, the upper half in y.
 
 #include "flash_rules.glsl"
 
@@ -14,7 +14,7 @@ bool has_bit(uvec2 row, int column) {
     return ((column < HALF ? row.x : row.y) >> uint(column % HALF) & 1u) != 0u;
 }
 
-// The row, moved to higher columns by less than half of them.
+// Moves a row to higher columns, by less than half of the columns.
 uvec2 moved_up(uvec2 row, int by) {
     return uvec2(row.x << uint(by), row.y << uint(by) | row.x >> uint(HALF - by)) & HALF_BITS;
 }
@@ -23,7 +23,7 @@ uvec2 moved_down(uvec2 row, int by) {
     return uvec2(row.x >> uint(by) | row.y << uint(HALF - by), row.y >> uint(by)) & HALF_BITS;
 }
 
-// Floats of 32 bits hold such halves exactly.
+// Decodes a row; 32-bit floats hold each half exactly.
 uvec2 row_of(vec2 stored) {
     return uvec2(stored);
 }

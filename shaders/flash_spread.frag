@@ -1,13 +1,13 @@
-// Spreads ceilings and shares of grey over the cells around, along one axis (src/flash/limiter.rs).
+// Spreads ceilings and fractions of grey to neighbouring cells, along one axis (crates/render/src/flash/limiter.rs).
 
 #include "flash_rules.glsl"
-// In the block: zw a step along the axis.
+// post_target.zw is a step along the axis.
 #include "post_block.glsl"
 
 uniform sampler2D ceilings;     // of flash_decide.frag, or of this pass along the other axis
 
-layout(location = 0) out vec4 spread;   // x ceiling, y highest luminance while a rise is put off, z share of grey, w the
-                                        // lower of x and y
+layout(location = 0) out vec4 spread;   // x ceiling, y highest luminance while a rise is delayed, z fraction of grey, w
+                                        // the lower of x and y
 
 void main() {
     ivec2 cell = ivec2(gl_FragCoord.xy);

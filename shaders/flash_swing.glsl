@@ -1,12 +1,12 @@
-// The changes of a cell between peaks and valleys: src/flash/swing.rs, frame by frame on the GPU.
+// Detects the changes of a cell between peaks and valleys: crates/render/src/flash/swing.rs on the GPU.
 
 #include "flash_block.glsl"
 #include "flash_rules.glsl"
 
-// Beyond any light, and longer ago than anything that is remembered.
+// Above any luminance, and longer than any age in the memory.
 const float NEVER = 1e9;
 
-// The value that a texture holds, or this if nothing is known of any picture before.
+// The stored value, or `at_first` if there is no earlier frame.
 vec4 remembered(vec4 texel, vec4 at_first) {
     return flash_step.z > 0.5 ? at_first : texel;
 }
@@ -15,11 +15,11 @@ float luminance(vec3 color) {
     return dot(color, vec3(0.2126, 0.7152, 0.0722));
 }
 
-// x the last change, 1 up, -1 down, 0 none; y the lowest, z the highest luminance since then, or, of the last change, the
-// valley from which it rose or the peak from which it fell.
+// x: the last change, 1 up, -1 down, 0 none. y, z: the lowest and highest luminance since then; after a rise y is its
+// valley, after a fall z is its peak.
 const vec3 NO_SWING = vec3(0.0, NEVER, -NEVER);
 
-// The change that a luminance makes, 1, -1 or 0 for none.
+// The change that a luminance makes: 1, -1, or 0 for none.
 float light_change(inout vec3 swing, float light) {
     float low = swing.x > 0.0 ? swing.y : min(swing.y, light);
     float high = swing.x < 0.0 ? swing.z : max(swing.z, light);
@@ -30,7 +30,7 @@ float light_change(inout vec3 swing, float light) {
     return change;
 }
 
-// Whether the last change was so small until now that it may be this luminance that makes it count.
+// True if this luminance may be the one that makes the last change count, because the change was small so far.
 bool may_count_only_at(vec3 swing, float light) {
     bool sure = swing.z - swing.y >= SURE_CHANGE && swing.y < SURE_DARKER;
     bool risen = swing.x > 0.0 && light - swing.y >= LIGHT_CHANGE && swing.y < LIGHT_DARKER;
@@ -38,9 +38,8 @@ bool may_count_only_at(vec3 swing, float light) {
     return !sure && (risen || fallen);
 }
 
-// x 1 if the last change led to red, 0 if not, -1 before the first picture, and UNSURE more if that change would perhaps
-// not count if it were measured less roughly; yz the chromaticity since then that is farthest from where the next change
-// leads.
+// x: 1 if the last change led to red, 0 if not, -1 before the first frame; plus UNSURE if rough measurement may have
+// caused the change. yz: the chromaticity since then that is farthest from the next change.
 const vec3 NO_RED_SWING = vec3(-1.0, 0.0, 0.0);
 const float UNSURE = 0.25;
 
@@ -70,12 +69,12 @@ float red_change(inout vec3 swing, vec3 color) {
     return changes ? (red > 0.5 ? 1.0 : -1.0) : 0.0;
 }
 
-// Whether the last change was so small that it may be this colour that makes it count.
+// True if this colour may be the one that makes the last change count, because the change was small.
 bool may_count_only_as_red(vec3 swing, vec3 color) {
     return swing.x == saturated_red(color, RED_FRACTION) + UNSURE;
 }
 
-// How long ago the last six changes were, in seconds, the newest first.
+// The ages of the last six changes in seconds, newest first.
 struct Ages {
     vec4 newest;
     vec2 oldest;
@@ -85,22 +84,22 @@ Ages aged(vec4 newest, vec2 oldest) {
     return Ages(min(newest + flash_step.x, NEVER), min(oldest + flash_step.x, NEVER));
 }
 
-// Whether one more change makes as many within a second, less `early`, as begin one flash too many, if it is a rise.
+// True if one more change, if it is a rise, begins one flash too many within a second, less `early`.
 bool are_enough(Ages ages, float early) {
     return ages.oldest.y < 1.0 - early - ROUNDING;
 }
 
-// For how long a cell stays marked at a rise: not at all, until the rise is not too early, or as if it flashes.
+// Seconds for which a rise marks a cell: none, until the rise is late enough, or as long as for a flash.
 float hold_after(Ages ages) {
     return are_enough(ages, EARLY) ? HOLD : (are_enough(ages, 0.0) ? EARLY : 0.0);
 }
 
-// Whether a cell that is marked for so long is so only because a rise is put off.
+// True if a cell with this mark is marked only because a rise is delayed.
 bool is_put_off(float hold) {
     return hold > 0.0 && hold <= EARLY + ROUNDING;
 }
 
-// Notes a change, or else, if that `renews` the last one, that this is later.
+// Records a change. Without one, `renews` sets the age of the last change to 0.
 void note_change(inout Ages ages, float change, bool renews) {
     if (renews && change == 0.0) {
         ages.newest.x = 0.0;

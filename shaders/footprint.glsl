@@ -1,9 +1,9 @@
-// What a pixel covers of a surface.
+// The area of a surface under a pixel.
 
-// Stands for no plane.
+// The number of no plane.
 const int NOTHING = -1;
 
-// How the visible point moves along the surface when the ray moves by `step` at its distance.
+// The movement of the visible point along the surface when the ray moves by `step` at its distance.
 vec3 along_surface(vec3 step, vec3 normal, vec3 direction) {
     float along = dot(direction, normal);
     along = abs(along) < 0.05 ? (along < 0.0 ? -0.05 : 0.05) : along;

@@ -1,4 +1,4 @@
-// One triangle that covers the picture, without a vertex buffer.
+// Draws one triangle that covers the frame, without a vertex buffer.
 
 void main() {
     vec2 corner = vec2(float((gl_VertexID << 1) & 2), float(gl_VertexID & 2));

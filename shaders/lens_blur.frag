@@ -1,6 +1,6 @@
-// The blur of a lens: at each place the light of all discs that reach it. A disc's brightness is that of its point
-// divided by its area. Light from behind something sharp does not spread over it. Alpha: the share of discs that lie
-// in front.
+// Depth of field: adds up the light of all discs that reach a pixel. A disc's brightness is its point's brightness
+// divided by its area. Light from behind a sharp point does not spread over it. Alpha is the fraction of discs in
+// front.
 
 #include "post_block.glsl"
 
@@ -12,7 +12,7 @@ const float PI = 3.14159265;
 const float GOLDEN_ANGLE = 2.39996323;
 const int TAPS_MAX = 80;
 
-// Share of a disc with a radius in pixels that falls on an area in pixels.
+// Fraction of a disc with a radius in pixels that covers an area in pixels.
 float fraction_of(float area, float radius) {
     return min(1.0, area / (PI * radius * radius + 1e-6));
 }
@@ -27,7 +27,7 @@ void main() {
     float front = 0.0;
     for (int i = 0; i < TAPS_MAX; i++) {
         if (i >= taps) break;
-        // A spiral, denser in the middle; each tap represents its share of a ring.
+        // A spiral, denser in the middle; each tap represents a part of a ring.
         float u = (float(i) + 0.5) / float(taps);
         float radius = reach * pow(u, 0.6);
         float area = 1.2 * PI * reach * reach * pow(u, 0.2) / float(taps);

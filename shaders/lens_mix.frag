@@ -1,17 +1,17 @@
-// Light as a lens shows it: sharp where it is spread over less than a pixel, blurred elsewhere.
+// Mixes sharp and blurred light: sharp where a point's disc is smaller than a pixel, blurred elsewhere.
 
 #include "post_block.glsl"
 
 uniform sampler2D picture;          // sharp light
-uniform sampler2D blurred;          // blurred, half as large; alpha what lies in front
-uniform sampler2D spreads;          // radius of the disc that a point becomes, in pixels
+uniform sampler2D blurred;          // blurred, half as large; alpha the fraction in front
+uniform sampler2D spreads;          // radius of each point's disc, in pixels
 
 layout(location = 0) out vec4 light;
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     vec2 place = post_place();
-    // A tent, so that neither the taps nor the smaller texels show.
+    // A tent, so that neither the taps nor the smaller texels are visible.
     vec2 step = 0.5 / vec2(textureSize(blurred, 0));
     vec4 soft = vec4(0.0);
     for (int i = 0; i < 4; i++) soft += 0.25 * texture(blurred, place + step * vec2(2 * (i & 1) - 1, 2 * (i >> 1) - 1));

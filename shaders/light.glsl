@@ -1,19 +1,19 @@
-// Lights: what arrives from them at a surface, and what the surface reflects.
+// Lights: the light that arrives at a surface, and the part that it reflects.
 
 const float PI = 3.14159265;
 // LIGHT_LAMP, LIGHT_SUN and LIGHT_PANEL number the kinds of lights.
 #if LIGHT_KINDS != 3
-#error "`light_at` knows lamps, suns and panels: give the new kind of light its rays there"
+#error "`light_at` handles only lamps, suns and panels: add the new kind of light there"
 #endif
 
-// A light as a point of a surface sees it.
+// A light as seen from a point of a surface.
 struct Incoming {
     vec3 direction;     // towards its middle
-    vec3 mirrored;      // towards the part of it that is nearest to the mirrored line of sight
+    vec3 mirrored;      // towards its part nearest to the mirrored line of sight
     float t;            // its distance
-    float widening;     // tangent of the half angle under which it is seen
+    float widening;     // tangent of half the angle that it fills
     vec3 light;         // on a surface perpendicular to the direction; for a panel, on this surface
-    float shadow;       // share that shadows take away
+    float shadow;       // fraction that shadows remove
 };
 
 // Light ends smoothly at its range (Karis, "Real shading in Unreal Engine 4", 2013).
@@ -24,13 +24,13 @@ float faded(float t, float range) {
 }
 
 #ifdef PANELS
-// An edge's part of Lambert's formula for the light of a polygon (1760), from the directions to its ends: the angle
-// times the edge's normal.
+// An edge's part of Lambert's formula for the light of a polygon (1760): the angle between the directions to its
+// ends, times the edge's normal.
 vec3 edge_of_panel(vec3 a, vec3 b) {
     vec3 across = cross(a, b);
     float sine = length(across);
     float angle = atan(sine, dot(a, b));
-    // On the line of an edge there is no normal; for short edges the sine replaces the angle.
+    // There is no normal on the line of an edge. For short edges the sine replaces the angle.
     return sine > 1e-5 ? across * (angle / sine) : across;
 }
 
@@ -45,13 +45,13 @@ Incoming light_of_panel(vec4 place, vec4 color, vec4 right, vec4 up, vec3 p, vec
     vec3 c = normalize(middle + right.xyz + up.xyz);
     vec3 d = normalize(middle - right.xyz + up.xyz);
     vec3 flux = edge_of_panel(a, b) + edge_of_panel(b, c) + edge_of_panel(c, d) + edge_of_panel(d, a);
-    // The part below the horizon is not cut off, so panels that a surface sees only in part are a little too dark.
+    // The part below the horizon is not cut off, so panels that are only partly above it are slightly too dark.
     float arriving = before > 0.0 ? max(-0.5 * dot(flux, normal), 0.0) : 0.0;
     float t = length(middle);
-    // Where the mirrored line of sight meets the panel's plane, clamped to the panel.
-    vec3 ray_probe = reflect(direction, normal);
-    float slope = -dot(ray_probe, facing);
-    vec3 met = slope > 1e-4 ? ray_probe * (before / slope) - middle : ray_probe * t - middle;
+    // The intersection of the mirrored line of sight with the panel's plane, clamped to the panel.
+    vec3 mirrored = reflect(direction, normal);
+    float slope = -dot(mirrored, facing);
+    vec3 met = slope > 1e-4 ? mirrored * (before / slope) - middle : mirrored * t - middle;
     vec2 inside = vec2(dot(met, right.xyz) / max(dot(right.xyz, right.xyz), 1e-9),
                        dot(met, up.xyz) / max(dot(up.xyz, up.xyz), 1e-9));
     inside = clamp(inside, -1.0, 1.0);
@@ -66,7 +66,7 @@ Incoming light_of_panel(vec4 place, vec4 color, vec4 right, vec4 up, vec3 p, vec
 }
 #endif
 
-// The light with that number at p. `direction` is that of the ray.
+// The light with that number at p; `direction` is the ray's direction.
 Incoming light_at(int number, vec3 p, vec3 normal, vec3 direction) {
     vec4 place = lights[4 * number];
     vec4 color = lights[4 * number + 1];
@@ -84,12 +84,12 @@ Incoming light_at(int number, vec3 p, vec3 normal, vec3 direction) {
     incoming.direction = way * inversesqrt(max(distance2, 1e-12));
     incoming.t = sun ? SUN_DISTANCE : sqrt(distance2);
     incoming.widening = sun ? color.w : color.w / max(incoming.t, 1e-3);
-    // Inside the ball it is no brighter than at its surface.
+    // Inside the ball the light is no brighter than at its surface.
     float falloff = sun ? 1.0 : faded(incoming.t, range) / max(distance2, max(color.w * color.w, 1e-4));
     incoming.light = color.rgb * (falloff * max(dot(normal, incoming.direction), 0.0));
     // The part of the ball that is nearest to the mirrored line of sight (Karis 2013).
-    vec3 ray_probe = reflect(direction, normal);
-    vec3 off = dot(incoming.direction, ray_probe) * ray_probe - incoming.direction;
+    vec3 mirrored = reflect(direction, normal);
+    vec3 off = dot(incoming.direction, mirrored) * mirrored - incoming.direction;
     float reach = clamp(incoming.widening * inversesqrt(max(dot(off, off), 1e-12)), 0.0, 1.0);
     incoming.mirrored = normalize(incoming.direction + off * reach);
     incoming.shadow = shadow;
@@ -97,8 +97,8 @@ Incoming light_at(int number, vec3 p, vec3 normal, vec3 direction) {
 }
 
 // GGX (Walter et al. 2007) with Smith's height-correlated masking (Heitz 2014, Hammon's approximation 2017) and
-// Schlick's Fresnel; `alpha` is the roughness squared, `f0` the reflectance at normal incidence. Light from a wide
-// source is spread by its width (Karis 2013).
+// Schlick's Fresnel term. `alpha` is the roughness squared, `f0` the reflectance at normal incidence. A light's width
+// blurs its highlight (Karis 2013).
 vec3 highlight(float alpha, float widening, vec3 f0, float facing, float seen, float nh, float grazing) {
     float wide = clamp(alpha + 0.5 * widening, alpha, 1.0);
     float fraction = alpha / wide;
@@ -109,11 +109,11 @@ vec3 highlight(float alpha, float widening, vec3 f0, float facing, float seen, f
     return (f0 + (1.0 - f0) * grazing) * (spread * masking);
 }
 
-// The smoothest surface: a sharper highlight would be smaller than a pixel.
+// Least alpha: a sharper highlight would be smaller than a pixel.
 const float ALPHA_MIN = 0.02;
 
-// What a surface reflects towards the eye for the light that arrives, without mirror images: the diffuse part gets
-// what Fresnel leaves.
+// Reflectance towards the eye for arriving light, without mirror images. The diffuse part gets the light that
+// Fresnel's reflection leaves.
 vec3 thrown_back(Material m, vec3 normal, Incoming incoming, vec3 direction) {
     float seen = max(dot(normal, -direction), 1e-3);
     float facing = max(dot(normal, incoming.mirrored), 1e-3);

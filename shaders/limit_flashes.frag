@@ -1,5 +1,5 @@
-// Dims a finished picture where it would flash too often (`gpu::flash_pass`). It is drawn over that picture, where it
-// is shown or over a copy, so that all other pixels stay as they are.
+// Dims a finished frame where it would flash too often (`gpu::flash_pass`). It is drawn over the frame in the window
+// or in a copy, so that all other pixels stay unchanged.
 
 #include "post_block.glsl"
 #include "encode.glsl"

@@ -1,7 +1,7 @@
-// Rays through formulas that are not signed distance fields, in the variant NON_LIPSCHITZ: replaces `trace` of
-// sphere_tracing.glsl. Each cell of the tree (regions.glsl) knows how steep the formula may be inside
-// (crates/field/src/region/gradient.rs). That gives a step that cannot pass a surface: the value divided by the rate
-// at which it can fall along the ray, or up to the cell's face.
+// Traces rays through formulas that are not distances, in the variant NON_LIPSCHITZ. Replaces `trace` of
+// sphere_tracing.glsl. Each cell of the tree (regions.glsl) has bounds of the formula's gradient
+// (crates/field/src/region/gradient.rs). The value divided by the rate at which it can fall along the ray gives a
+// step that cannot pass a surface; it is limited to the cell's face.
 
 // Bounds of the gradient.
 struct Slopes {
@@ -9,7 +9,7 @@ struct Slopes {
     vec3 high;
 };
 
-// The bounds in the words .z and .w of a cell: shares of one scale, whole numbers over 128.
+// Unpacks the words .z and .w of a cell: integers in units of scale / 128.
 Slopes unpack_slopes(uvec2 words) {
     ivec2 signed_words = ivec2(words);
     float unit = uintBitsToFloat(words.y & 0xFFFF0000u) / 128.0;
@@ -24,7 +24,7 @@ float slope_towards(Slopes slopes, vec3 direction) {
     return falls.x + falls.y + falls.z;
 }
 
-// The part of the ray where cells may hold a surface.
+// The part of the ray in cells that may contain a surface.
 vec2 non_lipschitz_span(vec3 origin, vec3 direction) {
     vec2 span = traced_span(origin, direction, 0.0);
     vec2 tree = box_span(origin, direction, region_low.xyz, region_low.xyz + ROOT_SIDE / region_scale.xyz);
@@ -37,8 +37,8 @@ float even_step(int left, float t, float end) {
     return from * (pow(end / from, 1.0 / float(left)) - 1.0);
 }
 
-// First surface along the ray: where the sign changes. `cone` is the radius of the pixel's cone at t = 0 and `spread`
-// its growth.
+// First surface along the ray: the change of sign. `cone` is the radius of the pixel's cone at t = 0 and `spread` its
+// growth.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
     Hit behind = trace_planes(origin, direction, start);
     vec2 span = non_lipschitz_span(origin, direction);
@@ -46,7 +46,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     float t = max(past(span.x), start);
     if (t >= end) return behind;
     Walk walk = walk_of(origin, direction);
-    // The last point outside with its value (unless that is only known to be above 0), and the first point inside.
+    // The last point outside and its value, 0 if it was not evaluated, and the first point inside.
     float outside = t;
     float above = 0.0;
     float inside = -1.0;
@@ -74,7 +74,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         if (i == NON_LIPSCHITZ_STEPS_MAX - 1) COUNT(capped);
 #endif
         float radius = cone + spread * max(t, NON_LIPSCHITZ_NEAR);
-        // NaN counts as inside, too.
+        // NaN counts as inside.
         if (value > 0.0) {
             outside = t;
             above = value;
@@ -89,7 +89,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
             // The secant, kept away from both ends so that both close in.
             t = mix(outside, inside, clamp(above / (above - below), 0.1, 0.9));
         } else {
-            // crates/field/src/rays.rs, steep_step.
+            // The step of `non_lipschitz_step` in crates/field/src/rays.rs.
             float slope = slope_towards(unpack_slopes(cell.slopes), direction);
             float safe = slope > 0.0 ? value / slope : FAR;
             float leaves = max(past(t), exit_of(cell, walk, q, t)) - t;

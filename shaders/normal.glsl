@@ -3,24 +3,24 @@ const vec4 TAPS_X = vec4(1.0, -1.0, -1.0, 1.0);
 const vec4 TAPS_Y = vec4(-1.0, -1.0, 1.0, 1.0);
 const vec4 TAPS_Z = vec4(-1.0, 1.0, -1.0, 1.0);
 
-// How far the taps lie from the point: the step is proportional to the pixel's cone.
+// Distance of the taps from the point, proportional to the pixel's cone.
 float tap_distance(float cone) {
     return CHOSEN_TAP(max(0.6 * cone, 4e-4));
 }
 
-// The normal from the sum of the taps, each multiplied by the distance there.
+// The normal from the sum of the taps, each multiplied by its distance value.
 vec3 normal_of(vec3 sum) {
     float size = length(sum);
     return size > 1e-12 && size < 1e12 ? sum / size : vec3(0.0, 1.0, 0.0);
 }
 
-// That sum, from the distances at the taps.
+// The sum for `normal_of`, from the distances at the taps.
 vec3 sum_of_taps(vec4 d) {
     return vec3(dot(TAPS_X, d), dot(TAPS_Y, d), dot(TAPS_Z, d));
 }
 
-// Converts a value to a distance at the surface that is shaded. Where the value is not a distance, it is divided by
-// the slope there; on a plane, whose surroundings were not evaluated, only the sign counts.
+// Converts a value to a distance at the surface that is shaded. A value that is not a distance is divided by the
+// slope there. On a plane, whose surroundings were not evaluated, only the sign counts.
 #ifdef NON_LIPSCHITZ
 float slope_here = 1e-9;
 #define NOTE_SLOPE(sum, h) slope_here = max(length(sum) / (4.0 * (h)), 1e-9)

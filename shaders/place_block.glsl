@@ -1,6 +1,6 @@
-// The block that the program gives to the last copy of a picture; written by src/gpu/renderer/placing.rs.
+// The uniform block for the last copy of a frame; written by crates/render/src/gpu/renderer/placing.rs.
 
 layout(std140) uniform PlaceBlock {
-    vec4 place_rows[3];     // xyz rows of a matrix from places of the window, 0..1, to places of the picture
-    vec4 place_part;        // left, lower, right and upper edge of the part of the picture that shows
+    vec4 place_rows[3];     // xyz rows of a matrix from positions in the window, 0..1, to positions in the frame
+    vec4 place_part;        // left, lower, right and upper edge of the visible part of the frame
 };

@@ -1,4 +1,4 @@
-// The finished picture: bloom, exposure, tone map, sRGB, grain.
+// Turns light into the finished frame: bloom, exposure, tone map, sRGB, grain.
 
 #include "picture_block.glsl"
 #include "post_block.glsl"
@@ -6,16 +6,16 @@
 #include "encode.glsl"
 
 uniform sampler2D picture;          // linear light
-uniform sampler2D bloom;            // the same, scattered
+uniform sampler2D bloom;            // scattered light
 
 #ifdef FADE
-uniform sampler2D before;           // the light of the picture that this one follows, exposed
+uniform sampler2D before;           // exposed light of the previous scene
 #endif
 
 layout(location = 0) out vec4 screen;
 
 #ifdef LIGHT
-// What 16-bit floats hold.
+// The largest 16-bit float.
 const vec3 EXPOSED_MAX = vec3(65504.0);
 #endif
 
@@ -24,8 +24,8 @@ float noise(vec2 pixel) {
     return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }
 
-// -1.5..1.5 steps of 1/255 at a grain of 1. Half a step each way hides the edges of steps; small values are more
-// likely than large ones. It is the same in each frame, so that still pictures stay still.
+// -1.5..1.5 steps of 1/255 at a grain of 1; half a step in each direction hides banding. Small values are more likely
+// than large ones. It is constant in time, so that still images stay still.
 float grain(vec2 pixel) {
     float film = noise(pixel + vec2(57.0, 131.0)) + noise(pixel.yx + vec2(211.0, 17.0)) - 1.0;
     return noise(pixel) - 0.5 + picture_look.w * film;

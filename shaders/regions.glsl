@@ -1,19 +1,20 @@
-// The tree over space that the program builds for a frame (crates/field/src/region/): a lower bound of the distance
-// from a cell to every surface, and the short tape that gives the distance inside it.
+// Looks up cells in the tree over space, which is built for each frame (crates/field/src/region/). A cell has a lower
+// bound of the distance from its points to every surface, and a shortened tape for the distance inside it.
 //
-// Texels 0..4095 are the root's 16 x 16 x 16 cells, x first. A cell that is divided has a brick of 4 x 4 x 4.
-//   x   the least distance in the cell, as float bits, 0 where a surface may lie in it; DIVIDED if it has a brick
-//   y   a brick's first texel; else the tape's first texel, and from bit 24 on the number of the nearest object
+// Texels 0..4095 are the root's 16 x 16 x 16 cells, x first. A divided cell has a brick of 4 x 4 x 4.
+//
+// - x: the bound, as float bits, 0 if the cell may contain a surface; DIVIDED if it has a brick
+// - y: the brick's first texel; else the tape's first texel, and from bit 24 on the number of the nearest object
 
 uniform usamplerBuffer regions;     // RGBA32UI
 
 const uint DIVIDED = 0xFFFFFFFFu;
-// ROOT_SIDE, AHEAD and other numbers with which tests follow rays: crates/field/src/rays.rs.
+// ROOT_SIDE, AHEAD and other constants are shared with the CPU: crates/field/src/rays.rs.
 
 struct Cell {
-    float bound;    // no surface is nearer than this to any of its points
-    int tape;       // first texel of the tape that gives bound and estimate inside
-    int object;     // the nearest one, or SEVERAL
+    float bound;    // lower bound of the distance from its points to any surface
+    int tape;       // first texel of the tape for bound and estimate inside
+    int object;     // the nearest object, or SEVERAL
     float side;     // in root cells; 0 outside of the tree
 #ifdef NON_LIPSCHITZ
     uvec2 slopes;   // bounds of the gradient (non_lipschitz.glsl)
@@ -21,7 +22,7 @@ struct Cell {
 };
 
 #ifdef NO_CELLS
-// For a compiled scene that is drawn without a tree: nothing is known anywhere.
+// The cell of a compiled scene that is drawn without a tree.
 const Cell NO_CELL = Cell(0.0, 0, SEVERAL, 0.0);
 #else
 // The cell at a point in root coordinates.
@@ -50,18 +51,18 @@ Cell cell_at(vec3 q) {
 }
 #endif
 
-// A point in root coordinates: root cells as the unit.
+// A point in root coordinates, with root cells as the unit.
 vec3 in_root(vec3 p) {
     return (p - region_low.xyz) * region_scale.xyz;
 }
 
-// A ray through the tree. It holds little, because it holds it while the scene is evaluated; what is easily computed
-// again is.
+// A ray through the tree. It has few members, because they occupy registers while the scene is evaluated. Values that
+// are cheap to compute are computed again.
 struct Walk {
     vec3 origin;
     vec3 direction;
     vec3 inverse;   // 1 / direction, in root cells
-    float nudge;    // a short way in root cells, longer than the rounding error of a place on the ray
+    float nudge;    // a short distance in root cells, longer than the rounding error of a point on the ray
 };
 
 Walk walk_of(vec3 origin, vec3 direction) {
@@ -73,21 +74,22 @@ Walk walk_of(vec3 origin, vec3 direction) {
     return Walk(origin, direction, inverse, nudge);
 }
 
-// Where to look up the ray's cell at t: at a face it is the place behind it, so that a ray never gets stuck there.
+// The position for looking up the ray's cell at t. It is slightly beyond the point, so that a ray never gets stuck at
+// a face.
 vec3 place_on(Walk walk, float t) {
     vec3 ahead = mix(vec3(-walk.nudge), vec3(walk.nudge), greaterThanEqual(walk.direction, vec3(0.0)));
     return in_root(walk.origin + t * walk.direction) + ahead;
 }
 
-// The distance at which the ray leaves the cell of the place q, which is `place_on` t.
+// The distance at which the ray leaves the cell of q, which is `place_on` t.
 float exit_of(Cell cell, Walk walk, vec3 q, float t) {
     vec3 face = (floor(q / cell.side) + step(vec3(0.0), walk.direction)) * cell.side;
-    // From the place itself, which is a nudge behind q.
+    // From the point itself, which is a nudge behind q.
     vec3 left = (face - q) * walk.inverse + walk.nudge * abs(walk.inverse);
     return t + min(left.x, min(left.y, left.z));
 }
 
-// A little further along the ray.
+// A point slightly further along the ray.
 float past(float t) {
     return t * (1.0 + PAST_FACE) + PAST_FACE;
 }

@@ -1,4 +1,4 @@
-// The light of each pixel: the weighted mean of its samples.
+// Computes the light of each pixel: the weighted mean of its samples.
 
 #include "post_block.glsl"
 #include "sample_light.glsl"
@@ -6,7 +6,7 @@
 uniform sampler2D picture;          // the first samples
 #ifdef EDGE_LIST
 uniform sampler2D extra_samples;    // further samples at edges, weighted, in blocks
-uniform usampler2D edge_squares;    // which block holds those of a pixel, counted from 1; 0 for none
+uniform usampler2D edge_squares;    // the block of each pixel's samples, counted from 1; 0 for none
 #else
 uniform sampler2D extra_samples;    // weighted sum of further samples
 #endif
@@ -16,7 +16,7 @@ layout(location = 0) out vec4 light;
 // The most samples in a block.
 const int BLOCK_MAX = 16;
 
-// Their sum; alpha sums the weights.
+// The sum of a pixel's further samples; alpha sums the weights.
 vec4 further_samples(ivec2 texel) {
 #ifdef EDGE_LIST
     ivec2 square = ivec2(texelFetch(edge_squares, texel, 0).xy);

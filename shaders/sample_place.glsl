@@ -1,6 +1,6 @@
-// The place in the picture to which a sample belongs.
+// The position of a sample in the frame.
 
-uniform usampler2D edge_pixels;     // the pixel of each block of samples, and the bits of how far its beam is free
+uniform usampler2D edge_pixels;     // the pixel of each block of samples, and the bits of its beam's free distance
 
 // The number of a texel among the further samples of its block.
 int block_sample() {
@@ -19,7 +19,7 @@ uvec4 listed_pixel() {
     return texelFetch(edge_pixels, ivec2(gl_FragCoord.xy) / ivec2(pass_list.xy), 0);
 }
 
-// In pixels from the picture's lower left corner.
+// In pixels from the frame's lower left corner.
 vec2 sample_place() {
     if (pass_sample.z < 0.5) return gl_FragCoord.xy;
     if (pass_sample.z < 1.5) return gl_FragCoord.xy + pass_sample.xy;
@@ -28,7 +28,7 @@ vec2 sample_place() {
     return vec2(listed_pixel().xy) + 0.5 + ((number & 1) == 0 ? pair.xy : pair.zw);
 }
 
-// Bits of where the ray of this sample begins (sphere_tracing.glsl).
+// Bits of the free distance and steps at which this sample's ray starts (sphere_tracing.glsl).
 uint sample_start() {
     if (pass_sample.z < 1.5) return 0u;
     uvec2 halves = listed_pixel().zw;

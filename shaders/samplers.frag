@@ -1,8 +1,8 @@
-// Reads as many textures as any program may; nothing of it is seen.
+// Reads as many textures as any program may; its result is discarded.
 //
-// Mesa binds no sampler for a texture buffer: whatever the program before had in that slot stays there, and llvmpipe
-// compiles a scene's program once for each kind of sampler that it finds in its slots, read or not. This program is drawn
-// before, so that a scene finds the same ones whatever was drawn last.
+// Mesa binds no sampler for a texture buffer, so the previous program's sampler stays in that slot. llvmpipe compiles
+// a scene's program once for each combination of samplers in its slots, read or not. Drawing this program first gives
+// every scene the same combination.
 
 uniform sampler2D slot_0;
 uniform sampler2D slot_1;

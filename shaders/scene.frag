@@ -1,5 +1,5 @@
-// One sample of the scene for each pixel: primary ray, light, and what mirrors show (LD?S*E, Abt 2022, section 3.3).
-// Writes linear light and, in a pixel's first sample, a key of the surfaces seen.
+// Computes one sample of the scene for each pixel: primary ray, light, and mirror images (LD?S*E, Abt 2022, section
+// 3.3). Writes linear light and, in a pixel's first sample, a key of the surfaces on the path.
 
 #include "frame_block.glsl"
 #include "sample_place.glsl"
@@ -29,17 +29,17 @@ layout(location = 3) out vec4 more_clauses;         // of materials and light, 0
 #endif
 
 #if defined(LENS) && !defined(COUNT_EVALUATIONS)
-layout(location = 1) out float sample_spread;       // radius of the disc that a point becomes in the picture, in pixels
+layout(location = 1) out float sample_spread;       // radius of the point's disc in pixels
 
-// For a thin lens: a point at distance z is spread over radius * |1/sharp - 1/z| at distance 1; negative in front of
-// the sharp distance.
+// The blur of a thin lens: a point at distance z becomes a disc of radius * |1/sharp - 1/z| at distance 1; negative
+// in front of the sharp distance.
 float spread_at(float nearness) {
     float limit = picture_lens.z * viewport.y;
     return clamp(picture_lens.x * (picture_lens.y - nearness) / (2.0 * camera_position.w), -limit, limit);
 }
 #endif
 #if defined(BEAMS) && !defined(VIEWS)
-// How far the pixel's beam is free. The last of the outputs (src/gpu/renderer.rs).
+// Free distance of the pixel's beam. The last of the outputs (crates/render/src/gpu/renderer.rs).
 #if defined(COUNT_EVALUATIONS)
 layout(location = 4) out float sample_beam;
 #elif defined(LENS)
@@ -51,24 +51,24 @@ layout(location = 1) out float sample_beam;
 // 1 / distance of the first surface, along the camera's axis.
 float seen_nearness = 0.0;
 
-// Light from the surface at p towards the eye, without what it mirrors.
+// Light from the surface at p towards the eye, without mirror images.
 vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     Material m = s.material;
-    // What needs no shadow comes first: while a shadow ray runs, everything that is still to be used holds registers.
+    // Light without shadows comes first: while a shadow ray runs, all values that are used later occupy registers.
     vec3 light = m.emission + m.color * (light_of(s.ambient) * s.open + s.glow);
-    // The loop tests at its end: a renderer that never skips a branch would otherwise run one more round for nothing.
+    // The loop tests at its end: a renderer that never skips a branch would otherwise run one more round in vain.
     int last = min(int(frame_clock.y), LIGHTS_MAX) - 1;
     int i = 0;
     do {
-        // frame_reach.z is 0. Without it compilers compute what is the same for all lights before the loop, which then
-        // holds registers during the shadow rays.
-        vec3 ray_probe = direction + frame_reach.z * float(i);
-        Incoming incoming = light_at(i, p, s.normal, ray_probe);
+        // frame_reach.z is 0. Without it compilers compute expressions that are the same for all lights before the
+        // loop, where they occupy registers during the shadow rays.
+        vec3 view_direction = direction + frame_reach.z * float(i);
+        Incoming incoming = light_at(i, p, s.normal, view_direction);
         if (max(incoming.light.r, max(incoming.light.g, incoming.light.b)) > 1e-5) {
             float sharpness = clamp(1.0 / max(incoming.widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
-            // Without shadows the way to the light is not traced.
+            // A light without shadows needs no shadow ray.
             float t = incoming.shadow > 0.0 ? incoming.t : 0.0;
-            vec3 thrown = incoming.light * thrown_back(m, s.normal, incoming, ray_probe);
+            vec3 thrown = incoming.light * thrown_back(m, s.normal, incoming, view_direction);
             float visible = light_visibility(p, s.normal, incoming.direction, t, sharpness, cone);
             visible = mix(1.0, visible, incoming.shadow);
             NOTE_LIGHT(incoming.light, visible);
@@ -78,13 +78,12 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     return light;
 }
 
-// A number for the surfaces of a path: where it differs between neighbours, there is an edge of the geometry between
-// them.
+// A number for the surfaces of a path. A difference between neighbours is an edge of the geometry.
 float surface_key = 0.0;
-// A prime. Keys stay whole numbers below 2048, which 16-bit floats hold exactly.
+// A prime. Keys are integers below 2048, which 16-bit floats hold exactly.
 const float KEYS = 1021.0;
 
-// Added to the key where a rough mirror was seen, because noise takes more samples.
+// Added to the key if the path meets a rough mirror, because noise needs more samples.
 const float ROUGH_KEY = 1024.0;
 float seen_rough = 0.0;
 
@@ -94,21 +93,21 @@ void add_to_key(int object, bool flat_surface, vec3 normal) {
     surface_key = mod(surface_key * 29.0 + 27.0 * float(object + 1) + facing, KEYS);
 }
 
-// The most surfaces that a path meets: four mirrors and the surface in the last one.
+// The most surfaces on a path: four mirrors and the surface in the last one.
 #if defined(MIRRORS) && !defined(COVERAGE)
 const int SURFACES_MAX = 5;
 #else
 const int SURFACES_MAX = 1;
 #endif
-// A path ends where less than this share of its light would reach the eye; at the lowest quality the share is larger.
+// A path ends if less than this fraction of its light would reach the eye; the lowest quality uses the second value.
 const float FRACTION_MIN = 0.004;
 const float FRACTION_MIN_LEAST = 0.06;
-// Between two scenes, what mirrors less than this, looked at straight on, mirrors less at all angles.
+// In a blend, a mirror with less reflectance than this at normal incidence reflects less at all angles.
 const float FAINT = 0.02;
 
 #ifdef BLUR
-// Two numbers of 0..1 for a surface of the path. Those of a pixel come from a hash (pcg3d, Jarzynski and Olano 2020)
-// and are the same in each frame; those of its further samples follow the R2 sequence (Roberts 2018).
+// Two numbers of 0..1 for a surface of the path. A pixel's numbers come from a hash (pcg3d, Jarzynski and Olano 2020)
+// and are the same in each frame. Its further samples follow the R2 sequence (Roberts 2018).
 vec2 scatter(int surface) {
     uvec3 v = uvec3(uvec2(sample_place()), uint(surface)) * 1664525u + 1013904223u;
     v.x += v.y * v.z;
@@ -130,20 +129,20 @@ vec3 facet(vec3 normal, float alpha, vec2 random) {
 }
 #endif
 
-// Light along a ray from the eye. One loop over the surfaces of the path, so that a driver compiles tracing and
+// Light along a ray from the eye. A single loop over the surfaces of the path, so that a driver compiles tracing and
 // shading only once.
 vec3 scene_color(vec3 origin, vec3 direction) {
     float spread = camera_position.w;
     float fraction_min = mix(FRACTION_MIN_LEAST, FRACTION_MIN, frame_quality);
     float travelled = 0.0;
-    // How much wider the ray gets for each unit of the way after a rough mirror.
+    // Growth of the ray's width per unit of length after a rough mirror.
     float blurred = 0.0;
     vec3 throughput = vec3(1.0);
     vec3 color = vec3(0.0);
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
         float cone = spread * travelled;
         Hit hit = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
-        // How the point moves for the pixel to the right and the one above, before the rays meet the surface.
+        // Movement of the point for the pixel to the right and the pixel above, before the rays meet the surface.
         float reached = travelled + (hit.met ? hit.t : 1.0);
         float wide = reached * (1.0 + blurred / spread);
         vec3 dx = camera_right.xyz * (2.0 * viewport.z * wide);
@@ -155,7 +154,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             if (surface == 0) seen_nearness = 1.0 / max(hit.t * dot(direction, camera_forward.xyz), 1e-6);
             cone = spread * travelled;
             vec3 p = origin + hit.t * direction;
-            // Moved exactly onto the plane, so that no ray from there meets it again.
+            // Move the point exactly onto the plane, so that no ray from there hits it again.
             vec4 plane = plane_of(hit.plane);
             if (hit.plane != NOTHING) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
             Surface s = scene_surface(p, hit.plane, direction, cone, dx, dy);
@@ -172,12 +171,12 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             float grazing = pow(1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0), 5.0);
             float most = max(1.0 - m.blur, m.reflect);
 #ifdef BLEND
-            // Else a mirror that fades would end in bright rims.
+            // Otherwise a fading mirror would end in bright rims.
             grazing *= min(m.reflect * (1.0 / FAINT), 1.0);
 #endif
             float reflectance = m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
             if (max(kept.r, max(kept.g, kept.b)) > fraction_min) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
-            // Metals tint what they mirror.
+            // Metals tint their mirror images.
             throughput = kept * reflectance * mix(vec3(1.0), m.color, m.metalness);
             origin = p + s.normal * (hit.plane != NOTHING ? 0.0 : max(0.002, cone));
             vec3 mirror = s.normal;
@@ -190,12 +189,12 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             }
 #endif
             mirrored = reflect(direction, mirror);
-            // No facet mirrors into the surface.
+            // No facet reflects into the surface.
             mirrored = normalize(mirrored + s.normal * max(0.02 - dot(mirrored, s.normal), 0.0));
 #endif
         }
 #ifdef NO_SKY
-        // Mirrors show it all the same.
+        // Only the background is transparent: mirrors still show the sky.
         if (surface == 0) sky_fraction = vec3(0.0);
 #endif
         if (max(sky_fraction.r, max(sky_fraction.g, sky_fraction.b)) > 0.0) {
@@ -226,7 +225,7 @@ void main() {
 #else
     sample_color = stored_sample(color, surface_key + seen_rough, pass_sample.z > 0.5);
 #ifdef BEAMS
-    // Its last bits are those of the steps.
+    // The last bits hold the steps.
     sample_beam = uintBitsToFloat((floatBitsToUint(beam_free) & ~STEPS_BITS) | uint(min(beam_steps, int(STEPS_BITS))));
 #endif
 #endif

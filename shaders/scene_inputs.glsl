@@ -1,14 +1,14 @@
-// What a scene's expressions read besides the point: tables of the sound, and pictures.
+// The inputs of a scene's expressions in addition to the point: tables of the sound, and textures.
 
 float table_band(float index) {
     return frame_bands[int(clamp(index, 0.0, float(BAND_COUNT - 1)))].x;
 }
 
-// The spectrum, the waveform, then the rows of the history (src/frame/sound_tables.rs): cubic B-splines, of which each
-// texel holds the polynomial between two entries, from its constant on. All zero without sound.
+// The spectrum, the waveform, then the rows of the history (crates/render/src/frame/sound_tables.rs): cubic
+// B-splines. Each texel holds the polynomial between two entries, constant term first. All zero without sound.
 uniform samplerBuffer sound_tables;
 
-// The piece of a row of so many pieces, and the place in it, 0..1. The coordinate is clamped to 0..1.
+// The piece of a row with this many pieces, and the position in it, 0..1. The coordinate is clamped to 0..1.
 int table_piece(int pieces, float u, out float x) {
     float along = (u > 0.0 ? min(u, 1.0) : 0.0) * float(pieces);
     int piece = min(int(along), pieces - 1);
@@ -34,7 +34,7 @@ float table_waveform(float u) {
     return table_row(SPECTRUM_POINTS - 1, WAVEFORM_POINTS - 1, u);
 }
 
-// Blends the four rows around that age. The first row in the buffer lies before the history's first.
+// Blends the four rows around an age. The first row in the buffer precedes the history's first.
 float table_history(float u, float age) {
     const int PIECES = HISTORY_POINTS - 1;
     float x;
@@ -44,7 +44,7 @@ float table_history(float u, float age) {
     float y = along - float(upper);
     int at = SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + upper * PIECES + piece;
     float sum = 0.0;
-    // frame_reach.z is 0. Without it compilers unroll the loop, and four rows hold registers at once.
+    // frame_reach.z is 0. Without it compilers unroll the loop, and four rows occupy registers at once.
     int rows = 4 + int(frame_reach.z);
     for (int row = 0; row < rows; row++) {
         // The cubic B-spline at the row's distance from that age.

@@ -1,5 +1,5 @@
-// The scene's pictures. Each has a texture unit of its own, because OpenGL 3.3 has no arrays of samplers that an
-// expression may index.
+// The scene's textures. Each has its own texture unit, because OpenGL 3.3 has no arrays of samplers with variable
+// indices.
 
 #if TEXTURES > 0
 uniform sampler2D scene_texture_0;
@@ -38,7 +38,7 @@ uniform sampler2D scene_texture_10;
 uniform sampler2D scene_texture_11;
 #endif
 
-// A picture read with the footprint of a pixel: how uv moves for the pixel to the right and the one above.
+// Reads a texture with the footprint of a pixel: the movements of uv for the pixel to the right and the pixel above.
 vec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy) {
 #if TEXTURES > 0
     if (index == 0) return textureGrad(scene_texture_0, uv, dx, dy);
@@ -79,7 +79,7 @@ vec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy) {
     return vec4(0.0);
 }
 
-// A picture read at its finest level, for coordinates that depend on another picture.
+// Reads a texture at its finest level, for coordinates that depend on another texture.
 vec4 read_texture(int index, float u, float v) {
     return sample_texture(index, vec2(u, v), vec2(0.0), vec2(0.0));
 }

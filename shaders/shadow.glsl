@@ -1,13 +1,13 @@
-// How much of a light arrives.
+// Shadows: the fraction of a light that arrives at a point.
 
 const float SHADOW_STEP_MIN = 0.03;
-// Where a shadow ray begins, so that it does not meet the surface that it leaves.
+// Start of a shadow ray, so that it does not hit the surface that it leaves.
 const float SHADOW_START = 0.02;
-// Shadow rays also feel what they pass outside the scene's bounds, as far away as a penumbra can be wide: the light's
-// distance divided by its sharpness, within this range.
+// Shadow rays are also dimmed by surfaces that they pass outside the scene's bounds. This margin is the largest width
+// of a penumbra: the light's distance divided by its sharpness, within this range.
 const float SHADOW_MARGIN_MIN = 0.1;
 const float SHADOW_MARGIN_MAX = 3.0;
-// The sharpness of the penumbra, the distance of a light divided by its radius, is clamped to this range.
+// The sharpness of a penumbra, a light's distance divided by its radius, is clamped to this range.
 const float SHARPNESS_MIN = 2.0;
 const float SHARPNESS_MAX = 64.0;
 // Range of an infinitely distant light.
@@ -28,11 +28,11 @@ vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
 #else
 const int SHADOW_STEPS_MAX = 96;
 const float SHADOW_STEP_GROWTH = 0.0;
-// Longest step near the scene: longer ones would make the steps visible in the penumbra. Farther away, half the
-// distance.
+// Longest step near the scene, because longer ones would make the steps visible in the penumbra. Farther away, half
+// the distance.
 const float SHADOW_STEP_MAX = 0.6;
 
-// Share of a light that is seen from p, 0..1: Quilez, "soft shadows in raymarched SDFs" (2010), with the closest pass
+// Visible fraction of a light from p, 0..1: Quilez, "soft shadows in raymarched SDFs" (2010), with the closest pass
 // between two steps estimated by triangulation (Aaltonen 2018; Abt 2022, section 3.4, figure 11).
 float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {
     vec3 origin = shadow_origin(p, normal, cone);
@@ -53,7 +53,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         Cell cell = NO_CELL;
 #else
         Cell cell;
-        // Skips cells whose surfaces are too far away to take any more light.
+        // Skips cells whose surfaces are too far away to reduce the light further.
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             vec3 q = place_on(walk, t);
             cell = cell_at(q);
@@ -61,7 +61,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
             float leaves = max(past(t), exit_of(cell, walk, q, t));
             if (!(cell.bound > 0.0 && sharpness * cell.bound >= visible * leaves)) break;
             t = leaves;
-            // After a skip there is nothing to triangulate.
+            // No triangulation after a skip.
             stride = 1e4;
             previous = 1e4;
             if (t >= end) break;
@@ -74,8 +74,8 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
 #endif
-        // The spheres of the last two points are empty; they meet `behind` back from this point and `closest` off the
-        // ray. A stride longer than its sphere, taken next to a surface, leaves nothing to triangulate.
+        // The spheres of the last two points are empty. They meet `behind` back from this point and `closest` off the
+        // ray. A stride longer than its sphere, taken next to a surface, allows no triangulation.
         float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
         behind = stride > previous ? 0.0 : clamp(behind, 0.0, min(d, stride));
         float closest = sqrt(max(d * d - behind * behind, 0.0));

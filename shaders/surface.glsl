@@ -1,18 +1,17 @@
-// A point of a surface, from the scene's functions.
+// A point of a surface, from a compiled scene's functions.
 
-// The distance for a ray: compiled functions hold everywhere.
+// The distance for a ray. Compiled functions need no cell.
 vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
     return scene_distance(p, penumbra);
 }
 
-// The points that are evaluated, in this order: the object at the point itself, the normal's taps, the occlusion's
-// probes.
+// The evaluated points, in this order: the point itself for its object, the normal's taps, the occlusion's probes.
 const int FIRST_TAP = 1;
 const int FIRST_PROBE = 5;
 const int LAST_PROBE = 8;
 
-// `p` lies on the plane with the number `plane`, or on anything else if that is NOTHING. `dx` and `dy` are the
-// vectors at this distance to the rays of the neighbouring pixels.
+// `plane` is the number of the plane that contains `p`, or NOTHING for other surfaces. `dx` and `dy` are the vectors
+// at this distance to the rays of the neighbouring pixels.
 Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, vec3 dy) {
     Surface s;
     s.normal = vec3(0.0);
@@ -26,7 +25,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     vec4 d = probes;
     float h = tap_distance(cone);
     int last = occluder_near(p) ? LAST_PROBE : FIRST_PROBE - 1;
-    // One loop, so that a driver compiles the scene once for all of this; it ends early where nothing is needed.
+    // One loop, so that a driver compiles the scene once for all points. It ends early if no occluder is near.
     for (int i = plane != NOTHING ? FIRST_PROBE : 0; i <= last; i++) {
         int at = i < FIRST_PROBE ? i - FIRST_TAP : i - FIRST_PROBE;
         vec4 place = vec4(equal(ivec4(0, 1, 2, 3), ivec4(at)));
@@ -53,7 +52,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
                                 along_surface(dy, s.normal, direction));
     s.open = openness(p, s.normal, d);
 #ifdef GLOW
-    // For a picture, the mean of its surrounding colours.
+    // For a texture, the mean colour around the point.
     vec3 width = vec3(GLOW_PROBE * frame_reach.x, 0.0, 0.0);
     s.glow = glow_from(scene_glow(p + width.x * s.normal, width, width.zyx));
 #endif

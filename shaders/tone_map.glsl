@@ -1,5 +1,5 @@
-// From exposed light, finite and not negative, to linear light of the screen, 0..1. TONE_MAP is the number of the
-// tone map in crates/field/src/lang/scene.rs.
+// Tone maps: from exposed light, finite and not negative, to linear light of the screen, 0..1.
+// crates/field/src/lang/scene.rs assigns the numbers of TONE_MAP.
 
 #if TONE_MAP == 0
 // AgX (Troy Sobotka): 16.5 stops of light, desaturated and mapped by a curve in logarithms; bright colours fade to
@@ -15,7 +15,7 @@ const mat3 AGX_OUTSET = mat3(
     -0.0990297440797205, -0.0989611768448433, 1.15107367264116);
 const float AGX_DARKEST = -12.47393;
 const float AGX_STOPS = 16.5;
-// Makes colours stronger than neutral AgX leaves them.
+// Strengthens colours, which neutral AgX leaves weak.
 const float AGX_SATURATION = 1.4;
 // The exponent that decodes the result: a little more contrast than AgX's 2.2.
 const float AGX_POWER = 2.36;
@@ -37,8 +37,8 @@ vec3 tone_map(vec3 color) {
     return pow(clamp(encoded, 0.0, 1.0), vec3(AGX_POWER));
 }
 #elif TONE_MAP == 1
-// ACES: Stephen Hill's fit of its reference rendering and sRGB output transforms. Scaled to be as bright as the other
-// curves where light is neither weak nor strong.
+// ACES: Stephen Hill's fit of its reference rendering and sRGB output transforms. It is scaled to match the other
+// curves in brightness at medium light.
 vec3 tone_map(vec3 color) {
     const mat3 inset = mat3(0.59719, 0.07600, 0.02840, 0.35458, 0.90834, 0.13383, 0.04823, 0.01566, 0.83777);
     const mat3 outset = mat3(1.60475, -0.10208, -0.00327, -0.53108, 1.10813, -0.07276, -0.07367, -0.00605, 1.07602);
@@ -47,8 +47,8 @@ vec3 tone_map(vec3 color) {
     return clamp(outset * fitted, 0.0, 1.0);
 }
 #elif TONE_MAP == 2
-// Extended Reinhard on luminance (Abt 2022, section 3.2): light as bright as WHITE becomes white. Scaled to be as
-// bright as the other curves where light is neither weak nor strong.
+// Extended Reinhard on luminance (Abt 2022, section 3.2): light as bright as WHITE becomes white. It is scaled to
+// match the other curves in brightness at medium light.
 vec3 tone_map(vec3 color) {
     const float WHITE = 6.0;
     color *= 1.35;

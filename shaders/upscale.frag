@@ -1,4 +1,4 @@
-// A finished picture, enlarged for a window with more pixels.
+// Enlarges a finished frame for a window with more pixels.
 
 #include "post_block.glsl"
 #include "enlarge.glsl"

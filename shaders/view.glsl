@@ -1,4 +1,4 @@
-// Colours of the views (variant VIEWS), 0..1 as on the screen, from the values recorded for a sample. Each view has a function
+// Colours of the views (variant VIEWS), 0..1 in sRGB, from the values recorded for a sample. Each view has a function
 // `view_NAME` of the ray's direction.
 
 // The most texels of a tape that are counted.
@@ -12,9 +12,9 @@ vec3 heat_color(float fraction) {
     return mix(HEAT_COLOR[left], HEAT_COLOR[left + 1], along - float(left));
 }
 
-// The distance at a point, or the formula's value, planes included.
+// The distance at a point, or the formula's value, including planes.
 float value_at(vec3 p) {
-    // No cell lies there, so the whole tape is run.
+    // There is no cell at this point, so the whole tape runs.
     Cell whole = cell_at(vec3(-1.0));
     float d = bounds_low.w < 0.5 ? FAR : scene_distance(whole, p, 0.0).y;
     for (int i = 0; i < PLANES; i++) {
@@ -24,7 +24,7 @@ float value_at(vec3 p) {
     return abs(d) < 1e9 ? d : 1e9;
 }
 
-// How much of the pixel a line covers whose middle is `away` pixels from it.
+// Covered fraction of a pixel that is `away` pixels from the middle of a line.
 float line_cover(float away, float half_width) {
     return clamp(half_width + 0.5 - away, 0.0, 1.0);
 }
@@ -33,15 +33,15 @@ float line_cover(float away, float half_width) {
 vec3 view_slice(vec3 direction) {
     float along = dot(view_plane.xyz, direction);
     float t = -(dot(view_plane.xyz, camera_position.xyz) + view_plane.w) / max(along, 1e-6);
-    // A camera that looks at itself.
+    // The plane may contain the camera.
     t = clamp(t, 1e-3, 1e6);
     float d = value_at(camera_position.xyz + t * direction);
     float pixel = 2.0 * camera_position.w * t;
-    // How fast the value changes from pixel to pixel; for a signed distance that is at most the pixel's width.
+    // Change of the value from pixel to pixel; for a signed distance at most the pixel's width.
     float slope = max(fwidth(d), 0.05 * pixel);
     float spacing = view_choice.y;
     vec3 color = d > 0.0 ? COLOR_OUTSIDE : COLOR_INSIDE;
-    // Darker towards the surface, and every second band.
+    // Darken colours towards the surface, and every second band.
     float bands = abs(d) / spacing;
     color *= 0.55 + 0.45 * (1.0 - exp(-0.35 * bands));
     color *= mod(floor(bands), 2.0) < 0.5 ? 1.0 : 0.93;
@@ -52,7 +52,7 @@ vec3 view_slice(vec3 direction) {
         float seen = clamp(width / slope / 5.0 - 0.5, 0.0, 1.0);
         color *= 1.0 - (i == 0 ? 0.35 : 0.5) * seen * line_cover(away, 0.2 + float(i) * 0.3);
     }
-    // Surfaces before the plane are faint, as in mist.
+    // Surfaces in front of the plane are faint, like mist.
     if (noted && noted_t < t) {
         float facing = clamp(-dot(noted_normal, direction), 0.0, 1.0);
         color = mix(color, vec3(0.25 + 0.6 * facing), 0.30);
@@ -66,15 +66,15 @@ float tape_length(int first) {
     for (; texels < TAPE_TEXELS_MAX; texels++) {
         if ((texelFetch(regions, first + texels).z & 255u) == 0u) break;
     }
-    // Two to a texel; the second clause of the last texel is the end.
+    // Two to a texel; the second clause of the last texel is END.
     return 2.0 * float(texels) + 1.0;
 }
 
-// How much of the pixel is covered by a line at the nearest face, for cells `side` root cells wide.
+// Covered fraction of a pixel by a line at the nearest face, for cells `side` root cells wide.
 float face_cover(vec3 q, float side, float half_width) {
     vec3 pixel = 2.0 * camera_position.w * noted_t * region_scale.xyz;
     vec3 away = abs(q - side * floor(q / side + 0.5));
-    // Faces in which the surface lies would cover it completely.
+    // Skip faces that contain the surface: their lines would cover it completely.
     vec3 along = sqrt(max(1.0 - noted_normal * noted_normal, 0.0));
     vec3 cover = clamp(half_width + 0.5 - away / (pixel * max(along, 1e-3)), 0.0, 1.0);
     cover *= step(vec3(0.05), along);
@@ -88,7 +88,7 @@ vec3 view_cells(vec3 direction) {
     if (cell.side <= 0.0) return COLOR_NO_CELL;
     vec3 color = COLOR_EMPTY_CELL;
     if (!(cell.bound > 0.0)) color = heat_color(tape_length(cell.tape) / view_choice.y);
-    // Alternate cells differ a little, so that they can be told apart where lines are too fine.
+    // Shade alternate cells differently, so that they are visible where lines are too fine.
     ivec3 place = ivec3(floor(q / cell.side));
     color *= ((place.x + place.y + place.z) & 1) == 0 ? 1.0 : 0.9;
     color *= 1.0 - 0.45 * face_cover(q, cell.side, LINE_WIDTH * 0.5);

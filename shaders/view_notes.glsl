@@ -1,25 +1,26 @@
-// What the views (`view`) record while a sample is computed, in the variant VIEWS; compiled to nothing elsewhere.
+// Records values for the views (`view`) while a sample is computed, in the variant VIEWS; the macros are empty
+// elsewhere.
 
 #ifdef VIEWS
 #include "view_scales.glsl"
 
 layout(std140) uniform ViewBlock {
-    vec4 view_choice;   // x which view (VIEW_...), y its number
-    vec4 view_plane;    // the slice: unit normal into the picture, and the distance of the origin
+    vec4 view_choice;   // x the view (VIEW_...), y its number
+    vec4 view_plane;    // the slice: unit normal into the frame, and the distance of the origin
 };
 
-// The first surface that is met.
+// The first hit surface.
 bool noted = false;
 float noted_t = 0.0;
 vec3 noted_p = vec3(0.0);
 vec3 noted_normal = vec3(0.0);
 float noted_open = 1.0;
 int noted_object = 0;
-// Light of the lamps that the surface would get without shadows, and the light that it gets.
+// Light of the lamps without shadows, and the light that arrives.
 float noted_light = 0.0;
 float noted_arrives = 0.0;
 
-// Only the first surface is recorded, and it neither fades nor mirrors; counts are those of the whole picture.
+// Only the first surface is recorded, without haze and mirrors. Counts include the whole sample.
 void note_surface(inout Surface s, float t, vec3 p) {
     if (noted) return;
     noted = true;
