@@ -7,7 +7,6 @@ use crate::history::{Change, Followed, History, Joins, Step};
 use crate::limits::LIMITS;
 use crate::movement::{self, Move};
 
-/// One step of indentation.
 const INDENT: &[u8] = b"  ";
 /// Prefix of a line that is commented out.
 const COMMENT: &[u8] = b"# ";

@@ -64,7 +64,6 @@ fn in_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_' || byte >= 0x80
 }
 
-/// The start of the word before `offset`.
 pub(crate) fn word_before(buffer: &Buffer, offset: usize) -> usize {
     let at = |place: usize| buffer.bytes().get(place).copied().unwrap_or(b' ');
     let mut place = offset.min(buffer.len());
@@ -79,7 +78,6 @@ pub(crate) fn word_before(buffer: &Buffer, offset: usize) -> usize {
     place
 }
 
-/// The end of the word behind `offset`.
 pub(crate) fn word_behind(buffer: &Buffer, offset: usize) -> usize {
     let at = |place: usize| buffer.bytes().get(place).copied();
     let mut place = offset;

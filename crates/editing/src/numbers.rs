@@ -35,7 +35,6 @@ pub struct Number {
 const FRACTION_OF_POINT: f64 = 0.02;
 /// Points of movement for one step of an integer.
 const POINTS_OF_STEP: f64 = 12.0;
-/// Most decimals.
 const DECIMALS_MAX: usize = 6;
 /// Largest magnitude of a number that can be turned.
 const LARGEST: f64 = 1e6;

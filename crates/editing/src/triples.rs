@@ -11,7 +11,6 @@ use crate::numbers::Number;
 
 /// Most lines above that are searched for the field to which a line belongs.
 const LINES_ABOVE: usize = 24;
-/// Decimals of a written component.
 const DECIMALS: usize = 3;
 
 /// The meaning of the three numbers, guessed from the text around them.

@@ -25,7 +25,6 @@ impl Clipboard {
         Self { orders: None, pasted, start: Some((answers, Box::new(wake))) }
     }
 
-    /// Offers a text to all programs.
     pub(crate) fn copy(&mut self, text: String) {
         self.order(Order::Copy(text));
     }

@@ -34,7 +34,6 @@ pub struct Place {
     pub path: PathBuf,
 }
 
-/// Closes the list.
 const CLOSE: Command = Command::TogglePanel(Panel::Files);
 
 /// The shown folder, the search text and the selection.

@@ -11,7 +11,6 @@ const DRAG_MIN: f64 = 4.0;
 /// Pixels of a touchpad that equal one notch of a wheel.
 const NOTCH_PIXELS: f64 = 40.0;
 
-/// A mouse gesture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Gesture {
     /// A click without movement, at a position in pixels.
@@ -31,7 +30,6 @@ pub(crate) struct Pointer {
     last_click: Option<(Instant, [f64; 2])>,
     /// While the button is held: the last position, and true once it is a drag.
     held: Option<([f64; 2], bool)>,
-    /// The position of the last press.
     pressed_at: [f64; 2],
 }
 

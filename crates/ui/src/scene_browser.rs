@@ -41,7 +41,6 @@ pub enum TilePicture {
     Missing(String),
 }
 
-/// Closes the list.
 const CLOSE: Command = Command::TogglePanel(Panel::Scenes);
 
 /// The scenes, the search text and the selection.

@@ -10,7 +10,6 @@ const LENGTH_MAX: usize = 60;
 pub(crate) struct TextQuery(String);
 
 impl TextQuery {
-    /// The text.
     pub(crate) fn text(&self) -> &str {
         &self.0
     }

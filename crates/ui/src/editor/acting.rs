@@ -11,7 +11,6 @@ use super::proposing::Choice;
 use super::turning::KeyTurn;
 use super::{Document, EditAction, Editor, EditorEvent, Question};
 
-/// Closes the editor.
 pub(super) const CLOSE: Command = Command::TogglePanel(Panel::Editor);
 
 impl Editor {
@@ -326,7 +325,6 @@ impl Editor {
         }
     }
 
-    /// Shows one of the scene's texts by its number.
     pub(super) fn show_text(&mut self, number: usize) {
         if let Some(file) = self.texts.file(number).map(std::path::Path::to_owned) {
             self.close_small();
@@ -334,7 +332,6 @@ impl Editor {
         }
     }
 
-    /// Carries out the answer to the question above the text.
     fn take_answer(&mut self, first: bool) {
         let Some(question) = self.texts.take_question() else { return };
         match (question, first) {
@@ -350,7 +347,6 @@ impl Editor {
         self.revision += 1;
     }
 
-    /// Turns the number at the cursor by one key press.
     fn turn_by_key(&mut self, up: bool, fine: bool) {
         let Some(document) = self.document() else { return };
         if let Err(words) = document.check_open() {
@@ -362,7 +358,6 @@ impl Editor {
         }
     }
 
-    /// Replaces the number at the cursor by a parameter with a slider.
     fn make_param(&mut self) {
         let Some(document) = self.document() else { return };
         match NewParam::of(document) {

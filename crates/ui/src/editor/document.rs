@@ -21,7 +21,6 @@ pub(crate) enum Owner {
     Shipped(SceneSource),
 }
 
-/// The message for edits of a shipped scene.
 const READ_ONLY: &str = "this scene comes with Mariana: press Ctrl+S to make your own copy, then edit that";
 
 /// A question to the user about a text.
@@ -282,7 +281,6 @@ impl Document {
         all.iter().find(|one| one.range.start > cursor).or(all.first()).cloned()
     }
 
-    /// The words of a line.
     pub(crate) fn words(&self, line: usize) -> Vec<Word> {
         self.colors.borrow_mut().words(self.editing.buffer(), line)
     }

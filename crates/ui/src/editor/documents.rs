@@ -23,9 +23,7 @@ pub(super) struct Documents {
 /// A tab.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Tab {
-    /// File name.
     pub name: String,
-    /// True for the visible text.
     pub shows: bool,
     /// True if the text has mistakes.
     pub wrong: bool,
@@ -148,7 +146,6 @@ impl Documents {
 }
 
 impl Documents {
-    /// Visible lines.
     pub(super) fn rows(&self) -> usize {
         self.rows
     }

@@ -10,7 +10,6 @@ use mariana_files::documents::{FileEvent, FileThread};
 
 use super::document::{Document, Question};
 
-/// Text of a new scene.
 pub(super) const TEMPLATE: &str = include_str!("new.scene");
 /// The longest the exit waits for backups.
 const KEEP_LIMIT: Duration = Duration::from_secs(3);

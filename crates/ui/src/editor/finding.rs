@@ -5,10 +5,8 @@ use std::ops::Range;
 use mariana_commands::input::{Key, Modifiers, NamedKey};
 use mariana_editing::{Editing, find};
 
-/// The search line.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub(crate) struct Find {
-    /// Search text.
     pub query: String,
     /// True while keys are typed into it.
     pub typing: bool,
@@ -24,7 +22,6 @@ pub(super) enum QueryKey {
     Other,
 }
 
-/// The search line, if it is open.
 #[derive(Default)]
 pub(super) struct Finding {
     line: Option<Find>,

@@ -40,7 +40,6 @@ impl Focus {
         self.ignores_repeats = false;
     }
 
-    /// Sets the composed text.
     pub(super) fn compose(&mut self, letters: &str) {
         self.preedit = letters.chars().filter(|letter| !letter.is_control()).take(PREEDIT_MAX).collect();
     }

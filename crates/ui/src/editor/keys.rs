@@ -62,7 +62,6 @@ pub enum EditAction {
 pub struct Row {
     /// The key; letters in lower case.
     key: Key<&'static str>,
-    /// The modifiers.
     held: Modifiers,
     /// The displayed key; empty for an alternative that another row mentions.
     pub written: &'static str,

@@ -325,7 +325,6 @@ impl Editor {
 }
 
 impl Editor {
-    /// Grabs the number at an offset.
     fn grab(&mut self, at: usize) {
         self.close_small();
         match self.document().and_then(|document| document.number(at)) {
@@ -358,12 +357,10 @@ impl Editor {
         self.revision += 1;
     }
 
-    /// Releases the grabbed numbers.
     fn let_go(&mut self) {
         self.revision += u64::from(self.held_numbers.let_go(&mut self.texts));
     }
 
-    /// Opens the picker for the colour at an offset.
     fn pick_color(&mut self, at: usize) {
         self.let_go();
         self.set_focus(true);
@@ -378,14 +375,12 @@ impl Editor {
         self.held_numbers.pick(at);
     }
 
-    /// Sets the colour in the picker.
     fn set_color(&mut self, color: [f64; 3]) {
         if self.held_numbers.picked().is_some_and(|at| self.take_three(at)) {
             self.turn(|held_numbers, texts| held_numbers.turn_three(color.map(|part| part.max(0.0)), texts));
         }
     }
 
-    /// Moves the position at the cursor.
     fn move_place(&mut self, way: [f64; 3]) {
         let cursor = self.document().map(|document| document.editing.cursor());
         if cursor.is_some_and(|cursor| self.take_three(cursor)) {
@@ -400,17 +395,14 @@ impl Editor {
         self.revision
     }
 
-    /// The texts of the scene.
     pub(crate) fn texts(&self) -> &Texts {
         &self.texts
     }
 
-    /// The visible text.
     pub(crate) fn document(&self) -> Option<&Document> {
         self.texts.document()
     }
 
-    /// The search line.
     pub(crate) fn find_line(&self) -> Option<&Find> {
         self.finding.line()
     }
@@ -420,22 +412,18 @@ impl Editor {
         self.focus.preedit()
     }
 
-    /// The completion list.
     pub(crate) fn proposals(&self) -> &Proposals {
         &self.proposals
     }
 
-    /// The grabbed numbers.
     pub(crate) fn held_numbers(&self) -> &HeldNumbers {
         &self.held_numbers
     }
 
-    /// The message line.
     pub(crate) fn notice(&self) -> &Notice {
         &self.notice
     }
 
-    /// Information about the frame.
     pub(crate) fn picture(&self) -> &Picture {
         &self.picture
     }
@@ -446,7 +434,6 @@ impl Editor {
         self.texts.shown_line_at(number, range)
     }
 
-    /// The highlighted cells.
     pub(crate) fn light(&self) -> Option<Light> {
         self.picture.light(self.document()?, self.texts.number())
     }

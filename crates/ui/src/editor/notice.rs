@@ -4,7 +4,6 @@ use std::time::{Duration, Instant};
 
 use crate::clock;
 
-/// Lifetime of a message.
 const STAYS: Duration = Duration::from_secs(6);
 
 /// The present message, if any.
@@ -31,7 +30,6 @@ impl Notice {
         goes
     }
 
-    /// The text of the message.
     pub(crate) fn words(&self) -> Option<&str> {
         self.said.as_ref().map(|(words, _)| words.as_str())
     }

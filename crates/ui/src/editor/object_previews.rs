@@ -8,7 +8,6 @@ use std::thread::Builder;
 use mariana_field::lang::PICTURES;
 use mariana_field::ray_probe::preview;
 
-/// Width and height in pixels.
 pub(crate) const SIDE: usize = 48;
 
 /// A preview: red, green, blue and coverage of each pixel, in rows from the upper left.

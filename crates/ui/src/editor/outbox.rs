@@ -13,7 +13,6 @@ pub(super) struct Outbox {
     drafts: Drafts,
     /// True while numbers are turned as frame inputs, so that the text need not be reloaded.
     turns: bool,
-    /// Pending commands.
     commands: Vec<Command>,
 }
 

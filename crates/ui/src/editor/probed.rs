@@ -136,7 +136,6 @@ impl Picture {
         self.map.as_ref().zip(self.camera.as_ref())
     }
 
-    /// The result of the last click.
     pub(crate) fn probed(&self) -> Option<&Probed> {
         self.probed.as_ref()
     }

@@ -49,7 +49,6 @@ impl Proposals {
         Self { proposing: None, object_previews: ObjectPreviews::new(wake) }
     }
 
-    /// The open list.
     pub(crate) fn shown(&self) -> Option<&Proposing> {
         self.proposing.as_ref()
     }

@@ -26,7 +26,7 @@ struct TestEditor {
     drafts: Drafts,
     woken: Receiver<()>,
     edits: NumberEdits,
-    /// Commands sent since the last call of [`TestEditor::commands`].
+    /// Commands sent since the last call of `TestEditor::commands`.
     commands: Vec<Command>,
 }
 

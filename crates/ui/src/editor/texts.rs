@@ -17,7 +17,6 @@ use super::files::Files;
 use super::found::Found;
 use super::outbox::Outbox;
 
-/// All state about the scene's texts.
 pub(crate) struct Texts {
     documents: Documents,
     found: Found,
@@ -58,7 +57,6 @@ impl Texts {
         self.found.findings()
     }
 
-    /// The tabs of the scene's texts.
     pub(crate) fn tabs(&self) -> Vec<Tab> {
         self.documents.tabs(self.found.findings())
     }
@@ -159,27 +157,22 @@ impl Texts {
 }
 
 impl Texts {
-    /// Visible lines.
     pub(super) fn rows(&self) -> usize {
         self.documents.rows()
     }
 
-    /// Sets the number of visible lines and columns. Returns true if it has changed.
     pub(super) fn resize(&mut self, rows: usize, columns: usize) -> bool {
         self.documents.resize(rows, columns)
     }
 
-    /// Scrolls by a number of lines and columns.
     pub(super) fn scroll(&mut self, lines: f32, columns: f32) {
         self.documents.scroll(lines, columns);
     }
 
-    /// Scrolls until the cursor is visible.
     pub(super) fn reveal(&mut self) {
         self.documents.reveal();
     }
 
-    /// Scrolls until a line is visible.
     pub(super) fn reveal_line(&mut self, line: usize) {
         self.documents.reveal_line(line);
     }
@@ -241,7 +234,6 @@ impl Texts {
         Ok(())
     }
 
-    /// Deletes the backup of an earlier run.
     pub(super) fn forget_kept(&self) {
         if let Some(file) = self.document().and_then(Document::file) {
             self.files.forget_kept(file);
@@ -274,12 +266,10 @@ impl Texts {
         Some(self.outbox.hold(file, turning, self.documents.shown_mut()?))
     }
 
-    /// Sends values for such numbers.
     pub(super) fn turn_numbers(&mut self, file: PathBuf, values: Vec<(usize, f32)>) {
         self.outbox.send(Command::TurnNumbers(TurnedNumbers { file, values }));
     }
 
-    /// Turns frame inputs back into numbers of the text.
     pub(super) fn release(&mut self) {
         self.outbox.release();
         if let Some(document) = self.documents.shown_mut() {
@@ -307,7 +297,6 @@ impl Texts {
         }
     }
 
-    /// The next finished file operation or change on disk.
     pub(super) fn file_events(&self) -> Option<FileEvent> {
         self.files.file_events()
     }

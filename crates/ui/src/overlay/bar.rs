@@ -24,21 +24,17 @@ const WIDTH_MAX: f32 = 1100.0;
 const RAIL_HEIGHT: f32 = 26.0;
 /// Height of a plain seek bar or volume slider.
 const LINE_HEIGHT: f32 = 4.0;
-/// Width and height of a button.
 const BUTTON: f32 = 30.0;
 /// Width and height of the level meter below the source button.
 const LEVEL: Vec2 = vec2(18.0, 2.0);
 /// Height of the line with title and scene.
 const WORDS: f32 = 19.0;
-/// Distance between lines.
 const GAP: f32 = 3.0;
-/// Height of an icon.
 const SIGN: f32 = 15.0;
 /// Distance between two bars of the loudness curve.
 const BAR_STEP: f32 = 3.0;
 /// Width of the volume slider: the least for which it is shown, and the greatest.
 const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
-/// Number of buttons at the right.
 const RIGHT_BUTTONS: f32 = 10.0;
 /// Height of the line of sections, and size of their letters.
 const SECTION_HEIGHT: f32 = 3.0;
@@ -54,7 +50,6 @@ const SECTION_COLORS: [Color32; 8] = [
     Color32::from_rgb(110, 208, 200),
     Color32::from_rgb(170, 176, 190),
 ];
-/// Distance between buttons.
 const BUTTON_GAP: f32 = 2.0;
 
 /// The content of the bar.
@@ -360,7 +355,6 @@ fn repeat_button(ui: &mut Ui, now: &NowPlaying, events: &mut Vec<UiEvent>) {
     assisted::describe(ui.ctx(), response.id, holds);
 }
 
-/// The volume slider.
 fn volume(ui: &mut Ui, now: &NowPlaying, width: f32, events: &mut Vec<UiEvent>) {
     let (place, response) = ui.allocate_exact_size(vec2(width, BUTTON), Sense::click_and_drag());
     let rail = Rect::from_center_size(place.center(), vec2(width - 14.0, LINE_HEIGHT));

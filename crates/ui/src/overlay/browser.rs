@@ -19,13 +19,11 @@ use mariana_commands::{Command, Panel};
 
 /// Least width of a tile, in points; as many as fit are side by side.
 const TILE_MIN: f32 = 168.0;
-/// Distance between tiles.
 const GAP: f32 = 10.0;
 /// Height of a tile's name.
 const NAME: f32 = 22.0;
 /// Height of the lines above and below the tiles.
 const LINE: f32 = 24.0;
-/// Widest panel.
 const WIDTH_MAX: f32 = 1180.0;
 
 /// Textures of the visible tiles, by the address of their image.
@@ -222,7 +220,6 @@ fn draw_tile(
     }
 }
 
-/// The comment of the selected scene.
 fn comment(ui: &mut Ui, browser: &SceneBrowser) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
     let words = match browser.tile(browser.selected()) {

@@ -96,7 +96,6 @@ const NOTICE_STANDS: Duration = Duration::from_millis(1_600);
 const CHARACTER_STANDS: Duration = Duration::from_millis(55);
 /// The greatest time before a notice fades.
 const NOTICE_STANDS_MAX: Duration = Duration::from_secs(9);
-/// Duration of the fade.
 const NOTICE_FADES: Duration = Duration::from_millis(500);
 
 impl Notice<'_> {

@@ -13,9 +13,7 @@ use mariana_settings::KnobEdit;
 
 /// Widest panel, in points.
 const WIDTH_MAX: f32 = 640.0;
-/// Height of a line.
 const LINE: f32 = 24.0;
-/// Width of the scroll bar's lane.
 const LANE: f32 = 10.0;
 /// Indentation of mappings below their target.
 const INDENT: f32 = 16.0;

@@ -9,9 +9,7 @@ use mariana_commands::{Command, MovedCorner};
 
 /// Width and height of the area in which a handle can be grabbed, in points.
 const HOLD: f32 = 44.0;
-/// Radius of a drawn handle.
 const RADIUS: f32 = 11.0;
-/// Accessible names of the corners.
 const NAMES: [&str; 4] =
     ["upper left corner", "upper right corner", "lower right corner", "lower left corner"];
 

@@ -9,9 +9,7 @@ use crate::file_browser::FileBrowser;
 
 /// Widest panel, in points.
 const WIDTH_MAX: f32 = 760.0;
-/// Height of a row.
 const ROW: f32 = 24.0;
-/// Width of the scroll bar's lane.
 const LANE: f32 = 10.0;
 
 /// Draws the panel in the middle of `space` and returns its area.
@@ -76,7 +74,6 @@ fn places(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent))
     });
 }
 
-/// A text button.
 fn word(ui: &mut Ui, words: &str) -> egui::Response {
     let font = style::proportional(style::TEXT_SIZE);
     let galley = style::line(ui.painter(), words, font, style::ACCENT, ui.available_width().max(80.0));

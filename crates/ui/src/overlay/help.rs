@@ -9,7 +9,6 @@ use mariana_commands::{Binding, bindings};
 
 /// Least text size in points, for windows that are too small for the table.
 const SIZE_MIN: f32 = 6.0;
-/// Most columns of keys.
 const COLUMNS_MAX: usize = 2;
 /// Distance between columns, in ems.
 const COLUMN_GAP: f32 = 2.0;

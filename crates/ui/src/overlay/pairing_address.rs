@@ -11,9 +11,7 @@ const SIDE_MAX: f32 = 190.0;
 const FRACTION_MAX: f32 = 0.45;
 /// Height of the text if there is no code.
 const LINES_HEIGHT: f32 = 90.0;
-/// Distance between the code and the text.
 const GAP: f32 = 14.0;
-/// Margin around the whole.
 const AROUND: f32 = 6.0;
 
 /// Draws the code and its text over the whole width.

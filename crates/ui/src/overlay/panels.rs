@@ -86,7 +86,6 @@ impl Panels {
         &self.fallback
     }
 
-    /// The egui context.
     pub(super) fn context(&self) -> &Context {
         &self.context
     }
@@ -134,7 +133,6 @@ impl Panels {
     }
 }
 
-/// The events of a key press.
 pub(super) fn pressed(key: Key, modifiers: Modifiers) -> [Event; 2] {
     let event = |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
     [true, false].map(event)

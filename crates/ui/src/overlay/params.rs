@@ -11,7 +11,6 @@ use mariana_control::Slider;
 
 /// Width of the panel in points, if the window is wide enough.
 const WIDTH: f32 = 260.0;
-/// Width of the scroll bar's lane.
 const LANE: f32 = 10.0;
 const RAIL_HEIGHT: f32 = 3.0;
 const KNOB_RADIUS: f32 = 5.5;

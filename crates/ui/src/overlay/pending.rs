@@ -36,7 +36,6 @@ impl PendingInput {
         self.raw.events.extend(events);
     }
 
-    /// Discards all events.
     pub(super) fn clear(&mut self) {
         self.raw.events.clear();
     }

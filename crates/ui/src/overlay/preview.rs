@@ -26,7 +26,6 @@ pub struct NextScene {
 /// Greatest width of the image: in points, and as a fraction of the window.
 const WIDTH: f32 = 160.0;
 const FRACTION: f32 = 0.3;
-/// Height of the level meter.
 const LEVEL: f32 = 4.0;
 
 /// The image that egui has as a texture.

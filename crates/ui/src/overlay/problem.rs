@@ -49,7 +49,6 @@ pub(super) fn draw(painter: &Painter, space: Rect, problem: &Problem<'_>) -> Rec
     rect
 }
 
-/// Width and height of a column, in points.
 fn cell_of(painter: &Painter, size: f32) -> Vec2 {
     let font = style::monospace(size);
     painter.fonts_mut(|fonts| {

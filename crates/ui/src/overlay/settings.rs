@@ -12,13 +12,11 @@ use mariana_settings::{Setting, SettingRow, Values};
 const WIDTH_MAX: f32 = 640.0;
 /// Height of a row, and of a line of values in it.
 const ROW: f32 = 26.0;
-/// Width of the scroll bar's lane.
 const LANE: f32 = 10.0;
 /// Greatest width of a row's name: in points, and as a fraction of the row.
 const NAME: (f32, f32) = (170.0, 0.34);
 /// Range of the delay slider in milliseconds, either way. Keys reach further.
 const RAIL_MS: f64 = 500.0;
-/// State of the last drawing.
 pub(super) struct Seen {
     selected: usize,
     /// Height for all rows, and the scroll position.
@@ -203,7 +201,6 @@ fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: boo
 /// The mark of a value from the command line.
 const THIS_RUN: &str = "this run";
 
-/// Width of a value's button.
 fn name_width(ui: &Ui, name: &str) -> f32 {
     let font = style::proportional(style::TEXT_SIZE);
     style::line(ui.painter(), name, font, style::TEXT, f32::MAX).size().x + 18.0

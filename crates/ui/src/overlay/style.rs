@@ -9,7 +9,6 @@ use egui::{Color32, CornerRadius, FontId, Galley, Painter, Rect, Stroke, StrokeK
 
 use mariana_render::reading_order::as_seen;
 
-/// Text.
 pub(super) const TEXT: Color32 = Color32::from_rgb(232, 234, 238);
 /// Less important text.
 pub(super) const DIM: Color32 = Color32::from_rgb(152, 158, 170);
@@ -17,7 +16,6 @@ pub(super) const DIM: Color32 = Color32::from_rgb(152, 158, 170);
 pub(super) const AHEAD: Color32 = Color32::from_rgb(92, 98, 110);
 /// Icons on buttons.
 pub(super) const BUTTON: Color32 = Color32::from_rgb(196, 200, 208);
-/// Errors.
 pub(super) const ERROR: Color32 = Color32::from_rgb(255, 128, 112);
 /// Hints, and chosen values.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(130, 204, 232);
@@ -45,12 +43,10 @@ pub(super) const HEADING_SIZE: f32 = 15.5;
 /// shrink further, so that they fit.
 const SMALLEST: f32 = 9.0;
 
-/// A proportional font.
 pub(super) fn proportional(size: f32) -> FontId {
     FontId::proportional(size)
 }
 
-/// A monospaced font.
 pub(super) fn monospace(size: f32) -> FontId {
     FontId::monospace(size)
 }

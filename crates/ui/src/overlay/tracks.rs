@@ -11,9 +11,7 @@ use super::style;
 
 /// Width of the panel in points, if the window is wide enough.
 const WIDTH: f32 = 380.0;
-/// Height of a row.
 const ROW: f32 = 24.0;
-/// Width of the scroll bar's lane.
 const LANE: f32 = 10.0;
 
 /// The content of the panel.

@@ -10,7 +10,6 @@ use mariana_commands::{Command, Switch};
 
 /// Time before the text fades.
 const STANDS: Duration = Duration::from_secs(6);
-/// Duration of the fade.
 const FADES: Duration = Duration::from_millis(700);
 /// The commands whose keys are shown.
 const NAMED: [Command; 3] = [Command::ToggleHelp, Command::NextScene, Command::Fullscreen(Switch::Toggle)];
@@ -42,7 +41,6 @@ impl Welcome<'_> {
         (self.opacity(now) > 0.0).then(|| now.max(self.since + STANDS))
     }
 
-    /// True once it has faded.
     pub(super) fn is_gone(&self, now: Instant) -> bool {
         self.opacity(now) <= 0.0
     }

@@ -10,7 +10,6 @@ use mariana_scenes::probing::Surface;
 /// Width of the card, and of its column of names.
 const WIDTH: f32 = 250.0;
 const NAMES: f32 = 62.0;
-/// Height of a line.
 const ROW: f32 = 17.0;
 /// Distance from the point.
 const APART: f32 = 16.0;
@@ -87,7 +86,6 @@ pub(super) fn show(
     Some(rect)
 }
 
-/// The properties of a surface.
 fn rows(surface: Option<&Surface>) -> Vec<(&'static str, String)> {
     let Some(surface) = surface else { return vec![("", "no surface in this direction".to_owned())] };
     let three = |v: [f32; 3], decimals: usize| {

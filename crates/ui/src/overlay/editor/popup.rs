@@ -12,9 +12,7 @@ use crate::overlay::{assisted, style};
 
 /// Visible names.
 const ROWS: usize = 8;
-/// Height of a row.
 const ROW: f32 = 18.0;
-/// Width of the list.
 const WIDTH: f32 = 190.0;
 /// Side of a shape's preview, in points.
 const PICTURE: f32 = 72.0;
@@ -91,7 +89,6 @@ pub(super) fn show(
     }
 }
 
-/// The last uploaded preview.
 #[derive(Clone)]
 struct Uploaded {
     of: ObjectPreview,

@@ -5,7 +5,6 @@ use egui::{Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 use crate::editor::{Editor, EditorEvent, parts_of};
 use crate::overlay::{assisted, style};
 
-/// Height of a row.
 const ROW: f32 = 16.0;
 /// Most objects that are listed individually, and most parts of one object.
 const OBJECTS_MAX: usize = 7;

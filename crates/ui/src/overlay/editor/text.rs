@@ -30,7 +30,6 @@ const GRIP_WIDTH_MIN: f32 = 18.0;
 const SELECTED: Color32 = Color32::from_rgba_premultiplied(30, 52, 66, 110);
 const CURRENT: Color32 = Color32::from_rgba_premultiplied(16, 17, 19, 22);
 
-/// The colour of a kind of word.
 fn color_of(kind: WordKind) -> Color32 {
     match kind {
         WordKind::Number => Color32::from_rgb(244, 190, 120),
@@ -49,7 +48,6 @@ fn color_of(kind: WordKind) -> Color32 {
 struct Page {
     /// The area of the letters, without line numbers.
     rect: Rect,
-    /// Width and height of a column.
     cell: Vec2,
     top: f32,
     left: f32,
@@ -78,7 +76,6 @@ impl Page {
     }
 }
 
-/// Width and height of a column.
 pub(super) fn cell(painter: &Painter) -> Vec2 {
     let font = style::monospace(SIZE);
     painter.fonts_mut(|fonts| {
@@ -231,7 +228,6 @@ fn draw_colors(painter: &Painter, page: &Page, document: &Document, line: usize)
     }
 }
 
-/// A run of ASCII letters.
 #[derive(Default)]
 struct Run {
     column: usize,
@@ -300,7 +296,6 @@ fn draw_mistakes(painter: &Painter, space: Rect, page: &Page, document: &Documen
     }
 }
 
-/// A wavy line below a range.
 fn wave(painter: &Painter, rect: Rect, left: f32) {
     let (mut x, mut up) = (rect.left().max(left), false);
     let mut points = Vec::new();

@@ -8,7 +8,6 @@ use super::*;
 use crate::settings_panel::tests::panel;
 use mariana_player::track::Repeat;
 
-/// A window with a screen reader.
 fn assisted_stage() -> Stage {
     let stage = Stage::new(SCREEN);
     stage.panels.context().enable_accesskit();
