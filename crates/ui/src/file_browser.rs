@@ -295,7 +295,7 @@ mod tests {
             }
             std::thread::sleep(Duration::from_millis(5));
         }
-        panic!("the folder is not read");
+        panic!("the folder was not read");
     }
 
     fn folder() -> tempfile::TempDir {

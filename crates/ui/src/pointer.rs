@@ -114,7 +114,7 @@ mod tests {
         let drags = all(&[&down, &to(100.0, 13.0), &to(101.0, 13.0), &up, &to(0.0, 0.0)]);
         let ways = [None, Some(Gesture::Drag([10.0, 3.0])), Some(Gesture::Drag([1.0, 0.0])), None, None];
         assert_eq!(drags, ways);
-        assert_eq!(all(&[&to(101.0, 13.0), &down])[1], None, "a drag is no click");
+        assert_eq!(all(&[&to(101.0, 13.0), &down])[1], None, "a drag is not a click");
         assert_eq!(all(&[&Input::Focused(false), &to(0.0, 0.0)]), [None; 2]);
     }
 

@@ -233,7 +233,7 @@ pub(crate) mod tests {
 
     fn press(panel: &mut SettingsPanel, key: NamedKey) -> Option<Command> {
         let (taken, change) = panel.take_key(&Key::Named(key));
-        assert!(taken, "{key:?} is not the panel's");
+        assert!(taken, "the panel ignores {key:?}");
         change
     }
 

@@ -331,7 +331,7 @@ impl Texts {
             FileEvent::Failed { reason, .. } => Some(reason),
             FileEvent::Changed { file, holds } => self.take_change(&file, holds),
             FileEvent::Created { file } => {
-                let words = format!("this is your own copy: {}", file.display());
+                let words = format!("created {}", file.display());
                 self.outbox.send(Command::ShowScene(Box::new(SceneSource::File(file))));
                 Some(words)
             }

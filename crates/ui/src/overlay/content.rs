@@ -64,7 +64,7 @@ pub struct OverlayContent<'a> {
 /// The sound sources.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct SourceList {
-    /// Names in the order of the key.
+    /// Names, in the order in which the key steps through them.
     pub names: Vec<String>,
     /// The index of the present one.
     pub present: Option<usize>,

@@ -104,7 +104,7 @@ impl Fallback {
             }
         }
         if let Some(wanted) = &self.wanted {
-            // Without the thread, boxes stay.
+            // If the thread could not start, the boxes stay.
             let _ = wanted.send(new);
         }
     }
