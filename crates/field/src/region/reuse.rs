@@ -18,9 +18,9 @@ use crate::graph::Properties;
 /// Lookup tables for copying from a tree.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Memory {
-    /// First texels of bricks, by the [`key_of`] their blocks.
+    /// First texels of bricks, by the keys of their blocks ([`key_of`]).
     pub(super) bricks: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
-    /// Hashes of programs, by the [`spread`] second words of their cells.
+    /// Hashes of programs, by the second words of their cells ([`spread`]).
     pub(super) programs: HashMap<u64, u64, BuildHasherDefault<Hashed>>,
     /// Second words of cells, by the hashes of their programs.
     pub(super) seconds: HashMap<u64, u32, BuildHasherDefault<Hashed>>,

@@ -16,8 +16,7 @@ pub enum CellUse {
 }
 
 /// Compiled distances with fewer clauses are faster without cells, which also saves building a tree. On the software
-/// renderer both kinds of frames cost the same at 1,900 clauses; on AMD, by instruction counts, at about 600
-/// (`docs/performance.md`).
+/// renderer both kinds of frames cost the same at 1,900 clauses; on AMD, by instruction counts, at about 600.
 const CELLS_PAY_FROM: usize = 1_000;
 
 impl CellUse {

@@ -4,6 +4,15 @@
 //! work is wasted: further samples of 13 % of the pixels would cost more than the first samples of all. Their samples
 //! are therefore drawn side by side in a separate target, in a block for each pixel. A software renderer reads the
 //! marked pixels back at no cost. A GPU would have to wait for that, and uses the stencil instead.
+//!
+//! Tried: sorting the list by surface, so that neighbours run the same tapes. Times stay within 3 %: samples at edges
+//! are expensive because they run 2.4 times the clauses, not because their neighbours differ.
+//!
+//! Tried: reusing the light of a first sample of the same surface. It saves 18 % of the clauses and no time on
+//! llvmpipe, where eight neighbours wait for the slowest, and loses 2 dB.
+//!
+//! If eight neighbours always waited for the one with the most clauses, frames would take 7 % (wave_tank) to 23 %
+//! (speakers) longer. A loop in which each lane begins its next step by itself cannot gain much more than that.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 

@@ -1,4 +1,10 @@
 //! The number and positions of further samples in pixels at edges.
+//!
+//! Tried: half of the further samples first, and the others only if the first half differs. With four samples it
+//! saves 7 % at best and loses 1.6 to 4.4 dB; with sixteen it loses 0.3 dB and saves 2 to 9 % of a video.
+//!
+//! Tried: smoothing along edges found by brightness. It reaches 32.4 dB in kaleidoscope, little more than no further
+//! samples (31.1); four samples reach 40.7.
 
 /// The number of further samples of a pixel at an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

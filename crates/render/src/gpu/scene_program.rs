@@ -8,6 +8,8 @@
 //! computes normals, object and occlusion of a surface, and another the material and ambient light. A renderer that
 //! never skips a branch would compute textures and rare operators for every clause, so they are computed between loops
 //! over the rest.
+//!
+//! On llvmpipe, vectors of 128 bits are as fast as 256; with 512 bits (`LP_NATIVE_VECTOR_WIDTH`) Mesa 22.3.6 aborts.
 
 use super::cell_use::CellUse;
 pub use super::error::DoesNotFit;
@@ -184,8 +186,9 @@ pub fn variant_of(
     }
 }
 
-/// The variant of a compiled scene that is drawn without cells ([`CellUse::divides`]). It contains no cell lookups and
-/// draws the same image faster. Not for scenes whose value is not a distance.
+/// The variant of a compiled scene that is drawn without cells ([`CellUse::divides`]). It contains no cell lookups
+/// and draws the same image faster. Not for scenes whose value is not a distance. Without lookups, programs are 5
+/// to 23 % shorter on AMD and 6 to 24 % on Xe, and seven of thirteen scenes have more waves on an AMD GPU.
 pub fn without_cells(mut variant: Variant) -> Variant {
     variant.defines.push("NO_CELLS 1".to_owned());
     variant
