@@ -55,6 +55,7 @@ impl Ray {
 pub struct Hit {
     /// Distance along the ray.
     pub distance: f32,
+    /// In the units of the scene.
     pub position: [f32; 3],
     /// Index among the scene's objects.
     pub object: usize,
@@ -303,7 +304,6 @@ impl<'a> Walk<'a> {
         add(self.ray.at(t), self.ahead)
     }
 
-    /// Distance at which the ray leaves a cell.
     fn exit_of(&self, cell: &Cell, t: f32) -> f32 {
         let ray = self.ray;
         let exits = (0..3).map(|axis| {

@@ -41,7 +41,6 @@ pub fn preview(formula: &str, side: usize) -> Option<Vec<[u8; 4]>> {
     };
     let pixel = |place: usize| {
         let (x, y) = ((place % side) as f32, (place / side) as f32);
-        // Four rays for each pixel.
         let places = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)];
         let lit: Vec<f32> = places.into_iter().filter_map(|(dx, dy)| shade(x + dx, y + dy)).collect();
         let mean = lit.iter().sum::<f32>() / lit.len().max(1) as f32;
@@ -66,7 +65,6 @@ mod tests {
         let at = |x: usize, y: usize| picture[y * 48 + x];
         assert_eq!([at(0, 0)[3], at(47, 47)[3], at(24, 24)[3]], [0, 0, 255]);
         assert!(at(22, 12)[0] > at(26, 36)[0] + 40, "{:?} above, {:?} below", at(22, 12), at(26, 36));
-        // As wide as it is high.
         let covered =
             |place: &dyn Fn(usize) -> usize| (0..48).filter(|i| picture[place(*i)][3] > 127).count();
         let (wide, high) = (covered(&|x| 24 * 48 + x), covered(&|y| y * 48 + 24));

@@ -74,7 +74,6 @@ pub struct PartCost {
 }
 
 impl ObjectCost {
-    /// Counts a ray that ends on the part that an expression makes.
     fn count_part(&mut self, written: (usize, Range<usize>), traced: &Traced) {
         let known = self.parts.iter().position(|part| part.written == written);
         let place = known.unwrap_or(self.parts.len());

@@ -70,7 +70,6 @@ fn rays_hit_a_ball_a_wall_a_floor_and_the_sky() {
     }
 }
 
-/// Parts of a union are identified by their lines.
 #[test]
 fn a_part_of_a_union_is_identified_by_its_line() {
     let world = world_of(KNOWN);
@@ -215,7 +214,6 @@ fn statistics_count_rays_and_clauses_by_object() {
         of_pair.len() == 2 && of_pair.iter().any(|lines| lines.contains(&6) && !lines.contains(&7)),
         "{of_pair:?}"
     );
-    // Their costs are distinguished as well.
     let [floor, ball, pair] = &ray_statistics.objects[..] else { panic!("{:?}", ray_statistics.objects) };
     assert_eq!([floor, ball].map(|object| object.parts.len()), [1, 1]);
     let written: Vec<&str> = pair.parts.iter().map(|part| &KNOWN[part.written.1.clone()]).collect();

@@ -16,7 +16,6 @@ use crate::graph::{Compound, Compounds, Operation, Uses, Values};
 use crate::tape::interpreter::{IMMEDIATE, end_of, is_rare};
 use crate::tape::opcode;
 
-/// Most registers of a region's tape.
 pub(super) const REGISTERS_MAX: usize = 256;
 
 /// Four words: two clauses with their immediates.
@@ -25,7 +24,6 @@ pub(super) type Texel = [u32; 4];
 /// A clause before its registers are known.
 #[derive(Debug, Clone, Copy)]
 struct Clause {
-    /// The value that it computes.
     at: u32,
     opcode: u8,
     rare: bool,
@@ -40,9 +38,7 @@ struct Clause {
 /// Encodes programs and remembers the registers that they needed.
 #[derive(Debug)]
 pub(super) struct Encoder {
-    /// The compounds that may be used.
     compounds: Compounds,
-    /// Most registers of a program.
     registers_max: usize,
     /// The clauses of the program, last first.
     list: Vec<Clause>,
@@ -59,7 +55,6 @@ pub(super) struct Encoder {
     pub(super) registers: usize,
     /// Clauses of the last program.
     pub(super) clauses: usize,
-    /// The registers of its results.
     pub(super) outputs: Vec<u8>,
 }
 
@@ -137,7 +132,6 @@ impl Encoder {
         Ok(&self.texels)
     }
 
-    /// Counts the compounds in the last program.
     pub(super) fn count(&self, uses: &mut Uses) {
         for clause in &self.list {
             uses.add(Compound::from_number(clause.opcode));
@@ -241,7 +235,6 @@ impl Encoder {
         self.sampled.contains(&true)
     }
 
-    /// The texels of the last program.
     pub(super) fn texels(&self) -> &[Texel] {
         &self.texels
     }
@@ -340,7 +333,6 @@ impl Default for FreeRegisters {
 }
 
 impl FreeRegisters {
-    /// Takes the lowest free register.
     #[inline(always)]
     fn take(&mut self) -> Option<u8> {
         if self.first != 0 {

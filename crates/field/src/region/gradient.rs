@@ -17,7 +17,6 @@ use crate::graph::{FrameInputs, GradientInterval, Interval, Pieces};
 const SCALE_MIN: f32 = 1e-30;
 /// The largest finite float whose lower half is 0. Greater slopes count as unbounded.
 const SCALE_MAX: f32 = f32::from_bits(0x7F7F_0000);
-/// Units per scale.
 const FRACTIONS: f32 = 128.0;
 
 /// Packs bounds of a gradient.
@@ -94,7 +93,6 @@ fn useful(gradient: [Interval; 3], steepest: f32) -> [Interval; 3] {
     })
 }
 
-/// Computes bounds of the gradients of programs.
 #[derive(Debug)]
 pub(super) struct Gradients {
     values: Vec<GradientInterval>,

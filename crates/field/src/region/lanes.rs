@@ -17,12 +17,10 @@ pub(super) struct Lanes {
 }
 
 impl Lanes {
-    /// The same interval in all cells.
     pub(super) const fn splat(interval: Interval) -> Self {
         Self { lo: [interval.lo; CELLS], hi: [interval.hi; CELLS] }
     }
 
-    /// The interval of one cell.
     #[inline(always)]
     pub(super) fn at(&self, cell: usize) -> Interval {
         Interval { lo: self.lo[cell], hi: self.hi[cell] }
@@ -45,7 +43,6 @@ pub(super) fn mask(holds: impl Fn(usize) -> bool) -> u64 {
     bits
 }
 
-/// One operand of a kernel.
 trait Operand: Copy {
     fn at(&self, cell: usize) -> Interval;
 }

@@ -12,9 +12,7 @@ const COST_MAX: u32 = 8;
 
 /// Nodes with their positions, operands first. Some nodes are repeated at new positions.
 pub(super) struct ShortLives {
-    /// The nodes.
     pub(super) nodes: Vec<(usize, Node)>,
-    /// Number of positions.
     pub(super) positions: usize,
     /// The newest position of each old one, and the number of nodes before it.
     newest: Vec<(usize, usize)>,
@@ -71,7 +69,6 @@ impl ShortLives {
         self.nodes.push((position, node));
     }
 
-    /// The node, reading the newest computations of its operands.
     fn read(&mut self, node: Node) -> Node {
         match node {
             Node::Unary(op, a) => Node::Unary(op, self.operand(a)),

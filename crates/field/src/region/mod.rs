@@ -137,7 +137,6 @@ impl Reads {
         Ok(Self { inputs, tables: used.tables })
     }
 
-    /// The values of these inputs in a frame.
     fn key(&self, inputs: &FrameInputs) -> RegionKey {
         let mut numbers: Vec<u32> = self.inputs.iter().map(|input| inputs.value(*input).to_bits()).collect();
         let mut tables = Vec::new();
@@ -174,7 +173,6 @@ pub struct RegionPlan {
     nodes: Vec<(usize, Node)>,
     /// Positions of the roots among all nodes.
     roots: [usize; 3],
-    /// Number of nodes of the world's graph.
     graph_nodes: usize,
     reads: Reads,
     variant: RegionVariant,
@@ -332,7 +330,6 @@ impl RegionPlan {
     }
 }
 
-/// True if there are enough registers for the tapes of a program.
 fn encodes(encoder: &mut Encoder, program: &Program) -> bool {
     [[BOUND, ESTIMATE], [OBJECT, OBJECT]].iter().all(|roots| encoder.encode(program, roots).is_ok())
 }

@@ -32,10 +32,8 @@ const OBJECT_REACH: f32 = 0.25;
 /// The bits of a cell's second word that hold an address.
 pub(super) const ADDRESS: u32 = (1 << 24) - 1;
 
-/// The cells of a block.
 type Cells = [Texel; CELLS];
 
-/// Working memory for one level of the tree.
 #[derive(Debug, Default)]
 struct Level {
     rows: Vec<Lanes>,
@@ -44,7 +42,6 @@ struct Level {
     /// Groups of cells that share their decisions.
     together: Vec<u64>,
     short: Program,
-    /// The structure of `short`.
     structure: Structure,
 }
 
@@ -84,7 +81,6 @@ pub struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// Creates part `number` of `parts`.
     pub(super) fn new(trunk: &'a Trunk<'a>, number: usize, parts: usize) -> Self {
         Self {
             trunk,
@@ -139,7 +135,6 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Number of texels that the part has written.
     pub(super) fn texel_count(&self) -> usize {
         self.written.texels.len()
     }
@@ -325,7 +320,6 @@ impl<'a> Part<'a> {
         words
     }
 
-    /// Writes a cell that is not divided.
     fn cell(&mut self, lowest: f32, second: u32, [z, w]: [u32; 2]) -> Texel {
         let bound = lowest - self.trunk.rounding.margin;
         // A NaN is not a bound.

@@ -8,7 +8,6 @@ pub(super) const INPUTS: usize = 4;
 /// The index of the penumbra, the last input.
 pub(super) const PENUMBRA: u32 = 3;
 
-/// The argument of a step that is its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Form {
@@ -48,7 +47,6 @@ impl Step {
         if self.form == Form::NumberLeft { Arg::Number(self.number) } else { Arg::Value(self.a) }
     }
 
-    /// The operator with its arguments.
     #[inline(always)]
     pub(super) fn operation(&self) -> Operation {
         Operation { op: self.op, a: self.first(), b: self.second() }
@@ -69,7 +67,6 @@ pub(super) const OBJECT: usize = 2;
 /// Steps, each of which reads only earlier values, and their results: of a distance bound, estimate and object.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Program {
-    /// Number of values before the first step.
     pub(super) inputs: usize,
     /// Number of inputs that are in registers at the start; the others are texture samples.
     pub(super) in_registers: usize,
@@ -171,7 +168,6 @@ impl Program {
         self.steps.get((value as usize).checked_sub(self.inputs)?).copied()
     }
 
-    /// Number of values: the inputs and the results of the steps.
     pub(super) fn values(&self) -> usize {
         self.inputs + self.steps.len()
     }
@@ -210,7 +206,6 @@ impl Structure {
         saved <= most
     }
 
-    /// Collects the properties of a program's steps.
     pub(super) fn look_at(&mut self, program: &Program) {
         let count = program.values();
         refill(&mut self.uses, count, 0u8);

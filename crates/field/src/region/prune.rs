@@ -14,7 +14,6 @@ use crate::graph::{FrameInputs, Op};
 /// The decisions about a value, as masks of cells.
 #[derive(Debug, Clone, Copy, Default)]
 struct Decided {
-    /// Cells that need the value.
     live: u64,
     /// Cells where it is the same number everywhere.
     number: u64,
@@ -28,7 +27,6 @@ struct Decided {
 #[derive(Debug, Default)]
 pub(super) struct ChoiceTrace {
     values: Vec<Decided>,
-    /// [`Program::inputs`].
     inputs: usize,
     /// True if decisions that save little are dropped unless all cells agree, because each costs a group. Tried:
     /// dropping decisions that save less than 4, 6 or 8 % of the program. A scene of 11,000 clauses then runs a third
@@ -88,7 +86,6 @@ fn not_above(rows: &[Lanes], a: Arg, b: Arg) -> u64 {
     }
 }
 
-/// Cells where an argument is this number.
 #[inline(always)]
 fn is_number(rows: &[Lanes], structure: &Structure, arg: Arg, number: f32) -> u64 {
     match arg {
@@ -131,7 +128,6 @@ impl ChoiceTrace {
         decide(self, program, structure, rows, &roots, together);
     }
 
-    /// Groups the cells by equal decisions.
     pub(super) fn groups(&self, rows: &[Lanes], cells: &[u64], groups: &mut Vec<u64>) {
         groups.clear();
         groups.extend(cells.iter().copied().filter(|cells| *cells != 0));

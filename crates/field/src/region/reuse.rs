@@ -28,14 +28,11 @@ pub(super) struct Memory {
     pub(super) whole_object: u32,
 }
 
-/// A tree from which bricks can be copied.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Before<'a>(&'a Regions);
 
-/// A tape that can be copied.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TapeBefore<'a> {
-    /// The hash of its program.
     pub(super) program: u64,
     /// The nearest object, as in a cell's second word.
     pub(super) object: u32,
@@ -51,18 +48,15 @@ impl<'a> Before<'a> {
         (last.low == low && last.size == size && last.stats.overflowed == 0).then_some(Self(last))
     }
 
-    /// The cells of the brick with this key.
     pub(super) fn brick(self, key: u64) -> Option<&'a [Texel]> {
         let at = *self.0.memory.bricks.get(&key)? as usize;
         self.0.texels.get(at..at + super::lanes::CELLS)
     }
 
-    /// The second word of the cells with this program.
     pub(super) fn second_of(self, program: u64) -> Option<u32> {
         self.0.memory.seconds.get(&program).copied()
     }
 
-    /// The tape that a cell's second word refers to.
     pub(super) fn tape(self, second: u32) -> Option<TapeBefore<'a>> {
         let memory = &self.0.memory;
         let program = *memory.programs.get(&spread(second))?;

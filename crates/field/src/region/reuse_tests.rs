@@ -18,7 +18,6 @@ fn ball(i) = sphere(p - vec3(3 * i - 9, 0, 0), 0.8 + (if i < 3 then 0.4 * spectr
 union(for i in 0..6: ball(i))
 ";
 
-/// The texels of a tape and of its object's tape.
 fn tapes(tree: &Regions, tape: u32) -> [Vec<[u32; 4]>; 2] {
     let from = |first: u32| {
         let texels = &tree.texels[first as usize..];

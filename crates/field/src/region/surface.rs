@@ -30,7 +30,6 @@ const FARTHEST: f32 = 1e7;
 const OVERLAP: f32 = 1e-5;
 /// Largest component of normals and directions, after rounding.
 const NORMAL_MAX: f32 = 1.001;
-/// Bounds of texture samples.
 const SAMPLED: Interval = Interval { lo: 0.0, hi: 1.0 };
 /// Texels of a grid in addition to those of a single cell.
 const GRID_TEXELS: usize = SIDE * SIDE * SIDE / 4 - 1;
@@ -45,7 +44,6 @@ const OWN_FRACTION: f32 = 0.75;
 /// A shortened tape has at most this fraction of the whole one's texels.
 const SHORTER_FRACTION: f32 = 0.9;
 
-/// The domain of a program's grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Over {
     /// Space.
@@ -153,7 +151,6 @@ impl Regions {
     }
 }
 
-/// A program that can be shortened.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SurfacePlan {
     nodes: Vec<(usize, Node)>,
@@ -164,14 +161,11 @@ pub(crate) struct SurfacePlan {
     reads: Reads,
 }
 
-/// A shortened tape.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ShortTape {
-    /// The registers of the results.
     pub(crate) outputs: Vec<u8>,
     /// The clauses, with END.
     pub(crate) texels: Vec<Texel>,
-    /// True if it reads any texture.
     pub(crate) samples: bool,
 }
 
@@ -219,7 +213,6 @@ impl SurfacePlan {
         self.reads.key(frame)
     }
 
-    /// The program with a frame's numbers folded in.
     fn folded(&self, frame: &FrameInputs) -> Program {
         let mut program = Program {
             inputs: OF_POINT + 4 * self.textures,
@@ -245,7 +238,6 @@ impl SurfacePlan {
 #[derive(Debug)]
 pub(crate) struct Shortener<'a> {
     frame: &'a FrameInputs,
-    /// The grid over space.
     grid: Grid,
     /// For each cell of that grid, true if programs may run in it.
     asked: Vec<bool>,
@@ -312,7 +304,7 @@ impl<'a> Shortener<'a> {
         let mut known = HashMap::new();
         short.cells.resize(SIDE.pow(3), None);
         for cells in cells.chunks(CELLS) {
-            // The last cell fills up the lanes.
+            // If fewer cells are left, the last one is repeated.
             let at = |lane: usize| cells.get(lane).or(cells.last()).copied().unwrap_or_default();
             let lanes: [[usize; 3]; CELLS] = std::array::from_fn(at);
             self.bound(&program, plan, grid, &lanes);
@@ -330,7 +322,6 @@ impl<'a> Shortener<'a> {
         short
     }
 
-    /// Bounds a program's values in 64 cells.
     fn bound(&mut self, program: &Program, plan: &SurfacePlan, grid: Grid, cells: &[[usize; 3]; CELLS]) {
         let nothing = Lanes::splat(Interval::point(0.0));
         self.rows.resize(self.rows.len().max(program.inputs), nothing);
@@ -438,7 +429,6 @@ fn beside(program: &Program) -> usize {
     1 + (program.inputs - program.in_registers) / 4
 }
 
-/// The number of a cell.
 fn number_of([x, y, z]: [usize; 3]) -> usize {
     x + SIDE * (y + SIDE * z)
 }

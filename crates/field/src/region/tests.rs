@@ -6,7 +6,6 @@ use crate::graph::{Point, random};
 use crate::tape::{PointEvaluator, Tape, TapeOptions, opcode};
 use crate::world::testing::{SPEAKERS, world_of};
 
-/// Inputs of a frame with some sound.
 pub(super) fn inputs_of(world: &World, time: f32, loud: f32) -> FrameInputs {
     let mut inputs = FrameInputs {
         time,

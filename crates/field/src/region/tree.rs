@@ -69,7 +69,6 @@ pub struct Regions {
     pub whole_tape: u32,
     /// The sizes of the tree.
     pub stats: RegionStats,
-    /// Lookup tables for the next frame's tree.
     pub(super) memory: Memory,
 }
 
@@ -87,7 +86,6 @@ const OVERLAP: f32 = 4e-6;
 /// Largest penumbra: distance from a light over its sharpness.
 const PENUMBRA_MAX: f32 = 1e9;
 
-/// A box of cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
     pub(super) low: [f32; 3],
@@ -123,7 +121,6 @@ pub(super) struct Root {
     pub(super) block: Block,
     pub(super) rows: Vec<Lanes>,
     pub(super) decisions: ChoiceTrace,
-    /// Groups of blocks with equal decisions.
     pub(super) groups: Vec<u64>,
 }
 
@@ -136,7 +133,6 @@ pub(super) struct Rounding {
     pub(super) overlap: f32,
 }
 
-/// The addresses of the whole tapes.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Whole {
     pub(super) tape: u32,
@@ -148,11 +144,9 @@ pub(super) struct Whole {
 pub(super) struct Traced<'a> {
     /// True if there are surfaces other than planes.
     pub(super) has_rest: bool,
-    /// The features that tapes may use.
     pub(super) variant: &'a RegionVariant,
     /// [`crate::world::Slopes::steepest`].
     pub(super) steepest: f32,
-    /// The tree of another frame.
     pub(super) last: Option<&'a Regions>,
 }
 
@@ -229,7 +223,6 @@ pub(super) fn build(
 }
 
 impl RegionStats {
-    /// Adds the sizes of a part.
     fn add(&mut self, part: &Self) {
         self.cells += part.cells;
         self.passes += part.passes;
@@ -246,7 +239,6 @@ impl Trunk<'_> {
         Encoder::new(self.variant.compounds, self.variant.registers)
     }
 
-    /// Writes the whole tape and the object's.
     fn write_whole(&mut self) {
         let mut encoder = self.encoder();
         // A program with too many simultaneous values has no tape here; the plan has reported it.
@@ -262,7 +254,6 @@ impl Trunk<'_> {
         }
     }
 
-    /// Makes the decisions about the 64 blocks of the root.
     fn divide(&mut self) {
         let mut structure = Structure::default();
         structure.look_at(&self.program);
@@ -349,7 +340,6 @@ pub(super) const fn place_in(cell: usize) -> [usize; 3] {
     [cell % BRICK_SIDE, cell / BRICK_SIDE % BRICK_SIDE, cell / (BRICK_SIDE * BRICK_SIDE)]
 }
 
-/// The cells of a mask.
 pub(super) fn cells_of(mut mask: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let cell = (mask != 0).then(|| mask.trailing_zeros() as usize)?;
@@ -359,7 +349,6 @@ pub(super) fn cells_of(mut mask: u64) -> impl Iterator<Item = usize> {
 }
 
 impl Block {
-    /// The block inside one of the cells.
     pub(super) fn child(&self, place: [usize; 3]) -> Self {
         Self {
             low: std::array::from_fn(|axis| self.low[axis] + place[axis] as f32 * self.cell[axis]),

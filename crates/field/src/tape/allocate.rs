@@ -6,7 +6,6 @@ use crate::graph::{Graph, Node, NodeId, Op, Properties};
 
 /// Marks a missing register, memory slot, table entry or next use.
 const NONE: u32 = u32::MAX;
-/// Entries per page of the table.
 pub(super) const PAGE: usize = 256;
 
 /// Implements [`Tape::build`].
@@ -80,7 +79,6 @@ fn next_uses(graph: &Graph, order: &[NodeId], roots: &[NodeId]) -> Vec<NextUses>
     uses
 }
 
-/// Locations of a node's value.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     /// The register, or the entry for values of the table.
@@ -98,13 +96,11 @@ struct Allocator<'a> {
     graph: &'a Graph,
     options: &'a TapeOptions,
     tape: Tape,
-    /// By node.
     places: Vec<Place>,
     /// The value in each register.
     held: [Option<NodeId>; 256],
     /// The next use of each register's value.
     next_use: [u32; 256],
-    /// A bit for each free register.
     free: [u64; 4],
     /// A bit for each register that must not be spilled now.
     pinned: [u64; 4],
@@ -118,7 +114,6 @@ impl Allocator<'_> {
         self.tape.clauses.push(instruction.encode());
     }
 
-    /// True if the value is an entry of the table.
     fn in_table(&self, id: NodeId) -> bool {
         match self.graph.node(id) {
             Node::Constant(_) => true,
@@ -350,7 +345,6 @@ impl Allocator<'_> {
         Ok(output)
     }
 
-    /// Fetches every root into a register.
     fn finish(&mut self, roots: &[NodeId]) -> Result<(), TapeError> {
         self.pinned = [0; 4];
         for (place, &root) in roots.iter().enumerate() {

@@ -10,14 +10,12 @@ const INITIAL: usize = 256;
 /// Longest distance in clauses from a compound to its first part. It keeps the search linear in the tape's length.
 const REACH: usize = 64;
 
-/// A clause in the interpreter's form.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Clause {
     pub(super) word: u32,
     pub(super) immediate: u32,
     /// True if it must be the second clause of its texel.
     pub(super) second: bool,
-    /// The register that it writes.
     output: Option<u8>,
     operation: Option<Operation>,
     /// True if a later compound does its work.
@@ -163,7 +161,6 @@ impl RunClauses {
         Some(registers)
     }
 
-    /// The clauses that compounds have not absorbed.
     pub(super) fn kept(&self) -> impl Iterator<Item = &Clause> {
         self.clauses.iter().filter(|clause| !clause.absorbed)
     }

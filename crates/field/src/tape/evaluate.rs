@@ -5,13 +5,11 @@ use super::Tape;
 use super::clause::{Instruction, Operand};
 use crate::graph::{Choice, FrameInputs, Interval, Kernel, Op, Point};
 
-/// Points per batch.
 const LANES: usize = 64;
 
 /// The kind of values that a tape computes.
 pub(super) trait Domain {
     type Value: Copy;
-    /// The type of the table's entries.
     type Entry: Copy;
     fn constant(&self, entry: Self::Entry) -> Self::Value;
     fn input(&self, place: usize) -> Self::Value;

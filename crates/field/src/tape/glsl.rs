@@ -126,7 +126,6 @@ impl<'a> Writer<'a> {
         Self { graph, text, coordinates: Vec::new(), sampled: Vec::new(), squares: HashSet::new() }
     }
 
-    /// Writes a function for each pair of texture coordinates.
     fn coordinates(&mut self, order: &[NodeId], name: &str) -> Result<(), GraphError> {
         for id in order {
             if let Node::Texture { u, v, .. } = self.graph.node(*id)
@@ -236,7 +235,6 @@ impl<'a> Writer<'a> {
         place
     }
 
-    /// Writes the results and the end of the function.
     fn results(&mut self, roots: &[NodeId], single: bool) {
         for (place, root) in roots.iter().enumerate() {
             let result = self.operand(*root);

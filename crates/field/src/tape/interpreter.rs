@@ -220,7 +220,6 @@ impl Variant {
         // The shader masks register numbers with the array's length.
         let rounded = |count: usize| if self.every_case { count } else { count.next_power_of_two() };
         let (registers, region_registers) = (rounded(self.registers), rounded(region_registers));
-        // Writing to a String cannot fail.
         let numbers = [
             ("REGISTERS", registers),
             ("MEMORY", self.memory),
@@ -333,7 +332,6 @@ fn write_search(text: &mut String, cases: &[Case], are_lowest: bool) {
     }
 }
 
-/// The operator applied to `a` and `b`.
 fn expression(op: Op) -> String {
     let mut text = String::from("(");
     fill(&mut text, op.glsl(), "a", "b");

@@ -47,7 +47,6 @@ pub(super) fn write_registers(text: &mut String, (name, file): (&str, &str), cou
     } else {
         "form_is_immediate(word, place)".to_owned()
     };
-    // Writing to a String cannot fail.
     let _ = writeln!(text, "#define {name}READ(word, place) ({read})\n#define {name}WRITE(at, value) {put}");
     let (number, register) = ("uintBitsToFloat(immediate)", format!("{name}READ(word, place)"));
     let operand = if every_case {

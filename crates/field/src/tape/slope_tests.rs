@@ -11,7 +11,6 @@ fn config(cases: u32) -> ProptestConfig {
     ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
 }
 
-/// Operators without jumps.
 const CONTINUOUS: [Op; 22] = [
     Op::Neg,
     Op::Abs,

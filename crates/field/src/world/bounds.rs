@@ -174,7 +174,6 @@ fn divided(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize)
     eighths(cell).filter(|part| may_hold_a_surface(part, evaluator, left)).collect()
 }
 
-/// The eight parts of a cell.
 fn eighths(cell: &Cell) -> impl Iterator<Item = Cell> + '_ {
     (0..8).map(|corner| {
         let mut part = *cell;

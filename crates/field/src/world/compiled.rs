@@ -34,7 +34,6 @@ impl World {
         Ok(generated + &self.contract())
     }
 
-    /// Writes a function for each set of roots.
     fn generated_functions(&self) -> Result<String, WorldError> {
         let graph = &self.graph;
         let roots = &self.roots;

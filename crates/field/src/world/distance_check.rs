@@ -48,7 +48,6 @@ const STEPS: usize = 4;
 /// Most clauses that are evaluated with their gradients: a few ms.
 const CLAUSES_MAX: usize = 1 << 18;
 
-/// A point with its sampled value and gradient.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     place: [f32; 3],
@@ -60,14 +59,12 @@ struct Sample {
 struct Samples {
     /// Samples outside of solids and on surfaces.
     outside: Vec<Sample>,
-    /// Samples on surfaces.
     surface: Vec<Sample>,
 }
 
 /// Parameters that turn a value into one similar to a distance. Zeros stay zeros.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct NormalizedValue {
-    /// The divisor of the value.
     pub(super) scale: f32,
     /// The growth of the divisor from the middle of the bounds, as in polynomials.
     pub(super) growth: Growth,
@@ -86,7 +83,6 @@ pub(super) struct Growth {
 }
 
 impl Growth {
-    /// No growth.
     const NONE: Self = Self { middle: [0.0; 3], half: 1.0, power: 0 };
 
     /// The growths to try. Without bounds there is no size for a scale to follow.

@@ -19,7 +19,6 @@ pub struct Hoisted {
 }
 
 impl Hoisted {
-    /// Copies the expressions `roots` of `graph`.
     fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self, GraphError> {
         let mut own = Graph::new();
         let mut moved = Moved::of(graph);
@@ -43,12 +42,10 @@ impl Hoisted {
 struct Moved(Vec<NodeId>);
 
 impl Moved {
-    /// Creates an empty mapping for a graph.
     fn of(graph: &Graph) -> Self {
         Self(vec![NodeId::default(); graph.len()])
     }
 
-    /// The counterpart of a copied node.
     fn at(&self, id: NodeId) -> NodeId {
         self.0[id.index()]
     }

@@ -35,7 +35,6 @@ const PROGRAMS_OF_LIGHT: usize = 3;
 pub struct TapeBuffers {
     /// Sky, ambient light, glow, and the materials.
     programs: Vec<Program>,
-    /// The program of each object's material.
     of_objects: Vec<usize>,
     /// Bounds of the surfaces at any sound and time, if known.
     bounds: Option<Bounds>,
@@ -53,7 +52,6 @@ struct Program {
     tape: Tape,
     /// The number of each texture, and the tape of its coordinates u and v.
     textures: Vec<(u16, Tape)>,
-    /// The plan for shortening the tape.
     plan: SurfacePlan,
 }
 
@@ -114,7 +112,6 @@ impl Program {
         start
     }
 
-    /// Appends the program with a frame's numbers.
     fn append(&self, inputs: &FrameInputs, compounds: Compounds, texels: &mut Vec<[u32; 4]>) {
         texels.push(Self::head(self.tape.outputs(), self.textures.len()));
         let heads = texels.len();
@@ -133,7 +130,6 @@ impl Program {
     }
 }
 
-/// A texture and its coordinates.
 type Sampled = (u16, [NodeId; 2]);
 
 /// Splits texture coordinates off the expressions. Returns the remaining graph and roots, and the coordinates of each
@@ -202,7 +198,6 @@ impl TapeBuffers {
         WorthShortening::of(self.plans().map(SurfacePlan::may_become_shorter))
     }
 
-    /// The plan of each program.
     pub(super) fn plans(&self) -> impl Iterator<Item = &SurfacePlan> {
         self.programs.iter().map(|program| &program.plan)
     }

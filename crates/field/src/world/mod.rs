@@ -106,7 +106,6 @@ impl Roots {
         self.distance.into_iter().chain(rest).chain(materials.copied())
     }
 
-    /// The roots with each expression replaced.
     fn map(&self, new: impl Fn(NodeId) -> NodeId) -> Self {
         Self {
             distance: self.distance.map(&new),
@@ -244,7 +243,6 @@ impl World {
 struct Surfaces {
     planes: Vec<Plane>,
     rest: Option<Rest>,
-    /// The expressions of [`Roots::glow`].
     glow: Option<[NodeId; 4]>,
 }
 
@@ -263,7 +261,6 @@ struct Traced {
 }
 
 impl Traced {
-    /// Analyses the formula.
     fn of(scene: &Scene, roots: &Roots, frame_tape: &FrameTape) -> Result<Self, TapeError> {
         let tape = Tape::build(&scene.graph, &roots.distance[..1], &TapeOptions::default())?;
         let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));

@@ -27,7 +27,6 @@ impl SceneFeatures {
     pub const ALL: Self =
         Self { panels: true, mirrors: true, blur: true, glow: true, lens: true, blend: true };
 
-    /// The features of a scene.
     pub(super) fn of(scene: &Scene, glow: bool, blend: bool) -> Self {
         let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);
         let mirrors = scene.materials.iter().any(|material| some(material.reflect));

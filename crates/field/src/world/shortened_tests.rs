@@ -89,12 +89,10 @@ sky {
 }
 ";
 
-/// Shortens all programs of a frame.
 fn shortened(buffers: &TapeBuffers, frame: &FrameInputs, options: &ShortenOptions<'_>) -> ShortPrograms {
     buffers.shorten(frame, &buffers.worth_shortening().request(buffers, frame), options)
 }
 
-/// The texels of a frame with whole programs.
 fn whole_texels(buffers: &TapeBuffers, frame: &FrameInputs) -> Vec<[u32; 4]> {
     buffers.texels(frame, &ShortPrograms::default())
 }
@@ -221,7 +219,6 @@ fn programs_that_save_little_stay_whole_for_a_while() {
     let mut worth = buffers.worth_shortening();
     let options = ShortenOptions::default();
     let mut attempts = Vec::new();
-    // It becomes loud and quiet again.
     for (number, loud) in [(0, 0.0), (1, 0.0), (2, 1.0), (3, 0.0), (602, 0.0), (603, 0.0)] {
         let frame = frame_of(&world, number as f32, loud);
         while attempts.len() < number {

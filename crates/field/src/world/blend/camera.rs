@@ -7,13 +7,11 @@
 use crate::graph::{Graph, NodeId, Op};
 use crate::lang::Camera;
 
-/// A line of sight from the eye to the target.
 struct LineOfSight {
     /// Around the vertical, 0 along z, in radians.
     yaw: NodeId,
     /// Above the horizon, in radians.
     pitch: NodeId,
-    /// Distance from the eye to the target.
     length: NodeId,
 }
 
@@ -25,7 +23,6 @@ impl LineOfSight {
         Self { yaw, pitch, length: graph.length(&[x, y, z]) }
     }
 
-    /// The vector from the eye to the target.
     fn vector(&self, graph: &mut Graph) -> [NodeId; 3] {
         let [sin_yaw, cos_yaw] = [Op::Sin, Op::Cos].map(|op| graph.unary(op, self.yaw));
         let [sin_pitch, cos_pitch] = [Op::Sin, Op::Cos].map(|op| graph.unary(op, self.pitch));

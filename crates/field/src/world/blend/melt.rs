@@ -36,10 +36,8 @@ const SEAM: f32 = 0.3;
 /// Fraction at which the new scene's materials are complete.
 const BEGIN: f32 = 0.2;
 
-/// Least divisor.
 const LEAST: f32 = 1e-6;
 
-/// The surfaces of a melt.
 pub(super) struct Melt {
     /// Planes that are solved.
     pub(super) planes: Vec<NodeId>,

@@ -205,7 +205,6 @@ impl World {
     }
 }
 
-/// The last parameter of a blend.
 fn fraction_param(fraction: f32) -> Param {
     Param {
         name: String::new(),

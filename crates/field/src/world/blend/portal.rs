@@ -35,7 +35,6 @@ struct Seen {
     right: Vector,
     /// From the eye to the target.
     view: Vector,
-    /// Distance from the eye to the target.
     length: NodeId,
 }
 

@@ -96,7 +96,6 @@ impl Side {
         })
     }
 
-    /// Planes and rest together.
     pub(super) fn whole(&self, graph: &mut Graph) -> Option<Steps> {
         let planes = self.planes.iter().copied().reduce(|a, b| graph.min(a, b));
         match (planes, self.rest) {
@@ -208,7 +207,6 @@ fn copy(
     }
 }
 
-/// The coordinates of the point.
 pub(super) fn position(graph: &mut Graph) -> Vector {
     [Input::X, Input::Y, Input::Z].map(|input| graph.input(input))
 }
@@ -307,7 +305,6 @@ fn outside(graph: &mut Graph, p: Vector, bounds: &Bounds) -> NodeId {
     graph.add(beyond, inside)
 }
 
-/// The numbers of the nearest object's material.
 fn material_of_the_nearest(graph: &mut Graph, scene: &Scene, at: impl Fn(NodeId) -> NodeId) -> Vec<NodeId> {
     let mut nearest: Option<(NodeId, Vec<NodeId>)> = None;
     for (index, material) in scene.materials.iter().enumerate() {
