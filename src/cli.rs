@@ -136,7 +136,7 @@ pub fn run() -> anyhow::Result<()> {
     quiet_contained_panics();
     ending::outlive_file_limits();
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    crate::gpu::heaps::fraction();
+    crate::gpu::heaps::limit_heaps();
     if let Some((typed, meant)) = misspelt(std::env::args_os().nth(1)) {
         let message =
             format!("there is no command '{typed}', and no file of that name: did you mean '{meant}'?");

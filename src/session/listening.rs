@@ -315,9 +315,9 @@ impl Listening {
         self.sound.live_status()
     }
 
-    /// Adds the hints and the source list to the overlay. `clips` is true while the user keeps the list open.
-    pub(crate) fn show_in<'a>(&'a self, content: &mut OverlayContent<'a>, clips: bool, now: Instant) {
+    /// Adds the hints and the source list to the overlay. `stays_open` is true while the user keeps the list open.
+    pub(crate) fn show_in<'a>(&'a self, content: &mut OverlayContent<'a>, stays_open: bool, now: Instant) {
         content.hint = self.sound.hint().or(content.hint);
-        content.sources = self.sound.list(clips, now);
+        content.sources = self.sound.list(stays_open, now);
     }
 }

@@ -53,8 +53,8 @@ impl Session {
 
     /// Sets all corners and the selected one. Saves them once `settled`.
     pub(super) fn set_corners(&mut self, corners: Corners, selected: usize, settled: bool) {
-        if let Some(controllers) = &mut self.interface.ui_state.corners {
-            controllers.take(selected, corners);
+        if let Some(handles) = &mut self.interface.ui_state.corners {
+            handles.take(selected, corners);
         }
         self.change_setting(SetSetting { setting: Setting::Corners(corners), settled });
     }

@@ -83,14 +83,14 @@ impl Offscreen {
             // After the end there is no receiver.
             let _ = Channel::send(&wakes, ());
         });
-        let backstage = BackgroundWork::start(&settings, &scene, &waker)?;
+        let background = BackgroundWork::start(&settings, &scene, &waker)?;
         let (screen, shared) = OffscreenWindow::new(settings.size, woken, has_compiler)?;
         let opening = Opening {
             tracks,
             settings: &settings,
             scene: &scene,
             memory,
-            backstage,
+            background,
             screen: Box::new(screen),
             desktop: Box::new(|_| Box::new(NoDesktop)),
         };

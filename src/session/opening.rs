@@ -67,7 +67,7 @@ pub(crate) struct Opening<'a> {
     pub(crate) scene: &'a SceneChoice,
     pub(crate) memory: Memory,
     /// Background work that has already started.
-    pub(crate) backstage: BackgroundWork,
+    pub(crate) background: BackgroundWork,
     pub(crate) screen: Box<dyn Screen>,
     /// Creates the desktop's media controls, which query the position in the song.
     pub(crate) desktop: Box<dyn FnOnce(Option<Position>) -> Box<dyn DesktopControls>>,
@@ -79,8 +79,8 @@ impl Opening<'_> {
     /// # Errors
     /// An error of the driver or the system.
     pub(crate) fn session(self, waker: &Waker) -> Result<Session, SessionError> {
-        let Self { tracks, settings, scene, memory, backstage, mut screen, desktop } = self;
-        let BackgroundWork { loaders, first, drafts, sends } = backstage;
+        let Self { tracks, settings, scene, memory, background, mut screen, desktop } = self;
+        let BackgroundWork { loaders, first, drafts, sends } = background;
         let choices = settings.choices.clone();
         tracing::info!("choices of this run: {choices:?}");
         // First, so that the song is analysed before its first frame.

@@ -357,11 +357,11 @@ impl Sound {
         self.hints.shown.as_deref().filter(|_| self.live.is_some())
     }
 
-    /// The list of sources while it is visible. `clips` is true while the user keeps it open.
-    pub(crate) fn list(&self, clips: bool, now: Instant) -> Option<SourceList> {
+    /// The list of sources while it is visible. `stays_open` is true while the user keeps it open.
+    pub(crate) fn list(&self, stays_open: bool, now: Instant) -> Option<SourceList> {
         let (sources, since) = self.list.as_ref()?;
         let present = self.present();
-        (clips || now.saturating_duration_since(*since) < LIST_STANDS).then(|| SourceList {
+        (stays_open || now.saturating_duration_since(*since) < LIST_STANDS).then(|| SourceList {
             names: sources.iter().map(|(_, name)| name.clone()).collect(),
             present: sources.iter().position(|(source, _)| *source == present),
         })

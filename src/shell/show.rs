@@ -36,7 +36,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
         return Err(SessionError::SongLost(trouble.clone()).into());
     }
     let (waker, messages, inbox) = inbox();
-    let backstage = BackgroundWork::start(&settings, &scene, &waker)?;
+    let background = BackgroundWork::start(&settings, &scene, &waker)?;
     let event_loop = match EventLoop::with_user_event().build() {
         Ok(event_loop) => event_loop,
         Err(_) if settings.gl_info => {
@@ -78,7 +78,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
             settings: &settings,
             scene: &scene,
             memory,
-            backstage,
+            background,
             screen,
             desktop: Box::new(move |position| {
                 Box::new(MediaControls::start(position, move || of_desktop.wake()))

@@ -33,6 +33,7 @@ pub struct Limits {
     pub latency_ms_max: f64,
 }
 
+/// The limits that apply.
 pub const LIMITS: Limits = Limits {
     channels_max: 32,
     bad_packets_in_a_row: 256,

@@ -54,6 +54,7 @@ const ANALYSIS_QUEUE: usize = 32;
 /// The settings of a new player.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayerOptions {
+    /// The output to play on.
     pub target: Target,
     /// The repeat mode; the list must have the same.
     pub repeat: Repeat,
@@ -163,7 +164,7 @@ impl Player {
         let track = first.info.clone();
         let listing = SharedListing::default();
         listing.tell(std::iter::once((track.id, ListedTrack::from(&*track))));
-        list.fraction(listing.clone());
+        list.fill_listing(listing.clone());
         let controls = Arc::new(Controls::new(options.volume, options.paused));
         let counters = Arc::new(Counters::default());
         let audible_segments = SharedAudibleSegments::default();

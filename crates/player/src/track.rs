@@ -259,7 +259,7 @@ pub trait TrackList: Send {
     fn set_order(&mut self, repeat: Repeat, shuffled: bool, current: u64);
 
     /// Keeps `listing` up to date with the list from now on. By default the listing keeps showing only the first track.
-    fn fraction(&mut self, _listing: SharedListing) {}
+    fn fill_listing(&mut self, _listing: SharedListing) {}
 
     /// Edits the list while the entry with id `playing` plays, and reports failures to `tell`. By default nothing
     /// changes.

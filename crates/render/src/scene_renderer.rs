@@ -70,6 +70,7 @@ impl SceneRenderer {
         self.renderer.read()
     }
 
+    /// The world that is drawn.
     pub fn world(&self) -> &World {
         self.resources.world()
     }

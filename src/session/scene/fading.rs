@@ -51,7 +51,7 @@ enum State {
     /// A fade in song time: its start in seconds, and the track and lap.
     WithSong(f64, (u64, u32)),
     /// A fade whose fraction is set by a show; `true` if the light of the frozen frame is kept.
-    ActionValue(f32, bool),
+    Given(f32, bool),
 }
 
 /// The frame that is beginning, as a fade needs to know it.
@@ -129,11 +129,11 @@ impl Fading {
     /// Sets the fraction of the frame held by a show in the next frames; `None` ends the fade.
     pub(super) fn mix_held(&mut self, fraction: Option<f32>) {
         match (fraction, self.state) {
-            (Some(fraction), State::ActionValue(_, kept)) => self.state = State::ActionValue(fraction, kept),
+            (Some(fraction), State::Given(_, kept)) => self.state = State::Given(fraction, kept),
             (Some(fraction), _) => {
-                (self.state, self.from) = (State::ActionValue(fraction, false), From::HeldPicture)
+                (self.state, self.from) = (State::Given(fraction, false), From::HeldPicture)
             }
-            (None, State::ActionValue(..)) => self.state = State::None,
+            (None, State::Given(..)) => self.state = State::None,
             (None, _) => {}
         }
     }
@@ -141,7 +141,7 @@ impl Fading {
     /// Notes that the show holds another frame: the last one drawn, which includes a fraction of the previously held
     /// one.
     pub(crate) fn hold_anew(&mut self) {
-        if let State::ActionValue(_, kept) = &mut self.state {
+        if let State::Given(_, kept) = &mut self.state {
             *kept = false;
         }
     }
@@ -185,7 +185,7 @@ impl Fading {
     pub(super) fn fraction_of_scene(&self, moment: &Moment) -> Option<f32> {
         match self.state {
             _ if self.from != From::Scene => None,
-            State::None | State::ActionValue(..) => None,
+            State::None | State::Given(..) => None,
             State::Wanted => Some(1.0),
             State::Going(_) => Some(self.fraction),
             State::WithSong(..) => self.fraction_in_song(moment),
@@ -214,14 +214,14 @@ impl Fading {
 
     /// Sets the renderer's fade before a frame is begun.
     pub(super) fn begin_picture(&mut self, renderer: &mut Renderer, begun: Begun<'_>) {
-        let keeps = matches!(self.state, State::Wanted | State::ActionValue(_, false)) && !begun.is_live;
+        let keeps = matches!(self.state, State::Wanted | State::Given(_, false)) && !begun.is_live;
         if keeps {
             let kept = renderer.keep_light().unwrap_or_else(|error: GpuError| {
                 tracing::info!("no fade: {error}");
                 false
             });
             match &mut self.state {
-                State::ActionValue(_, is_kept) => *is_kept = kept,
+                State::Given(_, is_kept) => *is_kept = kept,
                 state if !kept => *state = State::None,
                 _ => {}
             }
@@ -237,8 +237,8 @@ impl Fading {
             .replace(begun.now)
             .map_or(Duration::ZERO, |last| begun.now.saturating_duration_since(last));
         let fraction = match self.state {
-            State::None | State::ActionValue(_, false) => return None,
-            State::ActionValue(fraction, true) => Some(fraction),
+            State::None | State::Given(_, false) => return None,
+            State::Given(fraction, true) => Some(fraction),
             State::Wanted => {
                 self.announce();
                 let time = begun.moment.song_time;
@@ -359,9 +359,9 @@ mod tests {
         assert_eq!(fading.fraction_held(), 0.0);
         fading.mix_held(Some(0.25));
         assert_eq!(fading.step(begun(now, &at(4.0), true)), None, "its light is not kept yet");
-        fading.state = State::ActionValue(0.25, true);
+        fading.state = State::Given(0.25, true);
         fading.hold_anew();
-        assert_eq!(fading.state, State::ActionValue(0.25, false), "the light of another frame must be kept");
+        assert_eq!(fading.state, State::Given(0.25, false), "the light of another frame must be kept");
         fading.mix_held(None);
         assert!(!fading.goes_on());
     }

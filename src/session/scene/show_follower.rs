@@ -203,7 +203,7 @@ impl ShowFollower {
         let moment = prepared_show.at(time)?;
         let is_new = self.course.entered.is_none_or(|(index, _)| index != moment.index);
         if self.is_locked || now.is_written {
-            return self.clip(moment.leaving.is_some() && !is_new, now);
+            return self.keep_scene(moment.leaving.is_some() && !is_new, now);
         }
         if std::mem::take(&mut self.course.was_written) {
             // The user looks at the edited scene: the show returns with its next scene.
@@ -259,7 +259,7 @@ impl ShowFollower {
     }
 
     /// Keeps the scene regardless of the show. A transition in progress is completed.
-    fn clip(&mut self, is_under_way: bool, now: &Circumstances<'_>) -> Option<Step> {
+    fn keep_scene(&mut self, is_under_way: bool, now: &Circumstances<'_>) -> Option<Step> {
         self.course.was_written = now.is_written;
         match now.wanted {
             SceneSource::Blend(blend) if !is_under_way => {

@@ -52,12 +52,12 @@ impl Wall {
     pub(super) fn update(&mut self, window: &GlWindowContext) {
         let present = self.output_surfaces.present();
         self.hung.retain(|hung| {
-            let clips =
+            let stays =
                 present.iter().any(|output_surface| Arc::ptr_eq(output_surface, &hung.output_surface));
-            if !clips {
+            if !stays {
                 tracing::info!("the wallpaper leaves {}", hung.output_surface.name());
             }
-            clips
+            stays
         });
         for output_surface in present {
             let Some(extent) = output_surface.extent() else { continue };

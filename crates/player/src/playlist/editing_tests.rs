@@ -40,7 +40,7 @@ proptest! {
     ) {
         let mut list = Playlist::new(gather(&files(0, start)).entries);
         let shared = SharedListing::default();
-        list.fraction(shared.clone());
+        list.fill_listing(shared.clone());
         let mut model: Vec<usize> = (0..start).collect();
         let mut next = start;
         let playing = (playing % start) as u64;

@@ -299,7 +299,7 @@ impl TrackList for Playlist {
         self.arrange(repeat, shuffled, Some(current));
     }
 
-    fn fraction(&mut self, listing: SharedListing) {
+    fn fill_listing(&mut self, listing: SharedListing) {
         self.listing = listing;
         self.tell_listing();
     }

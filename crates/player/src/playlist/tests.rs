@@ -148,7 +148,7 @@ fn parts_of_a_file_have_their_names_and_lengths() {
     assert_eq!((opened.first.info.name.as_str(), opened.first.info.count), ("A - One", 2));
     // The second track is not open yet; its data comes from the sheet.
     let shared = SharedListing::default();
-    opened.list.fraction(shared.clone());
+    opened.list.fill_listing(shared.clone());
     let listed = &shared.tracks().entries[1];
     assert_eq!((listed.name.as_str(), listed.duration, listed.start), ("Two", None, Some(2.0 / 75.0)));
     assert!((opened.first.info.duration.unwrap() - 2.0 / 75.0).abs() < 1e-9);

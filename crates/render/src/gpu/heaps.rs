@@ -14,7 +14,7 @@
 const HEAPS: libc::c_int = 2;
 
 /// Makes all threads of the process share few heaps. Call it before starting other threads.
-pub fn fraction() {
+pub fn limit_heaps() {
     // SAFETY: takes two plain numbers, and the function locks the state that it changes.
     unsafe { libc::mallopt(libc::M_ARENA_MAX, HEAPS) };
 }

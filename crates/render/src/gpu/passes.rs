@@ -96,9 +96,9 @@ impl Passes {
         &self,
         program: &LazyProgram,
         target: &Target,
-        reported: [f32; 2],
+        numbers: [f32; 2],
     ) -> Result<(), GpuError> {
-        self.gl.replacing(|| self.cover(program, target, reported))
+        self.gl.replacing(|| self.cover(program, target, numbers))
     }
 
     /// Draws over a whole target and mixes a fraction, 0..1, of the result into it.
@@ -116,9 +116,9 @@ impl Passes {
     }
 
     /// Draws over a whole target, in bands if it is large.
-    fn cover(&self, program: &LazyProgram, target: &Target, reported: [f32; 2]) -> Result<(), GpuError> {
+    fn cover(&self, program: &LazyProgram, target: &Target, numbers: [f32; 2]) -> Result<(), GpuError> {
         let (width, height) = target.size();
-        self.post.set(&[1.0 / width as f32, 1.0 / height as f32, reported[0], reported[1]]);
+        self.post.set(&[1.0 / width as f32, 1.0 / height as f32, numbers[0], numbers[1]]);
         target.bind();
         program.bind(&self.gl)?;
         let rows = (BAND_PIXELS / width.max(1)).max(1);

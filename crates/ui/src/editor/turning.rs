@@ -23,7 +23,7 @@ struct Turn {
     /// Each number as it was grabbed, and its present range.
     numbers: Vec<(Number, Range<usize>)>,
     /// Pointer movement so far, in points at the usual speed.
-    held_numbers: f64,
+    moved: f64,
     /// Values of a triple before they are rounded for the text.
     exact: [f64; 3],
     held: Option<Held>,
@@ -140,7 +140,7 @@ impl HeldNumbers {
         let turn = Turn {
             file,
             numbers: numbers.into_iter().map(placed).collect(),
-            held_numbers: 0.0,
+            moved: 0.0,
             exact,
             held: None,
         };
@@ -180,9 +180,9 @@ impl HeldNumbers {
     /// Turns the number by a pointer movement.
     pub(super) fn turn(&mut self, points: f64, speed: TurnSpeed, texts: &mut Texts) -> Result<(), Refused> {
         let Some(turn) = &mut self.turn else { return Ok(()) };
-        turn.held_numbers += points * speed.factor();
+        turn.moved += points * speed.factor();
         let [(number, _)] = &turn.numbers[..] else { return Ok(()) };
-        let text = number.written(number.turned(turn.held_numbers, speed), speed);
+        let text = number.written(number.turned(turn.moved, speed), speed);
         self.write(&[text], texts)
     }
 

@@ -54,7 +54,7 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
         let _ = write!(
             page,
             "\n## {name}\n\n{}\n\n![{name}](gallery/{name}.jpg)\n\n![{name} at four moments](gallery/{name}-strip.jpg)\n",
-            reported(name)?
+            introduction(name)?
         );
         let figures = Figures::of(&SceneSource::Shipped(name.clone()), &sounds)?;
         println!("{name}: {figures}");
@@ -117,7 +117,7 @@ fn write_jpeg(path: &Path, picture: RgbaImage) -> anyhow::Result<()> {
 }
 
 /// What a scene's text says of it: the comment that it begins with.
-fn reported(name: &str) -> anyhow::Result<String> {
+fn introduction(name: &str) -> anyhow::Result<String> {
     let path = Path::new(crate::root::ROOT).join(format!("assets/scenes/{name}.scene"));
     let text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
     let lines = text.lines().map_while(|line| line.strip_prefix('#'));
