@@ -39,12 +39,12 @@ fn a_screen_reader_finds_the_buttons_and_steers_the_song() {
 
     // Nothing of the bar is seen, and yet all of it is there.
     reader.listen(true);
-    let pause = wait_for(&reader, TOGGLE, "pause, or go on (Space)");
+    let pause = wait_for(&reader, TOGGLE, "pause or resume (Space)");
     assert!(!reader.is_on(&pause));
     reader.press(&pause);
     app.wait_for_title("paused", |title| title.contains("paused"));
     wait_until("the state of the button", || reader.is_on(&pause));
-    wait_for(&reader, BUTTON, "the next track");
+    wait_for(&reader, BUTTON, "next track");
     let volume = wait_for(&reader, SLIDER, "volume");
     reader.set_value(&volume, 40.0);
     wait_until("the volume", || {
@@ -56,11 +56,11 @@ fn a_screen_reader_finds_the_buttons_and_steers_the_song() {
         reader.value(&position).parse().is_ok_and(|value: f64| (value - 30.0).abs() < 1.0)
     });
     // Lists open, and what is in them can be chosen.
-    reader.press(&wait_for(&reader, TOGGLE, "the list of tracks"));
+    reader.press(&wait_for(&reader, TOGGLE, "track list"));
     wait_until("the track in the list", || {
         reader.controls().iter().any(|control| control.name.starts_with("song.wav") && control.role != LABEL)
     });
-    reader.press(&wait_for(&reader, TOGGLE, "the list of tracks"));
+    reader.press(&wait_for(&reader, TOGGLE, "track list"));
 
     reader.listen(false);
     wait_until("silence", || find(&reader, TOGGLE, "pause").is_none());

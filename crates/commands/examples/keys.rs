@@ -1,4 +1,4 @@
-//! Prints the table of keys, and what controllers can send: `cargo run -p mariana-commands --example keys`.
+//! Prints the table of keys and the commands for controllers: `cargo run -p mariana-commands --example keys`.
 
 fn main() {
     println!("{}", mariana_commands::markdown_table());

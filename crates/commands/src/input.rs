@@ -1,22 +1,22 @@
-//! Keys and pointers as the show knows them, independent of the window system. The shell translates the window's events
-//! into these; tests make them directly.
+//! Keyboard, pointer and touch input, independent of the window system. The shell translates window events into these
+//! types; tests construct them directly.
 
 use std::path::PathBuf;
 
 use bitflags::bitflags;
 
-/// A key by what it types or is called. Tables write their letters as `Key<&'static str>`, in lower case.
+/// A key, by the text it types or by its name. Key bindings use `Key<&'static str>` with lower-case letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Key<Text = String> {
     /// A key that types text.
     Character(Text),
     /// A key with a name.
     Named(NamedKey),
-    /// Any other.
+    /// Any other key.
     Other,
 }
 
-/// The keys with names that something is bound to.
+/// The named keys that have a binding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "the names say it")]
 pub enum NamedKey {
@@ -45,7 +45,7 @@ pub enum NamedKey {
 }
 
 bitflags! {
-    /// The keys that are held and change what others do.
+    /// Modifier keys that are held down.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
     pub struct Modifiers: u8 {
         /// Shift.
@@ -54,99 +54,99 @@ bitflags! {
         const CONTROL = 2;
         /// Alt, or Option on a Mac.
         const ALT = 4;
-        /// The system's key, or Command on a Mac.
+        /// The Super (Windows) key, or Command on a Mac.
         const SUPER = 8;
     }
 }
 
 impl Modifiers {
-    /// Whether Shift is held.
+    /// True if Shift is held.
     pub fn shift_key(self) -> bool {
         self.contains(Self::SHIFT)
     }
 
-    /// Whether Ctrl is held.
+    /// True if Ctrl is held.
     pub fn control_key(self) -> bool {
         self.contains(Self::CONTROL)
     }
 
-    /// Whether Alt is held.
+    /// True if Alt is held.
     pub fn alt_key(self) -> bool {
         self.contains(Self::ALT)
     }
 
-    /// Whether the system's key is held.
+    /// True if the Super key is held.
     pub fn super_key(self) -> bool {
         self.contains(Self::SUPER)
     }
 }
 
-/// A key that goes down, or is held and repeats.
+/// A key press, or a repeat while the key is held.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KeyPress {
     /// The key.
     pub key: Key,
-    /// The letter in its place on a keyboard with Latin letters, in lower case, where that is known.
+    /// The letter of this key on a Latin keyboard, in lower case, if known.
     pub latin: Option<char>,
-    /// The text that it types, if any.
+    /// The text that the key types, if any.
     pub text: Option<String>,
-    /// Whether it is held.
+    /// True for the repeats of a held key.
     pub repeat: bool,
 }
 
-/// Something that a user does in the window. Places are pixels of the window.
+/// A user's input to the window. Positions are in window pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Input {
-    /// A key goes down.
+    /// A key is pressed.
     Key(KeyPress),
-    /// The keys that are held are others than before.
+    /// The set of held modifier keys has changed.
     Modifiers(Modifiers),
-    /// An input method has put letters together.
+    /// An input method commits text.
     Text(String),
-    /// An input method shows letters that it is putting together.
+    /// An input method's text that is not committed yet.
     Composing(String),
-    /// The pointer is at a place.
+    /// The pointer moves to this position.
     PointerMoved([f64; 2]),
     /// The pointer has left the window.
     PointerLeft,
-    /// A button of the pointer goes down or up.
+    /// A pointer button is pressed or released.
     PointerButton {
-        /// Which.
+        /// The button.
         button: PointerButton,
-        /// Whether it goes down.
+        /// True when it is pressed.
         pressed: bool,
     },
     /// The wheel turns.
     Wheel(Wheel),
-    /// A finger touches a place, moves to it, or is lifted there.
+    /// A finger touches the screen, moves, or is lifted.
     Touch {
-        /// The number of the finger.
+        /// The finger's number.
         finger: u64,
-        /// What it does.
+        /// The phase of the touch.
         phase: TouchPhase,
-        /// The place.
+        /// The finger's position.
         place: [f64; 2],
     },
-    /// The window gets the keyboard, or loses it.
+    /// The window gains (`true`) or loses keyboard focus.
     Focused(bool),
-    /// A file was dropped on the window. Each of several comes as an event of its own.
+    /// A file is dropped on the window. Several files arrive as one event each.
     Dropped(PathBuf),
 }
 
 /// A button of the pointer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PointerButton {
-    /// The left one.
+    /// The left button.
     Primary,
-    /// The right one.
+    /// The right button.
     Secondary,
-    /// The wheel.
+    /// The wheel as a button.
     Middle,
-    /// Any other.
+    /// Any other button.
     Other,
 }
 
-/// How far a wheel turns, to the right and down or, as systems count, positive for content that moves to the right and
+/// A scroll distance to the right and down. The sign follows the window system: positive moves the content right and
 /// down.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Wheel {
@@ -156,15 +156,15 @@ pub enum Wheel {
     Pixels([f64; 2]),
 }
 
-/// What a finger does.
+/// The phase of a touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TouchPhase {
-    /// It touches.
+    /// The finger touches the screen.
     Started,
-    /// It moves.
+    /// The finger moves.
     Moved,
-    /// It is lifted.
+    /// The finger is lifted.
     Ended,
-    /// The system takes the touch for something else.
+    /// The system takes over the touch.
     Cancelled,
 }

@@ -1,19 +1,20 @@
-//! Everything that a user can ask for: one [`Command`] for each, and one row of a table that says how it is reached.
+//! The commands of Mariana: one [`Command`] for each thing a user can ask for, and one table with its keys, controller
+//! name and help text.
 //!
 //! Keys, buttons, the settings panel, OSC, MIDI, phones, media keys and dropped files all send commands, and the show
-//! carries them out in one place (`session::carrying_out`). The help, README's table of keys, the addresses of OSC,
-//! the targets of MIDI mappings and the buttons of the page for phones are made from the table.
+//! carries them out in one function (`session::carrying_out`). The key help, the key table in `docs/reference.md`, the
+//! OSC addresses, the MIDI targets and the buttons of the phone page are made from the table.
 //!
-//! A new command takes two places: its row here, and its arm where commands are carried out.
+//! A new command needs two edits: a row in the table (`table.rs`), and a match arm in `session::carrying_out`.
 //!
 //! ```
 //! use mariana_commands::input::{Key, Modifiers};
 //! use mariana_commands::{Command, Switch};
-//! use mariana_control::deed::{Deed, Given};
+//! use mariana_control::action::{Action, ActionValue};
 //!
 //! let typed = Command::of_key(&Key::Character("m".to_owned()), Modifiers::empty(), false);
 //! assert_eq!(typed, Some(Command::Mute(Switch::Toggle)));
-//! let sent = Command::of_controller(&Deed { name: "mute", given: Given::Number(1.0) });
+//! let sent = Command::of_controller(&Action { name: "mute", given: ActionValue::Number(1.0) });
 //! assert_eq!(sent, Some(Command::Mute(Switch::On)));
 //! ```
 
@@ -32,19 +33,19 @@ pub use table::{
 use crate::input::{Key, Modifiers};
 use mariana_control::action::{Action, ActionRow, ActionValue, ValueType};
 
-/// On, off, or the other of the two.
+/// A new state for a switch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Switch {
     /// On.
     On,
     /// Off.
     Off,
-    /// Off if it is on, and on if it is off.
+    /// The opposite of the current state.
     Toggle,
 }
 
 impl Switch {
-    /// Returns the state that follows from `on`.
+    /// Returns the state of a switch that is now `on`.
     pub fn applied_to(self, on: bool) -> bool {
         match self {
             Self::On => true,
@@ -60,84 +61,84 @@ impl From<bool> for Switch {
     }
 }
 
-/// A panel that opens over the picture; one at a time is open.
+/// A panel over the image. Only one is open at a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Panel {
-    /// The list of tracks.
+    /// The track list.
     Tracks,
-    /// The sources that can be listened to.
+    /// The audio sources.
     Sources,
-    /// The scenes.
+    /// The list of scenes.
     Scenes,
-    /// Files to open.
+    /// The file browser.
     Files,
-    /// The settings that are remembered.
+    /// The settings.
     Settings,
-    /// The text of the scene.
+    /// The scene editor.
     Editor,
-    /// MIDI, OSC and phones, and the mappings of knobs.
+    /// MIDI, OSC, phones and their mappings.
     Controllers,
-    /// The corners of the picture.
+    /// The corners of the image on the screen.
     Corners,
 }
 
-/// A scene as a controller names it.
+/// A reference to a scene, as controllers send it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SceneName {
-    /// By its title.
+    /// Its title.
     Title(String),
-    /// By its number in the list of scenes, from 1, marked ones first.
+    /// Its number in the list of scenes, from 1. Marked scenes come first.
     Number(usize),
 }
 
-/// Who sends a command.
+/// The origin of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sender {
-    /// A key, the pointer, or a file that was dropped on the window.
+    /// A key, the pointer, or a dropped file.
     Window,
-    /// A controller: MIDI, OSC or a phone. A phone gets only the rows that [`Row::for_phones`] allows.
+    /// A controller: MIDI, OSC or a phone. A phone may send only the rows that [`Row::for_phones`] allows.
     Controller,
-    /// Media keys and the desktop's player controls.
+    /// Media keys and the desktop's media player controls.
     Desktop,
 }
 
-/// How a controller reaches a command: the type of the value that it sends, and the command that this makes.
+/// The kind of value that a controller sends for a command, and the command it becomes.
 #[derive(Debug, Clone, Copy)]
 pub enum Control {
-    /// A button.
+    /// A button without a value.
     Press(fn() -> Command),
-    /// On or off; without a value the other of the two.
+    /// On or off. Without a value, the switch toggles.
     Switch(fn(Switch) -> Command),
-    /// A share, 0..1.
+    /// A value from 0 to 1.
     Level(fn(f32) -> Command),
-    /// A number in units of its own; without a value, the second one or none.
+    /// A number in the command's unit. Without a value, the default in the second field applies, if there is one.
     Number(fn(f32) -> Command, Option<f32>),
     /// A scene.
     Scene(fn(SceneName) -> Command),
 }
 
-/// What a row says about a command.
+/// A command's entry in the table.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
-    /// The name in OSC addresses, mappings of MIDI and on phones: small letters and underscores. It never changes,
-    /// because files of users contain it.
+    /// The name in OSC addresses, MIDI mappings and phone requests: lower-case letters and underscores. It must never
+    /// change: users' files contain it.
     pub name: Option<&'static str>,
-    /// How a controller reaches it.
+    /// The value that controllers send for it.
     pub control: Option<Control>,
-    /// The keys that send the command.
+    /// The keys of the command.
     pub bindings: &'static [Binding],
-    /// The effect in words, where no key says it.
+    /// The help text of a command without keys.
     pub help: &'static str,
-    /// Whether a switch is on.
+    /// Returns the state of a switch.
     pub is_on: Option<fn(&ShowState) -> bool>,
-    /// The value of a level, 0..1.
+    /// Returns the value of a level, 0..1.
     pub level: Option<fn(&ShowState) -> Option<f32>>,
-    /// Whether phones may send it: their requests write no file.
+    /// True if phones may send it. Phones must not cause files to be written.
     pub for_phones: bool,
 }
 
 impl Row {
-    /// A command without a key and a name: only panels send it.
+    /// A row without keys and name: only panels send the command.
     pub const PLAIN: Self = Self {
         name: None,
         control: None,
@@ -148,7 +149,7 @@ impl Row {
         for_phones: true,
     };
 
-    /// Returns the row as controllers see it, if it has a name.
+    /// Returns the row for controllers, if the command has a name.
     fn for_controllers(&self) -> Option<ActionRow> {
         let name = self.name?;
         let takes = match self.control? {
@@ -161,15 +162,14 @@ impl Row {
         Some(ActionRow { name, takes, meaning: self.words() })
     }
 
-    /// Returns the effect in words.
+    /// Returns the help text.
     pub fn words(&self) -> &'static str {
         self.bindings.first().map_or(self.help, |binding| binding.help)
     }
 }
 
 impl Command {
-    /// Returns the command that a controller's action asks for; `None` if the table has no such name or the value
-    /// does not fit.
+    /// Returns the command for a controller's action, or `None` if the name is unknown or the value does not fit.
     pub fn of_controller(action: &Action) -> Option<Self> {
         let row = ROWS.iter().find(|row| row.name == Some(action.name))?;
         let number = match action.given {
@@ -191,8 +191,8 @@ impl Command {
         })
     }
 
-    /// Returns the command that a key sends, if any; `repeated` while it is held. With Ctrl, Alt or the system's key it
-    /// sends none: those belong to the desktop and to later keys.
+    /// Returns the command for a key press, if any; `repeated` is true while the key is held. Combinations with Ctrl,
+    /// Alt or Super are left to the desktop.
     pub fn of_key(key: &Key, held: Modifiers, repeated: bool) -> Option<Self> {
         if held.intersects(Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER) {
             return None;
@@ -215,12 +215,12 @@ impl Command {
         shifted.or(binding.keys.get(place).map(|(_, command)| command)).cloned()
     }
 
-    /// Returns the binding of the keys that send exactly this command.
+    /// Returns the binding whose keys send exactly this command.
     pub fn binding(&self) -> Option<&'static Binding> {
         self.row().bindings.iter().find(|binding| binding.keys.iter().any(|(_, bound)| bound == self))
     }
 
-    /// Returns whether the command asks a switch for the state that it has already.
+    /// Returns true if the command would switch something to the state it already has.
     pub fn is_done_already(&self, state: &ShowState) -> bool {
         let Row { control: Some(Control::Switch(command)), is_on: Some(is_on), .. } = self.row() else {
             return false;
@@ -229,19 +229,19 @@ impl Command {
     }
 }
 
-/// The commands with a name, as devices and networks see them.
+/// The named commands, for MIDI and OSC.
 pub fn for_controllers() -> &'static [ActionRow] {
     static TABLE: OnceLock<Vec<ActionRow>> = OnceLock::new();
     TABLE.get_or_init(|| ROWS.iter().filter_map(Row::for_controllers).collect())
 }
 
-/// The commands with a name that phones may send.
+/// The named commands that phones may send.
 pub fn for_phones() -> &'static [ActionRow] {
     static TABLE: OnceLock<Vec<ActionRow>> = OnceLock::new();
     TABLE.get_or_init(|| ROWS.iter().filter(|row| row.for_phones).filter_map(Row::for_controllers).collect())
 }
 
-/// The named switches, and whether each is on.
+/// The named switches with their states.
 pub fn switches(state: &ShowState) -> Vec<(&'static str, bool)> {
     ROWS.iter().filter_map(|row| Some((row.name?, (row.is_on?)(state)))).collect()
 }
@@ -251,12 +251,12 @@ pub fn levels(state: &ShowState) -> Vec<(&'static str, f32)> {
     ROWS.iter().filter_map(|row| Some((row.name?, (row.level?)(state)?))).collect()
 }
 
-/// All bindings of keys, in the order of the help.
+/// All key bindings, in the order of the help.
 pub fn bindings() -> impl Iterator<Item = &'static Binding> {
     ROWS.iter().flat_map(|row| row.bindings)
 }
 
-/// README's table of keys.
+/// Returns the table of keys in `docs/reference.md`.
 pub fn markdown_table() -> String {
     let mut text = String::from("| key | what it does |\n|---|---|\n");
     for binding in bindings() {
@@ -295,7 +295,7 @@ mod tests {
         );
         let left = Command::of_key(&Key::Named(NamedKey::ArrowLeft), NONE, true);
         assert_eq!(left, Some(Command::SeekBy(-SEEK_SECONDS)));
-        // With caps lock on, V is typed as with Shift.
+        // With Caps Lock on, the V key types "V" without Shift.
         assert_eq!(pressed("V", NONE, false), Some(Command::NextView));
         assert_eq!(pressed("V", Modifiers::SHIFT, false), Some(Command::PreviousView));
     }
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn the_words_of_a_seek_name_its_length() {
+    fn seek_help_names_the_seconds() {
         for (binding, (_, command)) in bindings().flat_map(|b| b.keys.iter().map(move |key| (b, key))) {
             if let Command::SeekBy(seconds) = command {
                 assert!(binding.help.contains(&format!("{} s", seconds.abs())), "{}", binding.help);
@@ -318,16 +318,16 @@ mod tests {
     }
 
     #[test]
-    fn every_name_is_unique_fits_an_address_and_says_what_it_does() {
+    fn names_are_unique_valid_in_addresses_and_have_help() {
         let rows = for_controllers();
         assert!(rows.len() > 20, "{}", rows.len());
         for (place, row) in rows.iter().enumerate() {
             assert!(row.name.chars().all(|c| c.is_ascii_lowercase() || c == '_'), "{}", row.name);
-            assert!(!row.meaning.is_empty(), "{} has no words", row.name);
-            assert!(rows[..place].iter().all(|other| other.name != row.name), "{} is there twice", row.name);
+            assert!(!row.meaning.is_empty(), "{} has no help text", row.name);
+            assert!(rows[..place].iter().all(|other| other.name != row.name), "{} appears twice", row.name);
             assert!(
                 !["param", "query", "sound"].contains(&row.name),
-                "{} is an address of its own",
+                "{} is reserved for another OSC address",
                 row.name
             );
         }
@@ -343,13 +343,13 @@ mod tests {
     }
 
     #[test]
-    fn phones_cause_no_file_to_be_written() {
+    fn phones_cannot_start_a_recording() {
         assert!(for_controllers().iter().any(|row| row.name == "record"));
         assert!(for_phones().iter().all(|row| row.name != "record"));
     }
 
     #[test]
-    fn a_switch_that_is_on_already_is_left_alone() {
+    fn a_switch_already_in_the_requested_state_is_done() {
         let action = |given| Action { name: "pause", given };
         let pause = |given| Command::of_controller(&action(given)).unwrap();
         let (playing, paused) = (ShowState::default(), ShowState { paused: true, ..ShowState::default() });
@@ -361,7 +361,7 @@ mod tests {
     }
 
     #[test]
-    fn values_become_commands_or_are_left() {
+    fn values_become_commands_or_are_ignored() {
         let of = |name, given| Command::of_controller(&Action { name, given });
         assert_eq!(of("next", ActionValue::Nothing), Some(Command::NextScene));
         assert_eq!(of("volume", ActionValue::Number(0.5)), Some(Command::Volume(0.5)));

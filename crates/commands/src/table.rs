@@ -1,4 +1,4 @@
-//! The table of commands.
+//! The table of commands: keys, controller names and help texts.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -10,31 +10,31 @@ use mariana_player::track::Repeat;
 use mariana_scenes::SceneSource;
 use mariana_settings::{KnobEdit, Setting};
 
-/// Seconds of a seek by key.
+/// The distance of a seek by key, in seconds.
 pub const SEEK_SECONDS: f64 = 5.0;
-/// Step of the volume by key, as a share of 1.
+/// The step of the volume by key, on a scale of 0..1.
 pub const VOLUME_STEP: f32 = 0.05;
 
-/// Step of the picture's delay by key, in milliseconds.
+/// The step of the image delay by key, in milliseconds.
 pub const SHIFT_STEP_MS: f64 = 5.0;
 
-/// Makes [`Command`] and its table from one row for each command.
+/// Defines [`Command`] and its table from one row per command.
 macro_rules! commands {
     ($( $(#[$doc:meta])* $variant:ident $( ( $value:ty ) )? { $($field:ident: $of_row:expr),* $(,)? } )*) => {
-        /// Something that a user asks for.
+        /// A request of the user.
         #[derive(Debug, Clone, PartialEq)]
         pub enum Command {
             $( $(#[$doc])* $variant $( ($value) )?, )*
         }
 
-        /// The table: one row for each command, in the order of the help.
+        /// One row per command, in the order of the help.
         pub static ROWS: &[Row] = &[$( Row { $($field: $of_row,)* ..Row::PLAIN } ),*];
 
-        /// The places of the rows.
+        /// The indices of the rows.
         enum Place { $($variant),* }
 
         impl Command {
-            /// Returns the command's row.
+            /// Returns the command's row of the table.
             pub fn row(&self) -> &'static Row {
                 let place = match self { $( Self::$variant { .. } => Place::$variant ),* };
                 &ROWS[place as usize]
@@ -43,7 +43,7 @@ macro_rules! commands {
     };
 }
 
-/// Binds keys that all send the same command.
+/// Binds several keys to one command.
 macro_rules! keys {
     ($($key:expr),+ => $command:expr, $written:literal, $help:literal $(, $field:ident: $value:expr)*) => {
         Binding { keys: &[$(($key, $command)),+], written: $written, help: $help, $($field: $value,)* ..Binding::ONCE }
@@ -54,12 +54,12 @@ use Command as C;
 use Switch::Toggle;
 
 commands! {
-    /// Pauses the sound, or lets it run.
+    /// Pauses or resumes playback.
     Pause(Switch) {
         name: Some("pause"),
         control: Some(Control::Switch(C::Pause)),
         is_on: Some(|state| state.paused),
-        bindings: &[keys!(Key::Named(NamedKey::Space), Key::Named(NamedKey::MediaPlayPause) => C::Pause(Toggle), "Space", "pause, or go on")],
+        bindings: &[keys!(Key::Named(NamedKey::Space), Key::Named(NamedKey::MediaPlayPause) => C::Pause(Toggle), "Space", "pause or resume")],
     }
     /// Seeks by this many seconds.
     SeekBy(f64) {
@@ -68,16 +68,16 @@ commands! {
             keys!(Key::Named(NamedKey::ArrowRight) => C::SeekBy(SEEK_SECONDS), "Right", "forward 5 s", repeats: true),
         ],
     }
-    /// Goes to this time of the track, in seconds.
+    /// Seeks to this time in the track, in seconds.
     SeekTo(f64) {}
-    /// Goes to this share of the track, 0..1.
+    /// Seeks to this position in the track, 0..1.
     Position(f32) {
         name: Some("position"),
         control: Some(Control::Level(C::Position)),
         level: Some(|state| state.position),
-        help: "this place in the track, from 0 at its start to 1 at its end",
+        help: "seek to this position in the track, from 0 (start) to 1 (end)",
     }
-    /// Changes the volume by this much of 0..1.
+    /// Changes the volume by this amount, on a scale of 0..1.
     VolumeBy(f32) {
         bindings: &[
             keys!(Key::Named(NamedKey::ArrowUp) => C::VolumeBy(VOLUME_STEP), "Up", "louder", repeats: true),
@@ -89,111 +89,111 @@ commands! {
         name: Some("volume"),
         control: Some(Control::Level(C::Volume)),
         level: Some(|state| state.volume),
-        help: "this volume, from 0 to 1",
+        help: "set the volume, from 0 to 1",
     }
-    /// Mutes the song, or unmutes it.
+    /// Mutes or unmutes the song.
     Mute(Switch) {
         name: Some("mute"),
         control: Some(Control::Switch(C::Mute)),
         is_on: Some(|state| state.muted),
-        bindings: &[keys!(Key::Character("m") => C::Mute(Toggle), "M", "mute, or unmute; the picture goes on")],
+        bindings: &[keys!(Key::Character("m") => C::Mute(Toggle), "M", "mute or unmute; the image keeps moving")],
     }
-    /// Takes this moment as a beat.
+    /// Counts this moment as a beat of a tapped tempo.
     Tap {
         name: Some("beat"),
         control: Some(Control::Press(|| C::Tap)),
         bindings: &[keys!(
-            Key::Character("t") => C::Tap, "T", "tap the tempo; a single tap returns to the detected one"
+            Key::Character("t") => C::Tap, "T", "tap the tempo; a single tap returns to the detected tempo"
         )],
     }
-    /// Sets the tempo, in beats per minute; 0 returns to the detected one.
+    /// Sets the tempo in beats per minute; 0 returns to the detected tempo.
     Tempo(f32) {
         name: Some("tempo"),
         control: Some(Control::Number(C::Tempo, Some(0.0))),
-        help: "this tempo, in beats per minute; 0 returns to the detected one",
+        help: "set the tempo in beats per minute; 0 returns to the detected tempo",
     }
-    /// Goes to the next track.
+    /// Plays the next track.
     NextTrack {
         name: Some("next_track"),
         control: Some(Control::Press(|| C::NextTrack)),
-        bindings: &[keys!(Key::Named(NamedKey::PageDown), Key::Named(NamedKey::MediaTrackNext) => C::NextTrack, "Page down", "the next track")],
+        bindings: &[keys!(Key::Named(NamedKey::PageDown), Key::Named(NamedKey::MediaTrackNext) => C::NextTrack, "Page down", "next track")],
     }
-    /// Goes to the start of the track, or to the previous one.
+    /// Returns to the start of the track, or plays the previous one.
     PreviousTrack {
         name: Some("previous_track"),
         control: Some(Control::Press(|| C::PreviousTrack)),
         bindings: &[keys!(
             Key::Named(NamedKey::PageUp), Key::Named(NamedKey::MediaTrackPrevious) => C::PreviousTrack,
-            "Page up", "the track's start, or the previous track"
+            "Page up", "start of the track, or previous track"
         )],
     }
-    /// Plays the tracks in random order, or in the list's.
+    /// Plays the tracks in random order or in list order.
     Shuffle(Switch) {
         control: Some(Control::Switch(C::Shuffle)),
         is_on: Some(|state| state.shuffled),
         bindings: &[keys!(
-            Key::Character("s") => C::Shuffle(Toggle), "S", "tracks in random order, or in list order"
+            Key::Character("s") => C::Shuffle(Toggle), "S", "play tracks in random order or in list order"
         )],
     }
-    /// Repeats all tracks, then one, then none.
+    /// Switches between repeating all tracks, one, or none.
     NextRepeat {
-        bindings: &[keys!(Key::Character("l") => C::NextRepeat, "L", "repeat all tracks, this one, or none")],
+        bindings: &[keys!(Key::Character("l") => C::NextRepeat, "L", "repeat all tracks, one track, or none")],
     }
-    /// Sets which tracks are repeated.
+    /// Sets the repeat mode.
     Repeat(Repeat) {}
-    /// Plays the entry at this place of the list of tracks, from 0.
+    /// Plays this entry of the track list, from 0.
     PlayTrack(usize) {}
-    /// Removes the entry at this place of the list of tracks.
+    /// Removes this entry from the track list, from 0.
     RemoveTrack(usize) {}
-    /// Moves an entry of the list of tracks from the first place to the second.
+    /// Moves an entry of the track list from the first index to the second.
     MoveTrack((usize, usize)) {}
-    /// Plays files and shows the scenes among them.
+    /// Plays the tracks and shows the scenes among these files.
     Open(Files) {}
-    /// Listens to the next source.
+    /// Switches to the next audio source.
     NextSource {
         bindings: &[keys!(
             Key::Character("d") => C::NextSource,
-            "D", "the next source: the song, what the computer plays, inputs"
+            "D", "next source: the song, the computer's sound, or an input"
         )],
     }
-    /// Listens to the source at this place of the list that is shown.
+    /// Switches to this entry of the displayed source list.
     Listen(usize) {}
-    /// Shows the picture later by this many steps of 5 ms.
+    /// Delays the image by this many steps of 5 ms.
     DelayBy(f64) {
         bindings: &[
             keys!(
                 Key::Character("[") => C::DelayBy(-1.0),
-                "[", "the picture 5 ms sooner; remembered for the device", repeats: true
+                "[", "show the image 5 ms earlier; stored per device", repeats: true
             ),
             keys!(
                 Key::Character("]") => C::DelayBy(1.0),
-                "]", "the picture 5 ms later, for headphones or a TV that lags", repeats: true
+                "]", "show the image 5 ms later, for headphones or a slow TV", repeats: true
             ),
         ],
     }
-    /// Shows the picture this much later.
+    /// Sets the delay of the image.
     Delay(Delay) {}
-    /// Opens a panel instead of the one that is open, or closes it.
+    /// Opens a panel and closes any other, or closes it if it is open.
     TogglePanel(Panel) {
         bindings: &[
-            keys!(Key::Character("u") => C::TogglePanel(Panel::Tracks), "U", "the list of tracks"),
-            keys!(Key::Character("o") => C::TogglePanel(Panel::Files), "O", "open music, folders, lists, scenes"),
-            keys!(Key::Character("b") => C::TogglePanel(Panel::Scenes), "B", "all scenes, with pictures"),
+            keys!(Key::Character("u") => C::TogglePanel(Panel::Tracks), "U", "track list"),
+            keys!(Key::Character("o") => C::TogglePanel(Panel::Files), "O", "open music, folders, playlists or scenes"),
+            keys!(Key::Character("b") => C::TogglePanel(Panel::Scenes), "B", "all scenes, with preview images"),
             keys!(
                 Key::Character("e") => C::TogglePanel(Panel::Editor),
-                "E", "the editor: the text of this scene, over the picture"
+                "E", "edit this scene, over the image"
             ),
             keys!(
                 Key::Character("g") => C::TogglePanel(Panel::Settings),
-                "G", "settings: output, latency, quality, flashes, tone map, gain"
+                "G", "settings: output, latency, quality, flashes and more"
             ),
             keys!(
                 Key::Character("j") => C::TogglePanel(Panel::Controllers),
-                "J", "knobs from outside, learning them: MIDI, OSC, phones"
+                "J", "controllers: MIDI, OSC, phones, and their mappings"
             ),
             keys!(
                 Key::Character("y") => C::TogglePanel(Panel::Corners),
-                "Y", "drag the picture's corners, for a slanted projector"
+                "Y", "drag the image's corners, for a projector at an angle"
             ),
         ],
     }
@@ -201,21 +201,21 @@ commands! {
     NextScene {
         name: Some("next"),
         control: Some(Control::Press(|| C::NextScene)),
-        bindings: &[keys!(Key::Character("n") => C::NextScene, "N", "the next scene")],
+        bindings: &[keys!(Key::Character("n") => C::NextScene, "N", "next scene")],
     }
     /// Shows the previous scene.
     PreviousScene {
         name: Some("previous"),
         control: Some(Control::Press(|| C::PreviousScene)),
-        bindings: &[keys!(Key::Character("p") => C::PreviousScene, "P", "the previous scene")],
+        bindings: &[keys!(Key::Character("p") => C::PreviousScene, "P", "previous scene")],
     }
-    /// Shows the scene that a controller names.
+    /// Shows the scene named by a controller.
     Scene(SceneName) {
         name: Some("scene"),
         control: Some(Control::Scene(C::Scene)),
-        help: "this scene, by its name or its number; marked ones come first",
+        help: "show this scene, by title or by number; marked scenes come first",
     }
-    /// Shows the scene at this place of the list of scenes, from 0, marked ones first.
+    /// Shows this entry of the list of scenes, from 0. Marked scenes come first.
     SceneAt(usize) {
         bindings: &[Binding {
             keys: &[
@@ -231,56 +231,56 @@ commands! {
                 (Key::Character("0"), C::SceneAt(9)),
             ],
             written: "1 to 9, 0",
-            help: "the first ten scenes of that list, marked ones first",
+            help: "the first ten scenes of the list; marked scenes come first",
             ..Binding::ONCE
         }],
     }
     /// Shows a scene.
     ShowScene(Box<SceneSource>) {}
-    /// Loads the scene again, with the texts that are being edited.
+    /// Reloads the scene, including unsaved edits in the editor.
     ReloadScene {}
-    /// Gives numbers of a scene's text other values for the next frames, without reading the text again.
+    /// Sets numbers of a scene's text for the next frames, without parsing the text again.
     TurnNumbers(TurnedNumbers) {}
-    /// Marks the scenes with these titles, and no others.
+    /// Marks exactly the scenes with these titles.
     MarkScenes(BTreeSet<String>) {}
-    /// Cuts from scene to scene by hand, or fades.
+    /// Makes manual scene changes cuts or fades.
     Cut(Switch) {
         name: Some("cut"),
         control: Some(Control::Switch(C::Cut)),
         is_on: Some(|state| state.cuts),
-        help: "cut from scene to scene by hand, or fade",
+        help: "cut instead of fading at manual scene changes",
     }
-    /// Fades from scene to scene by hand in this many seconds; 0 cuts.
+    /// Sets the duration of manual fades in seconds; 0 cuts.
     Fade(f32) {
         name: Some("fade"),
         control: Some(Control::Number(C::Fade, None)),
-        help: "so many seconds for a fade from scene to scene by hand; 0 cuts",
+        help: "duration of manual fades in seconds; 0 cuts",
     }
-    /// Lets the scenes follow the song, or not.
+    /// Turns automatic scene changes on or off.
     Follow(Switch) {
         name: Some("follow"),
         control: Some(Control::Switch(C::Follow)),
         is_on: Some(|state| state.follows),
         bindings: &[keys!(
-            Key::Character("a") => C::Follow(Toggle), "A", "turn the show on or off: scenes that follow the song"
+            Key::Character("a") => C::Follow(Toggle), "A", "turn automatic scene changes (the show) on or off"
         )],
     }
-    /// Keeps the scene while scenes follow the song, or not.
+    /// Keeps the current scene while scenes follow the song, or releases it.
     Keep(Switch) {
         name: Some("keep"),
         control: Some(Control::Switch(C::Keep)),
         is_on: Some(|state| state.kept),
         bindings: &[keys!(
-            Key::Character("k") => C::Keep(Toggle), "K", "keep this scene while scenes follow the song, or not"
+            Key::Character("k") => C::Keep(Toggle), "K", "keep this scene although scenes follow the song"
         )],
     }
-    /// Goes to the next entry of a show file that waits for a key.
+    /// Fires the next cue of a show file that waits for a key.
     NextCue {
         name: Some("cue"),
         control: Some(Control::Press(|| C::NextCue)),
-        bindings: &[keys!(Key::Named(NamedKey::Enter) => C::NextCue, "Enter", "the next cue of a show file")],
+        bindings: &[keys!(Key::Named(NamedKey::Enter) => C::NextCue, "Enter", "next cue of a show file")],
     }
-    /// Records what users do as a show, or ends the recording.
+    /// Starts or ends a recording of the user's actions as a show.
     Record(Switch) {
         name: Some("record"),
         control: Some(Control::Switch(C::Record)),
@@ -288,128 +288,128 @@ commands! {
         for_phones: false,
         bindings: &[keys!(
             Key::Named(NamedKey::F9) => C::Record(Toggle),
-            "F9", "record what hands do as a show, to be rendered; again to end"
+            "F9", "start or stop recording your actions as a show"
         )],
     }
-    /// Changes between the interpreted and the compiled scene.
+    /// Switches between the interpreted and the compiled scene.
     ToggleMode {
         bindings: &[keys!(
-            Key::Character("c") => C::ToggleMode, "C", "interpreted, or compiled; the picture is the same"
+            Key::Character("c") => C::ToggleMode, "C", "interpreted or compiled formulas; the image is the same"
         )],
     }
-    /// Uses the cells of regions, or the whole tape everywhere.
+    /// Uses the shortened tapes of cells, or the whole tape everywhere.
     ToggleRegions {
         bindings: &[keys!(
-            Key::Character("r") => C::ToggleRegions, "R", "skip empty space, or not; the picture is the same"
+            Key::Character("r") => C::ToggleRegions, "R", "skip empty space or not; the image is the same"
         )],
     }
-    /// Returns from a camera that was moved by hand to the scene's own.
+    /// Returns to the scene's own camera after manual camera moves.
     ResetCamera {
         name: Some("camera"),
         control: Some(Control::Press(|| C::ResetCamera)),
         bindings: &[keys!(
-            Key::Named(NamedKey::Home) => C::ResetCamera, "Home", "back to the scene's own camera, after dragging or zooming"
+            Key::Named(NamedKey::Home) => C::ResetCamera, "Home", "return to the scene's camera after manual moves"
         )],
     }
-    /// Turns the camera by a movement of the pointer to the right and down, in pixels of the window.
+    /// Orbits the camera by a pointer movement to the right and down, in window pixels.
     TurnCamera([f64; 2]) {}
-    /// Moves the camera nearer by this many notches of the wheel.
+    /// Moves the camera closer by this many notches of the wheel.
     ZoomCamera(f64) {}
-    /// Reports in the editor what is at this place of the window, in pixels.
+    /// Selects the object at this window position in the editor, in pixels.
     Inspect([f64; 2]) {}
-    /// Shows the next view of how the picture is made.
+    /// Shows the next diagnostic view.
     NextView {
         bindings: &[keys!(
             Key::Character("v") => C::NextView,
-            "V or Shift+V", "how the picture is made, view by view; Shift goes back",
+            "V or Shift+V", "next view of how the image is made; Shift goes back",
             shifted: Some(C::PreviousView)
         )],
     }
-    /// Shows the previous view of how the picture is made.
+    /// Shows the previous diagnostic view.
     PreviousView {}
-    /// Makes the number of the view larger (`true`) or smaller.
+    /// Increases (`true`) or decreases the number of the view.
     StepView(bool) {
         bindings: &[
             keys!(
                 Key::Character(",") => C::StepView(false),
-                ",", "a smaller number for the view, such as its scale", repeats: true
+                ",", "decrease the number of the view, such as its scale", repeats: true
             ),
-            keys!(Key::Character(".") => C::StepView(true), ".", "a larger one", repeats: true),
+            keys!(Key::Character(".") => C::StepView(true), ".", "increase the number of the view", repeats: true),
         ],
     }
-    /// Shows or hides the sliders of the scene's parameters.
+    /// Shows or hides the parameter sliders.
     ToggleSliders {
         bindings: &[keys!(
             Key::Named(NamedKey::Tab) => C::ToggleSliders,
-            "Tab or Shift+Tab", "the scene's sliders; with Shift, keys go through the bar"
+            "Tab or Shift+Tab", "the scene's sliders; Shift+Tab moves through the bar"
         )],
     }
-    /// Shows or hides the line about the scene.
+    /// Shows or hides the line of scene information.
     ToggleSceneLine {
-        bindings: &[keys!(Key::Character("i") => C::ToggleSceneLine, "I", "a line about the scene")],
+        bindings: &[keys!(Key::Character("i") => C::ToggleSceneLine, "I", "show or hide scene information")],
     }
-    /// Fades the picture to black, or back.
+    /// Fades the image to black, or back.
     Blackout(Switch) {
         name: Some("blackout"),
         control: Some(Control::Switch(C::Blackout)),
         is_on: Some(|state| state.black),
-        bindings: &[keys!(Key::Character("x") => C::Blackout(Toggle), "X", "blackout, or light again")],
+        bindings: &[keys!(Key::Character("x") => C::Blackout(Toggle), "X", "fade to black, or back")],
     }
-    /// Holds the picture that shows, or lets it go.
+    /// Freezes or releases the image.
     Freeze(Switch) {
         name: Some("freeze"),
         control: Some(Control::Switch(C::Freeze)),
         is_on: Some(|state| state.frozen),
         bindings: &[keys!(
-            Key::Character("z") => C::Freeze(Toggle), "Z", "hold the picture, or let it go; the song goes on"
+            Key::Character("z") => C::Freeze(Toggle), "Z", "freeze or release the image; the song continues"
         )],
     }
-    /// Gives every picture of this run this share of its light, 0..1.
+    /// Sets the brightness of the image for this run, 0..1.
     Brightness(f32) {
         name: Some("brightness"),
         control: Some(Control::Level(C::Brightness)),
         level: Some(|state| Some(state.brightness)),
-        help: "this share of the light of every picture, from 0 to 1",
+        help: "brightness of the image, from 0 to 1",
     }
-    /// Hides all words and panels, or shows them again.
+    /// Hides all text and panels, or shows them again.
     Clean(Switch) {
         name: Some("clean"),
         control: Some(Control::Switch(C::Clean)),
         is_on: Some(|state| state.clean),
-        bindings: &[keys!(Key::Character("w") => C::Clean(Toggle), "W", "hide every word and panel, or not")],
+        bindings: &[keys!(Key::Character("w") => C::Clean(Toggle), "W", "hide or show all text and panels")],
     }
-    /// Moves a corner of the picture.
+    /// Moves a corner of the image.
     MoveCorner(MovedCorner) {}
-    /// Moves all corners of the picture back to those of the screen.
+    /// Returns all corners of the image to the corners of the screen.
     ResetCorners {}
-    /// Enters full screen, or leaves it.
+    /// Enters or leaves full screen.
     Fullscreen(Switch) {
         name: Some("fullscreen"),
         control: Some(Control::Switch(C::Fullscreen)),
         is_on: Some(|state| state.fullscreen),
         bindings: &[keys!(
             Key::Character("f"), Key::Named(NamedKey::F11) => C::Fullscreen(Toggle),
-            "F, F11 or double click", "full screen, or back"
+            "F, F11 or double click", "enter or leave full screen"
         )],
     }
-    /// Shows the window in front of others.
+    /// Raises the window above others.
     Raise {}
     /// Changes a setting.
     Set(SetSetting) {}
-    /// Learns which knob or button controls this, or stops learning it.
+    /// Learns a controller mapping for this target, or stops learning.
     Learn(Target) {}
-    /// The same for a parameter of the scene, by its name.
+    /// Learns a mapping for a parameter of the current scene, by name.
     LearnParameter(String) {}
-    /// Changes the mappings of knobs.
+    /// Changes the controller mappings.
     EditMappings(KnobEdit) {}
-    /// Closes the panel that is open, or else leaves full screen; never quits.
+    /// Closes the open panel; without one, leaves full screen. Never quits.
     Leave {
-        bindings: &[keys!(Key::Named(NamedKey::Escape) => C::Leave, "Esc", "close what is open, or leave full screen")],
+        bindings: &[keys!(Key::Named(NamedKey::Escape) => C::Leave, "Esc", "close the panel, or leave full screen")],
     }
-    /// Shows the keys, or hides them.
+    /// Shows or hides the list of keys.
     ToggleHelp {
         bindings: &[keys!(
-            Key::Character("h"), Key::Named(NamedKey::F1) => C::ToggleHelp, "H or F1", "show the keys, or hide them"
+            Key::Character("h"), Key::Named(NamedKey::F1) => C::ToggleHelp, "H or F1", "show or hide the keys"
         )],
     }
     /// Ends the program.
@@ -418,18 +418,18 @@ commands! {
     }
 }
 
-/// One or several keys that send a command, with their words in the help and in README.
+/// One or several keys for a command, with their texts for the help and `docs/reference.md`.
 #[derive(Debug)]
 pub struct Binding {
     /// The keys, each with the command that it sends.
     pub keys: &'static [(Key<&'static str>, Command)],
-    /// The command that the first key sends while Shift is held, where it differs.
+    /// The command of the first key with Shift held, if it differs.
     pub shifted: Option<Command>,
-    /// The keys as people write them, such as "F, F11 or double click".
+    /// The keys in writing, such as "F, F11 or double click".
     pub written: &'static str,
-    /// The effect in words, such as "full screen, or back".
+    /// The help text, such as "enter or leave full screen".
     pub help: &'static str,
-    /// Whether a key that is held down sends the command again and again.
+    /// True if a held key repeats the command.
     pub repeats: bool,
 }
 
@@ -438,41 +438,41 @@ impl Binding {
     const ONCE: Self = Self { keys: &[], shifted: None, written: "", help: "", repeats: false };
 }
 
-/// Files to be opened.
+/// Files to open.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Files {
     /// Songs, folders, lists of tracks, and scenes.
     pub files: Vec<PathBuf>,
-    /// Whether the tracks follow those that are there, instead of replacing them.
+    /// True to append the tracks to the list, false to replace it.
     pub append: bool,
 }
 
-/// Numbers of a text and their values.
+/// New values for numbers in a scene's text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TurnedNumbers {
     /// The file of the text.
     pub file: PathBuf,
-    /// The byte at which each number begins in the text as it was loaded last, and its value.
+    /// The byte offset of each number in the text as last loaded, and its value.
     pub values: Vec<(usize, f32)>,
 }
 
-/// How much later the picture is shown.
+/// A delay of the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Delay {
-    /// Milliseconds, negative for earlier.
+    /// Milliseconds; negative is earlier.
     pub milliseconds: f64,
-    /// Whether the user has let go of it, so that it is remembered.
+    /// True once the user has released the control: then the value is saved.
     pub settled: bool,
 }
 
-/// A corner of the picture and its new place.
+/// A corner of the image and its new position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MovedCorner {
-    /// Which, clockwise from the upper left, from 0.
+    /// The corner, clockwise from the upper left, from 0.
     pub corner: usize,
-    /// The place, as shares of the screen to the right and down.
+    /// The position as fractions of the screen, to the right and down.
     pub place: [f64; 2],
-    /// Whether the pointer has let go of it.
+    /// True once the pointer is released.
     pub settled: bool,
 }
 
@@ -481,6 +481,6 @@ pub struct MovedCorner {
 pub struct SetSetting {
     /// The setting.
     pub setting: Setting,
-    /// Whether the user has let go of it, so that it is remembered.
+    /// True once the user has released the control: then the value is saved.
     pub settled: bool,
 }

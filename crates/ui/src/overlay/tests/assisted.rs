@@ -42,11 +42,11 @@ fn toggles_exposed_no_state_to_screen_readers() {
         };
         let switches = [
             "pause",
-            "tracks in random order",
+            "play tracks in random order",
             "repeat all tracks",
             "mute",
-            "full screen",
-            "show the keys",
+            "enter or leave full screen",
+            "show or hide the keys",
             "the scene's sliders",
             "settings",
         ];
