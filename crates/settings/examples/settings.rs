@@ -1,4 +1,4 @@
-//! Prints the rows of the panel of settings: `cargo run -p mariana-settings --example settings`.
+//! Prints the rows of the settings panel: `cargo run -p mariana-settings --example settings`.
 
 use mariana_settings::Choices;
 

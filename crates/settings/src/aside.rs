@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// A free name for the damaged TOML file at `path`, such as `settings.toml.broken`.
+/// Returns a free name for the damaged TOML file at `path`, such as `settings.toml.broken`.
 pub(super) fn aside(path: &Path) -> PathBuf {
     let named = |number: u32| match number {
         1 => path.with_extension("toml.broken"),

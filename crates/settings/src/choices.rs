@@ -1,7 +1,7 @@
-//! What a user chooses for good: in the window's panel of settings, remembered in the settings file. A flag of the
-//! command line overrules it for a run.
+//! The user's choices in the settings panel, as stored in the settings file. A command-line flag overrides a choice for
+//! one run.
 //!
-//! **A choice has one name**, which is that of the flag, of the file and of the panel.
+//! A choice has the same name in the file, the panel and the flag.
 
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
@@ -14,17 +14,17 @@ use crate::limits::LIMITS;
 use crate::with_settings;
 use mariana_render::placement::{Corners, Crop, Flip, Placement};
 
-/// One of several things, each with a name.
+/// A value with a fixed set of named options.
 pub trait Choice: Copy + PartialEq + 'static {
-    /// All of them: each with its name, and with what it means where the name does not say that.
+    /// All options, each with its name and, if the name is not clear enough, an explanation.
     const ALL: &'static [(Self, &'static str, &'static str)];
 
-    /// Its name.
+    /// Returns the option's name.
     fn name(self) -> &'static str {
         Self::ALL.iter().find(|(value, ..)| *value == self).map_or("", |(_, name, _)| name)
     }
 
-    /// The one with this name.
+    /// Returns the option with this name.
     fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().find(|(_, known, _)| *known == name).map(|(value, ..)| *value)
     }
@@ -36,28 +36,28 @@ impl Choice for bool {
 
 impl Choice for QualityChoice {
     const ALL: &'static [(Self, &'static str, &'static str)] = &[
-        (Self::Auto, "auto", "As good as the frame rate allows"),
-        (Self::Low, "low", "About half of the window's width and height"),
+        (Self::Auto, "auto", "The best that keeps the frame rate"),
+        (Self::Low, "low", "About half the window's width and height"),
         (Self::Medium, "medium", ""),
         (Self::High, "high", ""),
-        (Self::Best, "best", "Every pixel, every term, however long it takes"),
+        (Self::Best, "best", "Full resolution and all effects, at any frame rate"),
     ];
 }
 
 impl Choice for FollowChoice {
     const ALL: &'static [(Self, &'static str, &'static str)] = &[
-        (Self::Songs, "songs", "Every song, unless the program was started with a scene"),
-        (Self::On, "on", "Inputs, too"),
-        (Self::Off, "off", "N and P change the scene"),
+        (Self::Songs, "songs", "For songs, unless you started with a scene"),
+        (Self::On, "on", "For songs and inputs"),
+        (Self::Off, "off", "Only you change the scene"),
     ];
 }
 
 impl Choice for Flip {
     const ALL: &'static [(Self, &'static str, &'static str)] = &[
         (Self::Off, "off", ""),
-        (Self::Horizontal, "horizontal", "For a screen that is lit from behind"),
+        (Self::Horizontal, "horizontal", "For rear projection"),
         (Self::Vertical, "vertical", ""),
-        (Self::Both, "both", "For a projector that hangs upside down"),
+        (Self::Both, "both", "For a projector mounted upside down"),
     ];
 }
 
@@ -66,10 +66,10 @@ impl Choice for Gain {
         &[(Self::Auto, "auto", ""), (Self::Off, "off", "")];
 }
 
-/// None is the scene's own.
+/// `None` uses the scene's tone map.
 impl Choice for Option<ToneMap> {
     const ALL: &'static [(Self, &'static str, &'static str)] = &[
-        (None, "scene", "As the scene says, otherwise agx"),
+        (None, "scene", "The scene's choice, or agx"),
         (Some(ToneMap::Agx), ToneMap::Agx.name(), ""),
         (Some(ToneMap::Aces), ToneMap::Aces.name(), ""),
         (Some(ToneMap::Reinhard), ToneMap::Reinhard.name(), ""),
@@ -77,7 +77,7 @@ impl Choice for Option<ToneMap> {
     ];
 }
 
-/// Makes the settings from their table.
+/// Defines the settings types from their table.
 macro_rules! define_settings {
     ($( $table:ident { $(
         $(#[$of_field:meta])* $field:ident: $type:ty = $default:expr, $variant:ident
@@ -93,7 +93,8 @@ macro_rules! define_settings {
         )*)* }
 
         $( impl $table {
-            /// Returns the rows of the panel: these settings hold now, and those are `remembered`.
+            /// Returns the rows of the panel for these settings. Values that differ from `remembered` are marked as for
+            /// this run only.
             pub fn rows(&self, remembered: &Self) -> Vec<SettingRow> {
                 vec![$( $( SettingRow {
                     name: $name.to_owned(),
@@ -103,7 +104,7 @@ macro_rules! define_settings {
                 }, )? )*]
             }
 
-            /// Sets one of these settings. Returns `false` if it is another table's.
+            /// Sets one of this table's settings. Returns `false` if the setting is in another table.
             fn set_own(&mut self, setting: &Setting) -> bool {
                 match setting {
                     $( Setting::$variant(value) => self.$field = value.clone(), )*
@@ -115,12 +116,12 @@ macro_rules! define_settings {
     };
     (@structs Choices { $( $(#[$of_field:meta])* $field:ident: $type:ty = $default:expr; )* }
         DisplayChoices { $( $(#[$of_stage:meta])* $staged:ident: $staged_type:ty = $staged_default:expr; )* }) => {
-        /// Everything that is chosen for good. What is not remembered is as it is by default.
+        /// All user choices. Missing entries in the file take their defaults.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
         #[serde(default, deny_unknown_fields)]
         pub struct Choices {
             $( $(#[$of_field])* pub $field: $type, )*
-            /// How pictures come onto screens.
+            /// The placement and brightness of frames on screens.
             #[serde(skip_serializing_if = "is_default")]
             pub stage: DisplayChoices,
         }
@@ -131,7 +132,7 @@ macro_rules! define_settings {
             }
         }
 
-        /// How pictures come onto screens.
+        /// The placement and brightness of frames on screens.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
         #[serde(default, deny_unknown_fields)]
         pub struct DisplayChoices {
@@ -149,20 +150,20 @@ macro_rules! define_settings {
 with_settings!(define_settings);
 
 impl Choices {
-    /// Sets one setting.
+    /// Changes one setting.
     pub fn set(&mut self, setting: &Setting) {
         let _ = self.set_own(setting) || self.stage.set_own(setting);
     }
 }
 
 impl DisplayChoices {
-    /// Where pictures lie on a screen.
+    /// Returns the placement of frames on a screen.
     pub fn placement(&self) -> Placement {
         Placement { crop: self.crop, flip: self.flip, corners: self.corners }
     }
 }
 
-/// How long a blackout takes where nothing else is chosen, in seconds.
+/// The default duration of a blackout fade, in seconds.
 const FADE_SECONDS: f64 = 0.5;
 
 fn is_full(percent: &u8) -> bool {
@@ -175,7 +176,7 @@ fn is_usual(seconds: &f64) -> bool {
 
 fn percent<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u8, D::Error> {
     let percent = u8::deserialize(deserializer)?;
-    if percent <= 100 { Ok(percent) } else { Err(D::Error::custom("a brightness is 0 to 100 percent")) }
+    if percent <= 100 { Ok(percent) } else { Err(D::Error::custom("brightness must be 0 to 100 percent")) }
 }
 
 fn fade<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
@@ -183,7 +184,7 @@ fn fade<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     if (0.0..=LIMITS.fade_seconds_max).contains(&seconds) {
         Ok(seconds)
     } else {
-        Err(D::Error::custom("a fade takes 0 to 60 seconds"))
+        Err(D::Error::custom("a fade must take 0 to 60 seconds"))
     }
 }
 
@@ -195,7 +196,7 @@ pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// Writes a choice as its name.
+/// Serializes a choice as its name.
 pub(super) mod by_name {
     use serde::{Deserialize, Deserializer, Serializer, de::Error};
 
@@ -207,7 +208,7 @@ pub(super) mod by_name {
 
     pub(crate) fn deserialize<'de, T: Choice, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
         let name = String::deserialize(deserializer)?;
-        T::named(&name).ok_or_else(|| D::Error::custom(format!("there is no choice '{name}'")))
+        T::named(&name).ok_or_else(|| D::Error::custom(format!("unknown choice '{name}'")))
     }
 }
 
@@ -230,11 +231,15 @@ mod tests {
         assert_named::<Flip>();
         assert_named::<Gain>();
         assert_named::<Option<ToneMap>>();
-        assert_eq!(<Option<ToneMap>>::ALL.len(), ToneMap::ALL.len() + 1, "a tone map cannot be chosen");
+        assert_eq!(
+            <Option<ToneMap>>::ALL.len(),
+            ToneMap::ALL.len() + 1,
+            "a tone map is missing from the choices"
+        );
     }
 
     #[test]
-    fn only_what_was_chosen_is_written_and_all_of_it_is_read_again() {
+    fn only_changed_choices_are_written_and_read_back() {
         assert_eq!(toml::to_string(&Choices::default()).unwrap(), "");
         let chosen = Choices {
             output: Some("p:usb".into()),
@@ -254,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_chosen_is_read_again_and_what_cannot_be_drawn_is_not() {
+    fn valid_display_choices_are_read_back_and_invalid_ones_refused() {
         assert_eq!(toml::to_string(&DisplayChoices::default()).unwrap(), "");
         let corners = Corners::default().with(1, [0.9, 0.1]).unwrap();
         let crop = Crop::try_from([1.0, 2.0, 3.0, 4.5]).unwrap();

@@ -1,13 +1,13 @@
-//! The settings during a show. A change holds at once; a thread writes it to the file, because a disk may be slow.
+//! The settings during a show. A change applies at once; a writer thread stores it, because disks may be slow.
 //!
-//! Changes are written as they come, so that an end without warning forgets nothing.
+//! Every change is written immediately, so that a crash loses no settings.
 
 use std::path::PathBuf;
 
 use super::settings::{Settings, SettingsError, SettingsFile};
 use super::writer_thread::WriterThread;
 
-/// See the module. Dropping it waits until everything is written.
+/// The current settings and the thread that writes them. Dropping it waits until everything is written.
 pub struct KeptSettings {
     settings: Settings,
     writer_thread: WriterThread<Job, Result<Settings, SettingsError>>,
@@ -19,7 +19,7 @@ enum Job {
 }
 
 impl KeptSettings {
-    /// The settings in `file`. Without a thread for writing, changes last as long as the program.
+    /// Starts with the settings in `file`. If the writer thread cannot start, changes last until the program ends.
     pub fn of(mut file: SettingsFile) -> Self {
         let settings = file.settings().clone();
         let work = move |job| {
@@ -32,42 +32,44 @@ impl KeptSettings {
         Self { settings, writer_thread: WriterThread::start("settings", work) }
     }
 
-    /// The present settings.
+    /// The current settings.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// Changes them here and in the file.
+    /// Changes the settings here and in the file.
     pub fn change(&mut self, change: impl Fn(&mut Settings) + Send + 'static) {
         change(&mut self.settings);
         self.give(Job::Change(Box::new(change)));
     }
 
-    /// Keeps the list of tracks for the next show; `None` removes it.
+    /// Stores the track list for the next run; `None` removes it.
     pub fn keep_tracks(&mut self, tracks: Option<Vec<PathBuf>>) {
         self.give(Job::Tracks(tracks));
     }
 
-    /// Takes in what was written. Returns the next error, if any.
+    /// Takes the results of finished writes. Returns the next error, if any.
     pub fn poll(&mut self) -> Option<SettingsError> {
         loop {
             match self.writer_thread.poll()? {
                 Err(error) => return Some(error),
-                // Other windows write to the file, too. What is still to be written is newer.
+                // Other windows also write the file. Changes still to be written are newer than the result.
                 Ok(settings) if self.writer_thread.is_idle() => self.settings = settings,
                 Ok(_) => {}
             }
         }
     }
 
-    /// Waits until everything is written. Returns what failed.
+    /// Waits until everything is written. Returns the errors.
     pub fn finish(&mut self) -> Vec<SettingsError> {
         self.writer_thread.finish().into_iter().filter_map(Result::err).collect()
     }
 
     fn give(&mut self, job: Job) {
         if !self.writer_thread.give(job) {
-            tracing::warn!("a setting lasts as long as the program: there is no thread to write it");
+            tracing::warn!(
+                "a setting is not saved and lasts until the program ends: the writer thread is not running"
+            );
         }
     }
 }
@@ -77,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn changes_hold_at_once_and_are_written_in_their_order_with_those_of_other_windows() {
+    fn changes_apply_at_once_and_are_merged_with_other_windows_changes() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("mariana/settings.toml");
         let open = || SettingsFile::open(Some(path.clone())).0;
@@ -96,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_cannot_be_written_is_reported_and_the_change_holds() {
+    fn a_failed_write_is_reported_and_the_change_still_applies() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("taken"), "").unwrap();
         let mut kept =

@@ -1,8 +1,7 @@
-//! The file of what knobs turn, beside the settings.
+//! The file of controller mappings, `knobs.toml`, next to the settings file.
 //!
-//! Each change is made in what the file holds at that moment, so that what another window or a hand has written meanwhile
-//! stays. A file that is damaged is kept aside before another one takes its place. All that is done by a thread: what knobs
-//! turn has changed here before.
+//! A writer thread applies each change to the current contents of the file, so that changes by other windows or by an
+//! editor are kept. A damaged file is renamed before a new one is written. In memory, a change applies at once.
 
 use std::fs::{File, create_dir_all};
 use std::io::{ErrorKind, Read};
@@ -15,63 +14,63 @@ use mariana_control::midi::{Mapping, MappingFile, MappingsError};
 use mariana_files::Folders;
 use mariana_files::atomic_file::AtomicFile;
 
-/// A change of what knobs turn.
+/// A change to the controller mappings.
 #[derive(Debug, Clone, PartialEq)]
 pub enum KnobEdit {
-    /// This is learned.
+    /// Adds a learned mapping.
     Add(Mapping),
-    /// This is forgotten.
+    /// Removes a mapping.
     Remove(Mapping),
-    /// The first is the second from now on.
+    /// Replaces the first mapping by the second.
     Change(Mapping, Mapping),
-    /// Whether a device's clock sets the tempo.
+    /// Sets whether a device's MIDI clock controls the tempo.
     Clock(bool),
 }
 
-/// See the module.
+/// The controller mappings and the thread that writes them.
 pub struct KnobMemory {
-    /// None where the system has no place for settings: then mappings last as long as the program.
+    /// `None` if the system has no settings folder: then mappings last until the program ends.
     writer_thread: Option<WriterThread<KnobEdit, Kept>>,
     file: MappingFile,
-    /// How many changes are not in the file yet.
+    /// The number of changes that are not written yet.
     waiting: usize,
 }
 
-/// What the file holds after a change.
+/// The contents of the file after a change.
 type Kept = Result<MappingFile, KnobsError>;
 
-/// Why mappings are not read or not kept: a sentence.
+/// The error when mappings cannot be read or written.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum KnobsError {
     /// The file is damaged.
-    #[error("the knobs in {} cannot be understood ({reason}): none is mapped; correct the file, or learn anew and it is kept as {}", path.display(), aside.display())]
+    #[error("the knobs in {} cannot be understood ({reason}); no mapping is active. Correct the file, or learn new mappings: then the file is kept as {}", path.display(), aside.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The mistake in it.
         reason: MappingsError,
-        /// Where it will be kept.
+        /// The name under which it will be kept.
         aside: PathBuf,
     },
-    /// The system refuses.
-    #[error("the knobs in {} cannot be {doing} ({reason}); check that folder's permissions", path.display())]
+    /// The system reports an error.
+    #[error("the knobs in {} cannot be {doing} ({reason}); check the folder's permissions", path.display())]
     System {
         /// The file.
         path: PathBuf,
-        /// What was tried: read or written.
+        /// The failed operation: read or written.
         doing: &'static str,
-        /// What the system says.
+        /// The system's reason.
         reason: String,
     },
 }
 
 impl KnobMemory {
-    /// The user's file, and what is wrong with it, if anything. A missing file is none.
+    /// Opens the user's file and returns its problem, if any. A missing file counts as empty.
     pub fn among(folders: &Folders) -> (Self, Option<KnobsError>) {
         Self::open(folders.config.as_ref().map(|config| config.join("knobs.toml")))
     }
 
-    /// The same for another file.
+    /// Opens the file at `path`.
     pub fn open(path: Option<PathBuf>) -> (Self, Option<KnobsError>) {
         let (file, trouble) = match path.as_deref().map(read) {
             None => (MappingFile::default(), None),
@@ -82,17 +81,17 @@ impl KnobMemory {
         (Self { writer_thread: path.map(keeper), file, waiting: 0 }, trouble)
     }
 
-    /// What is remembered.
+    /// The current mappings.
     pub fn file(&self) -> &MappingFile {
         &self.file
     }
 
-    /// The same, for knobs that take hold of what they turn.
+    /// The current mappings, for updating the pick-up state of knobs.
     pub fn file_mut(&mut self) -> &mut MappingFile {
         &mut self.file
     }
 
-    /// Makes a change here, and soon in the file.
+    /// Changes the mappings at once, and the file soon after.
     pub fn change(&mut self, edit: &KnobEdit) {
         apply(&mut self.file, edit);
         let is_kept =
@@ -100,10 +99,10 @@ impl KnobMemory {
         self.waiting += usize::from(is_kept);
     }
 
-    /// What became of a change in the file: what stands there holds here, too.
+    /// Returns the next result of a write, if any, and adopts the contents of the file.
     ///
     /// # Errors
-    /// The file cannot be read or written; then the change lasts as long as the program.
+    /// The file cannot be read or written. The change then lasts until the program ends.
     pub fn poll(&mut self) -> Option<Result<(), KnobsError>> {
         let kept = self.writer_thread.as_ref()?.poll()?;
         Some(self.take(kept))
@@ -119,7 +118,7 @@ impl KnobMemory {
     }
 }
 
-/// Makes a change in the file.
+/// Applies a change to the file.
 fn keep(path: &Path, edit: &KnobEdit) -> Kept {
     let mut after = match read(path) {
         Ok(there) => there,
@@ -191,7 +190,7 @@ mod tests {
         Mapping::learned("desk", Source::Control { channel: 0, number: 7 }, target)
     }
 
-    /// Makes a change and waits until it is in the file.
+    /// Makes a change and waits until it is written.
     fn change(memory: &mut KnobMemory, edit: KnobEdit) -> Result<(), KnobsError> {
         memory.change(&edit);
         let kept = memory.writer_thread.as_ref().unwrap().wait().unwrap();
@@ -207,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_learned_is_found_again_and_so_is_what_another_window_learned() {
+    fn mappings_are_read_back_and_merged_with_another_windows() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("mariana/knobs.toml");
         let open = || KnobMemory::open(Some(path.clone())).0;
@@ -218,7 +217,7 @@ mod tests {
         assert_eq!(names(&open()), ["size", "glow"]);
         let mut inverted = mapping("size");
         inverted.invert();
-        // All of them are there when it is gone.
+        // Dropping the memory waits until all changes are written.
         one.change(&KnobEdit::Change(mapping("size"), inverted.clone()));
         one.change(&KnobEdit::Remove(mapping("glow")));
         one.change(&KnobEdit::Clock(false));
@@ -228,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_file_is_said_and_kept_aside_and_nothing_is_lost() {
+    fn a_damaged_file_is_reported_and_kept_under_another_name() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("knobs.toml");
         for (number, name) in ["knobs.toml.broken", "knobs.toml.broken-2"].into_iter().enumerate() {
@@ -237,7 +236,7 @@ mod tests {
             let (mut memory, trouble) = KnobMemory::open(Some(path.clone()));
             let said = trouble.unwrap().to_string();
             assert!(said.contains("knobs.toml cannot be understood") && said.contains(name), "{said}");
-            assert_eq!(std::fs::read_to_string(&path).unwrap(), text, "reading changes nothing");
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), text, "reading must not change the file");
             change(&mut memory, KnobEdit::Add(mapping("size"))).unwrap();
             assert_eq!(std::fs::read_to_string(folder.path().join(name)).unwrap(), text);
             assert_eq!(names(&KnobMemory::open(Some(path.clone())).0), ["size"]);
@@ -245,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_written_lasts_as_long_as_the_program() {
+    fn mappings_that_cannot_be_written_last_until_the_program_ends() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("mariana"), "a file where the folder should be").unwrap();
         let (mut memory, _) = KnobMemory::open(Some(folder.path().join("mariana/knobs.toml")));

@@ -1,6 +1,6 @@
-//! What the last show leaves to the next: how it looked and sounded, and where its tracks had got to.
+//! The state of the last show, for the next start: window, volume, scene, and position in the track list.
 //!
-//! The list of tracks is a file of its own beside the settings, in a format that every player reads.
+//! The track list is a separate M3U8 file next to the settings, which other players can read.
 
 use std::path::{Path, PathBuf};
 
@@ -9,42 +9,42 @@ use serde::{Deserialize, Serialize};
 use super::settings::{SettingsError, refused};
 use mariana_files::atomic_file::AtomicFile;
 
-/// See the module. Everything is optional: what is absent is as if there had been no show.
+/// The state of the last show. A missing field counts as no previous show.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LastShow {
-    /// Volume, 0..1.
+    /// The volume, 0..1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub volume: Option<f32>,
-    /// Width and height of the window in pixels.
+    /// The window's width and height in pixels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<(u32, u32)>,
-    /// Where on the desktop the window was, in pixels to the right and down, its frame included.
+    /// The window's position on the desktop, frame included, in pixels to the right and down.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub place: Option<(i32, i32)>,
-    /// Whether it filled the screen.
+    /// True if the window was in full screen.
     pub fullscreen: bool,
-    /// The scene: the name of a shipped one, or a file with its whole path.
+    /// The scene: the name of a shipped scene, or the absolute path of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
-    /// The place of the track in the list, from 0.
+    /// The index of the track in the list, from 0.
     pub track: usize,
-    /// Where in the track the show ended, in seconds.
+    /// The position in the track, in seconds.
     pub seconds: f64,
-    /// Whether the order of tracks was random.
+    /// True if the tracks played in random order.
     pub shuffled: bool,
-    /// Which tracks were repeated: all, one or off.
+    /// The repeat mode: all, one or off.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub repeat: Option<String>,
 }
 
-/// The file with the tracks, beside the settings in `settings`.
+/// Returns the file of the track list for the settings file `settings`.
 pub(super) fn tracks_file(settings: &Path) -> PathBuf {
     settings.with_file_name("last tracks.m3u8")
 }
 
-/// Keeps a list of tracks beside the settings in `settings`; without tracks, or with one whose name cannot stand in a
-/// list, the next show has none to go on with.
+/// Writes the track list next to the settings file `settings`. The list is removed if it is empty or a path contains a
+/// line break or is not valid UTF-8, which M3U8 cannot hold.
 ///
 /// # Errors
 /// The file cannot be written or removed.
@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tracks_are_kept_as_a_list_and_let_go_where_they_cannot_be() {
+    fn tracks_are_kept_as_a_list_or_the_list_is_removed() {
         let folder = tempfile::tempdir().unwrap();
         let settings = folder.path().join("mariana/settings.toml");
         let kept = || std::fs::read_to_string(tracks_file(&settings)).ok();

@@ -14,8 +14,8 @@
 //! assert_eq!(changed[0].name, "Hints");
 //! ```
 //!
-//! The crate also stores controller mappings ([`KnobMemory`]), recorded performances ([`PerformanceFiles`]) and the state of the
-//! last show ([`LastShow`]).
+//! The crate also stores controller mappings ([`KnobMemory`]), recorded performances ([`PerformanceFiles`]) and the
+//! state of the last show ([`LastShow`]).
 
 mod aside;
 mod choices;
@@ -38,30 +38,30 @@ pub use performances::{Kept, PerformanceFiles};
 pub use setting_rows::{SettingRow, Values};
 pub use settings::{Settings, SettingsError, SettingsFile};
 
-/// How much a picture in the window may cost.
+/// The rendering quality in the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum QualityChoice {
-    /// As much as the frame rate allows.
+    /// The best quality that keeps the frame rate.
     #[default]
     Auto,
-    /// About half of the window's width and height, without costly terms.
+    /// About half the window's width and height, without expensive effects.
     Low,
-    /// Between the two.
+    /// Between low and high.
     Medium,
-    /// Hardly less than the best.
+    /// Almost the best.
     High,
-    /// Every pixel and every term, as in stills and videos.
+    /// Full resolution and all effects, as in stills and videos.
     Best,
 }
 
-/// The sources of sound that get a show.
+/// The audio sources for which scenes change automatically.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FollowChoice {
-    /// Every song, unless the command line names a scene.
+    /// Songs, unless the command line names a scene.
     #[default]
     Songs,
-    /// Every song and every input.
+    /// Songs and inputs.
     On,
-    /// The scene stays until the user changes it.
+    /// None: the scene stays until the user changes it.
     Off,
 }

@@ -1,13 +1,11 @@
-//! Every limit on settings.
-//!
-//! Code, error messages and tests all read the limits from here.
+//! The limits of the settings. Code, messages and tests read them from here.
 
-/// Limits on what comes from outside.
+/// Limits on data from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Most bytes of the settings file.
+    /// The maximum size of the settings file, in bytes.
     pub settings_bytes_max: usize,
-    /// Longest fade from one scene to another, in seconds.
+    /// The maximum duration of a fade between scenes, in seconds.
     pub fade_seconds_max: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Performances are kept as show files of the user's, by a thread of their own: a disk may be slow.
+//! Recorded performances, written as show files in the user's folder by a writer thread, because disks may be slow.
 
 use std::collections::HashMap;
 use std::fs::create_dir_all;
@@ -8,19 +8,19 @@ use super::writer_thread::WriterThread;
 use mariana_files::Folders;
 use mariana_files::atomic_file::{AtomicFile, Unwritable};
 
-/// Longest name of a file, in characters, without what is added to it.
+/// The maximum length of a file name, in characters, without number and extension.
 const NAME_MAX: usize = 80;
 
-/// What became of a performance.
+/// The path of a written performance, or the error.
 pub type Kept = Result<PathBuf, Unwritable>;
 
-/// See the module.
+/// The folder of performances and the thread that writes them.
 pub struct PerformanceFiles {
-    /// None where there is no folder.
+    /// `None` if there is no folder.
     writer_thread: Option<WriterThread<Job, Kept>>,
 }
 
-/// A performance to be written: again, if there is one of that number.
+/// A performance to write. A second one with the same number replaces the first.
 struct Job {
     number: u64,
     title: String,
@@ -28,12 +28,12 @@ struct Job {
 }
 
 impl PerformanceFiles {
-    /// The user's folder of performances.
+    /// Uses the user's folder of performances.
     pub fn among(folders: &Folders) -> Self {
         Self::in_folder(folders.data.as_ref().map(|data| data.join("performances")))
     }
 
-    /// The same for another folder; without one nothing is kept.
+    /// Uses another folder; with `None`, no performance is stored.
     pub fn in_folder(folder: Option<PathBuf>) -> Self {
         let start = |folder: PathBuf| {
             let mut paths = HashMap::new();
@@ -45,25 +45,25 @@ impl PerformanceFiles {
         Self { writer_thread: folder.map(start) }
     }
 
-    /// Writes a performance to music of this title; `text` is called on the thread. One that was written before under the
-    /// same number is replaced. Returns whether there is anywhere to write it.
+    /// Writes a performance to the music with this title; `text` is called on the writer thread. A performance with the
+    /// same number is replaced. Returns `false` if there is no folder to write to.
     pub fn keep(&self, number: u64, title: &str, text: impl FnOnce() -> String + Send + 'static) -> bool {
         let job = Job { number, title: title.to_owned(), text: Box::new(text) };
         self.writer_thread.as_ref().is_some_and(|writer_thread| writer_thread.give(job))
     }
 
-    /// Returns `true` once all files are written and all results were taken.
+    /// Returns `true` once all files are written and all results have been polled.
     pub fn is_idle(&self) -> bool {
         self.writer_thread.as_ref().is_none_or(WriterThread::is_idle)
     }
 
-    /// What became of one that was to be written.
+    /// Returns the next result, if any.
     pub fn poll(&self) -> Option<Kept> {
         self.writer_thread.as_ref()?.poll()
     }
 }
 
-/// A file of that title that is not there yet.
+/// Returns an unused path for this title.
 fn free_path(folder: &Path, title: &str) -> PathBuf {
     let plain = |c: char| if c.is_alphanumeric() || " -_.()&'".contains(c) { c } else { '_' };
     let name: String = title.trim().trim_start_matches('.').chars().map(plain).take(NAME_MAX).collect();
@@ -88,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn performances_have_names_of_their_own_and_grow_in_their_file() {
+    fn performances_get_unique_names_and_grow_in_their_file() {
         let folder = tempfile::tempdir().unwrap();
         let place = folder.path().join("data/performances");
         for (first, name) in [("one", "AC_DC_ Live.show"), ("other", "AC_DC_ Live 2.show")] {
@@ -102,12 +102,12 @@ mod tests {
         files.keep(1, "../..", || "nowhere else".to_owned());
         files.keep(2, "", || "nameless".to_owned());
         drop(files);
-        assert_eq!(std::fs::read_dir(&place).unwrap().count(), 4, "each in that folder");
+        assert_eq!(std::fs::read_dir(&place).unwrap().count(), 4, "all files must be in that folder");
         assert_eq!(std::fs::read_to_string(place.join("performance.show")).unwrap(), "nameless");
     }
 
     #[test]
-    fn what_cannot_be_written_is_told() {
+    fn a_failed_write_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let place = folder.path().join("a file");
         std::fs::write(&place, "where the folder should be").unwrap();

@@ -1,55 +1,55 @@
-//! Settings as a panel shows them: a row for each, with the values that can be chosen.
+//! The rows of the settings panel: each setting with its possible values.
 
 use super::{Choice, Setting};
 use mariana_render::placement::Crop;
 
-/// A row of the panel of settings.
+/// A row of the settings panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SettingRow {
-    /// The setting in a word or two.
+    /// The setting's name in one or two words.
     pub name: String,
-    /// The purpose, in a sentence.
+    /// A sentence that explains the setting.
     pub purpose: String,
     /// The values that can be chosen.
     pub values: Values,
-    /// Whether the value holds for this run only, because the command line says so.
+    /// True if the value comes from the command line and applies to this run only.
     pub for_this_run: bool,
 }
 
 /// The values of a row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// The row is one of several, of which one is chosen.
+    /// This row is one of a group of rows, of which one is chosen.
     OneOfRows {
-        /// Whether it is this one.
+        /// True if this row is chosen.
         chosen: bool,
-        /// The setting that chooses it.
+        /// The setting that chooses this row.
         setting: Setting,
     },
-    /// One of several names.
+    /// A choice among names.
     Names {
         /// The names, each with the setting that chooses it.
         options: Vec<(&'static str, Setting)>,
-        /// The place of the chosen one; beyond the last if none of them is.
+        /// The index of the chosen name; `options.len()` if none of them is chosen.
         chosen: usize,
     },
-    /// A share of the light, in percent.
+    /// A brightness in percent.
     Percent {
         /// 0..100.
         percent: f64,
-        /// Makes the setting of a whole number of percent.
+        /// Turns a whole percentage into the setting.
         setting: OfPercent,
     },
-    /// The delay of the picture, in milliseconds; negative for earlier. It belongs to a device.
+    /// The delay of the image for a device, in milliseconds; negative is earlier.
     Delay(f64),
 }
 
-/// Makes a setting of a whole number of percent.
+/// Turns a whole percentage into a setting.
 #[derive(Debug, Clone, Copy)]
 pub struct OfPercent(fn(u8) -> Setting);
 
 impl OfPercent {
-    /// Returns the setting; what is not 0..100 is clamped.
+    /// Returns the setting for a percentage, rounded and clamped to 0..100.
     pub fn at(self, percent: f64) -> Setting {
         (self.0)(percent.round().clamp(0.0, 100.0) as u8)
     }
@@ -61,12 +61,12 @@ impl PartialEq for OfPercent {
     }
 }
 
-/// A type whose values a row of the panel can show.
+/// A type whose values the panel can show.
 pub(super) trait Shown: Sized {
-    /// Returns the values that can be chosen; `setting` makes a setting of one.
+    /// Returns the possible values; `setting` wraps one into a setting.
     fn values(&self, setting: fn(Self) -> Setting) -> Values;
 
-    /// Returns the purpose of the row while this value is chosen.
+    /// Returns the explanation of the row while this value is chosen.
     fn purpose(&self, purpose: &str) -> String {
         purpose.to_owned()
     }
@@ -88,17 +88,17 @@ impl<T: Choice> Shown for T {
     }
 }
 
-/// Percent.
+/// A percentage.
 impl Shown for u8 {
     fn values(&self, setting: fn(Self) -> Setting) -> Values {
         Values::Percent { percent: f64::from(*self), setting: OfPercent(setting) }
     }
 }
 
-/// Durations of fades that can be chosen, in seconds. The command line takes any.
+/// The fade durations in the panel, in seconds. The command line takes any duration.
 const FADES: [(f64, &str); 5] = [(0.0, "0 s"), (0.5, "0.5 s"), (1.0, "1 s"), (2.0, "2 s"), (5.0, "5 s")];
 
-/// Seconds of a fade.
+/// A fade duration in seconds.
 impl Shown for f64 {
     fn values(&self, setting: fn(Self) -> Setting) -> Values {
         Values::Names {
@@ -108,8 +108,7 @@ impl Shown for f64 {
     }
 }
 
-/// Losses of all edges of the picture that can be chosen, in percent. The command line takes any, and each edge for
-/// itself.
+/// The crops in the panel, in percent of each edge. The command line takes any value, separately for each edge.
 const CROPS: [(f64, &str); 6] =
     [(0.0, "0 %"), (1.0, "1 %"), (2.0, "2 %"), (3.0, "3 %"), (5.0, "5 %"), (10.0, "10 %")];
 

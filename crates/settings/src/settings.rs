@@ -1,20 +1,20 @@
-//! What is remembered from one run to the next, in a small TOML file in the user's folder for settings.
+//! The settings file: a small TOML file in the user's configuration folder.
 //!
 //! ```toml
-//! microphone = "pulseaudio:alsa_input.usb-mic"        # what --mic listens to; absent: the default input
-//! system = "pulseaudio:hdmi.monitor"                   # what --system listens to; absent: what the default output plays
+//! microphone = "pulseaudio:alsa_input.usb-mic"        # the source of --mic; absent: the default input
+//! system = "pulseaudio:hdmi.monitor"                   # the source of --system; absent: the default output's monitor
 //!
-//! [choices]                                            # what the panel of settings changes, by the names of flags
+//! [choices]                                            # the settings panel, by the names of the flags
 //! quality = "high"
 //! flash_limiter = "off"
 //!
-//! [latency_ms]                                         # by device: how much later the picture is shown
+//! [latency_ms]                                         # by device: the delay of the image in milliseconds
 //! "pulseaudio:bluez_output.headphones" = 180.0
 //! ```
 //!
-//! Devices are remembered by their ids, which are names, not numbers. A file that cannot be read is reported once and
-//! changes nothing else; when a new one is written, the unreadable one is kept beside it. What a newer version has
-//! written is read as far as it is known, and stays in the file.
+//! Devices are stored by their ids, which are names, not numbers. A file that cannot be read is reported once, and
+//! Mariana continues with the defaults; the next write keeps the unreadable file under another name. Entries of a newer
+//! version are kept in the file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, TryLockError, create_dir_all};
@@ -33,29 +33,29 @@ use crate::limits::LIMITS;
 use mariana_files::Folders;
 use mariana_files::atomic_file::AtomicFile;
 
-/// What is remembered.
+/// The contents of the settings file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
-    /// Id of the input that `--mic` listens to; none is the default input.
+    /// The id of the input for `--mic`; `None` is the default input.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub microphone: Option<String>,
-    /// Id of the monitor that `--system` listens to; none is the default output's.
+    /// The id of the monitor for `--system`; `None` is the default output's monitor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub system: Option<String>,
-    /// What was chosen in the panel of settings.
+    /// The choices in the settings panel.
     #[serde(skip_serializing_if = "is_untouched")]
     pub choices: Choices,
-    /// Names of the scenes that the user has marked.
+    /// The titles of the marked scenes.
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     pub favourite_scenes: BTreeSet<String>,
-    /// The last show, with which the next one begins.
+    /// The state of the last show, for the next start.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub last_show: Option<LastShow>,
-    /// By a scene's name: the sliders that were moved, by theirs.
+    /// The values of moved sliders, by scene and parameter.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub sliders: BTreeMap<String, BTreeMap<String, f32>>,
-    /// By a device's id: how much later than the device says the picture is shown, in milliseconds.
+    /// The extra delay of the image by device id, in milliseconds, on top of the latency that the device reports.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub latency_ms: BTreeMap<String, f64>,
 }
@@ -64,67 +64,67 @@ fn is_untouched(choices: &Choices) -> bool {
     *choices == Choices::default()
 }
 
-/// Most keys that a message names.
+/// The number of keys that a message lists at most.
 const NAMED_MAX: usize = 3;
-/// Most letters of a key in it.
+/// The number of characters of a key that a message shows at most.
 const NAME_LETTERS_MAX: usize = 40;
 
-/// Why settings are not read or written, or not all of them. The show continues with those that it has.
+/// The error when settings cannot be read or written completely. The show continues with the settings it has.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
-    /// The file holds something other than settings.
-    #[error("the settings in {} cannot be understood ({reason}): the defaults apply, and the first change keeps this file as {}", path.display(), aside.display())]
+    /// The file is not a settings file.
+    #[error("the settings in {} cannot be understood ({reason}). The defaults apply; the first change renames this file to {}", path.display(), aside.display())]
     Malformed {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The mistake in it.
         reason: String,
-        /// Where it will be kept.
+        /// The new name of the file.
         aside: PathBuf,
     },
-    /// A newer version has written it, or somebody has misspelt something.
-    #[error("the settings in {} hold what this version does not know ({names}): that is kept, and all else applies", path.display())]
+    /// A newer version has written the file, or an entry is misspelt.
+    #[error("the settings in {} have entries that this version does not know ({names}). They are kept; all other settings apply", path.display())]
     Newer {
         /// The file.
         path: PathBuf,
-        /// The keys, separated by commas.
+        /// The unknown keys, separated by commas.
         names: String,
     },
-    /// The file is larger than settings ever are.
-    #[error("the settings in {} are larger than {} bytes: the defaults apply, and the first change keeps this file as {}", path.display(), LIMITS.settings_bytes_max, aside.display())]
+    /// The file is too large for settings.
+    #[error("the settings in {} are larger than {} bytes. The defaults apply; the first change renames this file to {}", path.display(), LIMITS.settings_bytes_max, aside.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
-        /// Where it will be kept.
+        /// The new name of the file.
         aside: PathBuf,
     },
-    /// The system refuses.
-    #[error("the settings in {} cannot be {doing} ({reason}); check that folder's permissions", path.display())]
+    /// The system reports an error.
+    #[error("the settings in {} cannot be {doing} ({reason}); check the folder's permissions", path.display())]
     System {
         /// The file.
         path: PathBuf,
-        /// What was tried: read or written.
+        /// The failed operation: read, written or removed.
         doing: &'static str,
-        /// What the system says.
+        /// The system's reason.
         reason: String,
     },
 }
 
-/// The file, and what it holds.
+/// The settings file and its contents.
 #[derive(Debug)]
 pub struct SettingsFile {
-    /// None if the system has no place for settings: then they last as long as the program.
+    /// `None` if the system has no settings folder: then settings last until the program ends.
     path: Option<PathBuf>,
     settings: Settings,
 }
 
 impl SettingsFile {
-    /// The user's file, and what is wrong with it, if anything. A missing file is not an error.
+    /// Opens the user's file and returns its problem, if any. A missing file is not an error.
     pub fn among(folders: &Folders) -> (Self, Option<SettingsError>) {
         Self::open(folders.config.as_ref().map(|config| config.join("settings.toml")))
     }
 
-    /// The same for another file; without one, settings last as long as the program.
+    /// Opens the file at `path`; with `None`, settings last until the program ends.
     pub fn open(path: Option<PathBuf>) -> (Self, Option<SettingsError>) {
         let read = path.as_deref().map_or_else(|| Ok(Found::default()), read);
         let (settings, error) = match (read, &path) {
@@ -137,18 +137,17 @@ impl SettingsFile {
         (Self { path, settings }, error)
     }
 
-    /// What is remembered.
+    /// The current settings.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// The file with the list of the last show's tracks, if there is one.
+    /// Returns the file with the track list of the last show, if it exists.
     pub fn last_tracks(&self) -> Option<PathBuf> {
         self.path.as_deref().map(last_show::tracks_file).filter(|file| file.is_file())
     }
 
-    /// Keeps the list of tracks for the next show, if there is a place for it and each can be named; else there is
-    /// none for it.
+    /// Stores the track list for the next start, or removes it if a path cannot be written in a list.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -156,10 +155,11 @@ impl SettingsFile {
         self.path.as_deref().map_or(Ok(()), |path| last_show::keep_tracks(path, tracks))
     }
 
-    /// Changes the settings here and in the file, which other windows may have changed in the meantime.
+    /// Changes the settings here and in the file. The change is applied to the file's current contents, because other
+    /// windows may have changed them.
     ///
     /// # Errors
-    /// The file cannot be written; then the change lasts as long as the program.
+    /// The file cannot be written. The change then lasts until the program ends.
     pub fn change(&mut self, change: impl Fn(&mut Settings)) -> Result<(), SettingsError> {
         change(&mut self.settings);
         let Some(path) = &self.path else { return Ok(()) };
@@ -180,8 +180,8 @@ impl SettingsFile {
     }
 }
 
-/// Waits until no other window is between reading and writing the settings in `path`: a lock on their folder, held until
-/// the result is dropped. `None` if the folder cannot be locked, or not within half a second.
+/// Locks the folder of the settings file, so that no two windows read and write the file at the same time. The lock
+/// lasts until the result is dropped. Returns `None` if the folder cannot be locked within half a second.
 fn turn_of(path: &Path) -> Option<File> {
     let folder = File::open(path.parent()?).ok()?;
     for _ in 0..TURN_LOOKS {
@@ -194,18 +194,18 @@ fn turn_of(path: &Path) -> Option<File> {
     None
 }
 
-/// How often, and how many times, [`turn_of`] tries.
+/// The interval between the attempts of [`turn_of`], and their number.
 const TURN_PERIOD: Duration = Duration::from_millis(5);
 const TURN_LOOKS: u32 = 100;
 
-/// What is in a file.
+/// The contents of a file.
 #[derive(Default)]
 struct Found {
-    /// Everything.
+    /// All entries.
     table: toml::Table,
-    /// As much of it as this version knows.
+    /// The entries that this version knows.
     settings: Settings,
-    /// The names of the rest.
+    /// The names of the unknown entries.
     strange: Vec<String>,
 }
 
@@ -248,7 +248,7 @@ fn read(path: &Path) -> Result<Found, SettingsError> {
     Ok(Found { table, settings, strange })
 }
 
-/// Writes what `table` holds, changed as `after` differs from `before`.
+/// Writes `table` with the differences between `before` and `after` applied.
 fn write(
     path: &Path,
     table: &mut toml::Table,
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_changed_is_there_in_the_next_run_and_windows_do_not_undo_each_other() {
+    fn changes_are_read_back_and_merged_with_other_windows_changes() {
         let (_folder, path) = folder();
         let (mut one, error) = SettingsFile::open(Some(path.clone()));
         assert!(error.is_none() && *one.settings() == Settings::default());
@@ -293,12 +293,12 @@ mod tests {
         assert!(error.is_none());
         assert_eq!(next.settings().microphone.as_deref(), Some("p:\"odd\" mic\n"));
         assert_eq!(next.settings().latency_ms, [("p:tv".to_owned(), -35.0)].into());
-        // There is no other file beside it.
+        // No temporary file is left.
         assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
     }
 
     #[test]
-    fn changes_of_windows_at_the_same_time_were_lost() {
+    fn simultaneous_changes_of_several_windows_are_all_kept() {
         let (_folder, path) = folder();
         create_dir_all(path.parent().unwrap()).unwrap();
         std::thread::scope(|scope| {
@@ -319,24 +319,24 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_file_that_was_moved_already_was_to_be_corrected_or_deleted() {
+    fn a_broken_file_is_reported_and_renamed_at_the_first_change() {
         for text in
             [&b"microphone = "[..], b"[latency_ms", b"\xff\xfe", b"unknown = \"key\" = 3", &[b'#'; 1 << 21]]
         {
             let (_folder, path) = folder();
             let (mut file, error) = with_text(&path, text);
-            let reported = error.expect("it is broken").to_string();
+            let reported = error.expect("a broken file is reported").to_string();
             let aside = path.with_extension("toml.broken");
-            assert!(reported.ends_with(&format!("keeps this file as {}", aside.display())), "{reported}");
+            assert!(reported.ends_with(&format!("renames this file to {}", aside.display())), "{reported}");
             assert!(!reported.contains("delete"), "{reported}");
             assert_eq!(*file.settings(), Settings::default());
-            assert_eq!(std::fs::read(&path).unwrap(), text, "it was touched");
+            assert_eq!(std::fs::read(&path).unwrap(), text, "opening must not change the file");
             file.change(|settings| settings.system = Some("p:a.monitor".into())).unwrap();
             assert_eq!(std::fs::read(&aside).unwrap(), text);
             let (next, error) = SettingsFile::open(Some(path.clone()));
             assert!(error.is_none());
             assert_eq!(next.settings().system.as_deref(), Some("p:a.monitor"));
-            // Another one does not take its place.
+            // A second broken file does not overwrite the first.
             let (mut file, _) = with_text(&path, b"[");
             file.change(|settings| settings.system = None).unwrap();
             assert_eq!(std::fs::read(&aside).unwrap(), text);
@@ -345,12 +345,12 @@ mod tests {
     }
 
     #[test]
-    fn what_a_newer_version_wrote_is_told_and_stays() {
+    fn unknown_entries_are_reported_and_kept() {
         let (_folder, path) = folder();
         let text = b"microphone = \"p:mic\"\nmood = 3\n[choices]\nquality = \"ultra\"\ngain = \"off\"\n\
                      [last_show]\nvolume = 0.5\nhat = true\n";
         let (mut file, error) = with_text(&path, text);
-        let reported = error.expect("it is told").to_string();
+        let reported = error.expect("unknown entries are reported").to_string();
         assert!(
             reported.contains("(choices.quality, last_show.hat, mood)") && reported.contains("kept"),
             "{reported}"
@@ -370,36 +370,36 @@ mod tests {
         assert_eq!(kept["last_show"]["hat"].as_bool(), Some(true));
         assert_eq!(kept["last_show"]["volume"].as_float(), Some(0.25));
         assert!(!path.with_extension("toml.broken").exists());
-        // What is chosen anew takes the place of what was not known.
+        // A new choice replaces the unknown value.
         file.change(|settings| settings.choices.quality = crate::QualityChoice::Low).unwrap();
         let (next, error) = SettingsFile::open(Some(path));
         assert_eq!(next.settings().choices.quality, crate::QualityChoice::Low);
         assert!(error.is_some_and(|error| error.to_string().contains("(last_show.hat, mood)")));
-        // A message stays short.
+        // The message stays short.
         let many: Vec<String> = (0..9).map(|n| format!("{n}\n").repeat(100)).collect();
         assert!(newer(Path::new("a"), &many).to_string().len() < 300);
     }
 
     #[test]
-    fn a_place_that_takes_no_file_costs_nothing_but_a_sentence() {
+    fn an_unwritable_folder_is_reported_and_changes_still_apply() {
         let (folder, _) = folder();
         std::fs::write(folder.path().join("taken"), "").unwrap();
         let (mut file, error) = SettingsFile::open(Some(folder.path().join("taken/settings.toml")));
-        let reported = error.expect("there is no such folder").to_string();
+        let reported = error.expect("the folder does not exist").to_string();
         assert!(reported.contains("cannot be read"), "{reported}");
         assert!(file.change(|settings| settings.system = Some("p:a.monitor".into())).is_err());
         assert_eq!(file.settings().system.as_deref(), Some("p:a.monitor"));
-        // Nowhere at all.
+        // Without a path, nothing is reported.
         let (mut file, error) = SettingsFile::open(None);
         assert!(error.is_none());
         file.change(|settings| settings.microphone = Some("m".into())).unwrap();
         assert_eq!(file.settings().microphone.as_deref(), Some("m"));
     }
 
-    /// A full disk, simulated in a process of its own: none of its files may grow. The test runs itself there.
+    /// Simulates a full disk: the test runs itself in a child process whose files may not grow.
     #[cfg(unix)]
     #[test]
-    fn settings_that_do_not_fit_on_the_disk_cost_those_that_were_there() {
+    fn a_full_disk_does_not_damage_the_old_settings() {
         const PLACE: &str = "MARIANA_TEST_SETTINGS";
         let refused = "the settings are refused";
         if let Some(path) = std::env::var_os(PLACE) {
@@ -425,12 +425,16 @@ mod tests {
         assert!(sentence.contains("settings.toml cannot be written"), "{sentence}");
         assert!(!sentence.contains(".mariana-"), "{sentence}");
         assert_eq!(std::fs::read(&path).unwrap(), before);
-        assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1, "something lies beside it");
+        assert_eq!(
+            std::fs::read_dir(path.parent().unwrap()).unwrap().count(),
+            1,
+            "a temporary file was left"
+        );
     }
 
     proptest! {
         #[test]
-        fn no_bytes_make_it_panic_or_leave_the_limits(text in "(microphone|system|\\[latency_ms\\]|\"a\"| |=|\n|\"b\"|1e9|nan|-5.5|\\PC){0,24}") {
+        fn any_text_parses_within_the_limits(text in "(microphone|system|\\[latency_ms\\]|\"a\"| |=|\n|\"b\"|1e9|nan|-5.5|\\PC){0,24}") {
             let (_folder, path) = folder();
             let (file, _) = with_text(&path, text.as_bytes());
             prop_assert!(file.settings().latency_ms.values().all(|shift| shift.abs() <= PLAYER_LIMITS.latency_ms_max));

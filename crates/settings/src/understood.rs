@@ -1,11 +1,10 @@
-//! What this version understands of a settings file, and how it changes that without touching the rest: a newer version
-//! may have written more, and it is kept.
+//! Reading and changing a settings file that may contain entries of a newer version. Unknown entries are kept.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
-/// As much of `table` as can be read as a `T`, and the names of the keys that cannot, such as `last_show.mood`.
+/// Returns the part of `table` that can be read as a `T`, and the names of the other keys, such as `last_show.mood`.
 pub(super) fn understood<T: DeserializeOwned + Default>(table: &Table) -> (T, Vec<String>) {
     if let Ok(all) = table.clone().try_into::<T>() {
         return (all, Vec::new());
@@ -15,7 +14,7 @@ pub(super) fn understood<T: DeserializeOwned + Default>(table: &Table) -> (T, Ve
     (part.try_into().unwrap_or_default(), strange)
 }
 
-/// The entries of `table` that fit, each by itself, or the parts of them that do. `path` leads to the table.
+/// Returns the entries of `table` that fit, or the parts of them that do. `path` is the key prefix of the table.
 fn part_that(fits: &dyn Fn(Table) -> bool, path: &str, table: &Table, strange: &mut Vec<String>) -> Table {
     let mut part = Table::new();
     for (key, value) in table {
@@ -36,10 +35,10 @@ fn part_that(fits: &dyn Fn(Table) -> bool, path: &str, table: &Table, strange: &
     part
 }
 
-/// Changes in `table` what differs between `before`, as it was understood of it, and `after`.
+/// Applies the differences between `before` and `after` to `table`.
 ///
 /// # Errors
-/// A value cannot be written.
+/// A value cannot be serialized.
 pub(super) fn rewrite<T: Serialize>(
     table: &mut Table,
     before: &T,
@@ -52,7 +51,7 @@ pub(super) fn rewrite<T: Serialize>(
 fn merge(table: &mut Table, before: &Table, after: &Table) {
     for key in before.keys().filter(|key| !after.contains_key(*key)) {
         match (table.get_mut(key), before.get(key)) {
-            // What was not understood of it stays.
+            // Keep unknown entries of a removed table.
             (Some(Value::Table(there)), Some(Value::Table(before))) => {
                 merge(there, before, &Table::new());
                 if there.is_empty() {
@@ -109,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_known_is_read_and_what_is_not_is_named() {
+    fn known_entries_are_read_and_unknown_ones_named() {
         let (_, known, mut strange) = read(NEWER);
         assert_eq!(known.name.as_deref(), Some("a"));
         let inner = known.inner.unwrap();
@@ -123,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_keeps_what_is_not_known_and_takes_out_what_was_taken_out() {
+    fn a_change_keeps_unknown_entries_and_removes_deleted_ones() {
         let (mut table, before, _) = read(NEWER);
         let mut after = before.clone();
         after.name = None;
@@ -133,13 +132,13 @@ mod tests {
         let expected =
             "mood = \"blue\"\n[inner]\nsize = 5\nshape = [1, 2]\n[inner.values]\nb = 2.0\n[other]\nx = 1\n";
         assert_eq!(table, expected.parse().unwrap());
-        // A whole table goes only as far as it was known.
+        // Of a removed table, only the known entries are removed.
         let (mut table, before, _) = read(NEWER);
         rewrite(&mut table, &before, &Outer::default()).unwrap();
         let expected =
             "mood = \"blue\"\n[inner]\nshape = [1, 2]\n[inner.values]\nb = \"much\"\n[other]\nx = 1\n";
         assert_eq!(table, expected.parse().unwrap());
-        // What is new has its place.
+        // New entries are added.
         let (mut table, before, _) = read("");
         let inner = Some(Inner { size: Some(1), ..Inner::default() });
         rewrite(&mut table, &before, &Outer { inner, ..Outer::default() }).unwrap();

@@ -1,20 +1,20 @@
-//! What writes files on a thread of its own: a disk may be slow, and the show waits for none.
+//! A thread that writes files, because disks may be slow and the show must not wait.
 
 use std::cell::Cell;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 
-/// Does jobs one after the other, and tells what became of each. All that were given are done before it is gone.
+/// Runs jobs in order and returns their results. Dropping it waits until all jobs are finished.
 pub(super) struct WriterThread<Job, Done> {
     jobs: Option<Sender<Job>>,
     done: Receiver<Done>,
     thread: Option<JoinHandle<()>>,
-    /// Jobs whose result was not taken yet.
+    /// The number of jobs whose result has not been polled.
     open: Cell<usize>,
 }
 
 impl<Job: Send + 'static, Done: Send + 'static> WriterThread<Job, Done> {
-    /// Does jobs by `work` from now on, on a thread of this name. Without a thread it does none.
+    /// Starts a thread of this name that runs each job with `work`. If the thread cannot start, no job is accepted.
     pub(super) fn start(name: &str, mut work: impl FnMut(Job) -> Done + Send + 'static) -> Self {
         let (jobs, inbox) = channel::<Job>();
         let (reported, done) = channel();
@@ -27,26 +27,26 @@ impl<Job: Send + 'static, Done: Send + 'static> WriterThread<Job, Done> {
         Self { jobs: thread.is_some().then_some(jobs), done, thread, open: Cell::new(0) }
     }
 
-    /// Gives it a job. Returns whether it will be done.
+    /// Queues a job. Returns false if it will not run.
     pub(super) fn give(&self, job: Job) -> bool {
         let is_given = self.jobs.as_ref().is_some_and(|jobs| jobs.send(job).is_ok());
         self.open.update(|open| open + usize::from(is_given));
         is_given
     }
 
-    /// The result of the next job that is done.
+    /// Returns the next result, if any.
     pub(super) fn poll(&self) -> Option<Done> {
         let done = self.done.try_recv().ok();
         self.open.update(|open| open - usize::from(done.is_some()));
         done
     }
 
-    /// Returns `true` once the results of all jobs were taken.
+    /// Returns `true` once all results have been polled.
     pub(super) fn is_idle(&self) -> bool {
         self.open.get() == 0
     }
 
-    /// Does the remaining jobs, takes no more, and returns the results that were not taken.
+    /// Finishes the remaining jobs, accepts no more, and returns the results that have not been polled.
     pub(super) fn finish(&mut self) -> Vec<Done> {
         self.jobs = None;
         if let Some(thread) = self.thread.take() {
@@ -56,7 +56,7 @@ impl<Job: Send + 'static, Done: Send + 'static> WriterThread<Job, Done> {
         self.done.try_iter().collect()
     }
 
-    /// Waits for what becomes of a job.
+    /// Waits for the next result.
     #[cfg(test)]
     pub(super) fn wait(&self) -> Option<Done> {
         let done = self.done.recv().ok();
@@ -66,7 +66,7 @@ impl<Job: Send + 'static, Done: Send + 'static> WriterThread<Job, Done> {
 }
 
 impl<Job, Done> Drop for WriterThread<Job, Done> {
-    /// Nothing is lost that was to be written.
+    /// Waits until all jobs are finished.
     fn drop(&mut self) {
         self.jobs = None;
         if let Some(thread) = self.thread.take() {
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn jobs_are_done_in_their_order_and_before_it_is_gone() {
+    fn jobs_run_in_order_and_finish_before_drop_returns() {
         let (reported, hears) = channel();
         let writer_thread = WriterThread::start("test", move |job: u32| {
             let _ = reported.send(job);
