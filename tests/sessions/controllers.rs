@@ -221,7 +221,7 @@ fn a_port_that_is_taken_costs_a_sentence_and_no_show() {
     let taken = UdpSocket::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port().to_string();
     let app = place.open(&["--osc", &port]);
-    app.wait_until_reported("OSC is not heard: another program has 127.0.0.1:");
+    app.wait_until_reported("OSC input is off: another program uses 127.0.0.1:");
     wait_for_colour(&app, "green", [false, true, false]);
     drop(taken);
     app.wait_until_reported(&format!("receiving OSC on 127.0.0.1:{port}"));

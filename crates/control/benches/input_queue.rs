@@ -1,4 +1,4 @@
-//! What messages cost: taking bytes apart, putting wishes in, and what a frame does with a flood of them.
+//! Measures the cost of input messages: parsing bytes, queueing input, and taking a flood of it once per frame.
 
 #![allow(clippy::unwrap_used)]
 
@@ -13,14 +13,14 @@ use rosc::{OscMessage, OscPacket, OscType, encoder};
 
 const ACTIONS: &[ActionRow] = &[ActionRow { name: "next", takes: ValueType::Press, meaning: "" }];
 const SIZE: Param<'static> = Param { name: "size", min: 0.0, max: 4.0, default: 1.0 };
-/// Messages of one second of a flood.
+/// The messages in one second of a flood.
 const FLOOD: u64 = 10_000;
 
 fn midi(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("midi");
     group.throughput(Throughput::Elements(FLOOD));
     let bytes: Vec<u8> = (0..FLOOD).flat_map(|n| [0xb0, (n % 16) as u8, (n % 128) as u8]).collect();
-    group.bench_function("10,000 messages to wishes", |bencher| {
+    group.bench_function("10,000 messages to the queue", |bencher| {
         let (mut device, input_queue) = (Device::default(), InputQueue::new(|| {}));
         bencher.iter(|| {
             device.hear(black_box(&bytes), |said| {
@@ -57,7 +57,7 @@ fn osc(criterion: &mut Criterion) {
         .collect();
     let mut group = criterion.benchmark_group("osc");
     group.throughput(Throughput::Elements(FLOOD));
-    group.bench_function("10,000 packets to wishes", |bencher| {
+    group.bench_function("10,000 packets to the queue", |bencher| {
         let input_queue = InputQueue::new(|| {});
         bencher.iter(|| {
             for packet in black_box(&packets) {
@@ -83,7 +83,7 @@ fn model(criterion: &mut Criterion) {
             model.read("orb", &SIZE, None, now)
         });
     });
-    criterion.bench_function("wishes/put and taken", |bencher| {
+    criterion.bench_function("queue/put and take", |bencher| {
         let input_queue = InputQueue::new(|| {});
         bencher.iter(|| {
             let to = mariana_control::Amount::Value(1.0);

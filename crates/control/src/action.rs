@@ -1,60 +1,59 @@
-//! What hands can do besides turning parameters: a table of the program's, by stable names.
+//! The actions that controllers can trigger: a table of stable names that the program provides.
 
-/// What an action takes.
+/// The kind of value of an action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ValueType {
-    /// Nothing: it happens when a button goes down.
+    /// No value: the action runs when a button is pressed.
     Press,
-    /// On or off; without a value it changes over.
+    /// On or off; without a value, it toggles.
     Switch,
-    /// A share, 0..1.
+    /// A number from 0 to 1.
     Level,
-    /// A number in units of its own, or nothing.
+    /// A number in the action's unit, or no value.
     Number,
-    /// A name, or a number counted from 1.
+    /// A name, or a number from 1.
     Choice,
 }
 
-/// A row of the table.
+/// An action in the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ActionRow {
-    /// Its name in OSC addresses and in files, of small letters and underlines; it never changes.
+    /// The name in OSC addresses and files: lower-case letters and underscores. It never changes.
     pub name: &'static str,
-    /// What it takes.
+    /// The kind of value.
     pub takes: ValueType,
-    /// What it does, as the end of a sentence.
+    /// The help text, without a capital letter or a full stop.
     pub meaning: &'static str,
 }
 
-/// What comes with an action.
+/// The value sent with an action.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum ActionValue {
-    /// Nothing.
+    /// No value.
     #[default]
     Nothing,
-    /// A number, which is finite.
+    /// A finite number.
     Number(f32),
     /// A name.
     Text(String),
 }
 
-/// An action that a hand wishes for.
+/// An action requested by a controller.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Action {
-    /// The name of its row.
+    /// The name in the table.
     pub name: &'static str,
-    /// What came with it.
+    /// The value.
     pub given: ActionValue,
 }
 
-/// The row of this name.
+/// Returns the row with this name.
 pub fn row_of(table: &[ActionRow], name: &str) -> Option<ActionRow> {
     table.iter().find(|row| row.name == name).copied()
 }
 
 impl ActionRow {
-    /// What it means that something came with it; none if it is to be left, because a button was let go or because it
-    /// is not what the action takes.
+    /// Returns the action for this value, or `None` if a button is released or the value has the wrong kind.
     pub fn wanted(self, given: ActionValue) -> Option<Action> {
         let action = |given| Some(Action { name: self.name, given });
         match (self.takes, given) {
@@ -80,12 +79,12 @@ mod tests {
     }
 
     #[test]
-    fn actions_take_what_they_can_use_and_leave_the_rest() {
+    fn actions_accept_only_fitting_values() {
         use ActionValue::{Nothing, Number, Text};
         let text = || Text("orb".to_owned());
         assert_eq!(wanted(ValueType::Press, Nothing), Some(Nothing));
         assert_eq!(wanted(ValueType::Press, Number(1.0)), Some(Nothing));
-        assert_eq!(wanted(ValueType::Press, Number(0.0)), None, "the button is let go");
+        assert_eq!(wanted(ValueType::Press, Number(0.0)), None, "a released button does nothing");
         assert_eq!(wanted(ValueType::Switch, Number(0.0)), Some(Number(0.0)));
         assert_eq!(wanted(ValueType::Switch, Nothing), Some(Nothing));
         assert_eq!(wanted(ValueType::Switch, text()), None);

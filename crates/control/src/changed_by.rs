@@ -1,34 +1,34 @@
-//! What turns a parameter.
+//! The origin of a parameter's value.
 
 use serde::Serialize;
 
-/// Whose hand turned a parameter last.
+/// The controller that changed a parameter last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ChangedBy {
-    /// Nobody: the parameter is as the scene's text declares it.
+    /// None: the parameter has the value in the scene's text.
     #[default]
     Text,
-    /// A slider in the window, or one that was remembered.
+    /// A slider in the window, or a stored slider value.
     Slider,
-    /// A mapped knob, key or wheel.
+    /// A mapped MIDI knob, key or wheel.
     Midi,
-    /// A message over the network.
+    /// An OSC message.
     Osc,
-    /// The page for phones.
+    /// The phone page.
     Phone,
     /// A show that moves parameters.
     Show,
-    /// A performance that was recorded.
+    /// A recorded performance.
     Recording,
 }
 
 impl ChangedBy {
-    /// All of them.
+    /// All variants.
     pub const ALL: [Self; 7] =
         [Self::Text, Self::Slider, Self::Midi, Self::Osc, Self::Phone, Self::Show, Self::Recording];
 
-    /// What people read beside a slider.
+    /// Returns the label next to a slider.
     pub fn name(self) -> &'static str {
         match self {
             Self::Text => "text",

@@ -1,33 +1,34 @@
-//! A value on its way to another one.
+//! Smoothing: a value that approaches a target.
 
-/// A value that approaches its target: all but 1/e of the distance is gone after the smoothing time. A function of time,
-/// and one that can be interrupted anywhere without a jump.
+/// A value that approaches its target exponentially: 1/e of the distance is left after the smoothing time. It is a pure
+/// function of time and can be interrupted at any time without a jump.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Glide {
     from: f32,
     to: f32,
-    /// When it left `from`, in seconds.
+    /// The start of the movement, in seconds.
     since: f64,
-    /// The smoothing time in seconds; 0 is there at once.
+    /// The smoothing time in seconds; 0 jumps to the target.
     seconds: f32,
 }
 
-/// After so many smoothing times it is there: e⁻⁷ of the distance is left, less than a thousandth.
+/// The number of smoothing times until the value counts as arrived: e⁻⁷, less than a thousandth, of the distance is
+/// left.
 const TIMES: f64 = 7.0;
 
 impl Glide {
-    /// A value that stands.
+    /// Returns a constant value.
     pub fn at(value: f32) -> Self {
         Self { from: value, to: value, since: 0.0, seconds: 0.0 }
     }
 
-    /// From where this is at `now` to `to`, in a smoothing time of `seconds`.
+    /// Starts a movement from the value at `now` to `to`, with a smoothing time of `seconds`.
     #[must_use]
     pub fn towards(self, to: f32, seconds: f32, now: f64) -> Self {
         Self { from: self.value(now), to, since: now, seconds: seconds.max(0.0) }
     }
 
-    /// Where it is at `now`, in seconds; before its start it is there.
+    /// Returns the value at `now`, in seconds. Before the start it is the start value.
     pub fn value(&self, now: f64) -> f32 {
         if !self.moves(now) {
             return self.to;
@@ -37,12 +38,12 @@ impl Glide {
         (to + (from - to) * rest) as f32
     }
 
-    /// Where it goes.
+    /// The target value.
     pub fn target(&self) -> f32 {
         self.to
     }
 
-    /// Whether it is still on its way at `now`.
+    /// True while the value still moves at `now`.
     pub fn moves(&self, now: f64) -> bool {
         self.from != self.to && now - self.since < TIMES * f64::from(self.seconds)
     }
@@ -54,19 +55,23 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn all_but_one_eth_is_gone_after_the_smoothing_time_and_it_arrives() {
+    fn one_eth_of_the_distance_is_left_after_the_smoothing_time() {
         let glide = Glide::at(1.0).towards(3.0, 0.5, 10.0);
         assert_eq!((glide.value(9.0), glide.value(10.0)), (1.0, 1.0));
         assert!((glide.value(10.5) - (3.0 - 2.0 / std::f32::consts::E)).abs() < 1e-6);
         assert!(glide.moves(13.49) && (glide.value(13.49) - 3.0).abs() < 2e-3);
         assert_eq!((glide.moves(13.5), glide.value(13.5)), (false, 3.0));
-        assert_eq!(Glide::at(1.0).towards(3.0, 0.0, 10.0).value(10.0), 3.0, "without smoothing it is there");
+        assert_eq!(
+            Glide::at(1.0).towards(3.0, 0.0, 10.0).value(10.0),
+            3.0,
+            "without smoothing the value jumps"
+        );
     }
 
     proptest! {
-        /// Turning a knob again to where it goes already, as each frame might, changes nothing of its way.
+        /// Restarting a glide to the same target, as each frame might, does not change its path.
         #[test]
-        fn how_often_it_is_looked_at_makes_no_difference(
+        fn restarting_a_glide_does_not_change_its_path(
             steps in proptest::collection::vec(0.001_f64..0.2, 1..40),
             seconds in 0.01_f32..2.0,
         ) {
@@ -78,7 +83,7 @@ mod tests {
                 if often.moves(now) {
                     often = often.towards(1.0, seconds, now);
                 }
-                // The end of the way is cut where it is shorter than a thousandth of the whole.
+                // The last thousandth of the distance is cut off.
                 prop_assert!((often.value(now) - once.value(now)).abs() < 3e-3);
             }
         }

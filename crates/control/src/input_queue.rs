@@ -1,7 +1,8 @@
-//! What hands wish for between two frames: the newest value of each parameter and knob, and the actions in their order.
+//! The queue of controller input between two frames: the newest value of each parameter and knob, and the actions in
+//! order.
 //!
-//! Threads of devices put wishes in, and the show takes them out once for each frame. However many there are meanwhile,
-//! they take no more room than there are different names, and the show is woken once.
+//! Device threads put input in, and the show takes it out once per frame. Memory is bounded by the number of different
+//! names, and the show is woken only once per batch.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -12,17 +13,17 @@ use super::midi::{KnobMove, Source};
 use super::{ChangedBy, Param};
 use crate::limits::LIMITS;
 
-/// How far a parameter is turned.
+/// A new value of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Amount {
-    /// To a value in its own units.
+    /// A value in the parameter's unit.
     Value(f32),
-    /// To a share of its range, 0..1.
+    /// A fraction of the parameter's range, 0..1.
     Fraction(f32),
 }
 
 impl Amount {
-    /// The value that this is of a parameter.
+    /// Returns the parameter's value.
     pub fn of(self, param: &Param<'_>) -> f32 {
         match self {
             Self::Value(value) => param.clamped(value),
@@ -36,54 +37,54 @@ impl Amount {
     }
 }
 
-/// A parameter of the scene on the stage that is to be turned.
+/// A change of a parameter of the current scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParamChange {
-    /// Its name.
+    /// The parameter's name.
     pub name: String,
-    /// Where to.
+    /// The new value.
     pub to: Amount,
-    /// In which smoothing time, in seconds.
+    /// The smoothing time in seconds.
     pub seconds: f32,
-    /// Whose hand it is.
+    /// The origin of the change.
     pub changed_by: ChangedBy,
 }
 
-/// What was put in and could not be used, counted since the start.
+/// The counts of rejected input since the start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Refusals {
-    /// Messages that are broken, too large, or no message at all.
+    /// Malformed or oversized messages.
     pub rubbish: u64,
-    /// Messages that are sound, but nothing here is meant by them.
+    /// Valid messages that have no meaning here.
     pub unknown: u64,
     /// Values that are not numbers.
     pub not_numbers: u64,
-    /// Wishes beyond what one frame takes, and messages for a time that nobody waits for.
+    /// Input beyond the limits of a frame, and messages scheduled too far ahead.
     pub too_many: u64,
 }
 
 impl Refusals {
-    /// All of them.
+    /// The sum of all counts.
     pub fn count(self) -> u64 {
         self.rubbish + self.unknown + self.not_numbers + self.too_many
     }
 }
 
-/// What was wished for since the last time.
+/// The input since the last frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct InputBatch {
-    /// The newest wish for each parameter, in the order in which they were first named.
+    /// The newest change of each parameter, in the order of their first mention.
     pub params: Vec<ParamChange>,
-    /// Actions in their order.
+    /// The actions in order.
     pub actions: Vec<Action>,
-    /// Where each knob that moved is now, in the order in which they first did.
+    /// The newest value of each knob that moved, in the order of their first movement.
     pub knobs: Vec<KnobMove>,
-    /// When the first of all this came.
+    /// The time at which the first of this input arrived.
     pub since: Option<Instant>,
 }
 
 impl InputBatch {
-    /// Whether there is nothing.
+    /// True if there is no input.
     pub fn is_empty(&self) -> bool {
         self.params.is_empty() && self.actions.is_empty() && self.knobs.is_empty()
     }
@@ -92,16 +93,16 @@ impl InputBatch {
 #[derive(Default)]
 struct Pending {
     batch: InputBatch,
-    /// The place of each name in [`InputBatch::params`].
+    /// The index of each name in [`InputBatch::params`].
     places: HashMap<String, usize>,
-    /// The place of each knob in [`InputBatch::knobs`].
+    /// The index of each knob in [`InputBatch::knobs`].
     knob_places: HashMap<(Arc<str>, Source), usize>,
     messages: u64,
     refusals: Refusals,
     is_woken: bool,
 }
 
-/// Where wishes are put in and taken out; copies are the same place.
+/// A shared queue of controller input. Clones share the contents.
 #[derive(Clone)]
 pub struct InputQueue {
     pending: Arc<Mutex<Pending>>,
@@ -109,12 +110,12 @@ pub struct InputQueue {
 }
 
 impl InputQueue {
-    /// A place without wishes. `wake` is called, on the thread that puts one in, when there is one again.
+    /// Creates an empty queue. `wake` is called on the sending thread when the empty queue gets input.
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
         Self { pending: Arc::default(), wake: Arc::new(wake) }
     }
 
-    /// Wishes for a parameter. A value that is not a number is refused.
+    /// Queues a parameter change. A value that is not a number is rejected.
     pub fn turn(&self, change: ParamChange) {
         self.put(|pending| {
             if !change.to.is_number() || !change.seconds.is_finite() {
@@ -136,7 +137,7 @@ impl InputQueue {
         });
     }
 
-    /// Wishes for an action. Of a level, the newest value counts.
+    /// Queues an action. Only the newest of consecutive numbers for the same action is kept.
     pub fn act(&self, action: Action) {
         self.put(|pending| {
             let actions = &mut pending.batch.actions;
@@ -152,7 +153,7 @@ impl InputQueue {
         });
     }
 
-    /// Takes notice of a knob that moved.
+    /// Queues a knob movement.
     pub fn moved(&self, knob: KnobMove) {
         self.put(|pending| {
             let (knobs, name) = (&mut pending.batch.knobs, (knob.device.clone(), knob.source));
@@ -167,17 +168,17 @@ impl InputQueue {
         });
     }
 
-    /// Counts a message that came in.
+    /// Counts a received message.
     pub fn count(&self) {
         self.lock().messages += 1;
     }
 
-    /// Counts what could not be used.
+    /// Counts rejected input.
     pub fn refuse(&self, count: impl FnOnce(&mut Refusals)) {
         count(&mut self.lock().refusals);
     }
 
-    /// Takes out what there is.
+    /// Takes the pending input.
     pub fn take(&self) -> InputBatch {
         let mut pending = self.lock();
         pending.is_woken = false;
@@ -186,12 +187,12 @@ impl InputQueue {
         std::mem::take(&mut pending.batch)
     }
 
-    /// Whether there is something to take out.
+    /// True if there is pending input.
     pub fn has_any(&self) -> bool {
         !self.lock().batch.is_empty()
     }
 
-    /// How many messages came in since the start, and what of them could not be used.
+    /// Returns the number of messages since the start, and the rejected ones by kind.
     pub fn counts(&self) -> (u64, Refusals) {
         let pending = self.lock();
         (pending.messages, pending.refusals)
@@ -216,7 +217,7 @@ impl InputQueue {
     }
 }
 
-/// Whether an action says the same as the one before it, with a newer number.
+/// True if `action` is a newer number for the action `last`.
 fn is_newer(last: &Action, action: &Action) -> bool {
     use super::action::ActionValue::Number;
     matches!((&last.given, &action.given), (Number(_), Number(_)))
@@ -253,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_frame_cannot_take_is_refused_and_counted() {
+    fn input_beyond_the_limits_is_rejected_and_counted() {
         let (input_queue, _) = place();
         for number in 0..LIMITS.pending_params_max + 3 {
             input_queue.turn(change(&number.to_string(), 0.0));
@@ -276,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn of_a_knob_the_newest_place_counts_and_every_press() {
+    fn the_newest_knob_value_and_every_press_are_kept() {
         let (input_queue, woken) = place();
         let knob = |key: u8, value, is_press| {
             KnobMove::to("desk".into(), Source::Note { channel: 0, key }, value, is_press)
@@ -301,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn of_a_level_the_newest_value_counts_and_presses_are_kept() {
+    fn the_newest_level_and_every_press_are_kept() {
         let (input_queue, _) = place();
         let action = |name, given| Action { name, given };
         for level in [0.1, 0.2, 0.9] {

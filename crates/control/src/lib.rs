@@ -1,18 +1,20 @@
-//! Hands on a show: every slider, knob, clock, message and file that turns something turns one model.
+//! Controller input for a show. Sliders, MIDI, OSC, phones, scene texts, shows and recordings all change one [`Model`]
+//! of parameters.
 //!
 //! ```text
 //! MIDI bytes  ─ parser ─ newest value of each knob ─┐
-//! OSC packets ─ bounded ─ newest value of each name ─┼─► wishes ─► once for each frame: mappings ─► model ─► picture
+//! OSC packets ─ bounded ─ newest value of each name ─┼─► input queue ─► once per frame: mappings ─► model ─► frame
 //! slider, text, show, recording, phone ─────────────┘
 //! ```
 //!
-//! **Newest wins.** Between two frames a flood of messages costs one value for each parameter: [`InputQueue`] keeps the newest,
-//! and says how many came.
+//! **The newest value wins.** [`InputQueue`] keeps one value per parameter between two frames, however many messages
+//! arrive, and counts the messages.
 //!
-//! **The last hand wins.** [`Model`] knows of each parameter which [`ChangedBy`] holds it, where it is going and how long that
-//! takes. It reads no clock: the same turns at the same seconds give the same values, however many frames are drawn.
+//! **The last controller wins.** [`Model`] stores for each parameter who changed it last ([`ChangedBy`]), its target
+//! and its smoothing time. It reads no clock: the same turns at the same seconds give the same values at any frame
+//! rate.
 //!
-//! Devices and sockets live on threads of their own and hand over values; nothing here waits for them.
+//! Devices and sockets run on their own threads and pass values on; this crate never waits for them.
 
 pub mod action;
 mod changed_by;

@@ -1,50 +1,47 @@
-//! Every ceiling of this crate, in one place.
-//!
-//! A limit is data: code that obeys a limit reads it here, an error that reports one names the number from here, and
-//! a test reaches it.
+//! All limits of this crate. Code, error messages and tests read them from here.
 
 use std::time::Duration;
 
-/// Ceilings on what comes from outside.
+/// Limits on input from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Most bytes of a name that comes from outside: of a parameter, a scene, an action.
+    /// The maximum length of a parameter, scene or action name, in bytes.
     pub name_bytes_max: usize,
-    /// Most different parameters that are wished for between two frames; further ones are refused.
+    /// The maximum number of different parameters changed between two frames; more are rejected.
     pub pending_params_max: usize,
-    /// Most actions that are wished for between two frames; further ones are refused.
+    /// The maximum number of actions between two frames; more are rejected.
     pub pending_actions_max: usize,
-    /// Most bundles and messages of one packet of OSC; what comes behind them is left out.
+    /// The maximum number of bundles and messages in one OSC packet; the rest is ignored.
     pub osc_elements_max: usize,
-    /// Deepest nesting of bundles.
+    /// The maximum nesting depth of OSC bundles.
     pub osc_depth_max: usize,
-    /// Most arguments of a message.
+    /// The maximum number of arguments of an OSC message.
     pub osc_arguments_max: usize,
-    /// Most answers to one packet.
+    /// The maximum number of answers to one packet.
     pub osc_answers_max: usize,
-    /// Most addresses that one pattern stands for; further ones are left out.
+    /// The maximum number of addresses that a pattern matches; the rest is ignored.
     pub osc_matches_max: usize,
-    /// Furthest time of a bundle that is waited for, in seconds.
+    /// The maximum time that a bundle may be scheduled ahead, in seconds.
     pub osc_ahead_seconds_max: f64,
-    /// Most messages that wait for their time; further ones are refused.
+    /// The maximum number of scheduled messages; more are rejected.
     pub osc_waiting_max: usize,
-    /// Time between two attempts to open a port that the system refuses.
+    /// The interval between two attempts to open a port.
     pub port_retry: Duration,
-    /// Lowest and highest rate at which OSC is sent, in packets a second.
+    /// The minimum rate at which OSC is sent, in packets a second.
     pub osc_rate_min: f64,
-    /// See [`Limits::osc_rate_min`].
+    /// The maximum rate at which OSC is sent, in packets a second.
     pub osc_rate_max: f64,
-    /// Most different knobs that move between two frames; further ones are refused.
+    /// The maximum number of different knobs that move between two frames; more are rejected.
     pub moved_knobs_max: usize,
-    /// Most presses of one key or button that count between two frames.
+    /// The maximum number of presses of one key or button that count between two frames.
     pub presses_max: u32,
-    /// Most MIDI devices that are heard at a time.
+    /// The maximum number of MIDI devices open at the same time.
     pub midi_devices_max: usize,
-    /// Most mappings of knobs.
+    /// The maximum number of knob mappings.
     pub mappings_max: usize,
-    /// Most bytes of a file of mappings.
+    /// The maximum size of a mapping file, in bytes.
     pub mapping_bytes_max: usize,
-    /// Longest smoothing, in seconds.
+    /// The maximum smoothing time, in seconds.
     pub smoothing_seconds_max: f32,
 }
 

@@ -1,72 +1,72 @@
-//! The one model of parameters.
+//! The model of all parameters: values, targets, and who changed them last.
 
 use std::collections::BTreeMap;
 
 use super::{ChangedBy, Glide};
 use crate::limits::LIMITS;
 
-/// A parameter as a scene's text declares it; `min <= default <= max`, all finite.
+/// A parameter as declared in a scene's text. `min <= default <= max`, all finite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Param<'a> {
-    /// Its name in the scene.
+    /// The name in the scene.
     pub name: &'a str,
-    /// Least value.
+    /// The smallest value.
     pub min: f32,
-    /// Largest value.
+    /// The largest value.
     pub max: f32,
-    /// The value that it has where nobody turns it.
+    /// The value in the scene's text.
     pub default: f32,
 }
 
 impl Param<'_> {
-    /// A value brought into the range; what is not a number becomes the default.
+    /// Clamps a value to the range. A value that is not finite becomes the default.
     pub fn clamped(&self, value: f32) -> f32 {
         let value = if value.is_finite() { value } else { self.default };
         value.max(self.min).min(self.max)
     }
 
-    /// Where a value stands in the range, 0..1.
+    /// Returns a value's position in the range, 0..1.
     pub fn fraction_of(&self, value: f32) -> f32 {
         let fraction = (value - self.min) / (self.max - self.min);
         if fraction.is_finite() { fraction.clamp(0.0, 1.0) } else { 0.0 }
     }
 
-    /// The value at a share of the range, 0..1.
+    /// Returns the value at a fraction of the range, 0..1.
     pub fn value_at(&self, fraction: f32) -> f32 {
         self.clamped(self.min + fraction.clamp(0.0, 1.0) * (self.max - self.min))
     }
 }
 
-/// One turn of a parameter.
+/// A change of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turn {
-    /// Where to, in the parameter's own units.
+    /// The new value in the parameter's unit.
     pub to: f32,
-    /// In which smoothing time, in seconds; 0 is at once.
+    /// The smoothing time in seconds; 0 jumps.
     pub seconds: f32,
-    /// Whose hand it is.
+    /// The origin of the change.
     pub changed_by: ChangedBy,
 }
 
-/// What a show does with a parameter at a moment.
+/// A show's value for a parameter at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Directed {
     /// The value.
     pub value: f32,
-    /// The same number for as long as it is the same movement; another for the show's next one.
+    /// An identifier of the movement: constant during one movement and different for the next.
     pub part: u64,
 }
 
-/// A parameter's value at a moment, and who holds it.
+/// A parameter's value at a moment, with its origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
-    /// The value, in the range.
+    /// The value, within the range.
     pub value: f32,
-    /// Whose hand turned it last.
+    /// The origin of the last change.
     pub changed_by: ChangedBy,
 }
 
-/// What is held of a parameter.
+/// The stored state of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Held {
     changed_by: ChangedBy,
@@ -74,18 +74,18 @@ struct Held {
     during: Option<u64>,
 }
 
-/// Who holds which parameter of which scene, and where it is going.
+/// The changed parameters of all scenes, with their origins and targets.
 ///
-/// Scenes are told apart by their titles, so that what was turned in one is found again when the show returns to it.
-/// A show holds the parameters that it moves until a hand turns one; it takes that back with its next movement.
+/// Scenes are identified by their titles, so that changes are kept when the show returns to a scene. A show controls
+/// the parameters that it moves until a user changes one; its next movement takes the parameter back.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Model {
     scenes: BTreeMap<String, BTreeMap<String, Held>>,
 }
 
 impl Model {
-    /// Turns a parameter at `now`, in seconds, while a show does `directed` with it. It leaves from where it is seen. A
-    /// value that is not a number changes nothing.
+    /// Changes a parameter at `now`, in seconds. `directed` is the show's value at this moment, if any. The movement
+    /// starts at the visible value. A value that is not finite is ignored.
     pub fn turn(&mut self, scene: &str, param: &Param<'_>, turn: Turn, directed: Option<Directed>, now: f64) {
         if !turn.to.is_finite() {
             return;
@@ -98,7 +98,7 @@ impl Model {
         let to = param.clamped(turn.to);
         let seen = self.read(scene, param, directed, now);
         let glide = match self.held(scene, param.name).filter(|held| held.changed_by == seen.changed_by) {
-            // Again to where it goes already: its way is not begun anew.
+            // A repeated change to the same target does not restart the movement.
             Some(held)
                 if held.changed_by == turn.changed_by
                     && held.glide.target() == to
@@ -119,14 +119,14 @@ impl Model {
         }
     }
 
-    /// Gives a parameter back to the scene's text.
+    /// Resets a parameter to the value in the scene's text.
     pub fn release(&mut self, scene: &str, name: &str) {
         if let Some(params) = self.scenes.get_mut(scene) {
             params.remove(name);
         }
     }
 
-    /// A parameter at `now`, while a show does that with it.
+    /// Returns a parameter's value at `now`. `directed` is the show's value at this moment, if any.
     pub fn read(&self, scene: &str, param: &Param<'_>, directed: Option<Directed>, now: f64) -> Reading {
         match (self.held(scene, param.name), directed) {
             (Some(held), Some(directed)) if held.during != Some(directed.part) => {
@@ -140,23 +140,23 @@ impl Model {
         }
     }
 
-    /// Where a parameter goes, which is where a knob has to pick it up.
+    /// Returns the target of a parameter, which is the value at which a knob picks it up.
     pub fn target(&self, scene: &str, param: &Param<'_>, directed: Option<Directed>) -> f32 {
         self.read(scene, param, directed, f64::INFINITY).value
     }
 
-    /// Whether anything of a scene is still on its way at `now`.
+    /// True if a parameter of the scene still moves at `now`.
     pub fn moves(&self, scene: &str, now: f64) -> bool {
         self.scenes.get(scene).is_some_and(|params| params.values().any(|held| held.glide.moves(now)))
     }
 
-    /// What hands have turned in a scene, by name: where it goes, and whose hand it was.
+    /// Returns the changed parameters of a scene with their targets and origins.
     pub fn turned(&self, scene: &str) -> impl Iterator<Item = (&str, f32, ChangedBy)> {
         let params = self.scenes.get(scene).into_iter().flatten();
         params.map(|(name, held)| (&**name, held.glide.target(), held.changed_by))
     }
 
-    /// Puts a parameter where it was in an earlier run, of which the text may have changed meanwhile.
+    /// Restores a value from an earlier run. The scene's text may have changed since then.
     pub fn remember(&mut self, scene: &str, name: &str, value: f32) {
         if value.is_finite() {
             let held = Held { changed_by: ChangedBy::Slider, glide: Glide::at(value), during: None };
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_hand_wins_whichever_it_is() {
+    fn the_last_change_wins_from_any_origin() {
         let mut model = Model::default();
         assert_eq!(read(&model, None, 0.0), (1.0, ChangedBy::Text));
         for changed_by in ChangedBy::ALL {
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn each_scene_has_its_own_and_finds_it_again() {
+    fn each_scene_keeps_its_own_values() {
         let mut model = Model::default();
         model.turn("orb", &SIZE, turn(ChangedBy::Midi, 3.0), None, 0.0);
         assert_eq!(model.read("city", &SIZE, None, 0.0).value, 1.0);
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn values_stay_in_the_range_and_what_is_no_number_changes_nothing() {
+    fn values_stay_in_range_and_non_numbers_are_ignored() {
         let mut model = Model::default();
         model.turn("orb", &SIZE, turn(ChangedBy::Osc, 99.0), None, 0.0);
         assert_eq!(read(&model, None, 0.0).0, 4.0);
@@ -216,7 +216,7 @@ mod tests {
             model.turn("orb", &SIZE, rubbish, None, 0.0);
             assert_eq!(read(&model, None, 0.0).0, 4.0);
         }
-        // The text has another range meanwhile.
+        // The text now declares another range.
         let narrow = Param { max: 2.0, ..SIZE };
         assert_eq!(model.read("orb", &narrow, None, 0.0).value, 2.0);
     }
@@ -233,14 +233,14 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_begins_where_the_parameter_is_and_takes_its_time() {
+    fn a_turn_starts_at_the_current_value_and_is_smoothed() {
         let mut model = Model::default();
         let slow = |to| Turn { seconds: 1.0, ..turn(ChangedBy::Midi, to) };
         model.turn("orb", &SIZE, slow(3.0), None, 0.0);
         assert_eq!(read(&model, None, 0.0).0, 1.0);
         let half = read(&model, None, 0.5).0;
         assert!(model.moves("orb", 0.5) && half > 1.0 && half < 3.0);
-        // The same value again is no new beginning, and another one is no jump.
+        // The same target does not restart the movement, and a new target causes no jump.
         model.turn("orb", &SIZE, slow(3.0), None, 0.5);
         let one = 3.0 - 2.0 / std::f32::consts::E;
         assert!((read(&model, None, 1.0).0 - one).abs() < 1e-5);
@@ -251,20 +251,20 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_takes_over_from_a_show_without_a_jump() {
+    fn a_user_takes_over_from_a_show_without_a_jump() {
         let mut model = Model::default();
         let slow = Turn { seconds: 1.0, ..turn(ChangedBy::Midi, 4.0) };
         let directed = |part| Some(Directed { value: 2.0, part });
         model.turn("orb", &SIZE, slow, directed(1), 0.0);
         assert_eq!(read(&model, directed(1), 0.0), (2.0, ChangedBy::Midi));
-        // Also where it held the parameter before the show did.
+        // This also holds if the user changed the parameter before the show did.
         assert!(read(&model, directed(1), 9.0).0 > 3.9);
         model.turn("orb", &SIZE, slow, directed(2), 9.0);
         assert_eq!(read(&model, directed(2), 9.0), (2.0, ChangedBy::Midi));
     }
 
     #[test]
-    fn a_smoothing_beyond_the_limit_is_the_longest_one() {
+    fn smoothing_is_clamped_to_the_limit() {
         let mut model = Model::default();
         model.turn("orb", &SIZE, Turn { seconds: 1e9, ..turn(ChangedBy::Osc, 4.0) }, None, 0.0);
         let gone = f64::from(LIMITS.smoothing_seconds_max) * 7.0;
@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_remembered_stands_where_it_was_left() {
+    fn remembered_values_are_restored() {
         let mut model = Model::default();
         model.remember("orb", "size", 0.5);
         model.remember("orb", "gone", f32::NAN);
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn shares_and_values_are_two_ways_to_say_the_same() {
+    fn fractions_and_values_convert_both_ways() {
         assert_eq!([0.0, 0.25, 1.0, 7.0].map(|fraction| SIZE.value_at(fraction)), [0.0, 1.0, 4.0, 4.0]);
         assert_eq!([0.0, 1.0, 4.0, -3.0].map(|value| SIZE.fraction_of(value)), [0.0, 0.25, 1.0, 0.0]);
         let none = Param { min: 1.0, max: 1.0, ..SIZE };

@@ -1,4 +1,4 @@
-//! What there is to turn and how it stands, for those who ask from other threads.
+//! The state of the show for other threads: scene, parameters, switches and levels.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -6,43 +6,43 @@ use serde::Serialize;
 
 use super::Slider;
 
-/// The show at a moment.
+/// The state of the show at a moment.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Present {
-    /// The title of the scene on the stage.
+    /// The title of the current scene.
     pub scene: String,
-    /// The titles of all scenes, in the order of their numbers.
+    /// The titles of all scenes, in order of their numbers.
     pub scenes: Vec<String>,
-    /// The parameters of the scene on the stage.
+    /// The parameters of the current scene.
     pub params: Vec<Slider>,
-    /// Switches by the names of their actions, and whether they are on.
+    /// The switches by action name, with their states.
     pub switches: Vec<(&'static str, bool)>,
-    /// Levels by the names of their actions, 0..1; one that there is not at present is left out.
+    /// The levels by action name, 0..1. Unavailable levels are left out.
     pub levels: Vec<(&'static str, f32)>,
     /// Beats per minute; 0 while unknown.
     pub tempo: f32,
-    /// The name of the track; empty while an input is listened to.
+    /// The track's title; empty while an input is the source.
     pub track: String,
-    /// Its length in seconds; 0 while unknown.
+    /// The track's length in seconds; 0 while unknown.
     pub length: f64,
 }
 
-/// Where the show puts up how it stands; copies are the same board.
+/// A shared board where the show publishes its state. Clones share the contents.
 #[derive(Debug, Clone, Default)]
 pub struct Board(Arc<Mutex<Arc<Present>>>);
 
 impl Board {
-    /// Puts up how it stands now.
+    /// Publishes a new state.
     pub fn put(&self, present: Present) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(present);
     }
 
-    /// What stands on the board. Whoever reads it long holds nobody who puts up.
+    /// Returns the latest state. Keeping the result does not block the show.
     pub fn newest(&self) -> Arc<Present> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Reads the board.
+    /// Reads the latest state.
     pub fn read<T>(&self, read: impl FnOnce(&Present) -> T) -> T {
         read(&self.newest())
     }
@@ -53,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_put_up_is_read_by_everyone() {
+    fn clones_read_the_published_state() {
         let board = Board::default();
         let other = board.clone();
         board.put(Present { tempo: 120.0, ..Present::default() });

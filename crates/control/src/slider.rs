@@ -1,45 +1,46 @@
-//! A parameter as a slider shows it.
+//! A parameter as shown by a slider.
 
 use serde::Serialize;
 
 use crate::ChangedBy;
 
-/// A parameter that the user may move.
+/// A parameter that the user can move.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Slider {
-    /// Its name in the scene.
+    /// The name in the scene.
     pub name: String,
-    /// Its value, from `min` to `max`.
+    /// The value, from `min` to `max`.
     pub value: f32,
-    /// Its least value.
+    /// The smallest value.
     pub min: f32,
-    /// Its greatest value.
+    /// The largest value.
     pub max: f32,
-    /// What a double click brings back.
+    /// The value that a double click restores.
     pub default: f32,
-    /// Whose hand turned it last.
+    /// The origin of the last change.
     pub changed_by: ChangedBy,
 }
 
 impl Slider {
-    /// The value, brought into its range; what is not a number becomes the default.
+    /// Clamps a value to the range. A value that is not finite becomes the default.
     pub fn clamped(&self, value: f32) -> f32 {
         let value = if value.is_finite() { value } else { self.default };
         value.max(self.min).min(self.max)
     }
 
-    /// Where the value stands between `min` and `max`, 0..1.
+    /// Returns a value's position between `min` and `max`, 0..1.
     pub fn position_of(&self, value: f32) -> f32 {
         let position = (value - self.min) / (self.max - self.min);
         if position.is_finite() { position.clamp(0.0, 1.0) } else { 0.0 }
     }
 
-    /// The value at a position between `min` (0) and `max` (1).
+    /// Returns the value at a position between `min` (0) and `max` (1).
     pub fn value_at(&self, position: f32) -> f32 {
         self.clamped(self.min + position.clamp(0.0, 1.0) * (self.max - self.min))
     }
 
-    /// Whose hand holds it, where that is neither the text nor the slider itself.
+    /// Returns the name of the controller that changed the value last; empty for the scene's text and the slider
+    /// itself.
     pub fn changed_by_words(&self) -> &'static str {
         match self.changed_by {
             ChangedBy::Text | ChangedBy::Slider => "",
@@ -47,7 +48,7 @@ impl Slider {
         }
     }
 
-    /// The value with as many digits as a slider can distinguish.
+    /// Returns the value with as many digits as a slider can distinguish.
     pub fn value_text(&self) -> String {
         let decimals = match self.max - self.min {
             span if span >= 200.0 => 0,
@@ -77,7 +78,7 @@ mod tests {
         assert_eq!([-1.0, 0.25, 7.0, f32::NAN].map(|value| unit.clamped(value)), [0.0, 0.25, 1.0, 0.5]);
         assert_eq!([-1.0, 0.25, 2.0].map(|position| slider(-4.0, 4.0).value_at(position)), [-4.0, -2.0, 4.0]);
         assert_eq!(slider(-4.0, 4.0).position_of(2.0), 0.75);
-        // A range without extent.
+        // An empty range.
         assert_eq!((slider(1.0, 1.0).position_of(1.0), slider(1.0, 1.0).value_at(0.3)), (0.0, 1.0));
         assert_eq!(
             [1.0, 10.0, 100.0, 1_000.0].map(|max| slider(0.0, max).value_text()),

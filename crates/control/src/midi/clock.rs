@@ -1,58 +1,58 @@
-//! MIDI clock: 24 messages in each beat, from which tempo, phase and the place in the bar follow.
+//! MIDI clock, 24 messages a beat, converted to tempo, phase and position in the bar.
 
 use std::collections::VecDeque;
 
 use super::message::Message;
 
-/// Clocks in a beat.
+/// Clock messages per beat.
 const PER_BEAT: u64 = 24;
-/// Clocks in a sixteenth, in which song positions are counted.
+/// Clock messages per sixteenth note, the unit of song positions.
 const PER_SIXTEENTH: u64 = 6;
-/// Beats in a bar: MIDI clock says nothing of time signatures.
+/// Beats per bar. MIDI clock carries no time signature.
 const BEATS_IN_BAR: u64 = 4;
-/// Clocks that the line is laid through: two beats.
+/// The number of clock messages in the least-squares fit: two beats.
 const FITTED_MAX: usize = 48;
-/// Clocks that are needed for a tempo.
+/// The number of clock messages needed for a tempo.
 const FITTED_MIN: usize = 6;
-/// After a pause of so many seconds the clock begins anew: less than 5 beats a minute.
+/// A pause after which the clock starts anew, in seconds. It corresponds to 5 beats a minute.
 const PAUSE: f64 = 0.5;
-/// A clock that is so far from where the line has it, in seconds, belongs to another tempo.
+/// A deviation from the fitted line, in seconds, above which a clock message may belong to a new tempo.
 const OFF: f64 = 0.006;
 
-/// Follows the clock of one device. Times are in seconds of any steady clock.
+/// Follows the MIDI clock of one device. Times are in seconds of any steady clock.
 #[derive(Debug, Clone, Default)]
 pub struct Clock {
-    /// Numbers and times of the last clocks.
+    /// Numbers and times of the last clock messages.
     clocks: VecDeque<(u64, f64)>,
-    /// Number of the next clock.
+    /// The number of the next clock message.
     count: u64,
-    /// The place in the song of the clock with this number, in clocks; none before a start.
+    /// A clock message's number and its song position in clocks; `None` before a start.
     place: Option<(u64, u64)>,
-    /// Where the song stands while it does not run.
+    /// The song position in clocks while the song is stopped.
     stands_at: Option<u64>,
-    /// How many clocks in a row were off.
+    /// The number of consecutive clock messages that deviate from the line.
     off: usize,
 }
 
-/// What the clock says, for as long as nothing newer is known.
+/// The tempo and song position, extrapolated from the last clock messages.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClockReading {
     /// Beats per minute.
     pub tempo: f64,
-    /// The time of a beat, in seconds.
+    /// The time at which the song is at `beat`, in seconds.
     origin: f64,
-    /// The beat at that time, counted from the start of the song.
+    /// The song position at `origin`, in beats from the start of the song.
     beat: f64,
-    /// Whether the song stands still.
+    /// True if the song is stopped.
     stands: bool,
-    /// Whether it is known where in the song this is.
+    /// True if the position in the song is known.
     pub knows_bar: bool,
-    /// The last clock, in seconds.
+    /// The time of the last clock message, in seconds.
     last: f64,
 }
 
 impl Clock {
-    /// Takes a message that came at `time`. Messages of other kinds are passed over.
+    /// Processes a message that arrived at `time`. Other kinds of messages are ignored.
     pub fn take(&mut self, message: Message, time: f64) {
         match message {
             Message::Clock => self.tick(time),
@@ -89,7 +89,7 @@ impl Clock {
             .is_some_and(|(origin, period)| (time - (origin + self.count as f64 * period)).abs() > OFF);
         self.off = if is_off { self.off + 1 } else { 0 };
         if self.off >= 3 {
-            // One that is late is chance, three are another tempo.
+            // One late message is jitter; three in a row are a new tempo.
             self.clocks.drain(..self.clocks.len().saturating_sub(3));
             self.off = 0;
         }
@@ -100,7 +100,7 @@ impl Clock {
         self.count += 1;
     }
 
-    /// What is known now; none without a few clocks.
+    /// Returns the current reading; `None` until enough clock messages have arrived.
     pub fn reading(&self) -> Option<ClockReading> {
         let (origin, period) = self.line()?;
         let (number, last) = *self.clocks.back()?;
@@ -115,13 +115,13 @@ impl Clock {
         })
     }
 
-    /// The place in the song of a clock, in clocks.
+    /// Returns the song position of a clock message, in clocks.
     fn place_of(&self, number: u64) -> Option<u64> {
         let (of, place) = self.place?;
         Some((place + number).saturating_sub(of))
     }
 
-    /// The time of clock 0 and the time between two, by the least-squares line through the last ones.
+    /// Fits a least-squares line through the last clock messages. Returns the time of clock 0 and the period.
     fn line(&self) -> Option<(f64, f64)> {
         if self.clocks.len() < FITTED_MIN {
             return None;
@@ -137,7 +137,7 @@ impl Clock {
 }
 
 impl ClockReading {
-    /// The beat at `time`, counted from the song's start; none if the clock is gone.
+    /// Returns the song position at `time` in beats, or `None` if the clock has stopped arriving.
     pub fn beat_at(&self, time: f64) -> Option<f64> {
         if time - self.last > PAUSE {
             return None;
@@ -146,8 +146,7 @@ impl ClockReading {
         Some((self.beat + since).max(0.0))
     }
 
-    /// The position between two beats, 0 up to 1, and which beat of its bar it is, from 0; the way through the bar is both
-    /// together.
+    /// Returns the phase between two beats, 0 up to 1, and the number of the beat in its bar, from 0.
     pub fn phase_at(&self, time: f64) -> Option<(f32, u32)> {
         let beat = self.beat_at(time)?;
         let phase = beat.fract() as f32;
@@ -155,7 +154,7 @@ impl ClockReading {
         Some((if phase < 1.0 { phase } else { 0.0 }, number))
     }
 
-    /// Beats in a bar.
+    /// Beats per bar.
     pub const BEATS: u32 = BEATS_IN_BAR as u32;
 }
 
@@ -163,7 +162,7 @@ impl ClockReading {
 mod tests {
     use super::*;
 
-    /// A clock at a tempo from `start` on, with so many clocks, each a little off; returns the time of the next one.
+    /// Sends `count` clock messages from `start` on, with a little jitter. Returns the time of the next message.
     fn run(clock: &mut Clock, tempo: f64, start: f64, count: u32) -> f64 {
         let period = 60.0 / tempo / 24.0;
         for number in 0..count {
@@ -180,24 +179,24 @@ mod tests {
         run(&mut clock, 120.0, 10.0, 24 * 5 + 1);
         let reading = clock.reading().unwrap();
         assert!((reading.tempo - 120.0).abs() < 0.1, "{}", reading.tempo);
-        // Five beats have gone: it is the second one of the second bar.
+        // After five beats, the song is at the second beat of the second bar.
         let (phase, number) = reading.phase_at(12.5 + 0.125).unwrap();
         assert!((phase - 0.25).abs() < 0.01 && number == 1 && reading.knows_bar, "{phase} {number}");
-        assert_eq!(reading.phase_at(20.0), None, "the clock is gone");
+        assert_eq!(reading.phase_at(20.0), None, "the clock has stopped");
     }
 
     #[test]
     fn without_a_start_there_is_a_tempo_and_no_bar() {
         let mut clock = Clock::default();
         run(&mut clock, 90.0, 0.0, 5);
-        assert_eq!(clock.reading(), None, "too few");
+        assert_eq!(clock.reading(), None, "too few clock messages");
         run(&mut clock, 90.0, 5.0 * 60.0 / 90.0 / 24.0, 40);
         let reading = clock.reading().unwrap();
         assert!((reading.tempo - 90.0).abs() < 0.2 && !reading.knows_bar);
     }
 
     #[test]
-    fn a_song_stands_where_it_stopped_and_goes_on_from_there_or_from_elsewhere() {
+    fn a_stopped_song_continues_from_its_position_or_a_new_one() {
         let mut clock = Clock::default();
         clock.take(Message::Start, 0.0);
         let next = run(&mut clock, 120.0, 0.0, 24 * 2 + 13);
@@ -209,7 +208,7 @@ mod tests {
         let next = run(&mut clock, 120.0, next, 25);
         let beat = clock.reading().unwrap().beat_at(next - 0.5 / 24.0).unwrap();
         assert!((beat - 3.5).abs() < 0.01, "{beat}");
-        // A position of 16 sixteenths is the second bar's start.
+        // 16 sixteenths are one bar: the position is the start of the second bar.
         clock.take(Message::Stop, next);
         clock.take(Message::Position(16), next);
         clock.take(Message::Continue, next);
@@ -219,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn another_tempo_is_taken_up_within_a_beat_and_one_late_clock_is_none() {
+    fn a_new_tempo_is_followed_within_a_beat_and_a_late_clock_ignored() {
         let mut clock = Clock::default();
         let next = run(&mut clock, 120.0, 0.0, 96);
         clock.take(Message::Clock, next + 0.009);
@@ -231,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn times_that_step_back_or_stand_make_no_tempo() {
+    fn repeated_or_decreasing_times_give_no_tempo() {
         let mut clock = Clock::default();
         for _ in 0..100 {
             clock.take(Message::Clock, 1.0);

@@ -1,14 +1,14 @@
-//! One device: its bytes become moves of knobs.
+//! A MIDI device: converts its bytes to knob movements.
 
 use super::message::{Message, Parser};
 use super::source::Source;
 
-/// Channels of MIDI.
+/// The number of MIDI channels.
 const CHANNELS: usize = 16;
-/// Knobs that may have a second number for finer steps.
+/// The number of controllers that may have a second number with the low 7 bits.
 const FINE: usize = 32;
 
-/// What is kept of a device from byte to byte.
+/// The state of a device from byte to byte.
 #[derive(Debug, Clone)]
 pub struct Device {
     parser: Parser,
@@ -17,20 +17,20 @@ pub struct Device {
 
 #[derive(Debug, Clone, Copy)]
 struct Channel {
-    /// The last value of each number, for presses and for fine knobs.
+    /// The last value of each number, for detecting presses and fine controllers.
     values: [u8; 128],
     /// The number that was sent last.
     last: Option<u8>,
-    /// Which knobs were seen to send both numbers, one right behind the other.
+    /// True for controllers that have sent both of their numbers in a row.
     is_fine: [bool; FINE],
 }
 
-/// What the bytes of a device say.
+/// A parsed event of a device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Said {
-    /// Something moved to a value, 0..1, and was pressed by that or not.
+    /// A control moved to a value, 0..1. The flag is true if this is a press.
     Moved(Source, f32, bool),
-    /// A message of its clock.
+    /// A message of the device's clock.
     Time(Message),
 }
 
@@ -42,7 +42,7 @@ impl Default for Device {
 }
 
 impl Device {
-    /// Takes bytes, and tells what they say.
+    /// Parses bytes and passes the events to `tell`.
     pub fn hear(&mut self, bytes: &[u8], mut tell: impl FnMut(Said)) {
         for byte in bytes {
             if let Some(message) = self.parser.push(*byte) {
@@ -80,7 +80,7 @@ impl Device {
         let is_press = before.is_some_and(|before| before < 64) && value >= 64;
         tell(Said::Moved(Source::Control { channel, number }, fraction(value), is_press));
         let last = state.last.replace(number);
-        // The coarse and the fine number of a knob, in whichever order the device sends them.
+        // A 14-bit controller sends a coarse and a fine number, in either order.
         let (coarse, other) = match number {
             0..32 => (number, number + 32),
             32..64 => (number - 32, number - 32),
@@ -100,7 +100,7 @@ fn fraction(value: u8) -> f32 {
     f32::from(value) / 127.0
 }
 
-/// A wheel at rest is exactly in the middle.
+/// Maps the wheel's rest position to exactly 0.5.
 fn fraction_of_bend(value: u16) -> f32 {
     let way = f32::from(value) - 8_192.0;
     0.5 + 0.5 * way / if way < 0.0 { 8_192.0 } else { 8_191.0 }
@@ -143,24 +143,24 @@ mod tests {
     }
 
     #[test]
-    fn a_button_is_pressed_when_it_passes_the_middle_upwards() {
+    fn a_button_is_pressed_when_it_rises_past_the_middle() {
         let presses: Vec<bool> =
             moved(&[0xb0, 20, 127, 20, 100, 20, 0, 20, 63, 20, 64]).into_iter().map(|m| m.2).collect();
         assert_eq!(presses, [true, false, false, false, true]);
     }
 
     #[test]
-    fn two_numbers_one_behind_the_other_are_one_fine_knob() {
+    fn two_consecutive_numbers_are_one_fine_knob() {
         let fine = |bytes: &[u8]| -> Vec<f32> {
             moved(bytes).into_iter().filter(|m| m.0.starts_with("fine")).map(|m| m.1).collect()
         };
-        // Coarse then fine, and the other way around.
+        // Coarse first, then fine, and vice versa.
         assert_eq!(fine(&[0xb0, 7, 127, 39, 127]), [1.0]);
         assert_eq!(fine(&[0xb0, 39, 127, 7, 127]), [1.0]);
-        // Once it is known, each number alone moves it.
+        // Once the controller is known to be fine, each number moves it.
         let (up, down) = (f32::from(64_u16 << 7) / 16_383.0, f32::from(64_u16 << 7 | 1) / 16_383.0);
         assert_eq!(fine(&[0xb0, 7, 64, 39, 0, 39, 1])[..], [up, down]);
-        // Two knobs that are turned one after the other, with something between.
+        // Two separate knobs, with another message in between.
         assert_eq!(fine(&[0xb0, 7, 64, 8, 3, 39, 0]), []);
         assert_eq!(fine(&[0xb0, 70, 64, 102, 0]), []);
     }

@@ -1,4 +1,4 @@
-//! Ports for tests and measurements on machines without a sequencer: they say that they are fake.
+//! Fake ports for tests and measurements on machines without a MIDI system. Their names say that they are fake.
 
 #![cfg(unix)]
 
@@ -13,15 +13,15 @@ use std::time::Duration;
 
 use super::ports::{Hear, Ports};
 
-/// What the name of such a port ends in.
+/// The suffix of the port names.
 const SAYS_SO: &str = " (fake port)";
-/// The ending of a file that stands for a device that is plugged in.
+/// The extension of a file that represents a connected device.
 const ENDING: &str = "port";
-/// How often a port looks whether it is still wanted.
+/// The interval at which a port checks if it is still in use.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// A folder in which each file `NAME.port` is a device that is plugged in. Its bytes come as datagrams to the socket
-/// `NAME.socket` beside it, which is there while it is heard.
+/// A folder of fake devices: each file `NAME.port` is a connected device. While the device is open, its bytes arrive as
+/// datagrams on the socket `NAME.socket` next to it.
 pub struct FolderPorts(pub PathBuf);
 
 impl Ports for FolderPorts {
@@ -66,12 +66,12 @@ impl Ports for FolderPorts {
     }
 }
 
-/// The number of a file in its file system; none if there is no such file.
+/// Returns the inode of a file, or `None` if it does not exist.
 fn number_of(path: &Path) -> Option<u64> {
     std::fs::metadata(path).ok().map(|file| file.ino())
 }
 
-/// Ends the thread when dropped, and removes the socket, unless another one took its place meanwhile.
+/// An open port. Dropping it ends the thread and removes the socket, unless the socket has been replaced.
 struct Open {
     is_over: Arc<AtomicBool>,
     path: PathBuf,

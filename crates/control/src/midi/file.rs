@@ -1,4 +1,4 @@
-//! Mappings as a file that people can read and write.
+//! The file format of mappings, as TOML that people can edit.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,12 +6,12 @@ use super::mapping::{Curve, Mapping, Mappings, Target};
 use super::source::Source;
 use crate::limits::LIMITS;
 
-/// What is remembered of MIDI.
+/// The contents of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MappingFile {
-    /// Whether a device's clock sets the tempo.
+    /// True if a device's MIDI clock sets the tempo.
     pub clock: bool,
-    /// All mappings.
+    /// The knob mappings.
     pub mappings: Mappings,
 }
 
@@ -21,17 +21,17 @@ impl Default for MappingFile {
     }
 }
 
-/// Why a file of mappings is not understood.
+/// The error when a mapping file cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MappingsError {
-    /// It is no file of mappings, or damaged.
+    /// The file is damaged or has a different format.
     #[error("{0}")]
     Malformed(String),
-    /// There are more than anybody learns.
-    #[error("it holds {0} mappings, and the limit is {max}", max = LIMITS.mappings_max)]
+    /// The file has too many mappings.
+    #[error("it has {0} mappings; the limit is {max}", max = LIMITS.mappings_max)]
     TooMany(usize),
-    /// It is larger than such files are.
-    #[error("it has {0} bytes, and the limit is {max}", max = LIMITS.mapping_bytes_max)]
+    /// The file is too large.
+    #[error("it has {0} bytes; the limit is {max}", max = LIMITS.mapping_bytes_max)]
     TooLarge(usize),
 }
 
@@ -76,16 +76,16 @@ fn whole() -> [f32; 2] {
 }
 
 const HEAD: &str = "\
-# Which knobs turn what, as they were learned in the window (J). It may be edited while Mariana does not run.
-# `range` are shares of the parameter's range, `smoothing` is in seconds, `curve` is linear, slow, fast or soft.
+# MIDI mappings, as learned in the window (J). Edit this file only while Mariana is not running.
+# `range` is in fractions of the parameter's range, `smoothing` in seconds; `curve` is linear, slow, fast or soft.
 
 ";
 
 impl MappingFile {
-    /// Reads a file's bytes.
+    /// Parses the bytes of a file.
     ///
     /// # Errors
-    /// [`MappingsError`].
+    /// The file is malformed, too large, or has too many mappings.
     pub fn read(bytes: &[u8]) -> Result<Self, MappingsError> {
         if bytes.len() > LIMITS.mapping_bytes_max {
             return Err(MappingsError::TooLarge(bytes.len()));
@@ -108,10 +108,10 @@ impl MappingFile {
         Ok(Self { clock: text.clock, mappings: Mappings::of(list.collect::<Result<_, _>>()?) })
     }
 
-    /// The file's text.
+    /// Returns the text of the file.
     ///
     /// # Errors
-    /// Something in it cannot be written.
+    /// A value cannot be serialized.
     pub fn text(&self) -> Result<String, MappingsError> {
         let knob = self.mappings.list().iter().map(Row::of).collect();
         let text = toml::to_string(&Text { clock: self.clock, knob });
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read_again_and_can_be_understood() {
+    fn mappings_are_readable_and_read_back() {
         let text = file().text().unwrap();
         assert_eq!(MappingFile::read(text.as_bytes()), Ok(file()));
         for line in
@@ -189,12 +189,12 @@ mod tests {
     }
 
     #[test]
-    fn damaged_files_are_refused_with_what_is_wrong() {
+    fn damaged_files_are_refused_with_a_reason() {
         let knob = "[[knob]]\ndevice = \"x\"\nturned = \"cc 1 on channel 1\"\n";
         for (text, what) in [
             ("clock = 7", "bool"),
             ("[[knob]]\ndevice = \"x\"\n", "turned"),
-            ("[[knob]]\ndevice = \"x\"\nturned = \"cc 200 on channel 1\"\n", "nothing on a device"),
+            ("[[knob]]\ndevice = \"x\"\nturned = \"cc 200 on channel 1\"\n", "not a MIDI control"),
             (knob, "neither a parameter"),
             (&format!("{knob}action = \"next\"\nscene = \"orb\"\n"), "neither a parameter"),
             (&format!("{knob}action = \"next\"\nrange = [nan, 1.0]\n"), "neither a parameter"),
@@ -202,15 +202,15 @@ mod tests {
             ("\u{0}\u{1}", ""),
         ] {
             let Err(MappingsError::Malformed(why)) = MappingFile::read(text.as_bytes()) else {
-                panic!("{text} is taken")
+                panic!("{text} was accepted")
             };
-            assert!(why.contains(what), "{why} does not tell of {what}");
+            assert!(why.contains(what), "{why} does not mention {what}");
         }
         assert!(matches!(MappingFile::read(&[0xff, 0xfe]), Err(MappingsError::Malformed(_))));
     }
 
     #[test]
-    fn more_than_the_limits_is_refused_as_such() {
+    fn files_beyond_the_limits_are_refused() {
         let knob = "[[knob]]\ndevice = \"x\"\nturned = \"cc 1 on channel 1\"\naction = \"next\"\n";
         let many = knob.repeat(LIMITS.mappings_max + 1);
         assert_eq!(MappingFile::read(many.as_bytes()), Err(MappingsError::TooMany(LIMITS.mappings_max + 1)));
@@ -221,7 +221,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_bytes_are_too_bad(damage in proptest::collection::vec((0_usize..600, any::<u8>()), 0..8)) {
+        fn damaged_bytes_never_panic(damage in proptest::collection::vec((0_usize..600, any::<u8>()), 0..8)) {
             let mut bytes = file().text().unwrap().into_bytes();
             for (place, value) in damage {
                 if let Some(byte) = bytes.get_mut(place) {

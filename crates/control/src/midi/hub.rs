@@ -1,4 +1,4 @@
-//! The thread that looks which devices there are, and hears each of them.
+//! The thread that watches for MIDI devices and opens each of them.
 
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -14,32 +14,32 @@ use super::source::KnobMove;
 use crate::InputQueue;
 use crate::limits::LIMITS;
 
-/// How often it looks.
+/// The interval between two scans for devices.
 const LOOK: Duration = Duration::from_millis(500);
-/// After this many seconds without a clock another device may give it.
+/// The time without clock messages, in seconds, after which another device may provide the clock.
 const CLOCK_GONE: f64 = 2.0;
 
-/// How it stands with MIDI.
+/// The state of MIDI.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct MidiState {
-    /// The devices that are heard.
+    /// The devices that are open.
     pub devices: Vec<String>,
-    /// Devices that are there and cannot be heard, with the reason.
+    /// The devices that cannot be opened, with the reason.
     pub refused: Vec<(String, String)>,
-    /// Why there is no MIDI on this machine, as the end of a sentence.
+    /// The reason why this machine has no MIDI, without a capital letter or a full stop.
     pub trouble: Option<String>,
-    /// Whether it was looked at all.
+    /// True once the first scan is done.
     pub is_known: bool,
     /// The device whose clock is followed.
     pub clock_of: Option<String>,
-    /// Counts the changes.
+    /// A counter that increases with each change.
     pub revision: u64,
 }
 
-/// What the threads of devices share.
+/// The state shared by the device threads.
 struct Shared {
     input_queue: InputQueue,
-    /// The zero of the seconds of clocks.
+    /// The origin of the clocks' time.
     zero: Instant,
     state: Mutex<MidiState>,
     clock: Mutex<(Clock, Option<Arc<str>>, f64)>,
@@ -47,15 +47,15 @@ struct Shared {
     wake: Box<dyn Fn() + Send + Sync>,
 }
 
-/// Hears MIDI until it is dropped.
+/// Receives MIDI until it is dropped.
 pub struct MidiHub(Arc<Shared>);
 
 impl MidiHub {
-    /// Hears all devices of `ports` from now on, whenever they are plugged in. What moves goes among the wishes. `wake` is
-    /// called when devices come and go.
+    /// Opens all devices of `ports`, and new ones when they are connected. Movements go to `input_queue`. `wake` is
+    /// called when devices are connected or removed.
     ///
     /// # Errors
-    /// There is no thread.
+    /// The thread cannot be started.
     pub fn start(
         ports: Box<dyn Ports>,
         input_queue: InputQueue,
@@ -76,12 +76,12 @@ impl MidiHub {
         Ok(Self(shared))
     }
 
-    /// How it stands.
+    /// The current state.
     pub fn state(&self) -> MidiState {
         lock(&self.0.state).clone()
     }
 
-    /// What the clock says that is followed, and the seconds in which it says so now; none without one.
+    /// Returns the reading of the followed clock and the current time on its time scale; `None` without a clock.
     pub fn clock(&self) -> Option<(ClockReading, f64)> {
         let now = self.0.zero.elapsed().as_secs_f64();
         let reading = lock(&self.0.clock).0.reading()?;
@@ -91,7 +91,7 @@ impl MidiHub {
 
 impl Drop for MidiHub {
     fn drop(&mut self) {
-        // It is not waited for: closing a port may block.
+        // Do not wait for the thread: closing a port may block.
         self.0.is_over.store(true, Ordering::Relaxed);
     }
 }
@@ -104,7 +104,7 @@ fn look_again_and_again(mut ports: Box<dyn Ports>, shared: &Arc<Shared>) {
     }
 }
 
-/// Opens what was plugged in, and closes what was pulled.
+/// Opens new devices and closes removed ones.
 fn look(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>, shared: &Arc<Shared>) {
     let (names, trouble) = match ports.names() {
         Ok(names) => (names, None),
@@ -122,7 +122,7 @@ fn look(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>, shared
     }
     let beyond = names.iter().skip(LIMITS.midi_devices_max);
     refused.extend(beyond.map(|name| {
-        (name.clone(), format!("no more than {} devices are heard at a time", LIMITS.midi_devices_max))
+        (name.clone(), format!("at most {} devices can be open at a time", LIMITS.midi_devices_max))
     }));
     let clock_of = {
         let clock = lock(&shared.clock);
@@ -145,7 +145,7 @@ fn look(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>, shared
     }
 }
 
-/// What hears one device.
+/// Returns the callback for the bytes of one device.
 fn hearing(name: &str, shared: Arc<Shared>) -> Hear {
     let (name, mut device): (Arc<str>, _) = (name.into(), Device::default());
     Box::new(move |bytes| {
@@ -182,7 +182,7 @@ mod tests {
 
     use super::*;
 
-    /// What a test has of its ports: names to plug in, and what hears them.
+    /// Fake ports: the names of connected devices, and the callbacks of the open ones.
     #[derive(Clone)]
     struct TestHub {
         names: Arc<Mutex<Result<Vec<String>, String>>>,
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn devices_are_heard_whenever_they_are_plugged_in_and_pulled_ones_are_told() {
+    fn devices_are_opened_when_connected_and_removed_ones_reported() {
         let hub_test = TestHub::default();
         hub_test.plug(&["pads", "locked"]);
         let (hub, input_queue, news) = hub(&hub_test);
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn a_machine_without_midi_says_why_and_more_devices_than_the_limit_are_told() {
+    fn missing_midi_and_devices_beyond_the_limit_are_reported() {
         let hub_test = TestHub::default();
         *lock(&hub_test.names) = Err("there is no sequencer".to_owned());
         let (hub, _, news) = hub(&hub_test);
@@ -276,7 +276,7 @@ mod tests {
         hub_test.send("drums", &[0xfa, 0xf8]);
         hub_test.send("synth", &[0xf8, 0xf8, 0xf8]);
         assert_eq!(lock(&hub.0.clock).1.as_deref(), Some("drums"));
-        // One that has been silent for long gives way.
+        // A device whose clock has been silent for long is replaced.
         lock(&hub.0.clock).2 = -CLOCK_GONE;
         hub_test.send("synth", &[0xf8]);
         assert_eq!(lock(&hub.0.clock).1.as_deref(), Some("synth"));

@@ -1,34 +1,33 @@
-//! Learning: something is chosen, a knob is moved, and from then on the one turns the other.
+//! MIDI learn: the user chooses a target and moves a knob, which is then mapped to the target.
 
 use std::sync::Arc;
 
 use super::mapping::{Mapping, Target};
 use super::source::{KnobMove, Source};
 
-/// A coarse knob is taken only after this many seconds: its fine half may still come.
+/// The wait before a coarse knob is accepted, in seconds: its fine number may still arrive.
 const WAITS: f64 = 0.08;
 
-/// What is being learned.
+/// A learning in progress.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Learning {
     target: Target,
-    /// What moved, and when it did so first, in seconds.
+    /// The device and control that moved first, and the time in seconds.
     moved: Option<(Arc<str>, Source, f64)>,
 }
 
 impl Learning {
-    /// Learns what turns `target`.
+    /// Starts learning a control for `target`.
     pub fn of(target: Target) -> Self {
         Self { target, moved: None }
     }
 
-    /// What is to be turned.
+    /// The target of the new mapping.
     pub fn target(&self) -> &Target {
         &self.target
     }
 
-    /// Takes notice of a knob that moved at `now`, in seconds. Keys that are let go and the pressure that comes with keys
-    /// are not meant.
+    /// Processes a knob movement at `now`, in seconds. Released keys and key pressure are ignored.
     pub fn notice(&mut self, moved: &KnobMove, now: f64) {
         let is_meant = match moved.source {
             Source::Note { .. } | Source::Program { .. } => moved.presses > 0,
@@ -40,7 +39,7 @@ impl Learning {
         }
         match (&self.moved, moved.source) {
             (None, source) => self.moved = Some((moved.device.clone(), source, now)),
-            // It is the same knob.
+            // The fine number of the same knob.
             (
                 Some((device, Source::Control { channel, number }, since)),
                 fine @ Source::FineControl { .. },
@@ -55,7 +54,7 @@ impl Learning {
         }
     }
 
-    /// When it is known whether a knob is fine, if one moved.
+    /// Returns the time at which the resolution of the moved knob is known; `None` if no knob has moved.
     pub fn known_at(&self) -> Option<f64> {
         self.moved.as_ref().map(|(_, source, since)| match source {
             Source::Control { .. } => since + WAITS,
@@ -63,7 +62,7 @@ impl Learning {
         })
     }
 
-    /// What was learned, once that is known.
+    /// Returns the new mapping once the resolution of the knob is known.
     pub fn learned(&self, now: f64) -> Option<Mapping> {
         let (device, source, _) =
             self.moved.as_ref().filter(|_| self.known_at().is_some_and(|at| now >= at))?;
@@ -87,12 +86,12 @@ mod tests {
     const FINE: Source = Source::FineControl { channel: 0, number: 7 };
 
     #[test]
-    fn the_first_knob_that_moves_is_learned_when_it_is_known_how_fine_it_is() {
+    fn the_first_moved_knob_is_learned_once_its_resolution_is_known() {
         let mut learning = learning();
         assert_eq!(learning.learned(9.0), None);
         learning.notice(&moved(COARSE, 0), 1.0);
         learning.notice(&moved(Source::Control { channel: 0, number: 9 }, 0), 1.01);
-        assert_eq!(learning.learned(1.05), None, "its fine half may still come");
+        assert_eq!(learning.learned(1.05), None, "the fine number may still arrive");
         assert_eq!(learning.learned(1.08).map(|mapping| mapping.source), Some(COARSE));
         learning.notice(&moved(FINE, 0), 1.06);
         assert_eq!(learning.learned(1.06).map(|mapping| mapping.source), Some(FINE));
@@ -107,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_count_when_they_go_down_and_pressure_never() {
+    fn key_presses_are_learned_and_pressure_is_not() {
         let mut learning = learning();
         let key = Source::Note { channel: 0, key: 60 };
         learning.notice(&moved(Source::Pressure { channel: 0 }, 0), 1.0);

@@ -1,4 +1,4 @@
-//! What knobs are mapped to, and what follows when they move.
+//! Mappings from knobs to parameters and actions, and the changes that follow from knob movements.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use crate::action::{Action, ActionRow, ActionValue, ValueType, row_of};
 use crate::limits::LIMITS;
 use crate::{Amount, ChangedBy, ParamChange};
 
-/// What a knob turns.
+/// The target of a mapping.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Target {
     /// A parameter of a scene.
@@ -20,33 +20,33 @@ pub enum Target {
     },
     /// An action.
     Action {
-        /// Its name.
+        /// The action's name.
         name: String,
-        /// What comes with it: the name of a scene.
+        /// The value of the action, such as a scene's title.
         value: Option<String>,
     },
 }
 
-/// How the way of a knob becomes the way of what it turns.
+/// The response curve of a mapping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Curve {
-    /// As it is.
+    /// Linear.
     #[default]
     Linear,
-    /// Finer at its beginning.
+    /// Finer at the start.
     Slow,
-    /// Finer at its end.
+    /// Finer at the end.
     Fast,
     /// Finer at both ends.
     Soft,
 }
 
 impl Curve {
-    /// All of them.
+    /// All curves.
     pub const ALL: [Self; 4] = [Self::Linear, Self::Slow, Self::Fast, Self::Soft];
 
-    /// Its name in files and panels.
+    /// The name in files and panels.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
@@ -56,7 +56,7 @@ impl Curve {
         }
     }
 
-    /// Where it leads at a share of the way; from 0 to 0 and from 1 to 1.
+    /// Returns the curve's value at `x`, 0..1. It rises from 0 at 0 to 1 at 1.
     pub fn at(self, x: f32) -> f32 {
         match self {
             Self::Linear => x,
@@ -67,33 +67,33 @@ impl Curve {
     }
 }
 
-/// One knob and one thing that it turns.
+/// A mapping from one control to one target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mapping {
     /// The device's name.
     pub device: String,
-    /// What moves there.
+    /// The control on the device.
     pub source: Source,
-    /// What it turns.
+    /// The target.
     pub target: Target,
-    /// Where the ends of its way lead, as shares of the range of what it turns, 0..1; the first may be the larger. Of
-    /// actions that take a number, the numbers.
+    /// The target's values at the two ends of the control: fractions of the parameter's range, 0..1, or numbers for an
+    /// action that takes a number. The first may be larger.
     pub range: [f32; 2],
-    /// How one becomes the other.
+    /// The response curve.
     pub curve: Curve,
-    /// Smoothing time in seconds.
+    /// The smoothing time in seconds.
     pub smoothing: f32,
-    /// Whether it takes hold only where it passes.
+    /// True if the control takes hold only when it passes the parameter's value.
     pub picks_up: bool,
 }
 
-/// Smoothing of a knob of 128 steps, in seconds: the steps are not seen.
+/// The default smoothing time in seconds. It hides the 128 steps of a knob.
 const SMOOTHING: f32 = 0.05;
-/// Tempos that a knob reaches unless a mapping says otherwise.
+/// The default tempo range of a knob, in beats per minute.
 const TEMPOS: [f32; 2] = [60.0, 180.0];
 
 impl Mapping {
-    /// As it is learned.
+    /// Returns the mapping with default settings.
     pub fn learned(device: &str, source: Source, target: Target) -> Self {
         let is_number = matches!(&target, Target::Action { name, .. } if name == "tempo");
         let turns = !source.is_pressed();
@@ -108,18 +108,18 @@ impl Mapping {
         }
     }
 
-    /// Turns the other way around.
+    /// Reverses the direction of the control.
     pub fn invert(&mut self) {
         self.range.reverse();
     }
 
-    /// Where a place on the knob's way leads.
+    /// Maps a control's value to the target's value.
     fn leads_to(&self, value: f32) -> f32 {
         let [from, to] = self.range;
         from + (to - from) * self.curve.at(value.clamp(0.0, 1.0))
     }
 
-    /// Brings numbers that a hand has written into what is possible. False if there is no mending it.
+    /// Clamps numbers that a user wrote in the file. Returns false if the mapping is not usable.
     pub(super) fn mend(&mut self) -> bool {
         let most = if matches!(self.target, Target::Action { .. }) { 1_000.0 } else { 1.0 };
         if !self.range.iter().all(|end| end.is_finite()) || !self.smoothing.is_finite() {
@@ -131,20 +131,20 @@ impl Mapping {
     }
 }
 
-/// What follows from knobs that moved.
+/// The effect of a knob movement.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
-    /// A parameter of the scene on the stage is turned.
+    /// A parameter of the current scene changes.
     Turn(ParamChange),
-    /// Something is done.
+    /// An action runs.
     Act(Action),
-    /// A knob moves that has no hold of its parameter yet: where it leads, and where the parameter stands, 0..1.
+    /// The knob moved without taking hold of its parameter. The values are fractions, 0..1.
     Waits {
         /// The parameter.
         name: String,
-        /// Where the knob leads.
+        /// The value that the knob would set.
         leads_to: f32,
-        /// Where the parameter stands.
+        /// The current value of the parameter.
         stands: f32,
     },
 }
@@ -153,23 +153,23 @@ pub enum Outcome {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mappings {
     list: Vec<Mapping>,
-    /// What is known of each knob's hold.
+    /// The pick-up state of each mapping.
     holds: Vec<PickUp>,
 }
 
 impl Mappings {
-    /// Of a list; what is beyond the limit is left out.
+    /// Takes a list of mappings; entries beyond the limit are dropped.
     pub fn of(mut list: Vec<Mapping>) -> Self {
         list.truncate(LIMITS.mappings_max);
         Self { holds: vec![PickUp::default(); list.len()], list }
     }
 
-    /// All of them.
+    /// All mappings.
     pub fn list(&self) -> &[Mapping] {
         &self.list
     }
 
-    /// Adds one; false if it is there already or there is no room.
+    /// Adds a mapping. Returns false if it exists already or the limit is reached.
     pub fn add(&mut self, mapping: Mapping) -> bool {
         let same = |one: &Mapping| {
             one.device == mapping.device && one.source == mapping.source && one.target == mapping.target
@@ -182,7 +182,7 @@ impl Mappings {
         true
     }
 
-    /// Takes one away.
+    /// Removes the mapping at this index.
     pub fn remove(&mut self, place: usize) {
         if place < self.list.len() {
             self.list.remove(place);
@@ -190,7 +190,7 @@ impl Mappings {
         }
     }
 
-    /// Changes one.
+    /// Changes the mapping at this index and resets its pick-up state.
     pub fn change(&mut self, place: usize, change: impl FnOnce(&mut Mapping)) {
         if let Some((mapping, hold)) = self.list.get_mut(place).zip(self.holds.get_mut(place)) {
             change(mapping);
@@ -198,8 +198,8 @@ impl Mappings {
         }
     }
 
-    /// What follows from a knob that moved, while this scene is on the stage. `stands` tells where a parameter of it
-    /// stands, as a share of its range, if there is one of that name.
+    /// Returns the effects of a knob movement while `scene` is the current scene. `stands` returns the current value of
+    /// a parameter of the scene as a fraction of its range, or `None` if there is no such parameter.
     pub fn apply(
         &mut self,
         moved: &KnobMove,
@@ -239,7 +239,7 @@ impl Mappings {
     }
 }
 
-/// Actions that follow from a knob that moved.
+/// Returns the actions that a knob movement triggers.
 fn actions_of<'a>(
     mapping: &'a Mapping,
     row: ActionRow,
@@ -252,7 +252,7 @@ fn actions_of<'a>(
         ValueType::Level | ValueType::Number => (1, ActionValue::Number(mapping.leads_to(moved.value))),
         ValueType::Choice => match value {
             Some(name) => (presses, ActionValue::Text(name.to_owned())),
-            // Programs are counted from 0, and scenes from 1.
+            // Programs are numbered from 0, scenes from 1.
             None => (presses.min(1), ActionValue::Number((moved.value * 127.0).round() + 1.0)),
         },
     };
@@ -319,19 +319,19 @@ mod tests {
     }
 
     #[test]
-    fn a_knob_that_stands_elsewhere_waits_until_it_passes() {
+    fn a_knob_waits_until_it_passes_the_parameter() {
         let mut mappings = Mappings::of(vec![Mapping::learned("desk", KNOB, param("size"))]);
         let waits = |at| [Outcome::Waits { name: "size".to_owned(), leads_to: at, stands: 0.5 }];
         assert_eq!(apply(&mut mappings, &moved(KNOB, 0.1, 0)), waits(0.1));
         assert!(matches!(apply(&mut mappings, &moved(KNOB, 0.6, 0))[..], [Outcome::Turn(_)]));
-        // Also where it passed and came back between two frames.
+        // The knob may pass and return between two frames.
         let mut mappings = Mappings::of(vec![Mapping::learned("desk", KNOB, param("size"))]);
         let swept = KnobMove { way: [0.0, 0.9], ..moved(KNOB, 0.1, 0) };
         assert!(matches!(apply(&mut mappings, &swept)[..], [Outcome::Turn(_)]));
     }
 
     #[test]
-    fn pads_and_buttons_act_once_for_each_press_and_knobs_set_levels() {
+    fn pads_and_buttons_act_once_per_press_and_knobs_set_levels() {
         let mut mappings = Mappings::of(vec![
             mapped(PAD, action("next", None)),
             mapped(PAD, action("scene", Some("city"))),
@@ -345,7 +345,7 @@ mod tests {
         let city = || act("scene", ActionValue::Text("city".to_owned()));
         let next = || act("next", ActionValue::Nothing);
         assert_eq!(apply(&mut mappings, &moved(PAD, 0.0, 2)), [next(), next(), city(), city()]);
-        assert_eq!(apply(&mut mappings, &moved(PAD, 0.0, 0)), [], "it is let go");
+        assert_eq!(apply(&mut mappings, &moved(PAD, 0.0, 0)), [], "a released pad does nothing");
         let level = act("volume", ActionValue::Number(0.5));
         assert_eq!(
             apply(&mut mappings, &moved(KNOB, 0.5, 0)),
@@ -360,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn mappings_are_added_once_changed_and_taken_away() {
+    fn mappings_are_added_once_changed_and_removed() {
         let mut mappings = Mappings::default();
         let one = mapped(KNOB, param("size"));
         assert!(mappings.add(one.clone()) && !mappings.add(one.clone()));
@@ -377,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn curves_begin_and_end_alike_and_rise() {
+    fn curves_rise_from_zero_to_one() {
         for curve in Curve::ALL {
             assert_eq!((curve.at(0.0), curve.at(1.0)), (0.0, 1.0), "{curve:?}");
             let rises = (0..100).all(|n| curve.at(n as f32 / 100.0) < curve.at((n + 1) as f32 / 100.0));

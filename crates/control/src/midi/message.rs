@@ -1,18 +1,18 @@
-//! The bytes of MIDI (MIDI 1.0, "Detailed Specification" 4.2), taken apart one by one.
+//! Parser of MIDI bytes (MIDI 1.0, "Detailed Specification" 4.2).
 
-/// A message that means something here. Channels count from 0, as on the wire.
+/// A supported message. Channels count from 0, as in the bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Message {
-    /// A key goes down, or up at a velocity of 0.
+    /// A key is pressed, or released if the velocity is 0.
     Note {
         /// 0..=15.
         channel: u8,
-        /// 0..=127, 60 is the middle C.
+        /// 0..=127; 60 is middle C.
         key: u8,
         /// 0..=127.
         velocity: u8,
     },
-    /// A knob, a fader, a pedal.
+    /// A knob, fader or pedal.
     Control {
         /// 0..=15.
         channel: u8,
@@ -21,51 +21,51 @@ pub enum Message {
         /// 0..=127.
         value: u8,
     },
-    /// The wheel beside a keyboard.
+    /// The pitch bend wheel.
     Bend {
         /// 0..=15.
         channel: u8,
-        /// 0..=16383, at rest 8192.
+        /// 0..=16383; 8192 at rest.
         value: u16,
     },
-    /// Another sound is chosen.
+    /// A program change.
     Program {
         /// 0..=15.
         channel: u8,
         /// 0..=127.
         number: u8,
     },
-    /// All keys of a channel are pressed down so far.
+    /// The pressure on the keys of a channel.
     Pressure {
         /// 0..=15.
         channel: u8,
         /// 0..=127.
         value: u8,
     },
-    /// A 24th of a beat.
+    /// A clock message, 24 per beat.
     Clock,
-    /// The song starts from its beginning, with the next clock.
+    /// The song starts from its beginning at the next clock message.
     Start,
-    /// The song goes on from where it is, with the next clock.
+    /// The song continues from its current position at the next clock message.
     Continue,
     /// The song stops.
     Stop,
-    /// Where the song goes on, in sixteenths from its beginning.
+    /// The song position, in sixteenth notes from the beginning.
     Position(u16),
 }
 
-/// What a status byte is followed by.
+/// The data expected after a status byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Expects {
-    /// Nothing that is known: bytes of data are passed over.
+    /// Nothing: data bytes are ignored.
     #[default]
     Nothing,
-    /// So many bytes of data for this status; `runs` if the next ones may come without it.
+    /// `count` data bytes for `status`. If `runs` is true, more data may follow without a new status byte.
     Data { status: u8, count: usize, runs: bool },
 }
 
-/// Takes bytes however they are cut into pieces: running status, real-time bytes in the middle of other messages, and
-/// system-exclusive messages of any length, which take no room.
+/// A parser for MIDI bytes in pieces of any size. It handles running status and real-time bytes inside other messages.
+/// System-exclusive messages are skipped and take no memory.
 #[derive(Debug, Clone, Default)]
 pub struct Parser {
     expects: Expects,
@@ -74,10 +74,10 @@ pub struct Parser {
 }
 
 impl Parser {
-    /// Takes the next byte, and returns the message that it completes.
+    /// Takes the next byte. Returns the message that it completes, if any.
     pub fn push(&mut self, byte: u8) -> Option<Message> {
         match byte {
-            // Real-time bytes change nothing of what they stand in.
+            // Real-time bytes do not affect the message around them.
             0xf8 => Some(Message::Clock),
             0xfa => Some(Message::Start),
             0xfb => Some(Message::Continue),
@@ -129,7 +129,7 @@ fn message(status: u8, [first, second]: [u8; 2]) -> Option<Message> {
         0xd0..=0xdf => Some(Message::Pressure { channel, value: first }),
         0xe0..=0xef => Some(Message::Bend { channel, value: wide }),
         0xf2 => Some(Message::Position(wide)),
-        // The pressure of single keys is nothing that anybody maps.
+        // Polyphonic key pressure is not supported.
         _ => None,
     }
 }
@@ -173,22 +173,22 @@ mod tests {
     }
 
     #[test]
-    fn status_bytes_may_be_left_out_and_clocks_may_stand_anywhere() {
+    fn running_status_and_clocks_inside_messages_are_handled() {
         assert_eq!(parsed(&[0xb2, 7, 1, 7, 2, 10, 3]), [control(7, 1), control(7, 2), control(10, 3)]);
         assert_eq!(parsed(&[0xb2, 7, 0xf8, 1]), [Message::Clock, control(7, 1)]);
-        // A song position ends what ran, and does not run itself.
+        // A song position ends running status and does not start it.
         assert_eq!(parsed(&[0xb2, 7, 1, 0xf2, 0, 0, 7, 2]), [control(7, 1), Message::Position(0)]);
     }
 
     #[test]
-    fn data_without_a_status_and_messages_that_are_cut_off_mean_nothing() {
+    fn data_without_status_and_incomplete_messages_are_ignored() {
         assert_eq!(parsed(&[1, 2, 3, 0xb2, 7, 0xb2, 8, 9]), [control(8, 9)]);
         assert_eq!(parsed(&[0xb2, 7]), []);
         assert_eq!(parsed(&[0xf4, 1, 0xf5, 2, 0xf6, 0xf1, 3, 0xf3, 4]), []);
     }
 
     #[test]
-    fn system_exclusive_floods_are_passed_over_and_the_clock_goes_on_in_them() {
+    fn system_exclusive_messages_are_skipped_but_not_clocks_inside_them() {
         let mut parser = Parser::default();
         assert_eq!(parser.push(0xf0), None);
         for number in 0..1_000_000_u32 {
@@ -196,14 +196,14 @@ mod tests {
             assert_eq!(expected.and_then(|_| parser.push(0xf8)), expected);
             assert_eq!(parser.push((number % 128) as u8), None);
         }
-        assert_eq!(std::mem::size_of::<Parser>(), std::mem::size_of_val(&parser), "it takes no room");
+        assert_eq!(std::mem::size_of::<Parser>(), std::mem::size_of_val(&parser), "the parser must not grow");
         let after: Vec<_> = [0xf7, 0xb2, 7, 1].into_iter().filter_map(|byte| parser.push(byte)).collect();
         assert_eq!(after, [control(7, 1)]);
-        // One that is never ended is ended by the next status.
+        // A new status byte ends an unterminated message.
         assert_eq!(parsed(&[0xf0, 1, 2, 0xb2, 7, 1]), [control(7, 1)]);
     }
 
-    /// What a sender makes of messages that are sound, with running status where it is possible.
+    /// Returns the bytes of valid messages, with running status where possible.
     fn written(messages: &[Message], running: bool) -> Vec<u8> {
         let (mut bytes, mut last) = (Vec::new(), None);
         for message in messages {
@@ -253,7 +253,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_written_is_read_whatever_runs_and_wherever_clocks_stand(
+        fn written_messages_are_read_back(
             messages in proptest::collection::vec(any_message(), 0..40),
             running in any::<bool>(),
             clocks in proptest::collection::vec(0_usize..120, 0..8),
@@ -267,7 +267,7 @@ mod tests {
         }
 
         #[test]
-        fn no_bytes_are_too_bad_and_messages_stay_in_their_ranges(
+        fn any_bytes_give_messages_within_their_ranges(
             bytes in proptest::collection::vec(any::<u8>(), 0..600),
         ) {
             for message in parsed(&bytes) {

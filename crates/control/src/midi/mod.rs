@@ -1,6 +1,7 @@
-//! MIDI: bytes become messages, messages become knobs that moved, and knobs turn what they are mapped to.
+//! MIDI input: bytes become messages, messages become knob movements, and mappings turn movements into changes of
+//! parameters and actions.
 //!
-//! Everything but the ports is a function of bytes and times; ports are heard on threads of their own.
+//! Everything except the ports is a function of bytes and times. Each port runs on its own thread.
 
 mod clock;
 mod device;

@@ -1,37 +1,37 @@
-//! Where MIDI comes in: the system's ports, or a stand-in for them.
+//! MIDI input ports: the system's ports, or a replacement for tests.
 
 use std::any::Any;
 
 use midir::{Ignore, MidiInput};
 
-/// What is called with the bytes of a device, on a thread of the port's own.
+/// The callback for a device's bytes. It runs on the port's thread.
 pub type Hear = Box<dyn FnMut(&[u8]) + Send>;
 
-/// Ports that can be listed and heard. Every call may block; the hub calls them on its own thread.
+/// Ports that can be listed and opened. Every call may block, so the hub calls them on its own thread.
 pub trait Ports: Send {
-    /// The names of the devices that are there now, without repetition.
+    /// Returns the names of the connected devices, without duplicates.
     ///
     /// # Errors
-    /// There is no MIDI on this machine, and why: the end of a sentence.
+    /// The reason why this machine has no MIDI, without a capital letter or a full stop.
     fn names(&mut self) -> Result<Vec<String>, String>;
 
-    /// Hears a device until what is returned is dropped.
+    /// Opens a device until the result is dropped.
     ///
     /// # Errors
-    /// Why it cannot be heard.
+    /// The reason why the device cannot be opened.
     fn open(&mut self, name: &str, hear: Hear) -> Result<Box<dyn Any>, String>;
 }
 
-/// What the system calls the program.
+/// The program's name in the MIDI system.
 const CLIENT: &str = "Mariana";
 
-/// The system's ports: ALSA's sequencer, CoreMIDI, WinMM.
+/// The ports of the system: ALSA sequencer, CoreMIDI or WinMM.
 #[derive(Default)]
 pub struct SystemPorts;
 
 impl SystemPorts {
     fn input() -> Result<MidiInput, String> {
-        // ALSA complains on the terminal where there is no sequencer.
+        // Without a sequencer, ALSA prints errors to the terminal.
         #[cfg(target_os = "linux")]
         if !std::path::Path::new("/dev/snd/seq").exists() {
             return Err("this machine has no sequencer (/dev/snd/seq)".to_owned());
@@ -54,13 +54,13 @@ impl Ports for SystemPorts {
         let ports = input.ports();
         let names = ports.iter().map(|port| input.port_name(port).unwrap_or_default()).collect();
         let place = told_apart(names).iter().position(|one| one == name);
-        let port = place.and_then(|place| ports.get(place)).ok_or("it has gone")?;
+        let port = place.and_then(|place| ports.get(place)).ok_or("it is no longer connected")?;
         let batch = input.connect(port, "in", move |_, bytes, ()| hear(bytes), ());
         batch.map(|connection| Box::new(connection) as Box<dyn Any>).map_err(|error| error.to_string())
     }
 }
 
-/// Names without the numbers that ALSA gives devices anew each time; those that are the same then are counted.
+/// Removes the numbers that ALSA assigns anew each time, and numbers duplicate names.
 fn told_apart(names: Vec<String>) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     for name in names {
@@ -72,7 +72,7 @@ fn told_apart(names: Vec<String>) -> Vec<String> {
     found
 }
 
-/// `nanoKONTROL2:nanoKONTROL2 MIDI 1 24:0` without the numbers at its end and without saying the device twice.
+/// Removes the address and the repeated device name, for example from `nanoKONTROL2:nanoKONTROL2 MIDI 1 24:0`.
 fn plain(name: &str) -> String {
     let is_address = |word: &str| {
         let parts = word.split_once(':');

@@ -1,4 +1,4 @@
-//! What on a device moves, and how it is written in files.
+//! The controls of a MIDI device, and their text form in files.
 
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
@@ -6,42 +6,42 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-/// Something on a device that moves. Channels count from 0 here, and from 1 where people read them.
+/// A control on a device. Channels count from 0 here and from 1 in the text form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub enum Source {
-    /// A key or a pad.
+    /// A key or pad.
     Note {
         /// 0..=15.
         channel: u8,
         /// 0..=127.
         key: u8,
     },
-    /// A knob or a fader of 128 steps.
+    /// A knob or fader with 128 steps.
     Control {
         /// 0..=15.
         channel: u8,
         /// 0..=127.
         number: u8,
     },
-    /// One of 16384 steps, which are sent as two numbers: this one and this one plus 32.
+    /// A knob or fader with 16384 steps, sent as two numbers: this one and this one plus 32.
     FineControl {
         /// 0..=15.
         channel: u8,
         /// 0..=31.
         number: u8,
     },
-    /// The wheel beside a keyboard.
+    /// The pitch bend wheel.
     Bend {
         /// 0..=15.
         channel: u8,
     },
-    /// The choice of a sound, which is a number.
+    /// The program changes of a channel.
     Program {
         /// 0..=15.
         channel: u8,
     },
-    /// How far the keys are pressed down.
+    /// The pressure on the keys of a channel.
     Pressure {
         /// 0..=15.
         channel: u8,
@@ -49,7 +49,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// Whether it is pressed rather than turned.
+    /// True if the control is pressed rather than turned.
     pub fn is_pressed(self) -> bool {
         matches!(self, Self::Note { .. } | Self::Program { .. })
     }
@@ -69,10 +69,10 @@ impl Display for Source {
     }
 }
 
-/// Words that name nothing on a device.
+/// The error for a text that names no control.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "'{0}' is nothing on a device; write it as 'cc 7 on channel 1', 'fine cc 7 ...', 'note 36 ...', 'bend ...', 'program ...' or 'pressure ...'"
+    "'{0}' is not a MIDI control; write it as 'cc 7 on channel 1', 'fine cc 7 ...', 'note 36 ...', 'bend ...', 'program ...' or 'pressure ...'"
 )]
 pub struct NoSource(String);
 
@@ -116,28 +116,28 @@ impl TryFrom<String> for Source {
     }
 }
 
-/// How something on a device moved since the last time.
+/// The movement of a control since the last frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnobMove {
     /// The device's name.
     pub device: Arc<str>,
-    /// What moved.
+    /// The control.
     pub source: Source,
-    /// Where it is now, 0..1.
+    /// The current value, 0..1.
     pub value: f32,
-    /// The least and the greatest place where it was since the last time.
+    /// The smallest and the largest value since the last frame.
     pub way: [f32; 2],
-    /// How often it was pressed: keys and pads that went down, knobs and buttons that passed the middle upwards.
+    /// The number of presses: keys and pads pressed, and knobs and buttons that rose past the middle.
     pub presses: u32,
 }
 
 impl KnobMove {
-    /// One move to a place.
+    /// A single movement to a value.
     pub fn to(device: Arc<str>, source: Source, value: f32, is_press: bool) -> Self {
         Self { device, source, value, way: [value; 2], presses: u32::from(is_press) }
     }
 
-    /// A later move of the same knob.
+    /// Merges a later movement of the same control.
     pub(crate) fn go_on(&mut self, later: &Self) {
         let ([least, most], [low, high]) = (self.way, later.way);
         (self.value, self.way) = (later.value, [least.min(low), most.max(high)]);
@@ -150,7 +150,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sources_are_read_as_they_are_written() {
+    fn sources_are_read_back() {
         let channel = 15;
         for source in [
             Source::Note { channel, key: 127 },
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_nothing_on_a_device_is_refused() {
+    fn texts_that_name_no_control_are_refused() {
         for text in [
             "",
             "cc 7",

@@ -1,4 +1,4 @@
-//! What messages mean, by their addresses.
+//! The meaning of OSC messages by their addresses.
 
 use rosc::{OscMessage, OscType};
 
@@ -6,75 +6,75 @@ use crate::action::{Action, ActionRow, ActionValue, row_of};
 use crate::limits::LIMITS;
 use crate::{Amount, ChangedBy, ParamChange};
 
-/// What a message asks for.
+/// The request in a message.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Asked {
-    /// To turn a parameter.
+    /// Change a parameter.
     Turn(ParamChange),
-    /// To do something.
+    /// Run an action.
     Act(Action),
-    /// To be told something.
+    /// Answer a query.
     Tell(Query),
-    /// Nothing: a button was let go.
+    /// Do nothing: a button was released.
     Nothing,
 }
 
-/// What somebody wants to be told.
+/// A query for the state of the show.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Query {
-    /// Everything below but the actions.
+    /// The scene, the tempo, all parameters and all switches.
     All,
-    /// All parameters of the scene on the stage.
+    /// All parameters of the current scene.
     Params,
-    /// One of them.
+    /// One parameter.
     Param(String),
-    /// The scene on the stage.
+    /// The current scene.
     Scene,
     /// The titles of all scenes.
     Scenes,
     /// The tempo.
     Tempo,
-    /// Every action with its meaning.
+    /// All actions with their help texts.
     Actions,
-    /// Whether a switch is on.
+    /// The state of a switch.
     Switch(&'static str),
 }
 
-/// Why a message is refused.
+/// The reason for rejecting a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refused {
-    /// Nothing here is meant by it.
+    /// The address or the argument has no meaning here.
     Unknown,
-    /// A value of it is not a number.
+    /// A value is not a finite number.
     NotANumber,
 }
 
-/// An address that is not the name of an action, what follows it, and what it does; for pages.
+/// An address that is not an action, its arguments, and its help text, for documentation.
 pub type FixedAddress = (&'static str, &'static str, &'static str);
 
-/// The addresses besides those of the actions: with their arguments, and what they do.
+/// Returns the addresses that are not actions, with their arguments and help texts.
 pub fn fixed_addresses() -> &'static [FixedAddress] {
     &[
-        ("/param/NAME", "value [seconds]", "turns a parameter of the scene on the stage, in its own units"),
-        ("/param/NAME", "", "asks how it stands"),
-        ("/share/NAME", "0..1 [seconds]", "turns it by the share of its range, as a fader does"),
-        ("/scene/NAME", "", "goes to the scene of that name"),
-        ("/scene", "", "asks which scene is on the stage"),
+        ("/param/NAME", "value [seconds]", "sets a parameter of the current scene, in the parameter's unit"),
+        ("/param/NAME", "", "asks for its value"),
+        ("/share/NAME", "0..1 [seconds]", "sets it to a fraction of its range, like a fader"),
+        ("/scene/NAME", "", "shows the scene with this title"),
+        ("/scene", "", "asks for the current scene"),
         ("/tempo", "", "asks for the tempo"),
         ("/query", "", "asks for the scene, the tempo, the switches and all parameters"),
         ("/query/params", "", "asks for all parameters"),
-        ("/query/scene", "", "asks which scene is on the stage"),
-        ("/query/scenes", "", "asks for the names of all scenes"),
+        ("/query/scene", "", "asks for the current scene"),
+        ("/query/scenes", "", "asks for the titles of all scenes"),
         ("/query/tempo", "", "asks for the tempo"),
-        ("/query/actions", "", "asks for all actions with what they do"),
-        ("/query/SWITCH", "", "asks whether an action that takes on or off is on"),
+        ("/query/actions", "", "asks for all actions with their descriptions"),
+        ("/query/SWITCH", "", "asks for the state of a switch"),
     ]
 }
 
-/// What a message asks for, where those are the actions.
+/// Returns the request in a message, given the table of actions.
 ///
 /// # Errors
-/// [`Refused`].
+/// The address is unknown or a value is not a number.
 pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, Refused> {
     let address = message.addr.strip_prefix('/').ok_or(Refused::Unknown)?;
     if address.len() > LIMITS.name_bytes_max {
@@ -117,7 +117,7 @@ pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, 
         }
         ("scene", Some(name)) => {
             let row = row_of(actions, "scene").ok_or(Refused::Unknown)?;
-            // Pads send what they are pressed with, and again when they are let go.
+            // Pads send a nonzero value when pressed, and 0 when released.
             if matches!(given(0)?, Some(ActionValue::Number(number)) if number <= 0.0) {
                 return Ok(Asked::Nothing);
             }
@@ -137,7 +137,7 @@ pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, 
     }
 }
 
-/// What an argument says.
+/// Converts an argument.
 fn given(argument: &OscType) -> Result<ActionValue, Refused> {
     let number = |number: f32| {
         if number.is_finite() { Ok(ActionValue::Number(number)) } else { Err(Refused::NotANumber) }
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn parameters_are_turned_by_values_and_shares_of_any_kind_of_number() {
+    fn parameters_take_values_and_fractions_of_any_number_type() {
         use OscType::{Bool, Double, Float, Int, Long};
         for one in [Float(1.0), Double(1.0), Int(1), Long(1), Bool(true)] {
             assert_eq!(ask("/param/size", std::slice::from_ref(&one)), turn(Amount::Value(1.0), 0.0));
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn actions_are_addresses_and_a_button_that_is_let_go_does_nothing() {
+    fn actions_are_addresses_and_released_buttons_do_nothing() {
         assert_eq!(ask("/next", &[]), act("next", ActionValue::Nothing));
         assert_eq!(ask("/next", &[OscType::Float(1.0)]), act("next", ActionValue::Nothing));
         assert_eq!(ask("/next", &[OscType::Float(0.0)]), Ok(Asked::Nothing));
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn what_means_nothing_here_is_refused() {
+    fn unknown_messages_are_refused() {
         let long = format!("/param/{}", "x".repeat(LIMITS.name_bytes_max));
         for address in
             ["", "next", "/", "//", "/nothing", "/next/next", "/query/next", "/param", "/param/", &long]

@@ -1,5 +1,5 @@
-//! OSC over UDP: what comes in is bounded, understood by one table and put among the wishes; what goes out is what the
-//! show hears.
+//! OSC over UDP. Incoming packets are bounded, interpreted by one table and put into the input queue; outgoing packets
+//! carry the audio features.
 
 mod address;
 mod packet;

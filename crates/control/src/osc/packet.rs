@@ -1,22 +1,23 @@
-//! A packet taken apart: bundles within bundles are walked without recursion, and bounded before anything is read.
+//! Splits a packet into its messages. Nested bundles are traversed without recursion, and sizes are checked before
+//! decoding.
 
 use rosc::{OscMessage, OscPacket, OscTime};
 
 use crate::limits::LIMITS;
 
-/// What a bundle begins with.
+/// The first bytes of a bundle.
 const BUNDLE: &[u8] = b"#bundle\0";
-/// Length of what stands before a bundle's first element: its name and a time.
+/// The length of a bundle's header: its name and time tag.
 const BUNDLE_HEAD: usize = 16;
 
-/// A message, and the time of the bundle that it is in.
+/// A message and the time tag of its bundle.
 pub type Timed = (OscMessage, Option<OscTime>);
 
-/// The messages of a packet in their order, whatever bundles they are in, and how many pieces of it are rubbish: broken,
-/// nested too deeply, or too many. The time of a message is that of the innermost bundle.
+/// Returns the messages of a packet in order, and the number of rejected parts: malformed, nested too deeply, or too
+/// many. A message has the time of its innermost bundle.
 pub fn messages(packet: &[u8]) -> (Vec<Timed>, u64) {
     let (mut found, mut rubbish) = (Vec::new(), 0);
-    // Pieces that are still to be read, the next one last.
+    // A stack of parts still to be read; the last is next.
     let mut pieces: Vec<(&[u8], usize, Option<OscTime>)> = vec![(packet, 0, None)];
     let mut elements = 0;
     while let Some((piece, depth, time)) = pieces.pop() {
@@ -55,21 +56,21 @@ pub fn messages(packet: &[u8]) -> (Vec<Timed>, u64) {
     (found, rubbish)
 }
 
-/// The time of a bundle.
+/// Returns the time tag of a bundle.
 fn time_of(bundle: &[u8]) -> Option<OscTime> {
     let (seconds, behind) = bundle.get(BUNDLE.len()..)?.split_first_chunk::<4>()?;
     let (parts, _) = behind.split_first_chunk::<4>()?;
     Some(OscTime { seconds: u32::from_be_bytes(*seconds), fractional: u32::from_be_bytes(*parts) })
 }
 
-/// The first element of a bundle, and what is behind it.
+/// Returns the first element of a bundle, and the bytes after it.
 fn element(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let (size, rest) = bytes.split_first_chunk::<4>()?;
     rest.split_at_checked(u32::from_be_bytes(*size) as usize)
 }
 
 fn message(bytes: &[u8]) -> Option<OscMessage> {
-    // What stands for arguments is bounded before it is read, because lists of them may be nested.
+    // Check the number of type tags before decoding: the decoder recurses into nested arrays.
     let address = bytes.iter().position(|byte| *byte == 0)?;
     let tags = bytes.get((address / 4 + 1) * 4..)?;
     let count = tags.iter().take_while(|byte| **byte != 0).count();
@@ -103,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn messages_come_in_their_order_through_all_bundles() {
+    fn messages_keep_their_order_across_nested_bundles() {
         let packet = bundle(vec![sent("/a"), bundle(vec![sent("/b"), bundle(vec![sent("/c")])]), sent("/d")]);
         let wanted = ["/a", "/b", "/c", "/d"].map(str::to_owned).to_vec();
         assert_eq!(addresses(&packet), (wanted, 0));
@@ -125,11 +126,11 @@ mod tests {
     }
 
     #[test]
-    fn bundles_nested_too_deeply_are_left_out_and_those_at_the_limit_are_not() {
+    fn bundles_nested_beyond_the_limit_are_rejected() {
         let nested = |depth| (0..depth).fold(sent("/a"), |inner, _| bundle(vec![inner]));
         assert_eq!(addresses(&nested(LIMITS.osc_depth_max)).0.len(), 1);
         assert_eq!(addresses(&nested(LIMITS.osc_depth_max + 1)), (Vec::new(), 1));
-        // As deep as a packet can hold: heads and sizes alone.
+        // The deepest nesting that fits in a packet: headers and sizes only.
         let deep: Vec<u8> = (0..3_000_u32)
             .rev()
             .flat_map(|left| [BUNDLE, &[0; 8], &(left * 20).to_be_bytes()].concat())
@@ -152,7 +153,7 @@ mod tests {
         };
         assert_eq!(of(LIMITS.osc_arguments_max).0.len(), 1);
         assert_eq!(of(LIMITS.osc_arguments_max + 1), (Vec::new(), 1));
-        // Lists within lists, which take a recursion to be freed.
+        // Nested arrays, whose destruction is recursive.
         for address in [&b"/a\0\0"[..], b"/,\0\0", b",\0\0\0"] {
             let tags = [address, b",", &b"[".repeat(30_000), &b"]".repeat(30_000), b"\0\0\0"].concat();
             assert_eq!(messages(&tags), (Vec::new(), 1));
@@ -161,13 +162,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_bytes_are_too_bad(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+        fn any_bytes_are_handled_without_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
             let _ = messages(&bytes);
         }
 
-        /// Sound packets with a few bytes changed come nearer to what is read.
+        /// Damaged valid packets reach more of the code than random bytes.
         #[test]
-        fn damaged_packets_are_read_as_far_as_they_are_whole(
+        fn damaged_packets_stay_within_the_limits(
             places in proptest::collection::vec((0_usize..200, any::<u8>()), 0..6),
             length in 0_usize..220,
         ) {

@@ -1,12 +1,12 @@
-//! Patterns in addresses, as OSC 1.0 has them: `?` is a character, `*` any number of them, `[a-z]` one of these, `[!a]`
-//! one that is none of these, `{one,two}` one of these words. None of them stands for a slash.
+//! Address patterns of OSC 1.0: `?` matches one character, `*` any number, `[a-z]` one of a set, `[!a]` one outside a
+//! set, `{one,two}` one of several words. None of them matches a slash.
 //!
-//! A pattern takes no more steps than it has parts, for each character of what it is compared with: what has matched so far
-//! is a set of places, so that no pattern makes it go back.
+//! Matching keeps a set of reachable positions and never backtracks. The number of steps is at most the number of parts
+//! times the number of characters.
 
 use crate::limits::LIMITS;
 
-/// An address with such signs in it.
+/// A parsed address pattern.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
     parts: Vec<Part>,
@@ -14,25 +14,25 @@ pub struct Pattern {
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Part {
-    /// This character.
+    /// A literal character.
     Is(char),
-    /// A character.
+    /// Any character except a slash.
     Any,
-    /// Any number of characters.
+    /// Any number of characters except slashes.
     Many,
-    /// One of these characters, each from its first to its last, or none of them.
+    /// A character within (or, if `is_not`, outside) these inclusive ranges.
     OneOf { ranges: Vec<(char, char)>, is_not: bool },
     /// One of these words.
     Word(Vec<Vec<char>>),
 }
 
-/// Whether an address has signs of patterns in it.
+/// True if an address contains pattern characters.
 pub fn is_pattern(address: &str) -> bool {
     address.contains(['?', '*', '[', '{'])
 }
 
 impl Pattern {
-    /// Reads a pattern; none if it is too long, or a bracket or a brace of it does not end.
+    /// Parses a pattern. Returns `None` if it is too long or has an unclosed bracket or brace.
     pub fn read(text: &str) -> Option<Self> {
         if text.len() > LIMITS.name_bytes_max {
             return None;
@@ -42,7 +42,7 @@ impl Pattern {
         while let Some(sign) = rest.next() {
             parts.push(match sign {
                 '?' => Part::Any,
-                // Two are one, and cost as much.
+                // Consecutive stars count as one.
                 '*' if parts.last() == Some(&Part::Many) => continue,
                 '*' => Part::Many,
                 '[' => {
@@ -61,10 +61,10 @@ impl Pattern {
         Some(Self { parts })
     }
 
-    /// Whether it is a pattern of an address.
+    /// True if the pattern matches the whole address.
     pub fn matches(&self, address: &str) -> bool {
         let text: Vec<char> = address.chars().collect();
-        // After which characters what was read so far may end.
+        // The positions that the parts so far can end at.
         let mut ends = vec![false; text.len() + 1];
         if let Some(first) = ends.first_mut() {
             *first = true;
@@ -77,7 +77,7 @@ impl Pattern {
 }
 
 impl Part {
-    /// Where this part may end that begins at one of the places.
+    /// Returns the possible end positions of this part for the given start positions.
     fn after(&self, begins: &[bool], text: &[char]) -> Vec<bool> {
         let mut ends = vec![false; begins.len()];
         let mut reach = |end: usize| {
@@ -110,7 +110,7 @@ impl Part {
         ends
     }
 
-    /// Whether that is a character of it.
+    /// True if this part matches the character.
     fn is(&self, character: char) -> bool {
         match self {
             Self::Is(this) => character == *this,
@@ -124,14 +124,14 @@ impl Part {
     }
 }
 
-/// What stands between brackets.
+/// Parses the characters between brackets.
 fn one_of(set: &str) -> Part {
     let (is_not, set) = set.strip_prefix('!').map_or((false, set), |set| (true, set));
     let signs: Vec<char> = set.chars().collect();
     let mut ranges = Vec::new();
     let mut rest = signs.as_slice();
     while let [first, behind @ ..] = rest {
-        // A hyphen at the end is one.
+        // A hyphen at the end is a literal character.
         (ranges, rest) = match behind {
             ['-', last, behind @ ..] => {
                 ([ranges, vec![(*first.min(last), *first.max(last))]].concat(), behind)
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn each_sign_stands_for_what_it_says() {
+    fn each_pattern_character_matches_as_specified() {
         for (pattern, fits, fits_not) in [
             ("/a?c", ["/abc", "/axc"], ["/ac", "/a/c"]),
             ("/param/*", ["/param/size", "/param/"], ["/param/a/b", "/params/x"]),
@@ -173,16 +173,16 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_end_or_is_too_long_is_no_pattern() {
+    fn unclosed_and_oversized_patterns_are_rejected() {
         for broken in ["/[a", "/{a,b", "/a[", &"*?".repeat(LIMITS.name_bytes_max / 2 + 1)] {
             assert_eq!(Pattern::read(broken), None, "{broken}");
         }
         assert!(Pattern::read(&"*?".repeat(LIMITS.name_bytes_max / 2)).is_some());
     }
 
-    /// What takes others as many steps as there are ways to share out the characters.
+    /// A pattern with exponential cost in a backtracking matcher.
     #[test]
-    fn no_pattern_goes_back() {
+    fn matching_never_backtracks() {
         let pattern = Pattern::read(&"*a".repeat(LIMITS.name_bytes_max / 2)).unwrap();
         assert!(!pattern.matches(&"a".repeat(LIMITS.name_bytes_max / 2 - 1)));
         assert!(pattern.matches(&"a".repeat(LIMITS.name_bytes_max)));
@@ -190,12 +190,12 @@ mod tests {
 
     proptest! {
         #[test]
-        fn an_address_without_signs_is_a_pattern_of_itself(address in "[a-z/]{0,12}", other in "[a-z/]{0,12}") {
+        fn an_address_without_pattern_characters_matches_itself(address in "[a-z/]{0,12}", other in "[a-z/]{0,12}") {
             prop_assert_eq!(matches(&address, &other), address == other);
         }
 
         #[test]
-        fn no_text_is_too_bad(pattern in "[a-c/?*\\[\\]{},!-]{0,24}", address in "[a-c/]{0,12}") {
+        fn any_pattern_matches_without_panic(pattern in "[a-c/?*\\[\\]{},!-]{0,24}", address in "[a-c/]{0,12}") {
             if let Some(pattern) = Pattern::read(&pattern) {
                 let _ = pattern.matches(&address);
             }

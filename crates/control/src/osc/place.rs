@@ -1,38 +1,38 @@
-//! Where OSC is heard, or where it goes.
+//! The network address on which OSC is received, or to which it is sent.
 
 use std::fmt::{self, Display, Formatter};
 use std::io;
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::str::FromStr;
 
-/// A computer and a port.
+/// A host and a port.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
     host: String,
     port: u16,
 }
 
-/// A place that cannot be meant.
+/// The error for a text that is no host and port.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PlaceError {
-    /// It is neither a port nor an address with one.
-    #[error("this is neither a port such as 9000 nor an address with one such as 192.168.0.7:9000")]
+    /// The text is neither a port nor an address with a port.
+    #[error("give a port such as 9000, or an address and a port such as 192.168.0.7:9000")]
     Malformed,
-    /// Ports have other numbers.
-    #[error("a port is a number from 1 to 65535")]
+    /// The port is out of range.
+    #[error("the port must be a number from 1 to 65535")]
     NoPort,
-    /// Ports have other numbers, where [any free one](Place::parse) may be asked for.
-    #[error("a port is a number from 1 to 65535, or 0 for any that is free")]
+    /// The port is out of range, where [port 0](Place::parse) is allowed.
+    #[error("the port must be a number from 1 to 65535, or 0 for any free port")]
     NoPortNorAny,
 }
 
-/// This computer alone.
+/// The loopback address, which other computers cannot reach.
 const LOOPBACK: &str = "127.0.0.1";
 
 impl FromStr for Place {
     type Err = PlaceError;
 
-    /// `9000` is that port of this computer, which no other can reach; `ADDRESS:9000` is the port of an address.
+    /// Parses `9000`, a port of this computer that others cannot reach, or `ADDRESS:9000`.
     fn from_str(text: &str) -> Result<Self, PlaceError> {
         match Self::parse(text, LOOPBACK) {
             Ok(Self { port: 0, .. }) | Err(PlaceError::NoPortNorAny) => Err(PlaceError::NoPort),
@@ -42,10 +42,10 @@ impl FromStr for Place {
 }
 
 impl Place {
-    /// The same with `host` where only a port is given. Port 0 is whichever is free.
+    /// Parses a port, or a host and a port. Without a host, `host` is used. Port 0 means any free port.
     ///
     /// # Errors
-    /// [`PlaceError`].
+    /// The text has a different form, or the port is out of range.
     pub fn parse(text: &str, host: &str) -> Result<Self, PlaceError> {
         let (host, port) = text.rsplit_once(':').unwrap_or((host, text));
         let host = host.strip_prefix('[').and_then(|host| host.strip_suffix(']')).unwrap_or(host);
@@ -59,15 +59,15 @@ impl Place {
         Ok(Self { host: host.to_owned(), port })
     }
 
-    /// The computer, as it was given.
+    /// The host as written.
     pub fn host(&self) -> &str {
         &self.host
     }
 
-    /// Its address. Asks the system for names, which may take long.
+    /// Resolves the address. Asks the system for host names, which may take long.
     ///
     /// # Errors
-    /// What the system says; a name that is nobody's.
+    /// The name cannot be resolved.
     pub fn resolve(&self) -> io::Result<SocketAddr> {
         let nobody = || io::Error::new(io::ErrorKind::NotFound, "no computer has this name");
         (&*self.host, self.port).to_socket_addrs()?.next().ok_or_else(nobody)
@@ -88,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_port_alone_is_this_computer_and_addresses_are_as_they_are_given() {
+    fn a_port_alone_is_on_this_computer() {
         for (text, wanted) in [
             ("9000", "127.0.0.1:9000"),
             ("0.0.0.0:1", "0.0.0.0:1"),
@@ -101,24 +101,23 @@ mod tests {
     }
 
     #[test]
-    fn a_port_that_is_to_be_found_is_only_one_where_it_may_be() {
+    fn port_0_is_accepted_only_where_any_port_is_allowed() {
         let any = Place::parse("0", "0.0.0.0").unwrap();
         assert_eq!((any.to_string(), any.host()), ("0.0.0.0:0".to_owned(), "0.0.0.0"));
         assert_eq!("0".parse::<Place>(), Err(PlaceError::NoPort));
     }
 
     #[test]
-    fn a_port_that_is_too_large_is_told_from_where_0_may_be_asked_for() {
+    fn errors_mention_port_0_only_where_it_is_allowed() {
         let reported = |read: Result<Place, PlaceError>| read.unwrap_err().to_string();
         assert!(
-            reported(Place::parse("99999", "0.0.0.0"))
-                .ends_with("from 1 to 65535, or 0 for any that is free")
+            reported(Place::parse("99999", "0.0.0.0")).ends_with("from 1 to 65535, or 0 for any free port")
         );
         assert!(reported("99999".parse()).ends_with("from 1 to 65535"));
     }
 
     #[test]
-    fn what_is_no_place_is_told_from_a_port_that_is_too_large() {
+    fn malformed_addresses_and_ports_out_of_range_are_different_errors() {
         for text in ["", "x", ":9000", "host:", "-1", "9e3", "a b:9000", "http://x:9", "host:+9"] {
             assert_eq!(text.parse::<Place>(), Err(PlaceError::Malformed), "{text}");
         }

@@ -1,4 +1,4 @@
-//! The thread that hears OSC.
+//! The thread that receives OSC.
 
 use std::io;
 use std::mem::replace;
@@ -18,37 +18,37 @@ use crate::action::ActionRow;
 use crate::limits::LIMITS;
 use crate::{Board, InputQueue, Present, Slider};
 
-/// How often the thread looks whether it is still wanted.
+/// The interval at which the thread checks if it is still in use.
 const LOOK: Duration = Duration::from_millis(200);
-/// How long it waits at least.
+/// The shortest wait for a packet.
 const LEAST_LOOK: Duration = Duration::from_millis(1);
-/// Most bytes of a UDP packet.
+/// The maximum size of a UDP packet.
 const PACKET_MAX: usize = 65_535;
 
-/// How it stands with hearing.
+/// The state of the receiver.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum ReceiverState {
     /// The port is being opened.
     #[default]
     Opening,
-    /// Messages are heard.
+    /// Messages are received.
     Open(SocketAddr),
-    /// The system refuses the port, and why: a sentence. The receiver keeps trying.
+    /// The port cannot be opened; the text explains the reason. The receiver keeps trying.
     Refused(String),
 }
 
-/// Hears OSC until it is dropped.
+/// Receives OSC until it is dropped.
 pub struct OscReceiver {
     state: Arc<Mutex<ReceiverState>>,
     is_over: Arc<AtomicBool>,
 }
 
 impl OscReceiver {
-    /// Hears at `place` from now on, or as soon as the system gives the port. Messages in the table of actions become
-    /// wishes; the board answers questions. `wake` is called when the state has changed.
+    /// Receives OSC on `place`, retrying until the port is free. Messages for parameters and `actions` go to the input
+    /// queue; queries are answered from the board. `wake` is called when the state changes.
     ///
     /// # Errors
-    /// There is no thread.
+    /// The thread cannot be started.
     pub fn start(
         place: Place,
         actions: &'static [ActionRow],
@@ -72,7 +72,7 @@ impl OscReceiver {
         Ok(receiver)
     }
 
-    /// How it stands.
+    /// The current state.
     pub fn state(&self) -> ReceiverState {
         lock(&self.state).clone()
     }
@@ -80,7 +80,7 @@ impl OscReceiver {
 
 impl Drop for OscReceiver {
     fn drop(&mut self) {
-        // It is not waited for: it ends by itself.
+        // Do not wait: the thread ends by itself.
         self.is_over.store(true, Ordering::Relaxed);
     }
 }
@@ -89,7 +89,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Opens the port, and tries again for as long as the system refuses it. `None` if the receiver is dropped before.
+/// Opens the port, retrying while it is refused. Returns `None` if the receiver is dropped first.
 fn open_when_free(
     place: &Place,
     is_over: &AtomicBool,
@@ -119,16 +119,18 @@ fn refusal(place: &Place, error: &io::Error) -> String {
     let sentence = match error.kind() {
         io::ErrorKind::AddrInUse => {
             format!(
-                "OSC is not heard: another program has {place}; end it, or choose another port with --osc"
+                "OSC input is off: another program uses {place}; close it, or choose another port with --osc"
             )
         }
         io::ErrorKind::PermissionDenied => {
-            format!("OSC is not heard: the system gives nobody {place}; choose a port above 1023 with --osc")
+            format!("OSC input is off: the system denies {place}; choose a port above 1023 with --osc")
         }
         io::ErrorKind::AddrNotAvailable | io::ErrorKind::NotFound => {
-            format!("OSC is not heard: {place} is no address of this computer; give --osc one of its own")
+            format!(
+                "OSC input is off: {place} is not an address of this computer; give --osc one of its addresses"
+            )
         }
-        _ => format!("OSC is not heard on {place} ({error}); choose another address with --osc"),
+        _ => format!("OSC input on {place} failed ({error}); choose another address with --osc"),
     };
     sentence + " (Mariana keeps trying)"
 }
@@ -149,7 +151,7 @@ impl Hearing {
                 self.obey(&message, &mut answers);
                 answers.into_iter().for_each(|answer| send(socket, answer, from));
             }
-            // A timeout of nothing is none at all.
+            // A timeout of 0 is an error, so the minimum is a millisecond.
             let patience = waiting.patience(Instant::now()).map_or(LOOK, |due| due.clamp(LEAST_LOOK, LOOK));
             if patience != waited {
                 waited = patience;
@@ -164,7 +166,7 @@ impl Hearing {
                     answers.into_iter().for_each(|answer| send(socket, answer, from));
                 }
                 Err(error) if is_patience(&error) => {}
-                // Somebody who asked has gone; or the network has, and comes back.
+                // A client that sent a query has closed its port, or the network is down for a while.
                 Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {}
                 Err(error) => {
                     tracing::debug!("OSC: {error}");
@@ -174,8 +176,8 @@ impl Hearing {
         }
     }
 
-    /// Takes a packet where the system's clock shows `now`, and returns what is answered. What is not due yet `waits`, which
-    /// tells whether there is room for it.
+    /// Handles a packet at the system time `now` and returns the answers. Messages that are not due yet go to `waits`,
+    /// which returns false if it is full.
     fn hear(
         &self,
         packet: &[u8],
@@ -204,13 +206,13 @@ impl Hearing {
         answers
     }
 
-    /// Does what a message asks for, and adds what is answered. A pattern is a message to each address that it stands for.
+    /// Handles a message and adds the answers. A pattern counts as one message to each matching address.
     fn obey(&self, message: &OscMessage, answers: &mut Vec<OscMessage>) {
         if !is_pattern(&message.addr) {
             return self.obey_one(message, answers);
         }
         let known = self.board.read(|present| addresses(present, self.actions));
-        // Titles of scenes may have such signs in them.
+        // Scene titles may contain pattern characters.
         if known.contains(&message.addr) {
             return self.obey_one(message, answers);
         }
@@ -241,7 +243,7 @@ impl Hearing {
     }
 }
 
-/// Every address that means something now.
+/// Returns all addresses that have a meaning now.
 fn addresses(present: &Present, actions: &[ActionRow]) -> Vec<String> {
     let params = present.params.iter().map(|param| &param.name);
     let turns = params.flat_map(|name| [format!("/param/{name}"), format!("/share/{name}")]);
@@ -253,13 +255,13 @@ fn addresses(present: &Present, actions: &[ActionRow]) -> Vec<String> {
     turns.chain(scenes).chain(acts).chain(questions.map(str::to_owned)).chain(switches).collect()
 }
 
-/// Whether nothing came for a while.
+/// True if the read timed out or was interrupted.
 fn is_patience(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted)
 }
 
 fn send(socket: &UdpSocket, message: OscMessage, to: SocketAddr) {
-    // Nobody waits for an answer that cannot be sent.
+    // Answers are sent once; errors are ignored.
     if let Ok(bytes) = encoder::encode(&OscPacket::Message(message)) {
         let _ = socket.send_to(&bytes, to);
     }

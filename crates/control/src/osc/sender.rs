@@ -1,4 +1,4 @@
-//! The thread that sends what the show hears, at a rate of its own: lights and other programs want it steady.
+//! The thread that sends audio features at a fixed rate, independent of the frame rate, for lights and other programs.
 
 use std::io;
 use std::net::UdpSocket;
@@ -10,15 +10,15 @@ use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType, encoder};
 
 use super::place::Place;
 
-/// How long it waits before it tries again after a failure.
+/// The wait before another attempt after a failure.
 const AGAIN: Duration = Duration::from_secs(2);
-/// The time tag that means now.
+/// The OSC time tag for "immediately".
 const NOW: OscTime = OscTime { seconds: 0, fractional: 1 };
 
-/// What is sent: numbers by their addresses.
+/// Numbers to send, by address.
 pub type Sample = Vec<(String, Vec<f32>)>;
 
-/// Sends until it is dropped.
+/// Sends OSC until it is dropped.
 pub struct OscSender {
     sample: Arc<Mutex<Sample>>,
     problem: Arc<Mutex<Option<String>>>,
@@ -26,10 +26,10 @@ pub struct OscSender {
 }
 
 impl OscSender {
-    /// Sends to `place` from now on, `rate` times a second. `wake` is called when there is a problem to tell.
+    /// Starts sending to `place`, `rate` times a second. `wake` is called when there is a new problem.
     ///
     /// # Errors
-    /// There is no thread.
+    /// The thread cannot be started.
     pub fn start(place: Place, rate: f64, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let sender = Self { sample: Arc::default(), problem: Arc::default(), is_over: Arc::default() };
         let (sample, problem, is_over) =
@@ -39,7 +39,7 @@ impl OscSender {
             while !is_over.load(Ordering::Relaxed) {
                 let Err(error) = send(&place, interval, &sample, &is_over) else { continue };
                 let sentence =
-                    format!("what is heard cannot be sent to {place} ({error}); it is tried again");
+                    format!("audio features cannot be sent to {place} ({error}); Mariana keeps trying");
                 let mut reported = problem.lock().unwrap_or_else(PoisonError::into_inner);
                 if reported.is_none() {
                     *reported = Some(sentence);
@@ -52,12 +52,12 @@ impl OscSender {
         Ok(sender)
     }
 
-    /// What is sent from now on.
+    /// Sets the numbers to send from now on.
     pub fn put(&self, sample: Sample) {
         *self.sample.lock().unwrap_or_else(PoisonError::into_inner) = sample;
     }
 
-    /// What went wrong, if anything did.
+    /// Returns the first problem, if any.
     pub fn problem(&self) -> Option<String> {
         self.problem.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -69,20 +69,20 @@ impl Drop for OscSender {
     }
 }
 
-/// Sends again and again until it is over.
+/// Sends at the given interval until `is_over` is set.
 fn send(place: &Place, interval: Duration, sample: &Mutex<Sample>, is_over: &AtomicBool) -> io::Result<()> {
     let to = place.resolve()?;
     let socket = UdpSocket::bind(if to.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" })?;
     let mut due = Instant::now();
     while !is_over.load(Ordering::Relaxed) {
         let now = Instant::now();
-        // A machine that slept makes up for nothing.
+        // After a suspend, missed packets are not sent.
         due = (due + interval).max(now);
         std::thread::sleep(due.saturating_duration_since(now));
         let sample = sample.lock().unwrap_or_else(PoisonError::into_inner).clone();
         if let Some(bytes) = (!sample.is_empty()).then(|| packet(sample)).flatten() {
             match socket.send_to(&bytes, to) {
-                // Nobody listens there yet.
+                // No program is listening yet.
                 Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {}
                 sent => drop(sent?),
             }
@@ -91,7 +91,7 @@ fn send(place: &Place, interval: Duration, sample: &Mutex<Sample>, is_over: &Ato
     Ok(())
 }
 
-/// One bundle of all numbers; values that are not numbers are 0.
+/// Encodes all numbers as one bundle. Values that are not finite are sent as 0.
 fn packet(sample: Sample) -> Option<Vec<u8>> {
     let argument = |number: f32| OscType::Float(if number.is_finite() { number } else { 0.0 });
     let message = |(addr, numbers): (String, Vec<f32>)| {
@@ -107,7 +107,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_put_arrives_again_and_again() {
+    fn numbers_are_sent_repeatedly() {
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         let place = socket.local_addr().unwrap().to_string().parse().unwrap();
         let sender = OscSender::start(place, 200.0, || {}).unwrap();
@@ -123,13 +123,13 @@ mod tests {
                 (found[0].addr.as_str(), &found[0].args[..]),
                 ("/sound/bass", &[OscType::Float(0.5)][..])
             );
-            assert_eq!(found[1].args, vec![OscType::Float(0.0); 3], "nothing that is no number is sent");
+            assert_eq!(found[1].args, vec![OscType::Float(0.0); 3], "only finite numbers may be sent");
         }
         assert_eq!(sender.problem(), None);
     }
 
     #[test]
-    fn a_place_that_is_nowhere_is_told_once() {
+    fn an_unknown_host_is_reported() {
         let (reported, news) = std::sync::mpsc::channel();
         let place = "no.such.computer.invalid:9000".parse().unwrap();
         let sender = OscSender::start(place, 30.0, move || {

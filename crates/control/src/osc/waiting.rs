@@ -1,4 +1,4 @@
-//! Messages that wait for their time: bundles say when what is in them is to happen.
+//! Scheduled OSC messages: a bundle's time tag gives the time at which its messages take effect.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -8,28 +8,28 @@ use rosc::{OscMessage, OscTime};
 
 use crate::limits::LIMITS;
 
-/// From the zero of times in OSC (1900) to that of the system's clock (1970), in seconds.
+/// Seconds from the OSC epoch (1900) to the Unix epoch (1970).
 const TO_UNIX: u64 = 2_208_988_800;
-/// Parts of a second in those times.
+/// Units per second in the fraction of an OSC time.
 const PARTS: f64 = 4_294_967_296.0;
 
-/// When something happens whose time is a bundle's.
+/// The time at which a message takes effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum When {
-    /// At once: that is asked for, or it is over.
+    /// At once: requested so, or in the past.
     Now,
-    /// After so long.
+    /// After this duration.
     In(Duration),
-    /// So late that nobody waits for it.
+    /// Too far in the future.
     TooLate,
 }
 
-/// When a time is, where the system's clock shows `now`. A message without a bundle has none.
+/// Converts a time tag, relative to the system time `now`. `None` is for messages outside bundles.
 pub(super) fn when(time: Option<OscTime>, now: SystemTime) -> When {
-    // The first moment of all means at once; some write the one before it.
+    // The time tags 0 and 1 mean "immediately". The standard defines 1; some senders use 0.
     let Some(time) = time.filter(|time| time.seconds > 0 || time.fractional > 1) else { return When::Now };
     let now = now.duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_secs_f64();
-    // In 2036 the seconds begin anew: a time is the one that is nearest.
+    // OSC seconds wrap around in 2036: take the time closest to now.
     let now_of_osc = (now as u64).wrapping_add(TO_UNIX) as u32;
     let seconds = f64::from(time.seconds.wrapping_sub(now_of_osc) as i32) - now.fract();
     let ahead = seconds + f64::from(time.fractional) / PARTS;
@@ -40,16 +40,16 @@ pub(super) fn when(time: Option<OscTime>, now: SystemTime) -> When {
     }
 }
 
-/// Messages that wait, and who sent them.
+/// Scheduled messages with their senders.
 #[derive(Default)]
 pub(super) struct Waiting {
-    /// By when they are due, and in the order in which they came.
+    /// Messages by due time, then by order of arrival.
     messages: BTreeMap<(Instant, u64), (OscMessage, SocketAddr)>,
     count: u64,
 }
 
 impl Waiting {
-    /// Lets a message wait. False if too many do.
+    /// Schedules a message. Returns false if too many are waiting.
     pub(super) fn put(&mut self, due: Instant, message: OscMessage, from: SocketAddr) -> bool {
         let has_room = self.messages.len() < LIMITS.osc_waiting_max;
         if has_room {
@@ -59,13 +59,13 @@ impl Waiting {
         has_room
     }
 
-    /// The next message that is due at `now`.
+    /// Takes the next message that is due at `now`.
     pub(super) fn take(&mut self, now: Instant) -> Option<(OscMessage, SocketAddr)> {
         let first = self.messages.first_entry().filter(|first| first.key().0 <= now)?;
         Some(first.remove())
     }
 
-    /// How long it is until the next one is due.
+    /// Returns the time until the next message is due.
     pub(super) fn patience(&self, now: Instant) -> Option<Duration> {
         self.messages.first_key_value().map(|((due, _), _)| due.saturating_duration_since(now))
     }
@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_asked_for_at_once_or_is_over_happens_now_and_the_rest_waits_for_a_while() {
+    fn past_and_immediate_messages_are_due_now_and_others_wait() {
         let now = SystemTime::UNIX_EPOCH + Duration::from_millis(1_700_000_000_250);
         let after = |seconds: f64| when(Some(of_osc(now + Duration::from_secs_f64(seconds))), now);
         assert_eq!(when(None, now), When::Now);
@@ -92,13 +92,13 @@ mod tests {
             assert!((found.as_secs_f64() - seconds).abs() < 1e-5, "{found:?} instead of {seconds} s");
         }
         assert_eq!(after(LIMITS.osc_ahead_seconds_max + 1.0), When::TooLate);
-        // The seconds of OSC begin anew on 7 February 2036.
+        // OSC seconds wrap around on 7 February 2036.
         let last = SystemTime::UNIX_EPOCH + Duration::from_secs(u64::from(u32::MAX) - TO_UNIX);
         assert_eq!(when(Some(OscTime { seconds: 1, fractional: 0 }), last), When::In(Duration::from_secs(2)));
     }
 
     #[test]
-    fn messages_come_when_they_are_due_in_their_order_and_no_more_wait_than_there_is_room() {
+    fn messages_are_taken_in_order_when_due_and_their_number_is_limited() {
         let (start, from) = (Instant::now(), SocketAddr::from(([127, 0, 0, 1], 9)));
         let at = |ms| start + Duration::from_millis(ms);
         let message = |addr: &str| OscMessage { addr: addr.to_owned(), args: Vec::new() };
@@ -112,6 +112,6 @@ mod tests {
         let taken = |waiting: &mut Waiting| waiting.take(at(15)).map(|(message, _)| message.addr);
         assert_eq!([(); 3].map(|()| taken(&mut waiting)), [Some("/a".into()), Some("/b".into()), None]);
         let put = (1..=LIMITS.osc_waiting_max).filter(|_| waiting.put(at(30), message("/d"), from)).count();
-        assert_eq!(put, LIMITS.osc_waiting_max - 1, "one waits already");
+        assert_eq!(put, LIMITS.osc_waiting_max - 1, "one message is already waiting");
     }
 }

@@ -33,12 +33,12 @@ fn packet(addr: &str, args: Vec<OscType>) -> Vec<u8> {
     encoder::encode(&OscPacket::Message(message(addr.to_owned(), args))).unwrap()
 }
 
-/// What a packet is answered that may not wait.
+/// Returns the answers to a packet; messages scheduled for later are rejected.
 fn batch(hearing: &Hearing, packet: &[u8]) -> Vec<OscMessage> {
     hearing.hear(packet, SystemTime::now(), |_, _| false)
 }
 
-/// A bundle of a message for a time.
+/// Returns a bundle with one message for a time.
 fn bundle(time: SystemTime, addr: &str, args: Vec<OscType>) -> Vec<u8> {
     let timetag = OscTime::try_from(time).unwrap();
     let content = vec![OscPacket::Message(message(addr.to_owned(), args))];
@@ -46,7 +46,7 @@ fn bundle(time: SystemTime, addr: &str, args: Vec<OscType>) -> Vec<u8> {
 }
 
 #[test]
-fn a_pattern_is_a_message_to_each_address_that_it_stands_for() {
+fn a_pattern_is_a_message_to_each_matching_address() {
     let hearing = hearing();
     let ask = |addr: &str| batch(&hearing, &packet(addr, Vec::new()));
     let names = |answers: Vec<OscMessage>| answers.into_iter().map(|answer| answer.addr).collect::<Vec<_>>();
@@ -57,7 +57,7 @@ fn a_pattern_is_a_message_to_each_address_that_it_stands_for() {
     let batch = hearing.input_queue.take();
     assert_eq!(batch.params.first().map(|change| change.to), Some(Amount::Value(3.0)));
     assert_eq!(batch.actions.first().map(|action| action.name), Some("pause"));
-    // What fits nothing, or is no pattern, is unknown.
+    // Patterns without a match and malformed patterns count as unknown.
     for nothing in ["/none/*", "/param/[s", "/param/{size"] {
         assert_eq!(ask(nothing), []);
     }
@@ -65,7 +65,7 @@ fn a_pattern_is_a_message_to_each_address_that_it_stands_for() {
 }
 
 #[test]
-fn a_pattern_stands_for_no_more_addresses_than_the_limit() {
+fn a_pattern_matches_at_most_the_limit_of_addresses() {
     let hearing = hearing();
     let mut present = hearing.board.read(Present::clone);
     let param = present.params.remove(0);
@@ -76,7 +76,7 @@ fn a_pattern_stands_for_no_more_addresses_than_the_limit() {
 }
 
 #[test]
-fn a_title_with_signs_of_patterns_in_it_is_a_title() {
+fn a_title_with_pattern_characters_is_matched_literally() {
     let hearing = hearing();
     let scenes = vec!["orb [2]".into(), "orb 2".into()];
     hearing.board.put(Present { scenes, ..Present::default() });
@@ -91,7 +91,7 @@ fn a_title_with_signs_of_patterns_in_it_is_a_title() {
 }
 
 #[test]
-fn what_is_not_due_waits_where_there_is_room_and_the_rest_is_counted() {
+fn scheduled_messages_wait_and_those_beyond_the_limits_are_counted() {
     let (hearing, now) = (hearing(), SystemTime::now());
     let half = [OscType::Float(3.0)];
     let mut waits = Vec::new();
@@ -126,14 +126,14 @@ fn questions_are_answered_from_the_board() {
 }
 
 #[test]
-fn questions_cost_no_more_answers_than_the_limit() {
+fn answers_are_limited() {
     let hearing = hearing();
     hearing.board.put(Present { scenes: vec!["x".into(); LIMITS.osc_answers_max + 9], ..Present::default() });
     assert_eq!(batch(&hearing, &packet("/query/scenes", Vec::new())).len(), LIMITS.osc_answers_max);
 }
 
 #[test]
-fn rubbish_is_counted_by_what_is_wrong_with_it_and_the_rest_of_a_packet_counts() {
+fn bad_messages_are_counted_by_kind() {
     let hearing = hearing();
     assert_eq!(batch(&hearing, b"no OSC at all"), []);
     batch(&hearing, &packet("/nothing", Vec::new()));
@@ -145,7 +145,7 @@ fn rubbish_is_counted_by_what_is_wrong_with_it_and_the_rest_of_a_packet_counts()
 }
 
 #[test]
-fn a_port_that_another_program_has_costs_a_sentence() {
+fn a_port_in_use_is_reported() {
     let other = UdpSocket::bind("127.0.0.1:0").unwrap();
     let place: Place = other.local_addr().unwrap().to_string().parse().unwrap();
     let (reported, news) = channel();
@@ -155,7 +155,7 @@ fn a_port_that_another_program_has_costs_a_sentence() {
     let receiver = started.unwrap();
     news.recv().unwrap();
     let ReceiverState::Refused(why) = receiver.state() else { panic!("{:?}", receiver.state()) };
-    assert!(why.contains("another program has 127.0.0.1:") && why.contains("--osc"), "{why}");
+    assert!(why.contains("another program uses 127.0.0.1:") && why.contains("--osc"), "{why}");
 }
 
 #[test]
@@ -179,7 +179,7 @@ fn packets_come_through_a_real_socket_and_answers_go_back() {
     socket.send_to(&packet("/param/size", vec![OscType::Float(3.0)]), free).unwrap();
     wakes.recv().unwrap();
     assert_eq!(input_queue.take().params[0].name, "size");
-    // In a while.
+    // A message scheduled for later.
     let soon = SystemTime::now() + Duration::from_millis(300);
     socket.send_to(&bundle(soon, "/share/size", vec![OscType::Float(0.5)]), free).unwrap();
     wakes.recv().unwrap();
@@ -192,7 +192,7 @@ fn packets_come_through_a_real_socket_and_answers_go_back() {
 }
 
 #[test]
-fn a_port_that_was_taken_at_the_start_was_never_tried_again() {
+fn a_port_in_use_at_the_start_is_tried_again() {
     let patience = Duration::from_secs(60);
     let other = UdpSocket::bind("127.0.0.1:0").unwrap();
     let address = other.local_addr().unwrap();
@@ -210,7 +210,7 @@ fn a_port_that_was_taken_at_the_start_was_never_tried_again() {
     news.recv_timeout(patience).unwrap();
     assert!(matches!(receiver.state(), ReceiverState::Refused(_)), "{:?}", receiver.state());
     drop(other);
-    // The state changes once: there is no news of attempts that fail like the first.
+    // Only a change of state is reported, not each failed attempt.
     news.recv_timeout(patience).unwrap();
     assert_eq!(receiver.state(), ReceiverState::Open(address));
     let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
