@@ -188,7 +188,7 @@ fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_onc
     app.meanwhile(|| {
         page.wait_until(
             "what is wrong with it",
-            "document.getElementById('status').textContent.startsWith('This address is not valid any more')",
+            "document.getElementById('status').textContent.startsWith('This address is no longer valid')",
         );
         // The old page has asked once and asks no more, so the newer address is soon answered.
         let mut later = Page::open(&newer);
@@ -214,7 +214,7 @@ fn a_port_that_is_taken_costs_a_sentence_and_the_show_goes_on() {
     let (song, scene) = (place.quiet_song("quiet.wav", 60), write_wall(&place));
     let options = ["--size", "160x90", "--scene", scene.to_str().unwrap(), "--remote", &address];
     let app = place.open(&song, &options);
-    app.wait_until_reported(&format!("phones are not listened to: another program has {address}"));
+    app.wait_until_reported(&format!("phone control is off: another program uses {address}"));
     wait_for_colour(&app, "green", [false, true, false]);
     drop(taken);
     app.wait_until_reported(&format!("a phone can open http://{address}/"));

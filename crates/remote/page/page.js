@@ -1,19 +1,19 @@
 "use strict";
 
-// What a phone's fingers do goes to the show; how the show stands comes back. Nothing is kept.
+// The phone page: sends the user's input to the show and displays the show's state. It stores nothing.
 
-const NEWS_LOST = 12000;     // Milliseconds without a sign of life after which nobody is there.
+const NEWS_LOST = 12000;     // Milliseconds without a message after which the connection counts as lost.
 const AGAIN = [300, 600, 1200, 2500, 5000];
-const ASK_TIME = 4000;       // How long an answer is waited for.
-const SAY_INTERVAL = 33;     // Between two places of a slider that is moved.
-const CLICK_LATE = 700;      // How long after a finger a browser may make a click of it.
-const TOUCH_SLACK = 6;       // Pixels sideways after which a finger moves a slider instead of the page.
+const ASK_TIME = 4000;       // Timeout of a request, in milliseconds.
+const SAY_INTERVAL = 33;     // Milliseconds between two values of a moving slider.
+const CLICK_LATE = 700;      // Milliseconds within which a browser may turn a touch into a click.
+const TOUCH_SLACK = 6;       // Horizontal pixels after which a touch moves a slider instead of the page.
 
 const at = (id) => document.getElementById(id);
 const show = { scene: "", scenes: [], params: [], values: {}, switches: {}, levels: {}, tempo: 0, track: "", length: 0 };
 const sliders = new Map();   // By "param:NAME" and "level:NAME".
 let socket = null, tries = 0, retry = 0, watch = 0;
-const unsaid = new Map();    // The newest place of each slider that is moved.
+const unsaid = new Map();    // The newest value of each moving slider.
 let sayAt = 0;
 
 function make(kind, name, text) {
@@ -23,8 +23,8 @@ function make(kind, name, text) {
   return element;
 }
 
-// Browsers make no clicks of a second finger while the first one holds a slider, so fingers are followed here; clicks are
-// those of keyboards and readers of the screen.
+// Browsers generate no click for a second finger while the first one holds a slider, so touches are tracked here.
+// Clicks come from keyboards and screen readers.
 function press(button, act, early) {
   let finger = null, acted = -Infinity;
   const actOnce = () => { acted = performance.now(); act(); };
@@ -44,7 +44,7 @@ function press(button, act, early) {
   button.addEventListener("click", () => { if (performance.now() - acted > CLICK_LATE) act(); });
 }
 
-// ---- The line ----
+// ---- Connection ----
 
 function tell(words, calm) {
   at("status").textContent = words;
@@ -90,7 +90,7 @@ function lost() {
   later(AGAIN[Math.min(tries++, AGAIN.length - 1)]);
 }
 
-// A WebSocket does not tell why it is refused, so the same address is asked a plain question before.
+// A failed WebSocket does not report the HTTP status, so a plain request to the same address checks it first.
 async function ask() {
   clearTimeout(retry);
   const patience = new AbortController();
@@ -103,9 +103,9 @@ async function ask() {
     return;
   }
   if (answer.status === 403) {
-    tell("This address is not valid any more: Mariana was started again. Press J in its window and scan the code.");
+    tell("This address is no longer valid: Mariana was restarted. Press J in its window and scan the new code.");
   } else if (answer.status === 503) {
-    tell("As many phones as there may be are here already: close the page on one of them.");
+    tell("Too many phones are connected. Close the page on one of them.");
     later(AGAIN[AGAIN.length - 1]);
   } else {
     connect();
@@ -120,7 +120,7 @@ function say(message) {
   if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
 }
 
-// Of a slider the newest place counts; while the line is slow nothing piles up in it.
+// Only the newest value of each slider is sent, so that a slow connection gets no backlog.
 function sayLater(key, message) {
   unsaid.set(key, message);
   if (!sayAt) sayAt = setTimeout(sayNow, 0);
@@ -138,7 +138,7 @@ function sayNow() {
   if (any) sayAt = setTimeout(sayNow, SAY_INTERVAL);
 }
 
-// ---- What comes ----
+// ---- Updates from the show ----
 
 function take(news) {
   for (const key of ["scene", "scenes", "params", "tempo", "track", "length"]) if (key in news) show[key] = news[key];
@@ -172,7 +172,7 @@ function showScenes() {
   for (const button of grid.children) button.setAttribute("aria-current", String(button.textContent === show.scene));
 }
 
-// A picture is loaded when it is about to be seen. One that is not made yet is asked for again when others have come.
+// Images load lazily. An image that does not exist yet is requested again when new ones arrive.
 function picture(name) {
   const image = make("img");
   image.alt = "";
@@ -245,7 +245,7 @@ function slider(root, key, about) {
     const mark = make("div", "default"), back = make("button", "back", "↺");
     mark.style.left = 100 * share(about.usual) + "%";
     rail.append(mark);
-    back.setAttribute("aria-label", about.name + ": as the scene has it");
+    back.setAttribute("aria-label", about.name + ": reset to the scene's value");
     press(back, () => { draw(about.usual); say(about.say(about.usual)); });
     way.append(back);
   }
@@ -265,7 +265,7 @@ function slider(root, key, about) {
     const box = rail.getBoundingClientRect();
     turn(min + (max - min) * Math.min(1, Math.max(0, (event.clientX - box.left) / box.width)));
   }
-  // A finger may want to move the page: it has to go sideways, or to tap.
+  // A touch may be meant to scroll the page: only a horizontal movement or a tap moves the slider.
   let finger = null, from = 0;
   rail.onpointerdown = (event) => {
     if (finger !== null || event.button !== 0) return;
@@ -323,7 +323,7 @@ for (const root of document.querySelectorAll("[data-level]")) {
 for (const button of document.querySelectorAll("[data-do]")) {
   const name = button.dataset.do;
   const act = () => say(button.classList.contains("switch") ? { do: name, with: !show.switches[name] } : { do: name });
-  // A tempo is tapped when the finger comes, not when it goes.
+  // The tempo is tapped when the finger touches, not when it is lifted.
   press(button, act, name === "beat");
 }
 

@@ -1,7 +1,7 @@
-//! Small pictures of scenes, which phones may look at.
+//! Preview images of scenes, for phones.
 //!
-//! Whoever made them puts them in; they are held in memory and nowhere else. A picture that a phone asks for and that is
-//! not there is wanted, if there is a scene of that name: whoever can make it asks what is ([`Album::take_wanted`]).
+//! The show stores finished images here, in memory only. If a phone requests an image of an existing scene that is not
+//! stored yet, its title is queued, and the show fetches the queue with [`Album::take_wanted`].
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -9,32 +9,32 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::limits::LIMITS;
 
-/// Copies are the same album.
+/// A shared store of preview images. Clones share the contents.
 #[derive(Debug, Clone, Default)]
 pub struct Album(Arc<Shared>);
 
 #[derive(Debug, Default)]
 struct Shared {
     pages: Mutex<HashMap<String, Page>>,
-    /// What is wanted and nobody makes yet, the first wish first.
+    /// The titles of requested scenes, in order of request.
     wanted: Mutex<Vec<String>>,
-    /// Counts the pictures that came.
+    /// The number of images stored so far.
     count: AtomicU64,
 }
 
-/// What is known of a scene's picture.
+/// The state of a scene's image.
 #[derive(Debug, Clone)]
 enum Page {
-    /// A phone has asked for it.
+    /// Requested by a phone.
     Coming,
-    /// Here it is.
+    /// Available, as JPEG.
     There(Arc<[u8]>),
-    /// There is none.
+    /// Not available.
     Missing,
 }
 
 impl Album {
-    /// Puts in the picture of a scene, a JPEG. Returns whether there is room for it.
+    /// Stores the JPEG image of a scene. Returns false if it is too large or the album is full.
     pub fn put(&self, scene: &str, jpeg: Arc<[u8]>) -> bool {
         let mut pages = self.lock();
         let is_full = pages.len() >= LIMITS.pictures_max && !pages.contains_key(scene);
@@ -46,24 +46,24 @@ impl Album {
         true
     }
 
-    /// Notes that a scene that was wanted has no picture: nobody is asked for it again.
+    /// Records that a requested image cannot be made, so that it is not requested again.
     pub fn miss(&self, scene: &str) {
         if let Some(page) = self.lock().get_mut(scene) {
             *page = Page::Missing;
         }
     }
 
-    /// The scenes of which phones want pictures that nobody makes yet, the first wish first.
+    /// Takes the titles of scenes whose images phones have requested, in order of request.
     pub fn take_wanted(&self) -> Vec<String> {
         std::mem::take(&mut *self.0.wanted.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// How many pictures have come: another number, and there may be one that was missing.
+    /// The number of images stored so far. A new number tells phones to retry missing images.
     pub(crate) fn count(&self) -> u64 {
         self.0.count.load(Ordering::Acquire)
     }
 
-    /// The picture of a scene, if it is there.
+    /// Returns a scene's image, if it is available.
     pub(crate) fn find(&self, scene: &str) -> Option<Arc<[u8]>> {
         match self.lock().get(scene)? {
             Page::There(jpeg) => Some(jpeg.clone()),
@@ -71,7 +71,7 @@ impl Album {
         }
     }
 
-    /// A phone wants the picture of a scene that there is. Returns whether that is new.
+    /// Requests the image of an existing scene. Returns true for the first request.
     pub(crate) fn want(&self, scene: &str) -> bool {
         let mut pages = self.lock();
         let is_new = pages.len() < LIMITS.pictures_max && !pages.contains_key(scene);
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_wanted_is_asked_for_once_and_then_there() {
+    fn an_image_is_requested_once_and_then_available() {
         let album = Album::default();
         assert!(album.want("orb") && !album.want("orb") && album.find("orb").is_none());
         let other = album.clone();
@@ -117,6 +117,6 @@ mod tests {
             assert!(album.want(&scene.to_string()), "{scene}");
         }
         assert!(!album.want("one more") && !album.put("one more", of(1)));
-        assert!(album.put("fits", of(1)), "another picture of the same scene");
+        assert!(album.put("fits", of(1)), "a full album still accepts a new image of a known scene");
     }
 }

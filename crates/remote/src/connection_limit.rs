@@ -1,4 +1,4 @@
-//! How many connections there are, of all and of each address.
+//! Limits on the number of connections, in total and per address.
 
 use std::collections::HashMap;
 use std::net::IpAddr;
@@ -6,18 +6,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::limits::Limits;
 
-/// See the module. Copies are the same seats.
+/// The open connections per address. Clones share the contents.
 #[derive(Clone, Default)]
 pub(crate) struct ConnectionLimit(Arc<Mutex<HashMap<IpAddr, usize>>>);
 
-/// A seat, free again when dropped.
+/// A counted connection. Dropping it frees the slot.
 pub(crate) struct ConnectionSlot {
     connection_limit: ConnectionLimit,
     address: IpAddr,
 }
 
 impl ConnectionLimit {
-    /// A seat for a connection from an address, if one is free.
+    /// Takes a slot for a connection from an address, if one is free.
     pub(crate) fn take(&self, address: IpAddr, limits: &Limits) -> Option<ConnectionSlot> {
         let address = address.to_canonical();
         let mut taken = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -47,7 +47,7 @@ mod tests {
     use crate::limits::LIMITS;
 
     #[test]
-    fn one_address_cannot_take_the_seats_of_all() {
+    fn one_address_cannot_take_all_slots() {
         let connection_limit = ConnectionLimit::default();
         let take = |last: u8| connection_limit.take(IpAddr::from([10, 0, 0, last]), &LIMITS);
         let mut taken: Vec<ConnectionSlot> =
@@ -55,9 +55,9 @@ mod tests {
         assert_eq!(taken.len(), LIMITS.connections_per_address_max);
         assert!(take(1).is_none());
         taken.extend((0..=LIMITS.connections_max).map_while(|number| take(2 + number as u8)));
-        assert_eq!(taken.len(), LIMITS.connections_max, "and all together have no more than there are");
+        assert_eq!(taken.len(), LIMITS.connections_max, "the total number is limited");
         taken.clear();
         assert!(take(1).is_some());
-        assert!(connection_limit.0.lock().unwrap().is_empty(), "nothing is left of those who went");
+        assert!(connection_limit.0.lock().unwrap().is_empty(), "closed connections leave no entries");
     }
 }

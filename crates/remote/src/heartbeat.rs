@@ -1,26 +1,26 @@
-//! When a phone is asked for a sign of life, when it is given up, and how many messages it may send. Reads no clock.
+//! The liveness check and the message rate limit of a phone's connection. Reads no clock: the caller passes the time.
 
 use std::time::Instant;
 
 use crate::limits::Limits;
 
-/// See the module.
+/// The liveness and message rate of one connection.
 #[derive(Debug)]
 pub(crate) struct Heartbeat {
     limits: Limits,
     heard: Instant,
     asked: Instant,
-    /// How many messages may come now, and since when that has not grown.
+    /// The number of messages allowed now, and the time of its last update.
     allowance: (f64, Instant),
 }
 
-/// What is to be done now.
+/// The next step of the liveness check.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Due {
     Nothing,
-    /// To ask for a sign of life.
+    /// Send a ping.
     Ask,
-    /// To give it up.
+    /// Close the connection.
     GiveUp,
 }
 
@@ -29,7 +29,7 @@ impl Heartbeat {
         Self { limits, heard: now, asked: now, allowance: (f64::from(limits.messages_at_once_max), now) }
     }
 
-    /// Something was heard. Returns whether that is not too much.
+    /// Counts a received message. Returns false if the rate limit is exceeded.
     pub(crate) fn note_heard(&mut self, now: Instant) -> bool {
         self.heard = now;
         let (left, since) = self.allowance;
@@ -40,7 +40,7 @@ impl Heartbeat {
         left >= 0.0
     }
 
-    /// What is to be done. It is asked several times before it is given up.
+    /// Returns the next step. Several pings are sent before the connection is closed.
     pub(crate) fn due(&mut self, now: Instant) -> Due {
         if now.saturating_duration_since(self.heard) >= self.limits.silence_max {
             return Due::GiveUp;
@@ -77,23 +77,23 @@ mod tests {
     }
 
     #[test]
-    fn one_message_more_than_what_a_network_holds_up_is_too_much() {
+    fn messages_beyond_the_burst_limit_are_too_many() {
         let start = Instant::now();
         let mut heartbeat = Heartbeat::new(LIMITS, start);
         assert!((0..LIMITS.messages_at_once_max).all(|_| heartbeat.note_heard(start)));
         assert!(!heartbeat.note_heard(start));
-        // As many as grow in a second, and what was too much is paid for.
+        // A second adds its allowance, minus the message that was too many.
         let later = start + Duration::from_secs(1);
         assert!((1..LIMITS.messages_per_second_max).all(|_| heartbeat.note_heard(later)));
         assert!(!heartbeat.note_heard(later));
-        // However long nothing comes, no more come at once.
+        // A longer pause allows no larger burst.
         let later = start + Duration::from_secs(1_000);
         assert!((0..LIMITS.messages_at_once_max).all(|_| heartbeat.note_heard(later)));
         assert!(!heartbeat.note_heard(later));
     }
 
     #[test]
-    fn a_steady_stream_of_the_limit_goes_on() {
+    fn a_steady_stream_at_the_limit_is_allowed() {
         let start = Instant::now();
         let mut heartbeat = Heartbeat::new(LIMITS, start);
         let at = |number: u32| start + Duration::from_secs(1) * number / LIMITS.messages_per_second_max;

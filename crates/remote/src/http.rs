@@ -1,44 +1,43 @@
-//! The little of HTTP that pages and pictures need: a head that is read within bounds, and answers behind which the
-//! connection ends.
+//! A minimal HTTP server: reads request heads within bounds and closes the connection after each answer.
 
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::time::{Duration, Instant};
 
-/// How long the rest of a question is waited for when it is answered already.
+/// The time to wait for the rest of a request after the answer.
 const PARTING_TIME: Duration = Duration::from_millis(200);
-/// Most bytes of it that are read.
+/// The maximum number of bytes read of that rest.
 const PARTING_BYTES_MAX: usize = 64 << 10;
 
-/// What a request begins with.
+/// The head of a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Head {
     /// The method, such as `GET`.
     pub method: String,
-    /// What is asked for, as it stands there.
+    /// The requested path, undecoded.
     pub path: String,
-    /// Names and values of the fields, in their order.
+    /// Names and values of the header fields, in order.
     fields: Vec<(String, String)>,
-    /// How many bytes the head has.
+    /// The length of the head in bytes.
     pub length: usize,
 }
 
-/// Why there is no head.
+/// The error when no valid head arrives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum HeadError {
-    /// Nobody asks any more, or too slowly.
-    #[error("the connection ended before its question did")]
+    /// The client closed the connection or was too slow.
+    #[error("the connection ended before the request was complete")]
     Gone,
-    /// It is no HTTP.
-    #[error("this is no HTTP: ask with GET / HTTP/1.1")]
+    /// The bytes are not HTTP.
+    #[error("this is not an HTTP request; send GET / HTTP/1.1")]
     Malformed,
-    /// It has more bytes or fields than are read.
-    #[error("ask in fewer bytes")]
+    /// The head has too many bytes or fields.
+    #[error("the request is too large")]
     TooLong,
 }
 
 impl HeadError {
-    /// The status to answer with; none if nobody is there to be answered.
+    /// Returns the HTTP status to answer with, or `None` if the client is gone.
     pub fn status(self) -> Option<&'static str> {
         match self {
             Self::Gone => None,
@@ -49,10 +48,10 @@ impl HeadError {
 }
 
 impl Head {
-    /// The head that bytes begin with; none if its end has not come yet.
+    /// Parses the head at the start of `bytes`. Returns `None` if the head is incomplete.
     ///
     /// # Errors
-    /// It is no HTTP, or has more than `fields_max` fields.
+    /// The bytes are not HTTP, or the head has more than `fields_max` fields.
     pub fn parse(bytes: &[u8], fields_max: usize) -> Result<Option<Self>, HeadError> {
         let mut fields = vec![httparse::EMPTY_HEADER; fields_max];
         let mut request = httparse::Request::new(&mut fields);
@@ -74,34 +73,35 @@ impl Head {
         }))
     }
 
-    /// The value of a field, by its name in any case; none if it is missing or stands there twice.
+    /// Returns the value of a field by its case-insensitive name. Returns `None` if the field is missing or appears
+    /// twice.
     pub fn field(&self, name: &str) -> Option<&str> {
         let mut found = self.fields.iter().filter(|(one, _)| one.eq_ignore_ascii_case(name));
         let value = found.next().map(|(_, value)| value.as_str());
         value.filter(|_| found.next().is_none())
     }
 
-    /// Whether a field of this name is there at all.
+    /// True if there is a field with this name.
     pub fn has(&self, name: &str) -> bool {
         self.fields.iter().any(|(one, _)| one.eq_ignore_ascii_case(name))
     }
 }
 
-/// What bounds the reading of a head.
+/// The limits for reading a head.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeadBounds {
-    /// Most bytes.
+    /// The maximum length in bytes.
     pub bytes_max: usize,
-    /// Most fields.
+    /// The maximum number of fields.
     pub fields_max: usize,
-    /// How long all of it may take.
+    /// The maximum time for the whole head.
     pub time_max: Duration,
 }
 
-/// Reads a head, and gives what came behind it, too.
+/// Reads a head. Returns it with the bytes after it.
 ///
 /// # Errors
-/// [`HeadError`].
+/// The client is gone, the bytes are not HTTP, or the head exceeds `bounds`.
 pub fn read_head(mut stream: &TcpStream, bounds: &HeadBounds) -> Result<(Head, Vec<u8>), HeadError> {
     let end = Instant::now() + bounds.time_max;
     let mut bytes = Vec::new();
@@ -122,7 +122,7 @@ pub fn read_head(mut stream: &TcpStream, bounds: &HeadBounds) -> Result<(Head, V
     }
 }
 
-/// Reads what there is, which is nothing at the stream's end, until a moment.
+/// Reads the available bytes, waiting until `end` at most. Returns 0 at the end of the stream.
 fn read_until(stream: &mut &TcpStream, chunk: &mut [u8], end: Instant) -> io::Result<usize> {
     loop {
         let left = end.saturating_duration_since(Instant::now());
@@ -137,7 +137,7 @@ fn read_until(stream: &mut &TcpStream, chunk: &mut [u8], end: Instant) -> io::Re
     }
 }
 
-/// Answers with a body, and ends the connection. Whoever asked may have gone.
+/// Sends an answer with a body and closes the connection. Errors are ignored: the client may be gone.
 pub fn answer(mut stream: &TcpStream, status: &str, fields: &[(&str, &str)], body: &[u8], within: Duration) {
     let mut answer = format!("HTTP/1.1 {status}\r\n");
     for (name, value) in fields {
@@ -151,13 +151,13 @@ pub fn answer(mut stream: &TcpStream, status: &str, fields: &[(&str, &str)], bod
     part(stream);
 }
 
-/// The same with one sentence.
+/// Sends a one-line text answer and closes the connection.
 pub fn answer_in_words(stream: &TcpStream, status: &str, words: &str, within: Duration) {
     let fields = [("Content-Type", "text/plain; charset=utf-8"), ("X-Content-Type-Options", "nosniff")];
     answer(stream, status, &fields, format!("{words}\n").as_bytes(), within);
 }
 
-/// Ends a connection so that the last words arrive: one that is closed while a question waits in it takes them along.
+/// Closes a connection after reading the rest of the request: unread bytes would reset it and discard the answer.
 pub fn part(mut stream: &TcpStream) {
     let _ = stream.shutdown(Shutdown::Write);
     let end = Instant::now() + PARTING_TIME;
@@ -179,7 +179,7 @@ mod tests {
     const BOUNDS: HeadBounds =
         HeadBounds { bytes_max: 200, fields_max: 4, time_max: Duration::from_secs(60) };
 
-    /// What is read of what is sent, in pieces.
+    /// Sends the pieces and returns the result of reading them.
     fn read(pieces: &[&[u8]]) -> Result<(Head, Vec<u8>), HeadError> {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let mut sender = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_head_is_read_however_it_comes_and_what_is_behind_it_is_kept() {
+    fn a_head_is_read_in_pieces_and_the_rest_is_kept() {
         let (head, rest) = read(&[b"GET /a HT", b"TP/1.1\r\nHo", b"st:  x \r\n\r", b"\nmore"]).unwrap();
         assert_eq!((&*head.method, &*head.path, head.field("host")), ("GET", "/a", Some("x")));
         assert_eq!(rest, b"more");
@@ -201,13 +201,13 @@ mod tests {
     }
 
     #[test]
-    fn a_field_that_stands_there_twice_has_no_value() {
+    fn a_duplicate_field_has_no_value() {
         let (head, _) = read(&[b"GET / HTTP/1.1\r\nHost: a\r\nhost: b\r\n\r\n"]).unwrap();
         assert_eq!((head.field("Host"), head.has("Host")), (None, true));
     }
 
     #[test]
-    fn malformed_and_too_long_heads_are_told_apart() {
+    fn malformed_and_oversized_heads_are_different_errors() {
         let too_long = format!("GET / HTTP/1.1\r\nA: {}\r\n\r\n", "x".repeat(BOUNDS.bytes_max));
         let endless = "x".repeat(BOUNDS.bytes_max + 1);
         let endless = format!("GET /{endless}");
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn who_asks_too_slowly_is_gone() {
+    fn a_request_that_arrives_too_slowly_is_dropped() {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let mut sender = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
         let (stream, _) = listener.accept().unwrap();

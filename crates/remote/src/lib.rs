@@ -1,23 +1,22 @@
-//! A page for phones, by which they steer a show.
+//! A control page for phones.
 //!
 //! ```text
-//! phone ─ GET /TOKEN/ ──────► page, style and script, which are part of the program
-//!       ─ GET /TOKEN/picture/SCENE ─► album ◄─ small pictures that the program made
-//!       ─ GET /TOKEN/hands ─► WebSocket ─► wishes ─► the show
+//! phone ─ GET /TOKEN/ ──────► page, style and script, embedded in the program
+//!       ─ GET /TOKEN/picture/SCENE ─► album ◄─ preview images rendered by the program
+//!       ─ GET /TOKEN/hands ─► WebSocket ─► input queue ─► the show
 //!                                       ◄─ board ◄─
 //! ```
 //!
-//! **Nobody who lacks the token learns or does anything.** It is new at each start and stands in the address, which the
-//! window shows as a code of squares. It has 130 random bits, more than anyone can guess, so a wrong token needs no penalty. A page
-//! of another place that a browser shows is refused by its `Origin`, and one under another name for this computer by its
-//! `Host`.
+//! **All access needs the token.** The token is new at each start and part of the address, which the window shows as a
+//! QR code. It has 130 random bits, too many to guess, so wrong tokens need no penalty. A web page from another site is
+//! rejected by its `Origin`, and a request under another host name by its `Host`.
 //!
-//! **No request reaches a file.** What is answered stands in a table of texts that are part of the program, or in the
-//! [`Album`], which is in memory.
+//! **No request reaches a file.** All answers come from texts embedded in the program or from the [`Album`], which is
+//! in memory.
 //!
-//! **Nobody is waited for.** Each connection has a thread, bounded in number, bytes and time ([`limits`]); what phones
-//! wish for goes among the [`InputQueue`](mariana_control::Wishes), and how the show stands comes from the
-//! [`Board`](mariana_control::Board). A phone that reads slowly gets only the newest state.
+//! **The show never waits for phones.** Each connection has a thread, bounded in number, bytes and time ([`limits`]).
+//! Input goes into the [`InputQueue`](mariana_control::InputQueue), and the show's state comes from the
+//! [`Board`](mariana_control::Board). A slow phone gets only the newest state.
 
 mod album;
 mod connection_limit;

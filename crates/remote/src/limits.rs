@@ -1,40 +1,37 @@
-//! Every ceiling of this crate, in one place.
-//!
-//! A limit is data: code that obeys a limit reads it here, an error that reports one names the number from here, and
-//! a test reaches it.
+//! All limits of this crate. Code, error messages and tests read them from here.
 
 use std::time::Duration;
 
-/// Ceilings on what comes from outside.
+/// Limits on input from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Most bytes of the head of a request.
+    /// The maximum size of a request's head, in bytes.
     pub head_bytes_max: usize,
-    /// Most header fields of it.
+    /// The maximum number of header fields in a request.
     pub head_fields_max: usize,
-    /// How long a request may take to come in, and its answer to go out.
+    /// The maximum time for receiving a request, and for sending its answer.
     pub head_time_max: Duration,
-    /// Most connections at a time, phones among them.
+    /// The maximum number of open connections, including phones.
     pub connections_max: usize,
-    /// Most of them from one address.
+    /// The maximum number of connections from one address.
     pub connections_per_address_max: usize,
-    /// Most phones at a time.
+    /// The maximum number of connected phones.
     pub phones_max: usize,
-    /// Most bytes of a message of a phone.
+    /// The maximum size of a phone's message, in bytes.
     pub message_bytes_max: usize,
-    /// Most messages of one phone in a second, for longer than a moment; one that sends more is sent away.
+    /// The maximum sustained message rate of a phone, in messages a second. A phone above it is disconnected.
     pub messages_per_second_max: u32,
-    /// Most messages that come at once, after the network has held them up.
+    /// The maximum burst of messages, for example after a network delay.
     pub messages_at_once_max: u32,
-    /// A phone of which nothing is heard for this long is gone; it is asked for a sign of life before.
+    /// The time without any message after which a phone is disconnected. It is pinged before.
     pub silence_max: Duration,
-    /// A phone that takes nothing of what it is told for this long is gone.
+    /// The time after which a phone that reads nothing is disconnected.
     pub unread_time_max: Duration,
-    /// Least time between two states that a phone is told.
+    /// The minimum time between two state updates for a phone.
     pub delta_interval: Duration,
-    /// Most small pictures that phones can look at.
+    /// The maximum number of preview images.
     pub pictures_max: usize,
-    /// Most bytes of one.
+    /// The maximum size of a preview image, in bytes.
     pub picture_bytes_max: usize,
 }
 

@@ -1,8 +1,8 @@
-//! What phones say: small texts of JSON, which mean the same as messages of OSC and keys do.
+//! The messages of phones: small JSON texts with the same meaning as OSC messages and keys.
 //!
 //! ```text
-//! {"turn": "size", "to": 1.5}      turns a parameter of the scene on the stage, in its own units
-//! {"do": "next"}                   does something; with a number, a truth or a name where it takes one:
+//! {"turn": "size", "to": 1.5}      sets a parameter of the current scene, in the parameter's unit
+//! {"do": "next"}                   runs an action, with a number, a boolean or a name if it takes one:
 //! {"do": "pause", "with": true}    {"do": "volume", "with": 0.8}    {"do": "scene", "with": "orb"}
 //! ```
 
@@ -11,25 +11,25 @@ use mariana_control::limits::LIMITS as CONTROL_LIMITS;
 use mariana_control::{Amount, ChangedBy, ParamChange};
 use serde::Deserialize;
 
-/// What a message asks for.
+/// The request in a message.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Asked {
-    /// To turn a parameter.
+    /// Change a parameter.
     Turn(ParamChange),
-    /// To do something.
+    /// Run an action.
     Act(Action),
-    /// Nothing: it is a number with which the action does nothing.
+    /// Do nothing: the action ignores this number.
     Nothing,
 }
 
-/// Why a message is refused.
+/// The reason for rejecting a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refused {
-    /// It is no JSON, or says something of another shape.
+    /// The text is not JSON, or has an unknown structure.
     Rubbish,
-    /// Nothing here is meant by it.
+    /// The action is unknown or does not take this value.
     Unknown,
-    /// A value of it is too large to be a number here.
+    /// A value is outside the range of `f32`.
     NotANumber,
 }
 
@@ -63,10 +63,10 @@ enum With {
     Text(String),
 }
 
-/// What a message asks for, where those are the actions.
+/// Returns the request in a message, given the table of actions.
 ///
 /// # Errors
-/// [`Refused`].
+/// The text is malformed, the action is unknown, or a value is too large.
 pub fn understand(text: &str, actions: &[ActionRow]) -> Result<Asked, Refused> {
     match serde_json::from_str(text).map_err(|_| Refused::Rubbish)? {
         Message::Turn(Turn { turn: name, to }) => {
@@ -97,7 +97,7 @@ pub fn understand(text: &str, actions: &[ActionRow]) -> Result<Asked, Refused> {
     }
 }
 
-/// A number as the show has them.
+/// Converts a number to `f32`.
 fn number(value: f64) -> Result<f32, Refused> {
     let value = value as f32;
     if value.is_finite() { Ok(value) } else { Err(Refused::NotANumber) }
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_message_is_rubbish() {
+    fn malformed_messages_are_rejected() {
         for text in [
             "",
             "{",
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_large_or_unknown_is_refused() {
+    fn oversized_and_unknown_messages_are_rejected() {
         assert_eq!(ask(r#"{"turn":"x","to":1e300}"#), Err(Refused::NotANumber));
         assert_eq!(ask(r#"{"do":"volume","with":-1e300}"#), Err(Refused::NotANumber));
         let long = "x".repeat(CONTROL_LIMITS.name_bytes_max + 1);

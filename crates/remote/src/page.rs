@@ -1,14 +1,14 @@
-//! What is answered: the page, its style and its script, all of them part of the program.
+//! The files of the phone page, embedded in the program.
 
-/// Where the page is, behind the token.
+/// The path of the page, relative to the token.
 pub const PAGE_PATH: &str = "";
-/// Where the WebSocket is, behind the token.
+/// The path of the WebSocket, relative to the token.
 pub const SESSION_PATH: &str = "hands";
 
-/// What the path of a scene's picture begins with, behind the token; the scene's title follows.
+/// The prefix of a preview image's path, relative to the token. The scene's title follows.
 pub(crate) const PICTURE_PATH: &str = "picture/";
 
-/// One text that is answered.
+/// An embedded file.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Asset {
     path: &'static str,
@@ -16,26 +16,26 @@ pub(crate) struct Asset {
     pub text: &'static str,
 }
 
-/// All of them.
+/// All embedded files.
 const ASSETS: [Asset; 3] = [
     Asset { path: PAGE_PATH, kind: "text/html; charset=utf-8", text: include_str!("../page/index.html") },
     Asset { path: "style.css", kind: "text/css; charset=utf-8", text: include_str!("../page/style.css") },
     Asset { path: "page.js", kind: "text/javascript; charset=utf-8", text: include_str!("../page/page.js") },
 ];
 
-/// The one of this path behind the token.
+/// Returns the file at this path, relative to the token.
 pub(crate) fn asset(path: &str) -> Option<&'static Asset> {
     ASSETS.iter().find(|asset| asset.path == path)
 }
 
-/// The page itself, for tests of what it asks for.
+/// The HTML of the page, for tests.
 pub fn page_text() -> &'static str {
     ASSETS[0].text
 }
 
-/// What a browser may do with the page: show it with its own style, script and pictures, and speak with the host that it came from.
+/// The content security policy of the page: only its own style, script and images, and connections to its host.
 pub(crate) fn policy(host: &str) -> String {
-    // Some browsers do not count a socket among what is the page's own.
+    // Some browsers do not include WebSockets in 'self'.
     format!(
         "default-src 'none'; style-src 'self'; script-src 'self'; connect-src 'self' ws://{host}; img-src 'self' data:; \
          base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
@@ -47,10 +47,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_page_takes_nothing_from_elsewhere_and_holds_no_script_of_its_own() {
+    fn the_page_loads_no_external_files_and_has_no_inline_script() {
         for asset in &ASSETS {
             for elsewhere in ["http:", "https:", "url(", "@import", "import(", "src=\"/", "eval("] {
-                assert!(!asset.text.contains(elsewhere), "{} holds {elsewhere}", asset.path);
+                assert!(!asset.text.contains(elsewhere), "{} contains {elsewhere}", asset.path);
             }
         }
         let page = page_text();
@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_of_a_show_become_no_markup() {
+    fn show_texts_are_never_inserted_as_markup() {
         let script = asset("page.js").unwrap().text;
         for markup in ["innerHTML", "outerHTML", "insertAdjacentHTML", "document.write"] {
             assert!(!script.contains(markup), "{markup}");

@@ -1,4 +1,4 @@
-//! The address that a phone opens, and its picture for the phone's camera.
+//! The address that a phone opens, and its QR code.
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 
@@ -6,24 +6,24 @@ use qrcode::{EcLevel, QrCode};
 
 use crate::token::Token;
 
-/// Addresses of documentation (RFC 5737, RFC 3849): nothing is sent to them, the system only says by which of its own
-/// addresses it would be.
+/// Documentation addresses (RFC 5737, RFC 3849). Nothing is sent to them: connecting a UDP socket only makes the system
+/// choose a local address.
 const FAR_V4: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::new(192, 0, 2, 1)), 9);
 const FAR_V6: SocketAddr = SocketAddr::new(IpAddr::V6(Ipv6Addr::new(0x2001, 0xdb8, 0, 0, 0, 0, 0, 1)), 9);
 
-/// What a phone needs to know.
+/// The address of the phone page.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PairingAddress {
-    /// The address.
+    /// The URL.
     pub url: String,
-    /// The same as a code of squares.
+    /// The QR code of the URL.
     pub code: Option<Code>,
-    /// Whether only this computer can open it.
+    /// True if only this computer can open it.
     pub is_local: bool,
 }
 
 impl PairingAddress {
-    /// The one to a server that listens there; `name` is what the user called it by, if that is a name.
+    /// Returns the address of a server listening on `listens`. `name` is the host name given by the user, if any.
     pub(crate) fn new(listens: SocketAddr, name: Option<&str>, token: &Token) -> Self {
         let address = reachable(listens.ip());
         let host = match name {
@@ -35,7 +35,8 @@ impl PairingAddress {
     }
 }
 
-/// By which address others reach a server that listens there: of all addresses the one of the way to the world.
+/// Returns the address at which others reach the server: for an unspecified address, the address of the default route's
+/// interface.
 fn reachable(listens: IpAddr) -> IpAddr {
     if !listens.is_unspecified() {
         return listens;
@@ -51,7 +52,7 @@ fn reachable(listens: IpAddr) -> IpAddr {
     asked.map(|address| address.ip()).ok().filter(|address| !address.is_unspecified()).unwrap_or(local)
 }
 
-/// A code of squares (QR), without the white edge around it.
+/// A QR code without its white margin.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Code {
     side: usize,
@@ -59,22 +60,22 @@ pub struct Code {
 }
 
 impl Code {
-    /// Squares that have to be white on each side.
+    /// The width of the required white margin, in modules.
     pub const EDGE: usize = 4;
 
-    /// A code of a text; none of one that is too long.
+    /// Encodes a text. Returns `None` if it is too long.
     pub fn of(text: &str) -> Option<Self> {
         let code = QrCode::with_error_correction_level(text, EcLevel::M).ok()?;
         let dark = code.to_colors().into_iter().map(|color| color == qrcode::Color::Dark).collect();
         Some(Self { side: code.width(), dark })
     }
 
-    /// How many squares it has to a side.
+    /// The number of modules per side.
     pub fn side(&self) -> usize {
         self.side
     }
 
-    /// Where dark squares are, from the left and from the top.
+    /// Returns the positions of the dark modules, from the left and from the top.
     pub fn dark(&self) -> impl Iterator<Item = (usize, usize)> {
         let side = self.side.max(1);
         self.dark.iter().enumerate().filter(|(_, dark)| **dark).map(move |(at, _)| (at % side, at / side))
@@ -86,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_address_is_the_one_that_it_listens_on_with_the_token() {
+    fn the_url_has_the_listening_address_and_the_token() {
         let token = Token::new().unwrap();
         let pairing_address =
             |listens: &str, name| PairingAddress::new(listens.parse().unwrap(), name, &token);
@@ -99,7 +100,7 @@ mod tests {
         );
         let named = pairing_address("192.168.0.7:80", Some("studio.local"));
         assert!(named.url.starts_with("http://studio.local:80/") && !named.is_local);
-        // Of all addresses it is one that a phone can open, whatever network this computer is in.
+        // An unspecified address becomes one that a phone can open.
         for listens in ["0.0.0.0:8080", "[::]:8080"] {
             let host = pairing_address(listens, None).url;
             let host: SocketAddr = host["http://".len()..].split('/').next().unwrap().parse().unwrap();
@@ -108,9 +109,9 @@ mod tests {
     }
 
     #[test]
-    fn a_code_is_a_square_with_its_three_marks() {
+    fn a_code_is_a_square_with_three_finder_patterns() {
         let code = Code::of("http://192.168.100.100:65535/0123456789abcdefghjkmnpqrs/").unwrap();
-        assert!((21..=37).contains(&code.side()), "{} squares are hard to see", code.side());
+        assert!((21..=37).contains(&code.side()), "{} modules are hard to scan", code.side());
         let dark: std::collections::BTreeSet<_> = code.dark().collect();
         let last = code.side() - 1;
         for corner in [(0, 0), (last, 0), (0, last), (3, 3)] {

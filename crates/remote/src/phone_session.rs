@@ -1,4 +1,4 @@
-//! A conversation with one phone: what it says goes among the wishes, and it is told what is new of the show.
+//! A WebSocket session with one phone: its messages go to the input queue, and state updates are sent to it.
 
 use std::io::{self, Write};
 use std::net::TcpStream;
@@ -15,18 +15,18 @@ use crate::message::{Asked, Refused, understand};
 use crate::server::Shared;
 use crate::state_delta::SentState;
 
-/// What is sent when there is nothing to tell, so that the page knows that somebody is there.
+/// The message sent without news, so that the page knows that the connection is alive.
 const ALIVE: &str = "{}";
-/// Room for what is read at once.
+/// The size of the read buffer.
 const READ_BYTES: usize = 4 << 10;
 
-/// Says that a conversation begins.
+/// Completes the WebSocket handshake.
 ///
 /// # Errors
-/// The phone has gone.
+/// The phone is gone.
 pub(crate) fn accept(mut stream: &TcpStream, key: &str, within: Duration) -> io::Result<()> {
     stream.set_write_timeout(Some(within))?;
-    // A slider that waits for more to be sent lags.
+    // Nagle's algorithm would delay slider updates.
     stream.set_nodelay(true)?;
     let key = derive_accept_key(key.as_bytes());
     stream.write_all(
@@ -38,21 +38,21 @@ pub(crate) fn accept(mut stream: &TcpStream, key: &str, within: Duration) -> io:
     )
 }
 
-/// See the module.
+/// A session with one phone.
 pub(crate) struct PhoneSession<'a> {
     socket: WebSocket<TcpStream>,
     shared: &'a Shared,
     reported: SentState,
     heartbeat: Heartbeat,
-    /// Since when something waits to be taken by the phone.
+    /// The time since which data has been waiting for the phone to read it.
     unread: Option<Instant>,
 }
 
-/// Why a conversation ends.
+/// The reason for the end of a session.
 type End = String;
 
 impl<'a> PhoneSession<'a> {
-    /// A conversation that has begun, of which this was read already.
+    /// Starts a session after the handshake; `rest` are bytes that were already read.
     pub(crate) fn new(stream: TcpStream, rest: Vec<u8>, shared: &'a Shared) -> Self {
         let limits = shared.limits;
         let config = WebSocketConfig::default()
@@ -64,7 +64,7 @@ impl<'a> PhoneSession<'a> {
         Self { socket, shared, reported: SentState::default(), heartbeat, unread: None }
     }
 
-    /// Goes on until the phone goes or is sent away; says why.
+    /// Runs until the phone leaves or is disconnected. Returns the reason.
     pub(crate) fn go_on(mut self) -> End {
         let _ = self.socket.get_ref().set_write_timeout(Some(self.shared.limits.delta_interval));
         let mut due = Instant::now();
@@ -77,7 +77,7 @@ impl<'a> PhoneSession<'a> {
         end
     }
 
-    /// Tells the news, if it is time.
+    /// Sends a state update if it is due.
     fn tell_if_due(&mut self, due: &mut Instant) -> Result<(), End> {
         let now = Instant::now();
         if now < *due {
@@ -85,18 +85,18 @@ impl<'a> PhoneSession<'a> {
         }
         *due = now + self.shared.limits.delta_interval;
         if self.shared.is_over() {
-            return Err(self.close(CloseCode::Away, "Mariana has ended"));
+            return Err(self.close(CloseCode::Away, "Mariana has quit"));
         }
         if let Some(since) = self.unread {
             if now.saturating_duration_since(since) >= self.shared.limits.unread_time_max {
-                return Err("it reads nothing".to_owned());
+                return Err("the phone reads no data".to_owned());
             }
-            // What it has not taken is not added to: when it has, it gets what is newest then.
+            // Add nothing to unread data: the phone gets the newest state once it has read the old one.
             return self.flush();
         }
         let state_delta = self.reported.state_delta(&self.shared.board.newest(), self.shared.album.count());
         match (self.heartbeat.due(now), state_delta) {
-            (Due::GiveUp, _) => Err(self.close(CloseCode::Policy, "nothing was heard for too long")),
+            (Due::GiveUp, _) => Err(self.close(CloseCode::Policy, "no message for too long")),
             (Due::Ask, state_delta) => {
                 self.say(Message::Ping(Default::default()))?;
                 self.say(Message::text(state_delta.unwrap_or_else(|| ALIVE.to_owned())))
@@ -131,7 +131,7 @@ impl<'a> PhoneSession<'a> {
         }
     }
 
-    /// Takes what the phone says until a moment, or the first of it.
+    /// Reads the next message, waiting until `until` at most.
     fn listen(&mut self, until: Instant) -> Result<(), End> {
         let left = until.saturating_duration_since(Instant::now()).max(Duration::from_millis(1));
         let _ = self.socket.get_ref().set_read_timeout(Some(left));
@@ -139,10 +139,10 @@ impl<'a> PhoneSession<'a> {
             Ok(message) => message,
             Err(Error::Io(error)) if is_patience(&error) => return Ok(()),
             Err(Error::Capacity(_)) => return Err(self.close(CloseCode::Size, "a message is too large")),
-            Err(Error::Utf8(_)) => return Err(self.close(CloseCode::Invalid, "a message is no text")),
+            Err(Error::Utf8(_)) => return Err(self.close(CloseCode::Invalid, "a message is not valid UTF-8")),
             Err(Error::Protocol(error)) => {
                 let end = error.to_string();
-                self.close(CloseCode::Protocol, "this is no WebSocket");
+                self.close(CloseCode::Protocol, "this is not a WebSocket");
                 return Err(end);
             }
             Err(error) => return Err(error.to_string()),
@@ -158,7 +158,7 @@ impl<'a> PhoneSession<'a> {
             }
             Message::Binary(_) => {
                 self.shared.input_queue.refuse(|refusals| refusals.rubbish += 1);
-                Err(self.close(CloseCode::Unsupported, "messages are texts"))
+                Err(self.close(CloseCode::Unsupported, "messages must be text"))
             }
             Message::Ping(_) | Message::Pong(_) | Message::Close(_) | Message::Frame(_) => Ok(()),
         }
@@ -177,7 +177,7 @@ impl<'a> PhoneSession<'a> {
         }
     }
 
-    /// Ends the conversation with a reason.
+    /// Closes the session with a reason.
     fn close(&mut self, code: CloseCode, reason: &'static str) -> End {
         let _ = self.socket.close(Some(CloseFrame { code, reason: reason.into() }));
         let _ = self.socket.flush();
@@ -185,7 +185,7 @@ impl<'a> PhoneSession<'a> {
     }
 }
 
-/// Whether nothing came, or nothing was taken, for a while.
+/// True if a read or write timed out or was interrupted.
 fn is_patience(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted)
 }

@@ -1,4 +1,4 @@
-//! What a request is: for the page, for a conversation, or to be refused. Reads no clock and no network.
+//! The routing of requests: to a page file, an image, a phone session, or a refusal. Reads no clock and no network.
 
 use std::net::IpAddr;
 
@@ -6,63 +6,60 @@ use crate::http::Head;
 use crate::page::{Asset, PICTURE_PATH, SESSION_PATH, asset};
 use crate::token::Token;
 
-/// What a request with the right token is for.
+/// The target of a request with the right token.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Route {
-    /// A text; with the host that it is asked of.
+    /// An embedded file, and the host that the request names.
     Text(&'static Asset, String),
-    /// The page, without the slash by which it finds its parts.
+    /// The page without its trailing slash, which relative links need.
     Slash,
-    /// The picture of the scene with this title.
+    /// The preview image of the scene with this title.
     Picture(String),
-    /// A conversation, which this key begins.
+    /// A phone session, with the key of the WebSocket handshake.
     PhoneSession(String),
 }
 
-/// Why a request is refused.
+/// The reason for refusing a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Refusal {
-    /// Something is to be changed by it.
+    /// The method is not GET.
     Method,
-    /// It is asked of a name that is not known to be this computer's.
+    /// The host name is not known to belong to this computer.
     Host,
-    /// Nothing is there.
+    /// There is nothing at this path.
     Nothing,
     /// The token is wrong.
     WrongToken,
-    /// It comes from another page.
+    /// The request comes from another web page.
     Origin,
-    /// There is only a conversation there.
+    /// Only a WebSocket is available at this path.
     TalkOnly,
-    /// It begins no conversation of the one kind that there is.
+    /// The request is not a valid WebSocket handshake.
     Upgrade,
 }
 
 impl Refusal {
-    /// The status, and a sentence. Nothing of the request stands in it.
+    /// Returns the HTTP status and a message. The message contains nothing from the request.
     pub(crate) fn words(self) -> (&'static str, &'static str) {
         match self {
-            Self::Method => ("405 Method Not Allowed", "this page can only be read: ask with GET"),
-            Self::Host => ("403 Forbidden", "ask by the address that Mariana's window shows, not by a name"),
-            Self::Nothing => {
-                ("404 Not Found", "nothing is here: open the address that Mariana's window shows")
+            Self::Method => ("405 Method Not Allowed", "this page is read-only; send GET"),
+            Self::Host => ("403 Forbidden", "open the address in Mariana's window, not a host name"),
+            Self::Nothing => ("404 Not Found", "there is nothing here; open the address in Mariana's window"),
+            Self::WrongToken => {
+                ("403 Forbidden", "this address is no longer valid; open the address in Mariana's window")
             }
-            Self::WrongToken => (
-                "403 Forbidden",
-                "this address is not valid any more: open the one that Mariana's window shows",
-            ),
-            Self::Origin => ("403 Forbidden", "another page has no business here"),
-            Self::TalkOnly => ("426 Upgrade Required", "only a WebSocket is here"),
-            Self::Upgrade => ("400 Bad Request", "this begins no WebSocket of version 13"),
+            Self::Origin => ("403 Forbidden", "requests from other pages are refused"),
+            Self::TalkOnly => ("426 Upgrade Required", "only WebSocket connections are accepted here"),
+            Self::Upgrade => ("400 Bad Request", "this is not a WebSocket handshake of version 13"),
         }
     }
 }
 
-/// The path behind the token, if the token is right.
+/// Returns the path after the token, if the token is right.
 fn behind_token<'a>(path: &'a str, token: &Token) -> Result<Option<&'a str>, Refusal> {
     let path = path.split('?').next().unwrap_or_default().trim_start_matches('/');
     let (guess, rest) = path.split_once('/').map_or((path, None), |(guess, rest)| (guess, Some(rest)));
-    // What browsers and people ask for by themselves is no guess.
+    // Browsers and users request these paths by themselves: they are not wrong tokens.
     if ["", "favicon.ico", "robots.txt"].contains(&guess) {
         return Err(Refusal::Nothing);
     }
@@ -72,10 +69,10 @@ fn behind_token<'a>(path: &'a str, token: &Token) -> Result<Option<&'a str>, Ref
     Ok(rest)
 }
 
-/// What a request asks for, besides what the token says.
+/// Checks the method and the host. Returns the host.
 ///
 /// # Errors
-/// [`Refusal`].
+/// The method is not GET, or the host is unknown.
 pub(crate) fn admit<'a>(head: &'a Head, own_name: Option<&str>) -> Result<&'a str, Refusal> {
     if head.method != "GET" {
         return Err(Refusal::Method);
@@ -83,10 +80,10 @@ pub(crate) fn admit<'a>(head: &'a Head, own_name: Option<&str>) -> Result<&'a st
     head.field("Host").filter(|host| is_this_computer(host, own_name)).ok_or(Refusal::Host)
 }
 
-/// What a request with a known host is for.
+/// Returns the target of a request with a known host.
 ///
 /// # Errors
-/// [`Refusal`].
+/// The token is wrong, nothing is at this path, or a WebSocket handshake is invalid.
 pub(crate) fn route(head: &Head, host: &str, token: &Token) -> Result<Route, Refusal> {
     let Some(rest) = behind_token(&head.path, token)? else { return Ok(Route::Slash) };
     if let Some(scene) = rest.strip_prefix(PICTURE_PATH) {
@@ -102,7 +99,7 @@ pub(crate) fn route(head: &Head, host: &str, token: &Token) -> Result<Route, Ref
     if !head.has("Upgrade") {
         return Err(Refusal::TalkOnly);
     }
-    // Pages of other places say where they are from, and browsers let none of them say otherwise.
+    // Browsers send the origin of a page, and the page cannot change it.
     let origin = head.field("Origin").unwrap_or_default();
     if !origin.eq_ignore_ascii_case(&format!("http://{host}")) {
         return Err(Refusal::Origin);
@@ -120,7 +117,7 @@ pub(crate) fn route(head: &Head, host: &str, token: &Token) -> Result<Route, Ref
     }
 }
 
-/// A part of a path as it was before signs of it were written as `%` and two digits; none if that gives no text.
+/// Decodes `%` escapes in a path segment. Returns `None` if the result is not valid UTF-8 or an escape is malformed.
 fn unescaped(part: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(part.len());
     let mut rest = part.bytes();
@@ -136,8 +133,8 @@ fn unescaped(part: &str) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-/// Whether a host is an address, this computer's own name for itself, or the name that the user gave: whoever owns any
-/// other name could let it lead here, and read what it answers under theirs.
+/// True if the host is an IP address, `localhost`, or the name given by the user. Any other name could belong to an
+/// attacker who points it at this computer (DNS rebinding).
 fn is_this_computer(host: &str, own_name: Option<&str>) -> bool {
     let (name, port) = match host.rsplit_once(':') {
         Some((name, port)) if !host.ends_with(']') => (name, Some(port)),
@@ -153,7 +150,7 @@ fn is_this_computer(host: &str, own_name: Option<&str>) -> bool {
     is_port && (is_address || own_names.any(|own| name.eq_ignore_ascii_case(own)))
 }
 
-/// 16 bytes in base 64.
+/// True if the text is the base64 encoding of 16 bytes.
 fn is_key(key: &str) -> bool {
     let letters = key.strip_suffix("==").unwrap_or_default();
     letters.len() == 22 && letters.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"+/".contains(&byte))
@@ -183,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_is_where_the_token_is_and_nothing_else_is_anywhere() {
+    fn the_page_needs_the_token_and_other_paths_are_refused() {
         let token = Token::new().unwrap();
         let ask = |path: &str| judged("GET", path, &format!("Host: {HOST}\r\n"), &token);
         let at = |rest: &str| format!("/{}{rest}", token.as_str());
@@ -204,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_is_asked_for_by_the_title_of_its_scene() {
+    fn images_are_requested_by_scene_title() {
         let token = Token::new().unwrap();
         let ask = |rest: &str| {
             judged(
@@ -218,7 +215,7 @@ mod tests {
         assert_eq!(ask("orb"), is("orb"));
         assert_eq!(ask("first%5Fsteps?3"), is("first_steps"));
         assert_eq!(ask("gr%C3%B6%C3%9fe"), is("größe"));
-        // A title and no path: whoever has no scene of that name has nothing.
+        // This is a title, not a path. No scene has this title.
         assert_eq!(ask("..%2F..%2fetc/passwd"), is("../../etc/passwd"));
         for rest in ["%", "%4", "%zz", "%ff", "%+1"] {
             assert_eq!(ask(rest), Err(Refusal::Nothing), "{rest}");
@@ -226,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn only_reading_is_possible() {
+    fn only_get_is_allowed() {
         let token = Token::new().unwrap();
         for method in ["POST", "HEAD", "PUT", "DELETE", "OPTIONS", "get"] {
             let path = format!("/{}/", token.as_str());
@@ -235,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_others_for_this_computer_are_refused() {
+    fn unknown_host_names_are_refused() {
         let token = Token::new().unwrap();
         let path = format!("/{}/", token.as_str());
         let ask = |host: &str| judged("GET", &path, &format!("Host: {host}\r\n"), &token);
@@ -255,13 +252,17 @@ mod tests {
         ] {
             assert_eq!(ask(host), Err(Refusal::Host), "{host}");
         }
-        assert_eq!(judged("GET", &path, "", &token), Err(Refusal::Host), "none is named");
+        assert_eq!(
+            judged("GET", &path, "", &token),
+            Err(Refusal::Host),
+            "a request without a host is refused"
+        );
         assert_eq!(judged("GET", &path, "Host: a\r\nHost: 10.0.0.1\r\n", &token), Err(Refusal::Host));
         assert_eq!(judged("GET", &path, "Host: 10.0.0.1:8;x\r\n", &token), Err(Refusal::Host));
     }
 
     #[test]
-    fn only_the_page_itself_begins_a_conversation() {
+    fn only_the_page_itself_can_open_a_session() {
         let token = Token::new().unwrap();
         let path = format!("/{}/hands", token.as_str());
         let ask = |fields: &str| judged("GET", &path, fields, &token);
@@ -286,7 +287,7 @@ mod tests {
             ("dGhlIHNhbXBsZSBub25jZQ==", "short=="),
             ("dGhlIHNhbXBsZSBub25jZQ==", "dGhlIHNhbXBsZSBub25j\u{1}Q=="),
         ] {
-            // httparse refuses control characters by itself.
+            // httparse already refuses control characters.
             let fields = whole.replace(part, other);
             let text = format!("GET {path} HTTP/1.1\r\n{fields}\r\n");
             if let Ok(Some(_)) = Head::parse(text.as_bytes(), 16) {
@@ -295,6 +296,6 @@ mod tests {
         }
         let wrong = Token::new().unwrap();
         let head = head("GET", &path, &whole);
-        assert_eq!(route(&head, HOST, &wrong), Err(Refusal::WrongToken), "the token comes first");
+        assert_eq!(route(&head, HOST, &wrong), Err(Refusal::WrongToken), "the token is checked first");
     }
 }

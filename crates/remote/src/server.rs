@@ -1,4 +1,5 @@
-//! The threads that listen: one that keeps the address, one that takes connections, and one for each of these.
+//! The server's threads: one opens the port and keeps the pairing address up to date, one accepts connections, and each
+//! connection has its own.
 
 use std::io;
 use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
@@ -22,41 +23,40 @@ use crate::phone_session::{self, PhoneSession};
 use crate::route::{Refusal, Route, admit, route};
 use crate::token::Token;
 
-/// How often it is looked whether the computer has another address, and whether all is over.
+/// The interval at which the pairing address is updated and the end is checked.
 const LOOK: Duration = Duration::from_millis(500);
-/// How long nobody is listened to after the system could not give a connection.
+/// The pause after the system fails to accept a connection.
 const AGAIN: Duration = Duration::from_millis(200);
 
-/// Where phones are listened to.
+/// The address on which phones connect.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RemotePlace(Place);
 
 impl FromStr for RemotePlace {
     type Err = PlaceError;
 
-    /// `8080` is that port in every network of this computer; `ADDRESS:8080` is the port of an address. Port 0 is
-    /// whichever is free.
+    /// Parses `8080`, a port on all networks of this computer, or `ADDRESS:8080`. Port 0 means any free port.
     fn from_str(text: &str) -> Result<Self, PlaceError> {
         Place::parse(text, "0.0.0.0").map(Self)
     }
 }
 
-/// How it stands with listening.
+/// The state of the server.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum RemoteState {
     /// The port is being opened.
     #[default]
     Opening,
-    /// Phones can come by this invitation.
+    /// Phones can connect with this pairing address.
     Open(Arc<PairingAddress>),
-    /// The system refuses the port, and why: a sentence. The server keeps trying.
+    /// The port cannot be opened; the text explains the reason. The server keeps trying.
     Refused(String),
 }
 
-/// Listens to phones until it is dropped.
+/// Serves phones until it is dropped.
 pub struct Remote(Arc<Shared>);
 
-/// What all threads share.
+/// The state shared by all threads.
 pub(crate) struct Shared {
     place: Place,
     token: Token,
@@ -73,12 +73,12 @@ pub(crate) struct Shared {
 }
 
 impl Remote {
-    /// Listens at `place` from now on, or as soon as the system gives the port. Phones send wishes from the table of
-    /// actions, and get the board and the pictures of the album. `wake` is called when the state or the number of phones
-    /// has changed, and when a phone asks for a picture.
+    /// Starts serving on `place`, retrying until the port is free. Phones can send `actions`, and receive the state on
+    /// the board and the images in the album. `wake` is called when the state or the number of phones changes, and when
+    /// a phone requests a new image.
     ///
     /// # Errors
-    /// There is no thread, or no random number.
+    /// The thread cannot be started, or the system has no random numbers.
     pub fn start(
         place: RemotePlace,
         actions: &'static [ActionRow],
@@ -89,10 +89,10 @@ impl Remote {
         Self::start_within(LIMITS, place, actions, input_queue, (board, album), wake)
     }
 
-    /// The same within other limits.
+    /// Starts serving with custom limits; see [`Remote::start`].
     ///
     /// # Errors
-    /// There is no thread, or no random number.
+    /// The thread cannot be started, or the system has no random numbers.
     pub fn start_within(
         limits: Limits,
         RemotePlace(place): RemotePlace,
@@ -120,12 +120,12 @@ impl Remote {
         Ok(Self(shared))
     }
 
-    /// How it stands.
+    /// The current state.
     pub fn state(&self) -> RemoteState {
         lock(&self.0.state).clone()
     }
 
-    /// How many phones there are.
+    /// The number of connected phones.
     pub fn phones(&self) -> usize {
         self.0.phones.load(Ordering::Relaxed)
     }
@@ -133,7 +133,7 @@ impl Remote {
 
 impl Drop for Remote {
     fn drop(&mut self) {
-        // It is not waited for: the threads end by themselves.
+        // Do not wait: the threads end by themselves.
         self.0.is_over.store(true, Ordering::Relaxed);
     }
 }
@@ -147,7 +147,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 impl Shared {
-    /// Opens the port, and keeps the invitation up to date until all is over.
+    /// Opens the port and keeps the pairing address up to date until the server is dropped.
     fn keep(self: &Arc<Self>) {
         let Some(listens) = self.open_when_free() else { return };
         while !self.is_over() {
@@ -155,12 +155,12 @@ impl Shared {
             self.set_state(RemoteState::Open(Arc::new(pairing_address)));
             std::thread::sleep(LOOK);
         }
-        // The thread that takes connections waits for one.
+        // Wake the thread that accepts connections.
         let local = if listens.ip().is_unspecified() { IpAddr::from([127, 0, 0, 1]) } else { listens.ip() };
         let _ = TcpStream::connect_timeout(&SocketAddr::new(local, listens.port()), LOOK);
     }
 
-    /// Opens the port, and tries again for as long as the system refuses it. `None` if all is over before.
+    /// Opens the port, retrying while it is refused. Returns `None` if the server is dropped first.
     fn open_when_free(self: &Arc<Self>) -> Option<SocketAddr> {
         while !self.is_over() {
             match self.open() {
@@ -192,7 +192,7 @@ impl Shared {
         }
     }
 
-    /// What the user called this computer, if that is a name.
+    /// The host given by the user, if it is a name.
     fn name(&self) -> Option<&str> {
         Some(self.place.host()).filter(|host| host.parse::<IpAddr>().is_err())
     }
@@ -207,21 +207,21 @@ impl Shared {
                 return;
             }
             let Ok(stream) = stream else {
-                // There are too many files open, for instance.
+                // For example, too many files are open.
                 std::thread::sleep(AGAIN);
                 continue;
             };
             let Ok(from) = stream.peer_addr() else { continue };
-            // More than there are seats for are cut off: telling them so would take time that others wait for.
+            // Connections beyond the limit are closed without an answer, which would delay others.
             let Some(connection_slot) = self.connection_limit.take(from.ip(), &self.limits) else { continue };
             let shared = self.clone();
             if let Err(error) = thread(move || shared.serve(stream, from.ip(), &connection_slot)) {
-                tracing::warn!("a phone is not listened to: {error}");
+                tracing::warn!("cannot start a thread for a phone: {error}");
             }
         }
     }
 
-    /// Answers one connection, which has a seat.
+    /// Answers one connection.
     fn serve(&self, stream: TcpStream, from: IpAddr, _connection_slot: &ConnectionSlot) {
         let limits = &self.limits;
         let within = limits.head_time_max;
@@ -262,7 +262,7 @@ impl Shared {
                     http::answer_in_words(
                         &stream,
                         "404 Not Found",
-                        "there is no picture of that yet",
+                        "there is no image of this scene yet",
                         within,
                     );
                 }
@@ -274,7 +274,7 @@ impl Shared {
                 http::answer(&stream, "308 Permanent Redirect", &fields, b"", within);
             }
             Ok(Route::PhoneSession(key)) => self.phone_session(stream, &key, rest),
-            // Whoever may not talk because all places are taken is told so before being told how to ask.
+            // Report a full server before the missing upgrade, so that the page can show the reason.
             Err(Refusal::TalkOnly) if self.phones.load(Ordering::Acquire) >= limits.phones_max => {
                 turn_away(&stream, within);
             }
@@ -287,7 +287,7 @@ impl Shared {
         }
     }
 
-    /// Speaks with a phone, if there is a place for it.
+    /// Runs a session with a phone, if there is a free place.
     fn phone_session(&self, stream: TcpStream, key: &str, rest: Vec<u8>) {
         let is_free = |phones: usize| (phones < self.limits.phones_max).then_some(phones + 1);
         if self.phones.fetch_update(Ordering::AcqRel, Ordering::Acquire, is_free).is_err() {
@@ -295,17 +295,17 @@ impl Shared {
         }
         (self.wake)();
         let _place = PhonePlace(self);
-        tracing::info!("a phone has come");
+        tracing::info!("a phone connected");
         let accepted = phone_session::accept(&stream, key, self.limits.head_time_max);
         let end = match accepted {
             Ok(()) => PhoneSession::new(stream, rest, self).go_on(),
             Err(error) => error.to_string(),
         };
-        tracing::info!("a phone has gone: {end}");
+        tracing::info!("a phone disconnected: {end}");
     }
 }
 
-/// A phone's place, free again when dropped.
+/// The place of a connected phone. Dropping it frees the place.
 struct PhonePlace<'a>(&'a Shared);
 
 impl Drop for PhonePlace<'_> {
@@ -315,7 +315,7 @@ impl Drop for PhonePlace<'_> {
     }
 }
 
-/// Answers with what is the program's own: a kind and its bytes.
+/// Sends an answer with its type, bytes and additional header fields.
 fn answer_own(stream: &TcpStream, (kind, bytes): (&str, &[u8]), more: &[(&str, &str)], within: Duration) {
     let fields = [
         ("Content-Type", kind),
@@ -328,22 +328,22 @@ fn answer_own(stream: &TcpStream, (kind, bytes): (&str, &[u8]), more: &[(&str, &
 }
 
 fn turn_away(stream: &TcpStream, within: Duration) {
-    let words = "as many phones as there may be are here already: close the page on one of them";
+    let words = "too many phones are connected; close the page on one of them";
     http::answer_in_words(stream, "503 Service Unavailable", words, within);
 }
 
 fn refusal(place: &Place, error: &io::Error) -> String {
     let sentence = match error.kind() {
         io::ErrorKind::AddrInUse => format!(
-            "phones are not listened to: another program has {place}; end it, or choose another port with --remote"
+            "phone control is off: another program uses {place}; close it, or choose another port with --remote"
         ),
-        io::ErrorKind::PermissionDenied => format!(
-            "phones are not listened to: the system gives nobody {place}; choose a port above 1023 with --remote"
-        ),
+        io::ErrorKind::PermissionDenied => {
+            format!("phone control is off: the system denies {place}; choose a port above 1023 with --remote")
+        }
         io::ErrorKind::AddrNotAvailable | io::ErrorKind::NotFound => format!(
-            "phones are not listened to: {place} is no address of this computer; give --remote one of its own"
+            "phone control is off: {place} is not an address of this computer; give --remote one of its addresses"
         ),
-        _ => format!("phones are not listened to on {place} ({error}); choose another address with --remote"),
+        _ => format!("phone control on {place} failed ({error}); choose another address with --remote"),
     };
     sentence + " (Mariana keeps trying)"
 }
@@ -353,7 +353,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_port_alone_is_that_of_every_network() {
+    fn a_port_alone_is_on_all_networks() {
         let place = |text: &str| text.parse::<RemotePlace>().map(|place| place.0.to_string());
         assert_eq!(place("8080").as_deref(), Ok("0.0.0.0:8080"));
         assert_eq!(place("127.0.0.1:0").as_deref(), Ok("127.0.0.1:0"));

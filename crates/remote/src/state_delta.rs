@@ -1,4 +1,4 @@
-//! What phones are told: how the show stands, as JSON, and of that only what has changed.
+//! State updates for phones: the changes of the show's state as JSON.
 //!
 //! ```text
 //! {"scene": "orb", "scenes": ["city", "orb"], "params": [{"name": "size", "min": 0, "max": 4, "default": 1}],
@@ -12,9 +12,9 @@ use std::sync::Arc;
 use mariana_control::{Present, Slider};
 use serde::Serialize;
 
-/// How finely phones see the place in the track, in seconds.
+/// The resolution of the track position for phones, in seconds.
 const POSITION_STEP: f64 = 0.25;
-/// The level that is the place in the track.
+/// The name of the level for the track position.
 const POSITION: &str = "position";
 
 #[derive(Serialize)]
@@ -49,13 +49,12 @@ struct StateDelta<'a> {
     pictures: Option<u64>,
 }
 
-/// What one phone knows: how the show stands, and how many pictures have come.
+/// The state that one phone has received, and the number of images at that time.
 #[derive(Debug, Default)]
 pub(crate) struct SentState(Option<Arc<Present>>, u64);
 
 impl SentState {
-    /// What it does not know yet of how the show stands, and of how many pictures have come; none if it knows all. From
-    /// then on it does.
+    /// Returns the changes since the last call, or `None` if there are none.
     pub(crate) fn state_delta(&mut self, now: &Arc<Present>, pictures: u64) -> Option<String> {
         let are_known = self.1 == pictures;
         if are_known && self.0.as_ref().is_some_and(|before| Arc::ptr_eq(before, now)) {
@@ -69,7 +68,7 @@ impl SentState {
     }
 }
 
-/// What differs.
+/// Returns the differences between two states.
 fn state_delta<'a>(before: Option<&Present>, now: &'a Present) -> StateDelta<'a> {
     let was = |same: fn(&Present, &Present) -> bool| before.is_some_and(|before| same(before, now));
     let is_scene_known = was(|a, b| a.scene == b.scene);
@@ -112,12 +111,12 @@ fn state_delta<'a>(before: Option<&Present>, now: &'a Present) -> StateDelta<'a>
     }
 }
 
-/// Whether something stood in a list before.
+/// True if the list contained the entry before.
 fn was_there<T: PartialEq>(before: Option<&Present>, list: fn(&Present) -> &Vec<T>, one: &T) -> bool {
     before.is_some_and(|before| list(before).contains(one))
 }
 
-/// What of parameters stays while they are turned.
+/// The parts of the parameters that do not change with their values.
 fn shape(present: &Present) -> impl Iterator<Item = (&str, [f32; 3])> {
     present.params.iter().map(|param| (&*param.name, [param.min, param.max, param.default]))
 }
@@ -152,7 +151,7 @@ mod tests {
         }
     }
 
-    /// What is told after a change.
+    /// Returns the update after a change.
     fn reported(change: impl FnOnce(&mut Present)) -> Option<String> {
         let mut reported = SentState::default();
         reported.state_delta(&Arc::new(present()), 0);
@@ -162,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_time_everything_is_told() {
+    fn the_first_update_has_the_whole_state() {
         let text = SentState::default().state_delta(&Arc::new(present()), 0).unwrap();
         assert_eq!(
             text,
@@ -175,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn afterwards_only_what_has_changed() {
+    fn later_updates_have_only_the_changes() {
         assert_eq!(reported(|_| {}), None);
         let is =
             |change: fn(&mut Present), wanted: &str| assert_eq!(reported(change).as_deref(), Some(wanted));
@@ -193,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_that_came_are_told_though_the_show_stands_as_it_did() {
+    fn new_images_are_reported_without_other_changes() {
         let (mut reported, stands) = (SentState::default(), Arc::new(present()));
         reported.state_delta(&stands, 0);
         assert_eq!(reported.state_delta(&stands, 2).as_deref(), Some(r#"{"pictures":2}"#));
@@ -201,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn what_hardly_differs_is_not_told() {
+    fn imperceptible_changes_are_not_sent() {
         assert_eq!(reported(|now| now.tempo = 120.02), None);
         assert_eq!(reported(|now| now.levels[1].1 = 0.501), None, "a tenth of a second later");
         assert_eq!(

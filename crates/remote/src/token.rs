@@ -1,22 +1,22 @@
-//! The word that makes an address a secret.
+//! The secret token in the address.
 
 use std::fmt::{self, Debug, Formatter};
 use std::io;
 
-/// How many letters it has.
+/// The number of letters.
 const LENGTH: usize = 26;
-/// Five bits each, and none that people take for another (Crockford's base 32).
+/// The alphabet: Crockford's base 32, five bits per letter, without letters that are easily confused.
 const LETTERS: &[u8; 32] = b"0123456789abcdefghjkmnpqrstvwxyz";
 
-/// 130 random bits as 26 letters.
+/// A token: 130 random bits as 26 letters.
 #[derive(Clone, PartialEq, Eq)]
 pub(crate) struct Token(String);
 
 impl Token {
-    /// A new one.
+    /// Creates a random token.
     ///
     /// # Errors
-    /// The system gives no random numbers.
+    /// The system has no random numbers.
     pub(crate) fn new() -> io::Result<Self> {
         let mut bytes = [0; LENGTH];
         getrandom::fill(&mut bytes).map_err(io::Error::from)?;
@@ -24,12 +24,12 @@ impl Token {
         Ok(Self(bytes.iter().map(letter).collect()))
     }
 
-    /// Its letters.
+    /// The token's letters.
     pub(crate) fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// Whether a guess is right. How long that takes tells nothing of where it is wrong.
+    /// Compares with a guess in constant time.
     pub(crate) fn is(&self, guess: &str) -> bool {
         let (own, guess) = (self.0.as_bytes(), guess.as_bytes());
         let letter = |place: usize| guess.get(place).copied().unwrap_or_default();
@@ -39,7 +39,7 @@ impl Token {
 }
 
 impl Debug for Token {
-    /// It comes into no log.
+    /// Hides the token from logs.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str("Token")
     }
@@ -50,13 +50,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tokens_are_long_enough_to_be_guessed_by_nobody_and_each_is_another() {
+    fn tokens_are_long_random_and_unique() {
         let tokens: Vec<Token> = (0..64).map(|_| Token::new().unwrap()).collect();
         for (place, token) in tokens.iter().enumerate() {
             assert!(token.as_str().len() * 5 >= 128 && token.as_str().bytes().all(|b| LETTERS.contains(&b)));
             assert!(tokens[..place].iter().all(|other| other != token));
         }
-        // Every letter comes at every place, so that all of its bits are random.
+        // Every letter occurs at every position, so all bits are random.
         let seen = |place: usize| {
             let letters = (0..2_000).map(|_| Token::new().unwrap().as_str().as_bytes()[place]);
             letters.collect::<std::collections::BTreeSet<u8>>().len()
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_whole_token_is_right() {
+    fn only_the_exact_token_is_accepted() {
         let token = Token::new().unwrap();
         let text = token.as_str().to_owned();
         assert!(token.is(&text));

@@ -1,4 +1,4 @@
-//! Phones, and those who are none, as the network brings them: real connections on this computer.
+//! Tests of the server with real local connections: phones, and other clients.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -19,10 +19,10 @@ const ACTIONS: &[ActionRow] = &[
     ActionRow { name: "blackout", takes: ValueType::Switch, meaning: "blackout" },
     ActionRow { name: "scene", takes: ValueType::Choice, meaning: "a scene" },
 ];
-/// Longer than anything here takes.
+/// Longer than any wait in these tests.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A server, and what is heard of it.
+/// A running server with its connections to the test.
 struct Place {
     remote: Remote,
     input_queue: InputQueue,
@@ -71,10 +71,10 @@ impl Place {
         stream
     }
 
-    /// The whole answer to some bytes.
+    /// Sends bytes and returns the whole answer.
     fn answer_to(&self, bytes: &[u8]) -> String {
         let mut stream = self.connect();
-        // Whoever refuses may not read to the end.
+        // A server that refuses may not read to the end.
         let _ = stream.write_all(bytes);
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);
@@ -85,12 +85,12 @@ impl Place {
         self.answer_to(format!("GET {path} HTTP/1.1\r\nHost: {}\r\n\r\n", self.address).as_bytes())
     }
 
-    /// The status of the answer to a path.
+    /// Returns the status of the answer to a path.
     fn status(&self, path: &str) -> String {
         status(&self.get(path))
     }
 
-    /// A phone with this origin.
+    /// Connects a phone with this origin.
     fn phone_from(&self, path: &str, origin: &str) -> Result<Phone, String> {
         let url = format!("ws://{}{path}", self.address);
         let mut request = url.into_client_request().unwrap();
@@ -109,7 +109,7 @@ impl Place {
         self.phone_from(&path, &format!("http://{}", self.address)).unwrap()
     }
 
-    /// Waits until as many messages were counted, and until those that were refused are as many.
+    /// Waits until exactly these numbers of messages and rejected messages have been counted.
     fn wait_for_counts(&self, messages: u64, refused: u64) {
         let end = Instant::now() + PATIENCE;
         while (self.input_queue.counts().0, self.input_queue.counts().1.count()) != (messages, refused) {
@@ -118,7 +118,7 @@ impl Place {
         }
     }
 
-    /// Waits until there are as many phones.
+    /// Waits until this many phones are connected.
     fn wait_for_phones(&self, count: usize) {
         while self.remote.phones() != count {
             self.state_delta.recv_timeout(PATIENCE).unwrap();
@@ -137,11 +137,11 @@ impl Phone {
         self.0.send(Message::text(text)).unwrap();
     }
 
-    /// The next news in which something stands.
+    /// Waits for a state update that contains `part`.
     fn state_delta_with(&mut self, part: &str) -> String {
         let limit = Instant::now() + PATIENCE;
         loop {
-            assert!(Instant::now() < limit, "nothing is told of {part}");
+            assert!(Instant::now() < limit, "no update contains {part}");
             if let Message::Text(text) = self.0.read().unwrap()
                 && text.contains(part)
             {
@@ -150,11 +150,11 @@ impl Phone {
         }
     }
 
-    /// With what it is sent away.
+    /// Waits for the close code of the server.
     fn end(&mut self) -> Option<CloseCode> {
         let limit = Instant::now() + PATIENCE;
         loop {
-            assert!(Instant::now() < limit, "it is not sent away");
+            assert!(Instant::now() < limit, "the phone is not disconnected");
             match self.0.read() {
                 Ok(Message::Close(frame)) => return frame.map(|frame| frame.code),
                 Ok(_) => {}
@@ -165,7 +165,7 @@ impl Phone {
 }
 
 #[test]
-fn the_page_comes_with_a_policy_that_lets_it_reach_nobody_else() {
+fn the_page_has_a_policy_against_other_hosts() {
     let place = Place::new();
     let page = place.get(&place.path);
     assert_eq!(status(&page), "200");
@@ -189,7 +189,7 @@ fn the_page_comes_with_a_policy_that_lets_it_reach_nobody_else() {
 }
 
 #[test]
-fn what_is_not_there_is_not_told_back() {
+fn error_answers_do_not_repeat_the_request() {
     let place = Place::new();
     for path in ["/<script>", "/favicon.ico", "/?<script>", &format!("{}<script>", place.path)] {
         let answer = place.get(path);
@@ -208,7 +208,7 @@ fn what_is_not_there_is_not_told_back() {
 }
 
 #[test]
-fn wrong_tokens_locked_out_good_ones_from_the_same_address() {
+fn wrong_tokens_do_not_lock_out_good_ones_from_the_same_address() {
     let place = Place::new();
     let own = format!("http://{}", place.address);
     let wrong = format!("/{}/", "0".repeat(place.path.len() - 2));
@@ -224,7 +224,7 @@ fn wrong_tokens_locked_out_good_ones_from_the_same_address() {
 }
 
 #[test]
-fn a_picture_is_wanted_by_who_asks_for_a_scene_that_there_is_and_then_shown() {
+fn a_requested_image_of_an_existing_scene_is_made_and_served() {
     let place = Place::new();
     let scenes = vec!["first steps".to_owned(), "größe".to_owned()];
     place.board.put(Present { scenes, ..present(1.0) });
@@ -232,9 +232,9 @@ fn a_picture_is_wanted_by_who_asks_for_a_scene_that_there_is_and_then_shown() {
     for nothing in ["orb", "..%2F..%2Fetc%2Fpasswd", "", "page.js", "%"] {
         assert_eq!(place.status(&at(nothing)), "404", "{nothing}");
     }
-    assert!(place.album.take_wanted().is_empty(), "only pictures of scenes are wanted");
+    assert!(place.album.take_wanted().is_empty(), "only images of existing scenes are requested");
     assert_eq!(place.status(&at("gr%C3%B6%C3%9Fe")), "404");
-    // It is told that something is wanted, once.
+    // The show is woken once for the requested image.
     place.state_delta.recv_timeout(PATIENCE).unwrap();
     assert_eq!(place.album.take_wanted(), ["größe"]);
     let mut phone = place.phone();
@@ -246,12 +246,12 @@ fn a_picture_is_wanted_by_who_asks_for_a_scene_that_there_is_and_then_shown() {
     for field in ["Content-Type: image/jpeg", "Cache-Control: no-store", "X-Content-Type-Options: nosniff"] {
         assert!(answer.contains(field), "no {field} in {answer}");
     }
-    // Nobody without the token learns whether there is one.
+    // Without the token, the answer does not reveal if the image exists.
     assert_eq!(place.status("/picture/gr%C3%B6%C3%9Fe"), "403");
 }
 
 #[test]
-fn no_conversation_begins_from_another_page_or_without_the_token() {
+fn sessions_from_other_pages_or_without_the_token_are_refused() {
     let place = Place::new();
     let own = format!("http://{}", place.address);
     let phone_session = format!("{}{SESSION_PATH}", place.path);
@@ -266,7 +266,7 @@ fn no_conversation_begins_from_another_page_or_without_the_token() {
 }
 
 #[test]
-fn a_phone_turns_acts_and_is_told_what_others_do() {
+fn a_phone_sends_input_and_receives_others_changes() {
     let place = Place::new();
     let (mut phone, mut other) = (place.phone(), place.phone());
     for one in [&mut phone, &mut other] {
@@ -288,7 +288,7 @@ fn a_phone_turns_acts_and_is_told_what_others_do() {
 }
 
 #[test]
-fn rubbish_is_counted_and_the_rest_goes_on() {
+fn bad_messages_are_counted_and_the_session_continues() {
     let place = Place::new();
     let mut phone = place.phone();
     let long = format!(r#"{{"turn":"{}","to":1}}"#, "x".repeat(300));
@@ -305,7 +305,7 @@ fn rubbish_is_counted_and_the_rest_goes_on() {
 }
 
 #[test]
-fn a_message_that_is_too_large_ends_the_conversation_and_one_of_the_limit_does_not() {
+fn a_message_beyond_the_size_limit_ends_the_session() {
     let place = Place::new();
     let mut phone = place.phone();
     let sized = |bytes: usize| format!("{:bytes$}", r#"{"do":"blackout"}"#);
@@ -314,7 +314,7 @@ fn a_message_that_is_too_large_ends_the_conversation_and_one_of_the_limit_does_n
     assert_eq!(place.input_queue.take().actions.len(), 1);
     phone.say(&sized(LIMITS.message_bytes_max + 1));
     assert_eq!(phone.end(), Some(CloseCode::Size));
-    // In pieces it is as large.
+    // A fragmented message has the same limit.
     let mut phone = place.phone();
     use tungstenite::protocol::frame::coding::{Data, OpCode};
     let piece = |code, last| {
@@ -327,7 +327,7 @@ fn a_message_that_is_too_large_ends_the_conversation_and_one_of_the_limit_does_n
 }
 
 #[test]
-fn bytes_that_are_no_text_end_the_conversation() {
+fn binary_messages_end_the_session() {
     let place = Place::new();
     let mut phone = place.phone();
     phone.0.send(Message::binary(vec![0xFF; 10])).unwrap();
@@ -339,16 +339,16 @@ fn bytes_that_are_no_text_end_the_conversation() {
 }
 
 #[test]
-fn a_flood_is_sent_away_and_others_are_heard() {
+fn a_flooding_phone_is_disconnected_and_others_are_served() {
     let place = Place::new();
     let (mut flood, mut phone) = (place.phone(), place.phone());
     for number in 0..100 * LIMITS.messages_per_second_max {
-        // It is sent away meanwhile.
+        // The phone is disconnected meanwhile.
         if flood.0.send(Message::text(format!(r#"{{"turn":"size","to":{number}}}"#))).is_err() {
             break;
         }
     }
-    // What it sent last may take the reason along.
+    // Unread messages may reset the connection before the reason arrives.
     assert!(matches!(flood.end(), Some(CloseCode::Policy) | None));
     place.wait_for_phones(1);
     assert_eq!(place.input_queue.counts().1.too_many, 1);
@@ -360,14 +360,14 @@ fn a_flood_is_sent_away_and_others_are_heard() {
 }
 
 #[test]
-fn who_reads_nothing_is_given_up_and_holds_nobody() {
+fn a_phone_that_reads_nothing_is_disconnected_and_blocks_nobody() {
     let limits = Limits { unread_time_max: Duration::from_millis(200), ..LIMITS };
     let place = Place::within(limits);
     let (_deaf, mut phone) = (place.phone(), place.phone());
     place.wait_for_phones(2);
     let names = |number: usize| (0..4_000).map(|name| format!("scene {name} of {number}")).collect();
     let mut number = 0;
-    // Each state is larger than what a network holds for who does not read.
+    // Each state is larger than the network buffers for a client that does not read.
     while place.remote.phones() == 2 {
         number += 1;
         place.board.put(Present { scenes: names(number), ..present(1.0) });
@@ -379,7 +379,7 @@ fn who_reads_nothing_is_given_up_and_holds_nobody() {
 }
 
 #[test]
-fn who_reads_late_gets_the_newest_and_not_all_that_was() {
+fn a_slow_phone_gets_the_newest_state_and_not_all_of_them() {
     let limits = Limits {
         delta_interval: Duration::from_millis(5),
         unread_time_max: PATIENCE,
@@ -388,7 +388,7 @@ fn who_reads_late_gets_the_newest_and_not_all_that_was() {
     };
     let place = Place::within(limits);
     let (mut late, mut phone) = (place.phone(), place.phone());
-    // Half a megabyte each: a network holds some twenty of them for who does not read.
+    // Each state has half a megabyte. The network buffers about twenty of them for a client that does not read.
     let states = 120;
     for number in 1..=states {
         let scenes = (0..20_000).map(|name| format!("scene {name} of {number}")).collect();
@@ -399,45 +399,45 @@ fn who_reads_late_gets_the_newest_and_not_all_that_was() {
     while !late.state_delta_with("scene 19999 of").contains(&format!("scene 19999 of {states}\"")) {
         count += 1;
     }
-    assert!(count < states / 4, "it was told {count} states");
+    assert!(count < states / 4, "the phone received {count} states");
 }
 
 #[test]
-fn who_says_nothing_is_given_up() {
+fn a_silent_phone_is_disconnected() {
     let place = Place::within(Limits { silence_max: Duration::from_millis(300), ..LIMITS });
     let (mut deaf, mut phone) = (place.phone(), place.phone());
     place.wait_for_phones(2);
-    // A phone that reads answers what it is asked.
+    // A phone that reads also answers pings.
     while place.remote.phones() == 2 {
         phone.state_delta_with("");
     }
     assert_eq!(place.remote.phones(), 1);
-    // Its answers to what it was asked may cross the reason on the way.
+    // Its late pings may reset the connection before the reason arrives.
     assert!(matches!(deaf.end(), Some(CloseCode::Policy) | None));
     place.board.put(present(2.0));
     phone.state_delta_with(r#""size":[2.0"#);
 }
 
 #[test]
-fn no_more_phones_are_spoken_with_than_the_limit() {
+fn phones_beyond_the_limit_are_refused() {
     let place = Place::new();
     let mut phones: Vec<Phone> = (0..LIMITS.phones_max).map(|_| place.phone()).collect();
     let (phone_session, own) = (format!("{}{SESSION_PATH}", place.path), format!("http://{}", place.address));
     assert!(place.phone_from(&phone_session, &own).map(drop).unwrap_err().starts_with("503"));
-    assert!(place.get(&phone_session).starts_with("HTTP/1.1 503"), "the page can ask why");
+    assert!(place.get(&phone_session).starts_with("HTTP/1.1 503"), "the page can read the reason");
     phones.pop();
     place.wait_for_phones(LIMITS.phones_max - 1);
     place.phone();
 }
 
 #[test]
-fn connections_that_ask_nothing_are_bounded_and_given_up() {
+fn idle_connections_are_limited_and_closed() {
     let limits = Limits { head_time_max: Duration::from_millis(500), ..LIMITS };
     let place = Place::within(limits);
     let mut idle: Vec<TcpStream> = (0..limits.connections_per_address_max).map(|_| place.connect()).collect();
-    // One more is cut off.
+    // One more connection is closed at once.
     assert_eq!(place.get("/"), "");
-    // Those that ask nothing are, too, after their time, and then there is room again.
+    // Idle connections are closed after the time limit, which makes room again.
     for stream in &mut idle {
         assert_eq!(stream.read(&mut [0; 8]).unwrap_or_default(), 0);
     }
@@ -447,7 +447,7 @@ fn connections_that_ask_nothing_are_bounded_and_given_up() {
 }
 
 #[test]
-fn a_port_that_another_program_has_costs_a_sentence() {
+fn a_port_in_use_is_reported() {
     let other = TcpListener::bind("127.0.0.1:0").unwrap();
     let (reported, state_delta) = channel();
     let place = other.local_addr().unwrap().to_string().parse().unwrap();
@@ -457,11 +457,11 @@ fn a_port_that_another_program_has_costs_a_sentence() {
     let remote = remote.unwrap();
     state_delta.recv_timeout(PATIENCE).unwrap();
     let RemoteState::Refused(why) = remote.state() else { panic!("{:?}", remote.state()) };
-    assert!(why.contains("another program has 127.0.0.1:") && why.contains("--remote"), "{why}");
+    assert!(why.contains("another program uses 127.0.0.1:") && why.contains("--remote"), "{why}");
 }
 
 #[test]
-fn a_port_that_was_taken_at_the_start_was_never_tried_again() {
+fn a_port_in_use_at_the_start_is_tried_again() {
     let other = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = other.local_addr().unwrap();
     let (reported, state_delta) = channel();
@@ -473,7 +473,7 @@ fn a_port_that_was_taken_at_the_start_was_never_tried_again() {
     state_delta.recv_timeout(PATIENCE).unwrap();
     assert!(matches!(remote.state(), RemoteState::Refused(_)), "{:?}", remote.state());
     drop(other);
-    // The state changes once: there is no news of attempts that fail like the first.
+    // Only a change of state is reported, not each failed attempt.
     state_delta.recv_timeout(PATIENCE).unwrap();
     let RemoteState::Open(pairing_address) = remote.state() else { panic!("{:?}", remote.state()) };
     assert!(pairing_address.url.starts_with(&format!("http://{address}/")), "{}", pairing_address.url);
@@ -481,7 +481,7 @@ fn a_port_that_was_taken_at_the_start_was_never_tried_again() {
 }
 
 #[test]
-fn with_the_show_phones_and_port_go() {
+fn dropping_the_server_disconnects_phones_and_frees_the_port() {
     let place = Place::new();
     let mut phone = place.phone();
     let address = place.address;
