@@ -1,6 +1,6 @@
-//! How fast the analysis is: 10 s of stereo at 48 kHz, in blocks of 512 frames as they come from playback.
+//! Measures the speed of the analysis: 10 s of stereo at 48 kHz, in blocks of 512 sample frames as in playback.
 //!
-//! Time per iteration / 10 s is the share of one core that live analysis takes.
+//! Time per iteration / 10 s is the fraction of one core that live analysis takes.
 
 use std::hint::black_box;
 
@@ -9,7 +9,7 @@ use mariana_music::{Alignment, Analyzer, FeatureTrack, StereoFrame};
 
 const RATE: u32 = 48_000;
 
-/// 10 s of two chords with noise on top, so that every band has something to do.
+/// 10 s of two chords with noise, so that every band has a signal.
 fn music() -> Vec<StereoFrame> {
     let mut state = 1_u32;
     (0..10 * RATE)

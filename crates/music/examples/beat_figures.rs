@@ -1,12 +1,13 @@
-//! How well beats are found in real songs: `cargo run --release -p mariana-music --example beat_figures -- SONGS BEATS`
-//! prints a table. `SONGS` is a folder of songs that `ffmpeg` can read, `BEATS` one with a file `NAME.beats` for each
-//! song `NAME.*`, with the time of a true beat in seconds on each line. Songs without such a file are left out.
+//! Measures beat tracking on real songs: `cargo run --release -p mariana-music --example beat_figures -- SONGS BEATS`
+//! prints a table. `SONGS` is a folder of songs that `ffmpeg` can read. `BEATS` is a folder with a file `NAME.beats`
+//! for each song `NAME.*`, which has the time of one true beat in seconds on each line. Songs without such a file are
+//! skipped.
 //!
-//! `heard` is live input, `played` a file as it is played, `whole` a song in view of all of it. F allows ±70 ms. AMLt is
-//! the share of beats whose place and distance to the one before are right within 17.5 %, where double and half
-//! tempo and off-beats count as right, too (Davies, Degara and Plumbley 2009). Beats of the first 5 s do not count.
-//! `lock` is when the first of four beats in a row is right that a live listener is told of, `jumps` is how often in a
-//! minute the told tempo changes by more than 8 %. Every second song belongs to the other half.
+//! `heard` is live input, `played` a file during playback, and `whole` an analysis of the whole song. F allows ±70 ms.
+//! AMLt is the fraction of beats whose position and distance from the previous beat are right within 17.5 %; double
+//! tempo, half tempo and off-beats also count as right (Davies, Degara and Plumbley 2009). Beats of the first 5 s do
+//! not count. `lock` is the time of the first of four consecutive right beats in live input; `jumps` counts tempo
+//! changes of more than 8 % per minute. Songs alternate between two halves, for fitting and for testing.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -15,13 +16,13 @@ use std::process::Command;
 use mariana_music::{Alignment, Analyzer, SongListener, StereoFrame, TimedFeatures};
 
 const RATE: u32 = 48_000;
-/// Beats before this do not count, in seconds.
+/// The start of the evaluation, in seconds.
 const SETTLED: f64 = 5.0;
-/// How far a beat may lie from a true one, in seconds.
+/// The tolerance for a right beat, in seconds.
 const TOLERANCE: f64 = 0.07;
-/// The same for AMLt, as a share of the time between two beats.
+/// The tolerance of AMLt, as a fraction of the beat period.
 const FRACTION: f64 = 0.175;
-/// Relative change of tempo that is a jump.
+/// The smallest relative tempo change that counts as a jump.
 const JUMP: f64 = 0.08;
 
 fn decoded(song: &Path) -> Result<Vec<StereoFrame>, Box<dyn Error>> {
@@ -36,7 +37,7 @@ fn decoded(song: &Path) -> Result<Vec<StereoFrame>, Box<dyn Error>> {
     Ok(samples.as_chunks::<2>().0.to_vec())
 }
 
-/// Beats as they are told, and how often in a minute the tempo jumps.
+/// Returns the beats as tracked, and the tempo jumps per minute.
 fn followed(frames: &[StereoFrame], alignment: Alignment) -> (Vec<f64>, f64) {
     let mut beats = Vec::new();
     let mut last = (0.0, 0.0, 0.0);
@@ -53,7 +54,7 @@ fn followed(frames: &[StereoFrame], alignment: Alignment) -> (Vec<f64>, f64) {
                 jumps += 1;
                 kept = tempo;
             }
-            // What changes slowly is no jump.
+            // A slow change is not a jump.
             kept = if kept > 0.0 { kept + 0.01 * (tempo - kept) } else { tempo };
         }
         last = (moment.time, phase, tempo);
@@ -85,7 +86,7 @@ fn f_measure(found: &[f64], truth: &[f64]) -> f64 {
     2.0 * f64::from(hits) / (found.len() + truth.len()).max(1) as f64
 }
 
-/// The true beat nearest to `time`.
+/// Returns the index of the true beat nearest to `time`.
 fn nearest(truth: &[f64], time: f64) -> Option<usize> {
     let after = truth.partition_point(|beat| *beat < time);
     [after.checked_sub(1), Some(after)]
@@ -95,7 +96,7 @@ fn nearest(truth: &[f64], time: f64) -> Option<usize> {
         .min_by(|a, b| (truth[*a] - time).abs().total_cmp(&(truth[*b] - time).abs()))
 }
 
-/// The share of beats that follow rightly on one that is right.
+/// The fraction of beats that are right and follow a right beat.
 fn followed_rightly(found: &[f64], truth: &[f64]) -> f64 {
     let right = found.windows(2).filter(|pair| {
         let Some(index) = nearest(truth, pair[1]).filter(|index| *index > 0) else { return false };
@@ -121,7 +122,7 @@ fn amlt(found: &[f64], truth: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// When the first of four beats in a row is right.
+/// Returns the time of the first of four consecutive right beats.
 fn lock(found: &[f64], truth: &[f64]) -> Option<f64> {
     let right =
         |time: &f64| nearest(truth, *time).is_some_and(|index| (truth[index] - time).abs() <= TOLERANCE);
@@ -134,7 +135,7 @@ fn tempo(beats: &[f64]) -> f64 {
     periods.get(periods.len() / 2).map_or(0.0, |period| 60.0 / period)
 }
 
-/// F and AMLt heard, played and whole, jumps and the lock.
+/// F and AMLt of `heard`, `played` and `whole`, then jumps and lock.
 struct Row([f64; 8]);
 
 fn row(name: &str, frames: &[StereoFrame], truth: &[f64]) -> Row {
@@ -184,7 +185,7 @@ fn means(name: &str, rows: &[&Row]) {
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
     let (Some(songs), Some(references)) = (arguments.next(), arguments.next()) else {
-        return Err("needs a folder of songs and a folder of their beats".into());
+        return Err("give a folder of songs and a folder of their beats".into());
     };
     let mut songs: Vec<PathBuf> =
         std::fs::read_dir(songs)?.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();

@@ -1,5 +1,5 @@
-//! How well the structure of generated songs is found: `cargo run --release -p mariana-music --example song_figures`
-//! prints a table of all styles, tempos, forms and keys. (Tests look at a few of them.)
+//! Measures the analysis of generated songs: `cargo run --release -p mariana-music --example song_figures` prints a
+//! table of all styles, tempos, forms and keys. (The tests check a few of them.)
 
 #[allow(dead_code)]
 #[path = "../tests/music/songs.rs"]
@@ -56,7 +56,7 @@ fn means(name: &str, rows: &[[f64; 4]]) {
     );
 }
 
-/// Bars as they are told of live input.
+/// Bars as tracked in live input.
 fn live_bars() {
     let (mut all, mut songs) = ([0.0; 2], 0);
     for style in Style::ALL {
@@ -71,21 +71,21 @@ fn live_bars() {
                 let mut beats = beats_heard(RATE, &frames);
                 beats.retain(|(time, _)| *time > 10.0);
                 let [reported, right] = bars_heard(&beats, &truth);
-                // A song of which little is told counts little.
+                // Weight each song by the fraction of beats with a known bar position.
                 sums = [sums[0] + reported, sums[1] + reported * right];
                 count += 1;
             }
         }
         let (reported, right) = (sums[0] / f64::from(count), sums[1] / sums[0].max(1e-9));
         println!(
-            "{style:?}: {count} songs, {reported:.2} of the beats told, {right:.2} of the bars told are right"
+            "{style:?}: {count} songs, bars known at {reported:.2} of the beats, {right:.2} of those bars right"
         );
         all.iter_mut().zip(sums).for_each(|(all, sum)| *all += sum);
         songs += count;
     }
     let (reported, right) = (all[0] / f64::from(songs), all[1] / all[0].max(1e-9));
     println!(
-        "== live bars: {songs} songs, {reported:.2} of the beats after 10 s told, {right:.2} of the bars told are right"
+        "== live bars: {songs} songs, bars known at {reported:.2} of the beats after 10 s, {right:.2} of those bars right"
     );
 }
 
@@ -125,7 +125,7 @@ fn rhythm() {
     let mut rows = Vec::new();
     for (number, style) in Style::ALL.into_iter().enumerate() {
         for tempo in [60.0, 83.0, 104.0, 128.0, 160.0, 200.0] {
-            // Nobody counts dotted quarters that fast, and half time is counted in halves then.
+            // Dotted quarters are not counted that fast, and half time would be counted in halves.
             if matches!(style, Style::SixEight | Style::HalfTime) && tempo > 120.0 {
                 continue;
             }
@@ -145,7 +145,7 @@ fn rhythm() {
     means("rhythm", &rows);
 }
 
-/// Sections that differ in nothing but their timbre or their harmony.
+/// Sections that differ only in timbre or only in harmony.
 fn alone() {
     for alone in ["timbre", "harmony"] {
         let mut rows = Vec::new();
@@ -191,7 +191,7 @@ fn keys() {
             let hit = found.key == Some(key);
             right += u32::from(hit);
             if !hit {
-                println!("{key:?} was heard as {:?}, tuned to {:.1}", found.key, found.tuning_hz);
+                println!("{key:?} was detected as {:?}, tuned to {:.1}", found.key, found.tuning_hz);
             }
         }
     }

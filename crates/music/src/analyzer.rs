@@ -1,4 +1,4 @@
-//! Cuts a stream of frames into fixed hops and measures the features of each.
+//! Cuts a stream of sample frames into hops and measures the features of each.
 
 use super::StereoFrame;
 use super::bands::{Bands, decibels, height};
@@ -17,53 +17,51 @@ use super::spectrum::Spectrum;
 use super::volume::{Volumes, stretch_length};
 use crate::limits::LIMITS;
 
-/// Positions are clamped to this (190 000 years at 768 kHz), so that counting on from one never overflows.
+/// The maximum position (190 000 years at 768 kHz), so that counting never overflows.
 const POSITION_MAX: u64 = 1 << 62;
 
-/// Time constants of the volume, in seconds. The slow release lets a woofer swing back softly.
+/// Attack time of the volume, in seconds. The slower release lets a drawn woofer swing back softly.
 const VOLUME_ATTACK: f64 = 0.010;
-/// See [`VOLUME_ATTACK`].
+/// Release time of the volume, in seconds.
 const VOLUME_RELEASE: f64 = 0.150;
 
-/// Time constants of the bands' heights, in seconds. A bar rises at once and sinks slowly enough to be read.
+/// Attack time of the bands' heights, in seconds. A bar rises at once and falls slowly enough to be read.
 const BAND_ATTACK: f64 = 0.010;
-/// See [`BAND_ATTACK`].
+/// Release time of the bands' heights, in seconds.
 const BAND_RELEASE: f64 = 0.200;
 
-/// Time constant of the fall of `beat`, in seconds.
+/// Release time of `beat`, in seconds.
 const BEAT_RELEASE: f64 = 0.15;
 
-/// Sound quieter than this, in decibels, is the noise of a room and has no brightness.
+/// Sound below this level, in decibels, is room noise and has no brightness.
 const QUIET_DB: f32 = -80.0;
 
-/// Time in which `bass_drive` forgets, in seconds.
+/// Time constant of the leaky integral `bass_drive`, in seconds.
 const DRIVE_SECONDS: f64 = 4.0;
 
-/// Bands of `bass`, `mid` and `treble`: up to 144 Hz, 1.85 kHz, and the rest.
+/// Bands of `bass`: up to 144 Hz.
 const BASS: std::ops::Range<usize> = 0..8;
-/// See [`BASS`].
+/// Bands of `mid`: up to 1.85 kHz.
 const MID: std::ops::Range<usize> = 8..21;
-/// See [`BASS`].
+/// Bands of `treble`: the rest.
 const TREBLE: std::ops::Range<usize> = 21..BAND_COUNT;
 
-/// How many moments after an onset the tracker puts it: for windows centred on their moment, and for windows ending at
-/// it.
+/// Delay of the onset strength relative to the onset, in hops: for centred and for trailing windows.
 const FLUX_LATE: (f32, f32) = (1.1, 2.1);
 
 /// The long window is not used above this frequency, in hertz.
 const SLOW_HIGHEST_HZ: f64 = 600.0;
 
-/// Where the windows of a moment lie.
+/// The position of the windows relative to their moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alignment {
-    /// Centred on the moment, for files: what comes after is known, so the picture is not late by half a window.
+    /// Centred on the moment, for files: the following samples are known, so the image is not late by half a window.
     Centred,
-    /// Ending at the moment, for live input, whose future is unknown: features are emitted with the window's last
-    /// frame.
+    /// Ending at the moment, for live input: the features of a moment are emitted with the window's last sample frame.
     Trailing,
 }
 
-/// The power-weighted mean place among the bands (spectral centroid), 0..1; 0 where there is hardly a sound.
+/// The power-weighted mean position among the bands (spectral centroid), 0..1; 0 for near silence.
 fn centroid(powers: &[f32; BAND_COUNT], level_db: f32) -> f32 {
     if level_db < QUIET_DB {
         return 0.0;
@@ -74,53 +72,53 @@ fn centroid(powers: &[f32; BAND_COUNT], level_db: f32) -> f32 {
     weighed(|band| band as f32 / (BAND_COUNT - 1) as f32) / weighed(|_| 1.0)
 }
 
-/// Turns frames into features, one set per hop.
+/// Measures the features of a stream, once per hop.
 ///
-/// The hop is 512 frames at 44.1 and 48 kHz, scaled by the nearest power of two at other rates (7.5 to 15.1 ms).
+/// The hop is 512 sample frames at 44.1 and 48 kHz, scaled by the nearest power of two at other rates (7.5 to 15.1 ms).
 /// Windows are 16, 4 and 2 hops long: the long one for the bass, the short one for the treble and for onsets. Moments
-/// lie at whole multiples of the hop, counted from frame 0 of the stream. The [`Alignment`] says where the windows
-/// lie: when they are centred on their moment they read half a window ([`Analyzer::lookahead`]) of what comes after
-/// it. Before the first frame and after the last there is silence.
+/// are at whole multiples of the hop, counted from frame 0 of the stream. The [`Alignment`] sets the position of the
+/// windows: centred windows read half a window ([`Analyzer::lookahead`]) after the moment. The samples before the first
+/// and after the last frame count as silence.
 ///
-/// What is emitted depends, bit for bit, on the frames alone and not on how they were cut into blocks. Nothing is
-/// allocated after `new`.
+/// The output depends, bit for bit, only on the samples, not on the sizes of the pushed blocks. Nothing is allocated
+/// after `new`.
 pub struct Analyzer {
     sample_rate: u32,
     lookahead: usize,
-    /// The frames of the long window; its end is the frame at `moment + lookahead`.
+    /// The sample frames of the long window. It ends at frame `moment + lookahead`.
     buffer: HopBuffer,
     progress: Progress,
     /// The long window at a lower rate.
     slow: SlowWindow,
-    /// Where the middle and the short window lie in the buffer, and the spectrum of each.
+    /// The ranges of the middle and the short window in the buffer, and their spectra.
     windows: [(std::ops::Range<usize>, Spectrum); 2],
-    /// Where the volume is measured in the buffer.
+    /// The range of the buffer for the volume.
     volume_stretch: std::ops::Range<usize>,
-    /// Where the waveform lies in the buffer.
+    /// The range of the buffer for the waveform.
     wave_stretch: std::ops::Range<usize>,
     bands: Bands,
     lines: Lines,
     followers: Followers,
     gain: AutoGain,
     rhythm: Rhythm,
-    /// The last moment.
+    /// The last measured moment.
     last: TimedFeatures,
 }
 
-/// How far the stream was analysed. Numbers are frames from its start.
+/// The progress of the analysis, in sample frames from the start of the stream.
 #[derive(Default)]
 struct Progress {
     /// The next moment.
     moment: u64,
     /// The next frame to be pushed.
     position: u64,
-    /// Whether frames were pushed since the (re)start.
+    /// True if frames were pushed since the (re)start.
     any: bool,
-    /// Whether a moment was measured since the (re)start.
+    /// True if a moment was measured since the (re)start.
     has_measured: bool,
 }
 
-/// How features follow what is measured.
+/// The smoothing of the features.
 struct Followers {
     volume: Follower,
     bands: Follower,
@@ -140,13 +138,13 @@ impl Followers {
 }
 
 impl Analyzer {
-    /// For a stream of `sample_rate` frames per second that starts at frame 0, with automatic gain. A rate outside
-    /// the limits' `sample_rate_min..=sample_rate_max` is replaced by the nearest one inside.
+    /// Creates an analyzer with automatic gain for a stream that starts at frame 0. `sample_rate` is clamped to the
+    /// limits' `sample_rate_min..=sample_rate_max`.
     pub fn new(sample_rate: u32, alignment: Alignment) -> Self {
         Self::with_gain(sample_rate, alignment, Gain::Auto)
     }
 
-    /// The same, with automatic gain or without.
+    /// Creates an analyzer with or without automatic gain.
     pub fn with_gain(sample_rate: u32, alignment: Alignment, gain: Gain) -> Self {
         let sample_rate = sample_rate.clamp(LIMITS.sample_rate_min, LIMITS.sample_rate_max);
         let rate = f64::from(sample_rate);
@@ -156,7 +154,7 @@ impl Analyzer {
         let decimator = Decimator::new(hop);
         let slow_length = longest / decimator.step();
         let (lookahead, late) = match alignment {
-            // The middle of what is kept of the long window lies on the moment.
+            // The middle of the decimated long window is at the moment.
             Alignment::Centred => {
                 ((slow_length / 2 - 1) * decimator.step() + decimator.delay() + 1, FLUX_LATE.0)
             }
@@ -171,10 +169,10 @@ impl Analyzer {
         };
         let slow_gain = |bin: usize, decimator: &Decimator| {
             let hz = bin as f64 * rate / longest as f64;
-            // Bins above this are not used.
+            // Higher bins are not used.
             if hz < SLOW_HIGHEST_HZ { decimator.power_gain(hz, rate) } else { 1.0 }
         };
-        // Only the last of the four hops around or before a moment: the earlier ones came with earlier moments.
+        // Only the last of the four hops around or before a moment: the earlier hops came with earlier moments.
         let wave_end = place(4 * hop).end;
         let short = hop * Resolution::Short.hops();
         let mut analyzer = Self {
@@ -206,28 +204,28 @@ impl Analyzer {
         analyzer
     }
 
-    /// Levels from now on, or no longer: what is heard goes over to it within tenths of a second.
+    /// Turns automatic gain on or off. The gain changes smoothly within tenths of a second.
     pub fn set_gain(&mut self, gain: Gain) {
         self.gain.set(gain);
     }
 
-    /// Frames per second of the stream.
+    /// The sample rate of the stream, in hertz.
     pub fn sample_rate(&self) -> u32 {
         self.sample_rate
     }
 
-    /// Frames from one moment to the next.
+    /// The number of sample frames per hop.
     pub fn hop(&self) -> usize {
         self.buffer.hop()
     }
 
-    /// Frames that must follow a moment before its features are emitted. With centred windows: half the long window,
-    /// 85 ms at 48 kHz, and the delay of the decimating filter; otherwise 0.
+    /// The number of sample frames after a moment before its features are emitted. With centred windows: half the long
+    /// window, 85 ms at 48 kHz, plus the delay of the decimating filter. With trailing windows: 0.
     pub fn lookahead(&self) -> usize {
         self.lookahead
     }
 
-    /// Forgets everything; the next frame pushed is frame `position` of the stream (0 is its start).
+    /// Resets the analyzer; the next frame pushed is frame `position` of the stream, from 0.
     ///
     /// The first moment is the first multiple of the hop at or after `position`; everything before counts as silence.
     /// To get the features of an uninterrupted analysis after a seek, start a second earlier.
@@ -244,8 +242,8 @@ impl Analyzer {
         self.last = TimedFeatures::new(0.0, 0, Features::SILENCE);
     }
 
-    /// Takes the next frames, any number of them, and emits the features of each moment that became complete.
-    /// Samples that are not finite count as 0; others are clamped to ±8.
+    /// Analyses the next sample frames, any number of them, and emits the features of each completed moment. Samples
+    /// that are not finite count as 0; others are clamped to ±8.
     pub fn push(&mut self, frames: &[StereoFrame], emit: &mut dyn FnMut(&TimedFeatures)) {
         self.progress.any |= !frames.is_empty();
         self.progress.position += frames.len() as u64;
@@ -256,10 +254,10 @@ impl Analyzer {
         }
     }
 
-    /// Ends the stream: emits the remaining moments, with silence after the last frame, up to the first one at or
-    /// after the end of the stream. Emits nothing if nothing was pushed. Afterwards the analyzer is as new.
+    /// Ends the stream: emits the remaining moments, with silence after the last frame, up to the first moment at or
+    /// after the end. Emits nothing if nothing was pushed. Then resets the analyzer.
     pub fn finish(&mut self, emit: &mut dyn FnMut(&TimedFeatures)) {
-        // Every moment before `position + hop`: those before the end of the stream and the first one at or after it.
+        // All moments before `position + hop`: those before the end of the stream and the first one after it.
         while self.progress.any && self.progress.moment < self.progress.position + self.hop() as u64 {
             self.buffer.end();
             self.emit_if_full(emit);
@@ -267,7 +265,7 @@ impl Analyzer {
         self.restart(0);
     }
 
-    /// Measures a full window, emits, and moves the window on by a hop.
+    /// Measures a full window, emits the features, and advances the window by a hop.
     fn emit_if_full(&mut self, emit: &mut dyn FnMut(&TimedFeatures)) {
         if self.buffer.is_full() {
             self.measure();
@@ -277,7 +275,7 @@ impl Analyzer {
         }
     }
 
-    /// Measures the moment whose window is full.
+    /// Measures the moment of the full window.
     fn measure(&mut self) {
         let (history, hop) = (self.buffer.frames(), self.buffer.hop());
         if std::mem::replace(&mut self.progress.has_measured, true) {
@@ -308,7 +306,7 @@ impl Analyzer {
         features.bass = mean(&features.bands[BASS]);
         features.mid = mean(&features.bands[MID]);
         features.treble = mean(&features.bands[TREBLE]);
-        // In its steady state a first-order system holds its input times its time constant.
+        // In steady state, the leaky integral is its input times its time constant.
         self.followers.drive.follow(&mut features.bass_drive, DRIVE_SECONDS as f32 * features.bass);
 
         let volumes = Volumes::of(&history[self.volume_stretch.clone()]);
@@ -344,8 +342,8 @@ impl Analyzer {
     }
 }
 
-/// The mean of both channels over `frames_per_point` frames for each point; where a hop has fewer frames than points,
-/// each frame stands for several points.
+/// Averages both channels over `frames_per_point` frames for each point. If a hop has fewer frames than points, each
+/// frame gives several points.
 fn mean_of_channels(frames: &[StereoFrame], frames_per_point: usize, wave: &mut [f32; WAVE_PER_HOP]) {
     if frames_per_point == 0 {
         for (index, point) in wave.iter_mut().enumerate() {

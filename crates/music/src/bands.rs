@@ -1,38 +1,38 @@
-//! Logarithmic frequency bands: from the power per bin to the level of each band and its height for drawing.
+//! Logarithmic frequency bands: converts the power per bin to band levels and to heights for drawing.
 
 use super::resolution::Resolution;
 use super::scale::{BAND_COUNT, BAND_HIGHEST_HZ, BAND_LOWEST_HZ, LEVEL_FLOOR_DB};
 
-/// The level drawn with height 0, in decibels.
+/// The level with height 0, in decibels.
 const HEIGHT_ZERO_DB: f32 = -66.0;
 
-/// The level drawn with height 1, in decibels.
+/// The level with height 1, in decibels.
 ///
 /// Music mastered at -14 LUFS has a total level of about -13 dB (0 dB: a full-scale sine in both channels). Spread
-/// evenly over 32 bands (pink) that is -28 dB each, a height of 0.63. Because music usually falls towards the treble,
-/// the bass is near -18 dB (0.8), a kick near -10 dB (0.93) and the treble near -45 dB (0.35).
+/// evenly over 32 bands (pink), this is -28 dB each, a height of 0.63. Music usually falls towards the treble, so the
+/// bass is near -18 dB (0.8), a kick near -10 dB (0.93) and the treble near -45 dB (0.35).
 const HEIGHT_ONE_DB: f32 = -6.0;
 
-/// Lower edge of band `index` in hertz; for `BAND_COUNT`, the upper edge of the last band.
+/// Returns the lower edge of band `index` in hertz; for `BAND_COUNT`, the upper edge of the last band.
 ///
-/// The edges divide 30 Hz to 16 kHz into equal ratios (1.217, a little over a quarter of an octave). They do not
-/// depend on the sample rate, so a tone falls into the same band at every rate.
+/// The edges divide 30 Hz to 16 kHz into equal ratios (1.217, a little over a quarter of an octave). They do not depend
+/// on the sample rate, so a tone falls into the same band at every rate.
 pub fn band_edge(index: usize) -> f64 {
     BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(index as f64 / BAND_COUNT as f64)
 }
 
-/// Which bins of which window make up which band.
+/// The weights of the bins in each band.
 ///
-/// Bin k stands for the interval [k - ½, k + ½] bins. A band takes from each bin the share of that interval that lies
-/// within the band's edges. So neighbouring bands divide the bin on their common edge, and no power is lost or
-/// counted twice. The three windows are weighted by [`Resolution::fraction`].
+/// Bin k covers the interval [k - ½, k + ½] bins. A band takes from each bin the fraction of that interval between the
+/// band's edges. Adjacent bands therefore divide the bin on their common edge, and no power is lost or counted twice.
+/// The three windows are weighted by [`Resolution::fraction`].
 pub(super) struct Bands {
-    /// For each band, its bins in each window.
+    /// The bins of each band in each window.
     bands: [[Bins; Resolution::ALL.len()]; BAND_COUNT],
     weights: Vec<f32>,
 }
 
-/// The bins `first_bin..` weighted by `weights[first_weight..first_weight + count]`.
+/// The bins from `first_bin`, weighted by `weights[first_weight..first_weight + count]`.
 #[derive(Clone, Copy, Default)]
 struct Bins {
     first_bin: usize,
@@ -41,8 +41,8 @@ struct Bins {
 }
 
 impl Bands {
-    /// For windows of [`Resolution::hops`] times `hop` frames at `sample_rate` hertz. A band that reaches above half
-    /// the rate is cut there; one wholly above it is silent.
+    /// Creates the weights for windows of [`Resolution::hops`] times `hop` sample frames at `sample_rate` hertz. A band
+    /// is cut at half the sample rate; a band above it is silent.
     pub(super) fn new(hop: usize, sample_rate: f64) -> Self {
         let mut weights = Vec::new();
         let mut bands = [[Bins::default(); Resolution::ALL.len()]; BAND_COUNT];
@@ -67,7 +67,7 @@ impl Bands {
         Self { bands, weights }
     }
 
-    /// The power of each band, from the power per bin of each window.
+    /// Returns the power of each band from the power per bin of each window.
     pub(super) fn powers(&self, spectra: [&[f32]; Resolution::ALL.len()]) -> [f32; BAND_COUNT] {
         self.bands.map(|of_band| {
             let of_window = |(bins, power): (Bins, &[f32])| {
@@ -79,12 +79,12 @@ impl Bands {
     }
 }
 
-/// A power ratio in decibels, not below [`LEVEL_FLOOR_DB`].
+/// Converts a power ratio to decibels, not below [`LEVEL_FLOOR_DB`].
 pub(super) fn decibels(power: f32) -> f32 {
     (10.0 * power.log10()).max(LEVEL_FLOOR_DB)
 }
 
-/// The height 0..1 at which a level is drawn: linear in decibels from -66 dB to -6 dB, clamped.
+/// Converts a level to a height: linear from -66 dB (0) to -6 dB (1), clamped.
 pub(super) fn height(level_db: f32) -> f32 {
     ((level_db - HEIGHT_ZERO_DB) / (HEIGHT_ONE_DB - HEIGHT_ZERO_DB)).clamp(0.0, 1.0)
 }
@@ -104,9 +104,9 @@ mod tests {
         }
     }
 
-    /// Power spread evenly over frequency gives each band its bandwidth, and each bin is given out once.
+    /// Power spread evenly over frequency gives each band its bandwidth, and each bin is counted once.
     #[test]
-    fn bins_are_shared_without_loss() {
+    fn bins_are_divided_without_loss() {
         for (hop, rate) in [(512, 48_000.0), (512, 67_882.0), (8_192, 768_000.0)] {
             let bands = Bands::new(hop, rate);
             let mut given = Resolution::ALL.map(|resolution| vec![0.0_f64; hop * resolution.hops() / 2]);
@@ -134,7 +134,7 @@ mod tests {
                     let expected = inside * resolution.fraction(bin as f64 * bin_hz);
                     assert!(
                         (fraction - expected).abs() < 1e-5,
-                        "bin {bin} is given {fraction} times, not {expected}"
+                        "bin {bin} counts {fraction} times, not {expected}"
                     );
                 }
             }
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn bands_above_the_last_bin_are_silent() {
-        // 8 kHz: the highest frequency is 4 kHz.
+        // At 8 kHz, the highest frequency is 4 kHz.
         let powers = Bands::new(64, 8_000.0).powers([&[1.0; 512], &[1.0; 128], &[1.0; 64]]);
         for (index, &power) in powers.iter().enumerate() {
             assert_eq!(power == 0.0, band_edge(index) > 4_000.0, "band {index}: {power}");

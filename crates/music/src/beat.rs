@@ -1,93 +1,91 @@
-//! Tempo and beat: where in its beat the music is, and when the next beat comes.
+//! Tempo and beat tracking: estimates the phase within the beat and predicts the next beat.
 //!
-//! The tracker is a hidden Markov model. A state is a period and a phase within it, both in whole moments (the bar
-//! pointer of Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer 2015). From moment to
-//! moment every state moves on by one; at the end of a beat it may change to a nearby period. States at the start of
-//! a beat expect a stroke, those at its half may have one, those at its quarters rather not. The model is causal and
-//! hears only the flux. Because the states of a period move together, their ring is rotated instead of copied: a
-//! moment costs a few multiplications for each period, and one sum over all states.
+//! The tracker is a hidden Markov model. A state is a period and a phase within it, both in whole hops (the bar pointer
+//! of Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer 2015). At each hop, every state
+//! advances by one; at the end of a beat it may change to a similar period. The model expects an onset at the start of
+//! a beat, possibly one at its half, and rather none at its quarters. It is causal and uses only the spectral flux. All
+//! states of a period move together, so their ring is rotated instead of copied: a hop costs a few multiplications per
+//! period and one sum over all states.
 //!
-//! **The beat is inferred, not picked.** A hidden Markov model over periods and phases, filtered forwards, expects
-//! strokes where beats have them. Octaves, swing and missing beats are weighed against each other by the same rule, a
-//! likelihood of tempos counts with each beat, and the phase predicts the next beat. What is told has inertia: another
-//! tempo must be much likelier. The model keeps only windowed, held and leaking quantities:
-//! everything it heard is forgotten within seconds, so that a moment looks the same however it was reached. After a
-//! seek the analysis starts 13 s before the target, because a history spans 10 s.
+//! **The beat is inferred, not picked.** One likelihood weighs octaves, swing and missing beats against each other; a
+//! prior over tempos counts again with each beat, and the phase predicts the next beat. The reported tempo has inertia:
+//! it changes only to a much likelier one.
+//!
+//! **The model forgets within seconds.** It keeps only windowed, held and leaky quantities, so a moment looks the same
+//! however it was reached. After a seek the analysis starts 13 s before the target, because a history spans 10 s.
 
 use std::f32::consts::TAU;
 use std::ops::Range;
 
-/// Range of periods, in beats per minute.
+/// Range of tempos, in beats per minute.
 const TEMPO: (f64, f64) = (215.0, 52.0);
 
-/// A beat, its half and its quarters start during this time, in seconds, ...
+/// The duration of the start of a beat, half or quarter, in seconds.
 const START_SECONDS: f64 = 0.021;
-/// ... and what is struck then sounds this long.
+/// The time for which an onset strength is held, in seconds.
 const HELD_SECONDS: f64 = 0.032;
 
-/// How likely a strength is at the start of a beat, at its half and at its quarters, relative to the rest of the beat:
-/// a factor, and the power of the odds of the strength. Halves are struck more often than the rest, quarters less,
-/// which tells a beat from half of one.
+/// Likelihood of an onset strength at the start of a beat, relative to the rest of the beat: a factor, and the power of
+/// the odds of the strength. Halves have more onsets than the rest, quarters fewer, which distinguishes a beat from
+/// half a beat.
 const BEAT: (f32, f32) = (1.1, 0.5);
-/// See [`BEAT`].
+/// Likelihood of an onset at the half of a beat; see [`BEAT`].
 const HALF: (f32, f32) = (1.05, 0.05);
-/// See [`BEAT`].
+/// Likelihood of an onset at the quarters of a beat; see [`BEAT`].
 const QUARTER: (f32, f32) = (1.0, -0.05);
 
-/// The most likely tempo in beats per minute, and the distance from it in octaves at which a tempo is less likely by
-/// exp(-1/2).
+/// The most likely tempo in beats per minute, and the distance in octaves at which a tempo is less likely by exp(-1/2).
 const LIKELY: (f64, f64) = (108.0, 0.9);
-/// The power of that likelihood that counts again with each beat.
+/// The power of that prior that counts again with each beat.
 const LIKELY_EACH_BEAT: f64 = 0.7;
 
-/// How unlikely a change of period is at the end of a beat: exp(-this · relative change). A change by one moment
-/// costs no more than the next constant, because most tempos lie between two periods and their beats alternate
-/// between them.
+/// The cost of a tempo change at the end of a beat: exp(-this · relative change of the period). A change by one hop
+/// costs only [`NEIGHBOUR`], because most tempos are between two periods, and their beats alternate between them.
 const TEMPO_STIFFNESS: f32 = 90.0;
-/// See [`TEMPO_STIFFNESS`].
+/// The cost of a change by one hop; see [`TEMPO_STIFFNESS`].
 const NEIGHBOUR: f32 = 1.2;
-/// Largest change of period from one beat to the next, in moments.
+/// The largest change of period between two beats, in hops.
 const REACH: usize = 8;
 
-/// Share of the belief that is redistributed at each moment, so that a new tempo can be found: over periods by what
-/// is likely before anything is heard, over the phases of a period evenly.
+/// The fraction of the belief that is redistributed at each hop, so that a new tempo can be found: over periods by the
+/// prior, over the phases of a period evenly.
 const DOUBT: f32 = 1e-6;
 
-/// Belief within a tenth of a beat and a twelfth of the tempo around the likeliest state: at or above the first value
-/// a tempo is reported, below the second it is no longer reported.
+/// Thresholds of the belief within a tenth of a beat and a twelfth of the tempo around the likeliest state. A tempo is
+/// reported from the first value on, until the belief falls below the second.
 const REPORTED: (f32, f32) = (0.6, 0.25);
 
-/// The told tempo is left only for one that is this many times as likely.
+/// The reported tempo is replaced only by one that is this many times as likely.
 const INERTIA: f32 = 3.0;
 
-/// No tempo is reported before this many onsets.
+/// The number of onsets before a tempo is reported.
 const ONSETS_MIN: u32 = 2;
 
-/// After this many seconds without an onset nothing is known any more.
+/// The time without an onset after which the tracker restarts, in seconds.
 const FORGET_SECONDS: f64 = 5.0;
 
-/// Share of its error by which the reported phase is corrected at each moment.
+/// The fraction of its error by which the reported phase is corrected at each hop.
 const PULL: f32 = 0.12;
 
-/// What is reported of the beat.
+/// The reported tempo and phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Beat {
     /// Beats per minute; 0 while unknown.
     pub(super) tempo: f32,
-    /// 0 up to 1.
+    /// The phase within the beat, 0 up to 1.
     pub(super) phase: f32,
 }
 
-/// The states of a period.
+/// The states of one period.
 struct Ring {
-    /// Index of its first state in the belief.
+    /// The index of the first state in the belief.
     start: usize,
     period: usize,
-    /// Which of them is at the start of the beat.
+    /// The offset of the state at the start of the beat.
     head: usize,
 }
 
-/// The sum, in eight partial sums that a processor adds side by side.
+/// Sums values in eight partial sums, which vectorize.
 fn sum_of(values: &[f32]) -> f32 {
     let (chunks, rest) = values.as_chunks::<8>();
     let mut sums = [0.0; 8];
@@ -97,35 +95,34 @@ fn sum_of(values: &[f32]) -> f32 {
     sums.iter().sum::<f32>() + rest.iter().sum::<f32>()
 }
 
-/// Follows the beat.
+/// The beat tracker.
 pub(super) struct BeatTracker {
     moments_per_second: f32,
     rings: Vec<Ring>,
     belief: Vec<f32>,
-    /// For each state, counted from the start of its ring: what doubt adds.
+    /// The redistributed belief of each state, counted from the start of its ring.
     doubt: Vec<f32>,
-    /// `passing[to][REACH + from - to]`: how likely a beat of one period follows on another.
+    /// `passing[to][REACH + from - to]`: the transition probability between periods.
     passing: Vec<[f32; 2 * REACH + 1]>,
-    /// The belief that leaves each ring at the end of its beat, padded with zeros before the first and behind the
-    /// last.
+    /// The belief that leaves each ring at the end of its beat, padded with zeros at both ends.
     leaving: Vec<f32>,
     totals: Vec<f32>,
-    /// Moments in which a beat starts, and for which a strength is held.
+    /// The number of hops in the start of a beat.
     start: usize,
     hold: usize,
-    /// The last strengths.
+    /// The last onset strengths.
     held: [f32; 4],
     forget: u32,
     since_onset: u32,
-    /// Onsets since the last time nothing was known.
+    /// The number of onsets since the restart.
     onsets: u32,
-    /// By how many moments the flux is late.
+    /// The delay of the flux, in hops.
     late: f32,
     reported: Beat,
 }
 
 impl BeatTracker {
-    /// For moments `hop_seconds` apart, whose flux shows onsets `late` moments after they happened.
+    /// Creates a tracker for hops of `hop_seconds`, whose flux shows onsets `late` hops after they happened.
     pub(super) fn new(hop_seconds: f64, late: f32) -> Self {
         let period = |tempo: f64| (60.0 / tempo / hop_seconds).round() as usize;
         let mut rings: Vec<Ring> = Vec::new();
@@ -180,7 +177,7 @@ impl BeatTracker {
         tracker
     }
 
-    /// Forgets everything.
+    /// Resets the tracker.
     pub(super) fn restart(&mut self) {
         for (ring, doubt) in self.rings.iter_mut().zip(&self.doubt) {
             ring.head = 0;
@@ -191,8 +188,7 @@ impl BeatTracker {
         self.reported = Beat::default();
     }
 
-    /// Takes the flux of the next moment, relative to the largest recent flux, 0..1, and whether a sound begins
-    /// there.
+    /// Processes the next hop: its flux relative to the largest recent flux, 0..1, and a flag for the onset of a sound.
     pub(super) fn follow(&mut self, flux: f32, begins: bool) -> Beat {
         self.since_onset = if begins { 0 } else { self.since_onset.saturating_add(1) };
         self.onsets = self.onsets.saturating_add(u32::from(begins));
@@ -210,7 +206,7 @@ impl BeatTracker {
         self.tell()
     }
 
-    /// All states move on by a moment.
+    /// Advances all states by a hop.
     fn move_on(&mut self) {
         for (ring, leaving) in self.rings.iter_mut().zip(&mut self.leaving[REACH..]) {
             ring.head = (ring.head + ring.period - 1) % ring.period;
@@ -223,7 +219,7 @@ impl BeatTracker {
         }
     }
 
-    /// Weighs the states by what was heard.
+    /// Weights the states by the onset strength.
     fn observe(&mut self, held: f32) {
         let odds = (held + 0.03) / (1.03 - held);
         let [beat, half, quarter] = [BEAT, HALF, QUARTER].map(|(factor, power)| factor * odds.powf(power));
@@ -249,7 +245,7 @@ impl BeatTracker {
         }
     }
 
-    /// The mean phase and tempo around the likeliest period.
+    /// Updates the report from the mean phase and tempo around the likeliest period.
     fn tell(&mut self) -> Beat {
         let best = self.chosen();
         let around = self.around(best);
@@ -280,7 +276,7 @@ impl BeatTracker {
         let expected = self.reported.phase + 1.0 / period;
         let error = phase - expected - (phase - expected).round();
         let same = self.reported.tempo > 0.0 && error.abs() < 0.2;
-        // Never back: a beat that was reported is not reported again.
+        // The phase never moves back, so that no beat is reported twice.
         let next = if same { expected + (PULL * error).max(-0.7 / period) } else { phase };
         let next = next - next.floor();
         self.reported = Beat {
@@ -290,7 +286,7 @@ impl BeatTracker {
         self.reported
     }
 
-    /// The ring of the told tempo, unless another one is much likelier.
+    /// Returns the ring of the reported tempo, unless another ring is much likelier.
     fn chosen(&self) -> usize {
         let best = self.likeliest(0..self.rings.len());
         if self.reported.tempo <= 0.0 {
@@ -303,13 +299,13 @@ impl BeatTracker {
         if belief(best) < INERTIA * belief(reported) { reported } else { best }
     }
 
-    /// Rings whose tempo lies within a twelfth of that of `ring`.
+    /// Returns the rings whose tempo is within a twelfth of this ring's.
     fn around(&self, ring: usize) -> Range<usize> {
         let reach = self.rings.get(ring).map_or(0, |ring| (ring.period / 12).max(1));
         ring.saturating_sub(reach)..(ring + reach + 1).min(self.rings.len())
     }
 
-    /// The ring with the most belief among these.
+    /// Returns the ring with the largest belief among these.
     fn likeliest(&self, among: Range<usize>) -> usize {
         let start = among.start;
         let totals = self.totals[among].iter().enumerate();

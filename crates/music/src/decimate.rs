@@ -1,24 +1,24 @@
-//! The stream at a lower rate, for low frequencies: a long window of few samples.
+//! Decimation of the stream for low frequencies: a long window with few samples.
 
 use super::StereoFrame;
 
-/// Frames per hop at the lower rate, if the hop has at least that many.
+/// The number of frames per hop at the lower rate, if the hop has at least that many.
 const KEPT_PER_HOP: usize = 64;
 
-/// How many times the moving mean is applied.
+/// The number of times that the moving mean is applied.
 const ORDER: usize = 4;
 
-/// Keeps one frame in `step`, after a filter that passes what is far below half the lower rate.
+/// A decimating low-pass filter that keeps one frame in `step`.
 ///
-/// The filter is the mean of `step` frames, applied four times (Hogenauer 1981). Its zeros lie at all multiples of
-/// the lower rate, so that frequencies which would alias to below 500 Hz are attenuated by 80 dB.
+/// The filter is the mean of `step` frames, applied four times (Hogenauer 1981). Its zeros are at all multiples of the
+/// lower rate, so that frequencies that would alias to below 500 Hz are attenuated by 80 dB.
 pub(super) struct Decimator {
     step: usize,
     taps: Vec<f32>,
 }
 
 impl Decimator {
-    /// For hops of `hop` frames.
+    /// Creates a decimator for hops of `hop` frames.
     pub(super) fn new(hop: usize) -> Self {
         let step = (hop / KEPT_PER_HOP).max(1);
         let mut taps = vec![1.0_f64];
@@ -32,17 +32,17 @@ impl Decimator {
         Self { step, taps: taps.into_iter().map(|tap| tap as f32).collect() }
     }
 
-    /// Frames of the stream for each one that is kept.
+    /// The number of input frames per output frame.
     pub(super) fn step(&self) -> usize {
         self.step
     }
 
-    /// By how many frames a kept frame lies before the last frame that it was made from.
+    /// The delay of an output frame relative to its last input frame, in input frames.
     pub(super) fn delay(&self) -> usize {
         self.taps.len() / 2
     }
 
-    /// The factor by which the filter multiplies the power at `hz`.
+    /// Returns the power gain of the filter at `hz`.
     pub(super) fn power_gain(&self, hz: f64, sample_rate: f64) -> f64 {
         let half_angle = std::f64::consts::PI * hz / sample_rate;
         if half_angle == 0.0 {
@@ -52,7 +52,7 @@ impl Decimator {
         mean.powi(2 * ORDER as i32)
     }
 
-    /// Fills `kept` with the newest kept frames; the last of them ends with the last of `frames`.
+    /// Fills `kept` with the newest output frames. The last one ends with the last of `frames`.
     pub(super) fn keep(&self, frames: &[StereoFrame], kept: &mut [StereoFrame]) {
         for (back, frame) in kept.iter_mut().rev().enumerate() {
             let end = frames.len().saturating_sub(back * self.step);
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_tone_comes_out_by_the_gain_that_is_told() {
+    fn tones_are_attenuated_by_the_reported_gain() {
         for (hz, least) in [(100.0, 0.99), (500.0, 0.9), (5_600.0, 0.0), (11_700.0, 0.0)] {
             let decimator = Decimator::new(512);
             let tone = |n: usize| (std::f64::consts::TAU * hz * n as f64 / 48_000.0).sin() as f32;
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn short_hops_are_kept_as_they_are() {
+    fn short_hops_are_not_decimated() {
         let decimator = Decimator::new(32);
         let mut kept = [[0.0; 2]; 2];
         decimator.keep(&[[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]], &mut kept);

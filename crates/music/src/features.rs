@@ -1,4 +1,4 @@
-//! The features of one moment of sound.
+//! The audio features of one moment.
 
 use serde::Serialize;
 
@@ -6,9 +6,9 @@ use super::scale::{BAND_COUNT, LEVEL_FLOOR_DB, SPECTRUM_POINTS, WAVE_PER_HOP, sp
 
 macro_rules! features {
     ($($(#[doc = $doc:literal])+ $name:ident: $type:ty = $silence:expr, $between:ident;)+) => {
-        /// The features of one moment. Every number is finite, whatever the samples were.
+        /// The audio features of one moment. Every number is finite, for any samples.
         ///
-        /// Values in decibels and hertz are measured. The others are for pictures: levelled by [`Gain`](super::Gain)
+        /// Values in decibels and hertz are measurements. The others are for drawing: levelled by [`Gain`](super::Gain)
         /// and smoothed with attack and release.
         #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
         pub struct Features {
@@ -16,15 +16,15 @@ macro_rules! features {
         }
 
         impl Features {
-            /// Features of silence.
+            /// The features of silence.
             pub const SILENCE: Self = Self { $($name: $silence,)+ };
 
-            /// Each number is interpolated by the rule of its row.
+            /// Interpolates each number by the rule in its row.
             fn between(&self, other: &Self, amount: f32) -> Self {
                 Self { $($name: $between(self.$name, other.$name, amount),)+ }
             }
 
-            /// The number of this name; none if it is a list or there is no such name.
+            /// Returns the number with this name, or `None` if there is none or it is a list.
             fn row(&self, name: &str) -> Option<f32> {
                 match name {
                     $(stringify!($name) => self.$name.number_alone(),)+
@@ -35,19 +35,18 @@ macro_rules! features {
     };
 }
 
-// Each feature: what it is, its type, its value in silence, and how it is interpolated between two moments.
+// Each feature has a description, a type, a value in silence, and a rule for interpolation between two moments.
 features! {
-    /// Loudness of the left and the right channel: the mean of |sample| over a sixtieth of a second (Abt 2022, section 5,
-    /// eq. 1), times the gain, followed with attack and release. 0 is silence, a full-scale sine reads 2/π = 0.637 at a
-    /// gain of 0 dB, a full-scale square wave 1; only samples beyond full scale read more than 1 (at most 8).
+    /// Loudness of the left and the right channel: the mean of |sample| over a sixtieth of a second (Abt 2022, section
+    /// 5, eq. 1), times the gain, smoothed with attack and release. 0 is silence; a full-scale sine reads 2/π = 0.637
+    /// at a gain of 0 dB, a full-scale square wave 1. Only samples beyond full scale read more than 1 (at most 8).
     volume: [f32; 2] = [0.0; 2], mixed;
-    /// The same of what both channels share, (left + right) / 2.
+    /// Loudness of the mid channel, (left + right) / 2.
     volume_mid: f32 = 0.0, mixed;
-    /// The same of the difference, (left - right) / 2: 0 for mono, large for wide stereo.
+    /// Loudness of the side channel, (left - right) / 2: 0 for mono, large for wide stereo.
     volume_side: f32 = 0.0, mixed;
-    /// Height of each band for drawing, 0..1: the band's level plus the gain, mapped from -66..-6 dB linearly in
-    /// decibels and followed with attack and release. Low frequencies first; [`band_edge`](super::band_edge) gives
-    /// the edges.
+    /// Height of each band for drawing, 0..1: the band's level plus the gain, mapped linearly from -66..-6 dB and
+    /// smoothed with attack and release. Low frequencies first; [`band_edge`](super::band_edge) returns the edges.
     bands: [f32; BAND_COUNT] = [0.0; BAND_COUNT], mixed;
     /// Mean height of the bands below 144 Hz, 0..1.
     bass: f32 = 0.0, mixed;
@@ -55,39 +54,38 @@ features! {
     mid: f32 = 0.0, mixed;
     /// Mean height of the bands from 1.85 kHz to 16 kHz, 0..1.
     treble: f32 = 0.0, mixed;
-    /// The spectral centroid, 0 at the lowest band .. 1 at the highest: the mean of the bands' numbers, weighted by
-    /// their power. Followed like the bands; it sinks to 0 in silence.
+    /// The spectral centroid, from 0 at the lowest band to 1 at the highest: the mean of the band numbers, weighted by
+    /// power. Smoothed like the bands; it falls to 0 in silence.
     brightness: f32 = 0.0, mixed;
-    /// 1 at the onset of a sound, then falling by e in 0.15 s.
+    /// 1 at the onset of a sound, then falling by a factor of e in 0.15 s.
     beat: f32 = 0.0, mixed;
     /// Beats per minute; 0 while unknown.
     tempo: f32 = 0.0, known;
-    /// Position between the last beat and the next, 0 up to 1; 0 while the tempo is unknown. The next beat is
-    /// predicted 60 · (1 - phase) / tempo seconds later.
+    /// Phase between the last beat and the next, 0 up to 1; 0 while the tempo is unknown. The next beat is predicted 60
+    /// · (1 - phase) / tempo seconds later.
     phase: f32 = 0.0, held;
-    /// Of live input, which beat of its bar is heard, from 1 on; 0 while that is not sure, and for files, of which the whole
-    /// is known instead ([`SongStructure`](super::SongStructure)).
+    /// The number of the beat in its bar, from 1, for live input; 0 while uncertain, and for files, where the
+    /// [`SongStructure`](super::SongStructure) has the bars instead.
     bar_beat: f32 = 0.0, held;
-    /// How many beats that bar has; 0 while that is not sure.
+    /// The number of beats in the bar; 0 while uncertain.
     bar_beats: f32 = 0.0, held;
-    /// The integral of `bass` over time in seconds, of which all but 1/e is forgotten in 4 s: b' = bass - b / 4 s.
-    /// Time plus this value runs with the bass: faster with each low note, and as fast as time on average.
+    /// The leaky integral of `bass` over time in seconds, which keeps 1/e after 4 s: b' = bass - b / 4 s. Time plus
+    /// this value runs with the bass: faster with each low note, and as fast as time on average.
     bass_drive: f32 = 0.0, mixed;
     /// The gain applied to the values above, in decibels; 0 if it is off.
     gain_db: f32 = 0.0, mixed;
-    /// Level of everything from 30 Hz to 16 kHz in decibels, measured like the levels of the bands.
+    /// The total level from 30 Hz to 16 kHz in decibels, measured like the band levels.
     level_db: f32 = LEVEL_FLOOR_DB, mixed;
     /// Frequency of the strongest tone in hertz, to a hundredth of a bin of the long window (0.06 Hz); 0 below -80 dB.
     peak_hz: f32 = 0.0, held;
-    /// Level of the power in each band in decibels, both channels together, as measured: not smoothed. A sine of
-    /// amplitude a in both channels reads 20·log10(a) dB, summed over the bands it falls into; in one channel alone
-    /// it reads 3.01 dB less. The phase between the channels makes no difference. Never below [`LEVEL_FLOOR_DB`].
+    /// The level of each band in decibels, both channels together, not smoothed. A sine of amplitude a in both channels
+    /// reads 20·log10(a) dB, summed over its bands; in one channel alone it reads 3.01 dB less. The phase between the
+    /// channels makes no difference. Never below [`LEVEL_FLOOR_DB`].
     band_levels_db: [f32; BAND_COUNT] = [LEVEL_FLOOR_DB; BAND_COUNT], mixed;
 }
 
 impl Features {
-    /// The number that scenes read by this name: a feature, a channel of one (`volume.x`), or `pitch`. None if there
-    /// is no such number.
+    /// Returns the number that scenes read by this name: a feature, one of its channels (`volume.x`), or `pitch`.
     pub fn number(&self, name: &str) -> Option<f32> {
         match name {
             "volume.x" => Some(self.volume[0]),
@@ -97,13 +95,12 @@ impl Features {
         }
     }
 
-    /// Linear interpolation from `self` (`amount` 0) to `other` (`amount` 1), number by number. The phase passes
-    /// through 1 to 0; a tempo or a frequency that is unknown at one end keeps the value of the start.
+    /// Interpolates linearly from `self` (`amount` 0) to `other` (`amount` 1), number by number. The phase wraps from 1
+    /// to 0. A tempo or frequency that is unknown at one end keeps the value of the start.
     pub fn lerp(&self, other: &Self, amount: f32) -> Self {
         let mut between = self.between(other, amount);
         if self.tempo > 0.0 && other.tempo > 0.0 {
-            // A tracker that corrects itself may step back a little; a step back of more than half a beat is a new
-            // beat.
+            // A tracker may step back a little to correct itself; a step back of more than half a beat is a new beat.
             let ahead = if other.phase < self.phase - 0.5 { 1.0 } else { 0.0 };
             let phase = mixed(self.phase, other.phase + ahead, amount);
             between.phase = phase - phase.floor();
@@ -115,7 +112,7 @@ impl Features {
     }
 }
 
-/// A number, or a list of them.
+/// A number or an array of numbers.
 trait Numbers: Sized {
     fn mixed(self, other: Self, amount: f32) -> Self;
     fn number_alone(self) -> Option<f32>;
@@ -141,17 +138,17 @@ impl<const N: usize> Numbers for [f32; N] {
     }
 }
 
-/// Linear interpolation between both.
+/// Interpolates linearly.
 fn mixed<T: Numbers>(a: T, b: T, amount: f32) -> T {
     a.mixed(b, amount)
 }
 
-/// The same where both are known, that is above 0; otherwise the first value.
+/// Interpolates if both values are known (above 0); otherwise returns the first.
 fn known(a: f32, b: f32, amount: f32) -> f32 {
     if a > 0.0 && b > 0.0 { mixed(a, b, amount) } else { a }
 }
 
-/// The first value.
+/// Returns the first value.
 fn held(a: f32, _: f32, _: f32) -> f32 {
     a
 }
@@ -162,25 +159,25 @@ impl Default for Features {
     }
 }
 
-/// Features and the moment they belong to.
+/// The features and tables of a moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimedFeatures {
-    /// Seconds of stream time.
+    /// The time in the stream, in seconds.
     pub time: f64,
-    /// Number of the moment: its distance from the stream's start in hops.
+    /// The number of the moment: its distance from the start of the stream in hops.
     pub number: u64,
-    /// The features of that moment.
+    /// The features of the moment.
     pub features: Features,
-    /// Heights of the spectrum, 0..1, at frequencies of equal ratios ([`spectrum_hz`](super::spectrum_hz)), followed
+    /// Heights of the spectrum, 0..1, at frequencies in equal ratios ([`spectrum_hz`](super::spectrum_hz)), smoothed
     /// like the bands.
     pub spectrum: [f32; SPECTRUM_POINTS],
-    /// One hop of the mean of both channels, -8..8. With the three hops before it, it makes the waveform of the
+    /// One hop of the mean of both channels, -8..8. Together with the three previous hops, it is the waveform of the
     /// moment ([`Tables`](super::Tables)).
     pub wave: [f32; WAVE_PER_HOP],
 }
 
 impl TimedFeatures {
-    /// A moment whose tables are silent.
+    /// Creates a moment with silent tables.
     pub const fn new(time: f64, number: u64, features: Features) -> Self {
         Self { time, number, features, spectrum: [0.0; SPECTRUM_POINTS], wave: [0.0; WAVE_PER_HOP] }
     }

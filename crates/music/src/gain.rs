@@ -1,42 +1,41 @@
 //! Automatic gain, so that quiet and loud sources move a scene alike.
 //!
-//! **What scenes see is levelled, what is measured is not.** The gain depends only on the loudest moment of the last
-//! 1.2 s. It is 0 dB within the range of published music, so that a song's quiet passages stay quiet, and 0 dB for
-//! sound as quiet as a room.
+//! The gain applies to the values that scenes see, not to measurements in decibels. It depends only on the loudest
+//! moment of the last 1.2 s. It is 0 dB within the range of published music, so that a song's quiet passages stay
+//! quiet, and 0 dB for room noise.
 
 use super::bands::decibels;
 use super::smoothing::Follower;
 
-/// Whether the 0..1 values that scenes see are levelled. Values in decibels never are.
+/// The gain control of the 0..1 values that scenes see. Values in decibels are never changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gain {
-    /// Quiet sound is lifted and loud sound lowered, both by no more than is needed.
+    /// Raises quiet sound and lowers loud sound, both as little as needed.
     #[default]
     Auto,
-    /// No gain: scenes see the sound as it is.
+    /// No gain.
     Off,
 }
 
-/// Where the loudest recent moment lies between these levels, in decibels, nothing is changed: quiet and loud
-/// passages of published music lie there, and they should stay different.
+/// The range of the loudest recent moment without gain, in decibels. Published music is in this range, and the
+/// difference between its quiet and loud passages should stay.
 const KEPT_DB: (f32, f32) = (-20.0, -4.0);
 
-/// From the first level down to the second the lift is taken back to nothing: sound that quiet is the room.
+/// From the first level down to the second, in decibels, the gain falls to 0: sound this quiet is room noise.
 const GATE_DB: (f32, f32) = (-40.0, -50.0);
 
-/// How long the loudest moment counts, in seconds: longer than the time between two beats, so that the gain does not
-/// pump.
+/// The time for which the loudest moment counts, in seconds. It is longer than a beat, so that the gain does not pump.
 const HELD_SECONDS: f64 = 1.2;
 
 /// Time constant of the power, in seconds.
 const POWER_SECONDS: f64 = 0.04;
 
-/// Time constants of the gain, in seconds: upwards, and downwards.
+/// Time constant of a rising gain, in seconds.
 const GAIN_RISE: f64 = 0.10;
-/// See [`GAIN_RISE`].
+/// Time constant of a falling gain, in seconds.
 const GAIN_FALL: f64 = 0.03;
 
-/// The gain for a level, both in decibels.
+/// Returns the gain for a level, both in decibels.
 ///
 /// | level of the loudest moment | gain |
 /// |---|---|
@@ -52,20 +51,20 @@ fn gain_at(level_db: f32) -> f32 {
     lift + (KEPT_DB.1 - level_db).min(0.0)
 }
 
-/// Follows the level and gives the gain. It forgets everything within seconds, so it soon agrees again after a seek.
+/// Computes the gain from the level. Its memory lasts only seconds, so it soon agrees again after a seek.
 pub(super) struct AutoGain {
     gain: Gain,
     power: f32,
     power_follower: Follower,
     gain_follower: Follower,
     gain_db: f32,
-    /// The followed powers of the last moments, in a ring.
+    /// The smoothed powers of the last moments, in a ring buffer.
     held: Vec<f32>,
     next: usize,
 }
 
 impl AutoGain {
-    /// For moments `hop_seconds` apart.
+    /// Creates a gain control for hops of `hop_seconds`.
     pub(super) fn new(gain: Gain, hop_seconds: f64) -> Self {
         Self {
             gain,
@@ -78,18 +77,18 @@ impl AutoGain {
         }
     }
 
-    /// Levels from now on, or no longer; what is heard goes over to it within tenths of a second.
+    /// Turns the gain on or off. It changes smoothly within tenths of a second.
     pub(super) fn set(&mut self, gain: Gain) {
         self.gain = gain;
     }
 
-    /// Forgets everything.
+    /// Resets the gain.
     pub(super) fn restart(&mut self) {
         self.held.fill(0.0);
         (self.power, self.gain_db) = (0.0, 0.0);
     }
 
-    /// Takes the power of a moment (1: a full-scale sine in both channels). Returns the gain in decibels.
+    /// Processes the power of a moment (1: a full-scale sine in both channels). Returns the gain in decibels.
     pub(super) fn follow(&mut self, power: f32) -> f32 {
         self.power_follower.follow(&mut self.power, power);
         if let Some(slot) = self.held.get_mut(self.next) {
@@ -103,7 +102,7 @@ impl AutoGain {
     }
 }
 
-/// The factor by which a gain in decibels multiplies amplitudes.
+/// Converts a gain in decibels to an amplitude factor.
 pub(super) fn amplitude(gain_db: f32) -> f32 {
     if gain_db == 0.0 { 1.0 } else { 10.0_f32.powf(gain_db / 20.0) }
 }
@@ -113,7 +112,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_curve_is_that_of_the_table() {
+    fn gain_follows_the_table() {
         for (level, gain) in [
             (10.0, -14.0),
             (-4.0, 0.0),
@@ -130,14 +129,14 @@ mod tests {
     }
 
     #[test]
-    fn a_change_is_gone_over_to_and_without_one_there_is_no_gain() {
+    fn changes_of_the_gain_setting_are_smooth() {
         let mut gain = AutoGain::new(Gain::Off, 0.01);
         let after = |gain: &mut AutoGain| (0..200).fold(0.0, |_, _| gain.follow(1e-3));
         assert_eq!(after(&mut gain).to_bits(), 0.0_f32.to_bits());
         gain.set(Gain::Auto);
-        assert!(after(&mut gain) > 9.0, "quiet sound is lifted");
+        assert!(after(&mut gain) > 9.0, "quiet sound is raised");
         gain.set(Gain::Off);
-        assert!(gain.follow(1e-3) > 1.0, "it falls at once");
+        assert!(gain.follow(1e-3) > 1.0, "the gain falls gradually");
         assert!(after(&mut gain).abs() < 1e-3);
     }
 }

@@ -1,22 +1,22 @@
-//! The newest frames of a stream, cut into hops.
+//! A buffer of the newest sample frames of a stream, which advances in hops.
 
 use super::StereoFrame;
 
-/// Samples are clamped to this magnitude (+18 dB), so that no input makes a feature overflow.
+/// The maximum magnitude of samples (+18 dB), so that no feature overflows.
 pub(super) const SAMPLE_MAX: f32 = 8.0;
 
-/// Rate for which the hop is given, in hertz.
+/// The reference sample rate, in hertz.
 const REFERENCE_RATE: f64 = 48_000.0;
 
-/// Frames from one moment to the next at the reference rate: 10.7 ms.
+/// The hop at the reference rate in sample frames: 10.7 ms.
 const REFERENCE_HOP: f64 = 512.0;
 
-/// Frames per hop at `rate` hertz: those of the reference rate, scaled by the nearest power of two.
+/// Returns the hop at `rate` hertz: the reference hop, scaled by the nearest power of two.
 pub(super) fn hop_at(rate: f64) -> usize {
     (REFERENCE_HOP * (rate / REFERENCE_RATE).log2().round().exp2()) as usize
 }
 
-/// A window of frames that moves on by a hop whenever it is full.
+/// A window of sample frames that advances by a hop whenever it is full.
 pub(super) struct HopBuffer {
     frames: Vec<StereoFrame>,
     filled: usize,
@@ -24,18 +24,18 @@ pub(super) struct HopBuffer {
 }
 
 impl HopBuffer {
-    /// A window of `length` frames of silence, to be filled from frame `filled` on.
+    /// Creates a silent window of `length` frames; the next frame is stored at index `filled`.
     pub(super) fn new(length: usize, hop: usize, filled: usize) -> Self {
         Self { frames: vec![[0.0; 2]; length], filled, hop }
     }
 
-    /// Forgets all frames; the next ones are stored from frame `filled` on.
+    /// Clears all frames; the next frame is stored at index `filled`.
     pub(super) fn restart(&mut self, filled: usize) {
         self.frames.fill([0.0; 2]);
         self.filled = filled;
     }
 
-    /// Stores frames until the window is full. Gives those that were stored and the rest. Samples that are not finite
+    /// Stores frames until the window is full. Returns the stored frames and the rest. Samples that are not finite
     /// count as 0; others are clamped to ±8.
     pub(super) fn take<'a>(&mut self, frames: &'a [StereoFrame]) -> (&[StereoFrame], &'a [StereoFrame]) {
         let free = &mut self.frames[self.filled..];
@@ -54,12 +54,11 @@ impl HopBuffer {
         self.filled = self.frames.len();
     }
 
-    /// Whether the window is full.
     pub(super) fn is_full(&self) -> bool {
         self.filled == self.frames.len()
     }
 
-    /// Moves a full window on by a hop.
+    /// Advances a full window by a hop.
     pub(super) fn advance(&mut self) {
         self.frames.copy_within(self.hop.., 0);
         self.filled -= self.hop;
@@ -70,12 +69,12 @@ impl HopBuffer {
         &self.frames
     }
 
-    /// The last so many frames of the window.
+    /// The last `count` frames of the window.
     pub(super) fn newest(&self, count: usize) -> &[StereoFrame] {
         &self.frames[self.frames.len() - count..]
     }
 
-    /// Frames per hop.
+    /// The number of frames per hop.
     pub(super) fn hop(&self) -> usize {
         self.hop
     }

@@ -1,4 +1,4 @@
-//! Analysis: stereo samples in, [`Features`] out. Pure: no I/O, no clock, no thread, no knowledge of devices.
+//! Audio analysis: stereo samples in, [`Features`] out. The analysis is pure: it has no I/O, clock, thread or device.
 //!
 //! ```text
 //!                          ┌─ volumes ─────────────────────────────────┐
@@ -8,14 +8,13 @@
 //!                                       Sound: features and tables of a moment ◄─ FeatureTrack ◄┘
 //! ```
 //!
-//! Everything runs on hops of samples counted from the start of the stream, never on pictures or on blocks as they
-//! happen to arrive. So the features of a moment are the same live and offline, at any frame rate, and however the
-//! samples were cut into blocks.
+//! Everything is computed on hops of samples counted from the start of the stream, independent of video frames and of
+//! the sizes of arriving blocks. The features of a moment are therefore the same live and offline.
 //!
 //! ```
 //! use mariana_music::{Alignment, Analyzer, StereoFrame};
 //!
-//! // A second of a low tone.
+//! // One second of a low tone.
 //! let tone = |n: usize| (std::f32::consts::TAU * 60.0 * n as f32 / 48_000.0).sin();
 //! let frames: Vec<StereoFrame> = (0..48_000).map(|n| [0.5 * tone(n); 2]).collect();
 //!
@@ -73,5 +72,5 @@ pub use tables::{HISTORY_POINTS, HISTORY_SECONDS, Sound, Tables, WAVEFORM_POINTS
 pub use tap::TapTempo;
 pub use track::FeatureTrack;
 
-/// One sample of each channel, left then right; nominally -1..1.
+/// One sample frame: a sample of each channel, left then right; nominally -1..1.
 pub type StereoFrame = [f32; 2];

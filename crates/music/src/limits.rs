@@ -1,18 +1,15 @@
-//! Every ceiling of this crate, in one place.
-//!
-//! A limit is data: code that obeys a limit reads it here, an error that reports one names the number from here, and
-//! a test reaches it.
+//! All limits of this crate. Code, error messages and tests read them from here.
 
-/// Ceilings on the sound that is analysed and on what is kept of it.
+/// Limits on the analysed sound and on stored results.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Lowest sample rate of a stream, in hertz.
+    /// The minimum sample rate of a stream, in hertz.
     pub sample_rate_min: u32,
-    /// Highest sample rate of a stream, in hertz.
+    /// The maximum sample rate of a stream, in hertz.
     pub sample_rate_max: u32,
-    /// Longest time over which a feature track remembers, in seconds (0.5 MB for each).
+    /// The maximum time span of a feature track, in seconds (0.5 MB per second).
     pub feature_track_seconds_max: f64,
-    /// How much of a song is listened to for its structure, in seconds (7 kB for each).
+    /// The maximum time of a song that is analysed for its structure, in seconds (7 kB per second).
     pub song_seconds_max: f64,
 }
 

@@ -1,28 +1,28 @@
-//! The spectrum as a curve: heights at many frequencies, spaced in equal ratios.
+//! The spectrum as a curve: heights at many frequencies in equal ratios.
 
 use super::bands::decibels;
 use super::resolution::Resolution;
 use super::scale::{LEVEL_FLOOR_DB, SPECTRUM_POINTS, spectrum_hz};
 
-/// The level drawn with height 0, in decibels.
+/// The level with height 0, in decibels.
 const HEIGHT_ZERO_DB: f32 = -84.0;
 
-/// The level drawn with height 1, in decibels: single lines of music lie 10 to 20 dB below the level of their band.
+/// The level with height 1, in decibels. Single lines of music are 10 to 20 dB below the level of their band.
 const HEIGHT_ONE_DB: f32 = -12.0;
 
-/// The factor from Parseval's scale to Hann's coherent gain, for the power at a tone's bin: the noise bandwidth
-/// of 1.5 bins.
+/// The factor from Parseval's scale to Hann's coherent gain for the power at a tone's bin: the noise bandwidth of 1.5
+/// bins.
 const NOISE_BANDWIDTH: f32 = 1.5;
 
-/// Which bins make up which point.
+/// The bins of each point.
 pub(super) struct Lines {
     points: Vec<Point>,
 }
 
-/// A point takes shares of two windows at most, because the ranges where windows hand over do not meet.
+/// A point with its parts from two windows at most: the crossover ranges of the windows do not overlap.
 struct Point {
     parts: [Part; 2],
-    /// Whether the frequency is below half the sample rate.
+    /// True if the frequency is below half the sample rate.
     exists: bool,
 }
 
@@ -31,7 +31,7 @@ struct Part {
     window: usize,
     fraction: f32,
     first_bin: usize,
-    /// Number of bins whose largest is taken; with two, `between` says where between them the point lies.
+    /// The number of bins. The largest is taken, or with two, `between` interpolates between them.
     count: usize,
     between: Option<f32>,
 }
@@ -48,7 +48,7 @@ impl Part {
 }
 
 impl Lines {
-    /// For windows of [`Resolution::hops`] times `hop` frames at `sample_rate` hertz.
+    /// Creates the points for windows of [`Resolution::hops`] times `hop` frames at `sample_rate` hertz.
     pub(super) fn new(hop: usize, sample_rate: f64) -> Self {
         let steps = (SPECTRUM_POINTS - 1) as f64;
         let points = (0..SPECTRUM_POINTS).map(|index| {
@@ -63,7 +63,7 @@ impl Lines {
                 let (low, high) = (bin(index as f64 - 0.5).ceil(), bin(index as f64 + 0.5).floor());
                 let here = bin(index as f64);
                 *part = if high > low {
-                    // Several bins within the point's reach: take the largest.
+                    // Several bins are within the point's reach: take the largest.
                     let count = (high - low) as usize + 1;
                     Part { window, fraction: fraction as f32, first_bin: low as usize, count, between: None }
                 } else {
@@ -77,7 +77,7 @@ impl Lines {
     }
 
     /// Writes the height of each point, 0..1, from the power per bin of each window: a tone's amplitude in decibels
-    /// (with Hann's coherent gain taken out) plus `gain_db`, from -84 dB to -12 dB. A tone between two bins reads up
+    /// (corrected for Hann's coherent gain) plus `gain_db`, mapped from -84..-12 dB. A tone between two bins reads up
     /// to 1.4 dB less.
     pub(super) fn heights(
         &self,
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_point_reads_even_power_alike() {
+    fn flat_power_gives_equal_heights() {
         let lines = Lines::new(512, 48_000.0);
         let mut heights = [0.0; SPECTRUM_POINTS];
         lines.heights([&[1e-4; 4096], &[1e-4; 1024], &[1e-4; 512]], 0.0, &mut heights);

@@ -1,55 +1,55 @@
-//! Bars of sound whose end is not known: which beat of its bar is heard now, as far as what was heard makes it sure.
+//! Bar tracking in live input: the number of the current beat in its bar, if it is certain enough.
 //!
-//! What the song's bars are decoded from ([`crate::song`]) is known of a beat when it is over: how strongly what is low and
-//! what is high was struck, and how far pitches and sound differ from those of the beat before (Goto 2001). A hidden
-//! Markov model whose states are the positions in bars of four and of three beats takes that up beat by beat. Nothing is
-//! told while no position is much likelier than the others.
+//! Each completed beat gives the same evidence as the bars of a whole song ([`crate::song`]): the strength of low and
+//! high onsets, and the change of pitches and timbre from the previous beat (Goto 2001). A hidden Markov model over the
+//! positions in bars of four and three beats accumulates it beat by beat. A position is reported only while it is much
+//! likelier than the others.
 
 use super::rises::LowAndHigh;
 use super::scale::{SPECTRUM_POINTS, spectrum_place};
 
-/// Lengths of bars, in beats.
+/// The lengths of bars, in beats.
 const METERS: [usize; 2] = [4, 3];
-/// Positions in all of them.
+/// The number of positions in all bars.
 const STATES: usize = 7;
 
-/// A beat is struck from this share of the beat before it to this share of itself.
+/// Onsets belong to a beat from the first fraction of the previous beat to the second fraction of the beat itself.
 const STRUCK: (f32, f32) = (0.85, 0.3);
 
-/// Time in beats over which it is learned what is usual.
+/// The time constant of the statistics, in beats.
 const USUAL_BEATS: f32 = 24.0;
-/// After so many beats it is known a little what is usual, and evidence counts.
+/// The number of beats before evidence counts.
 const FIRST_BEATS: u32 = 5;
 
-/// How much evidence counts, in natural logarithms for each standard deviation.
+/// The weight of the evidence, in natural logarithms per standard deviation.
 const EVIDENCE: f32 = 0.45;
-/// How likely it is that a bar ends early, and that the meter changes with a bar.
+/// The probability that a bar ends early and the meter may change.
 const BREAK: f32 = 0.004;
-/// Belief is taken to this power at each beat, so that what was heard long ago is forgotten.
+/// The power to which the belief is raised at each beat, so that old evidence is forgotten.
 const REMEMBERED: f32 = 0.985;
-/// From the first of these beliefs on a position is told, below the second no longer.
+/// A position is reported from the first belief on, until it falls below the second.
 const REPORTED: (f32, f32) = (0.9, 0.6);
 
-/// Pitches are compared between these frequencies, in hertz; above them it is the sound.
+/// The range in which pitches are compared, in hertz. Frequencies above it show the timbre.
 const PITCHES_HZ: (f64, f64) = (60.0, 1_600.0);
 
-/// What is reported of the bar.
+/// The reported position in the bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LiveBar {
-    /// Which beat of its bar, from 1 on; 0 while unsure.
+    /// The number of the beat in its bar, from 1; 0 while uncertain.
     pub(super) beat: f32,
-    /// Beats of the bar; 0 while unsure.
+    /// The number of beats in the bar; 0 while uncertain.
     pub(super) beats: f32,
 }
 
-/// What is heard in a moment.
+/// The onset strengths of a moment.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Strokes {
-    /// Rise of what is low.
+    /// The rise of low frequencies.
     pub(super) low: f32,
-    /// Rise of what is high.
+    /// The rise of high frequencies.
     pub(super) high: f32,
-    /// The flux, relative to the largest of late.
+    /// The flux, relative to the largest recent flux.
     pub(super) flux: f32,
 }
 
@@ -65,7 +65,7 @@ impl Strokes {
     }
 }
 
-/// A number of each beat, told in deviations from what is usual.
+/// Running statistics of a number per beat, for standardising it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Usual {
     mean: f32,
@@ -81,22 +81,22 @@ impl Usual {
     }
 }
 
-/// Follows the bar.
+/// The bar tracker.
 pub(super) struct LiveBars {
-    /// Points of the spectrum that have pitches.
+    /// The spectrum points in the range of pitches.
     pitches: std::ops::Range<usize>,
     phase: f32,
-    /// Strokes of the beat that is heard, and of the next one.
+    /// Onset strengths of the current beat.
     now: Strokes,
     next: Strokes,
-    /// The sum of the spectra of this beat, how many they are, and the mean of the beat before.
+    /// The sum of the spectra of this beat.
     sum: [f32; SPECTRUM_POINTS],
     count: f32,
     before: [f32; SPECTRUM_POINTS],
-    /// Low, high, struck, harmony, sound.
+    /// Statistics of the low, high and total onset strength, the harmony and the timbre.
     usual: [Usual; 5],
     beats: u32,
-    /// How likely each position is for the beat that is heard: those of the first meter, then of the next.
+    /// The belief in each position of the current beat: the first meter's positions, then the next meter's.
     belief: [f32; STATES],
     reported: LiveBar,
 }
@@ -119,12 +119,12 @@ impl LiveBars {
         }
     }
 
-    /// Forgets everything.
+    /// Resets the tracker.
     pub(super) fn restart(&mut self) {
         *self = Self::new();
     }
 
-    /// Takes a moment: the beat's phase, 0..1, if there is a tempo, the strokes, and the spectrum.
+    /// Processes a moment: the beat's phase, 0..1, if there is a tempo, the onset strengths, and the spectrum.
     pub(super) fn follow(
         &mut self,
         phase: Option<f32>,
@@ -152,7 +152,7 @@ impl LiveBars {
         self.reported
     }
 
-    /// What was heard of the beat that is over makes its position likelier or less; the next one has begun.
+    /// Updates the belief with the evidence of the completed beat, and starts the next beat.
     fn end_beat(&mut self) {
         let scale = 1.0 / self.count.max(1.0);
         let mean = self.sum.map(|sum| sum * scale);
@@ -182,7 +182,7 @@ impl LiveBars {
         self.tell();
     }
 
-    /// Weighs positions as the song's bars are weighed, of which all is known (`song::bars`).
+    /// Weights the positions like the bars of a whole song (`song::bars`).
     fn weigh(&mut self, [low, high, struck, harmony, sound]: [f32; 5]) {
         let start = 0.7 * low + harmony + 0.7 * sound;
         let snare = 0.5 * (high + struck) - low;
@@ -202,7 +202,7 @@ impl LiveBars {
         self.belief.iter_mut().for_each(|belief| *belief /= sum.max(f32::MIN_POSITIVE));
     }
 
-    /// The next beat has the next position, or begins a bar of any meter.
+    /// Advances every position by a beat. With a small probability, a bar of any meter starts instead.
     fn move_on(&mut self) {
         let mut rest = self.belief.as_mut_slice();
         for meter in METERS {

@@ -1,24 +1,24 @@
-//! The energy of sound whose end is not known: how loud it is, against the loudest of the last minutes.
+//! The energy of live input: its loudness relative to the loudest moment of the last minutes.
 
-/// Levels that read 0, in decibels below the loudest: those of a song's structure.
+/// The level with energy 0, in decibels below the loudest; the same as in a song's structure.
 const RANGE_DB: f32 = 36.0;
-/// In this time, in seconds, all but 1/e of a change of level is followed.
+/// Time constant of the level, in seconds.
 const FOLLOWS_IN: f64 = 0.7;
-/// How fast the loudest moment is forgotten, in decibels a second: 6 dB in two minutes.
+/// The decay of the loudest level, in decibels a second: 6 dB in two minutes.
 const FORGOTTEN_DB: f64 = 0.05;
-/// The loudest moment is at least this loud, in decibels, so that noise does not count as music.
+/// The minimum of the loudest level, in decibels, so that noise does not count as music.
 const LOUDEST_MIN_DB: f32 = -50.0;
 
 /// Follows the level of a stream. The same levels at the same times give the same energy.
 #[derive(Clone, Debug, Default)]
 pub struct LiveEnergy {
-    /// The time of the last level, the level that is followed, and the loudest one.
+    /// The time of the last level, the smoothed level, and the loudest level.
     state: Option<(f64, f32, f32)>,
 }
 
 impl LiveEnergy {
-    /// The energy, 0..1, at `time` in seconds, where the level is `level_db`
-    /// ([`Features::level_db`](super::Features)). A step back in time changes nothing but the time.
+    /// Returns the energy, 0..1, at `time` in seconds for the level `level_db`
+    /// ([`Features::level_db`](super::Features)). A step back in time changes only the time.
     pub fn at(&mut self, time: f64, level_db: f32) -> f32 {
         let level_db = if level_db.is_finite() { level_db } else { super::LEVEL_FLOOR_DB };
         let time = if time.is_finite() { time } else { 0.0 };
@@ -36,21 +36,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn energy_is_told_against_the_loudest_of_the_last_minutes() {
+    fn energy_is_relative_to_the_loudest_of_the_last_minutes() {
         let mut energy = LiveEnergy::default();
         let mut run = |from: u32, to: u32, level| {
             (from * 10..to * 10).map(|n| energy.at(f64::from(n) / 10.0, level)).last().unwrap_or_default()
         };
         assert_eq!(run(0, 5, -10.0), 1.0);
         let quiet = run(5, 15, -28.0);
-        assert!((0.45..0.55).contains(&quiet), "half of the range below: {quiet}");
+        assert!((0.45..0.55).contains(&quiet), "half the range below the loudest: {quiet}");
         let later = run(15, 615, -28.0);
         assert!(later > 0.99, "the loud moment is forgotten: {later}");
         assert_eq!(run(615, 625, -120.0), 0.0);
     }
 
     #[test]
-    fn noise_is_no_music_and_no_time_breaks_it() {
+    fn noise_has_no_energy_and_odd_times_are_handled() {
         let mut energy = LiveEnergy::default();
         assert!(energy.at(0.0, -90.0) <= 0.0);
         for (time, level) in

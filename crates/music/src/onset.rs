@@ -1,84 +1,83 @@
-//! Onsets: where sounds begin.
+//! Onset detection: the spectral flux and an adaptive threshold.
 
 use super::scale::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
 
-/// Groups of bins whose rise is measured, in equal ratios from 30 Hz to 16 kHz.
+/// The number of bin groups, in equal ratios from 30 Hz to 16 kHz.
 const GROUPS: usize = 30;
 
 /// Strength of the logarithmic compression of a group's level: log(1 + this · level).
 const COMPRESSION: f32 = 20.0;
 
-/// Amplitudes below this (-70 dB) are too weak for a sound to begin.
+/// Amplitudes below this (-70 dB) are too weak for an onset.
 const AMPLITUDE_MIN: f32 = 3e-4;
 
-/// How far the levels of groups are made alike (adaptive whitening; Stowell and Plumbley 2007): 0 leaves them as they
-/// are, at 1 the loudest recent amplitude of each group is 1. So what lies under a loud chord, in other groups than
-/// its tones, counts.
+/// The strength of the adaptive whitening (Stowell and Plumbley 2007): 0 leaves the levels of groups unchanged; at 1
+/// the loudest recent amplitude of each group is 1. Whitening makes changes count that are quieter than a loud chord in
+/// other groups.
 const WHITENING: f32 = 0.4;
 
-/// Time in which the loudest amplitudes are forgotten, in seconds.
+/// Time constant of the decay of the loudest amplitudes, in seconds.
 const LOUDEST_SECONDS: f64 = 4.0;
 
-/// No group's loudest amplitude counts as less than this share of the loudest of all (-50 dB).
+/// The minimum of a group's loudest amplitude, relative to the total (-50 dB).
 const GROUP_MIN: f32 = 3e-3;
 
-/// Moments between the two spectra that are compared: windows of two hops that do not overlap.
+/// The distance of the two compared spectra, in hops: their windows of two hops do not overlap.
 const LAG: usize = 2;
 
-/// Groups weigh as their frequency to this power: drums and basses carry the beat, hats fill it.
+/// The power of the frequency that weights the groups: drums and basses carry the beat, hats fill it.
 const WEIGHT_POWER: f64 = -0.2;
 
-/// Time over which it is learned how much a group usually rises, in seconds.
+/// Time constant of a group's mean rise, in seconds.
 const USUAL_SECONDS: f64 = 2.0;
 
-/// A group that usually rises less than this counts as rising that much.
+/// The minimum of a group's mean rise.
 const USUAL_MIN: f32 = 0.05;
 
-/// What is usual before anything is heard: about what it is in noise.
+/// The initial mean rise, about that of noise.
 const USUAL_AT_FIRST: f32 = 0.2;
 
-/// A rise of more than this many times the usual one counts as that many, so that one group alone is no onset.
+/// The maximum rise of one group relative to its mean, so that a single group is no onset.
 const SUDDEN_MOST: f32 = 8.0;
 
-/// A rise teaches as no more than this many times the usual one, so that strokes do not become usual.
+/// The maximum rise that enters the mean, relative to it, so that onsets do not raise it much.
 const TEACHES_MOST: f32 = 3.0;
 
-/// How the spectrum of a moment rises above that of the moment before.
+/// The rise of the spectrum between two moments.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Rise {
-    /// The spectral flux: the weighted mean over groups of the rise of log(1 + 20·level), 0 or more. A group's level
-    /// is relative to the loudest recent amplitude of all and, in part, of the group. Falls count nothing.
+    /// The spectral flux: the weighted mean over groups of the rise of log(1 + 20·level), 0 or more. A group's level is
+    /// relative to the loudest recent total amplitude and, in part, to the group's own. Falling groups count 0.
     pub(super) flux: f32,
-    /// The mean over groups of how many times as much each rises as it usually does, 0 to [`SUDDEN_MOST`]. In steady
-    /// noise the groups rise each for themselves, so that their mean stays near 1; where a sound begins they rise
-    /// together.
+    /// The weighted mean over groups of each rise relative to the group's mean rise, 0 to [`SUDDEN_MOST`]. In steady
+    /// noise groups rise independently, so the value stays near 1; at an onset they rise together.
     pub(super) sudden: f32,
 }
 
-/// Measures rises.
+/// Measures the rise of the spectrum.
 pub(super) struct Flux {
-    /// First bins of the groups, and the end of the last.
+    /// The first bins of the groups, and the end of the last.
     edges: [usize; GROUPS + 1],
-    /// Their sum is 1.
+    /// The weights of the groups, with sum 1.
     weights: [f32; GROUPS],
     last: [[f32; GROUPS]; LAG],
-    /// The loudest recent amplitude of all, and of each group.
+    /// The loudest recent total amplitude.
     loudest: f32,
     loudest_of: [f32; GROUPS],
     usual: [f32; GROUPS],
-    /// Share of the loudest that is left after a moment, and share of the usual rise that a moment adds.
+    /// The fraction of the loudest amplitude that is left after a hop.
     kept: f32,
     learned: f32,
 }
 
 impl Flux {
-    /// For power spectra of `bins` bins of `bin_hz` hertz, `hop_seconds` apart.
+    /// Creates a flux for power spectra of `bins` bins of `bin_hz` hertz, `hop_seconds` apart.
     pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64) -> Self {
         let hz = |group: f64| BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(group / GROUPS as f64);
         let mut edges = [0; GROUPS + 1];
         let mut least = 1;
         for (group, edge) in edges.iter_mut().enumerate() {
-            // Each group has at least one bin, so the low ones lie higher than equal ratios would put them.
+            // Each group has at least one bin, so the low groups are higher than equal ratios would put them.
             *edge = ((hz(group as f64) / bin_hz).round() as usize).max(least).min(bins);
             least = *edge + 1;
         }
@@ -96,7 +95,6 @@ impl Flux {
         }
     }
 
-    /// Forgets everything.
     pub(super) fn restart(&mut self) {
         self.last = [[0.0; GROUPS]; LAG];
         self.loudest = 0.0;
@@ -104,7 +102,7 @@ impl Flux {
         self.usual = [USUAL_AT_FIRST; GROUPS];
     }
 
-    /// The rise of the next moment, from its power per bin.
+    /// Returns the rise at the next moment, from its power per bin.
     pub(super) fn follow(&mut self, power: &[f32]) -> Rise {
         let amplitudes: [f32; GROUPS] = std::array::from_fn(|group| {
             let bins = power.get(self.edges[group]..self.edges[group + 1]).unwrap_or_default();
@@ -134,35 +132,35 @@ impl Flux {
     }
 }
 
-/// How far back the suddenness of a rise is compared, in seconds.
+/// The history for the threshold of [`Rise::sudden`], in seconds.
 const SUDDEN_SECONDS: f64 = 2.4;
 
-/// How far back its flux is compared, in seconds.
+/// The history for the largest flux, in seconds.
 const FLUX_SECONDS: f64 = 1.2;
 
-/// Less flux than this is weak, even where nothing is stronger.
+/// The minimum of the largest recent flux: weaker flux counts as weak even in silence.
 pub(super) const FLUX_MIN: f32 = 0.05;
 
-/// An onset is more sudden than the median of that time by this many times the distance from the median to the lower
+/// The threshold for [`Rise::sudden`] is its median plus this many times the distance from the median to the lower
 /// quartile, which noise does not reach, ...
 const SUDDEN_SPREADS: f32 = 11.0;
-/// ... but by no less than the first and no more than the second of these (noise spreads less than dense music), ...
+/// ... clamped to this range, because noise spreads less than dense music, ...
 const SUDDEN_ABOVE: (f32, f32) = (0.6, 1.45);
-/// ... and by this share of the way from the median to the largest.
+/// ... and at least this fraction of the distance from the median to the largest value.
 const SUDDEN_FRACTION: f32 = 0.25;
 
-/// Moments of silence that count as heard before the first moment.
+/// The number of silent moments assumed before the first moment.
 const SILENT_BEFORE: usize = 16;
 
-/// Two onsets are never closer than this, in seconds.
+/// The minimum distance between two onsets, in seconds.
 const ONSETS_APART: f64 = 0.05;
 
-/// Finds onsets in the rises with an adaptive threshold, at once: nothing that comes later is needed.
+/// Detects onsets with an adaptive threshold, without lookahead.
 pub(super) struct Onsets {
-    /// The last rises, in a ring.
+    /// The last values of [`Rise::sudden`], in a ring buffer.
     sudden: Vec<f32>,
     flux: Vec<f32>,
-    /// Rises taken, and how many of them count.
+    /// The number of moments so far.
     moment: usize,
     taken: usize,
     sorted: Vec<f32>,
@@ -172,7 +170,7 @@ pub(super) struct Onsets {
 }
 
 impl Onsets {
-    /// For moments `hop_seconds` apart.
+    /// Creates a detector for hops of `hop_seconds`.
     pub(super) fn new(hop_seconds: f64) -> Self {
         let ring = |seconds: f64| vec![0.0; (seconds / hop_seconds).ceil() as usize];
         let apart = (ONSETS_APART / hop_seconds).round() as u32;
@@ -188,7 +186,6 @@ impl Onsets {
         }
     }
 
-    /// Forgets everything.
     pub(super) fn restart(&mut self) {
         self.sudden.fill(0.0);
         self.flux.fill(0.0);
@@ -196,8 +193,8 @@ impl Onsets {
         (self.above, self.since) = (false, self.apart);
     }
 
-    /// Takes the rise of a moment. Returns whether a sound begins there, and the flux relative to the largest recent
-    /// one, 0..1.
+    /// Processes the rise of a moment. Returns true at an onset, and the flux relative to the largest recent flux,
+    /// 0..1.
     pub(super) fn follow(&mut self, rise: Rise) -> (bool, f32) {
         for (ring, value) in [(&mut self.sudden, rise.sudden), (&mut self.flux, rise.flux)] {
             let place = self.moment % ring.len();
@@ -216,10 +213,10 @@ impl Onsets {
         (begins, (rise.flux / strongest).min(1.0))
     }
 
-    /// What an onset exceeds.
+    /// Returns the threshold for an onset.
     fn threshold(&mut self) -> f32 {
-        // Before the ring is full its first places are. A little silence before the first moment counts, so that a sound
-        // with which the stream starts begins there.
+        // Until the ring is full, only its first entries count. Some silence before the first moment counts, so that a
+        // sound at the start of the stream is an onset.
         let count = self.taken.max(SILENT_BEFORE).min(self.sudden.len());
         let sorted = &mut self.sorted[..count];
         sorted.copy_from_slice(&self.sudden[..count]);

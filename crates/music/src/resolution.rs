@@ -1,10 +1,9 @@
-//! Three lengths of window: a long one separates low tones, a short one locates high sounds in time.
+//! Three window lengths: the long one separates low tones, the short one locates high sounds in time.
 //!
-//! **Three windows.** 16 hops separate the tones of the bass, 2 hops locate a high sound in time, 4 hops are in
-//! between. Where one window hands over to the next they are cross-faded by a raised cosine over frequency, so that a
-//! tone keeps its level wherever it lies. The long window is computed at an eighth of the rate, for a tenth of the
-//! work. Live input has no future, so its windows end at the newest sample (`Alignment::Trailing`) and nothing is
-//! waited for.
+//! A window of 16 hops separates the tones of the bass, 2 hops locate a high sound in time, and 4 hops are in between.
+//! Adjacent windows are cross-faded over frequency by a raised cosine, so that a tone keeps its level at any frequency.
+//! The long window is computed at an eighth of the rate, with a tenth of the work. For live input the windows end at
+//! the newest sample (`Alignment::Trailing`), so there is no delay.
 
 /// One of the three windows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,17 +16,17 @@ pub(super) enum Resolution {
     Short,
 }
 
-/// Between these frequencies, in hertz, the middle window takes over from the long one.
+/// The crossover range from the long to the middle window, in hertz.
 const LONG_TO_MIDDLE: (f64, f64) = (200.0, 500.0);
 
-/// The same from the middle to the short one.
+/// The crossover range from the middle to the short window, in hertz.
 const MIDDLE_TO_SHORT: (f64, f64) = (2_000.0, 5_000.0);
 
 impl Resolution {
-    /// All, the longest first.
+    /// All windows, the longest first.
     pub(super) const ALL: [Self; 3] = [Self::Long, Self::Middle, Self::Short];
 
-    /// Length of the window in hops.
+    /// The length of the window in hops.
     pub(super) const fn hops(self) -> usize {
         match self {
             Self::Long => 16,
@@ -36,12 +35,11 @@ impl Resolution {
         }
     }
 
-    /// The share of the power at `hz` that is taken from this window, 0..1; the three shares sum to 1.
+    /// Returns the fraction of the power at `hz` that is taken from this window, 0..1. The three fractions sum to 1.
     ///
-    /// Neighbouring windows are cross-faded by a raised cosine, over a range many times as wide as the wider of the
-    /// two main lobes. Within one lobe the share is then nearly a straight line, so that a tone reads its power
-    /// wherever it lies: at most 0.04 dB are lost. With a sharp border a tone next to it would lose the part of its
-    /// lobes beyond.
+    /// Adjacent windows are cross-faded by a raised cosine, over a range many times wider than their main lobes. Within
+    /// one lobe the fraction is nearly linear, so a tone loses at most 0.04 dB. A sharp border would cut off part of
+    /// the lobes of a tone next to it.
     pub(super) fn fraction(self, hz: f64) -> f64 {
         let passed = |(low, high): (f64, f64)| {
             let way = ((hz - low) / (high - low)).clamp(0.0, 1.0);
@@ -61,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_are_one_in_sum_and_each_window_has_its_range() {
+    fn fractions_sum_to_one_and_each_window_has_its_range() {
         for hz in (0..2_400).map(|step| f64::from(step) * 10.0) {
             let fractions = Resolution::ALL.map(|resolution| resolution.fraction(hz));
             assert!((fractions.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{fractions:?} at {hz} Hz");

@@ -1,4 +1,4 @@
-//! Onsets, beats and bars, heard in the short window.
+//! Onsets, beats and bars, from the short window.
 
 use super::beat::{Beat, BeatTracker};
 use super::live_bars::{LiveBar, LiveBars, Strokes};
@@ -6,25 +6,25 @@ use super::onset::{Flux, Onsets};
 use super::rises::Rises;
 use super::scale::SPECTRUM_POINTS;
 
-/// Onset and beat of one moment.
+/// The onset and the beat of one moment.
 pub(super) struct RhythmMoment {
-    /// Whether a sound begins.
+    /// True at an onset.
     pub(super) begins: bool,
     pub(super) beat: Beat,
     strokes: Option<Strokes>,
 }
 
-/// Follows the rhythm from moment to moment.
+/// Tracks onsets, beats and bars.
 pub(super) struct Rhythm {
     flux: Flux,
     onsets: Onsets,
     beats: BeatTracker,
-    /// Of live input alone; of a song all is known.
+    /// The bar tracker, for live input only. Bars of songs come from [`crate::song`].
     bars: Option<(Rises, LiveBars)>,
 }
 
 impl Rhythm {
-    /// For spectra of `bins` bins of `bin_hz` hertz each. The beat tracker puts an onset `late` moments after it.
+    /// Creates a tracker for spectra of `bins` bins of `bin_hz` hertz. Onsets appear `late` hops after they happened.
     pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64, late: f32, with_bars: bool) -> Self {
         Self {
             flux: Flux::new(bins, bin_hz, hop_seconds),
@@ -34,7 +34,6 @@ impl Rhythm {
         }
     }
 
-    /// Forgets everything.
     pub(super) fn restart(&mut self) {
         self.flux.restart();
         self.onsets.restart();
@@ -45,14 +44,14 @@ impl Rhythm {
         }
     }
 
-    /// Takes the power per bin of the next moment.
+    /// Processes the power per bin of the next moment.
     pub(super) fn follow(&mut self, power: &[f32]) -> RhythmMoment {
         let (begins, flux) = self.onsets.follow(self.flux.follow(power));
         let strokes = self.bars.as_mut().map(|(rises, _)| Strokes::of(rises.follow(power), flux));
         RhythmMoment { begins, beat: self.beats.follow(flux, begins), strokes }
     }
 
-    /// The place in the bar, for live input. Takes the curve of the spectrum of the same moment.
+    /// Returns the position in the bar, for live input. `spectrum` is the spectrum's curve of the same moment.
     pub(super) fn bar(&mut self, pulse: RhythmMoment, spectrum: &[f32; SPECTRUM_POINTS]) -> Option<LiveBar> {
         let (Some((_, bars)), Some(strokes)) = (&mut self.bars, pulse.strokes) else { return None };
         let phase = (pulse.beat.tempo > 0.0).then_some(pulse.beat.phase);

@@ -1,41 +1,41 @@
-//! How what is low and what is high rises: kicks and basses, hats and snares.
+//! The rise of low and high frequencies: kicks and basses, hats and snares.
 
-/// Below this frequency lies what kicks and basses fill, in hertz.
+/// The upper end of the low band (kicks and basses), in hertz.
 const LOW_HZ: f64 = 150.0;
-/// Above this frequency lies what hats and noises fill, in hertz.
+/// The lower end of the high band (hats and noises), in hertz.
 const HIGH_HZ: f64 = 4_000.0;
 
-/// Time in which the loudest moment, to which low and high sounds are compared, is forgotten, in seconds.
+/// Time constant of the decay of the loudest power, in seconds.
 const LOUDEST_SECONDS: f64 = 8.0;
 
-/// Moments between the two that are compared.
+/// The distance of the two compared moments, in hops.
 const LAG: usize = 2;
 
-/// What was measured of a moment.
+/// The powers and rises of a moment.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LowAndHigh {
-    /// Power of everything.
+    /// The total power.
     pub(super) power: f32,
-    /// Power of what is low.
+    /// The power of the low band.
     pub(super) low_power: f32,
-    /// Rise of the low band's amplitude, relative to the loudest amplitude of late.
+    /// The rise of the low band's amplitude, relative to the loudest recent amplitude.
     pub(super) low_rise: f32,
-    /// The same of what is high.
+    /// The rise of the high band's amplitude, relative to the loudest recent amplitude.
     pub(super) high_rise: f32,
 }
 
-/// Measures rises.
+/// Measures the rises of both bands.
 pub(super) struct Rises {
     low_end: usize,
     high_start: usize,
     loudest: f32,
     forget: f32,
-    /// Amplitudes of low and high of the last moments, the oldest first.
+    /// The low and high amplitudes of the last moments, the oldest first.
     before: [[f32; 2]; LAG],
 }
 
 impl Rises {
-    /// For power spectra of `bins` bins of `bin_hz` hertz, `hop_seconds` apart.
+    /// Creates a measurement for power spectra of `bins` bins of `bin_hz` hertz, `hop_seconds` apart.
     pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64) -> Self {
         let bin = |hz: f64| ((hz / bin_hz).round() as usize).clamp(1, bins);
         Self {
@@ -47,18 +47,17 @@ impl Rises {
         }
     }
 
-    /// Forgets everything.
     pub(super) fn restart(&mut self) {
         (self.loudest, self.before) = (0.0, [[0.0; 2]; LAG]);
     }
 
-    /// The rises of the next moment, from its power per bin.
+    /// Returns the powers and rises of the next moment, from its power per bin.
     pub(super) fn follow(&mut self, bins: &[f32]) -> LowAndHigh {
         let sum = |range: std::ops::Range<usize>| bins.get(range).unwrap_or_default().iter().sum::<f32>();
         let power = sum(1..bins.len());
         let (low_power, high_power) = (sum(1..self.low_end), sum(self.high_start..bins.len()));
         self.loudest = power.max(self.loudest * self.forget);
-        // Hats are quiet beside kicks: each is weighed on its own logarithmic scale, as the flux is.
+        // Hats are quieter than kicks, so each band is compressed logarithmically, like the flux.
         let scale = 1.0 / self.loudest.max(1e-7);
         let now = [low_power, high_power].map(|power| (1.0 + 20.0 * (power * scale).sqrt()).ln());
         let [oldest, ..] = self.before;

@@ -1,4 +1,4 @@
-//! The scales of features: how many values there are, and the frequencies and levels that they span.
+//! The scales of features: the numbers of values, and their ranges in frequency and level.
 
 /// Lower edge of the lowest band, in hertz.
 pub const BAND_LOWEST_HZ: f64 = 30.0;
@@ -9,21 +9,21 @@ pub const BAND_HIGHEST_HZ: f64 = 16_000.0;
 /// Number of frequency bands.
 pub const BAND_COUNT: usize = 32;
 
-/// The lowest level reported, in decibels: silence reads this, nothing reads less.
+/// The lowest level, in decibels, which silence reads.
 pub const LEVEL_FLOOR_DB: f32 = -120.0;
 
-/// Points of the spectrum's curve.
+/// The number of points of the spectrum's curve.
 pub const SPECTRUM_POINTS: usize = 512;
 
-/// Samples of the waveform for each hop (11.6 to 12.3 kHz at 44.1, 48 and their multiples).
+/// The number of waveform samples per hop (11.6 to 12.3 kHz at 44.1, 48 and their multiples).
 pub const WAVE_PER_HOP: usize = 128;
 
-/// The frequency at `u` in hertz: 30 Hz at 0, 16 kHz at 1, equal ratios between.
+/// Returns the frequency at `u` in hertz: 30 Hz at 0, 16 kHz at 1, equal ratios in between.
 pub fn spectrum_hz(u: f64) -> f64 {
     BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(u)
 }
 
-/// Where a frequency lies on the spectrum's axis, 0..1 (the inverse of [`spectrum_hz`], clamped).
+/// Returns the position of a frequency on the spectrum's axis, 0..1. The inverse of [`spectrum_hz`], clamped.
 pub fn spectrum_place(hz: f64) -> f64 {
     let octaves = (hz.max(1e-9) / BAND_LOWEST_HZ).ln() / (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).ln();
     octaves.clamp(0.0, 1.0)

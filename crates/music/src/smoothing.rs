@@ -1,11 +1,10 @@
-//! Following a measured value with a fast attack and a slow release.
+//! Smoothing with a fast attack and a slow release.
 
-/// A value nearer to its target than this is set to it: silence becomes exactly 0 and never a denormal number.
+/// A value closer to its target than this is set to it, so that silence becomes exactly 0 and never denormal.
 const ARRIVED: f32 = 1e-6;
 
-/// A one-pole follower: towards a constant target the distance shrinks by exp(-time / time constant), with one time
-/// constant upwards and one downwards. This is exact for any step, so many short steps and one long step end at the
-/// same value.
+/// A one-pole smoother with different time constants for rising and falling. The distance to a constant target shrinks
+/// by exp(-time / time constant). This is exact for any step: many short steps and one long step give the same value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Follower {
     keep_rising: f32,
@@ -13,7 +12,7 @@ pub(super) struct Follower {
 }
 
 impl Follower {
-    /// Time constants `attack` and `release`, and the length of a `step`, all in seconds above 0.
+    /// Creates a smoother from the `attack` and `release` time constants and the `step`, all in seconds above 0.
     pub(super) fn new(attack: f64, release: f64, step: f64) -> Self {
         Self { keep_rising: (-step / attack).exp() as f32, keep_falling: (-step / release).exp() as f32 }
     }
@@ -39,7 +38,7 @@ mod tests {
     }
 
     #[test]
-    fn time_constants_are_those_asked_for() {
+    fn time_constants_match_the_arguments() {
         let e = std::f32::consts::E;
         assert!((after(0.01, 1, 0.0, 1.0) - (1.0 - 1.0 / e)).abs() < 1e-6);
         assert!((after(0.2, 1, 1.0, 0.0) - 1.0 / e).abs() < 1e-6);

@@ -1,30 +1,30 @@
-//! Tempo by hand: what is tapped overrides what is heard.
+//! Tap tempo, which overrides the detected tempo.
 
 use super::features::Features;
 
-/// After a pause of this many seconds the next tap begins anew.
+/// The pause after which a tap starts anew, in seconds.
 const PAUSE: f64 = 2.5;
 
-/// How many of the last taps count.
+/// The maximum number of taps in the fit.
 const TAPS_MAX: usize = 8;
 
-/// A tap that is off by more than this share of a beat begins a new tempo with the one before it.
+/// A tap that deviates by more than this fraction of a beat starts a new tempo together with the previous tap.
 const OFF: f64 = 0.35;
 
-/// Shortest beat, in seconds: two taps closer than this count as one.
+/// The shortest beat, in seconds. Closer taps count as one.
 const PERIOD_MIN: f64 = 0.15;
 
-/// Tempo and phase from taps. Times are those of the song, in seconds.
+/// Tempo and phase from taps. Times are song times in seconds.
 #[derive(Clone, Debug, Default)]
 pub struct TapTempo {
     taps: Vec<f64>,
-    /// The time of a beat and the length of one, as they were set.
+    /// The time and duration of a beat, as set by [`TapTempo::set`].
     given: Option<(f64, f64)>,
 }
 
 impl TapTempo {
-    /// Takes a tap. The second one sets a tempo, further ones refine it; a single tap after a pause hands the tempo
-    /// back to what is heard. A time that is not finite is ignored.
+    /// Adds a tap. The second tap sets a tempo, and further taps refine it. A single tap after a pause returns to the
+    /// detected tempo. Times that are not finite are ignored.
     pub fn tap(&mut self, time: f64) {
         if !time.is_finite() {
             return;
@@ -49,8 +49,8 @@ impl TapTempo {
         }
     }
 
-    /// Sets the tempo in beats per minute at a time; the beat goes on where it was, or begins there. From then on a single
-    /// tap is where a beat is, and two or more set another tempo. Other tempos than [`TapTempo::TEMPOS`] change nothing.
+    /// Sets the tempo in beats per minute at a time. The phase continues, or starts there. Afterwards a single tap sets
+    /// the phase, and two or more set another tempo. Tempos outside [`TapTempo::TEMPOS`] are ignored.
     pub fn set(&mut self, tempo: f64, time: f64) {
         if !Self::TEMPOS.contains(&tempo) || !time.is_finite() {
             return;
@@ -60,24 +60,25 @@ impl TapTempo {
         self.given = Some((time - phase * period, period));
     }
 
-    /// Tempos that can be set, in beats per minute.
+    /// The tempos that can be set, in beats per minute.
     pub const TEMPOS: std::ops::RangeInclusive<f64> = 10.0..=400.0;
 
-    /// Beats per minute and the position between two beats, 0 up to 1, at a time; none without two taps.
+    /// Returns the tempo in beats per minute and the phase, 0 up to 1, at a time; `None` without two taps or a set
+    /// tempo.
     pub fn at(&self, time: f64) -> Option<(f32, f32)> {
         let (origin, period) = self.fit()?;
         let phase = ((time - origin) / period).rem_euclid(1.0) as f32;
         Some(((60.0 / period) as f32, if phase < 1.0 { phase } else { 0.0 }))
     }
 
-    /// Replaces what was heard at a time by what was tapped.
+    /// Replaces the detected tempo and phase at a time by the tapped ones.
     pub fn apply(&self, time: f64, features: &mut Features) {
         if let Some(tapped) = self.at(time) {
             (features.tempo, features.phase) = tapped;
         }
     }
 
-    /// The time of a beat and the length of one: the least-squares line through the taps.
+    /// Returns the time and duration of a beat: the least-squares line through the taps.
     fn fit(&self) -> Option<(f64, f64)> {
         let count = self.taps.len();
         if count < 2 {
@@ -115,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn two_taps_are_needed_and_a_lone_one_gives_the_tempo_back() {
+    fn two_taps_set_the_tempo_and_a_single_one_releases_it() {
         assert_eq!(tapped(&[]).at(0.0), None);
         assert_eq!(tapped(&[1.0]).at(2.0), None);
         assert_eq!(tapped(&[1.0, 1.5]).at(2.25), Some((120.0, 0.5)));
@@ -126,20 +127,20 @@ mod tests {
     }
 
     #[test]
-    fn another_tempo_is_taken_up_with_its_second_tap() {
+    fn a_new_tempo_is_followed_from_its_second_tap() {
         let (tempo, _) = tapped(&[0.0, 0.5, 1.0, 1.5, 2.5, 3.5]).at(4.0).unwrap();
         assert!((tempo - 60.0).abs() < 1e-4, "{tempo}");
     }
 
     #[test]
-    fn a_tempo_that_is_set_goes_on_with_the_beat_and_taps_move_it() {
+    fn a_set_tempo_keeps_the_phase_and_taps_move_it() {
         let mut taps = tapped(&[0.0, 0.5]);
         taps.set(60.0, 0.75);
         assert_eq!((taps.at(0.75), taps.at(1.25)), (Some((60.0, 0.5)), Some((60.0, 0.0))));
         taps.tap(10.25);
-        assert_eq!(taps.at(10.5), Some((60.0, 0.25)), "one tap is where the beat is");
+        assert_eq!(taps.at(10.5), Some((60.0, 0.25)), "one tap sets the phase");
         taps.tap(10.75);
-        assert_eq!(taps.at(10.75), Some((120.0, 0.0)), "two are a tempo");
+        assert_eq!(taps.at(10.75), Some((120.0, 0.0)), "two taps set a tempo");
         let before = taps.clone();
         for (tempo, time) in [(0.0, 1.0), (f64::NAN, 1.0), (1e9, 1.0), (120.0, f64::NAN)] {
             taps.set(tempo, time);
@@ -148,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_heard_is_overridden() {
+    fn taps_override_the_detected_tempo() {
         let mut features = Features { tempo: 90.0, phase: 0.3, beat: 0.7, ..Features::SILENCE };
         tapped(&[0.0, 0.5]).apply(1.125, &mut features);
         assert_eq!((features.tempo, features.phase, features.beat), (120.0, 0.25, 0.7));

@@ -1,4 +1,4 @@
-//! The features of the last seconds, which can be asked for at any moment.
+//! The features of the last seconds, which can be read at any time.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -12,17 +12,17 @@ use super::tables::{
 };
 use crate::limits::LIMITS;
 
-/// What [`FeatureTrack::default`] keeps, in seconds.
+/// The time span of [`FeatureTrack::default`], in seconds.
 const DEFAULT_SECONDS: f64 = 20.0;
 
-/// No analyzer's hop is shorter, in seconds.
+/// The shortest hop of any analyzer, in seconds.
 const SHORTEST_HOP: f64 = 0.0075;
 
-/// Rows of a history besides those it spans: a cubic through its ends reads two rows beyond each, and a moment lies
-/// between two rows.
+/// The number of history rows beyond the time span: a cubic at each end needs additional rows, and a moment is between
+/// two rows.
 const ROWS_BESIDES: usize = 4;
 
-/// Most rows of a history.
+/// The maximum number of history rows.
 const HISTORY_ROWS: usize =
     (HISTORY_SECONDS / (MOMENTS_PER_ROW as f64 * SHORTEST_HOP)) as usize + 1 + ROWS_BESIDES;
 
@@ -31,20 +31,20 @@ type Row = (u64, [f32; HISTORY_POINTS]);
 
 /// A bounded record of features in order of time.
 ///
-/// Between two moments the features are interpolated linearly, so they are one function of time, whatever the frame
-/// rate at which they are asked for. After `new` only the tables that are asked for are allocated.
+/// Features are interpolated linearly between moments, so they are one function of time at any frame rate. After `new`
+/// only requested tables are allocated.
 #[derive(Clone, Debug)]
 pub struct FeatureTrack {
     moments: VecDeque<TimedFeatures>,
     capacity: usize,
-    /// The rows go further back than the moments, by what a history spans.
+    /// The history rows, which reach further back than the moments.
     rows: VecDeque<Row>,
     rows_capacity: usize,
 }
 
 impl FeatureTrack {
-    /// Keeps at least the last `seconds` of an [`Analyzer`](super::Analyzer)'s features (0 up to the limits'
-    /// `feature_track_seconds_max`; other numbers are clamped, NaN counts as 0). The oldest make room for the newest.
+    /// Creates a track for at least the last `seconds` of an [`Analyzer`](super::Analyzer)'s features, clamped to 0 up
+    /// to the limits' `feature_track_seconds_max`; NaN counts as 0. New moments replace the oldest.
     pub fn new(seconds: f64) -> Self {
         let seconds =
             if seconds.is_nan() { 0.0 } else { seconds.clamp(0.0, LIMITS.feature_track_seconds_max) };
@@ -54,8 +54,8 @@ impl FeatureTrack {
         Self { moments, capacity, rows, rows_capacity }
     }
 
-    /// Adds a moment. Moments kept at or after its time are dropped first, so that after a step back in time the
-    /// newest analysis holds. A time that is not finite is ignored.
+    /// Adds a moment. Moments at or after its time are dropped first, so that the newest analysis applies after a step
+    /// back in time. Times that are not finite are ignored.
     pub fn push(&mut self, moment: &TimedFeatures) {
         if !moment.time.is_finite() {
             return;
@@ -79,8 +79,8 @@ impl FeatureTrack {
         }
     }
 
-    /// The features at `time` in seconds of stream time. Before the first moment kept they are those of the first,
-    /// after the last those of the last; silence if none is kept or `time` is not a number.
+    /// Returns the features at `time` in seconds of stream time, clamped to the first and last moment. Silence if the
+    /// track is empty or `time` is NaN.
     pub fn at(&self, time: f64) -> Features {
         match self.around(time) {
             Some((before, Some(after), amount)) => before.features.lerp(&after.features, amount),
@@ -89,7 +89,7 @@ impl FeatureTrack {
         }
     }
 
-    /// The features and the tables at `time`. In the tables, everything before the first moment kept is silence.
+    /// Returns the features and tables at `time`. In the tables, everything before the first moment is silence.
     pub fn sound_at(&self, time: f64) -> Sound {
         let Some((before, after, amount)) = self.around(time) else { return Sound::default() };
         let features = self.at(time);
@@ -110,8 +110,8 @@ impl FeatureTrack {
         Sound { features, tables, ..Sound::default() }
     }
 
-    /// The moment at or before `time`, the one after it, and the position between them, 0..1; outside of what is
-    /// kept, only the nearest one.
+    /// Returns the moment at or before `time`, the next moment, and the position between them, 0..1. Outside the track,
+    /// only the nearest moment.
     fn around(&self, time: f64) -> Option<(&TimedFeatures, Option<&TimedFeatures>, f32)> {
         if time.is_nan() {
             return None;
@@ -125,11 +125,11 @@ impl FeatureTrack {
         }
     }
 
-    /// Four hops of the waveform that end the share `amount` of a hop after those of moment `number`.
+    /// Returns four hops of the waveform, shifted by the fraction `amount` of a hop after moment `number`.
     fn waveform(&self, number: u64, amount: f32, scale: f32) -> Arc<[f32]> {
         const HOPS: u64 = (WAVEFORM_POINTS / WAVE_PER_HOP) as u64;
         let skipped = (amount * WAVE_PER_HOP as f32).round() as usize;
-        // Moments are kept in order of their numbers.
+        // Moments are in order of their numbers.
         let first = self.moments.partition_point(|moment| moment.number + HOPS <= number);
         let mut points = [0.0; WAVEFORM_POINTS + WAVE_PER_HOP];
         let hops = self.moments.range(first..).take_while(|moment| moment.number <= number + 1);
@@ -149,18 +149,18 @@ impl FeatureTrack {
             .collect()
     }
 
-    /// The rows around a place the share `amount` of a hop after `moment`, the place within them, and how many rows
-    /// it spans.
+    /// Returns the rows around the position `amount` of a hop after `moment`, the position within them, and the number
+    /// of rows in the time span.
     fn history(&self, moment: &TimedFeatures, amount: f32) -> (Arc<[f32]>, f32, f32) {
         let newest = moment.number / MOMENTS_PER_ROW + 2;
         let offset = 2.0 - ((moment.number % MOMENTS_PER_ROW) as f32 + amount) / MOMENTS_PER_ROW as f32;
-        // The first moment's time is 0 and does not reveal the hop.
+        // The first moment's time is 0 and does not show the hop.
         let hop = moment.time / moment.number as f64;
         let hop = if hop.is_finite() { hop.max(SHORTEST_HOP) } else { SHORTEST_HOP };
         let span = HISTORY_SECONDS / (hop * MOMENTS_PER_ROW as f64);
         let mut values = vec![0.0; (span.ceil() as usize + ROWS_BESIDES).min(HISTORY_ROWS) * HISTORY_POINTS];
         let (lines, _) = values.as_chunks_mut::<HISTORY_POINTS>();
-        // The next two rows are the newest heights until they are known.
+        // Use the newest heights for the next two rows until they are known.
         if let Some(ahead) = lines.get_mut(..2) {
             ahead.fill(column_means(&self.moments.back().unwrap_or(moment).spectrum));
         }
@@ -172,12 +172,12 @@ impl FeatureTrack {
         (values.into(), offset, span as f32)
     }
 
-    /// The times of the first and the last moment kept, in seconds; none if empty.
+    /// Returns the times of the first and the last moment, in seconds; `None` if the track is empty.
     pub fn span(&self) -> Option<(f64, f64)> {
         Some((self.moments.front()?.time, self.moments.back()?.time))
     }
 
-    /// Forgets everything.
+    /// Removes all features.
     pub fn clear(&mut self) {
         self.moments.clear();
         self.rows.clear();
@@ -185,13 +185,13 @@ impl FeatureTrack {
 }
 
 impl Default for FeatureTrack {
-    /// Keeps the last 20 seconds.
+    /// Creates a track for the last 20 seconds.
     fn default() -> Self {
         Self::new(DEFAULT_SECONDS)
     }
 }
 
-/// A row of the history from the spectrum.
+/// Returns a row of the history from a spectrum.
 fn column_means(spectrum: &[f32; SPECTRUM_POINTS]) -> [f32; HISTORY_POINTS] {
     let (groups, _) = spectrum.as_chunks::<POINTS_PER_COLUMN>();
     let mut row = [0.0; HISTORY_POINTS];
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_joined_by_straight_lines() {
+    fn features_are_interpolated_linearly() {
         let track = track(&[(1.0, 0.0), (2.0, 1.0), (4.0, 0.0)]);
         for (time, volume) in [(1.0, 0.0), (1.25, 0.25), (2.0, 1.0), (3.0, 0.5), (3.5, 0.25), (4.0, 0.0)] {
             assert_eq!(track.at(time).volume, [volume, -volume], "at {time} s");
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn outside_its_span_the_nearest_moment_holds() {
+    fn times_outside_the_track_read_the_nearest_moment() {
         let filled = track(&[(1.0, 0.3), (2.0, 0.6)]);
         assert_eq!(filled.span(), Some((1.0, 2.0)));
         for (time, volume) in [(f64::NEG_INFINITY, 0.3), (-5.0, 0.3), (9.0, 0.6), (f64::INFINITY, 0.6)] {
@@ -245,14 +245,14 @@ mod tests {
     }
 
     #[test]
-    fn clear_forgets() {
+    fn clear_removes_all_features() {
         let mut track = track(&[(1.0, 0.5)]);
         track.clear();
         assert_eq!(track.at(1.0), Features::SILENCE);
     }
 
     #[test]
-    fn length_is_bounded_and_at_least_what_was_asked_for() {
+    fn length_is_bounded_and_at_least_as_requested() {
         let limit = LIMITS.feature_track_seconds_max;
         for (asked, kept) in
             [(2.0, 2.0), (-1.0, 0.0), (f64::NAN, 0.0), (f64::INFINITY, limit), (2.0 * limit, limit)]
@@ -267,7 +267,7 @@ mod tests {
                 "{asked}: {} s",
                 last - first
             );
-            assert_eq!(track.moments.capacity(), capacity, "it grew");
+            assert_eq!(track.moments.capacity(), capacity, "the track must not reallocate");
         }
     }
 }

@@ -1,32 +1,33 @@
-//! Loudness of each channel: the mean of |sample|.
+//! The loudness of each channel: the mean of |sample|.
 
 use super::StereoFrame;
 
-/// Length of the stretch over which the volume is taken, in seconds.
+/// The duration of the stretch for the volume, in seconds.
 ///
-/// The thesis (Abt 2022, section 5, eq. 1) takes the samples that arrived since the last frame, some 1/60 s. That
-/// ties the volume to the frame rate and to the size of the sound card's blocks. Here the length is fixed, and the
-/// stretch is centred on the moment that the features belong to.
+/// The thesis (Abt 2022, section 5, eq. 1) uses the samples since the last frame, about 1/60 s. This ties the volume to
+/// the frame rate and to the size of the sound card's blocks. Here the duration is fixed, and the stretch is centred on
+/// the moment of the features.
 const SECONDS: f64 = 1.0 / 60.0;
 
-/// Frames of the stretch at `sample_rate` hertz: even, so that it has a centre; at least 2.
+/// Returns the length of the stretch in sample frames at `sample_rate` hertz. It is even, so that it has a centre, and
+/// at least 2.
 pub(super) fn stretch_length(sample_rate: u32) -> usize {
     2 * ((f64::from(sample_rate) * SECONDS / 2.0).round() as usize).max(1)
 }
 
-/// V = (Σ |S_i|) / n (Abt 2022, section 5, eq. 1), for each channel, for what they share and for how they differ.
+/// V = (Σ |S_i|) / n (Abt 2022, section 5, eq. 1), for the left, right, mid and side channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Volumes {
     pub(super) left: f32,
     pub(super) right: f32,
-    /// Of (left + right) / 2.
+    /// Volume of (left + right) / 2.
     pub(super) mid: f32,
-    /// Of (left - right) / 2.
+    /// Volume of (left - right) / 2.
     pub(super) side: f32,
 }
 
 impl Volumes {
-    /// An empty stretch is silence.
+    /// Measures a stretch. An empty one is silent.
     pub(super) fn of(frames: &[StereoFrame]) -> Self {
         let mut sums = [0.0_f64; 4];
         for &[left, right] in frames {

@@ -1,16 +1,17 @@
-//! Bars: how many beats they have, and which beats begin one.
+//! The bars of a song: the meter and the downbeats.
 //!
-//! How many: what is struck repeats from bar to bar, so beats are alike at the bar's distance (the beat spectrum of
-//! Foote and Uchihashi 2001; Gouyon and Herrera 2003 for metres). Where: low drums, changes of harmony and of sound are
-//! likelier at a bar's start, snares in between (Goto 2001). The likeliest path through positions in the bar is decoded
-//! over the whole song, so that a beat too many costs one bar and not the rest of the song.
+//! For the meter, onsets repeat from bar to bar, so beats are similar at the distance of a bar (the beat spectrum of
+//! Foote and Uchihashi 2001; Gouyon and Herrera 2003 for meters). For the downbeats, low drums and changes of harmony
+//! and timbre are likelier at the start of a bar, snares in between (Goto 2001). The likeliest path through the
+//! positions in the bar is decoded over the whole song, so that one extra beat costs one bar and not the rest of the
+//! song.
 
 use serde::{Deserialize, Serialize};
 
 use super::heard::Heard;
 use super::units::{Unit, distance, standardised};
 
-/// How beats make bars.
+/// The grouping of beats into bars.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Meter {
     /// Four beats.
@@ -25,7 +26,7 @@ pub enum Meter {
 }
 
 impl Meter {
-    /// Beats in a bar.
+    /// The number of beats in a bar.
     pub fn beats(self) -> usize {
         match self {
             Self::FourFour => 4,
@@ -34,7 +35,7 @@ impl Meter {
         }
     }
 
-    /// As musicians write it.
+    /// The usual notation.
     pub fn name(self) -> &'static str {
         match self {
             Self::FourFour => "4/4",
@@ -44,29 +45,29 @@ impl Meter {
     }
 }
 
-/// What it costs to leave a bar before its end, in standard deviations of the evidence.
+/// The cost of leaving a bar before its end, in standard deviations of the evidence.
 const BREAK_COST: f32 = 12.0;
-/// By how much beats must be more alike at distances of three than of four.
+/// The margin by which beats must be more similar at distances of three than of four.
 const THREE_OVER_FOUR: f32 = 0.06;
-/// Moments around a beat in which it is struck.
+/// The number of hops around a beat in which its onset is searched.
 const AROUND: usize = 3;
-/// Strokes at both thirds of a beat are this share of those on beats, and this many times those at its half, where
-/// beats have three parts.
+/// The minimum onset strength at both thirds of a beat for a ternary meter, relative to the strength on beats and to
+/// the strength at the half of a beat.
 const TERNARY: (f32, f32) = (0.12, 1.5);
 
-/// What is known of a beat.
+/// The standardised evidence at each beat.
 struct Evidence {
     low: Vec<f32>,
     high: Vec<f32>,
     struck: Vec<f32>,
     harmony: Vec<f32>,
     sound: Vec<f32>,
-    /// Strokes half a beat later.
+    /// The onset strengths half a beat later.
     half: Vec<f32>,
     low_half: Vec<f32>,
 }
 
-/// The meter, and for each beat its position in its bar, from 0.
+/// Returns the meter, and the position of each beat in its bar, from 0.
 pub(super) fn bars(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> (Meter, Vec<usize>) {
     let evidence = evidence(heard, strengths, beats, units);
     let meter = meter(heard, strengths, beats, &evidence);
@@ -163,7 +164,7 @@ fn meter(heard: &Heard, strengths: &[f32], beats: &[f64], evidence: &Evidence) -
     }
 }
 
-/// Whether beats have three parts, of which both the second and the third are struck. (Swing has no second.)
+/// True if beats have three parts, with onsets at both the second and the third. (Swing has none at the second.)
 fn has_thirds(heard: &Heard, strengths: &[f32], beats: &[f64]) -> bool {
     let mean_at = |fraction: f64| {
         let at = |pair: &[f64]| {
@@ -177,7 +178,7 @@ fn has_thirds(heard: &Heard, strengths: &[f32], beats: &[f64]) -> bool {
     thirds > TERNARY.0 * mean_at(0.0) && thirds > TERNARY.1 * mean_at(0.5)
 }
 
-/// The likeliest positions (Viterbi 1967).
+/// Returns the likeliest positions (Viterbi 1967).
 fn path(meter: Meter, evidence: &Evidence) -> Vec<usize> {
     let beats = meter.beats();
     let reward = |index: usize, position: usize| {
@@ -200,7 +201,7 @@ fn path(meter: Meter, evidence: &Evidence) -> Vec<usize> {
         let mut from = vec![0; beats];
         for position in 0..beats {
             let regular = (position + beats - 1) % beats;
-            // Only a bar's start may come too early or late.
+            // Only the start of a bar may come too early or too late.
             let broken = position == 0 && best[likeliest] - BREAK_COST > best[regular];
             from[position] = if broken { likeliest } else { regular };
             let before = if broken { best[likeliest] - BREAK_COST } else { best[regular] };

@@ -1,9 +1,9 @@
-//! The beats of a whole song, with all of it in view.
+//! The beats of a whole song.
 //!
-//! The model is the one that listens forward ([`crate::beat`]): states are a period and a phase within it, and the
+//! The model is the same as in the causal tracker ([`crate::beat`]): states are a period and a phase within it, and the
 //! period may change at the end of a beat. Here the likeliest path through the whole song is decoded by dynamic
-//! programming (Viterbi 1967). As within a beat nothing is decided, it is enough to know, for every moment and period,
-//! the best path that has a beat there and the next one a period later, with what its half and its quarters are worth
+//! programming (Viterbi 1967). Nothing is decided within a beat, so it is enough to know for every moment and period
+//! the best path with a beat there and the next beat a period later, including the reward of its half and quarters
 //! (Krebs, Böck and Widmer 2015; Ellis 2007 for beats as a sum of rewards).
 
 use std::collections::VecDeque;
@@ -12,54 +12,54 @@ use std::f64::consts::TAU;
 use super::heard::{Heard, Moment};
 use crate::onset::FLUX_MIN;
 
-/// Range of periods, in beats per minute.
+/// Range of tempos, in beats per minute.
 const TEMPO: (f64, f64) = (215.0, 52.0);
-/// The likeliest tempo in beats per minute, and what a beat loses a square octave away from it.
+/// The likeliest tempo in beats per minute, and the cost per beat and squared octave of distance from it.
 const LIKELY: (f64, f64) = (108.0, 0.6);
 
-/// What a beat is worth, and what strokes at its half and at its quarters add: a sum, and a factor of the logarithm of
-/// the odds of the strength. Halves are struck more often than the rest of a beat, quarters less.
+/// The reward of a beat: a constant, and a factor of the log odds of the onset strength. Halves have more onsets than
+/// the rest of a beat, quarters fewer.
 const BEAT: (f32, f32) = (0.0, 1.5);
-/// See [`BEAT`].
+/// The reward of the half of a beat; see [`BEAT`].
 const HALF: (f32, f32) = (0.15, 0.15);
-/// See [`BEAT`].
+/// The reward of the quarters of a beat; see [`BEAT`].
 const QUARTER: (f32, f32) = (0.0, -0.15);
 
-/// Cost of a change of period per relative change, and of one to the neighbouring period: most tempos lie between two.
+/// The cost of a change of period, per relative change beyond one hop.
 const TEMPO_STIFFNESS: f32 = 250.0;
-/// See [`TEMPO_STIFFNESS`].
+/// The cost of a change by one hop, which is small because most tempos are between two periods.
 const NEIGHBOUR: f32 = 0.25;
-/// Largest change of period from one beat to the next, in moments.
+/// The largest change of period between two beats, in hops.
 const REACH: usize = 6;
 
-/// The onset strength is relative to its largest value within this time before and after, in seconds...
+/// The range before and after a moment for the largest flux, to which onset strengths are relative, in seconds.
 const LARGEST_SECONDS: f64 = 1.5;
-/// Times of windows after which onsets show in the flux, in moments.
+/// The delay of onsets in the flux, in hops.
 const FLUX_LATE: f64 = 0.6;
 
-/// Moments decoded at once, and by how many of them stretches overlap: 10 minutes and 20 seconds.
+/// The number of moments decoded at once: 10 minutes.
 const STRETCH: usize = 56_250;
-/// See [`STRETCH`].
+/// The overlap of the decoded stretches in moments: 20 seconds.
 const OVERLAP: usize = 1_875;
 
-/// At this share of the beats a sound must begin; in noise and in a swell of chords none does.
+/// The minimum fraction of beats with an onset. Noise and swelling chords have none.
 const STRUCK_MIN: f32 = 0.25;
-/// How well the places within a beat at which sounds begin agree, on one, two, three or four to a beat: the length of their
-/// mean, as points on a circle. Music has 0.3 and more, speech and rain have less than 0.2.
+/// The minimum agreement of the onsets' positions within the beats, at one, two, three or four per beat: the length of
+/// their mean as points on a circle. Music has 0.3 and more, speech and rain less than 0.2.
 const AGREE_MIN: f64 = 0.25;
-/// Parts of a beat at which sounds begin.
+/// The numbers of parts per beat for the agreement.
 const PARTS: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
-/// The level of what has a beat deviates at least so much from its mean, in decibels; that of a held note with vibrato
-/// stays as it is.
+/// The minimum standard deviation of the level of music with a beat, in decibels. A held note with vibrato has a steady
+/// level.
 const LEVEL_DEVIATION_MIN: f32 = 1.0;
-/// Levels count down to this, in decibels below the loudest.
+/// The range of levels that count, in decibels below the loudest.
 const LEVEL_RANGE: f32 = 60.0;
-/// Moments before and after a beat in which a sound that begins is its own.
+/// The number of hops around a beat in which an onset belongs to it.
 const AROUND: usize = 2;
-/// Fewer beats are none.
+/// The minimum number of beats.
 const BEATS_MIN: usize = 8;
 
-/// Onset strengths 0..1, relative to the largest around.
+/// Returns onset strengths 0..1, relative to the largest flux nearby.
 pub(super) fn onset_strengths(heard: &Heard) -> Vec<f32> {
     let reach = (LARGEST_SECONDS / heard.hop_seconds) as usize;
     let flux: Vec<f32> = heard.moments.iter().map(|moment| moment.flux).collect();
@@ -67,8 +67,8 @@ pub(super) fn onset_strengths(heard: &Heard) -> Vec<f32> {
     flux.iter().zip(largest).map(|(flux, largest)| flux / largest.max(FLUX_MIN)).collect()
 }
 
-/// For each value the largest within `reach` before and after it. The queue holds what may still be the largest, in
-/// falling order (Lemire 2006).
+/// Returns for each value the largest within `reach` before and after it. The queue holds the candidates in decreasing
+/// order (Lemire 2006).
 fn largest_around(values: &[f32], reach: usize) -> Vec<f32> {
     let mut queue = VecDeque::new();
     let mut ahead = values.iter().copied().enumerate();
@@ -91,7 +91,7 @@ fn largest_around(values: &[f32], reach: usize) -> Vec<f32> {
     (0..values.len()).map(largest).collect()
 }
 
-/// The times of the beats, in seconds; none if there is no steady beat.
+/// Returns the times of the beats in seconds; empty if there is no steady beat.
 pub(super) fn beats(heard: &Heard) -> Vec<f64> {
     let strengths = onset_strengths(heard);
     let mut found: Vec<usize> = Vec::new();
@@ -122,7 +122,7 @@ pub(super) fn beats(heard: &Heard) -> Vec<f64> {
     }
 }
 
-/// The logarithm of the odds of the strength that is held at each moment.
+/// Returns the log odds of the onset strength held at each moment.
 fn odds(strengths: &[f32]) -> Vec<f32> {
     let at = |index: usize| strengths.get(index).copied().unwrap_or_default();
     let odds = |index: usize| {
@@ -132,7 +132,7 @@ fn odds(strengths: &[f32]) -> Vec<f32> {
     (0..strengths.len()).map(odds).collect()
 }
 
-/// The moments of the likeliest path's beats.
+/// Returns the moments of the beats on the likeliest path.
 fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
     let period = |tempo: f64| (60.0 / tempo / hop_seconds).round().max(2.0) as usize;
     let (shortest, longest) = (period(TEMPO.0), period(TEMPO.1));
@@ -152,18 +152,18 @@ fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
     // From `to - REACH + k` to `to`.
     let costs: Vec<[f32; 2 * REACH + 1]> =
         (0..count).map(|to| std::array::from_fn(|k| changing((to + k).saturating_sub(REACH), to))).collect();
-    // The best paths with a beat at each of the last `longest` moments, before the next beat's period is known.
+    // The best paths with a beat at each of the last `longest` moments, by the period of the next beat.
     let rows = longest + 1;
     let mut best = vec![0.0_f32; rows * count];
     let mut came_from = vec![0_u8; strengths.len() * count];
-    // What arrives at a moment, by the period that it ends; padded.
+    // The values of the paths that arrive at a moment, by the period that ends there, padded at both ends.
     let mut arriving = vec![f32::NEG_INFINITY; count + 2 * REACH];
     for moment in 0..strengths.len() {
         let reward = worth(BEAT, moment);
         for (index, arrives) in arriving[REACH..REACH + count].iter_mut().enumerate() {
             let period = shortest + index;
             *arrives = match moment.checked_sub(period) {
-                // Before the first beat nothing was lost.
+                // Before the first beat there is no cost.
                 None => 0.0,
                 Some(from) => {
                     let quarters = worth(QUARTER, from + period / 4) + worth(QUARTER, from + 3 * period / 4);
@@ -207,7 +207,7 @@ fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
     beats
 }
 
-/// Without the beats before the first sound and after the last.
+/// Removes the beats before the first sound and after the last.
 fn sounding<'a>(beats: &'a [usize], moments: &[Moment]) -> &'a [usize] {
     let loudest = moments.iter().fold(0.0_f32, |loudest, moment| loudest.max(moment.power));
     let sounds = |moment: &Moment| moment.power > (loudest * 1e-5).max(1e-9);
@@ -220,7 +220,7 @@ fn sounding<'a>(beats: &'a [usize], moments: &[Moment]) -> &'a [usize] {
     beats.get(from..to).unwrap_or_default()
 }
 
-/// Whether sounds begin at the beats, and elsewhere at whole parts of them.
+/// True if there are onsets at the beats and, between them, at whole parts of beats.
 fn is_steady(beats: &[usize], moments: &[Moment]) -> bool {
     let begins = |beat: usize| {
         let around = beat.saturating_sub(AROUND)..(beat + AROUND + 1).min(moments.len());
@@ -233,7 +233,7 @@ fn is_steady(beats: &[usize], moments: &[Moment]) -> bool {
         && agreement(beats, moments) >= AGREE_MIN
 }
 
-/// See [`AGREE_MIN`]; 0 if nothing begins.
+/// Returns the agreement described at [`AGREE_MIN`]; 0 without onsets.
 fn agreement(beats: &[usize], moments: &[Moment]) -> f64 {
     let places: Vec<f64> = beats
         .windows(2)
@@ -252,7 +252,7 @@ fn agreement(beats: &[usize], moments: &[Moment]) -> f64 {
     PARTS.iter().map(mean).fold(0.0, f64::max)
 }
 
-/// The standard deviation of the level between the first and the last beat, in decibels.
+/// Returns the standard deviation of the level between the first and the last beat, in decibels.
 fn level_deviation(beats: &[usize], moments: &[Moment]) -> f32 {
     let (Some(first), Some(last)) = (beats.first(), beats.last()) else { return 0.0 };
     let moments = moments.get(*first..*last).unwrap_or_default();
@@ -263,7 +263,7 @@ fn level_deviation(beats: &[usize], moments: &[Moment]) -> f32 {
     (moments.iter().map(|moment| (level(moment) - mean).powi(2)).sum::<f32>() / count).sqrt()
 }
 
-/// The beat's place between moments, where the onset next to it is.
+/// Returns the beat's position in fractions of a hop, at the nearby onset.
 fn refined(beat: usize, strengths: &[f32]) -> f64 {
     let around = beat.saturating_sub(2)..(beat + 3).min(strengths.len());
     let (mut sum, mut weight) = (0.0, 0.0);
@@ -281,7 +281,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_largest_around_is_what_a_plain_search_finds() {
+    fn largest_around_matches_a_plain_search() {
         let values: Vec<f32> = (0..40_u32).map(|n| ((n * 7919) % 101) as f32).collect();
         for reach in [1, 3, 8, 25] {
             let plain = (0..values.len()).map(|index: usize| {

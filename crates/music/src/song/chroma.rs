@@ -1,21 +1,21 @@
-//! Pitches: from the peaks of a spectrum to the twelve pitch classes, tuned as the instruments are.
+//! Chroma: the peaks of a spectrum, folded into the twelve pitch classes and corrected for the tuning.
 
 /// Thirds of semitones in an octave.
 pub(super) const FINE_BINS: usize = 36;
 
-/// Pitches are read between these frequencies, in hertz: below, the window cannot tell semitones apart; above, partials
-/// outweigh fundamentals.
+/// The range of pitches, in hertz. Below it the window cannot separate semitones; above it partials outweigh
+/// fundamentals.
 const RANGE_HZ: (f64, f64) = (58.0, 1_600.0);
 
-/// A peak has at least this many times the mean power of its surroundings; the noise of drums has no such peaks.
+/// The minimum power of a peak relative to the mean around it. The noise of drums has no such peaks.
 const PEAK_OVER_MEAN: f32 = 3.0;
-/// Bins on each side that are a peak's surroundings.
+/// The number of bins on each side for that mean.
 const SURROUNDINGS: usize = 9;
 
-/// Powers below this (-80 dB) are no pitch.
+/// Peaks below this power (-80 dB) are not pitches.
 const POWER_MIN: f32 = 1e-8;
 
-/// How far the instruments are tuned from a' = 440 Hz.
+/// The tuning of the instruments relative to a' = 440 Hz.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Tuning {
     /// In semitones, -0.5..0.5.
@@ -23,7 +23,7 @@ pub(super) struct Tuning {
 }
 
 impl Tuning {
-    /// The twelve pitch classes, C first.
+    /// Folds fine bins into the twelve pitch classes, C first.
     pub(super) fn pitch_classes(self, fine: &[f32; FINE_BINS]) -> [f32; 12] {
         let mut classes = [0.0; 12];
         for (bin, amplitude) in fine.iter().enumerate() {
@@ -34,12 +34,12 @@ impl Tuning {
     }
 }
 
-/// Reads pitches in spectra.
+/// Measures pitches in spectra.
 pub(super) struct FineChroma {
     bin_hz: f64,
     first: usize,
     end: usize,
-    /// Sum of amplitudes, each turned by its pitch's distance from a semitone (Mauch 2010, section 3.2.3).
+    /// The sum of amplitudes, each rotated by its pitch's distance from a semitone (Mauch 2010, section 3.2.3).
     turned: (f64, f64),
 }
 
@@ -55,14 +55,14 @@ impl FineChroma {
         }
     }
 
-    /// How the instruments are tuned that were heard so far.
+    /// Returns the tuning of the instruments so far.
     pub(super) fn tuning(&self) -> Tuning {
         let (sine, cosine) = self.turned;
         Tuning { semitones: sine.atan2(cosine) / std::f64::consts::TAU }
     }
 
-    /// The amplitudes of the peaks, folded into one octave in thirds of semitones; the middle third of C first. Only
-    /// peaks count, at the frequency of the parabola through their logarithms (Smith and Serra 1987).
+    /// Returns the amplitudes of the peaks, folded into one octave in thirds of semitones, the middle third of C first.
+    /// A peak's frequency is the vertex of the parabola through the logarithms around it (Smith and Serra 1987).
     pub(super) fn chroma(&mut self, power: &[f32]) -> [f32; FINE_BINS] {
         let mut chroma = [0.0; FINE_BINS];
         let mut bin = self.first;
@@ -83,11 +83,11 @@ impl FineChroma {
             let offset = if bend < 0.0 { (0.5 * (l - r) / bend).clamp(-0.5, 0.5) } else { 0.0 };
             let hz = (bin as f64 + offset) * self.bin_hz;
             let pitch = 12.0 * (hz / 440.0).log2() + 69.0;
-            // Louder partials do not drown the rest of a chord.
+            // Compress the amplitude, so that loud partials do not drown out the rest of a chord.
             let amplitude = here.powf(0.35);
             let fine = (pitch * 3.0).round() as i64;
             chroma[fine.rem_euclid(FINE_BINS as i64) as usize] += amplitude;
-            // Below 150 Hz the window is too short to tell the tuning.
+            // Below 150 Hz the window is too short to measure the tuning.
             if hz > 150.0 {
                 let (sine, cosine) = (pitch * std::f64::consts::TAU).sin_cos();
                 self.turned.0 += f64::from(amplitude) * sine;
@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn pitch_classes_follow_the_tuning() {
         let mut fine = [0.0; FINE_BINS];
-        // A, a third of a semitone too high.
+        // A, a third of a semitone sharp.
         fine[28] = 1.0;
         let at = |semitones| Tuning { semitones }.pitch_classes(&fine)[9];
         assert_eq!((at(0.0), at(1.0 / 3.0), at(-0.4)), (1.0, 1.0, 0.0));

@@ -1,68 +1,69 @@
-//! Builds that rise, and drops.
+//! Builds and drops of a song.
 //!
-//! A build is a stretch of bars in which the sound becomes brighter and is struck more often (Solberg 2014 on how club
-//! music builds up), and which ends. A drop is a bar in which, after a build or a pause, the low band returns that was
-//! away, and with which some of the song's loudest and most densely struck bars begin (Yadati et al. 2014). No one of
-//! these is enough: a crescendo has the rise, a band that sets in the low band, and a pause before a last chorus the
-//! silence.
+//! A build is a stretch of bars that become brighter and denser in onsets (Solberg 2014 on builds in club music), up to
+//! an end. A drop is a bar in which, after a build or a pause, the missing low band returns, and which begins some of
+//! the song's loudest and densest bars (Yadati et al. 2014). No single one of these is enough: a crescendo has the
+//! rise, an entering band has the low frequencies, and a pause before the last chorus has the silence.
 
 use super::heard::{Heard, TIMBRE_BANDS};
 use super::units::{Unit, units};
 
-/// Lengths of builds, in bars.
+/// The lengths of builds, in bars.
 const BUILD_BARS: std::ops::RangeInclusive<usize> = 4..=16;
-/// By how much a build's tension rises from its first bar to its last, in decibels.
+/// The minimum rise of tension from the first bar of a build to its last, in decibels.
 const RISE_MIN: f32 = 7.0;
-/// How straight it rises: the correlation of tension and time.
+/// The minimum correlation of tension and time in a build.
 const STRAIGHT_MIN: f32 = 0.8;
-/// No step from bar to bar is more than this share of the rise: that is an entry, not a build.
+/// The maximum step between two bars, as a fraction of the rise. A larger step is an entry, not a build.
 const STEP_FRACTION: f32 = 0.7;
-/// How sure the rise before a drop is: the t statistic of that correlation.
+/// The minimum t statistic of that correlation before a drop.
 const SURE_MIN: f32 = 5.0;
 
-/// The eve of a bar is this part of the bar before it: most of its last beat.
+/// The eve of a bar: this part of the previous bar, most of its last beat.
 const EVE: (f64, f64) = (0.75, 0.9375);
 
-/// A drop's bars whose levels count.
+/// The number of bars of a drop for its level.
 const LOUD_BARS: usize = 4;
-/// They are as loud as this share of the song's bars, less some decibels, ...
+/// The minimum level of a drop: this quantile of the song's bar levels, minus this many decibels.
 const LOUD: (f32, f32) = (0.7, 1.0);
-/// ... louder than the bars before by this many decibels, ...
+/// The minimum difference of a drop's level to the bars before, in decibels.
 const JUMP_MIN: f32 = 3.0;
-/// ... of which this many count, ...
+/// The number of bars before a drop for that difference.
 const JUMP_BARS: usize = 8;
-/// ... and struck at least this densely ([`Unit::onsets`]).
+/// The minimum onset density of a drop ([`Unit::onsets`]).
 const ONSETS_MIN: f32 = 0.033;
-/// By how much a drop is louder than its eve, in decibels, ...
+/// The minimum difference of a drop's level to its eve, in decibels.
 const LOUDER_THAN_EVE: f32 = 4.0;
-/// ... and by how much its low band is stronger than there.
+/// The minimum difference of a drop's low band to its eve, in decibels.
 const LOW_OVER_EVE: f32 = 8.0;
-/// A drop's bars whose low band counts.
+/// The number of bars of a drop for its low band.
 const LOW_BARS: usize = 2;
-/// Bars before the eve's with which a drop is compared.
+/// The number of bars before the eve's bar for comparisons.
 const BARS_BEFORE: usize = 4;
-/// By how much the low band is weaker before a drop than in it, or on its eve than on eves before, in decibels.
+/// The minimum difference of the low band between a drop and the bars before it, or between its eve and earlier eves,
+/// in decibels.
 const LOW_AWAY: f32 = 4.0;
-/// After a pause the low band must have been weaker than this before it, too: a band that pauses for a bar is no drop.
+/// The minimum difference of the low band between a drop and the bars before it, if a pause precedes it. A band that
+/// pauses for one bar is no drop.
 const LOW_AWAY_BEFORE_PAUSE: f32 = 5.0;
-/// In a pause it is quieter than after it by the first of these, and than on eves before by the second, in decibels.
+/// The minimum level differences of a pause to the bars after it and to earlier eves, in decibels.
 const PAUSE: (f32, f32) = (8.0, 4.0);
-/// Of drops closer than this, in bars, only the strongest counts.
+/// The minimum distance of two drops in bars. Of closer drops only the strongest counts.
 const APART: usize = 8;
 
-/// What the last beat before the next bar is like, of each bar between these times.
+/// Measures the eve of the next bar for each bar between these times.
 pub(super) fn eves(heard: &Heard, bar_times: &[f64]) -> Vec<Unit> {
     let eve = |bar: &[f64]| {
         let at = |fraction: f64| bar[0] + fraction * (bar[1] - bar[0]);
         [at(EVE.0), at(EVE.1)]
     };
     let times: Vec<f64> = bar_times.windows(2).flat_map(eve).collect();
-    // Every other one lies between two eves.
+    // Every second unit is between two eves.
     units(heard, &times).into_iter().step_by(2).collect()
 }
 
-/// Bars of builds, and bars with which drops begin. A build leads to a drop, or into another section: `borders` are the
-/// bars with which sections begin. `eves` has the last beat of each bar.
+/// Returns the bars of builds, and the first bars of drops. A build leads to a drop or into another section: `borders`
+/// are the first bars of sections. `eves` has the last beat of each bar.
 pub(super) fn builds_and_drops(
     bars: &[Unit],
     eves: &[Unit],
@@ -73,7 +74,7 @@ pub(super) fn builds_and_drops(
     // The last bar of a build may be a pause.
     let ended = |bar: usize| build(&tension, bar).or_else(|| build(&tension, bar - 1));
     let mut builds: Vec<std::ops::Range<usize>> = Vec::new();
-    // With how much of the low band returns.
+    // Each drop with the rise of its low band, in decibels.
     let mut drops: Vec<(usize, f32)> = Vec::new();
     for bar in *BUILD_BARS.start()..bars.len() {
         let build = ended(bar);
@@ -81,7 +82,7 @@ pub(super) fn builds_and_drops(
         let returns = returns(bars, eves, bar, loud, is_sure);
         if let Some(build) = build.filter(|_| returns.is_some() || borders.contains(&bar)) {
             match builds.last_mut() {
-                // The same one, which led on to its drop.
+                // The same build, which continues to its drop.
                 Some(last) if last.end > build.start => {
                     if returns.is_some() {
                         last.end = bar;
@@ -100,7 +101,7 @@ pub(super) fn builds_and_drops(
             _ => drops.push((bar, returns)),
         }
     }
-    // A build ends with its drop.
+    // A build ends at its drop.
     let drops: Vec<usize> = drops.into_iter().map(|(bar, _)| bar).collect();
     for build in &mut builds {
         if let Some(drop) = drops.iter().find(|drop| build.contains(drop) && **drop > build.start) {
@@ -110,7 +111,7 @@ pub(super) fn builds_and_drops(
     (builds, drops)
 }
 
-/// How bright and how densely struck each bar is, in decibels.
+/// Returns the tension of each bar, a sum of its brightness and onset density, in decibels.
 fn tension(bars: &[Unit]) -> Vec<f32> {
     let densest = bars.iter().map(|bar| bar.onsets).fold(1e-6_f32, f32::max);
     let of_bar = |bar: &Unit| {
@@ -120,14 +121,14 @@ fn tension(bars: &[Unit]) -> Vec<f32> {
     bars.iter().map(of_bar).collect()
 }
 
-/// The level from which on bars of this song are loud.
+/// Returns the minimum level of loud bars in this song.
 fn loud(bars: &[Unit]) -> f32 {
     let levels = sorted(bars.iter().map(|bar| bar.level));
     levels.get((levels.len() as f32 * LOUD.0) as usize).map_or(f32::INFINITY, |level| level - LOUD.1)
 }
 
-/// If `bar` begins a drop, how many decibels of the low band return with it. It does so after a build, or, where none is
-/// sure, after a pause.
+/// Returns the rise of the low band in decibels if `bar` begins a drop: after a build, or without a certain build,
+/// after a pause.
 fn returns(bars: &[Unit], eves: &[Unit], bar: usize, loud: f32, after_build: bool) -> Option<f32> {
     let last = bar.checked_sub(1)?;
     let eve = eves.get(last)?;
@@ -164,22 +165,22 @@ fn sorted(values: impl Iterator<Item = f32>) -> Vec<f32> {
     values
 }
 
-/// The mean of the one or two values in the middle; 0 of none.
+/// Returns the mean of the one or two middle values; 0 without values.
 fn median(units: &[Unit], of: fn(&Unit) -> f32) -> f32 {
     let values = sorted(units.iter().map(of));
     let middle = values.get((values.len().saturating_sub(1)) / 2..values.len() / 2 + 1).unwrap_or_default();
     middle.iter().sum::<f32>() / middle.len().max(1) as f32
 }
 
-/// A rise of tension up to a given bar.
+/// A rise of tension that ends at a given bar.
 struct Build {
-    /// Its first bar.
+    /// The first bar.
     start: usize,
-    /// The t statistic of its correlation with time.
+    /// The t statistic of the correlation with time.
     sure: f32,
 }
 
-/// The stretch before `end` in which tension rises most surely.
+/// Returns the stretch before `end` in which tension rises most certainly.
 fn build(tension: &[f32], end: usize) -> Option<Build> {
     let rising = |start: usize| {
         let values = &tension[start..end];

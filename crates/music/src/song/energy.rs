@@ -1,14 +1,15 @@
-//! Energy from moment to moment.
+//! The energy curve of a song.
 
 use super::heard::{Heard, Moment};
 
-/// Seconds from one value of the energy to the next.
+/// The interval of the energy curve, in seconds.
 pub(super) const ENERGY_STEP: f64 = 0.25;
 
-/// Levels that are drawn as 0, in decibels below the loudest.
+/// The level with energy 0, in decibels below the loudest.
 const ENERGY_RANGE_DB: f32 = 36.0;
 
-/// Mean power of each [`ENERGY_STEP`] as a height 0..1 in decibels, relative to the loudest, smoothed over a second.
+/// Returns the mean power of each [`ENERGY_STEP`] as a height 0..1 in decibels, relative to the loudest, smoothed over
+/// a second.
 pub(super) fn energy(heard: &Heard) -> Vec<f32> {
     let powers = steps(heard, |moments| {
         moments.iter().map(|moment| moment.power).sum::<f32>() / moments.len().max(1) as f32
@@ -29,7 +30,7 @@ pub(super) fn energy(heard: &Heard) -> Vec<f32> {
     smooth.iter().map(height).collect()
 }
 
-/// Largest magnitude of the samples of each [`ENERGY_STEP`].
+/// Returns the largest sample magnitude in each [`ENERGY_STEP`].
 pub(super) fn peaks(heard: &Heard) -> Vec<f32> {
     steps(heard, |moments| moments.iter().map(|moment| moment.peak).fold(0.0, f32::max))
 }

@@ -1,66 +1,66 @@
-//! Measurements of a song, kept until its structure is found.
+//! The measurements of a song, stored until its structure is analysed.
 
 use std::ops::Range;
 
 use super::chroma::{FINE_BINS, Tuning};
 
-/// Bands of the timbre, in equal ratios from 30 Hz to 16 kHz.
+/// The number of timbre bands, in equal ratios from 30 Hz to 16 kHz.
 pub(super) const TIMBRE_BANDS: usize = 20;
 
-/// Hops from one timbre and chroma to the next.
+/// The interval of timbre and chroma, in hops.
 pub(super) const SLOW_HOPS: usize = 8;
 
-/// What is kept of the moments of a hop.
+/// The measurements of one hop.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moment {
-    /// The spectral flux.
     pub(super) flux: f32,
-    /// Whether a sound begins.
+    /// True at an onset.
     pub(super) begins: bool,
-    /// Rise of the low band's amplitude, relative to the loudest amplitude of late.
+    /// The rise of the low band's amplitude, relative to the loudest recent amplitude.
     pub(super) low_rise: f32,
-    /// The same of what is high.
+    /// The rise of the high band's amplitude, relative to the loudest recent amplitude.
     pub(super) high_rise: f32,
-    /// Power of everything.
+    /// The total power.
     pub(super) power: f32,
-    /// Power of what is low.
+    /// The power of the low band.
     pub(super) low_power: f32,
-    /// Largest magnitude of the samples of the hop.
+    /// The largest sample magnitude.
     pub(super) peak: f32,
 }
 
-/// What is kept of the moments of [`SLOW_HOPS`] hops.
+/// The measurements of [`SLOW_HOPS`] hops.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlowMoment {
-    /// Mean power of each band.
+    /// The mean power of each band.
     pub(super) timbre: [f32; TIMBRE_BANDS],
-    /// Amplitude of the pitches that sound, folded into one octave.
+    /// The amplitudes of pitches, folded into one octave.
     pub(super) chroma: [f32; FINE_BINS],
 }
 
-/// All that is kept of a song.
+/// All measurements of a song.
 #[derive(Debug, Default)]
 pub(super) struct Heard {
-    /// Seconds from one moment to the next.
+    /// The duration of a hop in seconds.
     pub(super) hop_seconds: f64,
-    /// Length of the song, in seconds.
+    /// The length of the song in seconds.
     pub(super) seconds: f64,
-    /// Whether the song went on after what was listened to.
+    /// True if the song continues after the analysed part.
     pub(super) cut_short: bool,
-    /// The integrated loudness, in LUFS; none if nothing is loud enough to count.
+    /// The integrated loudness in LUFS; `None` if nothing is loud enough.
     pub(super) loudness: Option<f32>,
-    /// Moment n lies at n hops.
+    /// The moments; moment n is at n hops.
     pub(super) moments: Vec<Moment>,
-    /// Slow moment n ends at (n + 1) · [`SLOW_HOPS`] hops; its chroma is late by [`Heard::chroma_late`].
+    /// The slow moments; number n ends at (n + 1) · [`SLOW_HOPS`] hops. Its chroma has a delay of
+    /// [`Heard::chroma_late`].
     pub(super) slow: Vec<SlowMoment>,
-    /// By how many slow moments the chroma is late.
+    /// The delay of the chroma in slow moments.
     pub(super) chroma_late: usize,
-    /// How the instruments are tuned.
+    /// The tuning of the instruments.
     pub(super) tuning: Tuning,
 }
 
 impl Heard {
-    /// From the first to the last moment within 40 dB of the loudest, in seconds.
+    /// Returns the time range from the first to the last moment within 40 dB of the loudest, in seconds.
     pub(super) fn sounding(&self) -> Range<f64> {
         let loudest = self.moments.iter().fold(0.0_f32, |loudest, moment| loudest.max(moment.power));
         let sounds = |moment: &Moment| moment.power >= loudest * 1e-4;

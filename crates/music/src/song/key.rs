@@ -1,24 +1,24 @@
-//! Key, mode and chords, from the shares of the pitch classes.
+//! Key, mode and chords, from pitch class fractions.
 
 use serde::{Deserialize, Serialize};
 
 use super::units::{Unit, distance};
 
-/// Names of the pitch classes, C first.
+/// The names of the pitch classes, C first.
 pub const PITCH_CLASSES: [&str; 12] = ["C", "C#", "D", "Eb", "E", "F", "F#", "G", "G#", "A", "Bb", "B"];
 
-/// Major or minor, of keys and of triads.
+/// The mode of a key or triad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
-    /// With a major third.
+    /// Major third.
     Major,
-    /// With a minor third.
+    /// Minor third.
     Minor,
 }
 
 impl Mode {
-    /// Its name.
+    /// The mode's name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Major => "major",
@@ -27,12 +27,12 @@ impl Mode {
     }
 }
 
-/// A key, or a triad: its root and its mode.
+/// A key or triad: its root and mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Tonality {
-    /// Pitch class, 0 for C up to 11 for B.
+    /// The pitch class of the root, from 0 for C to 11 for B.
     pub root: u8,
-    /// Major or minor.
+    /// The mode.
     pub mode: Mode,
 }
 
@@ -42,42 +42,41 @@ impl Tonality {
         PITCH_CLASSES.get(usize::from(self.root)).copied().unwrap_or("C")
     }
 
-    /// All twelve of each mode.
+    /// All 24 keys.
     fn all() -> impl Iterator<Item = Self> {
         [Mode::Major, Mode::Minor].into_iter().flat_map(|mode| (0..12).map(move |root| Self { root, mode }))
     }
 }
 
-/// How well each pitch class above the tonic fits major and minor (the probe-tone ratings of Krumhansl and Kessler
-/// 1982).
+/// The fit of each pitch class above the tonic in major (probe-tone ratings of Krumhansl and Kessler 1982).
 const MAJOR: [f32; 12] = [6.35, 2.23, 3.48, 2.33, 4.38, 4.09, 2.52, 5.19, 2.39, 3.66, 2.29, 2.88];
-/// See [`MAJOR`].
+/// The fit of each pitch class above the tonic in minor; same source.
 const MINOR: [f32; 12] = [6.33, 2.68, 3.52, 5.38, 2.60, 3.53, 2.54, 4.75, 3.98, 2.69, 3.34, 3.17];
 
-/// What a song counts that is the tonic's triad all the time, or in which every phrase begins with it, in correlation.
+/// The bonus in correlation for a song that consists only of the tonic's triad.
 const TONIC_FRACTION: f32 = 0.4;
-/// See [`TONIC_FRACTION`].
+/// The bonus in correlation for a song in which every section begins with the tonic's triad.
 const FIRST_FRACTION: f32 = 0.3;
 
-/// A key that is less correlated with what sounds is none.
+/// The minimum correlation of a key.
 const KEY_MIN: f32 = 0.55;
-/// Of a song with a key, in this share of beats pitches sound.
+/// The minimum fraction of beats with pitches in a song with a key.
 const PITCHED_MIN: f32 = 0.4;
 
-/// The most frequent pitch class exceeds the rarest by at least this many times the mean.
+/// The minimum difference between the most and the least frequent pitch class, relative to the mean.
 const CONTRAST_MIN: f32 = 0.8;
 
-/// The pitch classes of a beat differ from those of the whole song by at least this on average, in shares: a held note with
-/// overtones is no harmony.
+/// The minimum mean distance of a beat's pitch class fractions from the whole song's. A held note with overtones is no
+/// harmony.
 const CHANGE_MIN: f32 = 0.05;
 
-/// A beat that is less correlated with every triad has no chord.
+/// The minimum correlation of a chord.
 const CHORD_MIN: f32 = 0.35;
-/// What a change of chord costs, in correlation.
+/// The cost of a chord change, in correlation.
 const CHANGE_COST: f32 = 0.45;
 
-/// Shares of the pitch classes in the whole song; none if it has no harmony: noise has all alike, and one held note does not
-/// change.
+/// Returns the pitch class weights of the whole song, or `None` without harmony: in noise all are equal, and a held
+/// note does not change.
 pub(super) fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
     let pitched = units.iter().filter(|unit| unit.chroma.iter().any(|fraction| *fraction > 0.0)).count();
     if (pitched as f32) < PITCHED_MIN * units.len().max(1) as f32 {
@@ -85,7 +84,7 @@ pub(super) fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
     }
     let mut sum = [0.0_f32; 12];
     for unit in units {
-        // A loud beat counts more, but no more than four times a quiet one.
+        // A loud beat counts more, but at most four times as much as a quiet one.
         let weight = (unit.level / 60.0).max(0.25);
         sum.iter_mut().zip(unit.chroma).for_each(|(sum, fraction)| *sum += weight * fraction);
     }
@@ -100,9 +99,9 @@ pub(super) fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
     (heard >= 4 && varied).then_some(sum)
 }
 
-/// The key of a song; none if no key fits. It is the one with the largest correlation (Krumhansl 1990). A key and its
-/// relative have the same tones, so it also counts how much of the song, and how many of the chords that begin a phrase,
-/// are the tonic's triad.
+/// Returns the key of a song, or `None` if no key fits. It has the largest correlation with the pitch classes
+/// (Krumhansl 1990). A key and its relative share their notes, so the fraction of the tonic's triad among all chords
+/// and among the first chords of sections also counts.
 pub(super) fn key(
     units: &[Unit],
     chords: &[Option<Tonality>],
@@ -126,9 +125,8 @@ pub(super) fn key(
     (fits(&best) >= KEY_MIN).then_some(best)
 }
 
-/// The chord of each unit: the likeliest sequence of triads (Sheh and Ellis 2003: a hidden Markov model over chords; here
-/// with the correlation with the triad's tones in place of probabilities); none where no triad fits or there are no
-/// pitches.
+/// Returns the chord of each unit: the likeliest sequence of triads (a hidden Markov model like Sheh and Ellis 2003,
+/// with correlations instead of probabilities). `None` where no triad fits or there are no pitches.
 pub(super) fn chords(units: &[Unit]) -> Vec<Option<Tonality>> {
     if pitches_of(units).is_none() {
         return vec![None; units.len()];
@@ -168,12 +166,12 @@ fn largest(values: &[f32]) -> usize {
     (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or_default()
 }
 
-/// The shares with `root` first.
+/// Rotates the fractions so that `root` is first.
 fn turned(fractions: &[f32; 12], root: u8) -> [f32; 12] {
     std::array::from_fn(|class| fractions[(class + usize::from(root)) % 12])
 }
 
-/// Pearson's correlation; 0 if one of them does not vary.
+/// Pearson's correlation; 0 if one of the inputs is constant.
 fn correlation(a: &[f32; 12], b: &[f32; 12]) -> f32 {
     let less_mean = |values: &[f32; 12]| {
         let mean = values.iter().sum::<f32>() / 12.0;
@@ -195,7 +193,7 @@ mod tests {
             let profile = if key.mode == Mode::Major { MAJOR } else { MINOR };
             let sum: f32 = profile.iter().sum();
             let fraction = |class: usize| profile[(class + 12 - usize::from(key.root)) % 12] / sum;
-            // Every other tone by turns, so that it is no held chord.
+            // Alternate between every second note, so that it is not a held chord.
             let units = [0, 1].map(|turn| {
                 let chroma =
                     std::array::from_fn(|class| if class % 2 == turn { fraction(class) } else { 0.0 });

@@ -1,4 +1,4 @@
-//! Takes a song's frames and keeps little numbers of them, from which the structure is found at the end.
+//! Measures a song's samples and stores compact measurements, from which the structure is analysed at the end.
 
 use super::chroma::FineChroma;
 use super::heard::{Heard, Moment, SLOW_HOPS, SlowMoment, TIMBRE_BANDS};
@@ -14,14 +14,14 @@ use crate::slow_window::SlowWindow;
 use crate::spectrum::Spectrum;
 use ebur128::{EbuR128, Mode};
 
-/// Hops of the window in which onsets are heard.
+/// The window for onsets, in hops.
 const SHORT_HOPS: usize = 2;
-/// Hops of the window in which pitches are heard: 341 ms.
+/// The window for pitches, in hops: 341 ms.
 const LONG_HOPS: usize = 32;
-/// Listens to a whole song, to tell its structure at its end.
+/// Listens to a whole song and returns its structure at the end.
 ///
-/// What it tells depends on the frames alone, not on how they were cut into blocks. A song may last as long as
-/// `song_seconds_max` of the limits; what comes after that is not heard. It keeps less than 4 kB for each second.
+/// The result depends only on the samples, not on the sizes of the pushed blocks. Only the first `song_seconds_max` of
+/// the limits are analysed. Memory is below 4 kB per second.
 ///
 /// ```
 /// use mariana_music::{SongListener, StereoFrame};
@@ -42,7 +42,7 @@ pub struct SongListener {
     timbre: Timbre,
     slow: SlowWindow,
     pitches: FineChroma,
-    /// Measures the integrated loudness. None if it cannot be: then the song has none.
+    /// Measures the integrated loudness; `None` after an error, then the song has no loudness.
     meter: Option<EbuR128>,
     hops: usize,
     frames: u64,
@@ -50,15 +50,15 @@ pub struct SongListener {
     heard: Heard,
 }
 
-/// Mean power of the timbre's bands over a slow moment.
+/// The mean power of the timbre bands over a slow moment.
 struct Timbre {
-    /// Ends of the bands, in bins.
+    /// The ends of the bands, in bins.
     edges: [usize; TIMBRE_BANDS + 1],
     sums: [f32; TIMBRE_BANDS],
 }
 
 impl Timbre {
-    /// For a window of `length` frames with bins of `bin_hz` hertz.
+    /// Creates the bands for a window of `length` frames with bins of `bin_hz` hertz.
     fn new(length: usize, bin_hz: f64) -> Self {
         let bin = |hz: f64| ((hz / bin_hz).round() as usize).clamp(1, length / 2);
         let mut edges = [0; TIMBRE_BANDS + 1];
@@ -80,15 +80,14 @@ impl Timbre {
         }
     }
 
-    /// The means, which begin anew.
+    /// Returns the means and restarts them.
     fn take(&mut self) -> [f32; TIMBRE_BANDS] {
         std::mem::replace(&mut self.sums, [0.0; TIMBRE_BANDS])
     }
 }
 
 impl SongListener {
-    /// For a song of `sample_rate` frames per second. A rate outside the limits' `sample_rate_min..=sample_rate_max`
-    /// is replaced by the nearest one inside.
+    /// Creates a listener for a song at `sample_rate`, clamped to the limits' `sample_rate_min..=sample_rate_max`.
     pub fn new(sample_rate: u32) -> Self {
         let rate = f64::from(sample_rate.clamp(LIMITS.sample_rate_min, LIMITS.sample_rate_max));
         let hop = hop_at(rate);
@@ -98,7 +97,7 @@ impl SongListener {
         let long_rate = rate / decimator.step() as f64;
         let gain = |index: usize, decimator: &Decimator| {
             let hz = index as f64 * long_rate / long_length as f64;
-            // Where the filter lets hardly anything pass, nothing is read.
+            // Do not amplify frequencies that the filter hardly passes.
             decimator.power_gain(hz, rate).max(1e-2)
         };
         let hop_seconds = hop as f64 / rate;
@@ -126,7 +125,8 @@ impl SongListener {
         }
     }
 
-    /// Takes the next frames, any number of them. Samples that are not finite count as 0; others are clamped to ±8.
+    /// Analyses the next sample frames, any number of them. Samples that are not finite count as 0; others are clamped
+    /// to ±8.
     pub fn push(&mut self, frames: &[StereoFrame]) {
         let room = usize::try_from(self.frames_max - self.frames).unwrap_or(usize::MAX);
         self.heard.cut_short |= frames.len() > room;
@@ -135,14 +135,14 @@ impl SongListener {
         self.take(frames);
     }
 
-    /// Ends the song and tells its structure.
+    /// Ends the song and returns its structure.
     pub fn finish(mut self) -> SongStructure {
         self.heard.seconds = self.frames as f64 / self.rate;
-        // Taken before the silence that follows. Where nothing counts it is minus infinity.
+        // Measured before the following silence. Without loud enough parts the value is minus infinity.
         let loudness = self.meter.take().and_then(|meter| meter.loudness_global().ok());
         self.heard.loudness =
             loudness.filter(|loudness| loudness.is_finite()).map(|loudness| loudness as f32);
-        // What the windows still hold, and to the end of the last slow moment.
+        // Flush the windows with silence, up to the end of the last slow moment.
         let silence = vec![[0.0; 2]; self.buffer.hop()];
         for _ in 0..LONG_HOPS / 2 + SLOW_HOPS {
             self.take(&silence);

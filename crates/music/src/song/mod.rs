@@ -6,9 +6,10 @@
 //!                                                                         └──────────┴─► key, chords
 //! ```
 //!
-//! Everything that needs the whole song runs at its end, over the little that was kept of it.
+//! The analysis of the whole song runs at its end, on compact measurements.
 
-/// Goes up when the same samples give another structure, so that a structure that was kept is not taken for it.
+/// The version of the analysis. It increases when the same samples give another structure, so that cached structures
+/// are not reused.
 pub const STRUCTURE_VERSION: u32 = 3;
 
 mod bars;

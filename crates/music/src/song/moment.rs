@@ -1,5 +1,5 @@
-//! What a scene reads of a song's structure at a moment: a pure function of the structure and the time, cheap enough to
-//! be asked for each picture.
+//! The values of a song's structure that a scene reads at a moment: a pure function of structure and time, fast enough
+//! for every frame.
 
 use serde::Serialize;
 
@@ -7,43 +7,43 @@ use super::structure::{Section, SongStructure};
 use super::{Mode, PITCH_CLASSES};
 use crate::features::Features;
 
-/// Bars in which a drop fades.
+/// The duration of a drop's fade, in bars.
 const DROP_BARS: f64 = 2.0;
-/// Seconds in which a drop fades if there are no bars.
+/// The duration of a drop's fade without bars, in seconds.
 const DROP_SECONDS: f64 = 4.0;
-/// Sections after Z count as Z.
+/// The number of the letter Z. Later letters count as Z.
 const LETTERS: u8 = 26;
 
-/// The place of a moment in its song. Every number is finite; those that are unknown are 0.
+/// The position of a moment in its song. Every number is finite; unknown numbers are 0.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize)]
 pub struct SongMoment {
-    /// Way through the bar, 0 up to 1. Before the first beat and after the last one bars go on at their tempo.
+    /// Position in the bar, 0 up to 1. Bars continue at their tempo before the first beat and after the last.
     pub bar: f32,
-    /// Which beat of its bar, from 1 on; 0 if there is no steady beat.
+    /// The number of the beat in its bar, from 1; 0 without a steady beat.
     pub beat_in_bar: f32,
-    /// The section's letter: 1 for A up to 26 for Z and all that follow; 0 if there are no sections.
+    /// The section's letter: 1 for A up to 26 for Z and later letters; 0 without sections.
     pub section: f32,
-    /// Way through the section, 0..1.
+    /// Position in the section, 0..1.
     pub section_phase: f32,
-    /// How loud it is within about a second: 0 is 36 dB below the song's loudest or less, 1 the loudest.
+    /// Loudness over about a second: 0 is 36 dB or more below the song's loudest second, 1 the loudest.
     pub energy: f32,
-    /// Rises from 0 to 1 over a build, and is 0 elsewhere.
+    /// Position in a build, 0..1; 0 outside builds.
     pub build: f32,
-    /// 1 where a drop begins, falling to 0 over two bars.
+    /// 1 at the start of a drop, falling to 0 over two bars.
     pub drop: f32,
-    /// Root of the song's key, 0 for C up to 11 for B; 0 if no key fits.
+    /// Root of the song's key, from 0 for C to 11 for B; 0 if no key fits.
     pub key: f32,
-    /// 1 if that key is minor.
+    /// 1 if the key is minor.
     pub minor: f32,
-    /// Way through the song, 0..1.
+    /// Position in the song, 0..1.
     pub progress: f32,
-    /// How much each pitch class sounds, C first: 1 is the strongest of a beat. From the middle of a beat to that of
-    /// the next they change linearly.
+    /// Strength of each pitch class, C first, relative to the strongest in the beat. Values are interpolated linearly
+    /// between the middles of beats.
     pub chroma: [f32; PITCH_CLASSES.len()],
 }
 
 impl SongMoment {
-    /// Nothing is known.
+    /// The moment of an unknown song: all numbers are 0.
     pub const UNKNOWN: Self = Self {
         bar: 0.0,
         beat_in_bar: 0.0,
@@ -58,7 +58,7 @@ impl SongMoment {
         chroma: [0.0; PITCH_CLASSES.len()],
     };
 
-    /// The number that scenes read by this name, such as `bar` or `chroma(3)`. None if there is no such number.
+    /// Returns the number that scenes read by this name, such as `bar` or `chroma(3)`.
     pub fn number(&self, name: &str) -> Option<f32> {
         Some(match name {
             "bar" => self.bar,
@@ -80,8 +80,7 @@ impl SongMoment {
 }
 
 impl SongMoment {
-    /// What is known of a moment of live input, whose end is not known: its energy, 0..1, and its place in the bar as far as
-    /// that is sure.
+    /// Returns the moment of live input: its energy, 0..1, and its position in the bar while that is certain.
     pub fn of_live(energy: f32, features: &Features) -> Self {
         let Features { phase, bar_beat, bar_beats, .. } = *features;
         let is_sure = bar_beat >= 1.0 && bar_beats >= bar_beat;
@@ -92,8 +91,8 @@ impl SongMoment {
 }
 
 impl SongStructure {
-    /// What scenes read at `time` in seconds. Before the song it is as at its start, after it as at its end; nothing is
-    /// known at a time that is not a number.
+    /// Returns the moment at `time` in seconds. Times outside the song are clamped to it; NaN gives
+    /// [`SongMoment::UNKNOWN`].
     pub fn moment(&self, time: f64) -> SongMoment {
         if time.is_nan() {
             return SongMoment::UNKNOWN;
@@ -129,28 +128,28 @@ impl At<'_> {
         }
     }
 
-    /// The way through the bar, and the number of the beat.
+    /// Returns the position in the bar, and the number of the beat.
     fn place_in_bar(self) -> Option<(f32, f32)> {
         let time = self.time;
         let in_bar = self.song.meter?.beats();
         let beats = &self.song.beats;
-        // The last beat at or before the time; before the first one it is that.
+        // The last beat at or before the time, or the first beat if the time is earlier.
         let index = beats.partition_point(|beat| beat.time <= time).saturating_sub(1);
         let (beat, next) = (beats.get(index)?, beats.get(index + 1));
         let period = match next {
             Some(next) if time >= beat.time => next.time - beat.time,
             _ => 60.0 / f64::from(beat.tempo),
         };
-        // Where beats lie as close as this, a bar is no more than a number.
+        // Treat beats that are extremely close as one second apart, so that the result stays finite.
         let passed = (time - beat.time) / if period > 1e-3 { period } else { 1.0 };
-        // The next beat is at most a beat away: beyond the last and before the first one they are counted on.
+        // Outside the beats of the song, bars continue at the last or first tempo.
         let counted = f64::from(beat.of_bar) - 1.0 + if passed.is_finite() { passed } else { 0.0 };
         let place = counted.rem_euclid(in_bar as f64);
         let number = (place.floor() + 1.0).min(in_bar as f64);
         Some((below_one(place / in_bar as f64), number as f32))
     }
 
-    /// The number of the section, and the way through it.
+    /// Returns the number of the section, and the position in it.
     fn place_in_section(self) -> Option<(f32, f32)> {
         let time = self.time;
         let after = self.song.sections.partition_point(|section| section.start <= time);
@@ -158,7 +157,7 @@ impl At<'_> {
         Some((number_of(section), fraction(time, section.start, section.end)))
     }
 
-    /// Linear between the middles of the steps, because each is a mean.
+    /// Interpolates between the middles of the steps, because each step is a mean.
     fn energy(self) -> f32 {
         let time = self.time;
         let step = positive(self.song.energy_step).max(1e-3);
@@ -185,7 +184,7 @@ impl At<'_> {
         1.0 - fraction(time, *drop, drop + self.seconds_of_drop(*drop))
     }
 
-    /// How long a drop fades.
+    /// Returns the duration of a drop's fade in seconds.
     fn seconds_of_drop(self, drop: f64) -> f64 {
         let Some(meter) = self.song.meter else { return DROP_SECONDS };
         let beats = DROP_BARS * meter.beats() as f64;
@@ -215,7 +214,7 @@ impl At<'_> {
         std::array::from_fn(|class| mixed(from[class], to[class], amount))
     }
 
-    /// The pitch classes of a beat, the strongest 1.
+    /// Returns the pitch classes of a beat, relative to the strongest.
     fn heights_of(self, index: usize) -> [f32; PITCH_CLASSES.len()] {
         let Some(unit_of) = self.song.chroma.get(index) else { return SongMoment::UNKNOWN.chroma };
         let strongest = unit_of.fractions.iter().copied().fold(0.0, f32::max);
@@ -223,7 +222,7 @@ impl At<'_> {
     }
 }
 
-/// 1 for A, 2 for B, ...; see [`LETTERS`].
+/// 1 for A, 2 for B and so on, up to [`LETTERS`].
 fn number_of(section: &Section) -> f32 {
     let number = match section.letter.as_bytes() {
         [letter] if letter.is_ascii_uppercase() => letter - b'A' + 1,
@@ -232,28 +231,28 @@ fn number_of(section: &Section) -> f32 {
     f32::from(number)
 }
 
-/// Where from `start` to `end` a time lies, 0..1.
+/// Returns the position of a time between `start` and `end`, 0..1.
 fn fraction(time: f64, start: f64, end: f64) -> f32 {
     let length = end - start;
     if length > 0.0 { unit(((time - start) / length) as f32) } else { 0.0 }
 }
 
-/// Linear from `a` to `b`; never beyond them, however it is rounded.
+/// Interpolates from `a` to `b`. Rounding never leaves the range.
 fn mixed(a: f32, b: f32, amount: f32) -> f32 {
     (a * (1.0 - amount) + b * amount).clamp(a.min(b), a.max(b))
 }
 
-/// Clamped to 0..1; 0 for a NaN.
+/// Clamps to 0..1; NaN becomes 0.
 fn unit(value: f32) -> f32 {
     if value > 0.0 { value.min(1.0) } else { 0.0 }
 }
 
-/// 0 or more; 0 for a NaN.
+/// Clamps to 0 or more; NaN becomes 0.
 fn positive(value: f64) -> f64 {
     value.max(0.0)
 }
 
-/// Rounded to a number below 1.
+/// Rounds to a number below 1.
 fn below_one(value: f64) -> f32 {
     unit(value as f32).min(1.0 - f32::EPSILON)
 }

@@ -1,4 +1,4 @@
-//! Moments of structures that are made by hand, and of any.
+//! Tests of moments, with hand-made and with arbitrary structures.
 
 use proptest::prelude::*;
 
@@ -6,7 +6,8 @@ use super::super::{Meter, Mode, PitchFractions, Section, SongBeat, SongStructure
 use super::SongMoment;
 use crate::features::Features;
 
-/// 32 s in 4/4 at 120 beats per minute, of which the first bar begins at 1 s: A, then B with a drop at 17 s.
+/// A song of 32 s in 4/4 at 120 beats per minute. The first bar begins at 1 s; section A is followed by B with a drop
+/// at 17 s.
 fn song() -> SongStructure {
     let section = |start, end, letter: &str| Section { start, end, letter: letter.into(), energy: 0.5 };
     let chroma = |index: usize| {
@@ -41,7 +42,7 @@ fn close(a: f32, b: f32) -> bool {
 }
 
 #[test]
-fn bars_and_beats_are_counted_on_beyond_the_beats() {
+fn bars_continue_before_the_first_and_after_the_last_beat() {
     let song = song();
     let reported = |time: f64| {
         let moment = song.moment(time);
@@ -66,7 +67,7 @@ fn bars_and_beats_are_counted_on_beyond_the_beats() {
 }
 
 #[test]
-fn sections_builds_and_drops_are_where_they_are() {
+fn sections_builds_and_drops_have_their_positions() {
     let song = song();
     for (time, section, phase, build, drop) in [
         (0.0, 1.0, 0.0, 0.0, 0.0),
@@ -107,7 +108,7 @@ fn energy_chroma_and_progress_have_no_steps() {
 }
 
 #[test]
-fn what_is_unknown_is_zero() {
+fn unknown_values_are_zero() {
     assert_eq!(SongStructure::default().moment(3.0), SongMoment::UNKNOWN);
     assert_eq!(song().moment(f64::NAN), SongMoment::UNKNOWN);
     assert_eq!(SongMoment::default(), SongMoment::UNKNOWN);
@@ -126,7 +127,7 @@ fn numbers_have_names() {
     }
 }
 
-/// Any number: of songs, beyond them, and none at all.
+/// Any number, in songs, outside of them, and not finite.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         -5.0..400.0_f64,
@@ -143,7 +144,7 @@ fn any_fraction() -> impl Strategy<Value = f32> {
 }
 
 prop_compose! {
-    /// Any structure, in any order and with any gap.
+    /// Any structure, with unsorted times and gaps.
     fn any_song()(
         seconds in any_number(),
         tempo in proptest::option::of(any_fraction()),
@@ -179,7 +180,7 @@ prop_compose! {
 
 proptest! {
     #[test]
-    fn no_structure_and_no_time_leads_out_of_range(song in any_song(), time in any_number()) {
+    fn any_structure_and_time_give_values_in_range(song in any_song(), time in any_number()) {
         let moment = song.moment(time);
         let SongMoment { bar, beat_in_bar, section, section_phase, energy, build, drop, key, minor, progress, chroma } = moment;
         prop_assert!((0.0..1.0).contains(&bar), "{:?}", moment);
@@ -193,7 +194,7 @@ proptest! {
 }
 
 #[test]
-fn of_live_input_the_bar_is_known_where_it_is_sure() {
+fn live_bars_are_reported_while_certain() {
     let heard = |bar_beat, bar_beats, phase| {
         let features = Features { bar_beat, bar_beats, phase, tempo: 120.0, ..Features::SILENCE };
         let moment = SongMoment::of_live(0.4, &features);

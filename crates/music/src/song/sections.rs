@@ -1,50 +1,49 @@
-//! Sections: where a song becomes another, and what returns.
+//! The sections of a song: borders and repeats.
 //!
-//! Borders are those of the cheapest way to cut the song into stretches that are each alike in themselves (Jensen 2007,
-//! the shortest path through a song; Foote 2000 has the same borders as peaks of novelty). A stretch is alike if its
-//! sound stays as it is, and if its harmony stays or goes round in one, two, four or eight bars: what is repeated is not
-//! new (Serrà et al. 2014). Lengths of whole phrases are cheaper than others (Sargent, Bimbot and Vincent 2011). Stretches
-//! that are alike in sound and harmony have the same letter (McFee and Ellis 2014 cluster likewise).
+//! The borders are the cheapest segmentation of the song into homogeneous stretches (Jensen 2007, the shortest path
+//! through a song; Foote 2000 finds the same borders as peaks of novelty). A stretch is homogeneous if its timbre is
+//! constant, and if its harmony is constant or repeats every one, two, four or eight bars: a repeated harmony is not
+//! new (Serrà et al. 2014). Whole phrases cost less than other lengths (Sargent, Bimbot and Vincent 2011). Stretches
+//! with similar timbre and harmony get the same letter (McFee and Ellis 2014 cluster likewise).
 
 use super::heard::TIMBRE_BANDS;
 use super::units::Unit;
 
-/// What a section costs, in mean squared deviations of the whole song's bars.
+/// The cost of a section, in mean squared deviations of the whole song's bars.
 const SECTION_COST: f32 = 2.0;
-/// What each bar of a harmony that goes round costs.
+/// The cost of each bar of a repeating harmony.
 const LOOP_COST: f32 = 0.12;
-/// Lengths of a harmony that goes round, in bars.
+/// The periods of a repeating harmony, in bars.
 const LOOPS: [usize; 4] = [1, 2, 4, 8];
-/// Longest section, in bars.
+/// The longest section, in bars.
 const LONGEST: usize = 96;
-/// What a length costs that is no multiple of two or four bars.
+/// The cost of a length by its remainder modulo four bars.
 const ODD_COST: [f32; 4] = [0.0, 1.2, 0.5, 1.2];
-/// What a section of less than four bars costs, per bar that it lacks.
+/// The cost per bar that a section has less than four.
 const SHORT_COST: f32 = 1.0;
 
-/// Deviations of sound and harmony from bar to bar that are none: the root of the squares' sum over all bands, in
-/// decibels, and over all pitch classes, in shares.
+/// The minimum timbre deviation for scaling: the root of the sum of squares over all bands, in decibels.
 const TIMBRE_LEAST: f32 = 8.0;
-/// See [`TIMBRE_LEAST`].
+/// The minimum chroma deviation for scaling: the root of the sum of squares over all pitch class fractions.
 const CHROMA_LEAST: f32 = 0.09;
 
-/// Sections closer than this have the same letter, in the units of the costs.
+/// The maximum distance of sections with the same letter, in the units of the costs.
 const SAME: f32 = 0.2;
 
-/// Numbers of a bar: sound and harmony, each with a mean squared deviation of at most 1.
+/// The scaled timbre and chroma of the bars, each with a mean squared deviation of at most 1.
 struct Scaled {
     timbre: Vec<[f32; TIMBRE_BANDS]>,
     chroma: Vec<[f32; 12]>,
 }
 
-/// A section: its bars, and which letter it has, from 0.
+/// A section: its bars, and its letter from 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Stretch {
     pub(super) bars: std::ops::Range<usize>,
     pub(super) letter: usize,
 }
 
-/// The sections of a song of these bars.
+/// Returns the sections of a song with these bars.
 pub(super) fn sections(bars: &[Unit]) -> Vec<Stretch> {
     if bars.is_empty() {
         return Vec::new();
@@ -71,10 +70,10 @@ fn scaled(bars: &[Unit]) -> Scaled {
     }
 }
 
-/// A bar counts as no farther from the mean than this, in deviations: a pause is no section.
+/// Outliers are clamped to this many standard deviations, so that a pause does not become a section.
 const FARTHEST: f32 = 2.5;
 
-/// The rows less their mean, divided by their deviation, or by `least`. What is far away does not widen the scale.
+/// Subtracts the mean and divides by the deviation, or by `least` if that is larger. Outliers do not widen the scale.
 fn with_unit_deviation<const N: usize>(rows: &[[f32; N]], least: f32) -> Vec<[f32; N]> {
     let count = rows.len().max(1) as f32;
     let mean: [f32; N] =
@@ -94,11 +93,11 @@ fn with_unit_deviation<const N: usize>(rows: &[[f32; N]], least: f32) -> Vec<[f3
         .collect()
 }
 
-/// Sums of rows and of their squared lengths, to tell the deviation within any stretch at once: of every row, or of
-/// every `step`-th.
+/// Prefix sums of rows and of their squared lengths, for the deviation within any stretch in constant time: of every
+/// row, or of every `step`-th.
 struct Sums<const N: usize> {
     step: usize,
-    /// `sums[n]` is the sum of rows n - step, n - 2·step, ...
+    /// `sums[n]` is the sum of rows n - step, n - 2·step and so on.
     sums: Vec<[f32; N]>,
     squares: Vec<f32>,
 }
@@ -115,7 +114,8 @@ impl<const N: usize> Sums<N> {
         Self { step, sums, squares }
     }
 
-    /// The sum of squared distances of the rows `start..end` from the mean of those a multiple of `step` away.
+    /// Returns the sum of squared distances of the rows `start..end`, each from the mean of the rows a multiple of
+    /// `step` away.
     fn deviation(&self, start: usize, end: usize) -> f32 {
         let of_phase = |phase: usize| {
             let first = start + phase;
@@ -129,7 +129,7 @@ impl<const N: usize> Sums<N> {
     }
 }
 
-/// The cheapest cut (dynamic programming; Jackson et al. 2005).
+/// Returns the cheapest segmentation (dynamic programming; Jackson et al. 2005).
 fn cut(scaled: &Scaled) -> Vec<std::ops::Range<usize>> {
     let timbre = Sums::new(&scaled.timbre, 1);
     let harmonies = LOOPS.map(|step| Sums::new(&scaled.chroma, step));
@@ -168,8 +168,8 @@ fn cut(scaled: &Scaled) -> Vec<std::ops::Range<usize>> {
     stretches
 }
 
-/// The letter of each stretch: clusters by mean distance (average linkage; Sokal and Michener 1958), in the order in which
-/// they begin.
+/// Returns the letter of each stretch: clusters by mean distance (average linkage; Sokal and Michener 1958), in the
+/// order of their first stretch.
 fn letters(stretches: &[std::ops::Range<usize>], scaled: &Scaled) -> Vec<usize> {
     let count = stretches.len();
     let mut clusters: Vec<Vec<usize>> = (0..count).map(|index| vec![index]).collect();
@@ -197,7 +197,8 @@ fn letters(stretches: &[std::ops::Range<usize>], scaled: &Scaled) -> Vec<usize> 
     letters
 }
 
-/// Squared distance of two stretches' mean sounds, plus that of their harmonies as far as both go.
+/// Returns the squared distance of the mean timbres, plus half of that of the chroma bar by bar, over the shorter
+/// length.
 fn dissimilarity(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>, scaled: &Scaled) -> f32 {
     let square = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f32>();
     let timbre = square(&mean(&scaled.timbre[a.clone()]), &mean(&scaled.timbre[b.clone()]));

@@ -1,4 +1,4 @@
-//! What is known of a song when all of it was heard.
+//! The structure of a song, as stored and used by scenes and shows.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,39 +11,39 @@ use super::key::{Tonality, chords, key, pitches_of};
 use super::sections::sections;
 use super::units::units;
 
-/// Without beats sections begin at multiples of this, in seconds.
+/// The interval of possible section starts without beats, in seconds.
 const STEP_WITHOUT_BEATS: f64 = 2.0;
 /// A song whose loudest moment has less power than this (-80 dB) is silent.
 const SILENT: f32 = 1e-8;
 
-/// A beat.
+/// A beat of a song.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct SongBeat {
-    /// When, in seconds.
+    /// The time in seconds.
     pub time: f64,
-    /// Which beat of its bar: 1 is the downbeat.
+    /// The number of the beat in its bar; 1 is the downbeat.
     pub of_bar: u8,
-    /// Beats per minute around it.
+    /// The tempo around it, in beats per minute.
     pub tempo: f32,
 }
 
 /// A stretch of time.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Stretch {
-    /// Its start, in seconds.
+    /// The start in seconds.
     pub start: f64,
-    /// Its end, in seconds.
+    /// The end in seconds.
     pub end: f64,
 }
 
-/// A section: a stretch that is alike in itself.
+/// A section of a song.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Section {
-    /// Its start, in seconds.
+    /// The start in seconds.
     pub start: f64,
-    /// Its end, in seconds.
+    /// The end in seconds.
     pub end: f64,
-    /// A, B, C, ... by first appearance; sections that are alike have the same. After Z come AA, AB, ...
+    /// A, B, C and so on by first appearance; after Z come AA, AB and so on. Similar sections have the same letter.
     pub letter: String,
     /// Mean energy, 0..1.
     pub energy: f32,
@@ -52,65 +52,65 @@ pub struct Section {
 /// A stretch with one chord.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Chord {
-    /// Its start, in seconds.
+    /// The start in seconds.
     pub start: f64,
-    /// Its end, in seconds.
+    /// The end in seconds.
     pub end: f64,
-    /// The triad; none where none fits.
+    /// The triad; `None` if none fits.
     pub triad: Option<Tonality>,
 }
 
-/// What sounds from one beat to the next.
+/// The pitch classes from one beat to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct PitchFractions {
-    /// Its start, in seconds.
+    /// The start in seconds.
     pub start: f64,
-    /// Share of each pitch class, C first; they sum to 1, or to 0 where no pitch sounds.
+    /// The fraction of each pitch class, C first. The sum is 1, or 0 without pitches.
     pub fractions: [f32; 12],
 }
 
 /// The structure of a song. Times are seconds from its start; all numbers are finite.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct SongStructure {
-    /// How much was listened to.
+    /// The length of the analysed part, in seconds.
     pub seconds: f64,
-    /// Whether the song went on after that: it is longer than the limits' `song_seconds_max`.
+    /// True if the song is longer than the limits' `song_seconds_max`; the rest is not analysed.
     pub cut_short: bool,
-    /// Whether nothing could be heard.
+    /// True if the song is silent.
     pub silent: bool,
-    /// The integrated loudness by EBU R128, in LUFS (-70 and more), of both channels as they are played, so that mono counts
-    /// twice; none if the song is shorter than 0.4 s or quieter.
+    /// The integrated loudness by EBU R128 in LUFS (-70 and more), of both channels as played, so that mono counts
+    /// twice. `None` if the song is shorter than 0.4 s or too quiet.
     pub loudness: Option<f32>,
-    /// The median tempo in beats per minute; none if there is no steady beat.
+    /// The median tempo in beats per minute; `None` without a steady beat.
     pub tempo: Option<f32>,
-    /// How beats make bars; none if there are no beats.
+    /// The meter; `None` without beats.
     pub meter: Option<Meter>,
-    /// The beats; none if there is no steady beat.
+    /// The beats; empty without a steady beat.
     pub beats: Vec<SongBeat>,
-    /// The sections. They cover the song, if it is not silent, and begin with bars if there are any.
+    /// The sections. They cover the song unless it is silent, and begin with bars if there are any.
     pub sections: Vec<Section>,
-    /// Seconds from one value of `energy` and `peaks` to the next.
+    /// The interval of `energy` and `peaks`, in seconds.
     pub energy_step: f64,
-    /// Energy of each step: 0 is 36 dB below the loudest second of the song or less, 1 the loudest.
+    /// The energy of each step: 0 is 36 dB or more below the song's loudest second, 1 the loudest.
     pub energy: Vec<f32>,
-    /// Largest magnitude of each step's samples.
+    /// The largest sample magnitude in each step.
     pub peaks: Vec<f32>,
-    /// Where tension rises.
+    /// The builds.
     pub builds: Vec<Stretch>,
-    /// Where it is released: the moments at which drops begin.
+    /// The starts of drops, in seconds.
     pub drops: Vec<f64>,
-    /// The key; none if no key fits.
+    /// The key; `None` if no key fits.
     pub key: Option<Tonality>,
-    /// Frequency of the a' to which the instruments are tuned, in hertz.
+    /// The frequency of the a' of the instruments, in hertz.
     pub tuning_hz: f64,
-    /// The chords, changing on beats; together they cover the song.
+    /// The chords, which change on beats and cover the song.
     pub chords: Vec<Chord>,
-    /// Shares of the pitch classes, from beat to beat.
+    /// The pitch classes, beat by beat.
     pub chroma: Vec<PitchFractions>,
 }
 
 impl SongStructure {
-    /// The moments at which bars begin.
+    /// The times of the downbeats.
     pub fn downbeats(&self) -> impl Iterator<Item = f64> {
         self.beats.iter().filter(|beat| beat.of_bar == 1).map(|beat| beat.time)
     }
@@ -138,7 +138,7 @@ impl SongStructure {
         } else {
             structure.set_beats(heard, &beats)
         };
-        // Silence before and after the song is no part of a bar's sound.
+        // Silence before and after the song does not belong to a bar's sound.
         let sounding = heard.sounding();
         let of_sound: Vec<f64> =
             bar_times.iter().map(|time| time.clamp(sounding.start, sounding.end)).collect();
@@ -159,7 +159,7 @@ impl SongStructure {
             }
         }
         if pitches_of(&of_beats).is_none() {
-            // What was read as pitches changes at random.
+            // Without harmony the measured pitches are random.
             bars.iter_mut().for_each(|bar| bar.chroma = [0.0; 12]);
         }
         let sections = sections(&bars);
@@ -185,13 +185,13 @@ impl SongStructure {
         structure
     }
 
-    /// Sets beats, meter and tempo, and tells where bars begin, over the whole song.
+    /// Sets beats, meter and tempo. Returns the times of the bars over the whole song.
     fn set_beats(&mut self, heard: &Heard, beats: &[f64]) -> Vec<f64> {
         let of_beats = units(heard, beats);
         let (meter, positions) = bars(heard, &onset_strengths(heard), beats, &of_beats);
         self.meter = Some(meter);
         let tempo_at = |index: usize| {
-            // Over four beats, so that the grid of moments does not show.
+            // Over four beats, so that the rounding to hops does not show.
             let (from, to) = (index.saturating_sub(2), (index + 2).min(beats.len() - 1));
             (60.0 * (to - from) as f64 / (beats[to] - beats[from]).max(1e-3)) as f32
         };
@@ -217,17 +217,17 @@ impl SongStructure {
     }
 }
 
-/// The median time from one to the next.
+/// Returns the mean of the middle half of the periods between the times. A median would show the rounding of times to
+/// hops.
 fn period(times: &[f64]) -> f64 {
     let mut periods: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     periods.sort_by(f64::total_cmp);
-    // The mean of the middle half, because the times lie on a grid.
     let middle = &periods[periods.len() / 4..(periods.len() * 3).div_ceil(4)];
     if middle.is_empty() { 1.0 } else { middle.iter().sum::<f64>() / middle.len() as f64 }
 }
 
-/// The times, continued by `period` to both ends of the song, with the ends. No stretch is shorter than half a period,
-/// but if the song is.
+/// Extends the times by `period` to both ends of the song, and adds the ends. No stretch is shorter than half a period,
+/// unless the song is.
 fn grid(times: &[f64], period: f64, seconds: f64) -> Vec<f64> {
     let mut before = Vec::new();
     let mut first = times.first().copied().unwrap_or(0.0);
@@ -250,7 +250,7 @@ fn grid(times: &[f64], period: f64, seconds: f64) -> Vec<f64> {
     grid
 }
 
-/// A to Z, then AA to AZ, ...
+/// Returns A to Z, then AA to AZ and so on.
 fn letter(index: usize) -> String {
     let last = char::from(b'A' + (index % 26) as u8);
     if index < 26 { last.to_string() } else { letter(index / 26 - 1) + &last.to_string() }
@@ -261,7 +261,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn letters_go_on_after_z() {
+    fn letters_continue_after_z() {
         assert_eq!([0, 25, 26, 51, 52].map(letter), ["A", "Z", "AA", "AZ", "BA"]);
     }
 

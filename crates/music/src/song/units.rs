@@ -1,25 +1,25 @@
-//! What sounds from beat to beat, or from bar to bar: means of what was heard between given times.
+//! Mean measurements of stretches of time, such as beats or bars.
 
 use super::heard::{Heard, SLOW_HOPS, TIMBRE_BANDS};
 
-/// Noise has about this much flux.
+/// The approximate flux of noise.
 const FLUX_OF_NOISE: f32 = 0.1;
 
 /// The range of levels that count, in decibels below the loudest moment.
 const RANGE_DB: f32 = 60.0;
 
-/// Means of a stretch of time.
+/// The mean measurements of a stretch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unit {
-    /// Level of each band in decibels above the quietest that counts, 0..60.
+    /// The level of each band, 0..60 decibels above the floor.
     pub(super) timbre: [f32; TIMBRE_BANDS],
-    /// Share of each pitch class, C first; sums to 1, or 0 where no pitch sounds.
+    /// The fraction of each pitch class, C first. The sum is 1, or 0 without pitches.
     pub(super) chroma: [f32; 12],
-    /// Level of everything, in decibels above the quietest that counts.
+    /// The total level, in decibels above the floor.
     pub(super) level: f32,
-    /// Level of what is low, on the same scale.
+    /// The level of the low band, in decibels above the floor.
     pub(super) low: f32,
-    /// Sum of the onset strengths above the mean per second, in arbitrary units.
+    /// The mean flux above the flux of noise, a measure of onset density.
     pub(super) onsets: f32,
 }
 
@@ -27,7 +27,7 @@ impl Unit {
     const SILENCE: Self =
         Self { timbre: [0.0; TIMBRE_BANDS], chroma: [0.0; 12], level: 0.0, low: 0.0, onsets: 0.0 };
 
-    /// The power-weighted mean place among the bands (spectral centroid), 0..1.
+    /// Returns the level-weighted mean position among the bands (spectral centroid), 0..1.
     pub(super) fn brightness(&self) -> f32 {
         let sum: f32 = self.timbre.iter().sum();
         let weighed: f32 = self.timbre.iter().enumerate().map(|(band, level)| band as f32 * level).sum();
@@ -35,7 +35,7 @@ impl Unit {
     }
 }
 
-/// The units between neighbouring `times` in seconds, one less than there are times.
+/// Returns the units between consecutive `times` in seconds, one fewer than the times.
 pub(super) fn units(heard: &Heard, times: &[f64]) -> Vec<Unit> {
     let loudest = heard.slow.iter().map(|slow| slow.timbre.iter().sum::<f32>()).fold(1e-7_f32, f32::max);
     times.windows(2).map(|pair| unit(heard, pair[0], pair[1], loudest)).collect()
@@ -77,12 +77,12 @@ fn unit(heard: &Heard, from: f64, to: f64, loudest: f32) -> Unit {
     unit
 }
 
-/// How far two lists of numbers are apart.
+/// Euclidean distance.
 pub(super) fn distance(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f32>().sqrt()
 }
 
-/// Values less their mean, in standard deviations; all 0 where they hardly differ.
+/// Subtracts the mean and divides by the standard deviation, or by `least` if that is larger.
 pub(super) fn standardised(values: &[f32], least: f32) -> Vec<f32> {
     let count = values.len().max(1) as f32;
     let mean = values.iter().sum::<f32>() / count;

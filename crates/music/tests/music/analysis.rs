@@ -1,6 +1,6 @@
-//! What the analysis tells of signals whose answers are known from theory.
+//! Tests of the analysis with signals whose features are known from theory.
 
-// A test ends by a panic; this is one way to it.
+// A test ends by a panic, and `expect` is one way to it.
 #![allow(clippy::expect_used)]
 
 use std::f64::consts::TAU;
@@ -14,12 +14,12 @@ use mariana_music::{
 };
 use proptest::prelude::*;
 
-/// Ends a debug build's test run where [`assert_no_alloc`] finds an allocation.
+/// Aborts a debug build's test run when [`assert_no_alloc`] finds an allocation.
 #[cfg(debug_assertions)]
 #[global_allocator]
 static ALLOCATOR: assert_no_alloc::AllocDisabler = assert_no_alloc::AllocDisabler;
 
-/// The level of all bands together, in decibels.
+/// Returns the level of all bands together, in decibels.
 fn total_db(features: &Features) -> f64 {
     let power: f64 = features.band_levels_db.iter().map(|&db| 10_f64.powf(f64::from(db) / 10.0)).sum();
     10.0 * power.log10()
@@ -28,7 +28,7 @@ fn total_db(features: &Features) -> f64 {
 fn loudest_band(features: &Features) -> usize {
     (0..BAND_COUNT)
         .max_by(|&a, &b| features.band_levels_db[a].total_cmp(&features.band_levels_db[b]))
-        .expect("there are bands")
+        .expect("there is at least one band")
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn sine_in_the_middle_of_a_band_fills_that_band() {
 }
 
 #[test]
-fn a_tone_stands_in_the_same_band_at_every_rate() {
+fn a_tone_is_in_the_same_band_at_every_rate() {
     for rate in [
         4_000, 5_512, 8_000, 11_025, 16_000, 22_050, 32_000, 33_941, 33_942, 44_100, 48_000, 64_000, 67_882,
         88_200, 96_000, 176_400, 192_000, 352_800, 384_000, 768_000,
@@ -79,7 +79,7 @@ fn a_tone_stands_in_the_same_band_at_every_rate() {
 }
 
 #[test]
-fn rates_beyond_the_limits_are_taken_as_the_nearest_inside() {
+fn rates_beyond_the_limits_are_clamped() {
     for (asked, taken) in [
         (0, MUSIC_LIMITS.sample_rate_min),
         (MUSIC_LIMITS.sample_rate_min - 1, MUSIC_LIMITS.sample_rate_min),
@@ -95,21 +95,21 @@ fn white_noise_has_power_in_proportion_to_bandwidth() {
     let mut state = 1;
     let frames = signal(48_000, 20.0, |_| [0.5 * noise(&mut state), 0.5 * noise(&mut state)]);
     let moments = analyze(48_000, &frames);
-    // Uniform noise of peak 0.5 has a mean square of 0.25/3 from 0 to 24 kHz; a full-scale sine has 1/2.
+    // Uniform noise with a peak of 0.5 has a mean square of 0.25/3 from 0 to 24 kHz; a full-scale sine has 1/2.
     for band in 0..BAND_COUNT {
         let bandwidth = (band_edge(band + 1) - band_edge(band)) / 24_000.0;
         let expected = 10.0 * (2.0 * 0.25 / 3.0 * bandwidth).log10();
         let power: f64 =
             moments.iter().map(|m| 10_f64.powf(f64::from(m.features.band_levels_db[band]) / 10.0)).sum();
         let level = 10.0 * (power / moments.len() as f64).log10();
-        // The estimate of a narrow band scatters: 20 s hold 2·B·T = 260 free values at 6.5 Hz, 0.4 dB each way.
+        // The estimate of a narrow band scatters: 20 s contain 2·B·T = 260 independent values at 6.5 Hz, ±0.4 dB.
         let tolerance = if band < 8 { 1.2 } else { 0.4 };
         assert!((level - expected).abs() < tolerance, "band {band}: {level:.2} dB instead of {expected:.2}");
     }
 }
 
 #[test]
-fn left_and_right_keep_their_sides_and_opposite_phase_counts() {
+fn left_and_right_are_separate_and_opposite_phase_counts() {
     let tone = |t: f64| 0.5 * (TAU * 1000.0 * t).sin();
     let measure = |sides: [f64; 2]| {
         nearest(&analyze(48_000, &signal(48_000, 3.0, |t| sides.map(|side| side * tone(t)))), 2.5)
@@ -150,7 +150,7 @@ fn volume_falls_by_its_release_after_the_sound() {
 
 #[test]
 fn loud_music_moves_the_bars_between_a_third_and_nine_tenths() {
-    // Four sines in each band with equal power per band (pink) and in all the level of -14 LUFS music: -13.3 dB.
+    // Four sines in each band, with equal power per band (pink) and the total level of -14 LUFS music: -13.3 dB.
     let amplitude = (10_f64.powf(-1.33) / (4.0 * BAND_COUNT as f64)).sqrt();
     let mut state = 7;
     let tones: Vec<(f64, f64)> = (0..4 * BAND_COUNT)
@@ -166,7 +166,7 @@ fn loud_music_moves_the_bars_between_a_third_and_nine_tenths() {
     let steady = &moments[40..moments.len() - 20];
     for band in 0..BAND_COUNT {
         let mean = steady.iter().map(|m| m.features.bands[band]).sum::<f32>() / steady.len() as f32;
-        assert!((0.5..0.75).contains(&mean), "band {band} stands at {mean:.2}");
+        assert!((0.5..0.75).contains(&mean), "band {band} has a mean height of {mean:.2}");
     }
 }
 
@@ -190,7 +190,8 @@ fn a_tone_has_its_frequency() {
 
 #[test]
 fn pink_noise_has_the_same_power_in_every_band() {
-    // Voss's: the sum of noises that change half as often each (McCartney's tree), -3 dB per octave within 0.5 dB.
+    // Voss's algorithm: the sum of noises that each change half as often (McCartney's tree), -3 dB per octave within
+    // 0.5 dB.
     let (mut state, mut rows, mut number) = (5, [0.0; 18], 0_u32);
     let frames = signal(48_000, 40.0, |_| {
         number = number.wrapping_add(1);
@@ -212,7 +213,7 @@ fn pink_noise_has_the_same_power_in_every_band() {
 }
 
 #[test]
-fn mid_and_side_are_told_apart() {
+fn mid_and_side_are_separate() {
     let tone = |t: f64| 0.5 * (TAU * 1000.0 * t).sin();
     let measure = |sides: [f64; 2]| {
         let features =
@@ -239,7 +240,7 @@ fn silence_reads_the_floor_and_nothing_moves() {
 }
 
 #[test]
-fn constant_offset_is_no_sound_in_any_band() {
+fn constant_offset_is_silent_in_every_band() {
     let features = nearest(&analyze(48_000, &signal(48_000, 1.0, |_| [0.5; 2])), 0.5);
     assert!(features.band_levels_db.iter().all(|&level| level < -100.0), "{:?}", features.band_levels_db);
 }
@@ -257,7 +258,7 @@ fn moments_cover_the_stream_from_start_to_end() {
 }
 
 #[test]
-fn a_click_stands_at_its_time() {
+fn a_click_peaks_at_its_time() {
     for rate in [8_000, 44_100, 48_000, 192_000] {
         let mut frames = vec![[0.0; 2]; 2 * rate as usize];
         frames[rate as usize] = [1.0, 1.0];
@@ -267,7 +268,7 @@ fn a_click_stands_at_its_time() {
             moments
                 .iter()
                 .max_by(|a, b| value(&a.features).total_cmp(&value(&b.features)))
-                .expect("moments")
+                .expect("there are moments")
                 .time
         };
         let volume = peak(&|features| features.volume[0]);
@@ -279,7 +280,7 @@ fn a_click_stands_at_its_time() {
 
 #[test]
 fn the_window_is_centred_to_the_frame() {
-    // A click on a moment: the moments before and after it see the click through mirrored places of the window.
+    // With a click exactly on a moment, the moments before and after it weight the click symmetrically.
     let click = 20;
     let mut frames = vec![[0.0; 2]; 40 * 512];
     frames[click * 512] = [1.0; 2];
@@ -302,7 +303,7 @@ fn a_trailing_window_ends_at_its_moment() {
     let mut frames = vec![[0.0; 2]; 5 * 512];
     frames.extend([[0.5; 2]; 512]);
     analyzer.push(&frames, &mut |moment| moments.push(moment.clone()));
-    // A moment for each hop, that at 0 among them; only the last saw the sound, and without waiting.
+    // One moment per hop, including the one at 0. Only the last one includes the sound, without delay.
     let times: Vec<f64> = (0..=6).map(|n| f64::from(n * 512) / 48_000.0).collect();
     assert_eq!(moments.iter().map(|moment| moment.time).collect::<Vec<_>>(), times);
     assert_eq!(moments[5].features, Features::SILENCE);
@@ -318,7 +319,7 @@ fn before_and_after_the_stream_there_is_silence() {
     let moments = analyze(48_000, &frames);
     assert_eq!(moments, analyze(48_000, &padded)[..moments.len()]);
 
-    // Neither the end nor a restart leaves anything behind.
+    // Neither the end nor a restart leaves any state behind.
     let mut analyzer = Analyzer::with_gain(48_000, Alignment::Centred, Gain::Off);
     analyzer.push(&padded, &mut |_| ());
     analyzer.finish(&mut |_| ());
@@ -343,7 +344,7 @@ fn samples_that_are_not_finite_are_silent() {
 }
 
 #[test]
-fn analysis_after_a_seek_meets_the_uninterrupted_one() {
+fn analysis_after_a_seek_converges_to_the_uninterrupted_one() {
     let mut state = 3;
     let frames = signal(44_100, 6.0, |_| [noise(&mut state), 0.3 * noise(&mut state)]);
     let whole = analyze(44_100, &frames);
@@ -359,7 +360,7 @@ fn analysis_after_a_seek_meets_the_uninterrupted_one() {
         let other = &whole[first + index];
         assert_eq!(moment.time, other.time);
         if index >= 9 {
-            // The long window lies wholly behind the start: the levels are the same, bit for bit.
+            // The long window is completely after the start, so the levels are equal, bit for bit.
             assert_eq!(moment.features.band_levels_db, other.features.band_levels_db);
         }
         if moment.time - later[0].time > 1.0 {
@@ -371,7 +372,7 @@ fn analysis_after_a_seek_meets_the_uninterrupted_one() {
 }
 
 #[test]
-fn a_restart_at_an_absurd_position_is_survived() {
+fn a_restart_at_an_absurd_position_works() {
     let mut analyzer = Analyzer::with_gain(48_000, Alignment::Centred, Gain::Off);
     analyzer.restart(u64::MAX);
     let mut times = Vec::new();
@@ -386,7 +387,7 @@ fn features_are_one_function_of_time_at_every_frame_rate() {
     let frames = signal(48_000, 3.0, |t| [(TAU * 300.0 * t).sin() * (3.0 * t).sin().abs(), 0.2]);
     let mut track = FeatureTrack::default();
     analyze(48_000, &frames).iter().for_each(|moment| track.push(moment));
-    // Where the pictures of two rates fall on the same moment they show the same.
+    // At equal times, all frame rates read the same features.
     for second_part in 0..90 {
         let time = f64::from(second_part) / 30.0;
         let expected = track.at(time);
@@ -398,7 +399,7 @@ fn features_are_one_function_of_time_at_every_frame_rate() {
             }
         }
     }
-    // Between moments nothing jumps: over a twentieth of a hop no bar moves by more than a twentieth of its range.
+    // Features are continuous: over a twentieth of a hop no bar moves by more than a twentieth of its range.
     let mut last = track.at(0.0);
     for step in 1..5000 {
         let now = track.at(f64::from(step) * 0.0005);
@@ -408,7 +409,7 @@ fn features_are_one_function_of_time_at_every_frame_rate() {
 }
 
 #[test]
-fn nothing_is_allocated_once_all_stands() {
+fn analysis_allocates_nothing_after_setup() {
     let frames = signal(48_000, 1.0, |t| [(TAU * 300.0 * t).sin(), 0.2]);
     let mut analyzer = Analyzer::with_gain(48_000, Alignment::Centred, Gain::Off);
     let mut track = FeatureTrack::new(0.5);
@@ -421,7 +422,7 @@ fn nothing_is_allocated_once_all_stands() {
     assert!(shown.volume[0] > 0.5, "{:?}", shown.volume);
 }
 
-/// Samples as no decoder should give them, but might.
+/// Samples that no decoder should produce, but might.
 fn any_sample() -> impl Strategy<Value = f32> {
     prop_oneof![
         4 => -1.0_f32..1.0,
@@ -434,7 +435,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn the_cut_into_blocks_does_not_matter(
+    fn block_sizes_do_not_matter(
         seed in any::<u64>(),
         length in 0_usize..20_000,
         blocks in prop::collection::vec(0_usize..6_000, 1..40),

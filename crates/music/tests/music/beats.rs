@@ -1,10 +1,10 @@
-//! Beats that are foretold, and onsets, against rhythms whose beats are known.
+//! Tests of beat prediction and onsets with known rhythms.
 
 use crate::rhythm::{Pattern, RATE, clicks, drums, f_measure, play};
 use crate::signals::{analyze, noise, signal};
 use mariana_music::{Alignment, Analyzer, FeatureTrack, StereoFrame};
 
-/// Length of each rhythm, in seconds; beats count from [`SETTLED`] on.
+/// The length of each rhythm in seconds. Beats are evaluated from [`SETTLED`] on.
 const SECONDS: f64 = 16.0;
 const SETTLED: f64 = 5.0;
 
@@ -16,7 +16,7 @@ fn track_of(frames: &[StereoFrame], alignment: Alignment) -> FeatureTrack {
     track
 }
 
-/// When the phase passes from 1 to 0, looked at as often as pictures do.
+/// Returns the times at which the phase wraps, sampled at a high frame rate.
 fn beats_of(track: &FeatureTrack) -> Vec<f64> {
     const FPS: f64 = 240.0;
     let mut beats = Vec::new();
@@ -33,7 +33,7 @@ fn beats_of(track: &FeatureTrack) -> Vec<f64> {
     beats
 }
 
-/// The F-measure of a pattern whose tempo runs evenly from one to another, and the tempo at the end.
+/// Returns the F-measure of a pattern whose tempo changes evenly, and the tempo at the end.
 fn measure(pattern: &Pattern, (from, to): (f64, f64), alignment: Alignment) -> (f64, f32) {
     let (frames, truth) = play(pattern, SECONDS, |t| from + (to - from) * t / SECONDS);
     let track = track_of(&frames, alignment);
@@ -42,21 +42,21 @@ fn measure(pattern: &Pattern, (from, to): (f64, f64), alignment: Alignment) -> (
 
 fn require(pattern: &Pattern, tempo: (f64, f64), alignment: Alignment) {
     let (f, found) = measure(pattern, tempo, alignment);
-    assert!(f >= 0.98, "{} at {tempo:?}, {alignment:?}: F = {f:.3}, told as {found:.0} bpm", pattern.name);
+    assert!(f >= 0.98, "{} at {tempo:?}, {alignment:?}: F = {f:.3}, reported {found:.0} bpm", pattern.name);
     let end = tempo.0 + (tempo.1 - tempo.0) * (SECONDS - 1.0) / SECONDS;
     let off = f64::from(found) / end - 1.0;
-    assert!(off.abs() < 0.04, "{} at {end:.0} bpm is told as {found:.1}", pattern.name);
+    assert!(off.abs() < 0.04, "{} at {end:.0} bpm is reported as {found:.1}", pattern.name);
 }
 
 #[test]
-fn clicks_are_foretold_from_60_to_200() {
+fn clicks_are_predicted_from_60_to_200() {
     for tempo in [60.0, 85.0, 110.0, 150.0, 200.0] {
         require(&clicks(), (tempo, tempo), Alignment::Centred);
     }
 }
 
 #[test]
-fn drums_are_foretold_from_60_to_200() {
+fn drums_are_predicted_from_60_to_200() {
     for (number, pattern) in drums(0.5).iter().enumerate() {
         for tempo in [60.0, 97.0, 134.0, 200.0] {
             let alignment = if number % 2 == 0 { Alignment::Centred } else { Alignment::Trailing };
@@ -66,7 +66,7 @@ fn drums_are_foretold_from_60_to_200() {
 }
 
 #[test]
-fn swing_is_no_other_tempo() {
+fn swing_does_not_change_the_tempo() {
     for pattern in drums(0.667) {
         for tempo in [66.0, 120.0, 184.0] {
             require(&pattern, (tempo, tempo), Alignment::Centred);
@@ -84,7 +84,7 @@ fn ramps_are_followed() {
 }
 
 #[test]
-fn each_onset_is_a_beat_of_its_own_and_decays() {
+fn each_onset_sets_beat_and_decays() {
     let (frames, truth) = play(&clicks(), SECONDS, |_| 90.0);
     for (alignment, late) in [(Alignment::Centred, 0.015), (Alignment::Trailing, 0.03)] {
         let track = track_of(&frames, alignment);
@@ -115,19 +115,19 @@ fn silence_and_steady_sound_have_no_beat_and_the_end_of_a_rhythm_is_noticed() {
     assert!((20..150).all(|tenth| track.at(f64::from(tenth) / 10.0).tempo == 0.0));
 }
 
-/// The times at which sounds begin.
+/// Returns the times of onsets.
 fn onsets_of(frames: &[StereoFrame]) -> Vec<f64> {
     let begins = |moment: &&mariana_music::TimedFeatures| moment.features.beat == 1.0;
     analyze(RATE, frames).iter().filter(begins).map(|moment| moment.time).collect()
 }
 
-/// A short tone after each `gap` seconds.
+/// A short tone every `gap` seconds.
 fn click_at(t: f64, gap: f64) -> f64 {
     let since = t % gap;
     (std::f64::consts::TAU * 1_500.0 * since).sin() * (-since / 0.004).exp()
 }
 
-/// A chord of three tones of eight partials each.
+/// A chord of three tones with eight partials each.
 fn organ(t: f64, lowest_hz: f64) -> f64 {
     let partial =
         |hz: f64, number: u32| (std::f64::consts::TAU * hz * f64::from(number) * t).sin() / f64::from(number);
@@ -154,7 +154,7 @@ fn a_click_under_a_loud_chord_is_an_onset() {
 }
 
 #[test]
-fn clicks_in_quick_succession_are_told_apart() {
+fn clicks_in_quick_succession_are_separate_onsets() {
     for gap in [0.06, 0.08, 0.1] {
         let onsets = onsets_of(&signal(RATE, 6.0, |t| [0.4 * click_at(t, gap); 2]));
         let expected = 4.0 / gap;
@@ -164,7 +164,7 @@ fn clicks_in_quick_succession_are_told_apart() {
 }
 
 #[test]
-fn steady_noise_and_vibrato_begin_nothing() {
+fn steady_noise_and_vibrato_have_no_onsets() {
     let mut state = 7;
     let (mut slow, mut slower) = (0.0, 0.0);
     let mut colour = |number: usize| {
@@ -190,7 +190,7 @@ fn steady_noise_and_vibrato_begin_nothing() {
         let later = || moments.iter().filter(|moment| (1.0..19.9).contains(&moment.time));
         let onsets: Vec<f64> =
             later().filter(|moment| moment.features.beat == 1.0).map(|moment| moment.time).collect();
-        assert!(onsets.is_empty(), "{name} begins at {onsets:?}");
+        assert!(onsets.is_empty(), "{name} has onsets at {onsets:?}");
         assert!(later().all(|moment| moment.features.tempo == 0.0), "{name} has a tempo");
     }
 }

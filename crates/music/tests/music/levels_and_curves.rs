@@ -1,4 +1,4 @@
-//! What scenes hear: levels after the automatic gain, and the curves of a moment.
+//! Tests of the features for scenes: levels with automatic gain, and the curves of a moment.
 
 #![allow(clippy::expect_used)]
 
@@ -20,21 +20,21 @@ fn the_gain_has_settled_two_seconds_after_a_step_of_30_db() {
         let (before, settled, late) =
             (nearest(&moments, 7.9), nearest(&moments, 10.0), nearest(&moments, 15.0));
         assert!((settled.gain_db - late.gain_db).abs() < 0.5, "{} and {} dB", settled.gain_db, late.gain_db);
-        // 30 dB apart, they are shown 10 dB apart.
+        // A difference of 30 dB becomes 10 dB for scenes.
         let change = (late.gain_db - before.gain_db).abs();
-        assert!((19.0..=20.5).contains(&change), "it changed by {change} dB");
+        assert!((19.0..=20.5).contains(&change), "the gain changed by {change} dB");
         for (a, b) in settled.bands.iter().zip(late.bands) {
             assert!((a - b).abs() < 0.02, "a band at {a} two seconds after the step, at {b} later");
         }
-        // What is measured in decibels is left alone.
+        // Values in decibels are not changed.
         let apart = (before.level_db - late.level_db).abs();
         assert!((apart - 30.0).abs() < 0.1, "{apart} dB");
     }
 }
 
 #[test]
-fn the_gain_does_not_pump_with_the_beat_nor_lift_the_room_and_can_be_off() {
-    // A kick each second on a quiet chord: the gain of the quiet passage would be 10 dB and more.
+fn the_gain_does_not_pump_or_raise_noise_and_can_be_off() {
+    // A kick each second on a quiet chord: the gain of the quiet passage alone would be 10 dB and more.
     let beat = signal(48_000, 10.0, |t| chord(t, 0.02 + 0.05 * (-8.0 * t.fract()).exp()));
     let gains: Vec<f32> =
         leveled(&beat).iter().filter(|m| (3.0..9.5).contains(&m.time)).map(|m| m.features.gain_db).collect();
@@ -49,13 +49,13 @@ fn the_gain_does_not_pump_with_the_beat_nor_lift_the_room_and_can_be_off() {
     let music = signal(48_000, 5.0, |t| chord(t, 0.3));
     assert!(
         leveled(&music).iter().skip(40).all(|moment| moment.features.gain_db == 0.0),
-        "music as it is published"
+        "published music needs no gain"
     );
-    assert!(analyze(48_000, &beat).iter().all(|moment| moment.features.gain_db == 0.0), "it is off");
+    assert!(analyze(48_000, &beat).iter().all(|moment| moment.features.gain_db == 0.0), "the gain is off");
 }
 
 #[test]
-fn bass_mid_and_treble_hear_their_ranges_and_the_drive_runs_with_the_bass() {
+fn bass_mid_and_treble_have_their_ranges_and_the_drive_follows_the_bass() {
     let heard = |hz: f64| {
         let features =
             nearest(&analyze(48_000, &signal(48_000, 30.0, |t| [0.5 * (TAU * hz * t).sin(); 2])), 28.0);
@@ -67,12 +67,12 @@ fn bass_mid_and_treble_hear_their_ranges_and_the_drive_runs_with_the_bass() {
             let floor = 3.0 * values[(index + 1) % 3].max(values[(index + 2) % 3]);
             assert_eq!(*value > floor, index == range, "{hz} Hz: {values:?}");
         }
-        // Four seconds of what is heard steadily.
+        // In steady state, the drive is four seconds times the bass.
         assert!((drive - 4.0 * values[0]).abs() < 0.02, "{hz} Hz: {drive} from {values:?}");
     }
 }
 
-/// A track of everything in `frames`.
+/// Returns a track of all features of `frames`.
 fn track_of(analyzer: Analyzer, frames: &[StereoFrame]) -> FeatureTrack {
     let mut track = FeatureTrack::new(30.0);
     analyze_by(analyzer, frames).iter().for_each(|moment| track.push(moment));
@@ -80,13 +80,14 @@ fn track_of(analyzer: Analyzer, frames: &[StereoFrame]) -> FeatureTrack {
 }
 
 #[test]
-fn the_spectrum_stands_where_the_tone_is_and_its_history_where_it_was() {
+fn the_spectrum_shows_the_tone_and_the_history_its_past() {
     // A tone that jumps up an octave each second.
     let hz = |t: f64| 55.0 * t.floor().exp2().min(64.0);
     let frames = signal(48_000, 9.0, |t| [0.5 * (TAU * hz(t) * t).sin(); 2]);
     let track = track_of(Analyzer::with_gain(48_000, Alignment::Centred, Gain::Off), &frames);
     let peak = |values: &[f32]| {
-        let best = (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).expect("values");
+        let best =
+            (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).expect("there are values");
         spectrum_hz(best as f64 / (values.len() - 1) as f64)
     };
     let Tables { spectrum: Some(spectrum), history: Some(history), history_offset, history_span, .. } =
@@ -105,10 +106,10 @@ fn the_spectrum_stands_where_the_tone_is_and_its_history_where_it_was() {
         let found = peak(&rows[row.round() as usize]);
         assert!(cents(found, hz(6.8 - age)).abs() < 200.0, "{found} Hz, {age} s ago");
     }
-    // Before the song there was silence.
+    // Before the song there is silence.
     let row = f64::from(history_offset) + 0.75 * f64::from(history_span);
     assert!(rows[row.round() as usize].iter().all(|height| *height == 0.0));
-    // On a row's moment age 0 is that row, and a hop later it is a quarter of a row behind.
+    // At a row's moment age 0 is that row; a hop later it is a quarter of a row behind.
     let moment = |number: f64| number * 512.0 / 48_000.0;
     let on_row = track.sound_at(moment(560.0)).tables;
     let (groups, _) = on_row.spectrum.as_deref().expect("a spectrum").as_chunks::<4>();
@@ -117,7 +118,7 @@ fn the_spectrum_stands_where_the_tone_is_and_its_history_where_it_was() {
     assert_eq!(on_row.history.expect("a history")[2 * HISTORY_POINTS..3 * HISTORY_POINTS], columns);
     let later = track.sound_at(moment(561.0)).tables.history_offset;
     assert!((later - 1.75).abs() < 1e-3, "{later}");
-    // Rows stay what they are and move on: no flicker.
+    // Rows keep their values as they move on, so that the image does not flicker.
     let later = track.sound_at(6.8 + 4.0 * 512.0 / 48_000.0).tables;
     let later = later.history.expect("a history");
     assert_eq!(
@@ -128,7 +129,7 @@ fn the_spectrum_stands_where_the_tone_is_and_its_history_where_it_was() {
 
 #[test]
 fn the_waveform_is_the_samples_around_the_moment_or_before_it() {
-    // A slow ramp tells which sample is which.
+    // A slow ramp identifies each sample.
     let frames = signal(48_000, 3.0, |t| [t / 4.0, t / 4.0]);
     for (alignment, behind) in [(Alignment::Centred, 0.5), (Alignment::Trailing, 0.0)] {
         let track = track_of(Analyzer::with_gain(48_000, alignment, Gain::Off), &frames);
@@ -149,7 +150,7 @@ fn the_waveform_is_the_samples_around_the_moment_or_before_it() {
 }
 
 #[test]
-fn a_history_is_whole_right_after_a_seek_that_was_prepared() {
+fn the_history_is_complete_after_a_seek_with_preroll() {
     let mut state = 4;
     let frames = signal(48_000, 30.0, |t| {
         let loud = 0.2 + 0.1 * (3.0 * t).sin();
@@ -170,7 +171,7 @@ fn a_history_is_whole_right_after_a_seek_that_was_prepared() {
 }
 
 #[test]
-fn brightness_is_where_the_middle_of_the_sound_lies() {
+fn brightness_follows_the_frequency_of_the_sound() {
     let of = |hz: f64| {
         nearest(&analyze(48_000, &signal(48_000, 2.0, |t| [0.5 * (TAU * hz * t).sin(); 2])), 1.5).brightness
     };

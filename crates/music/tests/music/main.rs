@@ -1,4 +1,4 @@
-//! What is heard in signals and rhythms whose answers are known.
+//! Tests of the analysis with known signals, rhythms and songs.
 
 mod analysis;
 mod beats;
@@ -6,5 +6,5 @@ mod levels_and_curves;
 mod rhythm;
 mod signals;
 mod song_structure;
-#[allow(dead_code)] // The example plays more of them.
+#[allow(dead_code)] // The example `song_figures` uses more of them.
 mod songs;

@@ -1,13 +1,13 @@
-//! Rhythms whose beats are known: clicks and drums at any tempo, with swing and ramps.
+//! Synthetic rhythms with known beats: clicks and drums at any tempo, with swing and ramps.
 
 use std::f64::consts::TAU;
 
 use mariana_music::StereoFrame;
 
-/// Frames per second of what is made here.
+/// The sample rate of the rhythms.
 pub(crate) const RATE: u32 = 48_000;
 
-/// What is struck.
+/// A percussion sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Drum {
     Click,
@@ -17,10 +17,10 @@ pub(crate) enum Drum {
     Ride,
 }
 
-/// A stroke of a pattern: its place in beats, its drum and its loudness.
+/// A stroke of a pattern: its position in beats, its drum and its loudness.
 pub(crate) type Stroke = (f64, Drum, f64);
 
-/// A pattern of so many beats.
+/// A repeating pattern with its length in beats.
 #[derive(Clone, Debug)]
 pub(crate) struct Pattern {
     pub name: &'static str,
@@ -28,12 +28,12 @@ pub(crate) struct Pattern {
     pub strokes: Vec<Stroke>,
 }
 
-/// The pattern of a metronome, a click for each beat.
+/// A metronome: one click per beat.
 pub(crate) fn clicks() -> Pattern {
     Pattern { name: "clicks", beats: 1.0, strokes: vec![(0.0, Drum::Click, 0.8)] }
 }
 
-/// Patterns of drums. `swing` is where the second eighth of a beat stands: 0.5 straight, 0.667 triplets.
+/// Drum patterns. `swing` is the position of the second eighth in its beat: 0.5 is straight, 0.667 triplets.
 pub(crate) fn drums(swing: f64) -> Vec<Pattern> {
     let eighths = |drum, loud: f64| {
         (0..4).flat_map(move |beat| {
@@ -80,7 +80,8 @@ pub(crate) fn drums(swing: f64) -> Vec<Pattern> {
     ]
 }
 
-/// `seconds` of a pattern and the times of its beats; `tempo(t)` gives beats per minute at `t` seconds.
+/// Plays `seconds` of a pattern. Returns the samples and the times of the beats; `tempo(t)` gives beats per minute at
+/// `t` seconds.
 pub(crate) fn play(
     pattern: &Pattern,
     seconds: f64,
@@ -126,7 +127,7 @@ fn strike(frames: &mut [StereoFrame], drum: Drum, loud: f64, noise: &mut u32) {
         last = white;
         let value = match drum {
             Drum::Click => (TAU * 1_500.0 * t).sin() * (-t / 0.004).exp(),
-            // Its pitch falls from 150 to 50 Hz.
+            // The pitch falls from 150 to 50 Hz.
             Drum::Kick => {
                 let turns = 50.0 * t + 100.0 * 0.03 * (1.0 - (-t / 0.03).exp());
                 (TAU * turns).sin() * (-t / 0.08).exp() + 0.2 * white * (-t / 0.004).exp()
@@ -145,7 +146,7 @@ fn strike(frames: &mut [StereoFrame], drum: Drum, loud: f64, noise: &mut u32) {
     }
 }
 
-/// The F-measure of beats between two times, in seconds, each matched with one that is true, within 70 ms.
+/// Returns the F-measure of beats between two times in seconds, each matched with a true beat within 70 ms.
 pub(crate) fn f_measure(found: &[f64], truth: &[f64], from: f64, to: f64) -> f64 {
     const TOLERANCE: f64 = 0.07;
     let inside = |time: &f64| (from..to).contains(time);
@@ -157,7 +158,7 @@ pub(crate) fn f_measure(found: &[f64], truth: &[f64], from: f64, to: f64) -> f64
         }
         if let Some(beat) = found.get(next).filter(|beat| **beat <= time + TOLERANCE) {
             next += 1;
-            // Of a pair, one may lie beyond the border.
+            // One beat of a pair may be outside the range.
             hits += usize::from(inside(time));
             false_beats -= usize::from(inside(beat));
         }

@@ -1,13 +1,13 @@
-//! Signals whose features are known, and their analysis.
+//! Signals with known features, and their analysis.
 
-#![allow(dead_code)] // Not every test needs all.
+#![allow(dead_code)] // Not every test uses all of them.
 #![allow(clippy::expect_used)]
 
 use std::f64::consts::TAU;
 
 use mariana_music::{Alignment, Analyzer, Features, Gain, StereoFrame, TimedFeatures};
 
-/// All features of a whole stream, as it sounds.
+/// Analyses a whole stream without automatic gain.
 pub(crate) fn analyze(rate: u32, frames: &[StereoFrame]) -> Vec<TimedFeatures> {
     analyze_by(Analyzer::with_gain(rate, Alignment::Centred, Gain::Off), frames)
 }
@@ -19,30 +19,30 @@ pub(crate) fn analyze_by(mut analyzer: Analyzer, frames: &[StereoFrame]) -> Vec<
     moments
 }
 
-/// `seconds` of a signal: `sample(t)` gives both channels at `t` seconds.
+/// Generates `seconds` of a signal: `sample(t)` gives both channels at `t` seconds.
 pub(crate) fn signal(rate: u32, seconds: f64, mut sample: impl FnMut(f64) -> [f64; 2]) -> Vec<StereoFrame> {
     let count = (f64::from(rate) * seconds) as usize;
     (0..count).map(|n| sample(n as f64 / f64::from(rate)).map(|x| x as f32)).collect()
 }
 
-/// The features at `time`, from the nearest moment.
+/// Returns the features of the moment nearest to `time`.
 pub(crate) fn nearest(moments: &[TimedFeatures], time: f64) -> Features {
     let distance = |moment: &TimedFeatures| (moment.time - time).abs();
-    moments.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("no moments").features
+    moments.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("there are moments").features
 }
 
-/// The next number of a plain linear congruential generator, uniform in -1..1.
+/// Returns the next number of a linear congruential generator, uniform in -1..1.
 pub(crate) fn noise(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// How far `a` lies from `b` in hundredths of a semitone.
+/// The interval from `b` to `a` in cents.
 pub(crate) fn cents(a: f64, b: f64) -> f64 {
     1200.0 * (a / b).log2()
 }
 
-/// A chord of eight tones over the whole range, of the power of a sine of amplitude `amplitude`.
+/// A chord of eight tones over the whole range, with the power of a sine of amplitude `amplitude`.
 pub(crate) fn chord(t: f64, amplitude: f64) -> [f64; 2] {
     let tones = [55.0, 110.0, 233.0, 466.0, 932.0, 1864.0, 3728.0, 7456.0];
     [amplitude / 8.0_f64.sqrt() * tones.iter().map(|hz| (TAU * hz * t).sin()).sum::<f64>(); 2]

@@ -1,5 +1,5 @@
-//! The structure of generated songs, and of what is no song. (The example `song_figures` prints all styles, tempos, forms
-//! and keys; here are a few of each.)
+//! Tests of the structure of generated songs, and of other sounds. (The example `song_figures` measures all styles,
+//! tempos, forms and keys; the tests check a few of each.)
 
 use crate::signals::noise;
 use crate::songs::{
@@ -9,7 +9,7 @@ use crate::songs::{
 use mariana_music::limits::LIMITS;
 use mariana_music::{Alignment, Analyzer, Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality};
 
-/// Half of what songs usually have, for speed.
+/// Half the usual sample rate, for speed.
 const RATE: u32 = 24_000;
 
 fn heard(song: &Song) -> (SongStructure, Truth) {
@@ -17,7 +17,7 @@ fn heard(song: &Song) -> (SongStructure, Truth) {
     (structure(RATE, &frames), truth)
 }
 
-/// What holds for the structure of anything.
+/// Checks the invariants of any structure.
 fn require_sense(structure: &SongStructure) {
     assert!(structure.beats.windows(2).all(|pair| pair[0].time < pair[1].time));
     let beats_per_bar = structure.meter.map_or(0, Meter::beats);
@@ -39,7 +39,7 @@ fn require_sense(structure: &SongStructure) {
 }
 
 #[test]
-fn a_song_is_known_by_beats_bars_sections_and_key() {
+fn beats_bars_sections_and_key_of_songs_are_found() {
     let of = |style, tempo, root, mode| Song::new(style, tempo, Tonality { root, mode }, pop(mode));
     let swung = Song { swing: 0.667, ..of(Style::Jazz, 132.0, 7, Mode::Major) };
     let faster = Song { tempo: (92.0, 128.0), cents: 30.0, ..of(Style::Rock, 92.0, 4, Mode::Minor) };
@@ -69,7 +69,7 @@ fn a_song_is_known_by_beats_bars_sections_and_key() {
 }
 
 #[test]
-fn two_dotted_beats_are_six_eighths() {
+fn two_dotted_beats_are_six_eight() {
     let key = Tonality { root: 2, mode: Mode::Major };
     let (found, truth) = heard(&Song::new(Style::SixEight, 96.0, key, pop(Mode::Major)));
     assert_eq!(found.meter, Some(Meter::SixEight));
@@ -78,7 +78,7 @@ fn two_dotted_beats_are_six_eighths() {
 }
 
 #[test]
-fn harmony_alone_and_sound_alone_make_sections() {
+fn harmony_alone_and_timbre_alone_make_sections() {
     for by_harmony in [true, false] {
         let part = |letter, bars, number| Part {
             letter,
@@ -115,7 +115,7 @@ fn builds_and_breaks_lead_to_drops() {
 }
 
 #[test]
-fn a_ballad_has_no_drop_whatever_it_swells_to() {
+fn ballads_have_no_drops() {
     let key = Tonality { root: 4, mode: Mode::Major };
     for swell in Swell::ALL {
         for tempo in [70.0, 84.0] {
@@ -125,23 +125,23 @@ fn a_ballad_has_no_drop_whatever_it_swells_to() {
     }
 }
 
-/// A listener who knows nothing of what comes needs some bars to be sure, and is then nearly always right.
+/// Live bar tracking needs some bars to be certain, and is then nearly always right.
 #[test]
-fn bars_are_heard_live_once_they_are_sure() {
+fn live_bars_are_right_once_reported() {
     for (style, tempo) in [(Style::Ballad, 83.0), (Style::FourOnTheFloor, 128.0), (Style::Waltz, 104.0)] {
         let key = Tonality { root: 9, mode: Mode::Minor };
         let (frames, truth) = Song::new(style, tempo, key, pop(Mode::Minor)).play(RATE);
         let beats = beats_heard(RATE, &frames);
         let [reported, right] = bars_heard(&beats, &truth);
-        assert!(reported > 0.5 && right > 0.9, "{style:?}: {reported:.2} told, {right:.2} right");
+        assert!(reported > 0.5 && right > 0.9, "{style:?}: {reported:.2} reported, {right:.2} right");
         let played = Analyzer::new(RATE, Alignment::Centred);
-        assert!(reported_of_bars(played, &frames) == 0, "the whole song is known of a file");
+        assert!(reported_of_bars(played, &frames) == 0, "files have no live bars");
     }
 }
 
-/// Alike clicks have no bar, and noise not even beats.
+/// Equal clicks have no bars, and noise has no beats.
 #[test]
-fn no_bar_is_heard_where_none_is() {
+fn no_bars_are_reported_without_bars() {
     let rate = f64::from(RATE);
     let clicks: Vec<StereoFrame> = (0..RATE * 60)
         .map(|n| {
@@ -156,7 +156,7 @@ fn no_bar_is_heard_where_none_is() {
     }
 }
 
-/// In how many moments a bar is told.
+/// Counts the moments with a reported bar.
 fn reported_of_bars(mut analyzer: Analyzer, frames: &[StereoFrame]) -> usize {
     let mut reported = 0;
     analyzer.push(frames, &mut |moment| reported += usize::from(moment.features.bar_beat > 0.0));
@@ -164,7 +164,7 @@ fn reported_of_bars(mut analyzer: Analyzer, frames: &[StereoFrame]) -> usize {
 }
 
 #[test]
-fn blocks_make_no_difference() {
+fn block_sizes_do_not_matter() {
     let key = Tonality { root: 0, mode: Mode::Major };
     let mut form = pop(Mode::Major);
     form.truncate(2);
@@ -176,7 +176,7 @@ fn blocks_make_no_difference() {
 }
 
 #[test]
-fn what_is_no_song_has_a_sensible_structure_or_none() {
+fn other_sounds_have_a_sensible_structure_or_none() {
     let of = |seconds: f64, sample: &mut dyn FnMut(f64) -> f64| {
         let count = (seconds * f64::from(RATE)) as usize;
         let frames: Vec<StereoFrame> =
@@ -196,17 +196,17 @@ fn what_is_no_song_has_a_sensible_structure_or_none() {
     let mut state = 1;
     let hiss = of(40.0, &mut |_| 0.3 * noise(&mut state));
     assert_eq!((hiss.key, hiss.beats.len(), hiss.sections.len()), (None, 0, 1));
-    // The same in stereo, whose chance peaks of the spectrum are no harmony.
+    // Stereo noise, whose random spectral peaks are no harmony.
     let stereo: Vec<StereoFrame> =
         (0..RATE * 120).map(|_| [0; 2].map(|_| 0.3 * noise(&mut state) as f32)).collect();
     let wide = structure(RATE, &stereo);
     assert_eq!((wide.key, wide.beats.len(), wide.sections.len()), (None, 0, 1), "{:?}", wide.sections);
-    // A tone with overtones, and one that wavers: both hold one note.
+    // A tone with overtones, and one with vibrato: both hold one note.
     let rich = of(120.0, &mut |t| (1..8).map(|k| 0.1 / f64::from(k) * tone(110.0 * f64::from(k), t)).sum());
     assert!(rich.key.is_none() && rich.sections.len() == 1, "{:?}, {:?}", rich.key, rich.sections);
     let waver = of(120.0, &mut |t| 0.3 * (std::f64::consts::TAU * 330.0 * t + 3.0 * tone(5.5, t)).sin());
     assert!(waver.beats.is_empty() && waver.sections.len() == 1, "{:?}", waver.tempo);
-    // Noise in syllables of any length, as in speech, with pauses.
+    // Noise in syllables of random length, as in speech, with pauses.
     let (mut begins, mut length, mut loud, mut seed) = (0.0, 0.2, 0.0, 5);
     let speech = of(90.0, &mut |t| {
         if t >= begins + length {
@@ -219,7 +219,7 @@ fn what_is_no_song_has_a_sensible_structure_or_none() {
         loud * (std::f64::consts::PI * (t - begins) / length).sin() * noise(&mut state)
     });
     assert_eq!((speech.key, speech.beats.len()), (None, 0), "{:?}", speech.tempo);
-    // Chords that swell, without a stroke.
+    // Chords that swell without onsets.
     let swell = of(60.0, &mut |t| {
         let root = 220.0 * [1.0, 1.335, 1.498, 1.0][(t / 7.3) as usize % 4];
         let loud = 0.2 * (1.0 - (std::f64::consts::TAU * t / 7.3).cos());
@@ -232,9 +232,9 @@ fn what_is_no_song_has_a_sensible_structure_or_none() {
     assert!(bad.silent);
 }
 
-/// By EBU Tech 3341, a sine of 1 kHz at -23 dBFS in both channels has -23 LUFS, and gates leave out what is quiet.
+/// By EBU Tech 3341, a sine of 1 kHz at -23 dBFS in both channels has -23 LUFS, and gating excludes quiet parts.
 #[test]
-fn loudness_is_that_of_ebu_r128() {
+fn loudness_follows_ebu_r128() {
     let rate = 48_000;
     let sines = |parts: &[(f64, f64)]| {
         let mut frames: Vec<StereoFrame> = Vec::new();

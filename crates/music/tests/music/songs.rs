@@ -1,4 +1,4 @@
-//! Songs whose beats, bars, sections, builds, drops and key are known: styles, forms, keys and tempos.
+//! Synthetic songs with known beats, bars, sections, builds, drops and key, in several styles and forms.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use mariana_music::{
     Alignment, Analyzer, Features, Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality,
 };
 
-/// What the drums do.
+/// The style of the drums.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Style {
     Rock,
@@ -39,7 +39,7 @@ impl Style {
         }
     }
 
-    /// Strokes of a bar: place in beats, drum, loudness.
+    /// Returns the strokes of a bar: position in beats, drum, loudness.
     fn strokes(self, swing: f64) -> Vec<(f64, Drum, f64)> {
         use Drum::{Hat, Kick, Ride, Snare};
         let beats = self.meter().beats() as u32;
@@ -81,7 +81,6 @@ impl Style {
     }
 }
 
-/// A drum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Drum {
     Kick,
@@ -92,7 +91,7 @@ enum Drum {
     Tom,
 }
 
-/// How tones sound: amplitudes of their partials.
+/// The timbre of tones, by the amplitudes of their partials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Voice {
     Soft,
@@ -110,7 +109,7 @@ impl Voice {
     }
 }
 
-/// What a part is for.
+/// The role of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
     Plain,
@@ -120,7 +119,7 @@ pub(crate) enum Kind {
     Pause,
     /// Becomes louder from bar to bar.
     Crescendo,
-    /// Begins with a drop if a build or a pause came before.
+    /// Begins with a drop if a build or a pause precedes it.
     Drop,
 }
 
@@ -129,7 +128,7 @@ pub(crate) enum Kind {
 pub(crate) struct Part {
     pub letter: char,
     pub bars: usize,
-    /// Roots in semitones above the tonic, and whether their third is minor; one a bar, round and round.
+    /// The chords, one per bar, repeating: the root in semitones above the tonic, and true for a minor third.
     pub chords: Vec<(u8, bool)>,
     pub drums: bool,
     pub bass: bool,
@@ -139,13 +138,13 @@ pub(crate) struct Part {
     pub kind: Kind,
 }
 
-/// A song to be played.
+/// A song to synthesize.
 #[derive(Clone, Debug)]
 pub(crate) struct Song {
     pub style: Style,
     /// Beats per minute at the start and at the end.
     pub tempo: (f64, f64),
-    /// Where the second eighth of a beat stands.
+    /// The position of the second eighth in its beat.
     pub swing: f64,
     pub key: Tonality,
     /// Cents above a' = 440 Hz.
@@ -154,12 +153,12 @@ pub(crate) struct Song {
     pub seed: u32,
 }
 
-/// What is true of a song.
+/// The ground truth of a song.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Truth {
     pub beats: Vec<f64>,
     pub downbeats: Vec<f64>,
-    /// Where a part becomes another.
+    /// The borders between parts.
     pub borders: Vec<f64>,
     pub letters: Vec<(f64, f64, char)>,
     pub drops: Vec<f64>,
@@ -227,8 +226,7 @@ pub(crate) fn club(mode: Mode) -> Vec<Part> {
     vec![intro, build.clone(), drop.clone(), rest, build, drop, outro]
 }
 
-/// The same kind of song, whose first build has kicks and basses, and whose second drop comes out of a break that ends
-/// with silence.
+/// A club song whose first build has kicks and bass, and whose second drop follows a break that ends with silence.
 pub(crate) fn breaks(mode: Mode) -> Vec<Part> {
     let club = club(mode);
     let [intro, build, drop, rest, ..] = club.as_slice() else { return club };
@@ -239,18 +237,18 @@ pub(crate) fn breaks(mode: Mode) -> Vec<Part> {
     vec![intro.clone(), build, drop.clone(), rest, drop.clone(), drop, intro]
 }
 
-/// Ballads that do at some place what music with drops does.
+/// Ballads with one property of music with drops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Swell {
-    /// Drums that come and go, and no more.
+    /// Only drums that come and go.
     None,
     /// Each verse becomes louder up to the chorus.
     Crescendo,
-    /// Drums and bass set in with the second verse.
+    /// Drums and bass enter with the second verse.
     LateBand,
-    /// A bar of silence comes before the last chorus.
+    /// A bar of silence precedes the last chorus.
     Pause,
-    /// The same, and the drums and the bass are silent in all of the bridge before it.
+    /// A bar of silence precedes the last chorus, after a bridge without drums and bass.
     BarePause,
 }
 
@@ -353,7 +351,7 @@ impl Synthesizer {
         }
     }
 
-    /// Noise that rises from nothing.
+    /// Noise with a rising level.
     fn riser(&mut self, from: f64, to: f64, loud: f64) {
         let start = (from * self.rate) as usize;
         let count = ((to - from) * self.rate) as usize;
@@ -412,7 +410,7 @@ impl Song {
         (bars * self.style.meter().beats()) as f64
     }
 
-    /// When a beat comes: the tempo runs evenly over the beats. Half a second of silence comes first.
+    /// Returns the time of a beat. The tempo changes evenly over the beats, after half a second of silence.
     fn time(&self, beat: f64) -> f64 {
         let (from, to) = self.tempo;
         let rise = (to - from) / self.beats();
@@ -420,7 +418,7 @@ impl Song {
         0.5 + 60.0 * spent
     }
 
-    /// The song at `rate` frames per second.
+    /// Synthesizes the song at `rate` sample frames per second.
     pub(crate) fn play(&self, rate: u32) -> (Vec<StereoFrame>, Truth) {
         let mut synthesizer = Synthesizer::new(rate, self.time(self.beats()) + 1.0, self.seed);
         let mut truth = Truth::default();
@@ -475,7 +473,7 @@ impl Song {
             }
         }
         if part.kind == Kind::Build {
-            // Claps come ever closer: quarters, eighths, sixteenths; the last beat is a pause.
+            // Claps become faster: quarters, eighths, sixteenths. The last beat is a pause.
             let per_beat = [1, 1, 2, 4][(of_part * 4 / part.bars).min(3)];
             let strokes = per_bar * per_beat - if last { per_beat } else { 0 };
             for n in 0..strokes {
@@ -490,7 +488,7 @@ impl Song {
         let third = if minor { 3.0 } else { 4.0 };
         let chord = [0.0, third, 7.0].map(|tone| {
             let pitch = tonic + f64::from(root) + tone;
-            // Within an octave and a half.
+            // Keep the chord within an octave and a half.
             if pitch > 66.0 { pitch - 12.0 } else { pitch }
         });
         let loud = 0.12 * swell * part.loud;
@@ -522,14 +520,14 @@ impl Song {
     }
 }
 
-/// The structure of these frames.
+/// Returns the structure of these samples.
 pub(crate) fn structure(rate: u32, frames: &[StereoFrame]) -> SongStructure {
     let mut listener = SongListener::new(rate);
     listener.push(frames);
     listener.finish()
 }
 
-/// The beats that are told of these frames as live input, in seconds, and which beat of its bar each is told to be.
+/// Returns the beats of these samples as live input, in seconds, with the number of each beat in its bar.
 pub(crate) fn beats_heard(rate: u32, frames: &[StereoFrame]) -> Vec<(f64, f32)> {
     let mut beats = Vec::new();
     let mut before = (0.0, Features::SILENCE);
@@ -545,8 +543,8 @@ pub(crate) fn beats_heard(rate: u32, frames: &[StereoFrame]) -> Vec<(f64, f32)> 
     beats
 }
 
-/// Of beats as [`beats_heard`] tells them: the share of which their place in the bar is told, and the share of the bars
-/// told that begin where one does.
+/// Returns the fraction of beats with a known bar position, and the fraction of bars that start at a true downbeat. The
+/// beats are from [`beats_heard`].
 pub(crate) fn bars_heard(beats: &[(f64, f32)], truth: &Truth) -> [f64; 2] {
     let reported = beats.iter().filter(|(_, beat)| *beat > 0.0).count();
     let firsts: Vec<f64> = beats.iter().filter(|(_, beat)| *beat == 1.0).map(|(time, _)| *time).collect();
@@ -555,7 +553,7 @@ pub(crate) fn bars_heard(beats: &[(f64, f32)], truth: &Truth) -> [f64; 2] {
     [reported as f64 / beats.len().max(1) as f64, right as f64 / firsts.len().max(1) as f64]
 }
 
-/// The F-measure of times, each matched with one that is true within a tolerance in seconds.
+/// Returns the F-measure of times, each matched with a true time within a tolerance in seconds.
 pub(crate) fn f_measure(found: &[f64], truth: &[f64], tolerance: f64) -> f64 {
     let (mut hits, mut next) = (0, 0);
     for time in truth {
@@ -570,12 +568,12 @@ pub(crate) fn f_measure(found: &[f64], truth: &[f64], tolerance: f64) -> f64 {
     2.0 * f64::from(hits) / (found.len() + truth.len()).max(1) as f64
 }
 
-/// Beginnings of sections but the first.
+/// Returns the starts of all sections except the first.
 pub(crate) fn borders(structure: &SongStructure) -> Vec<f64> {
     structure.sections.iter().skip(1).map(|section| section.start).collect()
 }
 
-/// The pairwise F-measure of labels, looked at twice a second (Levy and Sandler 2008).
+/// Returns the pairwise F-measure of labels, sampled twice a second (Levy and Sandler 2008).
 pub(crate) fn labels(structure: &SongStructure, truth: &Truth) -> f64 {
     let (mut both, mut ours, mut theirs) = (0_u32, 0_u32, 0_u32);
     let letters: Vec<(Option<&str>, Option<char>)> = (0..(structure.seconds * 2.0) as u32)
